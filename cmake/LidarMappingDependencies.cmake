@@ -1,0 +1,49 @@
+# All third-party packages, so that each has one place. The core needs no ROS: without catkin the
+# nodes and the tools that read bags are left out.
+find_package(catkin QUIET COMPONENTS diagnostic_updater geometry_msgs message_generation nav_msgs
+             rosbag roscpp sensor_msgs std_msgs tf2 tf2_eigen tf2_msgs tf2_ros visualization_msgs)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(Ceres REQUIRED)
+find_package(PCL REQUIRED COMPONENTS common kdtree search filters sample_consensus features registration io)
+find_package(GeographicLib REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(Threads REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(Boost REQUIRED COMPONENTS iostreams)
+
+# Third-party headers as system headers: this package's warnings are for its own code.
+function(lidar_mapping_import name)
+  cmake_parse_arguments(ARG "" "" "INCLUDES;LIBRARIES" ${ARGN})
+  add_library(${name} INTERFACE IMPORTED)
+  target_include_directories(${name} SYSTEM INTERFACE ${ARG_INCLUDES})
+  target_link_libraries(${name} INTERFACE ${ARG_LIBRARIES})
+endfunction()
+
+set(pcl_core_libraries ${PCL_COMMON_LIBRARIES} ${PCL_KDTREE_LIBRARIES} ${PCL_SEARCH_LIBRARIES}
+    ${PCL_OCTREE_LIBRARIES} ${PCL_FILTERS_LIBRARIES} ${PCL_SAMPLE_CONSENSUS_LIBRARIES}
+    ${PCL_FEATURES_LIBRARIES})
+lidar_mapping_import(lidar_mapping_pcl INCLUDES ${PCL_INCLUDE_DIRS} LIBRARIES ${pcl_core_libraries})
+lidar_mapping_import(lidar_mapping_pcl_registration INCLUDES ${PCL_INCLUDE_DIRS}
+                     LIBRARIES ${pcl_core_libraries} ${PCL_REGISTRATION_LIBRARIES})
+lidar_mapping_import(lidar_mapping_pcl_io INCLUDES ${PCL_INCLUDE_DIRS}
+                     LIBRARIES ${pcl_core_libraries} ${PCL_IO_LIBRARIES})
+lidar_mapping_import(lidar_mapping_geographiclib INCLUDES ${GeographicLib_INCLUDE_DIRS}
+                     LIBRARIES ${GeographicLib_LIBRARIES})
+if(catkin_FOUND)
+  lidar_mapping_import(lidar_mapping_catkin INCLUDES ${catkin_INCLUDE_DIRS}
+                       LIBRARIES ${catkin_LIBRARIES})
+endif()
+
+if(catkin_FOUND)
+  set(LIDAR_MAPPING_TESTING ${CATKIN_ENABLE_TESTING})
+else()
+  include(CTest)
+  set(LIDAR_MAPPING_TESTING ${BUILD_TESTING})
+endif()
+if(LIDAR_MAPPING_TESTING)
+  find_package(GTest REQUIRED)
+endif()

@@ -1,0 +1,60 @@
+# One library per stage, so that the linker holds the layering too.
+add_library(lidar_mapping_warnings INTERFACE)
+target_compile_options(lidar_mapping_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  $<$<BOOL:${LIDAR_MAPPING_WERROR}>:-Werror>)
+
+set(LIDAR_MAPPING_LIBRARIES
+    lidar_mapping_common lidar_mapping_config lidar_mapping_preprocessing
+    lidar_mapping_registration lidar_mapping_front_end lidar_mapping_loop_closing
+    lidar_mapping_back_end lidar_mapping_map lidar_mapping_session lidar_mapping_evaluation
+    lidar_mapping_simulation lidar_mapping_pipeline lidar_mapping_ros)
+
+# lidar_mapping_stage(NAME SOURCES a.cpp ... USES common ... [PUBLIC libs] [PRIVATE libs])
+function(lidar_mapping_stage name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;USES;PUBLIC;PRIVATE" ${ARGN})
+  set(target lidar_mapping_${name})
+  add_library(${target} ${ARG_SOURCES})
+  list(TRANSFORM ARG_USES PREPEND lidar_mapping_)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(${target} PUBLIC ${ARG_USES} ${ARG_PUBLIC}
+                        PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:lidar_mapping_warnings>)
+  # Equal bits on machines with and without fused multiply-add.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  if(catkin_FOUND)
+    install(TARGETS ${target} ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+            LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+            RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
+  endif()
+endfunction()
+
+# lidar_mapping_executable(NAME SOURCES a.cpp ... LIBRARIES libs): a node or a command
+function(lidar_mapping_executable name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} lidar_mapping_warnings)
+  if(catkin_FOUND)
+    add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+    set_target_properties(${name} PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+    install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  endif()
+endfunction()
+
+# lidar_mapping_test(NAME SOURCES a.cpp ... LIBRARIES libs): one GTest program
+function(lidar_mapping_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(main ${PROJECT_SOURCE_DIR}/test/support/gtest_main.cpp)
+  if(catkin_FOUND)
+    catkin_add_gtest(${name} ${ARG_SOURCES} ${main} TIMEOUT 300
+                     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
+    add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+    target_link_libraries(${name} ${ARG_LIBRARIES} lidar_mapping_warnings)
+  else()
+    add_executable(${name} ${ARG_SOURCES} ${main})
+    target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} GTest::gtest lidar_mapping_warnings)
+    add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
+  endif()
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support)
+endfunction()

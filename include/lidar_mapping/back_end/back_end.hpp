@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/back_end/pose_graph.hpp"
+#include "lidar_mapping/common/floor.hpp"
+#include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/loop.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// What an optimisation did; the answer of /optimize_map.
+struct OptimizationReport {
+  bool success = false;
+  std::string message;
+  std::size_t key_frames = 0;
+  std::size_t loops_used = 0;
+  std::size_t loops_refused = 0;
+  std::size_t gnss_used = 0;
+  std::size_t gnss_refused = 0;
+  double cost_before = 0.0;
+  double cost_after = 0.0;
+  double seconds = 0.0;  ///< filled in by who calls solve(); the core owns no clock
+};
+
+/// Everything that solve() needs, as a value: a worker thread solves it while sensor data go on.
+struct OptimizationProblem;
+/// What solve() found.
+struct OptimizationSolution;
+
+/// Builds the pose graph of a drive and keeps its poses. Constraints come from odometry, loops,
+/// GNSS, IMU and floor; each can be switched off. The graph is solved outside of this object:
+///
+///   auto solution = solve(back_end.problem());   // long, in a worker thread
+///   KeyFramePoses moved = back_end.apply(solution);
+///
+/// What arrived between the two calls is kept and moved along. One thread at a time calls it.
+class BackEnd {
+ public:
+  explicit BackEnd(const BackEndConfig& config);
+  ~BackEnd();
+
+  /// Indices must increase; throws InputError otherwise. Its pose follows odometry from the newest
+  /// optimised pose.
+  void add_key_frame(const KeyFrame& key_frame);
+  /// False (and nothing is changed) if an index is unknown or both are the same.
+  bool add_loop(const Loop& loop);
+  /// Measurements at the stamp of a key frame, before or after the key frame itself; others are
+  /// kept for a while and then forgotten.
+  void add_gnss(const GnssPosition& position);
+  void add_imu(const ImuSample& sample_base);
+  void add_floor(const Floor& floor);
+
+  /// True when one of the optimise steps of the configuration is reached.
+  bool optimization_due() const;
+  std::shared_ptr<const OptimizationProblem> problem() const;
+  /// Takes the solution in and returns all poses with a new revision.
+  KeyFramePoses apply(const OptimizationSolution& solution);
+
+  KeyFramePoses poses() const;
+  /// The correction between odometry and map: T_map_odom of the newest key frame.
+  Pose T_map_odom() const;
+  /// All loops with the graph's present opinion of them.
+  std::vector<std::pair<Loop, bool>> loops() const;
+  /// The graph with its present poses, for files.
+  PoseGraph graph() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Solves the graph; see doc/back_end.md. Never throws for what the data did: see the report.
+std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& problem);
+const OptimizationReport& report_of(const OptimizationSolution& solution);
+
+}  // namespace lidar_mapping::back_end

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping {
+
+/// The floor below the vehicle: normal . p + offset = 0 for p in base_link, normal upward.
+struct Floor {
+  Stamp stamp = 0;
+  bool found = false;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double offset = 0.0;  ///< m
+  /// Of rotation about x, rotation about y (rad) and height (m).
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  int inliers = 0;
+};
+
+}  // namespace lidar_mapping

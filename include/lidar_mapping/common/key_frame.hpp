@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/common/point_cloud.hpp"
+
+namespace lidar_mapping {
+
+/// Number of a key frame; counts on over a whole run, also over restarts of the front end.
+using KeyFrameIndex = std::uint32_t;
+
+/// A scan that was chosen for the map. The front end alone makes and numbers key frames.
+struct KeyFrame {
+  KeyFrameIndex index = 0;
+  std::uint32_t segment = 0;  ///< no odometry constraint joins two segments
+  Stamp stamp = 0;
+  Pose T_odom_base;
+  /// Of the motion since the previous key frame.
+  Covariance6 motion_covariance = Covariance6::Identity();
+  std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link, unit length
+  PointCloudPtr cloud;  ///< in base_link, deskewed to the stamp; null where it is kept elsewhere
+};
+
+/// Pose of a key frame in the map.
+struct KeyFramePose {
+  KeyFrameIndex index = 0;
+  Stamp stamp = 0;
+  Pose T_map_base;
+};
+
+/// All poses (whole), or those that moved, ordered by index.
+struct KeyFramePoses {
+  std::uint32_t revision = 0;
+  bool whole = true;
+  std::vector<KeyFramePose> poses;
+};
+
+}  // namespace lidar_mapping

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/schema.hpp"
+
+namespace lidar_mapping::config {
+
+/// One line for a key that no field has; suggests the nearest known name.
+std::string unknown_key_problem(const std::string& key, const Value& value,
+                                const std::vector<FieldDescription>& known,
+                                const std::string& origin);
+/// One line for a value that its field refuses.
+std::string bad_value_problem(const FieldDescription& field, const Value& value,
+                              const std::string& problem, const std::string& origin);
+/// Joins problems to the text of one error, a line each.
+std::string joined(const std::vector<std::string>& problems);
+/// A commented YAML file, and a Markdown table, of fields with the given values.
+std::string yaml_document(const std::string& summary, const std::vector<FieldDescription>& fields,
+                          const std::vector<std::string>& values);
+std::string markdown_table(const std::vector<FieldDescription>& fields);
+
+template <typename Config>
+std::vector<FieldDescription> descriptions() {
+  std::vector<FieldDescription> result;
+  for (const auto& field : Config::schema().fields()) result.push_back(field.description);
+  return result;
+}
+
+/// The configuration that `sources` give, later ones over earlier ones, defaults elsewhere. Throws
+/// ConfigError with one line per unknown key, wrong type, value out of range and failed check.
+template <typename Config>
+Config load(const std::vector<Source>& sources) {
+  const Schema<Config>& schema = Config::schema();
+  Config config;
+  std::vector<std::string> problems;
+  for (const Source& source : sources) {
+    for (const auto& [key, value] : flattened(source.values)) {
+      const typename Schema<Config>::Field* known = nullptr;
+      for (const auto& field : schema.fields()) {
+        if (field.description.name == key) known = &field;
+      }
+      if (known == nullptr) {
+        problems.push_back(
+            unknown_key_problem(key, value, descriptions<Config>(), source.origin));
+        continue;
+      }
+      const std::string problem = known->read(config, value);
+      if (!problem.empty()) {
+        problems.push_back(bad_value_problem(known->description, value, problem, source.origin));
+      }
+    }
+  }
+  for (const auto& check : schema.checks()) {
+    const std::string problem = check(config);
+    if (!problem.empty()) problems.push_back(schema.stage() + ": " + problem);
+  }
+  if (!problems.empty()) throw ConfigError(joined(problems));
+  return config;
+}
+
+/// The configuration in a YAML file.
+template <typename Config>
+Config load_file(const std::string& path) {
+  return load<Config>({read_yaml_file(path)});
+}
+
+/// All fields as they are in force, as a commented YAML document.
+template <typename Config>
+std::string to_yaml(const Config& config) {
+  std::vector<std::string> values;
+  for (const auto& field : Config::schema().fields()) values.push_back(field.print(config));
+  return yaml_document(Config::schema().summary(), descriptions<Config>(), values);
+}
+
+/// The README's table of all fields.
+template <typename Config>
+std::string to_markdown() {
+  return markdown_table(descriptions<Config>());
+}
+
+}  // namespace lidar_mapping::config

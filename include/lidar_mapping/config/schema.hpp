@@ -1,0 +1,153 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lidar_mapping/config/value.hpp"
+
+namespace lidar_mapping::config {
+
+/// Allowed values of a number, both ends included.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+/// What a person has to know about one field.
+struct FieldDescription {
+  std::string name;           ///< '/' separates groups
+  std::string default_value;  ///< as written in a YAML file
+  std::string allowed;        ///< type and range or choices, in words
+  std::string unit;           ///< empty if there is none
+  std::string meaning;        ///< one sentence
+};
+
+// Conversions of a value to a field's type; they return what is wrong, or an empty text.
+std::string read_value(const Value& value, const Range& range, double& field);
+std::string read_value(const Value& value, const Range& range, int& field);
+std::string read_value(const Value& value, bool& field);
+std::string read_value(const Value& value, std::string& field);
+std::string read_value(const Value& value, std::size_t size, std::vector<double>& field);
+std::string print_value(double field);
+std::string print_value(int field);
+std::string print_value(bool field);
+std::string print_value(const std::string& field);
+std::string print_value(const std::vector<double>& field);
+std::string describe(const char* type, const Range& range);
+std::string describe_choices(const std::vector<std::string>& choices);
+
+/// The one description of a configuration struct: loading, checking, printing, the default file in
+/// config/ and the README's table all follow from it. Defaults are those of a default-constructed
+/// `Config`. A configuration struct offers it as `static const Schema<Config>& schema()`.
+template <typename Config>
+class Schema {
+ public:
+  /// `stage` names the file config/<stage>.yaml; `summary` is its heading.
+  Schema(std::string stage, std::string summary)
+      : stage_(std::move(stage)), summary_(std::move(summary)) {}
+
+  Schema& real(const std::string& name, double Config::*field, Range range,
+               const std::string& unit, const std::string& meaning) {
+    return add({name, print_value(Config{}.*field), describe("real number", range), unit, meaning},
+               [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
+               [=](const Config& c) { return print_value(c.*field); });
+  }
+  Schema& integer(const std::string& name, int Config::*field, Range range,
+                  const std::string& unit, const std::string& meaning) {
+    return add({name, print_value(Config{}.*field), describe("integer", range), unit, meaning},
+               [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
+               [=](const Config& c) { return print_value(c.*field); });
+  }
+  Schema& boolean(const std::string& name, bool Config::*field, const std::string& meaning) {
+    return add({name, print_value(Config{}.*field), "true or false", "", meaning},
+               [=](Config& c, const Value& v) { return read_value(v, c.*field); },
+               [=](const Config& c) { return print_value(c.*field); });
+  }
+  Schema& text(const std::string& name, std::string Config::*field, const std::string& meaning) {
+    return add({name, print_value(Config{}.*field), "text", "", meaning},
+               [=](Config& c, const Value& v) { return read_value(v, c.*field); },
+               [=](const Config& c) { return print_value(c.*field); });
+  }
+  /// A list of exactly `size` numbers.
+  Schema& reals(const std::string& name, std::vector<double> Config::*field, std::size_t size,
+                const std::string& unit, const std::string& meaning) {
+    return add({name, print_value(Config{}.*field), "list of " + std::to_string(size) + " numbers",
+                unit, meaning},
+               [=](Config& c, const Value& v) { return read_value(v, size, c.*field); },
+               [=](const Config& c) { return print_value(c.*field); });
+  }
+  /// One of several words, each standing for a value of an enumeration.
+  template <typename Enum>
+  Schema& choice(const std::string& name, Enum Config::*field,
+                 const std::vector<std::pair<std::string, Enum>>& choices,
+                 const std::string& meaning) {
+    std::vector<std::string> names;
+    for (const auto& entry : choices) names.push_back(entry.first);
+    const auto print = [=](const Config& c) {
+      for (const auto& entry : choices) {
+        if (entry.second == c.*field) return entry.first;
+      }
+      return std::string();
+    };
+    const auto read = [=](Config& c, const Value& v) {
+      std::string word;
+      const std::string problem = read_value(v, word);
+      if (!problem.empty()) return problem;
+      for (const auto& entry : choices) {
+        if (entry.first != word) continue;
+        c.*field = entry.second;
+        return std::string();
+      }
+      return std::string("is none of the choices");
+    };
+    return add({name, print(Config{}), describe_choices(names), "", meaning}, read, print);
+  }
+  /// All fields of a part, under `prefix` ("" or "group/").
+  template <typename Part>
+  Schema& include(Part Config::*part, const Schema<Part>& schema, const std::string& prefix = "") {
+    for (const auto& entry : schema.fields()) {
+      FieldDescription description = entry.description;
+      description.name = prefix + description.name;
+      description.default_value = entry.print(Config{}.*part);
+      add(std::move(description),
+          [=, read = entry.read](Config& c, const Value& v) { return read(c.*part, v); },
+          [=, print = entry.print](const Config& c) { return print(c.*part); });
+    }
+    for (const auto& check : schema.checks()) {
+      checks_.push_back([=](const Config& c) { return check(c.*part); });
+    }
+    return *this;
+  }
+  /// A condition between fields: returns what is wrong and how to mend it, or an empty text.
+  Schema& check(std::function<std::string(const Config&)> condition) {
+    checks_.push_back(std::move(condition));
+    return *this;
+  }
+
+  struct Field {
+    FieldDescription description;
+    std::function<std::string(Config&, const Value&)> read;
+    std::function<std::string(const Config&)> print;
+  };
+  const std::string& stage() const { return stage_; }
+  const std::string& summary() const { return summary_; }
+  const std::vector<Field>& fields() const { return fields_; }
+  const std::vector<std::function<std::string(const Config&)>>& checks() const { return checks_; }
+
+ private:
+  Schema& add(FieldDescription description, std::function<std::string(Config&, const Value&)> read,
+              std::function<std::string(const Config&)> print) {
+    fields_.push_back({std::move(description), std::move(read), std::move(print)});
+    return *this;
+  }
+
+  std::string stage_;
+  std::string summary_;
+  std::vector<Field> fields_;
+  std::vector<std::function<std::string(const Config&)>> checks_;
+};
+
+}  // namespace lidar_mapping::config

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/loop.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/loop_closing/loop_closing_config.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+struct LoopClosingResult {
+  std::vector<Loop> loops;            ///< accepted ones
+  std::vector<LoopVerdict> verdicts;  ///< of every candidate, accepted or not
+};
+
+/// Finds key frames that see a place again: candidates from the optimised positions, from GNSS and
+/// from appearance, each verified by matching the key frame against a submap
+/// (doc/loop_closing.md). It alone decides whether two key frames see the same place; whether the
+/// graph believes it is the back end's business. One thread calls it; clouds come from the source.
+class LoopCloser {
+ public:
+  /// `clouds` must outlive this object.
+  LoopCloser(const LoopClosingConfig& config, CloudSource& clouds);
+  ~LoopCloser();
+
+  /// The newest poses from the back end. They replace what odometry said of these key frames.
+  void update_poses(const KeyFramePoses& poses);
+  /// A position at the stamp of a key frame (before or after the key frame itself).
+  void add_gnss(const GnssPosition& position);
+  /// Takes a key frame in (indices increase) and searches for a loop when it is due.
+  LoopClosingResult process(const KeyFrame& key_frame);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidar_mapping::loop_closing

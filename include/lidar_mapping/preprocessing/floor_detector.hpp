@@ -1,0 +1,21 @@
+#pragma once
+
+#include "lidar_mapping/common/floor.hpp"
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/preprocessing/floor_detection_config.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// Finds the floor below the vehicle: height clip, normal filter, RANSAC plane, refinement
+/// (the method of hdl_graph_slam, Koide et al. 2019). No floor is no error: Floor::found.
+class FloorDetector {
+ public:
+  explicit FloorDetector(const FloorDetectionConfig& config);
+
+  Floor process(const Scan& scan) const;
+
+ private:
+  FloorDetectionConfig config_;
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// A scan as the sensor gave it: points in the sensor's frame, times (if any) relative to `stamp`.
+struct RawScan {
+  Stamp stamp = 0;
+  std::string frame_id;
+  PointCloud cloud;
+};
+
+/// A scan in base_link and what the other sensors measured at its stamp. No value where a sensor is
+/// absent or has a gap there: nothing is extrapolated.
+struct SyncedScan {
+  Scan scan;
+  std::optional<ImuSample> imu;            ///< in the axes of base_link
+  std::optional<VelocitySample> velocity;  ///< of base_link
+  std::optional<GnssPosition> gnss;
+};
+
+/// What was dropped, and why, since the start.
+struct PreprocessingCounters {
+  std::size_t scans_in = 0;
+  std::size_t scans_out = 0;
+  std::size_t scans_without_extrinsic = 0;  ///< no transform from the scan's frame to base_link
+  std::size_t scans_without_points = 0;     ///< empty after filtering
+  std::size_t scans_out_of_order = 0;
+  std::size_t scans_waiting_too_long = 0;   ///< pushed out of the full queue
+  std::size_t points_not_finite = 0;
+  std::size_t samples_refused = 0;          ///< not finite, duplicate or out of order
+  std::size_t gnss_refused = 0;             ///< no fix, implausible position, gated
+  std::size_t resets = 0;                   ///< time went back beyond the buffers
+};
+
+/// Brings scans and the samples of the other sensors together: waits until each sensor in use has a
+/// sample after the scan (or its latency has passed, in data time), interpolates at the scan's
+/// stamp, deskews, filters and moves the points to base_link. It owns no clock: time is what the
+/// data say. One thread calls it.
+class Preprocessor {
+ public:
+  /// T_base_frame of a sensor's frame, or nothing while it is not known.
+  using ExtrinsicLookup = std::function<std::optional<Pose>(const std::string& frame_id)>;
+
+  /// Throws ConfigError for a configuration that contradicts itself.
+  Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup);
+  ~Preprocessor();
+
+  /// Samples of the other sensors, in the axes of `frame_id`. Bad ones are counted and dropped.
+  void add_imu(const ImuSample& sample, const std::string& frame_id);
+  void add_velocity(const VelocitySample& sample, const std::string& frame_id);
+  void add_gnss(const GnssFix& fix, const std::string& frame_id);
+
+  /// Queues a scan and returns the scans that are complete now, in order of their stamps.
+  std::vector<SyncedScan> process(RawScan scan);
+  /// The scans that have become complete through samples added since.
+  std::vector<SyncedScan> take_complete();
+  /// The waiting scans as they are: for the end of the data.
+  std::vector<SyncedScan> flush();
+
+  /// Origin of the East-North-Up frame, once there was a good fix.
+  std::optional<GeodeticDatum> datum() const;
+  const PreprocessingCounters& counters() const;
+  /// Sentences about what was found or went wrong since the last call, each said once.
+  std::vector<std::string> take_notices();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,48 @@
+#include "lidar_mapping/common/loop.hpp"
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping {
+
+const char* to_string(LoopSource source) {
+  switch (source) {
+    case LoopSource::kPosition:
+      return "position";
+    case LoopSource::kGnss:
+      return "gnss";
+    case LoopSource::kAppearance:
+      return "appearance";
+    case LoopSource::kManual:
+      return "manual";
+  }
+  return "";
+}
+
+LoopSource loop_source_from(const std::string& name) {
+  for (const LoopSource source : {LoopSource::kPosition, LoopSource::kGnss,
+                                  LoopSource::kAppearance, LoopSource::kManual}) {
+    if (name == to_string(source)) return source;
+  }
+  throw InputError("loop source '" + name + "' is not position, gnss, appearance or manual");
+}
+
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kAccepted:
+      return "accepted";
+    case Verdict::kRefused:
+      return "refused";
+    case Verdict::kUndecided:
+      return "undecided";
+  }
+  return "";
+}
+
+Verdict verdict_from(const std::string& name) {
+  for (const Verdict verdict : {Verdict::kAccepted, Verdict::kRefused, Verdict::kUndecided}) {
+    if (name == to_string(verdict)) return verdict;
+  }
+  throw InputError("verdict '" + name + "' is not accepted, refused or undecided");
+}
+
+}  // namespace lidar_mapping

@@ -1,0 +1,24 @@
+#include "lidar_mapping/common/parallel.hpp"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace lidar_mapping {
+
+void parallel_chunks(std::size_t count, std::size_t grain, int threads,
+                     const std::function<void(std::size_t, std::size_t)>& body) {
+  const std::size_t chunks = (count + grain - 1) / grain;
+  const auto run_chunk = [&](std::size_t chunk) {
+    body(chunk * grain, std::min(count, (chunk + 1) * grain));
+  };
+  if (threads == 1 || chunks <= 1) {
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
+    return;
+  }
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });
+}
+
+}  // namespace lidar_mapping

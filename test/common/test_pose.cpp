@@ -1,0 +1,114 @@
+#include "lidar_mapping/common/pose.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/covariance.hpp"
+
+namespace lidar_mapping {
+namespace {
+
+class RandomPoses : public testing::Test {
+ protected:
+  Vector6d random_vector(double scale) {
+    Vector6d v;
+    for (int i = 0; i < 6; ++i) v[i] = scale * uniform_(engine_);
+    return v;
+  }
+  Pose random_pose() { return perturbed(Pose::Identity(), random_vector(3.0)); }
+
+  std::mt19937 engine_{7};
+  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
+};
+
+double distance(const Pose& a, const Pose& b) { return difference(a, b).norm(); }
+
+TEST_F(RandomPoses, InverseUndoes) {
+  for (int i = 0; i < 100; ++i) {
+    const Pose T = random_pose();
+    EXPECT_LT(distance(T * T.inverse(), Pose::Identity()), 1e-12);
+  }
+}
+
+TEST_F(RandomPoses, DifferenceInvertsPerturbed) {
+  for (int i = 0; i < 100; ++i) {
+    const Pose T = random_pose();
+    const Vector6d d = random_vector(1.0);
+    EXPECT_LT((difference(T, perturbed(T, d)) - d).norm(), 1e-12);
+  }
+}
+
+TEST_F(RandomPoses, MatrixComesBack) {
+  for (int i = 0; i < 100; ++i) {
+    const Pose T = random_pose();
+    EXPECT_LT(distance(Pose::from_matrix(T.matrix()), T), 1e-12);
+  }
+}
+
+TEST_F(RandomPoses, LongChainsStayRotations) {
+  Pose T;
+  const Pose step = perturbed(Pose::Identity(), random_vector(0.01));
+  for (int i = 0; i < 100000; ++i) T = T * step;
+  EXPECT_NEAR(T.rotation_matrix().determinant(), 1.0, 1e-9);
+}
+
+TEST_F(RandomPoses, AngleIgnoresTheSignOfTheQuaternion) {
+  for (double angle = 0.0; angle < M_PI; angle += 0.1) {
+    Eigen::Quaterniond q = exp_so3(angle * Eigen::Vector3d::UnitZ());
+    EXPECT_NEAR(rotation_angle(q), angle, 1e-12);
+    q.coeffs() *= -1.0;
+    EXPECT_NEAR(rotation_angle(q), angle, 1e-12);
+  }
+}
+
+TEST_F(RandomPoses, AdjointMovesAPerturbationToTheOtherSide) {
+  for (int i = 0; i < 100; ++i) {
+    const Pose T = random_pose();
+    const Vector6d d = random_vector(1e-6);
+    const Pose left = perturbed(Pose::Identity(), adjoint(T) * d) * T;
+    EXPECT_LT(distance(left, perturbed(T, d)), 1e-10);
+  }
+}
+
+TEST_F(RandomPoses, ComposedCovarianceMatchesScatter) {
+  const Pose T_a_b = random_pose();
+  const Pose T_b_c = random_pose();
+  const Covariance6 first = diagonal_covariance(0.01, 0.002);
+  const Covariance6 second = diagonal_covariance(0.02, 0.001);
+  std::normal_distribution<double> normal;
+  const auto draw = [&](double sigma_m, double sigma_rad) {
+    Vector6d d;
+    for (int i = 0; i < 6; ++i) d[i] = normal(engine_) * (i < 3 ? sigma_m : sigma_rad);
+    return d;
+  };
+  Covariance6 scatter = Covariance6::Zero();
+  const int runs = 20000;
+  for (int i = 0; i < runs; ++i) {
+    const Pose noisy = perturbed(T_a_b, draw(0.01, 0.002)) * perturbed(T_b_c, draw(0.02, 0.001));
+    const Vector6d d = difference(T_a_b * T_b_c, noisy);
+    scatter += d * d.transpose() / runs;
+  }
+  const Covariance6 predicted = compose_covariance(first, T_b_c, second);
+  EXPECT_LT((scatter - predicted).norm() / predicted.norm(), 0.05);
+}
+
+TEST(Covariance, ParentAxesAndBack) {
+  const Pose T{exp_so3({0.1, 0.2, 1.5}), {1.0, 2.0, 3.0}};
+  Covariance6 covariance = diagonal_covariance(0.1, 0.01);
+  covariance(0, 0) = 4.0;
+  EXPECT_LT((in_child_axes(in_parent_axes(covariance, T), T) - covariance).norm(), 1e-12);
+}
+
+TEST(Covariance, RefusesWhatIsNone) {
+  Covariance6 covariance = diagonal_covariance(0.1, 0.01);
+  EXPECT_TRUE(is_valid_covariance(covariance));
+  covariance(0, 0) = -1.0;
+  EXPECT_FALSE(is_valid_covariance(covariance));
+  covariance(0, 0) = std::nan("");
+  EXPECT_FALSE(is_valid_covariance(covariance));
+}
+
+}  // namespace
+}  // namespace lidar_mapping

@@ -1,0 +1,135 @@
+#include "lidar_mapping/config/load.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace lidar_mapping::config {
+namespace {
+
+enum class Method { kNdt, kIcp };
+
+struct Part {
+  double size = 0.5;
+  static const Schema<Part>& schema() {
+    static const auto schema = Schema<Part>("part", "A part").real(
+        "size", &Part::size, {0.1, 2.0}, "m", "Edge of a voxel.");
+    return schema;
+  }
+};
+
+struct Sample {
+  double distance = 2.0;
+  int count = 20;
+  bool enabled = true;
+  std::string topic = "points";
+  std::vector<double> box = {0.0, 1.0};
+  Method method = Method::kNdt;
+  Part part;
+  static const Schema<Sample>& schema() {
+    static const auto schema =
+        Schema<Sample>("sample", "A sample")
+            .real("key_frame_distance", &Sample::distance, {0.1, 100.0}, "m", "Distance.")
+            .integer("local_frame_num", &Sample::count, {1, 1000}, "key frames", "Window.")
+            .boolean("use_gnss", &Sample::enabled, "Switch.")
+            .text("topic", &Sample::topic, "Topic.")
+            .reals("box", &Sample::box, 2, "m", "Box.")
+            .choice("method", &Sample::method, {{"NDT", Method::kNdt}, {"ICP", Method::kIcp}},
+                    "Method.")
+            .include(&Sample::part, Part::schema(), "filter/")
+            .check([](const Sample& s) {
+              return s.box[0] < s.box[1] ? "" : std::string("box must grow; swap its numbers");
+            });
+    return schema;
+  }
+};
+
+Sample load_text(const std::string& text) { return load<Sample>({parse_yaml(text, "a.yaml")}); }
+
+std::string problem_of(const std::string& text) {
+  try {
+    load_text(text);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Load, KeepsDefaultsForMissingKeys) {
+  const Sample sample = load_text("local_frame_num: 7\n");
+  EXPECT_EQ(sample.count, 7);
+  EXPECT_EQ(sample.distance, 2.0);
+}
+
+TEST(Load, ReadsEveryType) {
+  const Sample sample = load_text(
+      "key_frame_distance: 3\nlocal_frame_num: 5\nuse_gnss: false\ntopic: scan\nbox: [1, 2.5]\n"
+      "method: ICP\nfilter: {size: 0.25}\n");
+  EXPECT_EQ(sample.distance, 3.0);
+  EXPECT_EQ(sample.count, 5);
+  EXPECT_FALSE(sample.enabled);
+  EXPECT_EQ(sample.topic, "scan");
+  EXPECT_EQ(sample.box, (std::vector<double>{1.0, 2.5}));
+  EXPECT_EQ(sample.method, Method::kIcp);
+  EXPECT_EQ(sample.part.size, 0.25);
+}
+
+TEST(Load, LaterSourcesWin) {
+  const auto sample = load<Sample>({parse_yaml("local_frame_num: 5\ntopic: a\n", "base.yaml"),
+                                    parse_yaml("local_frame_num: 6\n", "sensor.yaml")});
+  EXPECT_EQ(sample.count, 6);
+  EXPECT_EQ(sample.topic, "a");
+}
+
+TEST(Load, NamesKeyValueRangeAndFile) {
+  EXPECT_EQ(problem_of("key_frame_distance: -1\n"),
+            "a.yaml: key_frame_distance: -1 is out of range; allowed: real number from 0.1 to 100 "
+            "(m)");
+}
+
+TEST(Load, SuggestsTheNearestKey) {
+  EXPECT_EQ(problem_of("key_frame_distence: 1\n"),
+            "a.yaml: unknown key 'key_frame_distence' (value 1); did you mean "
+            "'key_frame_distance'?");
+}
+
+TEST(Load, ReportsAllProblemsALineEach) {
+  const std::string problem = problem_of("local_frame_num: 1.5\nmethod: FOO\nbox: [2, 1]\nxyz: 1\n");
+  EXPECT_EQ(std::count(problem.begin(), problem.end(), '\n'), 3);
+  EXPECT_NE(problem.find("local_frame_num: 1.5 is not an integer"), std::string::npos);
+  EXPECT_NE(problem.find("method: FOO is none of the choices; allowed: NDT or ICP"),
+            std::string::npos);
+  EXPECT_NE(problem.find("box must grow"), std::string::npos);
+  EXPECT_NE(problem.find("unknown key 'xyz'"), std::string::npos);
+}
+
+TEST(Load, RefusesWrongTypes) {
+  EXPECT_NE(problem_of("use_gnss: 1\n"), "");
+  EXPECT_NE(problem_of("topic: 3\n"), "");
+  EXPECT_NE(problem_of("key_frame_distance: far\n"), "");
+  EXPECT_NE(problem_of("key_frame_distance: .nan\n"), "");
+  EXPECT_NE(problem_of("box: [1]\n"), "");
+}
+
+TEST(Print, YamlComesBackTheSame) {
+  Sample sample;
+  sample.distance = 12.0;
+  sample.method = Method::kIcp;
+  sample.part.size = 0.3;
+  const Sample again = load_text(to_yaml(sample));
+  EXPECT_EQ(again.distance, 12.0);
+  EXPECT_EQ(again.method, Method::kIcp);
+  EXPECT_EQ(again.part.size, 0.3);
+}
+
+TEST(Print, TableHasALinePerField) {
+  const std::string table = to_markdown<Sample>();
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2 + 7);
+}
+
+TEST(ReadYamlFile, SaysWhichFileIsMissing) {
+  EXPECT_THROW(read_yaml_file("/nonexistent.yaml"), FileError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::config
