@@ -19,8 +19,8 @@ const char* to_string(LoopSource source) {
 }
 
 LoopSource loop_source_from(const std::string& name) {
-  for (const LoopSource source : {LoopSource::kPosition, LoopSource::kGnss,
-                                  LoopSource::kAppearance, LoopSource::kManual}) {
+  for (const LoopSource source :
+       {LoopSource::kPosition, LoopSource::kGnss, LoopSource::kAppearance, LoopSource::kManual}) {
     if (name == to_string(source)) return source;
   }
   throw InputError("loop source '" + name + "' is not position, gnss, appearance or manual");

@@ -46,8 +46,7 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
 Eigen::Quaterniond exp_so3(const Eigen::Vector3d& rotation_vector) {
   const double angle = rotation_vector.norm();
   // sin(x/2)/x by its series where the quotient loses digits.
-  const double scale =
-      angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  const double scale = angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
   Eigen::Quaterniond q;
   q.w() = std::cos(0.5 * angle);
   q.vec() = scale * rotation_vector;

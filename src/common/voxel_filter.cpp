@@ -10,9 +10,7 @@ namespace {
 
 struct Cell {
   std::int64_t x, y, z;
-  bool operator==(const Cell& other) const {
-    return x == other.x && y == other.y && z == other.z;
-  }
+  bool operator==(const Cell& other) const { return x == other.x && y == other.y && z == other.z; }
 };
 
 struct CellHash {
@@ -63,8 +61,8 @@ PointCloud voxel_filtered(const PointCloud& cloud, double resolution) {
   for (const Sums& sums : voxels) {
     const double share = 1.0 / static_cast<double>(sums.count);
     const Eigen::Vector3f centroid = (sums.first + share * sums.offset).cast<float>();
-    result.points.push_back({centroid.x(), centroid.y(), centroid.z(),
-                             static_cast<float>(share * sums.intensity)});
+    result.points.push_back(
+        {centroid.x(), centroid.y(), centroid.z(), static_cast<float>(share * sums.intensity)});
     if (cloud.has_times()) result.times.push_back(static_cast<float>(share * sums.time));
   }
   return result;

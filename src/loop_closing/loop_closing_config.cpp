@@ -3,7 +3,8 @@
 namespace lidar_mapping::loop_closing {
 
 const config::Schema<LoopClosingConfig>& LoopClosingConfig::schema() {
-  static const auto schema = config::Schema<LoopClosingConfig>("loop_closing", "Parameters of loop_closing");
+  static const auto schema =
+      config::Schema<LoopClosingConfig>("loop_closing", "Parameters of loop_closing");
   return schema;
 }
 

@@ -3,7 +3,8 @@
 namespace lidar_mapping::preprocessing {
 
 const config::Schema<FloorDetectionConfig>& FloorDetectionConfig::schema() {
-  static const auto schema = config::Schema<FloorDetectionConfig>("floor_detection", "Parameters of floor_detection");
+  static const auto schema =
+      config::Schema<FloorDetectionConfig>("floor_detection", "Parameters of floor_detection");
   return schema;
 }
 

@@ -3,7 +3,8 @@
 namespace lidar_mapping::preprocessing {
 
 const config::Schema<PreprocessingConfig>& PreprocessingConfig::schema() {
-  static const auto schema = config::Schema<PreprocessingConfig>("preprocessing", "Parameters of preprocessing");
+  static const auto schema =
+      config::Schema<PreprocessingConfig>("preprocessing", "Parameters of preprocessing");
   return schema;
 }
 

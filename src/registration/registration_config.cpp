@@ -3,7 +3,8 @@
 namespace lidar_mapping::registration {
 
 const config::Schema<RegistrationConfig>& RegistrationConfig::schema() {
-  static const auto schema = config::Schema<RegistrationConfig>("registration", "Parameters of registration");
+  static const auto schema =
+      config::Schema<RegistrationConfig>("registration", "Parameters of registration");
   return schema;
 }
 

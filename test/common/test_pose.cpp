@@ -1,11 +1,10 @@
-#include "lidar_mapping/common/pose.hpp"
-
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/common/pose.hpp"
 
 namespace lidar_mapping {
 namespace {

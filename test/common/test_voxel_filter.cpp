@@ -1,11 +1,10 @@
-#include "lidar_mapping/common/voxel_filter.hpp"
-
 #include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/parallel.hpp"
+#include "lidar_mapping/common/voxel_filter.hpp"
 
 namespace lidar_mapping {
 namespace {

@@ -1,8 +1,8 @@
-#include "lidar_mapping/config/load.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
+
+#include "lidar_mapping/config/load.hpp"
 
 namespace lidar_mapping::config {
 namespace {
@@ -12,8 +12,8 @@ enum class Method { kNdt, kIcp };
 struct Part {
   double size = 0.5;
   static const Schema<Part>& schema() {
-    static const auto schema = Schema<Part>("part", "A part").real(
-        "size", &Part::size, {0.1, 2.0}, "m", "Edge of a voxel.");
+    static const auto schema = Schema<Part>("part", "A part")
+                                   .real("size", &Part::size, {0.1, 2.0}, "m", "Edge of a voxel.");
     return schema;
   }
 };
@@ -94,7 +94,8 @@ TEST(Load, SuggestsTheNearestKey) {
 }
 
 TEST(Load, ReportsAllProblemsALineEach) {
-  const std::string problem = problem_of("local_frame_num: 1.5\nmethod: FOO\nbox: [2, 1]\nxyz: 1\n");
+  const std::string problem =
+      problem_of("local_frame_num: 1.5\nmethod: FOO\nbox: [2, 1]\nxyz: 1\n");
   EXPECT_EQ(std::count(problem.begin(), problem.end(), '\n'), 3);
   EXPECT_NE(problem.find("local_frame_num: 1.5 is not an integer"), std::string::npos);
   EXPECT_NE(problem.find("method: FOO is none of the choices; allowed: NDT or ICP"),

@@ -18,7 +18,7 @@ inline std::filesystem::path recorded(const std::string& set) {
 }  // namespace lidar_mapping::test
 
 /// Ends the test as skipped where the recordings are not at hand.
-#define REQUIRE_RECORDED(folder, set)                                                   \
-  const std::filesystem::path folder = lidar_mapping::test::recorded(set);              \
-  if (folder.empty()) GTEST_SKIP() << "recordings of " << set                           \
-                                   << " are not here; set LIDAR_MAPPING_TEST_DATA"
+#define REQUIRE_RECORDED(folder, set)                                      \
+  const std::filesystem::path folder = lidar_mapping::test::recorded(set); \
+  if (folder.empty())                                                      \
+  GTEST_SKIP() << "recordings of " << set << " are not here; set LIDAR_MAPPING_TEST_DATA"

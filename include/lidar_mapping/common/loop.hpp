@@ -30,10 +30,10 @@ struct LoopVerdict {
   Stamp stamp = 0;
   LoopSource source = LoopSource::kPosition;
   Verdict verdict = Verdict::kUndecided;
-  std::string reason;      ///< one sentence: figure, limit, parameter
-  double distance = 0.0;   ///< between the poses before matching, m
-  double fitness = 0.0;    ///< m^2
-  double overlap = 0.0;    ///< above ground, 0 to 1
+  std::string reason;                  ///< one sentence: figure, limit, parameter
+  double distance = 0.0;               ///< between the poses before matching, m
+  double fitness = 0.0;                ///< m^2
+  double overlap = 0.0;                ///< above ground, 0 to 1
   double free_space_violation = 0.0;   ///< 0 to 1
   double horizontal_eigenvalue = 0.0;  ///< 0 to 0.5
   double innovation = 0.0;  ///< squared, normalised by the prior's covariance, 6 degrees of freedom

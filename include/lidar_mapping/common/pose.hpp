@@ -47,7 +47,8 @@ double rotation_angle(const Eigen::Quaterniond& rotation);
 /// Angle about z, rad in (-pi, pi].
 double yaw_of(const Eigen::Quaterniond& rotation);
 
-/// Point on the way from a (fraction 0) to b (fraction 1): linear in translation, slerp in rotation.
+/// Point on the way from a (fraction 0) to b (fraction 1): linear in translation, slerp in
+/// rotation.
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 bool is_finite(const Pose& pose);

@@ -10,9 +10,10 @@ namespace lidar_mapping {
 /// Inertial measurement; the frame is that of the sensor or base_link, as the holder says.
 struct ImuSample {
   Stamp stamp = 0;
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();     ///< rad/s
-  Eigen::Vector3d linear_acceleration = Eigen::Vector3d::Zero();  ///< m/s^2, +g upward at rest (REP 145)
-  std::optional<Eigen::Quaterniond> orientation;                  ///< R_world_sensor, East-North-Up
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s
+  Eigen::Vector3d linear_acceleration =
+      Eigen::Vector3d::Zero();                    ///< m/s^2, +g upward at rest (REP 145)
+  std::optional<Eigen::Quaterniond> orientation;  ///< R_world_sensor, East-North-Up
 };
 
 /// Velocity of a frame in its own axes.

@@ -43,8 +43,7 @@ Config load(const std::vector<Source>& sources) {
         if (field.description.name == key) known = &field;
       }
       if (known == nullptr) {
-        problems.push_back(
-            unknown_key_problem(key, value, descriptions<Config>(), source.origin));
+        problems.push_back(unknown_key_problem(key, value, descriptions<Config>(), source.origin));
         continue;
       }
       const std::string problem = known->read(config, value);

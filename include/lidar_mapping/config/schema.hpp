@@ -49,35 +49,40 @@ class Schema {
   Schema(std::string stage, std::string summary)
       : stage_(std::move(stage)), summary_(std::move(summary)) {}
 
-  Schema& real(const std::string& name, double Config::*field, Range range,
-               const std::string& unit, const std::string& meaning) {
-    return add({name, print_value(Config{}.*field), describe("real number", range), unit, meaning},
-               [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
-               [=](const Config& c) { return print_value(c.*field); });
+  Schema& real(const std::string& name, double Config::*field, Range range, const std::string& unit,
+               const std::string& meaning) {
+    return add(
+        {name, print_value(Config{}.*field), describe("real number", range), unit, meaning},
+        [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
+        [=](const Config& c) { return print_value(c.*field); });
   }
-  Schema& integer(const std::string& name, int Config::*field, Range range,
-                  const std::string& unit, const std::string& meaning) {
-    return add({name, print_value(Config{}.*field), describe("integer", range), unit, meaning},
-               [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
-               [=](const Config& c) { return print_value(c.*field); });
+  Schema& integer(const std::string& name, int Config::*field, Range range, const std::string& unit,
+                  const std::string& meaning) {
+    return add(
+        {name, print_value(Config{}.*field), describe("integer", range), unit, meaning},
+        [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
+        [=](const Config& c) { return print_value(c.*field); });
   }
   Schema& boolean(const std::string& name, bool Config::*field, const std::string& meaning) {
-    return add({name, print_value(Config{}.*field), "true or false", "", meaning},
-               [=](Config& c, const Value& v) { return read_value(v, c.*field); },
-               [=](const Config& c) { return print_value(c.*field); });
+    return add(
+        {name, print_value(Config{}.*field), "true or false", "", meaning},
+        [=](Config& c, const Value& v) { return read_value(v, c.*field); },
+        [=](const Config& c) { return print_value(c.*field); });
   }
   Schema& text(const std::string& name, std::string Config::*field, const std::string& meaning) {
-    return add({name, print_value(Config{}.*field), "text", "", meaning},
-               [=](Config& c, const Value& v) { return read_value(v, c.*field); },
-               [=](const Config& c) { return print_value(c.*field); });
+    return add(
+        {name, print_value(Config{}.*field), "text", "", meaning},
+        [=](Config& c, const Value& v) { return read_value(v, c.*field); },
+        [=](const Config& c) { return print_value(c.*field); });
   }
   /// A list of exactly `size` numbers.
   Schema& reals(const std::string& name, std::vector<double> Config::*field, std::size_t size,
                 const std::string& unit, const std::string& meaning) {
-    return add({name, print_value(Config{}.*field), "list of " + std::to_string(size) + " numbers",
-                unit, meaning},
-               [=](Config& c, const Value& v) { return read_value(v, size, c.*field); },
-               [=](const Config& c) { return print_value(c.*field); });
+    return add(
+        {name, print_value(Config{}.*field), "list of " + std::to_string(size) + " numbers", unit,
+         meaning},
+        [=](Config& c, const Value& v) { return read_value(v, size, c.*field); },
+        [=](const Config& c) { return print_value(c.*field); });
   }
   /// One of several words, each standing for a value of an enumeration.
   template <typename Enum>
@@ -112,7 +117,8 @@ class Schema {
       FieldDescription description = entry.description;
       description.name = prefix + description.name;
       description.default_value = entry.print(Config{}.*part);
-      add(std::move(description),
+      add(
+          std::move(description),
           [=, read = entry.read](Config& c, const Value& v) { return read(c.*part, v); },
           [=, print = entry.print](const Config& c) { return print(c.*part); });
     }

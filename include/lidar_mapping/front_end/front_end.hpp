@@ -38,8 +38,8 @@ struct FrontEndStatus {
   double inlier_fraction = 0.0;  ///< 0 to 1
   double overlap = 0.0;          ///< 0 to 1
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
-  bool rescued = false;          ///< more than one start was needed
-  double seconds = 0.0;          ///< for the whole scan
+  bool rescued = false;                                ///< more than one start was needed
+  double seconds = 0.0;                                ///< for the whole scan
   std::vector<std::pair<std::string, double>> step_seconds;
 };
 
@@ -54,9 +54,9 @@ struct FrontEndResult {
   FrontEndStatus status;
 };
 
-/// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames (Magnusson
-/// 2009; doc/front_end.md). Scans are in base_link; poses are T_odom_base at the scan's stamp. One
-/// thread calls it; it owns no clock and no file.
+/// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames
+/// (Magnusson 2009; doc/front_end.md). Scans are in base_link; poses are T_odom_base at the scan's
+/// stamp. One thread calls it; it owns no clock and no file.
 class FrontEnd {
  public:
   explicit FrontEnd(const FrontEndConfig& config);

@@ -8,8 +8,8 @@
 
 namespace lidar_mapping::map {
 
-/// Joins the clouds of key frames to one map, a point per voxel (centroid, mean intensity). Only key
-/// frames that moved are put in again. One thread calls it; clouds come from the source.
+/// Joins the clouds of key frames to one map, a point per voxel (centroid, mean intensity). Only
+/// key frames that moved are put in again. One thread calls it; clouds come from the source.
 class MapBuilder {
  public:
   /// `clouds` must outlive this object.

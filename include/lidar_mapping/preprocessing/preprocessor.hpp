@@ -35,11 +35,11 @@ struct PreprocessingCounters {
   std::size_t scans_without_extrinsic = 0;  ///< no transform from the scan's frame to base_link
   std::size_t scans_without_points = 0;     ///< empty after filtering
   std::size_t scans_out_of_order = 0;
-  std::size_t scans_waiting_too_long = 0;   ///< pushed out of the full queue
+  std::size_t scans_waiting_too_long = 0;  ///< pushed out of the full queue
   std::size_t points_not_finite = 0;
-  std::size_t samples_refused = 0;          ///< not finite, duplicate or out of order
-  std::size_t gnss_refused = 0;             ///< no fix, implausible position, gated
-  std::size_t resets = 0;                   ///< time went back beyond the buffers
+  std::size_t samples_refused = 0;  ///< not finite, duplicate or out of order
+  std::size_t gnss_refused = 0;     ///< no fix, implausible position, gated
+  std::size_t resets = 0;           ///< time went back beyond the buffers
 };
 
 /// Brings scans and the samples of the other sensors together: waits until each sensor in use has a

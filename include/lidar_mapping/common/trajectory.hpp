@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping {
+
+struct StampedPose {
+  Stamp stamp = 0;
+  Pose pose;
+};
+
+/// Poses in the order of their stamps.
+struct Trajectory {
+  std::vector<StampedPose> poses;
+  bool has_stamps = true;  ///< KITTI's files have none: stamps are line numbers then
+};
+
+/// A line "seconds x y z qx qy qz qw" per pose; 9 decimals, so stamps come back exactly.
+std::string to_tum(const Trajectory& trajectory);
+/// A line of the 12 numbers of [R|t], row by row, per pose.
+std::string to_kitti(const Trajectory& trajectory);
+
+/// Reads either format, told apart by the numbers in a line; lines that begin with # are skipped.
+/// Throws FileError if it cannot be read, InputError naming the line if it is malformed.
+Trajectory read_trajectory(const std::string& path);
+
+}  // namespace lidar_mapping

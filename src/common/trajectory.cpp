@@ -1,0 +1,116 @@
+#include "lidar_mapping/common/trajectory.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping {
+
+namespace {
+
+constexpr Stamp kNanoseconds = 1'000'000'000;
+constexpr std::size_t kTumColumns = 8;
+constexpr std::size_t kKittiColumns = 12;
+
+void append_number(std::string& line, double number, const char* format) {
+  char text[40];
+  std::snprintf(text, sizeof text, format, number);
+  if (!line.empty() && line.back() != '\n') line += ' ';
+  line += text;
+}
+
+/// Seconds as text to nanoseconds without passing through a double, which would round.
+Stamp parse_seconds(const std::string& text) {
+  const std::size_t point = text.find('.');
+  if (text.find_first_not_of("0123456789.") != std::string::npos) {
+    return from_seconds(std::stod(text));
+  }
+  std::string fraction = point == std::string::npos ? "" : text.substr(point + 1);
+  fraction.resize(9, '0');
+  const std::string whole = text.substr(0, point);
+  return (whole.empty() ? 0 : std::stoll(whole)) * kNanoseconds + std::stoll(fraction);
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+StampedPose from_tum(const std::vector<std::string>& words) {
+  double v[kTumColumns];
+  for (std::size_t i = 1; i < kTumColumns; ++i) v[i] = std::stod(words[i]);
+  const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
+  if (!(rotation.norm() > 0.5)) throw InputError("quaternion is not of unit length");
+  return {parse_seconds(words[0]), {rotation.normalized(), {v[1], v[2], v[3]}}};
+}
+
+Pose from_kitti(const std::vector<std::string>& words) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  for (int i = 0; i < 12; ++i) matrix(i / 4, i % 4) = std::stod(words[static_cast<std::size_t>(i)]);
+  return Pose::from_matrix(matrix);
+}
+
+void append_line(Trajectory& trajectory, const std::vector<std::string>& words) {
+  if (words.size() == kTumColumns) {
+    trajectory.poses.push_back(from_tum(words));
+  } else if (words.size() == kKittiColumns) {
+    trajectory.has_stamps = false;
+    trajectory.poses.push_back({static_cast<Stamp>(trajectory.poses.size()), from_kitti(words)});
+  } else {
+    throw InputError("expected 8 numbers (TUM) or 12 (KITTI), found " +
+                     std::to_string(words.size()));
+  }
+}
+
+}  // namespace
+
+std::string to_tum(const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& entry : trajectory.poses) {
+    char stamp[40];
+    std::snprintf(stamp, sizeof stamp, "%lld.%09lld",
+                  static_cast<long long>(entry.stamp / kNanoseconds),
+                  static_cast<long long>(entry.stamp % kNanoseconds));
+    text += stamp;
+    const Eigen::Vector3d& t = entry.pose.translation;
+    const Eigen::Quaterniond& q = entry.pose.rotation;
+    for (const double number : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) {
+      append_number(text, number, "%.9f");
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string to_kitti(const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& entry : trajectory.poses) {
+    const Eigen::Matrix4d matrix = entry.pose.matrix();
+    for (int i = 0; i < 12; ++i) append_number(text, matrix(i / 4, i % 4), "%.12g");
+    text += '\n';
+  }
+  return text;
+}
+
+Trajectory read_trajectory(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read trajectory " + path);
+  Trajectory trajectory;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::vector<std::string> words = words_of(line);
+    if (words.empty() || words[0][0] == '#') continue;
+    try {
+      append_line(trajectory, words);
+    } catch (const std::exception& error) {
+      throw InputError(path + ":" + std::to_string(number) + ": " + error.what());
+    }
+  }
+  return trajectory;
+}
+
+}  // namespace lidar_mapping
