@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/trajectory.hpp"
+
+namespace lidar_mapping::evaluation {
+
+/// The same instant in two trajectories.
+struct PosePair {
+  Stamp stamp = 0;
+  Pose truth;
+  Pose estimate;
+};
+
+/// Pairs every estimate with the truth at its stamp, interpolated between two poses of the truth
+/// that are at most `largest_gap_s` apart; estimates outside of the truth are left out. If either
+/// trajectory has no stamps, line i goes with line i; throws InputError if their lengths differ.
+std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estimate,
+                                double largest_gap_s = 0.5);
+
+/// The rigid motion T_truth_estimate that brings the estimated positions nearest to the true ones
+/// in the least-squares sense (Umeyama 1991, without scale). Throws InputError for less than three
+/// pairs.
+Pose rigid_alignment(const std::vector<PosePair>& pairs);
+
+/// The pairs with their estimates moved by T_truth_estimate.
+std::vector<PosePair> aligned(std::vector<PosePair> pairs, const Pose& T_truth_estimate);
+
+}  // namespace lidar_mapping::evaluation

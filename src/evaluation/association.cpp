@@ -1,0 +1,72 @@
+#include "lidar_mapping/evaluation/association.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::evaluation {
+
+namespace {
+
+std::vector<PosePair> associate_by_line(const Trajectory& truth, const Trajectory& estimate) {
+  if (truth.poses.size() != estimate.poses.size()) {
+    throw InputError("trajectories without stamps need equal lengths: the truth has " +
+                     std::to_string(truth.poses.size()) + " poses, the estimate " +
+                     std::to_string(estimate.poses.size()) + "; use TUM files");
+  }
+  std::vector<PosePair> pairs;
+  for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+    pairs.push_back({estimate.poses[i].stamp, truth.poses[i].pose, estimate.poses[i].pose});
+  }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estimate,
+                                double largest_gap_s) {
+  if (!truth.has_stamps || !estimate.has_stamps) return associate_by_line(truth, estimate);
+  std::vector<PosePair> pairs;
+  const auto& known = truth.poses;
+  for (const StampedPose& entry : estimate.poses) {
+    const auto after =
+        std::lower_bound(known.begin(), known.end(), entry.stamp,
+                         [](const StampedPose& pose, Stamp stamp) { return pose.stamp < stamp; });
+    if (after == known.end()) continue;
+    if (after->stamp == entry.stamp) {
+      pairs.push_back({entry.stamp, after->pose, entry.pose});
+      continue;
+    }
+    if (after == known.begin()) continue;
+    const auto before = after - 1;
+    const double gap = to_seconds(after->stamp - before->stamp);
+    if (gap > largest_gap_s) continue;
+    const double fraction = to_seconds(entry.stamp - before->stamp) / gap;
+    pairs.push_back({entry.stamp, interpolate(before->pose, after->pose, fraction), entry.pose});
+  }
+  return pairs;
+}
+
+Pose rigid_alignment(const std::vector<PosePair>& pairs) {
+  if (pairs.size() < 3) {
+    throw InputError("an alignment needs at least 3 common poses, there are " +
+                     std::to_string(pairs.size()));
+  }
+  const auto count = static_cast<Eigen::Index>(pairs.size());
+  Eigen::Matrix3Xd truth(3, count);
+  Eigen::Matrix3Xd estimate(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    truth.col(i) = pairs[static_cast<std::size_t>(i)].truth.translation;
+    estimate.col(i) = pairs[static_cast<std::size_t>(i)].estimate.translation;
+  }
+  return Pose::from_matrix(Eigen::umeyama(estimate, truth, false));
+}
+
+std::vector<PosePair> aligned(std::vector<PosePair> pairs, const Pose& T_truth_estimate) {
+  for (PosePair& pair : pairs) pair.estimate = T_truth_estimate * pair.estimate;
+  return pairs;
+}
+
+}  // namespace lidar_mapping::evaluation

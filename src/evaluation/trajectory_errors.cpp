@@ -1,0 +1,117 @@
+#include "lidar_mapping/evaluation/trajectory_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidar_mapping::evaluation {
+
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+/// What is left of the estimated motion from i to j after the true one.
+Pose motion_error(const std::vector<PosePair>& pairs, std::size_t i, std::size_t j) {
+  const Pose truth = pairs[i].truth.inverse() * pairs[j].truth;
+  const Pose estimate = pairs[i].estimate.inverse() * pairs[j].estimate;
+  return truth.inverse() * estimate;
+}
+
+PoseErrors pose_errors(const std::vector<Pose>& errors) {
+  std::vector<double> metres;
+  std::vector<double> degrees;
+  for (const Pose& error : errors) {
+    metres.push_back(error.translation.norm());
+    degrees.push_back(rotation_angle(error.rotation) * kDegrees);
+  }
+  return {statistics_of(std::move(metres)), statistics_of(std::move(degrees))};
+}
+
+/// First pose that lies at least `length` behind pose `first` on the way; the size if there is
+/// none.
+std::size_t end_of_segment(const std::vector<double>& way, std::size_t first, double length) {
+  return static_cast<std::size_t>(std::lower_bound(way.begin() + static_cast<std::ptrdiff_t>(first),
+                                                   way.end(), way[first] + length) -
+                                  way.begin());
+}
+
+}  // namespace
+
+ErrorStatistics statistics_of(std::vector<double> values) {
+  ErrorStatistics result;
+  result.count = values.size();
+  if (values.empty()) return result;
+  std::sort(values.begin(), values.end());
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const double value : values) {
+    sum += value;
+    squares += value * value;
+  }
+  const auto count = static_cast<double>(values.size());
+  result.rmse = std::sqrt(squares / count);
+  result.mean = sum / count;
+  const std::size_t middle = values.size() / 2;
+  result.median =
+      values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  result.max = values.back();
+  return result;
+}
+
+PoseErrors absolute_pose_error(const std::vector<PosePair>& pairs) {
+  std::vector<Pose> errors;
+  for (const PosePair& pair : pairs) errors.push_back(pair.truth.inverse() * pair.estimate);
+  return pose_errors(errors);
+}
+
+PoseErrors relative_pose_error(const std::vector<PosePair>& pairs, double delta_m) {
+  const std::vector<double> way = travelled_distances(pairs);
+  std::vector<Pose> errors;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::size_t j = delta_m > 0.0 ? end_of_segment(way, i, delta_m) : i + 1;
+    if (j < pairs.size()) errors.push_back(motion_error(pairs, i, j));
+  }
+  return pose_errors(errors);
+}
+
+KittiErrors kitti_errors(const std::vector<PosePair>& pairs, const std::vector<double>& lengths_m,
+                         std::size_t step) {
+  const std::vector<double> way = travelled_distances(pairs);
+  KittiErrors result;
+  double translation = 0.0;
+  double rotation = 0.0;
+  for (const double length : lengths_m) {
+    const std::size_t before = result.segments;
+    for (std::size_t i = 0; i < pairs.size(); i += std::max<std::size_t>(step, 1)) {
+      const std::size_t j = end_of_segment(way, i, length);
+      if (j >= pairs.size()) break;
+      const Pose error = motion_error(pairs, i, j);
+      translation += error.translation.norm() / length;
+      rotation += rotation_angle(error.rotation) / length;
+      ++result.segments;
+    }
+    if (result.segments > before) result.lengths_m.push_back(length);
+  }
+  if (result.segments == 0) return result;
+  const auto count = static_cast<double>(result.segments);
+  result.translation_percent = 100.0 * translation / count;
+  result.rotation_deg_per_100m = 100.0 * kDegrees * rotation / count;
+  return result;
+}
+
+std::vector<double> usual_segment_lengths(const std::vector<PosePair>& pairs) {
+  const std::vector<double> way = travelled_distances(pairs);
+  if (way.empty() || way.back() < 400.0) return {50.0, 100.0, 150.0, 200.0};
+  return {100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0};
+}
+
+std::vector<double> travelled_distances(const std::vector<PosePair>& pairs) {
+  std::vector<double> way;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    way.push_back(
+        i == 0 ? 0.0
+               : way.back() + (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm());
+  }
+  return way;
+}
+
+}  // namespace lidar_mapping::evaluation

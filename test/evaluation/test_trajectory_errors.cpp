@@ -1,0 +1,113 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/evaluation/trajectory_errors.hpp"
+
+namespace lidar_mapping::evaluation {
+namespace {
+
+/// A straight drive along x with a pose per metre and per second.
+Trajectory straight(int poses) {
+  Trajectory trajectory;
+  for (int i = 0; i < poses; ++i) {
+    trajectory.poses.push_back(
+        {from_seconds(i), {Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0}}});
+  }
+  return trajectory;
+}
+
+Trajectory moved(Trajectory trajectory, const Pose& T) {
+  for (StampedPose& entry : trajectory.poses) entry.pose = T * entry.pose;
+  return trajectory;
+}
+
+/// A bent drive, so that an alignment is unique.
+Trajectory bent() {
+  Trajectory trajectory;
+  for (int i = 0; i < 50; ++i) {
+    const double angle = 0.05 * i;
+    trajectory.poses.push_back(
+        {from_seconds(0.1 * i),
+         {exp_so3({0.0, 0.0, angle}),
+          {20.0 * std::sin(angle), 20.0 - 20.0 * std::cos(angle), 0.1 * i}}});
+  }
+  return trajectory;
+}
+
+// Worked out by hand: errors of 0, 3 and 4 m.
+TEST(Statistics, OfThreeValues) {
+  const ErrorStatistics statistics = statistics_of({4.0, 0.0, 3.0});
+  EXPECT_EQ(statistics.count, 3U);
+  EXPECT_DOUBLE_EQ(statistics.rmse, std::sqrt(25.0 / 3.0));
+  EXPECT_DOUBLE_EQ(statistics.mean, 7.0 / 3.0);
+  EXPECT_DOUBLE_EQ(statistics.median, 3.0);
+  EXPECT_DOUBLE_EQ(statistics.max, 4.0);
+}
+
+TEST(AbsolutePoseError, OfAShiftedTrack) {
+  const Pose shift{Eigen::Quaterniond::Identity(), {3.0, 4.0, 0.0}};
+  const auto pairs = associate(straight(10), moved(straight(10), shift));
+  EXPECT_DOUBLE_EQ(absolute_pose_error(pairs).translation_m.rmse, 5.0);
+  EXPECT_DOUBLE_EQ(absolute_pose_error(pairs).rotation_deg.max, 0.0);
+}
+
+TEST(AbsolutePoseError, VanishesAfterAlignment) {
+  const Pose T{exp_so3({0.1, -0.3, 2.0}), {100.0, -50.0, 7.0}};
+  const auto pairs = associate(bent(), moved(bent(), T));
+  const auto fitted = aligned(pairs, rigid_alignment(pairs));
+  EXPECT_LT(absolute_pose_error(fitted).translation_m.max, 1e-9);
+  EXPECT_LT(absolute_pose_error(fitted).rotation_deg.max, 1e-6);
+}
+
+// Every step is 1 % too long: 1 cm per metre, 10 cm per ten metres, 1 % of each segment.
+TEST(RelativeErrors, OfAScaledTrack) {
+  Trajectory longer = straight(301);
+  for (StampedPose& entry : longer.poses) entry.pose.translation *= 1.01;
+  const auto pairs = associate(straight(301), longer);
+  EXPECT_NEAR(relative_pose_error(pairs, 0.0).translation_m.rmse, 0.01, 1e-9);
+  EXPECT_NEAR(relative_pose_error(pairs, 10.0).translation_m.rmse, 0.1, 1e-9);
+  const KittiErrors errors = kitti_errors(pairs, {100.0, 200.0, 400.0}, 1);
+  EXPECT_NEAR(errors.translation_percent, 1.0, 1e-9);
+  EXPECT_NEAR(errors.rotation_deg_per_100m, 0.0, 1e-9);
+  EXPECT_EQ(errors.lengths_m, (std::vector<double>{100.0, 200.0}));
+  EXPECT_EQ(errors.segments, 201U + 101U);
+}
+
+// A heading that drifts by 0.01 degrees per metre: 1 degree per 100 m.
+TEST(RelativeErrors, OfADriftingHeading) {
+  Trajectory turning = straight(201);
+  for (int i = 0; i < 201; ++i) {
+    turning.poses[static_cast<std::size_t>(i)].pose.rotation =
+        exp_so3({0.0, 0.0, 0.01 * i * M_PI / 180.0});
+  }
+  const KittiErrors errors = kitti_errors(associate(straight(201), turning), {100.0}, 10);
+  EXPECT_NEAR(errors.rotation_deg_per_100m, 1.0, 1e-9);
+  EXPECT_EQ(errors.segments, 11U);
+}
+
+TEST(Associate, InterpolatesTheTruth) {
+  Trajectory estimate;
+  estimate.poses.push_back({from_seconds(2.25), Pose::Identity()});
+  const auto pairs = associate(straight(10), estimate, 1.5);
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_NEAR(pairs[0].truth.translation.x(), 2.25, 1e-12);
+}
+
+TEST(Associate, NeverExtrapolatesNorBridgesGaps) {
+  Trajectory estimate;
+  estimate.poses.push_back({from_seconds(-0.5), Pose::Identity()});
+  estimate.poses.push_back({from_seconds(2.5), Pose::Identity()});
+  estimate.poses.push_back({from_seconds(9.5), Pose::Identity()});
+  EXPECT_TRUE(associate(straight(10), estimate, 0.5).empty());
+}
+
+TEST(Associate, RefusesUnequalLengthsWithoutStamps) {
+  Trajectory estimate = straight(9);
+  estimate.has_stamps = false;
+  EXPECT_THROW(associate(straight(10), estimate), InputError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::evaluation
