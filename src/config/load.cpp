@@ -56,6 +56,12 @@ std::string unknown_key_problem(const std::string& key, const Value& value,
          (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
 }
 
+std::string twice_given_problem(const std::string& first, const std::string& second,
+                                const std::string& origin) {
+  return origin + ": '" + first + "' and '" + second +
+         "' are names of the same parameter; remove one of them";
+}
+
 std::string bad_value_problem(const FieldDescription& field, const Value& value,
                               const std::string& problem, const std::string& origin) {
   return origin + ": " + field.name + ": " + to_string(value) + " " + problem +

@@ -13,7 +13,8 @@ struct Part {
   double size = 0.5;
   static const Schema<Part>& schema() {
     static const auto schema = Schema<Part>("part", "A part")
-                                   .real("size", &Part::size, {0.1, 2.0}, "m", "Edge of a voxel.");
+                                   .real("size", &Part::size, {0.1, 2.0}, "m", "Edge of a voxel.")
+                                   .alias("leaf", "size");
     return schema;
   }
 };
@@ -37,6 +38,7 @@ struct Sample {
             .choice("method", &Sample::method, {{"NDT", Method::kNdt}, {"ICP", Method::kIcp}},
                     "Method.")
             .include(&Sample::part, Part::schema(), "filter/")
+            .alias("window", "local_frame_num")
             .check([](const Sample& s) {
               return s.box[0] < s.box[1] ? "" : std::string("box must grow; swap its numbers");
             });
@@ -102,6 +104,19 @@ TEST(Load, ReportsAllProblemsALineEach) {
             std::string::npos);
   EXPECT_NE(problem.find("box must grow"), std::string::npos);
   EXPECT_NE(problem.find("unknown key 'xyz'"), std::string::npos);
+}
+
+TEST(Load, KnowsOtherNamesOfAField) {
+  const Sample sample = load_text("window: 9\nfilter: {leaf: 0.75}\n");
+  EXPECT_EQ(sample.count, 9);
+  EXPECT_EQ(sample.part.size, 0.75);
+  EXPECT_EQ(to_yaml(sample).find("window"), std::string::npos);
+}
+
+TEST(Load, RefusesAFieldUnderTwoNamesInOneSource) {
+  EXPECT_EQ(problem_of("local_frame_num: 5\nwindow: 9\n"),
+            "a.yaml: 'local_frame_num' and 'window' are names of the same parameter; remove one of "
+            "them");
 }
 
 TEST(Load, RefusesWrongTypes) {

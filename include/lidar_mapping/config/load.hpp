@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,9 @@ namespace lidar_mapping::config {
 /// One line for a key that no field has; suggests the nearest known name.
 std::string unknown_key_problem(const std::string& key, const Value& value,
                                 const std::vector<FieldDescription>& known,
+                                const std::string& origin);
+/// One line for two keys that are names of one field.
+std::string twice_given_problem(const std::string& first, const std::string& second,
                                 const std::string& origin);
 /// One line for a value that its field refuses.
 std::string bad_value_problem(const FieldDescription& field, const Value& value,
@@ -37,10 +41,17 @@ Config load(const std::vector<Source>& sources) {
   Config config;
   std::vector<std::string> problems;
   for (const Source& source : sources) {
+    std::map<std::string, std::string> given;  // name of the field to the key that set it
     for (const auto& [key, value] : flattened(source.values)) {
+      const auto alias = schema.aliases().find(key);
+      const std::string& name = alias == schema.aliases().end() ? key : alias->second;
+      const auto [earlier, first] = given.emplace(name, key);
+      if (!first) {
+        problems.push_back(twice_given_problem(earlier->second, key, source.origin));
+      }
       const typename Schema<Config>::Field* known = nullptr;
       for (const auto& field : schema.fields()) {
-        if (field.description.name == key) known = &field;
+        if (field.description.name == name) known = &field;
       }
       if (known == nullptr) {
         problems.push_back(unknown_key_problem(key, value, descriptions<Config>(), source.origin));

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,9 +123,15 @@ class Schema {
           [=, read = entry.read](Config& c, const Value& v) { return read(c.*part, v); },
           [=, print = entry.print](const Config& c) { return print(c.*part); });
     }
+    for (const auto& [other, name] : schema.aliases()) aliases_[prefix + other] = prefix + name;
     for (const auto& check : schema.checks()) {
       checks_.push_back([=](const Config& c) { return check(c.*part); });
     }
+    return *this;
+  }
+  /// Another name under which files of other programs know the field `name`; read, never written.
+  Schema& alias(const std::string& other, const std::string& name) {
+    aliases_[other] = name;
     return *this;
   }
   /// A condition between fields: returns what is wrong and how to mend it, or an empty text.
@@ -141,6 +148,8 @@ class Schema {
   const std::string& stage() const { return stage_; }
   const std::string& summary() const { return summary_; }
   const std::vector<Field>& fields() const { return fields_; }
+  /// Other name to name.
+  const std::map<std::string, std::string>& aliases() const { return aliases_; }
   const std::vector<std::function<std::string(const Config&)>>& checks() const { return checks_; }
 
  private:
@@ -153,6 +162,7 @@ class Schema {
   std::string stage_;
   std::string summary_;
   std::vector<Field> fields_;
+  std::map<std::string, std::string> aliases_;
   std::vector<std::function<std::string(const Config&)>> checks_;
 };
 
