@@ -1,9 +1,65 @@
 #include "lidar_mapping/front_end/front_end_config.hpp"
 
 namespace lidar_mapping::front_end {
+namespace {
+
+using Config = FrontEndConfig;
+
+void describe_key_frames(config::Schema<Config>& schema) {
+  schema
+      .real("key_frame_distance", &Config::key_frame_distance, {0.01, 1000.0}, "m",
+            "A key frame is made after this distance, Euclidean.")
+      .real("key_frame_angle", &Config::key_frame_angle, {0.01, 10.0}, "rad",
+            "A key frame is made after this rotation; above pi never because of rotation.")
+      .real("key_frame_interval", &Config::key_frame_interval, {0.0, 1e6}, "s",
+            "A key frame is made after this time, also at rest; 0 switches it off.")
+      .real("key_frame_cloud_resolution", &Config::key_frame_cloud_resolution, {0.0, 10.0}, "m",
+            "Edge of the voxels that thin out the clouds of key frames; 0 keeps all points.");
+}
+
+void describe_sequential_ndt(config::Schema<Config>& schema) {
+  schema
+      .real("voxel_size", &Config::voxel_size, {0.2, 10.0}, "m",
+            "Edge of the voxels of the NDT's local map.")
+      .real("local_map_radius", &Config::local_map_radius, {5.0, 400.0}, "m",
+            "What is farther away leaves the NDT's local map.")
+      .real("max_range", &Config::max_range, {1.0, 400.0}, "m",
+            "Points farther away are not used for odometry.")
+      .real("scan_resolution", &Config::scan_resolution, {0.05, 10.0}, "m",
+            "One point per cube of this edge is matched.")
+      .real("insertion_resolution", &Config::insertion_resolution, {0.02, 10.0}, "m",
+            "One point per cube of this edge is put into the NDT's local map.")
+      .real("acceleration_sigma", &Config::acceleration_sigma, {0.01, 1000.0}, "m/s^2",
+            "Standard deviation of the acceleration between scans.")
+      .real("angular_acceleration_sigma", &Config::angular_acceleration_sigma, {0.01, 1000.0},
+            "rad/s^2", "Standard deviation of the angular acceleration between scans.")
+      .real("max_speed", &Config::max_speed, {0.1, 1000.0}, "m/s",
+            "A faster motion is taken for a failed match.")
+      .real("max_lost_time", &Config::max_lost_time, {0.0, 60.0}, "s",
+            "After being lost for this long a new local map and a new segment are begun.");
+}
+
+config::Schema<Config> make_schema() {
+  config::Schema<Config> schema("front_end", "Odometry of the LiDAR, and the choice of key frames");
+  schema
+      .choice("odometry", &Config::odometry,
+              {{"lidar", OdometrySource::kLidar}, {"external", OdometrySource::kExternal}},
+              "Where the motion comes from: scan matching, or an odometry from outside.")
+      .include(&Config::registration, registration::RegistrationConfig::schema());
+  describe_key_frames(schema);
+  describe_sequential_ndt(schema);
+  schema
+      .integer("local_frame_num", &Config::local_frame_num, {1, 1000}, "key frames",
+               "Size of the sliding window of the methods other than NDT.")
+      .integer("threads", &Config::threads, {0, 256}, "",
+               "Upper limit of threads; 0 takes all cores. The result does not depend on it.");
+  return schema;
+}
+
+}  // namespace
 
 const config::Schema<FrontEndConfig>& FrontEndConfig::schema() {
-  static const auto schema = config::Schema<FrontEndConfig>("front_end", "Parameters of front_end");
+  static const auto schema = make_schema();
   return schema;
 }
 

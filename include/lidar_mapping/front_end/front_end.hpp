@@ -2,54 +2,22 @@
 
 #include <memory>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
+#include "lidar_mapping/front_end/front_end_status.hpp"
+#include "lidar_mapping/front_end/motion_prior.hpp"
 
 namespace lidar_mapping::front_end {
-
-/// What other sensors say about the motion at the scan's stamp; all optional.
-struct MotionPrior {
-  std::optional<Eigen::Vector3d> angular_velocity;  ///< rad/s, axes of base_link
-  std::optional<Eigen::Vector3d> linear_velocity;   ///< m/s, axes of base_link
-  /// Pose of base_link by an odometry outside; used instead of matching with `odometry: external`.
-  std::optional<Pose> T_external_base;
-  /// Pose of the first scan in odom; used once.
-  std::optional<Pose> T_odom_base_initial;
-};
-
-enum class TrackingState {
-  kTracking,
-  kDegenerate,  ///< fits, but some directions were not observed: they follow the prediction
-  kDegraded,    ///< fits poorly: the pose is used, the scan is not put into the map
-  kLost         ///< does not fit: the pose is the prediction
-};
-const char* to_string(TrackingState state);
-
-/// How one scan was judged.
-struct FrontEndStatus {
-  TrackingState state = TrackingState::kTracking;
-  bool converged = false;
-  int iterations = 0;
-  double fitness = 0.0;          ///< mean squared distance of paired points, m^2
-  double inlier_fraction = 0.0;  ///< 0 to 1
-  double overlap = 0.0;          ///< 0 to 1
-  std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
-  bool rescued = false;                                ///< more than one start was needed
-  double seconds = 0.0;                                ///< for the whole scan
-  std::vector<std::pair<std::string, double>> step_seconds;
-};
 
 struct FrontEndResult {
   Stamp stamp = 0;  ///< that of the scan, bit for bit
   Pose T_odom_base;
   /// Of the motion since the previous scan, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
-  Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes: m/s, rad/s
-  PointCloudPtr cloud;                ///< in base_link, deskewed to the stamp
+  /// Of base_link in its own axes: m/s, rad/s. deskewed(scan.cloud, twist) is the scan as it would
+  /// have been seen at its stamp (deskew.hpp); the pose does not need it, so who shows it makes it.
+  Vector6d twist = Vector6d::Zero();
   std::optional<KeyFrame> key_frame;  ///< if this scan was chosen
   FrontEndStatus status;
 };

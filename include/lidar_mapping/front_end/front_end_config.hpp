@@ -1,11 +1,38 @@
 #pragma once
 
 #include "lidar_mapping/config/schema.hpp"
+#include "lidar_mapping/registration/registration_config.hpp"
 
 namespace lidar_mapping::front_end {
 
+enum class OdometrySource { kLidar, kExternal };
+
 /// Parameters of the stage; each is described once, in schema().
 struct FrontEndConfig {
+  OdometrySource odometry = OdometrySource::kLidar;
+  registration::RegistrationConfig registration;
+
+  double key_frame_distance = 2.0;
+  double key_frame_angle = 0.5;
+  double key_frame_interval = 0.0;
+  double key_frame_cloud_resolution = 0.1;
+
+  // The sequential NDT.
+  double voxel_size = 1.0;
+  double local_map_radius = 110.0;
+  double max_range = 100.0;
+  double scan_resolution = 0.8;
+  double insertion_resolution = 0.4;
+  double acceleration_sigma = 10.0;
+  double angular_acceleration_sigma = 5.0;
+  double max_speed = 50.0;
+  double max_lost_time = 3.0;
+
+  // The sliding window of the other methods.
+  int local_frame_num = 20;
+
+  int threads = 1;
+
   static const config::Schema<FrontEndConfig>& schema();
 };
 

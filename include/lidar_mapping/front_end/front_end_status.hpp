@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace lidar_mapping::front_end {
+
+enum class TrackingState {
+  kTracking,
+  kDegenerate,  ///< fits, but some directions were not observed: they follow the prediction
+  kDegraded,    ///< fits poorly: the pose is used, the scan is not put into the map
+  kLost         ///< does not fit: the pose is the prediction
+};
+/// "tracking", "degenerate", "degraded", "lost".
+const char* to_string(TrackingState state);
+
+/// How one scan was judged.
+struct FrontEndStatus {
+  TrackingState state = TrackingState::kTracking;
+  bool converged = false;
+  int iterations = 0;
+  double fitness = 0.0;          ///< mean squared distance of paired points, m^2
+  double inlier_fraction = 0.0;  ///< 0 to 1
+  double overlap = 0.0;          ///< 0 to 1
+  std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
+  bool rescued = false;                                ///< more than one start was needed
+  /// For whole scan and for its steps: the only figures that are not the same in each run.
+  double seconds = 0.0;
+  std::vector<std::pair<std::string, double>> step_seconds;
+};
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "lidar_mapping/common/pose.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// What other sensors say about the motion at the scan's stamp; all optional.
+struct MotionPrior {
+  std::optional<Eigen::Vector3d> angular_velocity;  ///< rad/s, axes of base_link
+  std::optional<Eigen::Vector3d> linear_velocity;   ///< m/s, axes of base_link
+  /// Pose of base_link by an odometry outside; used instead of matching with `odometry: external`.
+  std::optional<Pose> T_external_base;
+  /// Pose of the first scan in odom; used once.
+  std::optional<Pose> T_odom_base_initial;
+};
+
+}  // namespace lidar_mapping::front_end

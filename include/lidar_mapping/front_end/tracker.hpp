@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+
+#include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/front_end/front_end_config.hpp"
+#include "lidar_mapping/front_end/front_end_status.hpp"
+#include "lidar_mapping/front_end/motion_prior.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Where a tracker believes one scan to be.
+struct TrackedScan {
+  Pose T_odom_base;  ///< at the scan's stamp
+  /// Of T_odom_base against the local map, axes of base_link.
+  Covariance6 covariance = Covariance6::Identity();
+  Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes: m/s, rad/s
+  FrontEndStatus status;
+  /// The local map was given up and begun anew: this pose does not hang together with earlier ones.
+  bool new_segment = false;
+};
+
+/// Follows the sensor from scan to scan: predicts, matches against its local map, and puts into
+/// that map what it trusts. FrontEnd does the rest (stamps, segments, key frames).
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+
+  /// Stamps increase from call to call. Never throws for what the world did: see the status.
+  virtual TrackedScan track(const Scan& scan, const MotionPrior& prior) = 0;
+  /// Forgets all; the next scan is the first one of a new local map and lies at this pose.
+  virtual void restart(const Pose& T_odom_base) = 0;
+  /// The local map in odom, one point per voxel: for display.
+  virtual PointCloud local_map() const = 0;
+};
+
+/// The tracker for config.registration: the sequential NDT, or a sliding window of key frames
+/// matched by any other method.
+std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config);
+
+}  // namespace lidar_mapping::front_end

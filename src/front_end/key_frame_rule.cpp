@@ -1,0 +1,11 @@
+#include "lidar_mapping/front_end/key_frame_rule.hpp"
+
+namespace lidar_mapping::front_end {
+
+bool KeyFrameRule::reached(const Pose& T_last_now, Stamp elapsed) const {
+  return T_last_now.translation.norm() >= distance ||
+         rotation_angle(T_last_now.rotation) >= angle ||
+         (interval > 0.0 && to_seconds(elapsed) >= interval);
+}
+
+}  // namespace lidar_mapping::front_end
