@@ -1,8 +1,4 @@
-# All third-party packages, so that each has one place. The core needs no ROS: without catkin the
-# nodes and the tools that read bags are left out.
-find_package(catkin QUIET COMPONENTS diagnostic_updater geometry_msgs message_generation nav_msgs
-             rosbag roscpp sensor_msgs std_msgs tf2 tf2_eigen tf2_msgs tf2_ros visualization_msgs)
-find_package(Eigen3 REQUIRED NO_MODULE)
+# All third-party packages but ROS and Eigen, so that each has one place.
 find_package(TBB REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(Ceres REQUIRED)

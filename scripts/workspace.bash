@@ -1,0 +1,67 @@
+# Functions shared by the scripts: install what is missing, build the package in a workspace of its
+# own. Meant to be sourced.
+
+package_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+workspace=${LIDAR_MAPPING_WORKSPACE:-$package_root/.catkin_ws}
+
+# catkin and its generators start the first python3 of PATH; only the system's one knows ROS.
+export PATH=/usr/bin:$PATH
+
+say() { printf '\n== %s\n' "$*"; }
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+package_list() {
+  if [ -d /opt/ros/noetic ]; then
+    echo "$package_root/scripts/packages-noetic.txt"
+  else
+    echo "$package_root/scripts/packages-debian.txt"
+  fi
+}
+
+is_installed() {
+  [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+# install_missing [PACKAGE ...]: those of the list and those given
+install_missing() {
+  local package missing=()
+  for package in $(sed 's/#.*//' "$(package_list)") "$@"; do
+    is_installed "$package" || missing+=("$package")
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+  say "Installing ${#missing[@]} packages"
+  as_root apt-get update -qq
+  as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+source_ros() {
+  # ROS's own scripts use variables that may be unset.
+  set +u
+  # shellcheck disable=SC1090,SC1091
+  if [ -d /opt/ros/noetic ]; then . /opt/ros/noetic/setup.bash; fi
+  if [ -f "$workspace/devel/setup.bash" ]; then . "$workspace/devel/setup.bash"; fi
+  set -u
+}
+
+# build_package [CMAKE ARGUMENT ...]
+build_package() {
+  say "Building in $workspace"
+  mkdir -p "$workspace/src"
+  [ -e "$workspace/src/lidar_mapping" ] || ln -s "$package_root" "$workspace/src/lidar_mapping"
+  source_ros
+  local launcher=()
+  if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  (cd "$workspace" && catkin_make -j"$(nproc)" "${launcher[@]}" "$@") >"$workspace/build.log" 2>&1 ||
+    { tail -n 60 "$workspace/build.log"; echo "The build failed; all of it: $workspace/build.log"; return 1; }
+  source_ros
+}
+
+# ROS's tools need a name for this machine that resolves; a bare one may have none.
+use_loopback() {
+  export ROS_IP=127.0.0.1
+  unset ROS_HOSTNAME
+}
