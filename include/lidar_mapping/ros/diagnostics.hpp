@@ -1,0 +1,61 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/wall_timer.h>
+
+#include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/ros/warning_limiter.hpp"
+#include "lidar_mapping/ros/worker.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// A node's line on /diagnostics, once a second: state, rates, lag of the data, waiting, dropped
+/// and refused messages. New losses are also said in the log, at most once in 5 s, with their
+/// number. Any thread may call it.
+class Diagnostics {
+ public:
+  enum class Level { kOk, kWarning, kError };
+
+  Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+              const Worker& worker);
+
+  /// What the node is doing; stays until the next call.
+  void set_state(Level level, const std::string& text);
+  /// A figure that belongs to this node.
+  void set(const std::string& key, const std::string& value);
+  /// The stamp of the datum that just arrived, and that of the result that just left: rates and
+  /// lag.
+  void count_input(Stamp stamp);
+  void count_output(Stamp stamp);
+
+ private:
+  struct Flow {
+    std::size_t count = 0;  ///< since the last report
+    std::optional<Stamp> newest;
+  };
+
+  void tick();
+  void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void say_losses(const std::vector<Worker::ChannelStatistics>& channels);
+
+  const Worker& worker_;
+  mutable std::mutex mutex_;
+  Level level_ = Level::kOk;
+  std::string state_ = "waiting for data";
+  std::map<std::string, std::string> values_;
+  Flow input_;
+  Flow output_;
+  std::map<std::string, std::size_t> said_losses_;
+  ros::WallTime reported_at_;
+  WarningLimiter limiter_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+
+#include <boost/array.hpp>
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <geometry_msgs/Twist.h>
+#include <geometry_msgs/Vector3.h>
+#include <ros/time.h>
+
+#include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// 6x6 row-major, x y z roll pitch yaw.
+using CovarianceArray = boost::array<double, 36>;
+
+/// Stamps cross the border bit for bit, in integers. Throws InputError where ros::Time cannot hold
+/// the stamp (before 1970 or after 2106).
+ros::Time to_ros(Stamp stamp);
+Stamp from_ros(const ros::Time& time);
+
+geometry_msgs::Pose to_message(const Pose& pose);
+geometry_msgs::Transform to_transform(const Pose& pose);
+/// Throws InputError for values that are not finite or a quaternion whose length is not near 1.
+Pose from_message(const geometry_msgs::Pose& pose);
+Pose from_message(const geometry_msgs::Transform& transform);
+
+geometry_msgs::Vector3 to_message(const Eigen::Vector3d& vector);
+Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector);
+/// Linear, then angular.
+geometry_msgs::Twist to_twist(const Vector6d& twist);
+
+CovarianceArray to_array(const Covariance6& covariance);
+Covariance6 from_array(const CovarianceArray& values);
+
+/// The frame's name without the leading slash of tf 1, which tf2 refuses.
+std::string frame_name(const std::string& frame_id);
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+
+#include <nav_msgs/Odometry.h>
+
+#include "lidar_mapping/common/floor.hpp"
+#include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/loop.hpp"
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+
+// This package's own messages <-> the values of its stages. Both directions keep all fields; the
+// frame and the run's name, which values do not carry, are arguments. What cannot be right (indices
+// that do not fit together, covariances that are not finite) throws InputError.
+namespace lidar_mapping::ros_border {
+
+KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
+                           const std::string& base_frame);
+/// The cloud is null where the message has none.
+KeyFrame from_message(const KeyFrameMessage& message);
+
+KeyFramePosesMessage to_message(const KeyFramePoses& poses, const std::string& run_id,
+                                const std::string& map_frame);
+KeyFramePoses from_message(const KeyFramePosesMessage& message);
+
+LoopMessage to_message(const Loop& loop, const std::string& run_id, const std::string& base_frame);
+Loop from_message(const LoopMessage& message);
+
+LoopVerdictMessage to_message(const LoopVerdict& verdict, const std::string& run_id,
+                              const std::string& base_frame);
+LoopVerdict from_message(const LoopVerdictMessage& message);
+
+FloorMessage to_message(const Floor& floor, const std::string& base_frame);
+Floor from_message(const FloorMessage& message);
+
+/// The status and whether the scan became a key frame.
+FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
+                                 std::uint32_t scans_dropped, const std::string& base_frame);
+
+/// Odometry at the result's stamp. `covariance` is that of T_odom_base (axes of base_link); the
+/// message has it in the axes of `odom_frame`, as its definition wants. The twist's covariance
+/// follows from that of the last motion over `seconds`.
+nav_msgs::Odometry to_odometry(const front_end::FrontEndResult& result,
+                               const Covariance6& covariance, double seconds,
+                               const std::string& odom_frame, const std::string& base_frame);
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <ros/ros.h>
+
+#include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/ros/diagnostics.hpp"
+#include "lidar_mapping/ros/parameters.hpp"
+#include "lidar_mapping/ros/worker.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// What every node has.
+struct NodeContext {
+  NodeContext();
+
+  ros::NodeHandle node;
+  ros::NodeHandle private_node{"~"};
+  Worker worker;
+  Diagnostics diagnostics{node, private_node, worker};
+};
+
+/// Counts messages that were lost on the way: roscpp numbers what a publisher sends.
+class SequenceGaps {
+ public:
+  /// Messages that are missing before this one. A new publisher, or one that starts again, begins
+  /// anew; sources that do not number (always the same number) have no gaps.
+  std::size_t check(const std::string& publisher, std::uint32_t sequence);
+
+ private:
+  std::string publisher_;
+  std::uint32_t newest_ = 0;
+};
+
+/// Whether a topic comes from a node of this package, which numbers its messages without gaps.
+enum class Numbered { kNo, kYes };
+
+/// Subscribes `topic`; `handle` gets the messages in the worker's thread. The callback only posts.
+/// Up to `capacity` messages may wait.
+template <typename Message>
+ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
+                          std::function<void(const boost::shared_ptr<const Message>&)> handle,
+                          Numbered numbered = Numbered::kNo) {
+  const auto channel = context.worker.add_channel(topic, static_cast<std::size_t>(capacity));
+  auto gaps = std::make_shared<SequenceGaps>();
+  const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
+      [&worker = context.worker, channel, numbered, gaps,
+       handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
+        const boost::shared_ptr<const Message> message = event.getConstMessage();
+        if (numbered == Numbered::kYes) {
+          worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));
+        }
+        worker.post(channel, [handle, message] { handle(message); });
+      };
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(
+      topic, static_cast<std::uint32_t>(capacity), callback);
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  return context.node.subscribe(options);
+}
+
+/// Queue of a publisher: subscribers take messages in at once, so few ever wait.
+constexpr std::uint32_t kPublisherQueue = 100;
+
+/// Makes the node, spins until the end and stops the worker before the node goes. Errors of
+/// configuration and files are said a line each. Returns the program's exit status.
+int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make);
+
+/// The body of a node's main. `Node` has a type `Config` with a schema and the constructor
+/// Node(const Config&, NodeContext&); `stage` is the name of its group of parameters. With
+/// --print-config the configuration in force is printed instead.
+template <typename Node>
+int run_node(int argc, char** argv, const std::string& stage) {
+  using Config = typename Node::Config;
+  ros::init(argc, argv, stage + "_node");
+  const bool print = argc > 1 && std::string(argv[1]) == "--print-config";
+  return run([&](NodeContext& context) -> std::shared_ptr<void> {
+    const auto config =
+        config::load<Config>(parameter_sources(context.node, context.private_node, stage));
+    const std::string yaml = config::to_yaml(config);
+    if (print) {
+      std::fputs(yaml.c_str(), stdout);
+      return nullptr;
+    }
+    publish_effective_configuration(context.node, stage, yaml);
+    return std::make_shared<Node>(config, context);
+  });
+}
+
+}  // namespace lidar_mapping::ros_border

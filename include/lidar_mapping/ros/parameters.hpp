@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <XmlRpcValue.h>
+#include <ros/node_handle.h>
+
+#include "lidar_mapping/config/value.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// A parameter as a configuration value. Numbers such as 1e-6, which the YAML reader of rosparam
+/// takes for words, become numbers again. Throws ConfigError for binary data and dates.
+config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& value);
+
+/// What the parameter server holds for a stage, read once: the node's private parameters, and over
+/// them the group of the stage's name beside the node, into which launch files load sensor
+/// overlays.
+std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
+                                              const ros::NodeHandle& private_node,
+                                              const std::string& stage);
+
+/// Leaves the configuration that is in force on the parameter server, for the session to keep:
+/// effective_configuration/<stage>, a YAML text.
+void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,
+                                     const std::string& yaml);
+/// All that nodes have left there, stage by stage, as one text.
+std::string effective_configurations(const ros::NodeHandle& node);
+
+}  // namespace lidar_mapping::ros_border

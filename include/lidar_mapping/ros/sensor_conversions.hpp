@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include <geometry_msgs/TwistStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "lidar_mapping/common/sensor_data.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// An orientation is 'none' where orientation_covariance[0] is -1 (sensor_msgs/Imu) or the
+/// quaternion has no length.
+ImuSample from_message(const sensor_msgs::Imu& message);
+sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id);
+
+VelocitySample from_message(const geometry_msgs::TwistStamped& message);
+geometry_msgs::TwistStamped to_message(const VelocitySample& sample, const std::string& frame_id);
+
+/// A covariance of unknown type is 'none'.
+GnssFix from_message(const sensor_msgs::NavSatFix& message);
+
+/// synced_gnss: position of the antenna (child_frame_id) in East-North-Up (frame_id), its 3x3
+/// covariance, and the orientation of base_link in East-North-Up. Where that is not known the
+/// orientation is the identity and pose.covariance[21] (roll, roll) is -1.
+nav_msgs::Odometry to_message(const GnssPosition& position, const std::string& map_frame,
+                              const std::string& antenna_frame);
+/// `p_base_antenna` is the lever arm that tf gives for the message's child_frame_id.
+GnssPosition from_message(const nav_msgs::Odometry& message, const Eigen::Vector3d& p_base_antenna);
+
+}  // namespace lidar_mapping::ros_border

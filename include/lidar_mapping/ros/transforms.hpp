@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/ros/warning_limiter.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Poses of sensors on the vehicle, from tf. They do not move: a pose that was found once is kept,
+/// and a jump back of time cannot take it away. One thread calls it.
+class SensorFrames {
+ public:
+  /// Pose T_target_source, or nothing while tf does not know it. Never waits. Warns at most once in
+  /// 5 s for a pair, naming both frames. Frames may have tf 1's leading slash.
+  std::optional<Pose> lookup(const std::string& target, const std::string& source);
+
+ private:
+  std::optional<Pose> ask(const std::string& target, const std::string& source);
+
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_{buffer_};
+  std::map<std::pair<std::string, std::string>, Pose> found_;
+  WarningLimiter limiter_;
+};
+
+/// Broadcasts T_parent_child at a stamp of the data.
+class TransformPublisher {
+ public:
+  void send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
+            const std::string& child);
+
+ private:
+  tf2_ros::TransformBroadcaster broadcaster_;
+};
+
+}  // namespace lidar_mapping::ros_border

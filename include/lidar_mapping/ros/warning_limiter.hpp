@@ -1,0 +1,21 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <ros/time.h>
+
+namespace lidar_mapping::ros_border {
+
+/// Keeps repeated warnings down to one in 5 s for each subject, by the wall clock: simulated time,
+/// by which roscpp's own throttle goes, may stand still. One thread calls it.
+class WarningLimiter {
+ public:
+  /// True if the subject may be spoken of now.
+  bool due(const std::string& subject);
+
+ private:
+  std::map<std::string, ros::WallTime> spoken_at_;
+};
+
+}  // namespace lidar_mapping::ros_border

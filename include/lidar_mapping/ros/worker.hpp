@@ -1,0 +1,56 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lidar_mapping::ros_border {
+
+/// The one thread of a node that computes. Callbacks post tasks and return at once; the thread
+/// takes them in the order of their arrival. Every source of tasks has a channel with a bound: when
+/// it is full its oldest task is dropped and counted, so that a slow node stays fresh and its
+/// memory bounded. A long bound makes a node lossless and late instead.
+class Worker {
+ public:
+  using Task = std::function<void()>;
+  using ChannelId = std::size_t;
+
+  /// What stop() does with tasks that wait.
+  enum class OnStop { kDiscard, kDrain };
+
+  struct ChannelStatistics {
+    std::string name;
+    std::size_t waiting = 0;
+    std::size_t handled = 0;
+    std::size_t dropped = 0;  ///< pushed out of the full channel, or discarded at the end
+    std::size_t lost = 0;     ///< never arrived here; see add_lost()
+    std::size_t refused = 0;  ///< ended with an exception
+  };
+
+  /// `on_error(channel, what)` hears of tasks that ended with an exception; the thread goes on.
+  explicit Worker(std::function<void(const std::string&, const std::string&)> on_error);
+  /// Stops.
+  ~Worker();
+
+  ChannelId add_channel(const std::string& name, std::size_t capacity);
+  /// Never blocks. After stop() the task is dropped.
+  void post(ChannelId channel, Task task);
+  /// Counts messages that the transport lost before they could be posted.
+  void add_lost(ChannelId channel, std::size_t count);
+  /// Runs `task` in the thread once after nothing has happened for `after`; again after more work.
+  void set_idle_task(std::chrono::milliseconds after, Task task);
+  void set_on_stop(OnStop policy);
+
+  /// Ends the thread after the task at hand, or after all that wait. May be called again.
+  void stop();
+  std::vector<ChannelStatistics> statistics() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,56 @@
+#include "lidar_mapping/ros/node.hpp"
+
+#include <sstream>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/warning_limiter.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// A line each, so that no log viewer cuts the list.
+void say_fatal(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) ROS_FATAL_STREAM(line);
+}
+
+/// Runs until the end; false if there was nothing to run.
+bool run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
+  NodeContext context;
+  const std::shared_ptr<void> node = make(context);
+  if (!node) return false;
+  ros::spin();
+  context.worker.stop();
+  return true;
+}
+
+}  // namespace
+
+NodeContext::NodeContext()
+    : worker([limiter = WarningLimiter()](const std::string& channel,
+                                          const std::string& what) mutable {
+        if (limiter.due(channel)) ROS_WARN_STREAM(channel << ": message left out: " << what);
+      }) {}
+
+std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequence) {
+  const bool goes_on = publisher == publisher_ && sequence > newest_;
+  const std::size_t missing = goes_on ? sequence - newest_ - 1 : 0;
+  publisher_ = publisher;
+  newest_ = sequence;
+  return missing;
+}
+
+int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
+  try {
+    run_to_end(make);
+    return 0;
+  } catch (const Error& error) {
+    say_fatal(error.what());
+  } catch (const std::exception& error) {
+    say_fatal(std::string("unexpected error: ") + error.what());
+  }
+  return 1;
+}
+
+}  // namespace lidar_mapping::ros_border

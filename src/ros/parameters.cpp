@@ -1,0 +1,85 @@
+#include "lidar_mapping/ros/parameters.hpp"
+
+#include <regex>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+const char* const kEffective = "effective_configuration";
+
+config::Value from_word(const std::string& word) {
+  static const std::regex number(R"([-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+)");
+  if (std::regex_match(word, number)) return {std::stod(word)};
+  return {word};
+}
+
+config::Value from_list(XmlRpc::XmlRpcValue& value) {
+  config::Value::List list;
+  for (int i = 0; i < value.size(); ++i) list.push_back(from_xmlrpc(value[i]));
+  return {list};
+}
+
+config::Value from_group(XmlRpc::XmlRpcValue& value) {
+  config::Value::Map map;
+  for (auto& entry : value) map[entry.first] = from_xmlrpc(entry.second);
+  return {map};
+}
+
+/// An empty group where the server holds nothing of that name.
+config::Source source_at(const ros::NodeHandle& node, const std::string& name) {
+  XmlRpc::XmlRpcValue values;
+  const std::string origin = node.resolveName(name);
+  if (!node.getParam(origin, values) || values.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    return {origin, {config::Value::Map{}}};
+  }
+  return {origin, from_xmlrpc(values)};
+}
+
+}  // namespace
+
+config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& constant) {
+  XmlRpc::XmlRpcValue value = constant;  // its accessors are not const
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return {static_cast<bool>(value)};
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return {static_cast<int>(value)};
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return {static_cast<double>(value)};
+    case XmlRpc::XmlRpcValue::TypeString:
+      return from_word(static_cast<std::string>(value));
+    case XmlRpc::XmlRpcValue::TypeArray:
+      return from_list(value);
+    case XmlRpc::XmlRpcValue::TypeStruct:
+      return from_group(value);
+    case XmlRpc::XmlRpcValue::TypeInvalid:
+      return {};
+    default:
+      throw ConfigError("a parameter holds binary data or a date; give text or numbers");
+  }
+}
+
+std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
+                                              const ros::NodeHandle& private_node,
+                                              const std::string& stage) {
+  return {source_at(private_node, ""), source_at(node, stage)};
+}
+
+void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,
+                                     const std::string& yaml) {
+  node.setParam(std::string(kEffective) + "/" + stage, yaml);
+}
+
+std::string effective_configurations(const ros::NodeHandle& node) {
+  std::string text;
+  for (const auto& [stage, yaml] : config::flattened(source_at(node, kEffective).values)) {
+    text += (text.empty() ? "" : "\n") + std::string("# ---- ") + stage + " ----\n" +
+            config::to_string(yaml);
+  }
+  return text;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,94 @@
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+constexpr double kNone = -1.0;
+constexpr std::size_t kRollRoll = 21;
+
+std::optional<Eigen::Quaterniond> orientation_of(const sensor_msgs::Imu& message) {
+  const auto& q = message.orientation;
+  const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
+  const double length = rotation.norm();
+  if (message.orientation_covariance[0] == kNone || !(length > 0.9 && length < 1.1)) return {};
+  return rotation.normalized();
+}
+
+std_msgs::Header header_of(Stamp stamp, const std::string& frame_id) {
+  std_msgs::Header header;
+  header.stamp = to_ros(stamp);
+  header.frame_id = frame_id;
+  return header;
+}
+
+}  // namespace
+
+ImuSample from_message(const sensor_msgs::Imu& message) {
+  return {from_ros(message.header.stamp), from_message(message.angular_velocity),
+          from_message(message.linear_acceleration), orientation_of(message)};
+}
+
+sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id) {
+  sensor_msgs::Imu message;
+  message.header = header_of(sample.stamp, frame_id);
+  message.angular_velocity = to_message(sample.angular_velocity);
+  message.linear_acceleration = to_message(sample.linear_acceleration);
+  const Pose turn{sample.orientation.value_or(Eigen::Quaterniond::Identity()), {0.0, 0.0, 0.0}};
+  message.orientation = to_message(turn).orientation;
+  message.orientation_covariance[0] = sample.orientation ? 0.0 : kNone;
+  return message;
+}
+
+VelocitySample from_message(const geometry_msgs::TwistStamped& message) {
+  return {from_ros(message.header.stamp), from_message(message.twist.linear),
+          from_message(message.twist.angular)};
+}
+
+geometry_msgs::TwistStamped to_message(const VelocitySample& sample, const std::string& frame_id) {
+  geometry_msgs::TwistStamped message;
+  message.header = header_of(sample.stamp, frame_id);
+  message.twist.linear = to_message(sample.linear);
+  message.twist.angular = to_message(sample.angular);
+  return message;
+}
+
+GnssFix from_message(const sensor_msgs::NavSatFix& message) {
+  GnssFix fix{from_ros(message.header.stamp), message.latitude, message.longitude, message.altitude,
+              message.status.status,          std::nullopt};
+  if (message.position_covariance_type != sensor_msgs::NavSatFix::COVARIANCE_TYPE_UNKNOWN) {
+    fix.covariance = Eigen::Map<const Eigen::Matrix3d>(message.position_covariance.data());
+  }
+  return fix;
+}
+
+nav_msgs::Odometry to_message(const GnssPosition& position, const std::string& map_frame,
+                              const std::string& antenna_frame) {
+  nav_msgs::Odometry message;
+  message.header = header_of(position.stamp, map_frame);
+  message.child_frame_id = antenna_frame;
+  message.pose.pose = to_message(
+      Pose{position.R_enu_base.value_or(Eigen::Quaterniond::Identity()), position.p_enu_antenna});
+  Covariance6 covariance = Covariance6::Zero();
+  covariance.topLeftCorner<3, 3>() = position.covariance;
+  message.pose.covariance = to_array(covariance);
+  if (!position.R_enu_base) message.pose.covariance[kRollRoll] = kNone;
+  return message;
+}
+
+GnssPosition from_message(const nav_msgs::Odometry& message,
+                          const Eigen::Vector3d& p_base_antenna) {
+  const Pose pose = from_message(message.pose.pose);
+  GnssPosition position;
+  position.stamp = from_ros(message.header.stamp);
+  position.p_enu_antenna = pose.translation;
+  position.covariance = from_array(message.pose.covariance).topLeftCorner<3, 3>();
+  position.p_base_antenna = p_base_antenna;
+  if (message.pose.covariance[kRollRoll] != kNone) position.R_enu_base = pose.rotation;
+  return position;
+}
+
+}  // namespace lidar_mapping::ros_border

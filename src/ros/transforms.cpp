@@ -1,0 +1,45 @@
+#include "lidar_mapping/ros/transforms.hpp"
+
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/console.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+std::optional<Pose> SensorFrames::lookup(const std::string& target, const std::string& source) {
+  const std::string to = frame_name(target);
+  const std::string from = frame_name(source);
+  if (to == from) return Pose::Identity();
+  const auto known = found_.find({to, from});
+  if (known != found_.end()) return known->second;
+  const std::optional<Pose> pose = ask(to, from);
+  if (pose) found_[{to, from}] = *pose;
+  return pose;
+}
+
+std::optional<Pose> SensorFrames::ask(const std::string& target, const std::string& source) {
+  try {
+    return from_message(buffer_.lookupTransform(target, source, ros::Time(0)).transform);
+  } catch (const std::exception& error) {
+    if (limiter_.due(target + " " + source)) {
+      ROS_WARN_STREAM("no transform from frame '" << source << "' to '" << target
+                                                  << "' yet: publish it on /tf_static, or mend the "
+                                                     "frame names ("
+                                                  << error.what() << ")");
+    }
+    return std::nullopt;
+  }
+}
+
+void TransformPublisher::send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
+                              const std::string& child) {
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = to_ros(stamp);
+  message.header.frame_id = parent;
+  message.child_frame_id = child;
+  message.transform = to_transform(T_parent_child);
+  broadcaster_.sendTransform(message);
+}
+
+}  // namespace lidar_mapping::ros_border
