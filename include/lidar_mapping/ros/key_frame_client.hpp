@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <ros/node_handle.h>
+
+#include "lidar_mapping/ros/key_frame_feed.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/ros/node.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// What the back end has of the run: its key frames without clouds, and their poses.
+struct RunState {
+  std::string run_id;  ///< empty if no run has begun
+  std::vector<KeyFrame> key_frames;
+  KeyFramePoses poses;
+
+  RunIndices indices() const;
+};
+
+/// Asks the back end through its service get_key_frames. Calls wait for the answer: they belong
+/// into a worker, not into a callback.
+class KeyFrameClient {
+ public:
+  explicit KeyFrameClient(const ros::NodeHandle& node);
+
+  /// Nothing if there is no back end.
+  std::optional<RunState> run();
+  /// These key frames with their clouds; empty if there is no back end.
+  std::vector<RunKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
+
+ private:
+  std::optional<GetKeyFrames::Response> call(const std::vector<KeyFrameIndex>& indices,
+                                             bool clouds);
+  ros::NodeHandle node_;
+};
+
+/// The topic key_frame without holes: a KeyFrameFeed on the worker that fetches from the back end
+/// what this node missed, at the start and whenever there is a gap.
+class KeyFrameSubscription {
+ public:
+  /// `deliver` is called in the worker's thread.
+  KeyFrameSubscription(NodeContext& context, int capacity, KeyFrameFeed::Deliver deliver);
+
+  /// To be called in the worker's thread with every message of key_frame_poses: the back end may
+  /// know key frames of which this node never heard.
+  void note(const KeyFramePosesMessage& message);
+  const KeyFrameFeed& feed() const { return feed_; }
+
+ private:
+  void catch_up();
+
+  KeyFrameClient client_;
+  KeyFrameFeed feed_;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/key_frame.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// A key frame and the run that it belongs to.
+struct RunKeyFrame {
+  std::string run_id;
+  KeyFrame key_frame;
+};
+
+/// Which key frames of which run exist.
+struct RunIndices {
+  std::string run_id;
+  std::vector<KeyFrameIndex> indices;  ///< increasing
+};
+
+/// Hands on every key frame of a run once, in the order of the indices: those that arrive, and
+/// those that this node missed, because it started late, was started again, or the transport lost
+/// them. What is missing is asked for; when nobody has it while five more key frames have come, it
+/// is given up and counted. A key frame of another run begins that run. One thread calls it.
+class KeyFrameFeed {
+ public:
+  /// Key frames with these indices, those that are known; nothing if nobody answers.
+  using Fetch = std::function<std::vector<RunKeyFrame>(const std::vector<KeyFrameIndex>& indices)>;
+  using Deliver = std::function<void(const RunKeyFrame&)>;
+
+  KeyFrameFeed(Fetch fetch, Deliver deliver);
+
+  /// A key frame has arrived.
+  void push(RunKeyFrame key_frame);
+  /// These key frames exist; fetches and hands on those that were not yet.
+  void catch_up(const RunIndices& known);
+
+  const std::string& run_id() const { return run_id_; }
+  /// One more than the newest index that was handed on.
+  KeyFrameIndex next_index() const { return next_; }
+  /// Key frames that were given up.
+  std::size_t missing() const { return missing_; }
+
+ private:
+  void begin_run(const std::string& run_id);
+  void fetch(const std::vector<KeyFrameIndex>& indices);
+  void fetch_gap();
+  void deliver_pending();
+  void deliver_first();
+
+  Fetch fetch_;
+  Deliver deliver_;
+  std::string run_id_;
+  KeyFrameIndex next_ = 0;
+  std::map<KeyFrameIndex, RunKeyFrame> pending_;
+  std::size_t missing_ = 0;
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,91 @@
+#include "lidar_mapping/ros/key_frame_client.hpp"
+
+#include <algorithm>
+
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+const char* const kService = "get_key_frames";
+/// Poses may overtake the key frame that they belong to; a node that far behind missed some.
+constexpr KeyFrameIndex kMissed = 2;
+
+}  // namespace
+
+RunIndices RunState::indices() const {
+  RunIndices result{run_id, {}};
+  for (const KeyFrame& key_frame : key_frames) result.indices.push_back(key_frame.index);
+  std::sort(result.indices.begin(), result.indices.end());
+  return result;
+}
+
+KeyFrameClient::KeyFrameClient(const ros::NodeHandle& node) : node_(node) {}
+
+std::optional<RunState> KeyFrameClient::run() {
+  const auto response = call({}, false);
+  if (!response) return std::nullopt;
+  RunState state;
+  state.run_id = response->poses.run_id;
+  state.poses = from_message(response->poses);
+  for (const KeyFrameMessage& message : response->key_frames) {
+    state.key_frames.push_back(from_message(message));
+    if (state.run_id.empty()) state.run_id = message.run_id;
+  }
+  return state;
+}
+
+std::vector<RunKeyFrame> KeyFrameClient::fetch(const std::vector<KeyFrameIndex>& indices) {
+  std::vector<RunKeyFrame> result;
+  if (indices.empty()) return result;  // an empty list would mean all
+  const auto response = call(indices, true);
+  if (!response) return result;
+  for (const KeyFrameMessage& message : response->key_frames) {
+    result.push_back({message.run_id, from_message(message)});
+  }
+  return result;
+}
+
+std::optional<GetKeyFrames::Response> KeyFrameClient::call(
+    const std::vector<KeyFrameIndex>& indices, bool clouds) {
+  const std::string service = node_.resolveName(kService);
+  GetKeyFrames request;
+  request.request.indices = indices;
+  request.request.clouds = clouds;
+  if (!ros::service::exists(service, false) || !ros::service::call(service, request)) {
+    return std::nullopt;
+  }
+  return std::move(request.response);
+}
+
+KeyFrameSubscription::KeyFrameSubscription(NodeContext& context, int capacity,
+                                           KeyFrameFeed::Deliver deliver)
+    : client_(context.node),
+      feed_([this](const auto& indices) { return client_.fetch(indices); }, std::move(deliver)) {
+  context.worker.post(context.worker.add_channel("catch_up", 1), [this] { catch_up(); });
+  subscriber_ = subscribe<KeyFrameMessage>(context, "key_frame", capacity, [this](const auto& m) {
+    feed_.push({m->run_id, from_message(*m)});
+  });
+}
+
+void KeyFrameSubscription::note(const KeyFramePosesMessage& message) {
+  if (message.indices.empty()) return;
+  const KeyFrameIndex newest = *std::max_element(message.indices.begin(), message.indices.end());
+  if (feed_.run_id().empty() || newest >= feed_.next_index() + kMissed) catch_up();
+}
+
+void KeyFrameSubscription::catch_up() {
+  const auto state = client_.run();
+  if (!state || state->key_frames.empty()) return;
+  // The front end may have begun a run of which the back end has not heard yet.
+  if (!feed_.run_id().empty() && feed_.run_id() != state->run_id) return;
+  const KeyFrameIndex before = feed_.next_index();
+  feed_.catch_up(state->indices());
+  if (feed_.next_index() > before) {
+    ROS_INFO_STREAM("caught up: key frames " << before << " to " << feed_.next_index() - 1
+                                             << " from the back end");
+  }
+}
+
+}  // namespace lidar_mapping::ros_border

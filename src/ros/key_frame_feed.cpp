@@ -1,0 +1,89 @@
+#include "lidar_mapping/ros/key_frame_feed.hpp"
+
+#include <utility>
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Bounds the size of one answer: key frames of 64 beams have about a megabyte.
+constexpr std::size_t kChunk = 10;
+/// So many newer key frames wait for a missing one.
+constexpr std::size_t kPatience = 5;
+
+std::vector<std::vector<KeyFrameIndex>> chunks_of(const std::vector<KeyFrameIndex>& indices) {
+  std::vector<std::vector<KeyFrameIndex>> chunks;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (i % kChunk == 0) chunks.emplace_back();
+    chunks.back().push_back(indices[i]);
+  }
+  return chunks;
+}
+
+}  // namespace
+
+KeyFrameFeed::KeyFrameFeed(Fetch fetch, Deliver deliver)
+    : fetch_(std::move(fetch)), deliver_(std::move(deliver)) {}
+
+void KeyFrameFeed::push(RunKeyFrame key_frame) {
+  if (key_frame.run_id != run_id_) begin_run(key_frame.run_id);
+  const KeyFrameIndex index = key_frame.key_frame.index;
+  if (index < next_) return;
+  pending_.emplace(index, std::move(key_frame));
+  deliver_pending();
+  fetch_gap();
+  while (pending_.size() > kPatience) {
+    missing_ += pending_.begin()->first - next_;
+    deliver_first();
+    deliver_pending();
+  }
+}
+
+void KeyFrameFeed::catch_up(const RunIndices& known) {
+  if (known.run_id != run_id_) begin_run(known.run_id);
+  std::vector<KeyFrameIndex> wanted;
+  for (const KeyFrameIndex index : known.indices) {
+    if (index >= next_) wanted.push_back(index);
+  }
+  for (const auto& chunk : chunks_of(wanted)) {
+    fetch(chunk);
+    // What does not exist need not be waited for.
+    while (!pending_.empty() && pending_.begin()->first <= chunk.back()) deliver_first();
+  }
+  deliver_pending();
+}
+
+void KeyFrameFeed::begin_run(const std::string& run_id) {
+  run_id_ = run_id;
+  next_ = 0;
+  pending_.clear();
+}
+
+void KeyFrameFeed::fetch_gap() {
+  if (pending_.empty()) return;
+  std::vector<KeyFrameIndex> gap;
+  for (KeyFrameIndex index = next_; index < pending_.begin()->first; ++index) gap.push_back(index);
+  for (const auto& chunk : chunks_of(gap)) {
+    fetch(chunk);
+    deliver_pending();
+  }
+}
+
+void KeyFrameFeed::fetch(const std::vector<KeyFrameIndex>& indices) {
+  for (RunKeyFrame& found : fetch_(indices)) {
+    const KeyFrameIndex index = found.key_frame.index;
+    if (found.run_id == run_id_ && index >= next_) pending_.emplace(index, std::move(found));
+  }
+}
+
+void KeyFrameFeed::deliver_pending() {
+  while (!pending_.empty() && pending_.begin()->first == next_) deliver_first();
+}
+
+void KeyFrameFeed::deliver_first() {
+  const auto node = pending_.extract(pending_.begin());
+  next_ = node.key() + 1;
+  deliver_(node.mapped());
+}
+
+}  // namespace lidar_mapping::ros_border
