@@ -1,0 +1,141 @@
+#include "fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+namespace lidar_mapping::registration {
+
+namespace {
+
+// Enough for a share in steps of 0.1 % and for a Hessian; a whole scan would cost more than
+// matching.
+constexpr std::size_t kMaxPoints = 1000;
+constexpr int kPlanePoints = 8;
+// A ring of the sensor that crosses a surface is a line: it says nothing about the surface.
+constexpr double kLeastBreadth = 0.05;      // second axis / first axis, of variances
+constexpr double kGreatestThickness = 0.1;  // third axis / second axis, of variances
+constexpr double kInlierShare = 0.2;        // of max_range
+constexpr double kLeastSigma = 0.01;        // m: no scanner of this class is better
+
+struct Plane {
+  Eigen::Vector3d centroid;
+  Eigen::Vector3d normal;
+};
+
+std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  for (const auto i : indices) centroid += cloud[i].getVector3fMap().cast<double>();
+  centroid /= static_cast<double>(indices.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto i : indices) {
+    const Eigen::Vector3d d = cloud[i].getVector3fMap().cast<double>() - centroid;
+    covariance += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::Vector3d& variances = solver.eigenvalues();
+  if (variances[1] < kLeastBreadth * variances[2]) return std::nullopt;
+  if (variances[0] > kGreatestThickness * variances[1]) return std::nullopt;
+  return Plane{centroid, solver.eigenvectors().col(0)};
+}
+
+/// Distance of a point to the target's plane, and its derivative by the pose's perturbation.
+struct Residual {
+  double value;
+  Vector6d gradient;
+};
+
+Residual residual_of(const Plane& plane, const Eigen::Vector3d& p_source, const Pose& T) {
+  const Eigen::Vector3d normal_source = T.rotation.conjugate() * plane.normal;
+  Residual residual;
+  residual.value = plane.normal.dot(T * p_source - plane.centroid);
+  residual.gradient << normal_source, p_source.cross(normal_source);
+  return residual;
+}
+
+/// Robust standard deviation about zero.
+double scale_of(const std::vector<Residual>& residuals) {
+  std::vector<double> sizes;
+  for (const Residual& r : residuals) sizes.push_back(std::abs(r.value));
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return std::max(1.4826 * *middle, kLeastSigma);
+}
+
+Matrix6d hessian_of(const std::vector<Residual>& residuals) {
+  Matrix6d hessian = Matrix6d::Zero();
+  if (residuals.empty()) return hessian;
+  const double sigma = scale_of(residuals);
+  for (const Residual& r : residuals) {
+    const double u = r.value / (3.0 * sigma);
+    const double weight = 1.0 / ((1.0 + u * u) * (1.0 + u * u));
+    hessian += weight / (sigma * sigma) * r.gradient * r.gradient.transpose();
+  }
+  return hessian;
+}
+
+/// A point of the source and what the target has near it.
+struct Match {
+  double squared_distance;
+  std::optional<Residual> residual;
+};
+
+class Matcher {
+ public:
+  Matcher(const pcl::search::KdTree<pcl::PointXYZ>& tree, const Pose& T_target_source)
+      : tree_(tree), T_target_source_(T_target_source) {}
+
+  std::optional<Match> match(const Eigen::Vector3d& p_source, double max_range) {
+    const Eigen::Vector3f p = (T_target_source_ * p_source).cast<float>();
+    tree_.nearestKSearch(pcl::PointXYZ(p.x(), p.y(), p.z()), kPlanePoints, indices_,
+                         squared_distances_);
+    if (indices_.empty() || squared_distances_[0] > max_range * max_range) return std::nullopt;
+    Match match{squared_distances_[0], std::nullopt};
+    if (const auto plane = fit_plane(*tree_.getInputCloud(), indices_)) {
+      match.residual = residual_of(*plane, p_source, T_target_source_);
+    }
+    return match;
+  }
+
+ private:
+  const pcl::search::KdTree<pcl::PointXYZ>& tree_;
+  Pose T_target_source_;
+  pcl::Indices indices_;
+  std::vector<float> squared_distances_;
+};
+
+/// Distance to the surface where there is one, else to the point.
+double distance_of(const Match& match) {
+  return match.residual ? std::abs(match.residual->value) : std::sqrt(match.squared_distance);
+}
+
+}  // namespace
+
+Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,
+                 const Pose& T_target_source, double max_range) {
+  Fit fit;
+  const std::size_t stride = (source.size() + kMaxPoints - 1) / kMaxPoints;
+  double tried = 0.0, paired = 0.0, believed = 0.0;
+  std::vector<Residual> residuals;
+  Matcher matcher(tree, T_target_source);
+  for (std::size_t i = 0; i < source.size(); i += stride) {
+    tried += 1.0;
+    const auto match = matcher.match(source[i].getVector3fMap().cast<double>(), max_range);
+    if (!match) continue;
+    paired += 1.0;
+    fit.fitness += match->squared_distance;
+    if (distance_of(*match) < kInlierShare * max_range) believed += 1.0;
+    if (match->residual) residuals.push_back(*match->residual);
+  }
+  if (paired == 0.0) return fit;
+  fit.fitness /= paired;
+  fit.overlap = paired / tried;
+  fit.inlier_fraction = believed / tried;
+  fit.hessian = hessian_of(residuals);
+  return fit;
+}
+
+}  // namespace lidar_mapping::registration

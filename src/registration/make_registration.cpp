@@ -1,0 +1,19 @@
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/registration/registration.hpp"
+
+#include "pcl_registration.hpp"
+
+namespace lidar_mapping::registration {
+
+std::unique_ptr<Registration> make_registration(const RegistrationConfig& config) {
+  switch (implemented_by(config.method)) {
+    case Method::kIcp:
+      return make_icp(config);
+    case Method::kGicp:
+      return make_gicp(config);
+    default:
+      return make_pcl_ndt(config);
+  }
+}
+
+}  // namespace lidar_mapping::registration
