@@ -36,7 +36,7 @@ struct Scene {
 };
 
 Scene make_scene(double noise, unsigned seed = 1) {
-  return {test::street_corner(seed, 12000, noise),
+  return {test::street_corner(seed, 20000, noise),
           transformed(test::street_corner(seed + 100, 4000, noise), kTruth.inverse())};
 }
 

@@ -14,10 +14,10 @@ enum class Method { kPclNdt, kIcp, kGicp, kGicpOmp };
 /// metres and angles in radians, whatever the method's library makes of them.
 struct RegistrationConfig {
   Method method = Method::kPclNdt;
-  double resolution = 1.0;               ///< edge of a voxel of the target, m
-  double step_size = 0.1;                ///< longest step of the line search, m
-  double transformation_epsilon = 0.01;  ///< a shorter step ends the search, m
-  double rotation_epsilon = 0.001;       ///< and a smaller turn, rad
+  double resolution = 1.0;                ///< edge of a voxel of the target, m
+  double step_size = 0.1;                 ///< longest step of the line search, m
+  double transformation_epsilon = 0.001;  ///< a shorter step ends the search, m
+  double rotation_epsilon = 0.0001;       ///< and a smaller turn, rad
   int max_iterations = 64;
   double max_correspondence_distance = 2.5;  ///< m
   int correspondence_randomness = 20;        ///< neighbours per covariance
