@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace lidar_mapping::registration {
+
+/// Mean and covariance of the points of a voxel.
+struct Gaussian {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< m^2
+  int count = 0;
+};
+
+/// How a voxel's points become a plane with a weight.
+struct PlaneModel {
+  int min_points = 5;
+  double sigma = 0.015;       ///< m: of a point on a perfect plane
+  double prior_points = 3.0;  ///< so many points of an isotropic blob stand for prior doubt,
+  double prior_sigma = 0.15;  ///< m: of this size
+  double line_ratio = 0.2;    ///< below this ratio of the two large eigenvalues it is a line
+};
+
+/// Plane of a voxel, scaled so that normal . p - offset is the distance of p in standard
+/// deviations. A voxel without a plane has a normal of zero.
+struct WeightedPlane {
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  float offset = 0.0F;
+};
+
+/// Gaussians in a grid of voxels, in one flat hash table that is never rebuilt: points are added
+/// one by one, and voxels that are far away are deleted by a hand that moves on through the table.
+///
+/// Points are floats relative to origin(), which stays near the sensor and is moved in whole
+/// voxels, so that no precision is lost however far the drive goes. Sums are kept relative to the
+/// voxel's centre and do not change when the origin moves. Planes are computed when they are asked
+/// for and again when the voxel has grown by a tenth. One thread at a time uses a map.
+class GaussianVoxelMap {
+ public:
+  /// A table for `capacity` voxels of edge `resolution` (m), rounded up to a power of two.
+  GaussianVoxelMap(double resolution, std::size_t capacity, const PlaneModel& model = {});
+
+  double resolution() const { return resolution_; }
+  std::size_t size() const { return size_; }
+  const Eigen::Vector3i& origin_cell() const { return origin_cell_; }
+  Eigen::Vector3d origin() const { return resolution_ * origin_cell_.cast<double>(); }
+  void set_origin_cell(const Eigen::Vector3i& cell) { origin_cell_ = cell; }
+
+  void clear();
+  /// Adds points; those that find the table full are dropped and counted.
+  void insert(const float* x, const float* y, const float* z, std::size_t count);
+  /// Lets the hand pass over `share` (0 to 1) of the table and deletes what is farther than
+  /// `radius` from `center` (m, relative to the origin).
+  void forget_beyond(const Eigen::Vector3f& center, float radius, double share);
+  std::size_t dropped_points() const { return dropped_points_; }
+
+  /// Slot at which the search for a voxel starts; `cell` counts from the origin's voxel.
+  std::uint32_t slot_hint(const Eigen::Vector3i& cell) const { return slot_of(key_of(cell)); }
+  void prefetch(std::uint32_t slot) const { __builtin_prefetch(&voxels_[slot]); }
+  /// The plane of a voxel relative to the origin.
+  WeightedPlane plane(const Eigen::Vector3i& cell) { return plane(cell, slot_hint(cell)); }
+  WeightedPlane plane(const Eigen::Vector3i& cell, std::uint32_t hint);
+  /// The Gaussian of a voxel relative to the origin; its count is 0 where there is none.
+  Gaussian gaussian(const Eigen::Vector3i& cell) const;
+  /// All voxels, relative to the origin, in the order of their cells.
+  std::vector<Gaussian> gaussians() const;
+
+ private:
+  /// One cache line. Sums are relative to the voxel's centre.
+  struct alignas(64) Voxel {
+    std::uint64_t key = 0;  ///< 0 marks an empty slot
+    std::array<float, 3> sum{};
+    std::array<float, 6> products{};  ///< xx xy xz yy yz zz
+    std::array<float, 3> normal{};
+    float offset = 0.0F;
+    std::uint16_t count = 0;
+    std::uint16_t count_at_plane = 0;
+  };
+
+  std::uint64_t key_of(const Eigen::Vector3i& cell) const;
+  Eigen::Vector3i cell_of(std::uint64_t key) const;
+  std::uint32_t slot_of(std::uint64_t key) const;
+  std::optional<std::uint32_t> find(std::uint64_t key, std::uint32_t hint) const;
+  Voxel* find_or_add(std::uint64_t key);
+  void add_point(float x, float y, float z);
+  void erase(std::uint32_t slot);
+  void update_plane(Voxel& voxel) const;
+  Gaussian gaussian_of(const Voxel& voxel) const;
+
+  double resolution_;
+  float inverse_resolution_;
+  PlaneModel model_;
+  Eigen::Vector3i origin_cell_ = Eigen::Vector3i::Zero();
+  std::vector<Voxel> voxels_;
+  std::uint32_t mask_ = 0;
+  int hash_shift_ = 0;
+  std::uint32_t hand_ = 0;
+  std::size_t size_ = 0;
+  std::size_t dropped_points_ = 0;
+};
+
+}  // namespace lidar_mapping::registration

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+#include "lidar_mapping/registration/ndt_points.hpp"
+
+namespace lidar_mapping::registration {
+
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
+
+/// Pose of the sensor at a reference time and its twist during the sweep (own axes, m/s and rad/s).
+/// Perturbations: that of perturbed() for the pose, then the twist's.
+struct MotionState {
+  Pose T_map_sensor;
+  Vector6d twist = Vector6d::Zero();
+};
+
+MotionState perturbed(const MotionState& state, const Vector12d& d);
+/// The d for which perturbed(a, d) equals b.
+Vector12d difference(const MotionState& a, const MotionState& b);
+
+/// What is known before the match; an information of zero means nothing.
+struct MotionBelief {
+  MotionState state;
+  Matrix12d information = Matrix12d::Zero();
+};
+
+enum class NeighborSearch {
+  kDirect1,  ///< the voxel of the point
+  kDirect7,  ///< and the six that share a face with it
+  kKdTree    ///< all voxels whose mean is within one voxel edge, as a radius search would give them
+};
+
+struct NdtOptions {
+  NeighborSearch neighbor_search = NeighborSearch::kDirect1;
+  /// Distance in standard deviations at which a point loses most of its weight (Geman-McClure).
+  double kernel = 2.5;
+  /// The squared kernel starts that much wider and falls by this factor per iteration.
+  double kernel_widening = 100.0;
+  double kernel_fall = 16.0;
+  int max_iterations = 30;
+  double translation_epsilon = 1e-3;  ///< m
+  double rotation_epsilon = 5e-5;     ///< rad
+  /// Weight of a residual against the prior: below one because neighbouring points err together.
+  double data_weight = 0.3;
+};
+
+/// Where the points fit best, and how well.
+struct NdtMatch {
+  MotionState state;
+  bool converged = false;
+  int iterations = 0;
+  /// Gauss-Newton Hessian of the points alone for the pose, for independent residuals.
+  Matrix6d pose_hessian = Matrix6d::Zero();
+  /// Points (weighted) and prior together.
+  Matrix12d information = Matrix12d::Zero();
+  double quality = 0.0;          ///< mean robust weight of all points, 0 to 1
+  double inlier_fraction = 0.0;  ///< points that the kernel believes / points
+  double overlap = 0.0;          ///< points with a plane / points
+  double fitness = 0.0;          ///< mean squared distance of the inliers to their planes, m^2
+};
+
+/// Aligns points with a GaussianVoxelMap: point to plane of the voxel that a point falls into, with
+/// a robust weight and analytic derivatives, for pose and twist together (doc/front_end.md). Keeps
+/// only scratch memory between calls. One thread at a time uses a matcher.
+class NdtMatcher {
+ public:
+  NdtMatcher();
+  ~NdtMatcher();
+
+  /// Gauss-Newton from `start`; the prior pulls towards prior.state.
+  NdtMatch match(const NdtPoints& points, GaussianVoxelMap& map, const MotionBelief& prior,
+                 const MotionState& start, const NdtOptions& options);
+  /// How well the points fit at `state`, without moving it.
+  NdtMatch evaluate(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state,
+                    const NdtOptions& options);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidar_mapping::registration

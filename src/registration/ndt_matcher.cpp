@@ -1,0 +1,191 @@
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <Eigen/Cholesky>
+
+#include "ndt_kernels.hpp"
+#include "ndt_neighbors.hpp"
+
+namespace lidar_mapping::registration {
+namespace {
+
+/// Normal equations of all points: hessian * d = -gradient, perturbations in the sensor's axes.
+struct NormalEquations {
+  Matrix12d hessian = Matrix12d::Zero();
+  Vector12d gradient = Vector12d::Zero();
+  Matrix6d pose_hessian = Matrix6d::Zero();
+  double weight = 0.0;
+  double paired = 0.0;
+  double inliers = 0.0;
+  double squared_distance = 0.0;
+};
+
+Matrix6d full(const float (&upper)[21]) {
+  Matrix6d matrix;
+  int k = 0;
+  for (int a = 0; a < 6; ++a) {
+    for (int b = a; b < 6; ++b) matrix(a, b) = matrix(b, a) = upper[k++];
+  }
+  return matrix;
+}
+
+/// A point seen s seconds after the reference time moves with the twist as it moves with the pose,
+/// times s. So the blocks of the twist follow from those of the pose, a time slice at a time. The
+/// slice's mean time stands in the Jacobian only, never in the residual: the solution is exact.
+void add_slice(const NdtSums& sums, double s, const Eigen::Matrix3d& R, NormalEquations& sum) {
+  Matrix6d to_map_axes = Matrix6d::Zero();
+  to_map_axes.topLeftCorner<3, 3>() = R;
+  to_map_axes.bottomRightCorner<3, 3>() = R;
+  const Matrix6d H = to_map_axes.transpose() * full(sums.hessian) * to_map_axes;
+  const Vector6d b = to_map_axes.transpose() *
+                     Eigen::Map<const Eigen::Matrix<float, 6, 1>>(sums.gradient).cast<double>();
+  sum.pose_hessian += H;
+  sum.hessian.topLeftCorner<6, 6>() += H;
+  sum.hessian.topRightCorner<6, 6>() += s * H;
+  sum.hessian.bottomLeftCorner<6, 6>() += s * H;
+  sum.hessian.bottomRightCorner<6, 6>() += s * s * H;
+  sum.gradient.head<6>() += b;
+  sum.gradient.tail<6>() += s * b;
+  sum.weight += sums.weight;
+  sum.paired += sums.paired;
+  sum.inliers += sums.inliers;
+  sum.squared_distance += sums.squared_distance;
+}
+
+SweepMotion sweep_motion(const MotionState& state, const Eigen::Vector3d& origin) {
+  SweepMotion motion{};
+  const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> R =
+      state.T_map_sensor.rotation_matrix().cast<float>();
+  const Eigen::Vector3f t = (state.T_map_sensor.translation - origin).cast<float>();
+  const Vector6d& twist = state.twist;
+  std::copy(R.data(), R.data() + 9, motion.rotation);
+  for (int axis = 0; axis < 3; ++axis) {
+    motion.translation[axis] = t[axis];
+    motion.velocity[axis] = static_cast<float>(twist[axis]);
+    motion.angular_velocity[axis] = static_cast<float>(twist[axis + 3]);
+  }
+  return motion;
+}
+
+void judge(const NormalEquations& sum, std::size_t points, NdtMatch& match) {
+  const double count = std::max<double>(1.0, static_cast<double>(points));
+  match.pose_hessian = sum.pose_hessian;
+  match.quality = sum.weight / count;
+  match.inlier_fraction = sum.inliers / count;
+  match.overlap = std::min(1.0, sum.paired / count);
+  match.fitness = sum.inliers > 0.0 ? sum.squared_distance / sum.inliers : 0.0;
+}
+
+}  // namespace
+
+MotionState perturbed(const MotionState& state, const Vector12d& d) {
+  return {perturbed(state.T_map_sensor, Vector6d(d.head<6>())), state.twist + d.tail<6>()};
+}
+
+Vector12d difference(const MotionState& a, const MotionState& b) {
+  Vector12d d;
+  d << difference(a.T_map_sensor, b.T_map_sensor), b.twist - a.twist;
+  return d;
+}
+
+class NdtMatcher::Impl {
+ public:
+  NdtMatch match(const NdtPoints& points, GaussianVoxelMap& map, const MotionBelief& prior,
+                 const MotionState& start, const NdtOptions& options) {
+    begin(points, options);
+    NdtMatch match;
+    match.state = start;
+    const double final_kernel = options.kernel * options.kernel;
+    double kernel = final_kernel * options.kernel_widening;
+    NormalEquations sum;
+    while (match.iterations < options.max_iterations && !match.converged) {
+      ++match.iterations;
+      sum = normal_equations(points, map, match.state, kernel);
+      match.information = options.data_weight * sum.hessian + prior.information;
+      const Vector12d gradient = options.data_weight * sum.gradient +
+                                 prior.information * difference(prior.state, match.state);
+      const Vector12d step = -match.information.ldlt().solve(gradient);
+      if (!step.allFinite()) break;
+      match.state = perturbed(match.state, step);
+      match.converged = kernel <= final_kernel &&
+                        step.head<3>().norm() < options.translation_epsilon &&
+                        step.segment<3>(3).norm() < options.rotation_epsilon;
+      kernel = std::max(final_kernel, kernel / options.kernel_fall);
+    }
+    judge(sum, points.size(), match);
+    return match;
+  }
+
+  NdtMatch evaluate(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state,
+                    const NdtOptions& options) {
+    begin(points, options);
+    NdtMatch match;
+    match.state = state;
+    judge(normal_equations(points, map, state, options.kernel * options.kernel), points.size(),
+          match);
+    return match;
+  }
+
+ private:
+  void begin(const NdtPoints& points, const NdtOptions& options) {
+    const std::size_t size = points.padded_size();
+    for (auto* array : {&rotated_.x, &rotated_.y, &rotated_.z}) array->resize(size);
+    cells_.resize(size);
+    neighbors_.begin(size, options.neighbor_search);
+  }
+
+  NormalEquations normal_equations(const NdtPoints& points, GaussianVoxelMap& map,
+                                   const MotionState& state, double kernel_squared) {
+    const SweepMotion motion = sweep_motion(state, map.origin());
+    const SweepArrays arrays{points.x().data(), points.y().data(), points.z().data(),
+                             points.s().data()};
+    kernels_.place(motion, static_cast<float>(1.0 / map.resolution()), arrays, points.padded_size(),
+                   rotated_.x.data(), rotated_.y.data(), rotated_.z.data(), cells_.data());
+    rotated_.translation = Eigen::Map<const Eigen::Vector3f>(motion.translation);
+    neighbors_.update(cells_, rotated_, map);
+    const Eigen::Matrix3d R = state.T_map_sensor.rotation_matrix();
+    NormalEquations sum;
+    for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
+      for (const NdtPoints::Slice& slice : points.slices()) {
+        const NdtSums sums =
+            slice_sums(slice, neighbor, motion, static_cast<float>(kernel_squared));
+        add_slice(sums, slice.time, R, sum);
+      }
+    }
+    return sum;
+  }
+
+  NdtSums slice_sums(const NdtPoints::Slice& slice, std::size_t neighbor, const SweepMotion& motion,
+                     float kernel_squared) const {
+    const PlaneArrays& planes = neighbors_.planes(neighbor);
+    const std::size_t i = slice.begin;
+    const float* const arrays[4] = {&planes.x[i], &planes.y[i], &planes.z[i], &planes.offset[i]};
+    NdtSums sums{};
+    kernels_.accumulate(&rotated_.x[i], &rotated_.y[i], &rotated_.z[i], arrays, motion.translation,
+                        kernel_squared, slice.end - slice.begin, &sums);
+    return sums;
+  }
+
+  const NdtKernels& kernels_ = ndt_kernels();
+  RotatedPoints rotated_;
+  std::vector<std::int32_t> cells_;
+  NdtNeighbors neighbors_;
+};
+
+NdtMatcher::NdtMatcher() : impl_(std::make_unique<Impl>()) {}
+NdtMatcher::~NdtMatcher() = default;
+
+NdtMatch NdtMatcher::match(const NdtPoints& points, GaussianVoxelMap& map,
+                           const MotionBelief& prior, const MotionState& start,
+                           const NdtOptions& options) {
+  return impl_->match(points, map, prior, start, options);
+}
+
+NdtMatch NdtMatcher::evaluate(const NdtPoints& points, GaussianVoxelMap& map,
+                              const MotionState& state, const NdtOptions& options) {
+  return impl_->evaluate(points, map, state, options);
+}
+
+}  // namespace lidar_mapping::registration
