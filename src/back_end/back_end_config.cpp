@@ -2,8 +2,70 @@
 
 namespace lidar_mapping::back_end {
 
+namespace {
+
+using Config = BackEndConfig;
+
+constexpr config::Range kStddev = {1e-6, 1e3};
+constexpr config::Range kSteps = {1, 1e9};
+
+config::Schema<Config> make_schema() {
+  config::Schema<Config> schema("back_end",
+                                "Pose graph of the drive: constraints and when to solve");
+  schema.boolean("use_gnss", &Config::use_gnss, "Whether GNSS positions are used at all.")
+      .boolean("georeference_only", &Config::georeference_only,
+               "With use_gnss: GNSS only moves the whole map to East-North-Up, without bending it.")
+      .boolean("use_loop_close", &Config::use_loop_close, "Whether loops are used.")
+      .integer("optimize_step_with_key_frame", &Config::optimize_step_with_key_frame, kSteps,
+               "key frames", "Optimise at the latest after so many new key frames.")
+      .integer("optimize_step_with_gnss", &Config::optimize_step_with_gnss, kSteps, "positions",
+               "Optimise at the latest after so many new GNSS positions.")
+      .integer("optimize_step_with_loop", &Config::optimize_step_with_loop, kSteps, "loops",
+               "Optimise after so many new loops.")
+      .real("optimize_min_interval", &Config::optimize_min_interval, {0.0, 1e4}, "s",
+            "Least time between optimisations, by the key frames' stamps.")
+      .real("odometry_drift", &Config::odometry_drift, {0.0, 1.0}, "share of the distance",
+            "Standard deviation that drift adds to a motion's translation.")
+      .real("odometry_drift_deg_per_m", &Config::odometry_drift_deg_per_m, {0.0, 10.0}, "deg/m",
+            "Standard deviation that drift adds to a motion's rotation.")
+      .real("odometry_min_stddev_m", &Config::odometry_min_stddev_m, kStddev, "m",
+            "Added to the covariance of every motion.")
+      .real("odometry_min_stddev_deg", &Config::odometry_min_stddev_deg, kStddev, "deg",
+            "Added to the covariance of every motion.")
+      .real("odometry_degenerate_drift", &Config::odometry_degenerate_drift, {0.0, 10.0},
+            "share of the distance",
+            "Standard deviation added along directions that matching could not observe.")
+      .real("loop_min_stddev_m", &Config::loop_min_stddev_m, kStddev, "m",
+            "Added to the covariance of every loop.")
+      .real("loop_min_stddev_deg", &Config::loop_min_stddev_deg, kStddev, "deg",
+            "Added to the covariance of every loop.")
+      .real("gnss_min_stddev_m", &Config::gnss_min_stddev_m, kStddev, "m",
+            "Least horizontal standard deviation of a GNSS position.")
+      .real("gnss_min_stddev_altitude_m", &Config::gnss_min_stddev_altitude_m, kStddev, "m",
+            "Least standard deviation of a GNSS altitude.")
+      .real("gnss_max_stddev_m", &Config::gnss_max_stddev_m, kStddev, "m",
+            "Positions with a larger horizontal standard deviation are refused.")
+      .real("gnss_correlation_distance", &Config::gnss_correlation_distance, {0.0, 1e4}, "m",
+            "Fixes closer together share one error; their weights are reduced to that of one fix.")
+      .real("gnss_alignment_distance", &Config::gnss_alignment_distance, {1.0, 1e5}, "m",
+            "Least extent of the track before it is turned to East-North-Up.")
+      .real("gnss_alignment_stddev_deg", &Config::gnss_alignment_stddev_deg, {0.01, 10.0}, "deg",
+            "The heading must be known this well before the track is turned to East-North-Up.")
+      .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, robust_kernel_names(),
+              "Kernel of odometry constraints.")
+      .choice("loop_robust_kernel", &Config::loop_robust_kernel, robust_kernel_names(),
+              "Kernel of the loops that are believed.")
+      .choice("gnss_robust_kernel", &Config::gnss_robust_kernel, robust_kernel_names(),
+              "Kernel of the GNSS positions that are believed.")
+      .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
+            "Where the kernels begin to bend.");
+  return schema;
+}
+
+}  // namespace
+
 const config::Schema<BackEndConfig>& BackEndConfig::schema() {
-  static const auto schema = config::Schema<BackEndConfig>("back_end", "Parameters of back_end");
+  static const config::Schema<BackEndConfig> schema = make_schema();
   return schema;
 }
 

@@ -25,7 +25,9 @@ struct OptimizationReport {
   std::size_t gnss_refused = 0;
   double cost_before = 0.0;
   double cost_after = 0.0;
-  double seconds = 0.0;  ///< filled in by who calls solve(); the core owns no clock
+  int iterations = 0;
+  double gnss_rms = 0.0;  ///< m, horizontally, of the newest alignment to East-North-Up
+  double seconds = 0.0;   ///< filled in by who calls solve(); the core owns no clock
 };
 
 /// Everything that solve() needs, as a value: a worker thread solves it while sensor data go on.
@@ -58,7 +60,9 @@ class BackEnd {
 
   /// True when one of the optimise steps of the configuration is reached.
   bool optimization_due() const;
-  std::shared_ptr<const OptimizationProblem> problem() const;
+  /// What there is to solve. `thorough` judges every loop and position anew instead of starting
+  /// from the last judgement (for /optimize_map and the end of a drive).
+  std::shared_ptr<const OptimizationProblem> problem(bool thorough = false) const;
   /// Takes the solution in and returns all poses with a new revision.
   KeyFramePoses apply(const OptimizationSolution& solution);
 

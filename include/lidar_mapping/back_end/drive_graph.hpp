@@ -1,0 +1,71 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/loop.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// A key frame as the graph keeps it.
+struct DriveNode {
+  KeyFrameIndex index = 0;
+  std::uint32_t segment = 0;
+  Stamp stamp = 0;
+  Pose T_odom_base;
+  Pose T_map_base;
+  Covariance6 motion_covariance = Covariance6::Identity();  ///< honest, since the node before
+};
+
+struct DriveLoop {
+  Loop loop;
+  int from = 0;  ///< position in DriveGraph::nodes
+  int to = 0;
+  bool used = false;
+  bool weighed = false;  ///< some solution has judged it
+};
+
+struct DriveGnss {
+  GnssPosition position;
+  int node = 0;
+  bool horizontal_used = false;
+  bool altitude_used = false;
+  bool weighed = false;
+};
+
+/// All that the back end knows of a drive, as values.
+struct DriveGraph {
+  std::vector<DriveNode> nodes;
+  std::vector<DriveLoop> loops;
+  std::vector<DriveGnss> gnss;
+  Pose T_map_first;                 ///< where the prior holds the first node
+  std::vector<bool> in_enu;         ///< per segment number in order of appearance: lies in ENU
+  std::vector<int> segment_starts;  ///< position of each segment's first node
+
+  /// Position of a node's segment in segment_starts.
+  int segment_of(int node) const;
+};
+
+/// For each segment the least segment that loops tie it to. Loops that no solution has judged yet
+/// count if `with_unweighed_loops`.
+std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops);
+
+/// The factor graph of a drive, and what each of its constraints came from.
+struct DriveFactors {
+  FactorGraph graph;
+  std::vector<bool> marked;        ///< per constraint: believed so far, or not judged yet
+  std::vector<int> loop_of;        ///< constraint of each loop; -1: none
+  std::vector<int> horizontal_of;  ///< constraint of each GNSS position; -1: none
+  std::vector<int> altitude_of;
+};
+DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config);
+
+/// Standard deviations of a position as the graph believes them, horizontal and altitude.
+double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config);
+double altitude_stddev(const GnssPosition& position, const BackEndConfig& config);
+bool has_altitude(const GnssPosition& position);
+
+}  // namespace lidar_mapping::back_end

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/back_end/residuals.hpp"
+#include "lidar_mapping/back_end/robust_kernel.hpp"
+#include "lidar_mapping/back_end/tangent.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// A whitened residual on one or two nodes.
+struct Constraint {
+  CostPtr residual;
+  int first = 0;
+  int second = -1;                            ///< -1: a constraint on one node
+  bool switchable = false;                    ///< may be refused when the others contradict it
+  RobustKernel kernel = RobustKernel::kNone;  ///< where it is believed
+  double kernel_size = 1.0;                   ///< standard deviations
+
+  int degrees_of_freedom() const { return residual->num_residuals(); }
+};
+
+/// Nodes with their present states and what ties them. The core of the back end: it knows nothing
+/// of odometry, loops or GNSS.
+struct FactorGraph {
+  bool planar = false;
+  std::vector<StateBlock> states;
+  std::vector<bool> held;  ///< nodes that do not move
+  std::vector<Constraint> constraints;
+
+  int add_node(const Pose& pose, bool hold = false);
+  void add(Constraint constraint) { constraints.push_back(std::move(constraint)); }
+  Pose pose(int node) const;
+  void set_pose(int node, const Pose& pose);
+};
+
+/// Squared whitened norm of a constraint at the present states.
+double chi2(const FactorGraph& graph, const Constraint& constraint);
+/// Sum over the constraints that `used` marks: g2o's chi2, without kernels.
+double total_chi2(const FactorGraph& graph, const std::vector<bool>& used);
+
+/// How a minimisation is run; the defaults are a Gauss-Newton that falls back on damping.
+struct MinimizerSettings {
+  int max_iterations = 50;
+  double initial_radius = 1e10;  ///< of the trust region
+  double function_tolerance = 1e-9;
+};
+
+struct MinimizerSummary {
+  double initial_cost = 0.0;  ///< chi2, with kernels where there are
+  double final_cost = 0.0;
+  int iterations = 0;
+  bool usable = false;  ///< false where the solver failed; the states are then as before
+  std::string message;
+};
+
+/// The loss of a constraint during one minimisation; null for least squares. Who gives it keeps it.
+using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
+
+/// Moves the nodes to the least sum over the `used` constraints (Levenberg-Marquardt in Ceres with
+/// a sparse Cholesky factorisation).
+MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
+                          const MinimizerSettings& settings);
+
+}  // namespace lidar_mapping::back_end

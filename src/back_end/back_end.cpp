@@ -1,0 +1,272 @@
+#include "lidar_mapping/back_end/back_end.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "lidar_mapping/back_end/optimization.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+constexpr std::size_t kWaitingLimit = 1000;
+
+/// Measurements whose key frame has not come yet, bounded.
+template <typename Value>
+class Waiting {
+ public:
+  void add(Stamp stamp, const Value& value) {
+    values_[stamp] = value;
+    if (values_.size() > kWaitingLimit) values_.erase(values_.begin());
+  }
+
+  std::optional<Value> take(Stamp stamp) {
+    const auto found = values_.find(stamp);
+    if (found == values_.end()) return std::nullopt;
+    std::optional<Value> value = found->second;
+    values_.erase(found);
+    return value;
+  }
+
+ private:
+  std::map<Stamp, Value> values_;
+};
+
+bool usable(const GnssPosition& position, const BackEndConfig& config) {
+  const Eigen::Matrix2d covariance = position.covariance.topLeftCorner<2, 2>();
+  if (!position.p_enu_antenna.head<2>().allFinite() || !position.p_base_antenna.allFinite()) {
+    return false;
+  }
+  if (!covariance.allFinite() || covariance(0, 0) <= 0.0 || covariance.determinant() <= 0.0) {
+    return false;
+  }
+  return horizontal_stddev(position, config) <= config.gnss_max_stddev_m;
+}
+
+}  // namespace
+
+class BackEnd::Impl {
+ public:
+  explicit Impl(const BackEndConfig& config) : config_(config) {}
+
+  void add_key_frame(const KeyFrame& key_frame) {
+    check(key_frame);
+    DriveNode node;
+    node.index = key_frame.index;
+    node.segment = key_frame.segment;
+    node.stamp = key_frame.stamp;
+    node.T_odom_base = key_frame.T_odom_base;
+    node.T_map_base =
+        drive_.nodes.empty() ? key_frame.T_odom_base : T_map_odom() * key_frame.T_odom_base;
+    if (drive_.nodes.empty()) drive_.T_map_first = node.T_map_base;
+    if (!drive_.nodes.empty()) {
+      const Pose motion = drive_.nodes.back().T_odom_base.inverse() * node.T_odom_base;
+      node.motion_covariance = odometry_covariance(key_frame.motion_covariance, motion,
+                                                   key_frame.degenerate_directions, config_);
+    }
+    if (drive_.nodes.empty() || drive_.nodes.back().segment != node.segment) {
+      drive_.segment_starts.push_back(size());
+      drive_.in_enu.push_back(false);
+    }
+    drive_.nodes.push_back(node);
+    at_stamp_[node.stamp] = size() - 1;
+    if (const auto position = waiting_gnss_.take(node.stamp)) attach(*position, size() - 1);
+    ++since_.key_frames;
+  }
+
+  bool add_loop(const Loop& loop) {
+    const int from = position_of(loop.from);
+    const int to = position_of(loop.to);
+    if (from < 0 || to < 0 || from == to) return false;
+    if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
+    drive_.loops.push_back({loop, from, to, false, false});
+    ++since_.loops;
+    return true;
+  }
+
+  void add_gnss(const GnssPosition& position) {
+    if (!usable(position, config_)) {
+      ++unusable_gnss_;
+      return;
+    }
+    const auto found = at_stamp_.find(position.stamp);
+    if (found == at_stamp_.end()) {
+      waiting_gnss_.add(position.stamp, position);
+    } else {
+      attach(position, found->second);
+    }
+  }
+
+  void add_imu(const ImuSample&) {}
+  void add_floor(const Floor&) {}
+
+  bool optimization_due() const {
+    if (drive_.nodes.empty()) return false;
+    const double elapsed = to_seconds(drive_.nodes.back().stamp - last_optimization_);
+    if (elapsed >= 0.0 && elapsed < config_.optimize_min_interval) return false;
+    if (config_.use_loop_close && since_.loops >= config_.optimize_step_with_loop) return true;
+    if (config_.use_gnss && since_.gnss >= config_.optimize_step_with_gnss) return true;
+    // Odometry alone has nothing to distribute.
+    const bool anything = (config_.use_loop_close && !drive_.loops.empty()) ||
+                          (config_.use_gnss && !drive_.gnss.empty());
+    return anything && since_.key_frames >= config_.optimize_step_with_key_frame;
+  }
+
+  std::shared_ptr<const OptimizationProblem> problem(bool thorough) const {
+    auto problem = std::make_shared<OptimizationProblem>();
+    problem->config = config_;
+    problem->drive = drive_;
+    problem->thorough = thorough;
+    return problem;
+  }
+
+  KeyFramePoses apply(const OptimizationSolution& solution) {
+    const DriveGraph& solved = solution.drive;
+    if (solved.nodes.empty() || solved.nodes.size() > drive_.nodes.size()) return poses();
+    take_poses(solved);
+    take_judgements(solved);
+    ++revision_;
+    return poses();
+  }
+
+  KeyFramePoses poses() const {
+    KeyFramePoses result;
+    result.revision = revision_;
+    result.poses.reserve(drive_.nodes.size());
+    for (const DriveNode& node : drive_.nodes) {
+      result.poses.push_back({node.index, node.stamp, node.T_map_base});
+    }
+    return result;
+  }
+
+  Pose T_map_odom() const {
+    if (drive_.nodes.empty()) return Pose::Identity();
+    return drive_.nodes.back().T_map_base * drive_.nodes.back().T_odom_base.inverse();
+  }
+
+  std::vector<std::pair<Loop, bool>> loops() const {
+    std::vector<std::pair<Loop, bool>> result;
+    for (const DriveLoop& loop : drive_.loops) result.emplace_back(loop.loop, loop.used);
+    return result;
+  }
+
+  PoseGraph graph() const;
+
+ private:
+  struct Counts {
+    int key_frames = 0;
+    int loops = 0;
+    int gnss = 0;
+  };
+
+  int size() const { return static_cast<int>(drive_.nodes.size()); }
+
+  void check(const KeyFrame& key_frame) const {
+    if (!is_finite(key_frame.T_odom_base)) {
+      throw InputError("key frame " + std::to_string(key_frame.index) +
+                       " has a pose that is not finite; the front end must not send it");
+    }
+    if (drive_.nodes.empty() || key_frame.index > drive_.nodes.back().index) return;
+    throw InputError("key frame " + std::to_string(key_frame.index) + " follows key frame " +
+                     std::to_string(drive_.nodes.back().index) +
+                     "; indices must increase over a run");
+  }
+
+  int position_of(KeyFrameIndex index) const {
+    const auto found = std::lower_bound(
+        drive_.nodes.begin(), drive_.nodes.end(), index,
+        [](const DriveNode& node, KeyFrameIndex wanted) { return node.index < wanted; });
+    if (found == drive_.nodes.end() || found->index != index) return -1;
+    return static_cast<int>(found - drive_.nodes.begin());
+  }
+
+  void attach(const GnssPosition& position, int node) {
+    // Ordered by node, because neighbours share their errors.
+    const auto after =
+        std::upper_bound(drive_.gnss.begin(), drive_.gnss.end(), node,
+                         [](int wanted, const DriveGnss& gnss) { return wanted < gnss.node; });
+    drive_.gnss.insert(after, {position, node, false, false, false});
+    ++since_.gnss;
+  }
+
+  void take_poses(const DriveGraph& solved) {
+    drive_.T_map_first = solved.T_map_first;
+    std::copy(solved.in_enu.begin(), solved.in_enu.end(), drive_.in_enu.begin());
+    for (std::size_t i = 0; i < drive_.nodes.size(); ++i) {
+      DriveNode& node = drive_.nodes[i];
+      if (i < solved.nodes.size()) {
+        node.T_map_base = solved.nodes[i].T_map_base;
+      } else {
+        const DriveNode& previous = drive_.nodes[i - 1];
+        node.T_map_base = previous.T_map_base * previous.T_odom_base.inverse() * node.T_odom_base;
+      }
+    }
+  }
+
+  void take_judgements(const DriveGraph& solved) {
+    for (std::size_t i = 0; i < solved.loops.size(); ++i) drive_.loops[i] = solved.loops[i];
+    std::map<Stamp, const DriveGnss*> judged;
+    for (const DriveGnss& gnss : solved.gnss) judged[gnss.position.stamp] = &gnss;
+    for (DriveGnss& gnss : drive_.gnss) {
+      const auto found = judged.find(gnss.position.stamp);
+      if (found != judged.end()) gnss = *found->second;
+    }
+    since_.key_frames = size() - static_cast<int>(solved.nodes.size());
+    since_.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
+    since_.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
+    last_optimization_ = solved.nodes.back().stamp;
+  }
+
+  BackEndConfig config_;
+  DriveGraph drive_;
+  std::map<Stamp, int> at_stamp_;
+  Waiting<GnssPosition> waiting_gnss_;
+  std::size_t unusable_gnss_ = 0;
+  std::uint32_t revision_ = 0;
+  Counts since_;
+  Stamp last_optimization_ = 0;
+};
+
+PoseGraph BackEnd::Impl::graph() const {
+  PoseGraph graph;
+  for (const DriveNode& node : drive_.nodes) graph.nodes.push_back({node.index, node.T_map_base});
+  for (std::size_t i = 1; i < drive_.nodes.size(); ++i) {
+    const DriveNode& a = drive_.nodes[i - 1];
+    const DriveNode& b = drive_.nodes[i];
+    if (a.segment != b.segment) continue;
+    graph.edges.push_back({a.index, b.index, a.T_odom_base.inverse() * b.T_odom_base,
+                           g2o_information(b.motion_covariance)});
+  }
+  for (const DriveLoop& loop : drive_.loops) {
+    if (!loop.used) continue;
+    graph.edges.push_back({loop.loop.from, loop.loop.to, loop.loop.T_from_to,
+                           g2o_information(loop_covariance(loop.loop, config_))});
+  }
+  return graph;
+}
+
+BackEnd::BackEnd(const BackEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+BackEnd::~BackEnd() = default;
+
+void BackEnd::add_key_frame(const KeyFrame& key_frame) { impl_->add_key_frame(key_frame); }
+bool BackEnd::add_loop(const Loop& loop) { return impl_->add_loop(loop); }
+void BackEnd::add_gnss(const GnssPosition& position) { impl_->add_gnss(position); }
+void BackEnd::add_imu(const ImuSample& sample_base) { impl_->add_imu(sample_base); }
+void BackEnd::add_floor(const Floor& floor) { impl_->add_floor(floor); }
+bool BackEnd::optimization_due() const { return impl_->optimization_due(); }
+std::shared_ptr<const OptimizationProblem> BackEnd::problem(bool thorough) const {
+  return impl_->problem(thorough);
+}
+KeyFramePoses BackEnd::apply(const OptimizationSolution& solution) {
+  return impl_->apply(solution);
+}
+KeyFramePoses BackEnd::poses() const { return impl_->poses(); }
+Pose BackEnd::T_map_odom() const { return impl_->T_map_odom(); }
+std::vector<std::pair<Loop, bool>> BackEnd::loops() const { return impl_->loops(); }
+PoseGraph BackEnd::graph() const { return impl_->graph(); }
+
+}  // namespace lidar_mapping::back_end

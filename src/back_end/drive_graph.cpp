@@ -1,0 +1,186 @@
+#include "lidar_mapping/back_end/drive_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "lidar_mapping/back_end/edge_covariance.hpp"
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+// The prior of the first node: where nothing else says where the map is it is the only say; beside
+// GNSS it only keeps the directions that positions cannot observe (the roll about a straight road).
+constexpr double kFirmStddev_m = 1e-3;
+constexpr double kFirmStddev_rad = 1e-4;
+constexpr double kWeakStddev_m = 1e3;
+constexpr double kWeakHeadingStddev_rad = 10.0;
+constexpr double kWeakTiltStddev_rad = 0.05;
+
+Covariance6 firm_prior() { return diagonal_covariance(kFirmStddev_m, kFirmStddev_rad); }
+
+Covariance6 weak_prior(const Pose& T_map_base) {
+  const Eigen::Vector3d up_base = T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  Covariance6 covariance = diagonal_covariance(kWeakStddev_m, kWeakTiltStddev_rad);
+  covariance.bottomRightCorner<3, 3>() +=
+      std::pow(kWeakHeadingStddev_rad, 2) * up_base * up_base.transpose();
+  return covariance;
+}
+
+void add_priors(const DriveGraph& drive, bool with_gnss, FactorGraph& graph) {
+  const std::vector<int> connected = connected_segments(drive, true);
+  for (std::size_t segment = 0; segment < drive.segment_starts.size(); ++segment) {
+    const int node = drive.segment_starts[segment];
+    const Pose& pose =
+        segment == 0 ? drive.T_map_first : drive.nodes[static_cast<std::size_t>(node)].T_map_base;
+    // A segment that hangs on another needs no prior; a weak one keeps it solvable should its
+    // loops be refused.
+    const bool alone = connected[segment] == static_cast<int>(segment);
+    const bool firm = alone && !(with_gnss && drive.in_enu[segment]);
+    const Covariance6 covariance = firm ? firm_prior() : weak_prior(pose);
+    graph.add({prior_residual(pose, g2o_information(covariance)), node});
+  }
+}
+
+void add_odometry(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
+    const DriveNode& previous = drive.nodes[i - 1];
+    const DriveNode& node = drive.nodes[i];
+    if (previous.segment != node.segment) continue;
+    const Pose T_previous_node = previous.T_odom_base.inverse() * node.T_odom_base;
+    const int to = static_cast<int>(i);
+    graph.add({relative_pose_residual(T_previous_node, g2o_information(node.motion_covariance)),
+               to - 1, to, false, config.odometry_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+/// By how much each position's covariance grows because its neighbours share its error.
+std::vector<double> shared_errors(const DriveGraph& drive, const BackEndConfig& config) {
+  std::vector<double> factors(drive.gnss.size(), 1.0);
+  const auto place = [&](std::size_t i) {
+    return drive.nodes[static_cast<std::size_t>(drive.gnss[i].node)].T_odom_base.translation;
+  };
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const std::size_t before = i == 0 ? i : i - 1;
+    const std::size_t after = std::min(i + 1, factors.size() - 1);
+    if (after == before) continue;
+    const double spacing = ((place(i) - place(before)).norm() + (place(after) - place(i)).norm()) /
+                           static_cast<double>(after - before);
+    factors[i] = std::max(1.0, config.gnss_correlation_distance / std::max(spacing, 0.1));
+  }
+  return factors;
+}
+
+/// The segments that hang together with one that lies in East-North-Up.
+std::vector<bool> segments_in_enu(const DriveGraph& drive) {
+  const std::vector<int> connected = connected_segments(drive, true);
+  std::vector<bool> group(connected.size(), false);
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    if (drive.in_enu[s]) group[static_cast<std::size_t>(connected[s])] = true;
+  }
+  std::vector<bool> result(connected.size());
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    result[s] = group[static_cast<std::size_t>(connected[s])];
+  }
+  return result;
+}
+
+Eigen::Matrix2d horizontal_covariance(const GnssPosition& position, const BackEndConfig& config) {
+  const double least = config.gnss_min_stddev_m;
+  return position.covariance.topLeftCorner<2, 2>() + least * least * Eigen::Matrix2d::Identity();
+}
+
+void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
+  const std::vector<bool> in_enu = segments_in_enu(drive);
+  const std::vector<double> growth = shared_errors(drive, config);
+  for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
+    const DriveGnss& gnss = drive.gnss[i];
+    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    const GnssPosition& p = gnss.position;
+    factors.horizontal_of[i] = static_cast<int>(factors.graph.constraints.size());
+    factors.graph.add({antenna_horizontal_residual(p.p_enu_antenna, p.p_base_antenna,
+                                                   growth[i] * horizontal_covariance(p, config)),
+                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    if (!has_altitude(p)) continue;
+    factors.altitude_of[i] = static_cast<int>(factors.graph.constraints.size());
+    factors.graph.add({antenna_altitude_residual(p.p_enu_antenna.z(), p.p_base_antenna,
+                                                 std::sqrt(growth[i]) * altitude_stddev(p, config)),
+                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
+  for (std::size_t i = 0; i < drive.loops.size(); ++i) {
+    const DriveLoop& loop = drive.loops[i];
+    factors.loop_of[i] = static_cast<int>(factors.graph.constraints.size());
+    const Matrix6d information = g2o_information(loop_covariance(loop.loop, config));
+    factors.graph.add({relative_pose_residual(loop.loop.T_from_to, information), loop.from, loop.to,
+                       true, config.loop_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+/// Believed so far, or not judged yet.
+std::vector<bool> marks(const DriveGraph& drive, const DriveFactors& factors) {
+  std::vector<bool> marked(factors.graph.constraints.size(), true);
+  const auto mark = [&](int constraint, bool used, bool weighed) {
+    if (constraint >= 0) marked[static_cast<std::size_t>(constraint)] = used || !weighed;
+  };
+  for (std::size_t i = 0; i < drive.loops.size(); ++i) {
+    mark(factors.loop_of[i], drive.loops[i].used, drive.loops[i].weighed);
+  }
+  for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
+    mark(factors.horizontal_of[i], drive.gnss[i].horizontal_used, drive.gnss[i].weighed);
+    mark(factors.altitude_of[i], drive.gnss[i].altitude_used, drive.gnss[i].weighed);
+  }
+  return marked;
+}
+
+}  // namespace
+
+int DriveGraph::segment_of(int node) const {
+  const auto next = std::upper_bound(segment_starts.begin(), segment_starts.end(), node);
+  return static_cast<int>(next - segment_starts.begin()) - 1;
+}
+
+std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops) {
+  std::vector<int> least(drive.segment_starts.size());
+  std::iota(least.begin(), least.end(), 0);
+  for (const DriveLoop& loop : drive.loops) {
+    if (!loop.used && !(with_unweighed_loops && !loop.weighed)) continue;
+    const int a = least[static_cast<std::size_t>(drive.segment_of(loop.from))];
+    const int b = least[static_cast<std::size_t>(drive.segment_of(loop.to))];
+    std::replace(least.begin(), least.end(), std::max(a, b), std::min(a, b));
+  }
+  return least;
+}
+
+DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) {
+  DriveFactors factors;
+  factors.loop_of.assign(drive.loops.size(), -1);
+  factors.horizontal_of.assign(drive.gnss.size(), -1);
+  factors.altitude_of.assign(drive.gnss.size(), -1);
+  for (const DriveNode& node : drive.nodes) factors.graph.add_node(node.T_map_base);
+  const bool with_gnss = config.use_gnss && !config.georeference_only;
+  add_priors(drive, with_gnss, factors.graph);
+  add_odometry(drive, config, factors.graph);
+  if (config.use_loop_close) add_loops(drive, config, factors);
+  if (with_gnss) add_gnss(drive, config, factors);
+  factors.marked = marks(drive, factors);
+  return factors;
+}
+
+double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config) {
+  return std::sqrt(0.5 * horizontal_covariance(position, config).trace());
+}
+
+double altitude_stddev(const GnssPosition& position, const BackEndConfig& config) {
+  return std::hypot(std::sqrt(position.covariance(2, 2)), config.gnss_min_stddev_altitude_m);
+}
+
+bool has_altitude(const GnssPosition& position) {
+  return std::isfinite(position.p_enu_antenna.z()) && position.covariance(2, 2) > 0.0 &&
+         std::isfinite(position.covariance(2, 2));
+}
+
+}  // namespace lidar_mapping::back_end

@@ -1,0 +1,140 @@
+#include "lidar_mapping/back_end/factor_graph.hpp"
+
+#include <array>
+#include <utility>
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+/// A thick factor pays for supernodal factorisation, a thin one for the leaner simplicial one.
+ceres::SparseLinearAlgebraLibraryType sparse_library(const FactorGraph& graph, int pair_count) {
+  const bool thick = !graph.planar && pair_count > 3 * static_cast<int>(graph.states.size()) / 2;
+  const auto wanted = thick ? ceres::SUITE_SPARSE : ceres::EIGEN_SPARSE;
+  const auto other = thick ? ceres::EIGEN_SPARSE : ceres::SUITE_SPARSE;
+  return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(wanted) ? wanted : other;
+}
+
+ceres::Solver::Options solver_options(const FactorGraph& graph, int pair_count,
+                                      const MinimizerSettings& settings) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = sparse_library(graph, pair_count);
+  options.initial_trust_region_radius = settings.initial_radius;
+  options.max_trust_region_radius = 1e32;
+  options.function_tolerance = settings.function_tolerance;
+  options.gradient_tolerance = 0.0;
+  options.parameter_tolerance = 1e-12;
+  options.max_num_iterations = settings.max_iterations;
+  // One thread: sums over several have an order that changes from run to run.
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+/// The Ceres problem of a graph; built and solved once.
+class GraphProblem {
+ public:
+  explicit GraphProblem(FactorGraph& graph)
+      : graph_(graph), problem_(borrowing_problem_options()), added_(graph.states.size(), false) {}
+
+  void add(const Constraint& constraint, ceres::LossFunction* loss) {
+    double* first = block(constraint.first);
+    if (constraint.second < 0) {
+      problem_.AddResidualBlock(constraint.residual.get(), loss, first);
+      return;
+    }
+    double* second = block(constraint.second);
+    problem_.AddResidualBlock(constraint.residual.get(), loss, first, second);
+    ++pair_count_;
+  }
+
+  MinimizerSummary solve(const MinimizerSettings& settings) {
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver_options(graph_, pair_count_, settings), &problem_, &summary);
+    MinimizerSummary result;
+    result.initial_cost = 2.0 * summary.initial_cost;
+    result.final_cost = 2.0 * summary.final_cost;
+    result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps - 1;
+    result.usable = summary.IsSolutionUsable();
+    result.message = summary.message;
+    return result;
+  }
+
+ private:
+  double* block(int node) {
+    const auto slot = static_cast<std::size_t>(node);
+    double* state = graph_.states[slot].data();
+    if (added_[slot]) return state;
+    added_[slot] = true;
+    if (graph_.planar) {
+      problem_.AddParameterBlock(state, kPlanarBlockSize);
+    } else {
+      add_pose_block(problem_, state, update_);
+    }
+    if (graph_.held[slot]) problem_.SetParameterBlockConstant(state);
+    return state;
+  }
+
+  FactorGraph& graph_;
+  TangentUpdate update_;
+  ceres::Problem problem_;
+  std::vector<bool> added_;
+  int pair_count_ = 0;
+};
+
+}  // namespace
+
+int FactorGraph::add_node(const Pose& pose, bool hold) {
+  states.push_back(planar ? to_planar_block(pose) : to_block(pose));
+  held.push_back(hold);
+  return static_cast<int>(states.size()) - 1;
+}
+
+Pose FactorGraph::pose(int node) const {
+  const double* block = states[static_cast<std::size_t>(node)].data();
+  return planar ? to_planar_pose(block) : to_pose(block);
+}
+
+void FactorGraph::set_pose(int node, const Pose& pose) {
+  states[static_cast<std::size_t>(node)] = planar ? to_planar_block(pose) : to_block(pose);
+}
+
+double chi2(const FactorGraph& graph, const Constraint& constraint) {
+  const std::size_t second =
+      static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
+  const std::array<const double*, 2> blocks = {
+      graph.states[static_cast<std::size_t>(constraint.first)].data(), graph.states[second].data()};
+  std::array<double, 6> residual{};
+  constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
+  double sum = 0.0;
+  for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {
+    sum += residual[static_cast<std::size_t>(i)] * residual[static_cast<std::size_t>(i)];
+  }
+  return sum;
+}
+
+double total_chi2(const FactorGraph& graph, const std::vector<bool>& used) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
+    if (used[i]) sum += chi2(graph, graph.constraints[i]);
+  }
+  return sum;
+}
+
+MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
+                          const MinimizerSettings& settings) {
+  const std::vector<StateBlock> before = graph.states;
+  GraphProblem problem(graph);
+  for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
+    if (used[i]) problem.add(graph.constraints[i], loss_of(graph.constraints[i]));
+  }
+  MinimizerSummary summary = problem.solve(settings);
+  if (!summary.usable) graph.states = before;
+  return summary;
+}
+
+}  // namespace lidar_mapping::back_end

@@ -1,0 +1,180 @@
+#include "lidar_mapping/back_end/gnss_alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+constexpr int kReweightings = 10;
+constexpr std::size_t kPairs = 300;
+// Drift bends a long track by more than the fixes' noise; that must not count as a false fix.
+constexpr double kTrackBend = 0.01;
+
+/// Heading and horizontal shift: p_enu = R(yaw) p_level + shift.
+struct PlanarMotion {
+  double yaw = 0.0;
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+
+  Eigen::Vector2d operator*(const Eigen::Vector2d& p) const {
+    return Eigen::Rotation2Dd(yaw) * p + shift;
+  }
+};
+
+struct LevelSample {
+  Eigen::Vector2d enu;
+  Eigen::Vector2d level;
+  double stddev;
+};
+
+Eigen::Vector2d centre(const std::vector<LevelSample>& samples) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const LevelSample& s : samples) sum += s.level;
+  return sum / static_cast<double>(samples.size());
+}
+
+double extent(const std::vector<LevelSample>& samples) {
+  Eigen::Array2d low = samples.front().level.array();
+  Eigen::Array2d high = low;
+  for (const LevelSample& s : samples) {
+    low = low.min(s.level.array());
+    high = high.max(s.level.array());
+  }
+  return (high - low).matrix().norm();
+}
+
+double misfit(const LevelSample& sample, const PlanarMotion& motion) {
+  return ((motion * sample.level) - sample.enu).norm() / sample.stddev;
+}
+
+std::optional<PlanarMotion> from_pair(const LevelSample& a, const LevelSample& b) {
+  const Eigen::Vector2d along_level = b.level - a.level;
+  const Eigen::Vector2d along_enu = b.enu - a.enu;
+  // Both must be about as far apart, or one of the fixes is false.
+  const double tolerance = 3.0 * (a.stddev + b.stddev);
+  if (std::abs(along_level.norm() - along_enu.norm()) > tolerance) return std::nullopt;
+  PlanarMotion motion;
+  motion.yaw =
+      std::atan2(along_enu.y(), along_enu.x()) - std::atan2(along_level.y(), along_level.x());
+  motion.shift =
+      0.5 * (a.enu + b.enu) - Eigen::Rotation2Dd(motion.yaw) * (0.5 * (a.level + b.level));
+  return motion;
+}
+
+double truncated_misfit(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
+  double sum = 0.0;
+  for (const LevelSample& s : samples) sum += std::min(9.0, std::pow(misfit(s, motion), 2));
+  return sum;
+}
+
+/// The best of motions that two samples half the track apart give.
+PlanarMotion best_of_pairs(const std::vector<LevelSample>& samples) {
+  PlanarMotion best;
+  double least = std::numeric_limits<double>::infinity();
+  const std::size_t gap = samples.size() / 2;
+  const std::size_t step = std::max<std::size_t>(1, (samples.size() - gap) / kPairs);
+  for (std::size_t i = 0; i + gap < samples.size(); i += step) {
+    const auto motion = from_pair(samples[i], samples[i + gap]);
+    if (!motion) continue;
+    const double sum = truncated_misfit(samples, *motion);
+    if (sum >= least) continue;
+    least = sum;
+    best = *motion;
+  }
+  return best;
+}
+
+/// Weighted least squares for heading and shift (Umeyama 1991 in the plane), weights from Cauchy.
+PlanarMotion reweighted(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
+  double weights = 0.0;
+  Eigen::Vector2d mean_level = Eigen::Vector2d::Zero();
+  Eigen::Vector2d mean_enu = Eigen::Vector2d::Zero();
+  std::vector<double> weight_of;
+  for (const LevelSample& s : samples) {
+    const double weight = 1.0 / (s.stddev * s.stddev * (1.0 + std::pow(misfit(s, motion), 2)));
+    weight_of.push_back(weight);
+    weights += weight;
+    mean_level += weight * s.level;
+    mean_enu += weight * s.enu;
+  }
+  mean_level /= weights;
+  mean_enu /= weights;
+  double cosine = 0.0;
+  double sine = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector2d a = samples[i].level - mean_level;
+    const Eigen::Vector2d b = samples[i].enu - mean_enu;
+    cosine += weight_of[i] * a.dot(b);
+    sine += weight_of[i] * (a.x() * b.y() - a.y() * b.x());
+  }
+  PlanarMotion result;
+  result.yaw = std::atan2(sine, cosine);
+  result.shift = mean_enu - Eigen::Rotation2Dd(result.yaw) * mean_level;
+  return result;
+}
+
+double heading_stddev(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
+  const Eigen::Vector2d mean = centre(samples);
+  double information = 0.0;
+  for (const LevelSample& s : samples) {
+    if (misfit(s, motion) > 3.0) continue;
+    information += (s.level - mean).squaredNorm() / (s.stddev * s.stddev);
+  }
+  return 1.0 / std::sqrt(std::max(information, 1e-12));
+}
+
+/// Weighted median of the altitude differences: half of the altitudes may be false.
+double altitude_shift(const std::vector<AlignmentSample>& samples,
+                      const Eigen::Quaterniond& R_level_map) {
+  std::vector<std::pair<double, double>> shifts;
+  double total = 0.0;
+  for (const AlignmentSample& s : samples) {
+    if (!std::isfinite(s.p_enu.z())) continue;
+    const double weight = 1.0 / (s.stddev_altitude * s.stddev_altitude);
+    shifts.emplace_back(s.p_enu.z() - (R_level_map * s.p_map).z(), weight);
+    total += weight;
+  }
+  std::sort(shifts.begin(), shifts.end());
+  double sum = 0.0;
+  for (const auto& [shift, weight] : shifts) {
+    sum += weight;
+    if (sum >= 0.5 * total) return shift;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+std::optional<Alignment> align_to_enu(const std::vector<AlignmentSample>& samples,
+                                      const Eigen::Quaterniond& R_level_map,
+                                      const AlignmentLimits& limits) {
+  if (samples.size() < 3) return std::nullopt;
+  std::vector<LevelSample> level;
+  for (const AlignmentSample& s : samples) {
+    level.push_back({s.p_enu.head<2>(), (R_level_map * s.p_map).head<2>(), s.stddev_horizontal});
+  }
+  const double size = extent(level);
+  if (size < limits.min_extent) return std::nullopt;
+  for (LevelSample& s : level) s.stddev = std::hypot(s.stddev, kTrackBend * size);
+  PlanarMotion motion = best_of_pairs(level);
+  for (int i = 0; i < kReweightings; ++i) motion = reweighted(level, motion);
+
+  Alignment alignment;
+  double squares = 0.0;
+  for (const LevelSample& s : level) {
+    if (misfit(s, motion) > 3.0) continue;
+    squares += (motion * s.level - s.enu).squaredNorm();
+    ++alignment.inliers;
+  }
+  if (2 * alignment.inliers < static_cast<int>(level.size())) return std::nullopt;
+  alignment.heading_stddev = heading_stddev(level, motion);
+  if (alignment.heading_stddev > limits.max_heading_stddev) return std::nullopt;
+  alignment.rms_horizontal = std::sqrt(squares / alignment.inliers);
+  alignment.T_enu_map.rotation = exp_so3({0.0, 0.0, motion.yaw}) * R_level_map;
+  alignment.T_enu_map.translation << motion.shift, altitude_shift(samples, R_level_map);
+  return alignment;
+}
+
+}  // namespace lidar_mapping::back_end

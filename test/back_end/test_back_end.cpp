@@ -1,0 +1,141 @@
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+#include "synthetic_drive.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+using test::DriveSettings;
+using test::SyntheticDrive;
+
+void feed(BackEnd& back_end, const SyntheticDrive& drive) {
+  for (const KeyFrame& key_frame : drive.key_frames) back_end.add_key_frame(key_frame);
+}
+
+void add_lap_loops(BackEnd& back_end, const SyntheticDrive& drive, int lap, int step,
+                   std::mt19937& engine) {
+  const int count = static_cast<int>(drive.truth.size());
+  for (int i = lap; i < count; i += step) {
+    EXPECT_TRUE(back_end.add_loop(test::make_loop(drive, i - lap, i, engine)));
+  }
+}
+
+OptimizationReport optimize(BackEnd& back_end, bool thorough = false) {
+  const auto solution = solve(*back_end.problem(thorough));
+  back_end.apply(*solution);
+  return report_of(*solution);
+}
+
+TEST(BackEnd, FollowsOdometryBeforeAnythingElse) {
+  const SyntheticDrive drive = test::make_drive({1});
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  EXPECT_LT((back_end.poses().poses.back().T_map_base.translation -
+             drive.key_frames.back().T_odom_base.translation)
+                .norm(),
+            1e-9);
+  EXPECT_FALSE(back_end.optimization_due());
+}
+
+TEST(BackEnd, LoopsRemoveDriftWithoutAnyOtherSensor) {
+  const SyntheticDrive drive = test::make_drive();
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  const double before = test::position_rmse(back_end.poses().poses, drive.truth, true);
+  std::mt19937 engine(5);
+  add_lap_loops(back_end, drive, 400, 5, engine);
+  EXPECT_TRUE(back_end.optimization_due());
+  const OptimizationReport report = optimize(back_end);
+  EXPECT_TRUE(report.success) << report.message;
+  EXPECT_EQ(report.loops_refused, 0U);
+  EXPECT_LT(report.cost_after, report.cost_before);
+  const double after = test::position_rmse(back_end.poses().poses, drive.truth, true);
+  EXPECT_LT(after, 0.3);
+  EXPECT_LT(after, 0.3 * before);
+  EXPECT_FALSE(back_end.optimization_due());
+}
+
+TEST(BackEnd, GnssGivesTheMapItsPlaceAndHeading) {
+  DriveSettings settings;
+  settings.start_yaw = 2.0;
+  const SyntheticDrive drive = test::make_drive(settings);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  std::mt19937 engine(5);
+  for (int i = 0; i < static_cast<int>(drive.truth.size()); ++i) {
+    back_end.add_gnss(test::make_gnss(drive, i, engine, 0.02));
+  }
+  add_lap_loops(back_end, drive, 400, 5, engine);
+  const OptimizationReport report = optimize(back_end);
+  EXPECT_TRUE(report.success) << report.message;
+  EXPECT_LT(test::position_rmse(back_end.poses().poses, drive.truth, false), 0.1);
+}
+
+TEST(BackEnd, SwitchesLeaveConstraintsOut) {
+  const SyntheticDrive drive = test::make_drive();
+  BackEndConfig config;
+  config.use_gnss = false;
+  config.use_loop_close = false;
+  BackEnd back_end(config);
+  feed(back_end, drive);
+  std::mt19937 engine(5);
+  for (int i = 0; i < 800; ++i) back_end.add_gnss(test::make_gnss(drive, i, engine, 0.02));
+  add_lap_loops(back_end, drive, 400, 5, engine);
+  EXPECT_FALSE(back_end.optimization_due());
+  const OptimizationReport report = optimize(back_end);
+  EXPECT_EQ(report.loops_used, 0U);
+  EXPECT_EQ(report.gnss_used, 0U);
+  EXPECT_LT((back_end.poses().poses.back().T_map_base.translation -
+             drive.key_frames.back().T_odom_base.translation)
+                .norm(),
+            1e-6);
+}
+
+// F54
+TEST(BackEnd, RefusesLoopsWithIndicesThatMeanNothing) {
+  const SyntheticDrive drive = test::make_drive({1});
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  std::mt19937 engine(5);
+  Loop loop = test::make_loop(drive, 0, 399, engine);
+  loop.to = 100000;
+  EXPECT_FALSE(back_end.add_loop(loop));
+  loop.to = loop.from;
+  EXPECT_FALSE(back_end.add_loop(loop));
+  loop = test::make_loop(drive, 399, 0, engine);
+  EXPECT_TRUE(back_end.add_loop(loop)) << "a loop that runs backwards is still a loop";
+}
+
+TEST(BackEnd, KeepsWhatArrivedWhileItSolved) {
+  const SyntheticDrive drive = test::make_drive();
+  BackEnd back_end(BackEndConfig{});
+  for (int i = 0; i < 700; ++i)
+    back_end.add_key_frame(drive.key_frames[static_cast<std::size_t>(i)]);
+  std::mt19937 engine(5);
+  for (int i = 400; i < 700; i += 5) back_end.add_loop(test::make_loop(drive, i - 400, i, engine));
+  const auto problem = back_end.problem();
+  for (std::size_t i = 700; i < 800; ++i) back_end.add_key_frame(drive.key_frames[i]);
+  back_end.add_loop(test::make_loop(drive, 399, 799, engine));
+  const KeyFramePoses moved = back_end.apply(*solve(*problem));
+  EXPECT_EQ(moved.poses.size(), 800U);
+  EXPECT_EQ(back_end.loops().size(), 61U);
+  const Pose T_699_799 =
+      drive.key_frames[699].T_odom_base.inverse() * drive.key_frames[799].T_odom_base;
+  const Pose expected = moved.poses[699].T_map_base * T_699_799;
+  EXPECT_LT((expected.translation - moved.poses[799].T_map_base.translation).norm(), 1e-9);
+}
+
+TEST(BackEnd, ThrowsForIndicesThatGoBack) {
+  const SyntheticDrive drive = test::make_drive({1});
+  BackEnd back_end(BackEndConfig{});
+  back_end.add_key_frame(drive.key_frames[1]);
+  EXPECT_THROW(back_end.add_key_frame(drive.key_frames[0]), InputError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end
