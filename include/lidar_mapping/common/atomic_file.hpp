@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace lidar_mapping {
+
+/// Calls `write` with the name of a temporary file beside `path` (hidden, ending in .part), brings
+/// what it wrote to the disk and renames it to `path`: a reader sees the old file or the new one,
+/// never half of one, also after a kill or a power failure. Missing folders are made. Throws
+/// FileError; then `path` is as it was and the temporary file is gone.
+void write_atomically(const std::filesystem::path& path,
+                      const std::function<void(const std::filesystem::path& temporary)>& write);
+
+/// The same for a text.
+void write_text_atomically(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace lidar_mapping

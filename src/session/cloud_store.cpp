@@ -1,0 +1,73 @@
+#include "lidar_mapping/session/cloud_store.hpp"
+
+#include <cstdio>
+
+namespace lidar_mapping::session {
+
+namespace {
+
+std::size_t bytes_of(const PointCloud& cloud) { return cloud.points.size() * sizeof(Point); }
+
+}  // namespace
+
+CloudStore::CloudStore(std::filesystem::path folder, std::size_t cache_bytes)
+    : folder_(std::move(folder)), cache_bytes_(cache_bytes) {}
+
+void CloudStore::put(KeyFrameIndex index, const PointCloudPtr& cloud) {
+  write_pcd(file(index), *cloud);
+  keep(index, cloud);
+}
+
+PointCloudPtr CloudStore::cloud(KeyFrameIndex index) {
+  if (PointCloudPtr known = cached(index)) return known;
+  if (!contains(index)) return nullptr;
+  try {
+    auto loaded = std::make_shared<const PointCloud>(read_pcd(file(index)));
+    keep(index, loaded);
+    return loaded;
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+std::filesystem::path CloudStore::file(KeyFrameIndex index) const {
+  char name[32];
+  std::snprintf(name, sizeof name, "%06u.pcd", index);
+  return folder_ / name;
+}
+
+bool CloudStore::contains(KeyFrameIndex index) const {
+  return std::filesystem::is_regular_file(file(index));
+}
+
+std::size_t CloudStore::cached_bytes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return bytes_;
+}
+
+PointCloudPtr CloudStore::cached(KeyFrameIndex index) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = entries_.find(index);
+  if (found == entries_.end()) return nullptr;
+  newest_first_.splice(newest_first_.begin(), newest_first_, found->second);
+  return found->second->cloud;
+}
+
+void CloudStore::keep(KeyFrameIndex index, const PointCloudPtr& cloud) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (const auto found = entries_.find(index); found != entries_.end()) {
+    bytes_ -= bytes_of(*found->second->cloud);
+    newest_first_.erase(found->second);
+    entries_.erase(found);
+  }
+  newest_first_.push_front({index, cloud});
+  entries_[index] = newest_first_.begin();
+  bytes_ += bytes_of(*cloud);
+  while (bytes_ > cache_bytes_) {
+    bytes_ -= bytes_of(*newest_first_.back().cloud);
+    entries_.erase(newest_first_.back().index);
+    newest_first_.pop_back();
+  }
+}
+
+}  // namespace lidar_mapping::session

@@ -1,0 +1,180 @@
+#include "database.hpp"
+
+#include <cstring>
+
+#include <sqlite3.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::session {
+
+namespace {
+
+constexpr int kBusyTimeoutMs = 5000;
+
+[[noreturn]] void fail(sqlite3* database) {
+  const char* file = sqlite3_db_filename(database, "main");
+  throw FileError(std::string(file != nullptr ? file : "session database") + ": " +
+                  sqlite3_errmsg(database));
+}
+
+void check(int code, sqlite3* database) {
+  if (code != SQLITE_OK) fail(database);
+}
+
+int flags_of(Database::Mode mode) {
+  switch (mode) {
+    case Database::Mode::kCreate:
+      return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+    case Database::Mode::kWrite:
+      return SQLITE_OPEN_READWRITE;
+    case Database::Mode::kRead:
+      return SQLITE_OPEN_READONLY;
+  }
+  return SQLITE_OPEN_READONLY;
+}
+
+}  // namespace
+
+Statement::Statement(sqlite3* database, const std::string& sql, const Cells& values)
+    : database_(database) {
+  sqlite3_stmt* statement = nullptr;
+  check(sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr), database);
+  statement_.reset(statement);
+  for (std::size_t i = 0; i < values.size(); ++i) bind(static_cast<int>(i) + 1, values[i]);
+}
+
+void Statement::bind(int position, const Cell& value) {
+  sqlite3_stmt* statement = statement_.get();
+  int code = SQLITE_OK;
+  if (std::holds_alternative<std::nullptr_t>(value)) {
+    code = sqlite3_bind_null(statement, position);
+  } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+    code = sqlite3_bind_int64(statement, position, *integer);
+  } else if (const auto* real = std::get_if<double>(&value)) {
+    code = sqlite3_bind_double(statement, position, *real);
+  } else if (const auto* text = std::get_if<std::string>(&value)) {
+    code = sqlite3_bind_text(statement, position, text->data(), static_cast<int>(text->size()),
+                             SQLITE_TRANSIENT);
+  } else {
+    const Blob& blob = std::get<Blob>(value);
+    code = sqlite3_bind_blob(statement, position, blob.empty() ? nullptr : blob.data(),
+                             static_cast<int>(blob.size() * sizeof(double)), SQLITE_TRANSIENT);
+  }
+  check(code, database_);
+}
+
+bool Statement::step() {
+  column_ = 0;
+  const int code = sqlite3_step(statement_.get());
+  if (code != SQLITE_ROW && code != SQLITE_DONE) fail(database_);
+  return code == SQLITE_ROW;
+}
+
+bool Statement::next_is_null() const {
+  return sqlite3_column_type(statement_.get(), column_) == SQLITE_NULL;
+}
+
+std::int64_t Statement::take_integer() { return sqlite3_column_int64(statement_.get(), column_++); }
+
+double Statement::take_real() { return sqlite3_column_double(statement_.get(), column_++); }
+
+std::string Statement::take_text() {
+  const int column = column_++;
+  const auto* text = sqlite3_column_text(statement_.get(), column);
+  if (text == nullptr) return {};
+  return {reinterpret_cast<const char*>(text),
+          static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+Blob Statement::take_blob() {
+  const int column = column_++;
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  Blob blob(bytes / sizeof(double));
+  if (!blob.empty()) std::memcpy(blob.data(), data, blob.size() * sizeof(double));
+  return blob;
+}
+
+Eigen::Vector3d Statement::take_vector() {
+  const double x = take_real();
+  const double y = take_real();
+  const double z = take_real();
+  return {x, y, z};
+}
+
+Eigen::Quaterniond Statement::take_quaternion() {
+  const Eigen::Vector3d xyz = take_vector();
+  return {take_real(), xyz.x(), xyz.y(), xyz.z()};
+}
+
+Pose Statement::take_pose() {
+  Pose pose;
+  pose.translation = take_vector();
+  pose.rotation = take_quaternion();
+  return pose;
+}
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+Database::Database(const std::filesystem::path& path, Mode mode) {
+  sqlite3* database = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &database, flags_of(mode), nullptr);
+  database_.reset(database);
+  if (code != SQLITE_OK) {
+    throw FileError("cannot open " + path.string() + ": " + sqlite3_errmsg(database));
+  }
+  check(sqlite3_busy_timeout(database, kBusyTimeoutMs), database);
+  if (mode == Mode::kRead) return;
+  execute("PRAGMA journal_mode = WAL");
+  execute("PRAGMA synchronous = NORMAL");
+}
+
+void Database::execute(const std::string& sql) {
+  check(sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr), database_.get());
+}
+
+void Database::run(const std::string& sql, const Cells& values) {
+  Statement(database_.get(), sql, values).step();
+}
+
+Statement Database::query(const std::string& sql, const Cells& values) const {
+  return {database_.get(), sql, values};
+}
+
+void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+
+Transaction::Transaction(Database& database) : database_(database) {
+  database_.execute("BEGIN IMMEDIATE");
+}
+
+Transaction::~Transaction() {
+  if (committed_) return;
+  try {
+    database_.execute("ROLLBACK");
+  } catch (const std::exception&) {
+    // SQLite has rolled back by itself, as it does when the disk is full.
+  }
+}
+
+void Transaction::commit() {
+  database_.execute("COMMIT");
+  committed_ = true;
+}
+
+void append(Cells& cells, const Eigen::Vector3d& vector) {
+  for (const double value : {vector.x(), vector.y(), vector.z()}) cells.emplace_back(value);
+}
+
+void append(Cells& cells, const Eigen::Quaterniond& rotation) {
+  for (const double value : {rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
+    cells.emplace_back(value);
+  }
+}
+
+void append(Cells& cells, const Pose& pose) {
+  append(cells, pose.translation);
+  append(cells, pose.rotation);
+}
+
+}  // namespace lidar_mapping::session

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lidar_mapping/common/pose.hpp"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace lidar_mapping::session {
+
+/// What a cell of a table holds; matrices are blobs of doubles, row by row.
+using Blob = std::vector<double>;
+using Cell = std::variant<std::nullptr_t, std::int64_t, double, std::string, Blob>;
+using Cells = std::vector<Cell>;
+
+/// A prepared statement. After step() returned true, the take_ functions read the row's cells from
+/// left to right. All functions throw FileError.
+class Statement {
+ public:
+  Statement(sqlite3* database, const std::string& sql, const Cells& values);
+
+  bool step();
+  bool next_is_null() const;
+  std::int64_t take_integer();
+  double take_real();
+  std::string take_text();
+  Blob take_blob();
+  Eigen::Vector3d take_vector();
+  Eigen::Quaterniond take_quaternion();
+  Pose take_pose();
+  void skip(int cells) { column_ += cells; }
+
+ private:
+  void bind(int position, const Cell& value);
+
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  sqlite3* database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  int column_ = 0;
+};
+
+/// A SQLite file. Writers use WAL mode, so readers never wait for them. Throws FileError.
+class Database {
+ public:
+  enum class Mode { kCreate, kWrite, kRead };
+  Database(const std::filesystem::path& path, Mode mode);
+
+  void execute(const std::string& sql);
+  void run(const std::string& sql, const Cells& values);
+  Statement query(const std::string& sql, const Cells& values = {}) const;
+
+ private:
+  struct Close {
+    void operator()(sqlite3* database) const;
+  };
+  std::unique_ptr<sqlite3, Close> database_;
+};
+
+/// All or nothing: undone at the end of its scope unless committed.
+class Transaction {
+ public:
+  explicit Transaction(Database& database);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  void commit();
+
+ private:
+  Database& database_;
+  bool committed_ = false;
+};
+
+void append(Cells& cells, const Eigen::Vector3d& vector);
+/// qx qy qz qw.
+void append(Cells& cells, const Eigen::Quaterniond& rotation);
+/// x y z qx qy qz qw.
+void append(Cells& cells, const Pose& pose);
+
+template <typename Matrix>
+Blob to_blob(const Matrix& matrix) {
+  Blob blob;
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+      blob.push_back(matrix(row, column));
+    }
+  }
+  return blob;
+}
+
+/// Fixed-size matrix of a blob; zero where the blob has another size.
+template <typename Matrix>
+Matrix to_matrix(const Blob& blob) {
+  Matrix matrix = Matrix::Zero();
+  if (blob.size() != static_cast<std::size_t>(matrix.size())) return matrix;
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) {
+    matrix(i / matrix.cols(), i % matrix.cols()) = blob[static_cast<std::size_t>(i)];
+  }
+  return matrix;
+}
+
+}  // namespace lidar_mapping::session

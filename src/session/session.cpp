@@ -1,0 +1,252 @@
+#include "lidar_mapping/session/session.hpp"
+
+#include <ctime>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+#include "database.hpp"
+#include "rows.hpp"
+#include "session_folder.hpp"
+#include "session_schema.hpp"
+
+namespace lidar_mapping::session {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kKeptRevisions = 10;
+
+/// "?, ?, ?" for as many cells.
+std::string placeholders(std::size_t count) {
+  std::string text = "?";
+  for (std::size_t i = 1; i < count; ++i) text += ", ?";
+  return text;
+}
+
+std::string indented(const std::string& yaml) {
+  std::string text = yaml.empty() ? "" : "  ";
+  for (std::size_t i = 0; i < yaml.size(); ++i) {
+    text += yaml[i];
+    if (yaml[i] == '\n' && i + 1 < yaml.size() && yaml[i + 1] != '\n') text += "  ";
+  }
+  return text;
+}
+
+}  // namespace
+
+class Session::Impl {
+ public:
+  Impl(fs::path directory_path, Database::Mode mode)
+      : directory(std::move(directory_path)),
+        lock(mode == Database::Mode::kRead ? nullptr : std::make_unique<WriteLock>(directory)),
+        database(directory / "session.db", mode),
+        clouds(directory / "key_frames") {}
+
+  void insert(const std::string& verb, const std::string& table, const Cells& cells) {
+    database.run(verb + " INTO " + table + " VALUES (" + placeholders(cells.size()) + ")", cells);
+  }
+
+  template <typename Value>
+  std::vector<Value> all(const std::string& sql, Value (*read)(Statement&)) const {
+    std::vector<Value> values;
+    for (Statement row = database.query(sql); row.step();) values.push_back(read(row));
+    return values;
+  }
+
+  void set_property(const std::string& name, const Cell& value) {
+    insert("INSERT OR REPLACE", "properties", {name, value});
+  }
+
+  const fs::path directory;
+  const std::unique_ptr<WriteLock> lock;
+  Database database;
+  CloudStore clouds;
+};
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+Session::~Session() = default;
+
+Session Session::create(const fs::path& root, std::time_t now) {
+  return create_in(make_run_folder(root, now));
+}
+
+Session Session::create_in(const fs::path& directory) {
+  if (fs::exists(directory / "session.db")) {
+    throw FileError(directory.string() +
+                    " holds a session already; name another folder or resume it");
+  }
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) throw FileError("cannot make " + directory.string() + ": " + error.message());
+  Session session(std::make_unique<Impl>(directory, Database::Mode::kCreate));
+  create_tables(session.impl_->database);
+  return session;
+}
+
+Session Session::open(const fs::path& directory, Access access) {
+  const auto mode = access == Access::kRead ? Database::Mode::kRead : Database::Mode::kWrite;
+  const fs::path found = find_session(directory);
+  Session session(std::make_unique<Impl>(found, mode));
+  check_tables(session.impl_->database, found / "session.db");
+  return session;
+}
+
+const fs::path& Session::directory() const { return impl_->directory; }
+CloudStore& Session::clouds() const { return impl_->clouds; }
+
+void Session::add_key_frame(const KeyFrame& key_frame) {
+  Statement known = impl_->database.query("SELECT 1 FROM key_frames WHERE key_frame = ?",
+                                          {std::int64_t{key_frame.index}});
+  if (known.step()) {
+    throw InputError("key frame " + std::to_string(key_frame.index) +
+                     " is in the session already; one run must not use an index twice");
+  }
+  if (key_frame.cloud) impl_->clouds.put(key_frame.index, key_frame.cloud);
+  impl_->insert("INSERT", "key_frames", to_cells(key_frame));
+}
+
+void Session::add_loop(const Loop& loop) {
+  Cells cells = to_cells(loop);
+  cells.insert(cells.begin(), nullptr);
+  impl_->insert("INSERT OR REPLACE", "loops", cells);
+}
+
+void Session::add_verdict(const LoopVerdict& verdict) {
+  Cells cells = to_cells(verdict);
+  cells.insert(cells.begin(), nullptr);
+  impl_->insert("INSERT", "loop_verdicts", cells);
+}
+
+void Session::add_gnss(const GnssPosition& position) {
+  impl_->insert("INSERT OR IGNORE", "gnss", to_cells(position));
+}
+
+void Session::add_imu(const ImuSample& sample_base) {
+  impl_->insert("INSERT OR IGNORE", "imu", to_cells(sample_base));
+}
+
+void Session::add_floor(const Floor& floor) {
+  impl_->insert("INSERT OR IGNORE", "floors", to_cells(floor));
+}
+
+void Session::add_scan(const ScanRecord& scan) {
+  impl_->insert("INSERT OR IGNORE", "scans", to_cells(scan));
+}
+
+void Session::add_odometry(Stamp stamp, const Pose& T_odom_base) {
+  Cells cells{stamp};
+  append(cells, T_odom_base);
+  impl_->insert("INSERT OR IGNORE", "odometry", cells);
+}
+
+void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record) {
+  if (!poses.whole) {
+    throw InputError("the session keeps whole sets of poses only; revision " +
+                     std::to_string(poses.revision) + " is a part");
+  }
+  Transaction transaction(impl_->database);
+  const std::int64_t revision = poses.revision;
+  impl_->database.run("DELETE FROM poses WHERE revision = ?", {revision});
+  for (const KeyFramePose& pose : poses.poses) {
+    Cells cells{revision, std::int64_t{pose.index}, pose.stamp};
+    append(cells, pose.T_map_base);
+    impl_->insert("INSERT", "poses", cells);
+  }
+  impl_->database.run("DELETE FROM poses WHERE revision <= ?", {revision - kKeptRevisions});
+  impl_->insert("INSERT OR REPLACE", "revisions", to_cells(record));
+  transaction.commit();
+}
+
+void Session::set_run_id(const std::string& run_id) { impl_->set_property("run_id", run_id); }
+
+void Session::set_datum(const GeodeticDatum& datum) {
+  impl_->set_property("datum", Blob{datum.latitude_deg, datum.longitude_deg, datum.altitude_m});
+}
+
+void Session::set_configuration(const std::string& stage, const std::string& yaml) {
+  impl_->insert("INSERT OR REPLACE", "configurations", {stage, yaml});
+  std::string text;
+  for (const auto& [name, fields] : configurations()) text += name + ":\n" + indented(fields);
+  write_text_atomically(impl_->directory / "config.yaml", text);
+}
+
+std::vector<KeyFrame> Session::key_frames() const {
+  return impl_->all("SELECT * FROM key_frames ORDER BY key_frame", read_key_frame);
+}
+
+std::size_t Session::key_frame_count() const {
+  Statement row = impl_->database.query("SELECT COUNT(*) FROM key_frames");
+  return row.step() ? static_cast<std::size_t>(row.take_integer()) : 0;
+}
+
+std::vector<Loop> Session::loops() const {
+  return impl_->all("SELECT * FROM loops ORDER BY id", read_loop);
+}
+
+std::vector<LoopVerdict> Session::verdicts() const {
+  return impl_->all("SELECT * FROM loop_verdicts ORDER BY id", read_verdict);
+}
+
+std::vector<GnssPosition> Session::gnss() const {
+  return impl_->all("SELECT * FROM gnss ORDER BY stamp", read_gnss);
+}
+
+std::vector<ImuSample> Session::imu() const {
+  return impl_->all("SELECT * FROM imu ORDER BY stamp", read_imu);
+}
+
+std::vector<Floor> Session::floors() const {
+  return impl_->all("SELECT * FROM floors ORDER BY stamp", read_floor);
+}
+
+std::vector<ScanRecord> Session::scans() const {
+  return impl_->all("SELECT * FROM scans ORDER BY stamp", read_scan);
+}
+
+std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
+  return impl_->all("SELECT * FROM odometry ORDER BY stamp", read_odometry);
+}
+
+KeyFramePoses Session::poses() const {
+  KeyFramePoses poses;
+  poses.poses = impl_->all(
+      "SELECT key_frame, stamp, x, y, z, qx, qy, qz, qw FROM poses "
+      "WHERE revision = (SELECT MAX(revision) FROM revisions) ORDER BY key_frame",
+      read_pose);
+  Statement row = impl_->database.query("SELECT MAX(revision) FROM revisions");
+  if (row.step()) poses.revision = static_cast<std::uint32_t>(row.take_integer());
+  return poses;
+}
+
+std::vector<RevisionRecord> Session::revisions() const {
+  return impl_->all("SELECT * FROM revisions ORDER BY revision", read_revision);
+}
+
+std::string Session::run_id() const {
+  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = 'run_id'");
+  return row.step() ? row.take_text() : std::string();
+}
+
+std::optional<GeodeticDatum> Session::datum() const {
+  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = 'datum'");
+  if (!row.step()) return std::nullopt;
+  const Blob values = row.take_blob();
+  if (values.size() != 3) return std::nullopt;
+  return GeodeticDatum{values[0], values[1], values[2]};
+}
+
+std::map<std::string, std::string> Session::configurations() const {
+  std::map<std::string, std::string> result;
+  Statement row = impl_->database.query("SELECT stage, yaml FROM configurations");
+  while (row.step()) {
+    const std::string stage = row.take_text();
+    result[stage] = row.take_text();
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::session

@@ -1,0 +1,80 @@
+#include "session_schema.hpp"
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::session {
+
+namespace {
+
+constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
+constexpr std::int64_t kVersion = 1;
+
+// Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
+// by row, in the order translation, rotation (axes of the child frame).
+constexpr const char* kTables = R"sql(
+CREATE TABLE properties (name TEXT PRIMARY KEY, value) WITHOUT ROWID;
+CREATE TABLE configurations (stage TEXT PRIMARY KEY, yaml TEXT) WITHOUT ROWID;
+CREATE TABLE key_frames (
+  key_frame INTEGER PRIMARY KEY, segment INTEGER, stamp INTEGER,
+  x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,
+  motion_covariance BLOB, degenerate_directions BLOB, points INTEGER);
+CREATE TABLE loops (
+  id INTEGER PRIMARY KEY, from_key_frame INTEGER, to_key_frame INTEGER, stamp INTEGER,
+  x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,
+  covariance BLOB, fitness REAL, overlap REAL, source TEXT,
+  UNIQUE (from_key_frame, to_key_frame));
+CREATE TABLE loop_verdicts (
+  id INTEGER PRIMARY KEY, from_key_frame INTEGER, to_key_frame INTEGER, stamp INTEGER,
+  source TEXT, verdict TEXT, reason TEXT, distance REAL, fitness REAL, overlap REAL,
+  free_space_violation REAL, horizontal_eigenvalue REAL, innovation REAL);
+CREATE TABLE gnss (
+  stamp INTEGER PRIMARY KEY, x REAL, y REAL, z REAL, covariance BLOB,
+  antenna_x REAL, antenna_y REAL, antenna_z REAL, qx REAL, qy REAL, qz REAL, qw REAL);
+CREATE TABLE imu (
+  stamp INTEGER PRIMARY KEY, wx REAL, wy REAL, wz REAL, ax REAL, ay REAL, az REAL,
+  qx REAL, qy REAL, qz REAL, qw REAL);
+CREATE TABLE floors (
+  stamp INTEGER PRIMARY KEY, found INTEGER, nx REAL, ny REAL, nz REAL, offset REAL,
+  covariance BLOB, inliers INTEGER);
+CREATE TABLE scans (
+  stamp INTEGER PRIMARY KEY, state TEXT, fitness REAL, overlap REAL, seconds REAL,
+  scans_dropped INTEGER);
+CREATE TABLE odometry (
+  stamp INTEGER PRIMARY KEY,
+  x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL);
+CREATE TABLE poses (
+  revision INTEGER, key_frame INTEGER, stamp INTEGER,
+  x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,
+  PRIMARY KEY (revision, key_frame)) WITHOUT ROWID;
+CREATE TABLE revisions (
+  revision INTEGER PRIMARY KEY, key_frames INTEGER, loops_used INTEGER, loops_refused INTEGER,
+  gnss_used INTEGER, gnss_refused INTEGER, cost_before REAL, cost_after REAL, seconds REAL);
+)sql";
+
+std::int64_t pragma(const Database& database, const std::string& name) {
+  Statement row = database.query("PRAGMA " + name);
+  return row.step() ? row.take_integer() : 0;
+}
+
+}  // namespace
+
+void create_tables(Database& database) {
+  Transaction transaction(database);
+  database.execute(kTables);
+  database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
+  database.execute("PRAGMA user_version = " + std::to_string(kVersion));
+  transaction.commit();
+}
+
+void check_tables(const Database& database, const std::filesystem::path& path) {
+  if (pragma(database, "application_id") != kApplicationId) {
+    throw FileError(path.string() + " is no session of lidar_mapping");
+  }
+  const std::int64_t version = pragma(database, "user_version");
+  if (version == kVersion) return;
+  throw FileError(path.string() + " has version " + std::to_string(version) +
+                  " of the session's tables, this program knows version " +
+                  std::to_string(kVersion) + "; use the lidar_mapping that made it");
+}
+
+}  // namespace lidar_mapping::session

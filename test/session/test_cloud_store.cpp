@@ -1,0 +1,103 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/session/cloud_store.hpp"
+
+#include "example_values.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::session {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+constexpr std::size_t kBytesOfExample = 100 * sizeof(Point);
+
+TEST(CloudStore, ReadsWhatItWroteFromTheDisk) {
+  const TemporaryFolder folder;
+  CloudStore(folder.path() / "clouds").put(7, example_cloud(100, 7));
+  CloudStore store(folder.path() / "clouds");
+  ASSERT_NE(store.cloud(7), nullptr);
+  expect_equal(*store.cloud(7), *example_cloud(100, 7));
+  EXPECT_EQ(store.file(7).filename(), "000007.pcd");
+}
+
+TEST(CloudStore, KeepsEmptyCloudsToo) {
+  const TemporaryFolder folder;
+  CloudStore(folder.path()).put(0, example_cloud(0, 0));
+  CloudStore store(folder.path());
+  ASSERT_NE(store.cloud(0), nullptr);
+  EXPECT_TRUE(store.cloud(0)->empty());
+}
+
+TEST(CloudStore, CacheStaysWithinItsBound) {
+  const TemporaryFolder folder;
+  CloudStore store(folder.path(), 3 * kBytesOfExample);
+  for (KeyFrameIndex index = 0; index < 20; ++index) {
+    store.put(index, example_cloud(100, static_cast<int>(index)));
+    EXPECT_LE(store.cached_bytes(), 3 * kBytesOfExample);
+  }
+  for (KeyFrameIndex index = 0; index < 20; ++index) {
+    expect_equal(*store.cloud(index), *example_cloud(100, static_cast<int>(index)));
+    EXPECT_LE(store.cached_bytes(), 3 * kBytesOfExample);
+  }
+}
+
+TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
+  const TemporaryFolder folder;
+  CloudStore store(folder.path(), 2 * kBytesOfExample);
+  store.put(0, example_cloud(100, 0));
+  store.put(1, example_cloud(100, 1));
+  const PointCloudPtr zero = store.cloud(0);
+  store.put(2, example_cloud(100, 2));
+  EXPECT_EQ(store.cloud(0), zero) << "still the same object: it was used last";
+}
+
+// F61: a missing or cut file is 'no cloud', never an empty one and never a crash.
+TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
+  const TemporaryFolder folder;
+  CloudStore(folder.path()).put(3, example_cloud(100, 3));
+  CloudStore store(folder.path());
+  EXPECT_EQ(store.cloud(2), nullptr);
+  const auto size = fs::file_size(store.file(3));
+  for (const auto cut : {size - 1, size / 2, std::uintmax_t{40}, std::uintmax_t{0}}) {
+    fs::resize_file(store.file(3), cut);
+    EXPECT_EQ(store.cloud(3), nullptr) << "cut to " << cut << " bytes";
+  }
+}
+
+// F58: a temporary file that an interrupted writer left is no cloud and is in nobody's way.
+TEST(CloudStore, IgnoresTemporaryFilesOfAnInterruptedWriter) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / ".000003.pcd.part") << "half of a file";
+  CloudStore store(folder.path());
+  EXPECT_FALSE(store.contains(3));
+  store.put(3, example_cloud(100, 3));
+  EXPECT_FALSE(fs::exists(folder.path() / ".000003.pcd.part"));
+  EXPECT_EQ(store.cloud(3)->size(), 100U);
+}
+
+TEST(CloudStore, ThrowsWhereItCannotWrite) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "x";
+  CloudStore store(folder.path() / "file");
+  EXPECT_THROW(store.put(0, example_cloud(100, 0)), FileError);
+  EXPECT_EQ(store.cloud(0), nullptr);
+}
+
+TEST(PcdFile, ReadsFilesWithoutIntensity) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "plain.pcd")
+      << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n"
+         "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n1 2 3\n";
+  const PointCloud cloud = read_pcd(folder.path() / "plain.pcd");
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud.points[0].position(), Eigen::Vector3f(1.0F, 2.0F, 3.0F));
+  EXPECT_EQ(cloud.points[0].intensity, 0.0F);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::session

@@ -1,0 +1,294 @@
+#include <csignal>
+#include <fstream>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+#include "example_values.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::session {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+constexpr std::time_t kNow = 1'317'646'533;
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Every file below a folder with its content.
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files[entry.path().string()] = content_of(entry.path());
+  }
+  return files;
+}
+
+// F62: the saved state is complete.
+TEST(Session, GivesKeyFramesBackBitForBit) {
+  const TemporaryFolder folder;
+  {
+    Session session = Session::create_in(folder.path());
+    for (const KeyFrameIndex index : {0U, 1U, 12U}) {
+      session.add_key_frame(example_key_frame(index));
+    }
+  }
+  const Session session = Session::open(folder.path(), Session::Access::kRead);
+  const std::vector<KeyFrame> key_frames = session.key_frames();
+  ASSERT_EQ(key_frames.size(), 3U);
+  const KeyFrame expected = example_key_frame(12);
+  EXPECT_EQ(key_frames[2].index, expected.index);
+  EXPECT_EQ(key_frames[2].segment, expected.segment);
+  EXPECT_EQ(key_frames[2].stamp, expected.stamp);
+  expect_equal(key_frames[2].T_odom_base, expected.T_odom_base);
+  EXPECT_EQ(key_frames[2].motion_covariance, expected.motion_covariance);
+  ASSERT_EQ(key_frames[2].degenerate_directions.size(), 1U);
+  EXPECT_EQ(key_frames[2].degenerate_directions[0], expected.degenerate_directions[0]);
+  ASSERT_NE(session.clouds().cloud(12), nullptr);
+  expect_equal(*session.clouds().cloud(12), *expected.cloud);
+}
+
+TEST(Session, GivesLoopsAndVerdictsBack) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  session.add_loop(example_loop(3, 200));
+  session.add_loop(example_loop(4, 201));
+  Loop better = example_loop(3, 200);
+  better.fitness = 0.01;
+  session.add_loop(better);
+  LoopVerdict verdict;
+  verdict.from = 3;
+  verdict.to = 200;
+  verdict.verdict = Verdict::kRefused;
+  verdict.reason = "fitness 0.5 m^2 > fitness_score_limit 0.2 m^2";
+  verdict.innovation = 7.5;
+  session.add_verdict(verdict);
+
+  const std::vector<Loop> loops = session.loops();
+  ASSERT_EQ(loops.size(), 2U) << "a loop measured again replaces the older measurement";
+  EXPECT_EQ(loops[1].fitness, 0.01);
+  expect_equal(loops[0].T_from_to, example_loop(4, 201).T_from_to);
+  EXPECT_EQ(loops[0].covariance, example_loop(4, 201).covariance);
+  EXPECT_EQ(loops[0].source, LoopSource::kAppearance);
+  ASSERT_EQ(session.verdicts().size(), 1U);
+  EXPECT_EQ(session.verdicts()[0].reason, verdict.reason);
+  EXPECT_EQ(session.verdicts()[0].verdict, Verdict::kRefused);
+  EXPECT_EQ(session.verdicts()[0].innovation, 7.5);
+}
+
+TEST(Session, GivesMeasurementsBackAndKeepsUnknownOrientationsUnknown) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  GnssPosition position;
+  position.stamp = 5;
+  position.p_enu_antenna = {4'649'776.123456789, -2.0, 3.0};
+  position.covariance(0, 1) = 0.25;
+  position.p_base_antenna = {0.1, 0.2, 1.5};
+  session.add_gnss(position);
+  position.stamp = 6;
+  position.R_enu_base = exp_so3({0.1, 0.2, 0.3});
+  session.add_gnss(position);
+  ImuSample sample;
+  sample.stamp = 7;
+  sample.linear_acceleration = {0.0, 0.1, 9.81};
+  session.add_imu(sample);
+  Floor floor;
+  floor.stamp = 8;
+  floor.found = true;
+  floor.offset = 1.73;
+  floor.inliers = 2000;
+  session.add_floor(floor);
+
+  ASSERT_EQ(session.gnss().size(), 2U);
+  EXPECT_EQ(session.gnss()[0].p_enu_antenna, position.p_enu_antenna);
+  EXPECT_EQ(session.gnss()[0].covariance, position.covariance);
+  EXPECT_EQ(session.gnss()[0].p_base_antenna, position.p_base_antenna);
+  EXPECT_FALSE(session.gnss()[0].R_enu_base);
+  ASSERT_TRUE(session.gnss()[1].R_enu_base);
+  EXPECT_EQ(session.gnss()[1].R_enu_base->coeffs(), position.R_enu_base->coeffs());
+  ASSERT_EQ(session.imu().size(), 1U);
+  EXPECT_EQ(session.imu()[0].linear_acceleration, sample.linear_acceleration);
+  EXPECT_FALSE(session.imu()[0].orientation);
+  ASSERT_EQ(session.floors().size(), 1U);
+  EXPECT_TRUE(session.floors()[0].found);
+  EXPECT_EQ(session.floors()[0].offset, 1.73);
+  EXPECT_EQ(session.floors()[0].inliers, 2000);
+}
+
+TEST(Session, GivesScansOdometryAndPropertiesBack) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  EXPECT_FALSE(session.datum());
+  EXPECT_EQ(session.run_id(), "");
+  session.set_run_id("run-7");
+  session.set_datum({48.123456789012, 11.5, 520.25});
+  session.add_scan({9, "tracking", 0.1, 0.9, 0.05, 3});
+  session.add_odometry(9, example_key_frame(1).T_odom_base);
+  session.set_configuration("back_end", "use_gnss: true\n# a sentence\nuse_loop_close: false\n");
+
+  EXPECT_EQ(session.run_id(), "run-7");
+  ASSERT_TRUE(session.datum());
+  EXPECT_EQ(session.datum()->latitude_deg, 48.123456789012);
+  ASSERT_EQ(session.scans().size(), 1U);
+  EXPECT_EQ(session.scans()[0].state, "tracking");
+  EXPECT_EQ(session.scans()[0].scans_dropped, 3);
+  ASSERT_EQ(session.odometry().size(), 1U);
+  expect_equal(session.odometry()[0].second, example_key_frame(1).T_odom_base);
+  EXPECT_EQ(content_of(folder.path() / "config.yaml"),
+            "back_end:\n  use_gnss: true\n  # a sentence\n  use_loop_close: false\n");
+}
+
+TEST(Session, KeepsTheNewestTenRevisionsOfPoses) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  EXPECT_EQ(session.poses().revision, 0U);
+  EXPECT_TRUE(session.poses().poses.empty());
+  for (std::uint32_t revision = 1; revision <= 15; ++revision) {
+    KeyFramePoses poses;
+    poses.revision = revision;
+    Pose pose;
+    pose.translation.x() = revision;
+    poses.poses = {{0, 100, pose}, {1, 200, pose}};
+    RevisionRecord record;
+    record.revision = revision;
+    record.cost_after = 0.5;
+    session.set_poses(poses, record);
+  }
+  EXPECT_EQ(session.poses().revision, 15U);
+  ASSERT_EQ(session.poses().poses.size(), 2U);
+  EXPECT_EQ(session.poses().poses[1].stamp, 200);
+  EXPECT_EQ(session.poses().poses[1].T_map_base.translation.x(), 15.0);
+  EXPECT_EQ(session.revisions().size(), 15U);
+}
+
+TEST(Session, RefusesAnIndexTwiceAndStaysAsItWas) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path());
+  session.add_key_frame(example_key_frame(3));
+  KeyFrame other = example_key_frame(3);
+  other.cloud = example_cloud(7, 99);
+  EXPECT_THROW(session.add_key_frame(other), InputError);
+  EXPECT_EQ(session.clouds().cloud(3)->size(), 100U);
+}
+
+// F56: starting twice leaves the first run untouched.
+TEST(Session, TwoStartsDoNotTouchEachOther) {
+  const TemporaryFolder root;
+  fs::path first;
+  {
+    Session session = Session::create(root.path(), kNow);
+    session.add_key_frame(example_key_frame(0));
+    first = session.directory();
+  }
+  const auto before = files_in(first);
+  const Session second = Session::create(root.path(), kNow);
+  EXPECT_NE(second.directory(), first);
+  EXPECT_EQ(files_in(first), before);
+  EXPECT_EQ(find_session(root.path()), fs::canonical(second.directory()));
+}
+
+// F56: foreign files survive, also one that is named as the link would be.
+TEST(Session, LeavesForeignFilesAlone) {
+  const TemporaryFolder root;
+  std::ofstream(root.path() / "latest") << "not a link";
+  fs::create_directories(root.path() / "key_frames");
+  std::ofstream(root.path() / "key_frames" / "000000.pcd") << "mine";
+  const Session session = Session::create(root.path(), kNow);
+  EXPECT_EQ(content_of(root.path() / "latest"), "not a link");
+  EXPECT_EQ(content_of(root.path() / "key_frames" / "000000.pcd"), "mine");
+  EXPECT_THROW(Session::create_in(session.directory()), FileError);
+}
+
+// F57: parents that are missing are made, in whatever order things start.
+TEST(Session, MakesMissingParents) {
+  const TemporaryFolder root;
+  const Session session = Session::create(root.path() / "a" / "b", kNow);
+  EXPECT_TRUE(fs::exists(session.directory() / "session.db"));
+}
+
+TEST(Session, RefusesASecondWriterAndAllowsReaders) {
+  const TemporaryFolder folder;
+  Session writer = Session::create_in(folder.path());
+  EXPECT_THROW(Session::open(folder.path(), Session::Access::kWrite), FileError);
+  writer.add_key_frame(example_key_frame(0));
+  const Session reader = Session::open(folder.path(), Session::Access::kRead);
+  EXPECT_EQ(reader.key_frame_count(), 1U);
+  writer.add_key_frame(example_key_frame(1));
+  EXPECT_EQ(reader.key_frame_count(), 2U);
+}
+
+TEST(Session, GoesOnAfterItWasOpenedAgain) {
+  const TemporaryFolder folder;
+  Session::create_in(folder.path()).add_key_frame(example_key_frame(0));
+  Session::open(folder.path(), Session::Access::kWrite).add_key_frame(example_key_frame(1));
+  EXPECT_EQ(Session::open(folder.path(), Session::Access::kRead).key_frame_count(), 2U);
+}
+
+// F62: files with missing parts fail cleanly.
+TEST(Session, SaysWhatIsWrongWithAFolderThatIsNoSession) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
+  std::ofstream(folder.path() / "session.db") << std::string(5000, 'x');
+  EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
+  fs::resize_file(folder.path() / "session.db", 0);
+  EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
+}
+
+TEST(Session, RefusesAFolderThatCannotBeMade) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "x";
+  EXPECT_THROW(Session::create(folder.path() / "file" / "root", kNow), FileError);
+}
+
+/// Adds key frames until it is killed; the parent learns of each by a byte.
+[[noreturn]] void write_until_killed(const fs::path& folder, int pipe_end) {
+  Session session = Session::create_in(folder);
+  for (KeyFrameIndex index = 0;; ++index) {
+    session.add_key_frame(example_key_frame(index));
+    session.add_loop(example_loop(0, index + 1));
+    if (::write(pipe_end, "k", 1) != 1) _exit(1);
+  }
+}
+
+// F58, F61: what was said to be kept is kept whole, whenever the process is killed.
+TEST(Session, SurvivesKillAtAnyMoment) {
+  for (int round = 1; round <= 6; ++round) {
+    const TemporaryFolder folder;
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) write_until_killed(folder.path(), ends[1]);
+    char byte;
+    const int wanted = 3 * round;
+    for (int seen = 0; seen < wanted; ++seen) ASSERT_EQ(::read(ends[0], &byte, 1), 1);
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    ::close(ends[0]);
+    ::close(ends[1]);
+
+    Session session = Session::open(folder.path(), Session::Access::kWrite);
+    const std::vector<KeyFrame> key_frames = session.key_frames();
+    ASSERT_GE(key_frames.size(), static_cast<std::size_t>(wanted));
+    for (std::size_t i = 0; i < key_frames.size(); ++i) {
+      EXPECT_EQ(key_frames[i].index, i);
+      const PointCloudPtr cloud = session.clouds().cloud(key_frames[i].index);
+      ASSERT_NE(cloud, nullptr);
+      EXPECT_EQ(cloud->size(), 100U);
+    }
+    session.add_key_frame(example_key_frame(static_cast<KeyFrameIndex>(key_frames.size())));
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::session
