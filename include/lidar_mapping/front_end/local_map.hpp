@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/front_end/scan_sampler.hpp"
+#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// What the sensor has seen around it: a fine map for matching and a coarse one for finding back.
+class LocalMap {
+ public:
+  LocalMap(double voxel_size, double radius);
+
+  void clear();
+  bool empty() const { return fine_.size() == 0; }
+  /// Adds points where the sensor was when it saw them.
+  void insert(const SampledPoints& points, const registration::MotionState& state);
+  /// To be called once per scan: keeps the origin near the sensor and lets go of what is far away.
+  void follow(const Eigen::Vector3d& position);
+
+  registration::GaussianVoxelMap& fine() { return fine_; }
+  registration::GaussianVoxelMap& coarse() { return coarse_; }
+  /// One point per voxel of the fine map, in odom.
+  PointCloud cloud() const;
+
+ private:
+  void move_origin(const Eigen::Vector3d& position);
+
+  double radius_;
+  registration::GaussianVoxelMap fine_;
+  registration::GaussianVoxelMap coarse_;
+  SampledPoints placed_;
+};
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+namespace lidar_mapping::front_end {
+
+using registration::Matrix12d;
+using registration::MotionState;
+using registration::Vector12d;
+
+/// The pose after moving for `seconds` with a constant twist (own axes, m/s and rad/s).
+Pose moved(const Pose& T, const Vector6d& twist, double seconds);
+
+/// Pose and twist of the sensor with their covariance, for perturbed(MotionState, Vector12d). The
+/// twist is constant between scans but for an unknown constant acceleration.
+class MotionFilter {
+ public:
+  MotionFilter(double acceleration_sigma, double angular_acceleration_sigma);
+
+  /// At rest in all that is known, the twist unknown to `speed_sigma` and `rate_sigma`.
+  void reset(const Pose& pose, double speed_sigma, double rate_sigma);
+  /// Moves the state on by `seconds`.
+  void predict(double seconds);
+  /// Takes a measured part of the twist in: twist[first .. first + 2], along `directions` only
+  /// (columns, orthonormal).
+  void measure_twist(int first, const Eigen::Vector3d& measured, double sigma);
+  /// Replaces the state.
+  void set(const MotionState& state, const Matrix12d& covariance);
+
+  const MotionState& state() const { return state_; }
+  const Matrix12d& covariance() const { return covariance_; }
+  registration::MotionBelief belief() const;
+
+ private:
+  double acceleration_sigma_;
+  double angular_acceleration_sigma_;
+  MotionState state_;
+  Matrix12d covariance_ = Matrix12d::Identity();
+};
+
+}  // namespace lidar_mapping::front_end

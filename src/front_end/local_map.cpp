@@ -1,0 +1,84 @@
+#include "lidar_mapping/front_end/local_map.hpp"
+
+#include <cmath>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// Edge of a coarse voxel in fine ones.
+constexpr int kCoarseFactor = 3;
+constexpr std::size_t kFineCapacity = std::size_t{1} << 17;
+constexpr std::size_t kCoarseCapacity = std::size_t{1} << 15;
+/// Share of the tables that is aged per scan.
+constexpr double kAgeingShare = 1.0 / 64.0;
+/// The origin follows the sensor in steps of this length (m).
+constexpr double kOriginStep = 64.0;
+
+/// Planes of large voxels are thick: the weight of a point is to grow with its distance all the
+/// same.
+registration::PlaneModel coarse_model() {
+  registration::PlaneModel model;
+  model.sigma = 0.1;
+  return model;
+}
+
+void place(const SampledPoints& points, const registration::MotionState& state,
+           const Eigen::Vector3d& origin, SampledPoints& placed) {
+  const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
+  const Eigen::Vector3f t = (state.T_map_sensor.translation - origin).cast<float>();
+  const Eigen::Vector3f v = state.twist.head<3>().cast<float>();
+  const Eigen::Vector3f w = state.twist.tail<3>().cast<float>();
+  for (auto* array : {&placed.x, &placed.y, &placed.z}) array->resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p(points.x[i], points.y[i], points.z[i]);
+    const float s = points.s[i];
+    const Eigen::Vector3f velocity = v + w.cross(p);
+    const Eigen::Vector3f q = R * (p + s * (velocity + (0.5F * s) * w.cross(velocity))) + t;
+    placed.x[i] = q.x();
+    placed.y[i] = q.y();
+    placed.z[i] = q.z();
+  }
+}
+
+}  // namespace
+
+LocalMap::LocalMap(double voxel_size, double radius)
+    : radius_(radius),
+      fine_(voxel_size, kFineCapacity),
+      coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, coarse_model()) {}
+
+void LocalMap::clear() {
+  fine_.clear();
+  coarse_.clear();
+}
+
+void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
+  place(points, state, fine_.origin(), placed_);
+  fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size());
+  coarse_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size());
+}
+
+void LocalMap::follow(const Eigen::Vector3d& position) {
+  if ((position - fine_.origin()).cwiseAbs().maxCoeff() > kOriginStep) move_origin(position);
+  const Eigen::Vector3f center = (position - fine_.origin()).cast<float>();
+  fine_.forget_beyond(center, static_cast<float>(radius_), kAgeingShare);
+  coarse_.forget_beyond(center, static_cast<float>(radius_), kAgeingShare);
+}
+
+void LocalMap::move_origin(const Eigen::Vector3d& position) {
+  const Eigen::Vector3i cell =
+      (position / coarse_.resolution()).array().round().matrix().cast<int>();
+  coarse_.set_origin_cell(cell);
+  fine_.set_origin_cell(kCoarseFactor * cell);
+}
+
+PointCloud LocalMap::cloud() const {
+  PointCloud cloud;
+  for (const registration::Gaussian& gaussian : fine_.gaussians()) {
+    const Eigen::Vector3f p = (gaussian.mean + fine_.origin()).cast<float>();
+    cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
+  }
+  return cloud;
+}
+
+}  // namespace lidar_mapping::front_end
