@@ -1,0 +1,109 @@
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kUsualPeriod = 0.1;  // s, where there is no times.txt
+
+/// All elements of a file of plain little-endian values.
+template <typename T>
+std::vector<T> read_array(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) throw FileError("cannot read " + path.string() + "; is it there?");
+  const auto bytes = static_cast<std::size_t>(file.tellg());
+  if (bytes % sizeof(T) != 0) {
+    throw FileError(path.string() + " has " + std::to_string(bytes) + " bytes, no multiple of " +
+                    std::to_string(sizeof(T)) + "; copy it again");
+  }
+  std::vector<T> values(bytes / sizeof(T));
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(bytes));
+  if (!file) throw FileError("cannot read all of " + path.string());
+  return values;
+}
+
+std::vector<std::string> scan_names(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw FileError("no folder " + folder.string());
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".bin") names.push_back(entry.path().stem().string());
+  }
+  if (names.empty()) throw FileError("no .bin files in " + folder.string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<Stamp> read_stamps(const fs::path& path, std::size_t count) {
+  std::vector<Stamp> stamps;
+  std::ifstream file(path);
+  if (!file) {
+    for (std::size_t i = 0; i < count; ++i) {
+      stamps.push_back(from_seconds(kUsualPeriod * static_cast<double>(i)));
+    }
+    return stamps;
+  }
+  double seconds = 0.0;
+  while (file >> seconds) stamps.push_back(from_seconds(seconds));
+  if (stamps.size() < count) {
+    throw FileError(path.string() + " has " + std::to_string(stamps.size()) + " times for " +
+                    std::to_string(count) + " scans");
+  }
+  return stamps;
+}
+
+float time_from_azimuth(const Point& point) {
+  const double turns = -std::atan2(point.y, point.x) / (2.0 * M_PI);
+  return static_cast<float>(turns * kKittiTurn);
+}
+
+}  // namespace
+
+Point raised(const Point& point, double angle) {
+  const double range = std::hypot(point.x, point.y);
+  if (range == 0.0) return point;
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const double scale = (c * range - s * point.z) / range;
+  return {static_cast<float>(scale * point.x), static_cast<float>(scale * point.y),
+          static_cast<float>(s * range + c * point.z), point.intensity};
+}
+
+KittiFolder::KittiFolder(const std::string& path, const KittiReading& reading)
+    : path_(path),
+      reading_(reading),
+      scans_(scan_names(fs::path(path) / "velodyne")),
+      stamps_(read_stamps(fs::path(path) / "times.txt", scans_.size())) {}
+
+Scan KittiFolder::scan(std::size_t index) const {
+  const std::string& name = scans_[index];
+  Scan scan;
+  scan.stamp = stamps_[index];
+  PointCloud& cloud = scan.cloud;
+  cloud.points = read_array<Point>(fs::path(path_) / "velodyne" / (name + ".bin"));
+  const fs::path times = fs::path(path_) / "point_times" / (name + ".f32");
+  if (reading_.time_from_azimuth) {
+    for (const Point& point : cloud.points) cloud.times.push_back(time_from_azimuth(point));
+  } else if (fs::exists(times)) {
+    cloud.times = read_array<float>(times);
+    if (cloud.times.size() != cloud.size()) {
+      throw FileError(times.string() + " has " + std::to_string(cloud.times.size()) +
+                      " times for " + std::to_string(cloud.size()) + " points");
+    }
+  }
+  if (reading_.elevation_correction != 0.0) {
+    for (Point& point : cloud.points) point = raised(point, reading_.elevation_correction);
+  }
+  return scan;
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,97 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+
+namespace lidar_mapping::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+class KittiFolderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() / ("kitti_folder_" + std::to_string(::getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_ / "velodyne");
+    fs::create_directories(folder_ / "point_times");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  template <typename T>
+  void write(const std::string& name, const std::vector<T>& values) const {
+    std::ofstream(folder_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size() * sizeof(T)));
+  }
+  void write_text(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  std::string path() const { return folder_.string(); }
+
+  fs::path folder_;
+};
+
+TEST_F(KittiFolderTest, ReadsScansInTheOrderOfTheirNames) {
+  write<float>("velodyne/000001.bin", {5, 6, 7, 0.5F});
+  write<float>("velodyne/000000.bin", {1, 2, 3, 0.25F, 4, 5, 6, 0});
+  write_text("times.txt", "10.5\n10.75\n");
+  const KittiFolder folder(path());
+  ASSERT_EQ(folder.size(), 2U);
+  EXPECT_EQ(folder.scan(0).cloud.size(), 2U);
+  EXPECT_EQ(folder.scan(0).cloud.points[0].intensity, 0.25F);
+  EXPECT_EQ(folder.scan(1).cloud.points[0].x, 5.0F);
+  EXPECT_EQ(folder.scan(1).stamp, 10750000000);
+  EXPECT_FALSE(folder.scan(0).cloud.has_times());
+}
+
+TEST_F(KittiFolderTest, TakesTenHertzWithoutTimes) {
+  write<float>("velodyne/000000.bin", {1, 2, 3, 0});
+  write<float>("velodyne/000001.bin", {1, 2, 3, 0});
+  EXPECT_EQ(KittiFolder(path()).stamp(1), 100000000);
+}
+
+TEST_F(KittiFolderTest, ReadsTimesOfPoints) {
+  write<float>("velodyne/000000.bin", {1, 2, 3, 0, 4, 5, 6, 0});
+  write<float>("point_times/000000.f32", {-0.05F, 0.05F});
+  EXPECT_EQ(KittiFolder(path()).scan(0).cloud.times, (std::vector<float>{-0.05F, 0.05F}));
+}
+
+TEST_F(KittiFolderTest, MakesTimesFromAzimuth) {
+  write<float>("velodyne/000000.bin", {1, 0, 0, 0, 0, 1, 0, 0, 0, -1, 0, 0});
+  const Scan scan = KittiFolder(path(), {0.0, true}).scan(0);
+  EXPECT_NEAR(scan.cloud.times[0], 0.0, 1e-7);
+  EXPECT_NEAR(scan.cloud.times[1], -0.026, 1e-6);  // the left is seen earlier
+  EXPECT_NEAR(scan.cloud.times[2], 0.026, 1e-6);
+}
+
+TEST_F(KittiFolderTest, RefusesWhatDoesNotFitTogether) {
+  EXPECT_THROW(KittiFolder{path()}, FileError);
+  EXPECT_THROW(KittiFolder{path() + "/nowhere"}, FileError);
+  write<float>("velodyne/000000.bin", {1, 2, 3});
+  EXPECT_THROW(KittiFolder(path()).scan(0), FileError);
+  write<float>("velodyne/000000.bin", {1, 2, 3, 0});
+  write<float>("point_times/000000.f32", {0, 0});
+  EXPECT_THROW(KittiFolder(path()).scan(0), FileError);
+  write_text("times.txt", "");
+  EXPECT_THROW(KittiFolder{path()}, FileError);
+}
+
+TEST(Raised, TurnsAPointUpwardInItsVerticalPlane) {
+  const double angle = 0.1;
+  const Point point{3.0F, -4.0F, -1.0F, 0.7F};
+  const Point up = raised(point, angle);
+  EXPECT_NEAR(std::atan2(up.y, up.x), std::atan2(point.y, point.x), 1e-6);
+  EXPECT_NEAR(std::atan2(up.z, std::hypot(up.x, up.y)), std::atan2(-1.0, 5.0) + angle, 1e-6);
+  EXPECT_NEAR(up.position().norm(), point.position().norm(), 1e-5);
+  EXPECT_EQ(up.intensity, point.intensity);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline
