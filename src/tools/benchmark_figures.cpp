@@ -1,0 +1,122 @@
+#include "benchmark_figures.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <numeric>
+#include <sstream>
+
+#include <sys/resource.h>
+
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/evaluation/trajectory_errors.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using front_end::TrackingState;
+
+double mean_of(const std::vector<double>& values) {
+  return values.empty() ? 0.0
+                        : std::accumulate(values.begin(), values.end(), 0.0) /
+                              static_cast<double>(values.size());
+}
+
+/// The value that `share` of the sorted values do not exceed.
+double quantile(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return 0.0;
+  const auto index = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
+  return sorted[std::min(index, sorted.size() - 1)];
+}
+
+std::size_t count_of(const std::vector<ScanRecord>& records, TrackingState state) {
+  return static_cast<std::size_t>(
+      std::count_if(records.begin(), records.end(),
+                    [=](const ScanRecord& record) { return record.status.state == state; }));
+}
+
+/// Mean over all scans, also over those that did without the step.
+Json step_times(const std::vector<ScanRecord>& records) {
+  Json steps = Json::object();
+  for (const ScanRecord& record : records) {
+    for (const auto& [name, seconds] : record.status.step_seconds) {
+      steps[name] = steps.value(name, 0.0) + 1e3 * seconds / static_cast<double>(records.size());
+    }
+  }
+  return steps;
+}
+
+}  // namespace
+
+double cpu_time_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+Json figures_of(const std::vector<ScanRecord>& records) {
+  std::vector<double> wall, cpu;
+  for (const ScanRecord& record : records) {
+    wall.push_back(record.wall_ms);
+    cpu.push_back(record.cpu_ms);
+  }
+  std::sort(wall.begin(), wall.end());
+  std::sort(cpu.begin(), cpu.end());
+  const auto flagged = [&](auto flag) {
+    return std::count_if(records.begin(), records.end(), flag);
+  };
+  return {{"scans", records.size()},
+          {"mean_ms", mean_of(wall)},
+          {"median_ms", quantile(wall, 0.5)},
+          {"p95_ms", quantile(wall, 0.95)},
+          {"max_ms", quantile(wall, 1.0)},
+          {"cpu_ms", mean_of(cpu)},
+          {"cpu_median_ms", quantile(cpu, 0.5)},
+          {"cpu_p95_ms", quantile(cpu, 0.95)},
+          {"cpu_max_ms", quantile(cpu, 1.0)},
+          {"step_ms", step_times(records)},
+          {"key_frames", flagged([](const ScanRecord& r) { return r.key_frame; })},
+          {"degenerate", count_of(records, TrackingState::kDegenerate)},
+          {"degraded", count_of(records, TrackingState::kDegraded)},
+          {"lost", count_of(records, TrackingState::kLost)},
+          {"rescued", flagged([](const ScanRecord& r) { return r.status.rescued; })}};
+}
+
+Json errors_of(const std::vector<evaluation::PosePair>& pairs) {
+  const auto errors = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
+  const auto on_truth = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+  return {{"translation_error_percent", errors.translation_percent},
+          {"rotation_error_deg_per_100m", errors.rotation_deg_per_100m},
+          {"ape_rmse", evaluation::absolute_pose_error(on_truth).translation_m.rmse},
+          {"segment_lengths_m", errors.lengths_m}};
+}
+
+std::string to_csv(const std::vector<ScanRecord>& records) {
+  std::ostringstream text;
+  text << "scan,stamp,wall_ms,cpu_ms,state,iterations,inlier_fraction,overlap,key_frame,rescued\n";
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const ScanRecord& r = records[i];
+    text << i << ',' << r.stamp << ',' << r.wall_ms << ',' << r.cpu_ms << ','
+         << front_end::to_string(r.status.state) << ',' << r.status.iterations << ','
+         << r.status.inlier_fraction << ',' << r.status.overlap << ',' << r.key_frame << ','
+         << r.status.rescued << '\n';
+  }
+  return text.str();
+}
+
+std::string to_kitti(const std::vector<ScanRecord>& records) {
+  Trajectory trajectory;
+  for (const ScanRecord& record : records) {
+    trajectory.poses.push_back({record.stamp, record.T_odom_base});
+  }
+  return lidar_mapping::to_kitti(trajectory);
+}
+
+}  // namespace lidar_mapping::tools

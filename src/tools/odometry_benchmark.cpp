@@ -1,0 +1,166 @@
+// Runs the front end over recorded scans and tells how fast and how accurate it was.
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+
+#include "benchmark_figures.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+using tools::ScanRecord;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string recording;
+  std::string method;
+  int threads = 1;
+  std::string config;
+  std::vector<std::string> parameters;
+  std::size_t every = 1;
+  std::size_t first = 0;
+  std::size_t limit = 0;
+  double elevation_correction_deg = 0.0;
+  bool time_from_azimuth = false;
+  std::string truth;
+  std::string poses;
+  std::string times;
+  std::string json;
+};
+
+/// Defaults, then the file, then the method, then single parameters.
+front_end::FrontEndConfig make_config(const Options& options) {
+  std::vector<config::Source> sources;
+  if (!options.config.empty()) sources.push_back(config::read_yaml_file(options.config));
+  if (!options.method.empty()) {
+    sources.push_back(config::parse_yaml("registration_method: " + options.method, "--method"));
+  }
+  sources.push_back(config::parse_yaml("threads: " + std::to_string(options.threads), "--threads"));
+  for (const std::string& parameter : options.parameters) {
+    sources.push_back(config::parse_yaml(parameter, "--parameter"));
+  }
+  return config::load<front_end::FrontEndConfig>(sources);
+}
+
+/// Time counts from the cloud in memory to the pose.
+ScanRecord timed(front_end::FrontEnd& front_end, const Scan& scan) {
+  const double cpu_before = tools::cpu_time_ms();
+  const auto before = std::chrono::steady_clock::now();
+  const front_end::FrontEndResult result = front_end.process(scan);
+  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - before;
+  ScanRecord record;
+  record.cpu_ms = tools::cpu_time_ms() - cpu_before;
+  record.wall_ms = wall.count();
+  record.stamp = result.stamp;
+  record.T_odom_base = result.T_odom_base;
+  record.key_frame = result.key_frame.has_value();
+  record.status = result.status;
+  return record;
+}
+
+/// Indices of the scans that are used.
+std::vector<std::size_t> chosen_scans(const Options& options, std::size_t count) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = options.first; i < count; i += options.every) {
+    if (options.limit > 0 && chosen.size() == options.limit) break;
+    chosen.push_back(i);
+  }
+  return chosen;
+}
+
+/// Line i of a KITTI file is scan i of the folder; a TUM file has stamps.
+std::vector<evaluation::PosePair> paired(const Trajectory& truth,
+                                         const std::vector<std::size_t>& scans,
+                                         const std::vector<ScanRecord>& records) {
+  if (truth.has_stamps) {
+    Trajectory estimate;
+    for (const ScanRecord& r : records) estimate.poses.push_back({r.stamp, r.T_odom_base});
+    return evaluation::associate(truth, estimate);
+  }
+  if (scans.back() >= truth.poses.size()) {
+    throw InputError("the truth has " + std::to_string(truth.poses.size()) + " poses, but scan " +
+                     std::to_string(scans.back()) + " was used");
+  }
+  std::vector<evaluation::PosePair> pairs;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    pairs.push_back({records[k].stamp, truth.poses[scans[k]].pose, records[k].T_odom_base});
+  }
+  return pairs;
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  if (path.empty()) return;
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) throw FileError("cannot write " + path);
+}
+
+void run(const Options& options) {
+  const front_end::FrontEndConfig config = make_config(options);
+  const std::string notice = registration::method_notice(config.registration);
+  if (!notice.empty()) std::cerr << "odometry_benchmark: " << notice << "\n";
+  const pipeline::KittiFolder folder(
+      options.recording,
+      {options.elevation_correction_deg * M_PI / 180.0, options.time_from_azimuth});
+  const std::vector<std::size_t> scans = chosen_scans(options, folder.size());
+
+  const double memory_before = tools::peak_memory_mb();
+  front_end::FrontEnd front_end(config);
+  std::vector<ScanRecord> records;
+  for (const std::size_t i : scans) records.push_back(timed(front_end, folder.scan(i)));
+
+  Json result = {
+      {"recording", options.recording},
+      {"method", options.method.empty() ? to_string(config.registration.method) : options.method},
+      {"threads", options.threads}};
+  result.update(tools::figures_of(records));
+  result["peak_memory_mb"] = tools::peak_memory_mb();
+  result["memory_over_start_mb"] = tools::peak_memory_mb() - memory_before;
+  if (!options.truth.empty()) {
+    result.update(tools::errors_of(paired(read_trajectory(options.truth), scans, records)));
+  }
+  write_text(options.poses, tools::to_kitti(records));
+  write_text(options.times, tools::to_csv(records));
+  write_text(options.json, result.dump(2) + "\n");
+  std::cout << result.dump(2) << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Odometry over recorded scans: time, drift, state"};
+  Options options;
+  app.add_option("recording", options.recording, "folder with velodyne/NNNNNN.bin")->required();
+  app.add_option("--method", options.method, "registration_method");
+  app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
+  app.add_option("--config", options.config, "parameters of the front end, a YAML file");
+  app.add_option("--parameter", options.parameters, "one parameter more: 'name: value'");
+  app.add_option("--every", options.every, "use every n-th scan only")->check(CLI::PositiveNumber);
+  app.add_option("--first", options.first, "begin with this scan");
+  app.add_option("--limit", options.limit, "at most so many scans");
+  app.add_option("--elevation-correction", options.elevation_correction_deg,
+                 "turn every point upward by this angle, deg (0.205 for KITTI)");
+  app.add_flag("--time-from-azimuth", options.time_from_azimuth,
+               "times of the points from their azimuth, for KITTI's raw scans");
+  app.add_option("--truth", options.truth, "true poses (KITTI or TUM), read after the run");
+  app.add_option("--poses", options.poses, "write the poses, KITTI's 12 numbers a line");
+  app.add_option("--times", options.times, "write a CSV line per scan");
+  app.add_option("--json", options.json, "write the figures");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const Error& error) {
+    std::cerr << "odometry_benchmark: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
