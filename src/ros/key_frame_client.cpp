@@ -17,7 +17,6 @@ constexpr KeyFrameIndex kMissed = 2;
 RunIndices RunState::indices() const {
   RunIndices result{run_id, {}};
   for (const KeyFrame& key_frame : key_frames) result.indices.push_back(key_frame.index);
-  std::sort(result.indices.begin(), result.indices.end());
   return result;
 }
 
@@ -33,6 +32,8 @@ std::optional<RunState> KeyFrameClient::run() {
     state.key_frames.push_back(from_message(message));
     if (state.run_id.empty()) state.run_id = message.run_id;
   }
+  std::sort(state.key_frames.begin(), state.key_frames.end(),
+            [](const KeyFrame& a, const KeyFrame& b) { return a.index < b.index; });
   return state;
 }
 

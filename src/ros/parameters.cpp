@@ -73,13 +73,12 @@ void publish_effective_configuration(const ros::NodeHandle& node, const std::str
   node.setParam(std::string(kEffective) + "/" + stage, yaml);
 }
 
-std::string effective_configurations(const ros::NodeHandle& node) {
-  std::string text;
+std::map<std::string, std::string> effective_configurations(const ros::NodeHandle& node) {
+  std::map<std::string, std::string> texts;
   for (const auto& [stage, yaml] : config::flattened(source_at(node, kEffective).values)) {
-    text += (text.empty() ? "" : "\n") + std::string("# ---- ") + stage + " ----\n" +
-            config::to_string(yaml);
+    texts[stage] = config::to_string(yaml);
   }
-  return text;
+  return texts;
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -191,4 +191,12 @@ void Worker::stop() { impl_->stop(); }
 
 std::vector<Worker::ChannelStatistics> Worker::statistics() const { return impl_->statistics(); }
 
+std::size_t Worker::losses(const std::string& channel) const {
+  std::size_t count = 0;
+  for (const ChannelStatistics& statistics : impl_->statistics()) {
+    if (statistics.name == channel) count += statistics.dropped + statistics.lost;
+  }
+  return count;
+}
+
 }  // namespace lidar_mapping::ros_border

@@ -14,8 +14,8 @@ namespace lidar_mapping::ros_border {
 
 /// What the back end has of the run: its key frames without clouds, and their poses.
 struct RunState {
-  std::string run_id;  ///< empty if no run has begun
-  std::vector<KeyFrame> key_frames;
+  std::string run_id;                ///< empty if no run has begun
+  std::vector<KeyFrame> key_frames;  ///< by index
   KeyFramePoses poses;
 
   RunIndices indices() const;

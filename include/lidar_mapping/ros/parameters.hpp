@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,7 @@ std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
 /// effective_configuration/<stage>, a YAML text.
 void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,
                                      const std::string& yaml);
-/// All that nodes have left there, stage by stage, as one text.
-std::string effective_configurations(const ros::NodeHandle& node);
+/// What all nodes have left there: YAML texts by stage.
+std::map<std::string, std::string> effective_configurations(const ros::NodeHandle& node);
 
 }  // namespace lidar_mapping::ros_border

@@ -47,6 +47,8 @@ class Worker {
   /// Ends the thread after the task at hand, or after all that wait. May be called again.
   void stop();
   std::vector<ChannelStatistics> statistics() const;
+  /// Messages of a channel that were dropped or lost.
+  std::size_t losses(const std::string& channel) const;
 
  private:
   class Impl;

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/front_end/motion_prior.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// A scan with what the other sensors said of its stamp.
+struct AssembledScan {
+  Scan scan;
+  front_end::MotionPrior prior;
+};
+
+/// Puts together what preprocessing sends about one scan on several topics, which arrive in any
+/// order: by equality of stamps, never by arrival. A scan waits for a topic until the next scan is
+/// there; a topic that let a scan pass is not waited for until it speaks again. With an odometry
+/// from outside, a scan waits until that odometry has passed its stamp, and gets the pose between
+/// the two samples around it. One thread calls it.
+class ScanAssembler {
+ public:
+  explicit ScanAssembler(bool external_odometry);
+
+  void add_imu(const ImuSample& sample_base);
+  void add_velocity(const VelocitySample& sample_base);
+  void add_gnss(const GnssPosition& position);
+  void add_odometry(Stamp stamp, const Pose& T_external_base);
+  void add_scan(Scan scan);
+
+  /// The scans that are waited for no longer, oldest first.
+  std::vector<AssembledScan> take_ready();
+  /// All that wait: for when nothing has come for a while.
+  std::vector<AssembledScan> flush();
+  /// Scans for which the outside odometry had no pose; they were left out.
+  std::size_t scans_without_odometry() const { return without_odometry_; }
+
+ private:
+  template <typename Sample>
+  struct Stream {
+    std::map<Stamp, Sample> samples;
+    bool expected = true;
+
+    void add(Stamp stamp, const Sample& sample);
+    bool complete_for(Stamp stamp, bool last_chance);
+    std::optional<Sample> take(Stamp stamp);
+  };
+
+  bool ready(const Scan& scan, bool next_is_there);
+  bool odometry_ready(Stamp stamp) const;
+  void emit_first(std::vector<AssembledScan>& out);
+  std::optional<Pose> odometry_at(Stamp stamp) const;
+
+  bool external_odometry_;
+  Stream<ImuSample> imu_;
+  Stream<VelocitySample> velocity_;
+  Stream<GnssPosition> gnss_;
+  std::map<Stamp, Pose> odometry_;
+  std::deque<Scan> waiting_;
+  std::size_t without_odometry_ = 0;
+};
+
+}  // namespace lidar_mapping::ros_border

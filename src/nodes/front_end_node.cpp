@@ -1,0 +1,218 @@
+#include <ctime>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/key_frame_client.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/scan_assembler.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// A scan that waits for its other sensors is taken as it is when nothing has come for so long.
+constexpr std::chrono::milliseconds kIdle{500};
+
+std::string new_run_id() {
+  const std::time_t now = ros::WallTime::now().sec;
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d_%H-%M-%S", &local);
+  return text;
+}
+
+}  // namespace
+
+/// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
+/// external_odom (with `odometry: external`). Published: laser_odom, key_frame, front_end_status,
+/// current_scan, local_map, tf odom -> base_link. Asks get_key_frames once, at the first scan.
+class FrontEndNode {
+ public:
+  using Config = NodeConfig<front_end::FrontEndConfig>;
+
+  FrontEndNode(const Config& config, NodeContext& context);
+
+ private:
+  void subscribe_sensors();
+  void take_cloud(const sensor_msgs::PointCloud2& message);
+  void take_gnss(const nav_msgs::Odometry& message);
+  void process(std::vector<AssembledScan> scans);
+  void process(const AssembledScan& assembled);
+  void begin_run();
+  void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
+  void publish_odometry(const front_end::FrontEndResult& result);
+  void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
+  void report(const front_end::FrontEndResult& result);
+
+  Config config_;
+  NodeContext& context_;
+  KeyFrameClient back_end_;
+  front_end::FrontEnd front_end_;
+  ScanAssembler assembler_;
+  SensorFrames sensor_frames_;
+  TransformPublisher transforms_;
+  WarningLimiter limiter_;
+  std::string run_id_;
+  Covariance6 covariance_ = Covariance6::Zero();  ///< of T_odom_base, axes of base_link
+  std::optional<front_end::FrontEndResult> previous_;
+  ros::Publisher laser_odom_, key_frame_, status_, current_scan_, local_map_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
+    : config_(config),
+      context_(context),
+      back_end_(context.node),
+      front_end_(config.stage),
+      assembler_(config.stage.odometry == front_end::OdometrySource::kExternal) {
+  laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
+  key_frame_ = context.node.advertise<KeyFrameMessage>("key_frame", kPublisherQueue);
+  status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);
+  current_scan_ = context.node.advertise<sensor_msgs::PointCloud2>("current_scan", 1);
+  local_map_ = context.node.advertise<sensor_msgs::PointCloud2>("local_map", 1, true);
+  subscribe_sensors();
+  context.worker.set_idle_task(kIdle, [this] { process(assembler_.flush()); });
+}
+
+void FrontEndNode::subscribe_sensors() {
+  const int capacity = config_.node.queue_size;
+  const auto go_on = [this](auto&& add) {
+    return [this, add](const auto& message) {
+      add(*message);
+      process(assembler_.take_ready());
+    };
+  };
+  subscribers_ = {subscribe<sensor_msgs::PointCloud2>(
+                      context_, "synced_cloud", capacity,
+                      go_on([this](const auto& m) { take_cloud(m); }), Numbered::kYes),
+                  subscribe<sensor_msgs::Imu>(
+                      context_, "synced_imu", capacity,
+                      go_on([this](const auto& m) { assembler_.add_imu(from_message(m)); })),
+                  subscribe<geometry_msgs::TwistStamped>(
+                      context_, "synced_velocity", capacity,
+                      go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
+                  subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
+                                                go_on([this](const auto& m) { take_gnss(m); }))};
+  if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
+  subscribers_.push_back(subscribe<nav_msgs::Odometry>(
+      context_, "external_odom", 10 * capacity, go_on([this](const auto& m) {
+        assembler_.add_odometry(from_ros(m.header.stamp), from_message(m.pose.pose));
+      })));
+}
+
+void FrontEndNode::take_cloud(const sensor_msgs::PointCloud2& message) {
+  Scan scan{from_ros(message.header.stamp), from_message(message)};
+  context_.diagnostics.count_input(scan.stamp);
+  if (scan.cloud.empty()) throw InputError("the scan has no point with finite coordinates");
+  const auto T_base_scan = sensor_frames_.lookup(config_.node.base_frame, message.header.frame_id);
+  if (!T_base_scan) {
+    throw InputError("no transform from '" + message.header.frame_id + "' to '" +
+                     config_.node.base_frame + "'");
+  }
+  if (frame_name(message.header.frame_id) != config_.node.base_frame) {
+    scan.cloud = transformed(scan.cloud, *T_base_scan);
+  }
+  assembler_.add_scan(std::move(scan));
+}
+
+void FrontEndNode::take_gnss(const nav_msgs::Odometry& message) {
+  if (previous_) return;
+  const auto T_base_antenna =
+      sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
+  if (T_base_antenna) assembler_.add_gnss(from_message(message, T_base_antenna->translation));
+}
+
+void FrontEndNode::process(std::vector<AssembledScan> scans) {
+  for (const AssembledScan& scan : scans) process(scan);
+  const std::size_t left_out = assembler_.scans_without_odometry();
+  if (left_out > 0 && limiter_.due("external_odom")) {
+    ROS_WARN_STREAM("external_odom gave no pose for "
+                    << left_out
+                    << " scans so far: it must "
+                       "surround the stamps of the scans by samples at most 0.5 s apart");
+  }
+}
+
+void FrontEndNode::process(const AssembledScan& assembled) {
+  if (run_id_.empty()) begin_run();
+  const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
+  publish(result, assembled.scan.cloud);
+  report(result);
+  previous_ = result;
+}
+
+/// Indices of different runs never mix: a front end that comes back goes on with the run that the
+/// back end has; otherwise it begins a new one.
+void FrontEndNode::begin_run() {
+  const auto state = back_end_.run();
+  run_id_ = state && !state->run_id.empty() ? state->run_id : new_run_id();
+  if (!state || state->key_frames.empty()) return;
+  const KeyFrame& last = state->key_frames.back();
+  front_end_.resume(last.index + 1, last.segment + 1, last.T_odom_base);
+  ROS_WARN_STREAM("going on with run " << run_id_ << " at key frame " << last.index + 1
+                                       << ", in a new segment of the trajectory");
+}
+
+void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {
+  publish_odometry(result);
+  if (result.key_frame) {
+    key_frame_.publish(to_message(*result.key_frame, run_id_, config_.node.base_frame));
+  }
+  const auto dropped = static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
+  status_.publish(to_message(result, dropped, config_.node.base_frame));
+  publish_clouds(result, cloud);
+}
+
+void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
+  const NodeFields& frames = config_.node;
+  transforms_.send(result.T_odom_base, result.stamp, frames.odom_frame, frames.base_frame);
+  double seconds = 0.0;
+  if (previous_) {
+    const Pose T_previous_now = previous_->T_odom_base.inverse() * result.T_odom_base;
+    covariance_ = compose_covariance(covariance_, T_previous_now, result.covariance);
+    seconds = to_seconds(result.stamp - previous_->stamp);
+  }
+  laser_odom_.publish(
+      to_odometry(result, covariance_, seconds, frames.odom_frame, frames.base_frame));
+}
+
+void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,
+                                  const PointCloud& cloud) {
+  if (current_scan_.getNumSubscribers() > 0) {
+    current_scan_.publish(to_message(front_end::deskewed(cloud, result.twist), result.stamp,
+                                     config_.node.base_frame));
+  }
+  if (result.key_frame && local_map_.getNumSubscribers() > 0) {
+    local_map_.publish(to_message(front_end_.local_map(), result.stamp, config_.node.odom_frame));
+  }
+}
+
+void FrontEndNode::report(const front_end::FrontEndResult& result) {
+  using front_end::TrackingState;
+  const TrackingState state = result.status.state;
+  const bool poor = state == TrackingState::kDegraded || state == TrackingState::kLost;
+  context_.diagnostics.count_output(result.stamp);
+  context_.diagnostics.set_state(poor ? Diagnostics::Level::kWarning : Diagnostics::Level::kOk,
+                                 front_end::to_string(state));
+  context_.diagnostics.set("seconds per scan", std::to_string(result.status.seconds));
+  if (poor && limiter_.due(front_end::to_string(state))) {
+    ROS_WARN_STREAM("odometry is " << front_end::to_string(state) << ": overlap "
+                                   << result.status.overlap << ", fitness " << result.status.fitness
+                                   << " m^2");
+  }
+}
+
+}  // namespace lidar_mapping::ros_border
+
+int main(int argc, char** argv) {
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FrontEndNode>(argc, argv,
+                                                                                      "front_end");
+}

@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/ros/scan_assembler.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+constexpr Stamp kPeriod = 100000000;
+
+Scan scan_at(Stamp stamp) { return {stamp, {{Point{1.0F, 0.0F, 0.0F, 0.0F}}, {}}}; }
+
+ImuSample imu_at(Stamp stamp) {
+  ImuSample sample;
+  sample.stamp = stamp;
+  sample.angular_velocity.z() = static_cast<double>(stamp);
+  return sample;
+}
+
+VelocitySample velocity_at(Stamp stamp) {
+  VelocitySample sample;
+  sample.stamp = stamp;
+  sample.linear.x() = static_cast<double>(stamp);
+  return sample;
+}
+
+GnssPosition gnss_at(Stamp stamp) {
+  GnssPosition position;
+  position.stamp = stamp;
+  position.p_enu_antenna = {10.0, 1.0, 0.0};
+  position.p_base_antenna = {1.0, 0.0, 0.0};
+  position.R_enu_base = exp_so3({0.0, 0.0, M_PI / 2});
+  return position;
+}
+
+std::vector<Stamp> stamps(const std::vector<AssembledScan>& scans) {
+  std::vector<Stamp> result;
+  for (const AssembledScan& scan : scans) result.push_back(scan.scan.stamp);
+  return result;
+}
+
+TEST(ScanAssembler, PairsByStampWhateverArrivesFirst) {
+  ScanAssembler assembler(false);
+  assembler.add_scan(scan_at(kPeriod));
+  assembler.add_velocity(velocity_at(kPeriod));
+  EXPECT_TRUE(assembler.take_ready().empty());
+  assembler.add_gnss(gnss_at(kPeriod));
+  assembler.add_imu(imu_at(kPeriod));
+  const auto ready = assembler.take_ready();
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_EQ(ready[0].prior.angular_velocity->z(), static_cast<double>(kPeriod));
+  EXPECT_EQ(ready[0].prior.linear_velocity->x(), static_cast<double>(kPeriod));
+}
+
+// F13: pairing by nearness; here a sample of another stamp must never be taken.
+TEST(ScanAssembler, NeverTakesASampleOfAnotherStamp) {
+  ScanAssembler assembler(false);
+  assembler.add_imu(imu_at(kPeriod + 1));
+  assembler.add_scan(scan_at(kPeriod));
+  const auto out = assembler.flush();
+  ASSERT_EQ(out.size(), 1U);
+  EXPECT_FALSE(out[0].prior.angular_velocity);
+}
+
+// F12: LiDAR alone must work.
+TEST(ScanAssembler, WaitsForSilentSensorsOnlyOnce) {
+  ScanAssembler assembler(false);
+  assembler.add_scan(scan_at(1 * kPeriod));
+  EXPECT_TRUE(assembler.take_ready().empty());
+  assembler.add_scan(scan_at(2 * kPeriod));
+  EXPECT_EQ(stamps(assembler.take_ready()), (std::vector<Stamp>{kPeriod, 2 * kPeriod}));
+  assembler.add_scan(scan_at(3 * kPeriod));
+  EXPECT_EQ(assembler.take_ready().size(), 1U);
+}
+
+TEST(ScanAssembler, ASensorThatSpeaksAgainIsWaitedForAgain) {
+  ScanAssembler assembler(false);
+  for (int i = 1; i <= 3; ++i) assembler.add_scan(scan_at(i * kPeriod));
+  assembler.take_ready();
+  assembler.add_imu(imu_at(4 * kPeriod));
+  assembler.add_scan(scan_at(4 * kPeriod));
+  EXPECT_EQ(assembler.take_ready().size(), 1U);
+  assembler.add_scan(scan_at(5 * kPeriod));
+  EXPECT_TRUE(assembler.take_ready().empty());
+  assembler.add_imu(imu_at(5 * kPeriod));
+  const auto ready = assembler.take_ready();
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_TRUE(ready[0].prior.angular_velocity);
+}
+
+TEST(ScanAssembler, InitialPoseIsThatOfTheVehicleNotOfTheAntenna) {
+  ScanAssembler assembler(false);
+  assembler.add_gnss(gnss_at(kPeriod));
+  assembler.add_scan(scan_at(kPeriod));
+  const auto out = assembler.flush();
+  const Pose pose = out.at(0).prior.T_odom_base_initial.value();
+  EXPECT_LT((pose.translation - Eigen::Vector3d(10.0, 0.0, 0.0)).norm(), 1e-12);
+}
+
+TEST(ScanAssembler, WithoutHeadingThereIsNoInitialPose) {
+  ScanAssembler assembler(false);
+  GnssPosition position = gnss_at(kPeriod);
+  position.R_enu_base.reset();
+  assembler.add_gnss(position);
+  assembler.add_scan(scan_at(kPeriod));
+  EXPECT_FALSE(assembler.flush().at(0).prior.T_odom_base_initial);
+}
+
+TEST(ScanAssembler, OutsideOdometryIsInterpolatedAtTheScan) {
+  ScanAssembler assembler(true);
+  assembler.add_odometry(kPeriod, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}});
+  for (int i = 0; i < 2; ++i) assembler.add_scan(scan_at(kPeriod + (1 + i) * kPeriod / 4));
+  EXPECT_TRUE(assembler.take_ready().empty()) << "nothing is extrapolated";
+  assembler.add_odometry(2 * kPeriod, {Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}});
+  const auto ready = assembler.take_ready();
+  ASSERT_GE(ready.size(), 1U);
+  EXPECT_NEAR(ready[0].prior.T_external_base->translation.x(), 0.25, 1e-12);
+}
+
+TEST(ScanAssembler, LeavesOutScansInAGapOfTheOutsideOdometry) {
+  ScanAssembler assembler(true);
+  assembler.add_odometry(0, Pose());
+  assembler.add_odometry(10 * kPeriod, Pose());
+  assembler.add_scan(scan_at(5 * kPeriod));
+  EXPECT_TRUE(assembler.flush().empty());
+  EXPECT_EQ(assembler.scans_without_odometry(), 1U);
+}
+
+TEST(ScanAssembler, AnOutsideOdometryThatIsSilentHoldsNoMemory) {
+  ScanAssembler assembler(true);
+  for (int i = 1; i <= 1000; ++i) {
+    assembler.add_scan(scan_at(i * kPeriod));
+    assembler.take_ready();
+  }
+  EXPECT_GE(assembler.scans_without_odometry(), 900U);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,155 @@
+#include <future>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/worker.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+using Order = std::vector<int>;
+
+void ignore(const std::string&, const std::string&) {}
+
+/// Keeps the worker busy until it is released, so that what is posted meanwhile has to wait.
+class Stall {
+ public:
+  Stall(Worker& worker, Worker::ChannelId channel) {
+    std::promise<void> begun;
+    worker.post(channel, [this, &begun] {
+      begun.set_value();
+      release_.get_future().wait();
+    });
+    begun.get_future().wait();
+  }
+  void release() { release_.set_value(); }
+
+ private:
+  std::promise<void> release_;
+};
+
+TEST(Worker, TakesTasksOfAllChannelsInOrderOfArrival) {
+  Order order;
+  Worker worker(ignore);
+  worker.set_on_stop(Worker::OnStop::kDrain);
+  const auto a = worker.add_channel("a", 10);
+  const auto b = worker.add_channel("b", 10);
+  Stall stall(worker, a);
+  worker.post(b, [&] { order.push_back(1); });
+  worker.post(a, [&] { order.push_back(2); });
+  worker.post(b, [&] { order.push_back(3); });
+  stall.release();
+  worker.stop();
+  EXPECT_EQ(order, (Order{1, 2, 3}));
+}
+
+// F9, F10: queues grew without bound or lost messages in silence.
+TEST(Worker, DropsTheOldestOfAFullChannelAndCountsIt) {
+  Order order;
+  Worker worker(ignore);
+  worker.set_on_stop(Worker::OnStop::kDrain);
+  const auto gate = worker.add_channel("gate", 1);
+  const auto scans = worker.add_channel("scans", 3);
+  Stall stall(worker, gate);
+  for (int i = 0; i < 8; ++i) worker.post(scans, [&order, i] { order.push_back(i); });
+  EXPECT_EQ(worker.statistics()[scans].waiting, 3U);
+  stall.release();
+  worker.stop();
+  EXPECT_EQ(order, (Order{5, 6, 7}));
+  EXPECT_EQ(worker.statistics()[scans].dropped, 5U);
+  EXPECT_EQ(worker.statistics()[scans].handled, 3U);
+  EXPECT_EQ(worker.losses("scans"), 5U);
+}
+
+TEST(Worker, OtherChannelsLoseNothingWhenOneIsFull) {
+  Order order;
+  Worker worker(ignore);
+  worker.set_on_stop(Worker::OnStop::kDrain);
+  const auto scans = worker.add_channel("scans", 1);
+  const auto imu = worker.add_channel("imu", 10);
+  Stall stall(worker, imu);
+  worker.post(imu, [&] { order.push_back(-1); });
+  for (int i = 0; i < 4; ++i) worker.post(scans, [&order, i] { order.push_back(i); });
+  stall.release();
+  worker.stop();
+  EXPECT_EQ(order, (Order{-1, 3}));
+}
+
+TEST(Worker, DiscardsAndCountsWhatWaitsAtTheEnd) {
+  bool ran = false;
+  Worker worker(ignore);
+  const auto channel = worker.add_channel("scans", 10);
+  auto stall = std::make_unique<Stall>(worker, channel);
+  worker.post(channel, [&] { ran = true; });
+  auto stopping = std::async(std::launch::async, [&] { worker.stop(); });
+  while (worker.statistics()[channel].dropped == 0) std::this_thread::yield();
+  stall->release();
+  stopping.wait();
+  EXPECT_FALSE(ran);
+  EXPECT_EQ(worker.statistics()[channel].dropped, 1U);
+}
+
+TEST(Worker, TakesNothingMoreAfterTheEnd) {
+  Worker worker(ignore);
+  const auto channel = worker.add_channel("scans", 10);
+  worker.stop();
+  worker.post(channel, [] { FAIL(); });
+  EXPECT_EQ(worker.statistics()[channel].dropped, 1U);
+}
+
+// A node never dies of a message.
+TEST(Worker, GoesOnAfterATaskThatThrows) {
+  std::string said;
+  bool ran = false;
+  {
+    Worker worker(
+        [&](const std::string& channel, const std::string& what) { said = channel + ": " + what; });
+    worker.set_on_stop(Worker::OnStop::kDrain);
+    const auto channel = worker.add_channel("scans", 10);
+    worker.post(channel, [] { throw std::runtime_error("stamp goes back"); });
+    worker.post(channel, [&] { ran = true; });
+    worker.stop();
+    EXPECT_EQ(worker.statistics()[channel].refused, 1U);
+    EXPECT_EQ(worker.statistics()[channel].handled, 1U);
+  }
+  EXPECT_TRUE(ran);
+  EXPECT_EQ(said, "scans: stamp goes back");
+}
+
+TEST(Worker, RunsTheIdleTaskOnceAfterWork) {
+  std::promise<void> idle;
+  Worker worker(ignore);
+  const auto channel = worker.add_channel("scans", 10);
+  worker.set_idle_task(std::chrono::milliseconds(1), [&] { idle.set_value(); });
+  worker.post(channel, [] {});
+  EXPECT_EQ(idle.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+}
+
+// F11: computations blocked the handling of messages.
+TEST(Worker, PostNeverWaitsForATask) {
+  Worker worker(ignore);
+  const auto channel = worker.add_channel("scans", 2);
+  Stall stall(worker, channel);
+  for (int i = 0; i < 1000; ++i) worker.post(channel, [] {});
+  EXPECT_EQ(worker.statistics()[channel].waiting, 2U);
+  stall.release();
+}
+
+TEST(SequenceGaps, CountsWhatIsMissing) {
+  SequenceGaps gaps;
+  EXPECT_EQ(gaps.check("/a", 7), 0U);
+  EXPECT_EQ(gaps.check("/a", 8), 0U);
+  EXPECT_EQ(gaps.check("/a", 12), 3U);
+  EXPECT_EQ(gaps.check("/a", 1), 0U) << "a publisher that began again has lost nothing";
+  EXPECT_EQ(gaps.check("/b", 9), 0U) << "another publisher counts for itself";
+}
+
+TEST(SequenceGaps, SourcesThatDoNotNumberHaveNone) {
+  SequenceGaps gaps;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(gaps.check("/bag", 0), 0U);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
