@@ -1,0 +1,139 @@
+#include "lidar_mapping/simulation/drive.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/simulation/random.hpp"
+#include "lidar_mapping/simulation/ray_caster.hpp"
+
+#include "samples.hpp"
+#include "scanner.hpp"
+#include "scenario.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+/// Streams of noise, apart from each other.
+enum Stream : std::uint64_t { kScanNoise = 0x100, kImuNoise, kVelocityNoise, kGnssNoise };
+
+/// The first scan begins when every sensor has given samples.
+constexpr Stamp kFirstScanAfter = 200'000'000;
+
+struct NamedDrive {
+  const char* name;
+  Scenario (*make)(const DriveOptions&);
+};
+constexpr NamedDrive kDrives[] = {{"town", make_town}};
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw ConfigError("simulation: " + message);
+}
+
+Scenario make_scenario(const DriveOptions& options) {
+  require(
+      options.scan_rate >= 1.0 && options.scan_rate <= 50.0,
+      "scan_rate " + std::to_string(options.scan_rate) + " is outside 1 to 50 turns per second");
+  require(options.range_noise >= 0.0, "range_noise is negative; use 0 or more metres");
+  require(options.gnss_noise > 0.0, "gnss_noise must be greater than 0 metres");
+  for (const NamedDrive& drive : kDrives) {
+    if (options.drive == drive.name) return drive.make(options);
+  }
+  std::string names;
+  for (const std::string& name : drive_names()) names += " " + name;
+  throw ConfigError("drive: '" + options.drive + "' is unknown; use one of" + names);
+}
+
+}  // namespace
+
+class Drive::Impl {
+ public:
+  explicit Impl(const DriveOptions& options)
+      : options_(options),
+        lidar_(lidar_model(options.lidar)),
+        scenario_(make_scenario(options)),
+        caster_(scenario_.world),
+        period_(from_seconds(1.0 / options.scan_rate)) {
+    const Stamp last = scenario_.trajectory.end();
+    const Stamp cut =
+        options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;
+    const Stamp free = std::min(cut, last) - scan_stamp(0);
+    scan_count_ = free < 0 ? 0 : static_cast<std::size_t>(free / period_);
+    end_ = std::min(cut, last);
+    outages_ = scenario_.covered;
+    outages_.insert(outages_.end(), options.gnss_outages.begin(), options.gnss_outages.end());
+  }
+
+  Stamp scan_stamp(std::size_t index) const {
+    return scenario_.trajectory.begin() + kFirstScanAfter + static_cast<Stamp>(index) * period_;
+  }
+
+  SimulatedScan scan(std::size_t index) const {
+    require(index < scan_count_, "scan " + std::to_string(index) + " is not one of the drive's " +
+                                     std::to_string(scan_count_));
+    return take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar,
+                      scan_stamp(index), period_, options_.undistorted, options_.range_noise,
+                      noise_seed(kScanNoise) ^ mixed(index)});
+  }
+
+  std::uint64_t noise_seed(Stream stream) const { return mixed(options_.seed ^ mixed(stream)); }
+
+  /// Samples up to the end of a cut drive.
+  template <typename Sample>
+  std::vector<Sample> cut(std::vector<Sample> samples) const {
+    while (!samples.empty() && samples.back().stamp > end_) samples.pop_back();
+    return samples;
+  }
+
+  DriveOptions options_;
+  LidarModel lidar_;
+  Scenario scenario_;
+  RayCaster caster_;
+  Stamp period_;
+  Stamp end_ = 0;
+  std::size_t scan_count_ = 0;
+  std::vector<GnssOutage> outages_;
+};
+
+Drive::Drive(const DriveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Drive::~Drive() = default;
+Drive::Drive(Drive&&) noexcept = default;
+Drive& Drive::operator=(Drive&&) noexcept = default;
+
+const Trajectory& Drive::trajectory() const { return impl_->scenario_.trajectory; }
+const World& Drive::world() const { return impl_->scenario_.world; }
+const SensorMounting& Drive::mounting() const { return impl_->scenario_.mounting; }
+const LidarModel& Drive::lidar() const { return impl_->lidar_; }
+GeodeticDatum Drive::datum() const { return kDatum; }
+std::size_t Drive::scan_count() const { return impl_->scan_count_; }
+Stamp Drive::scan_stamp(std::size_t index) const { return impl_->scan_stamp(index); }
+SimulatedScan Drive::scan(std::size_t index) const { return impl_->scan(index); }
+
+Scan Drive::base_scan(std::size_t index) const {
+  const SimulatedScan scan = impl_->scan(index);
+  return {scan.stamp, transformed(scan.cloud, mounting().T_base_lidar)};
+}
+
+std::vector<ImuSample> Drive::imu() const {
+  return impl_->cut(sample_imu(trajectory(), mounting().T_base_imu, impl_->noise_seed(kImuNoise)));
+}
+
+std::vector<VelocitySample> Drive::velocity() const {
+  return impl_->cut(
+      sample_velocity(trajectory(), mounting().T_base_imu, impl_->noise_seed(kVelocityNoise)));
+}
+
+std::vector<GnssFix> Drive::gnss() const {
+  return impl_->cut(sample_gnss(trajectory(), mounting().p_base_antenna, impl_->options_.gnss_noise,
+                                impl_->outages_, impl_->options_.gnss_jumps,
+                                impl_->noise_seed(kGnssNoise)));
+}
+
+std::vector<std::string> drive_names() {
+  std::vector<std::string> names;
+  for (const NamedDrive& drive : kDrives) names.emplace_back(drive.name);
+  return names;
+}
+
+}  // namespace lidar_mapping::simulation

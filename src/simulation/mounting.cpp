@@ -1,0 +1,19 @@
+#include "mounting.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+Pose mounted(const Eigen::Vector3d& at, const Eigen::Vector3d& turned_rad) {
+  return {exp_so3(turned_rad), at};
+}
+
+}  // namespace
+
+SensorMounting car_mounting() {
+  return {mounted({0.76, 0.02, 1.73}, {0.006, 0.009, -0.012}),
+          mounted({-0.05, 0.32, 0.93}, {-0.004, 0.003, 0.02}),
+          {-0.35, 0.45, 1.52}};
+}
+
+}  // namespace lidar_mapping::simulation

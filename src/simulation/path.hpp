@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace lidar_mapping::simulation {
+
+/// A curve in the plane, sampled evenly, whose curvature changes without jumps.
+class Path {
+ public:
+  /// Through the corners of a polyline, each rounded with at most `radius` (m); arcs and straights
+  /// are blended over some metres. Stations are metres from the beginning along the polyline.
+  static Path rounded(const std::vector<Eigen::Vector2d>& corners, double radius);
+  /// Through points `kSpacing` apart.
+  explicit Path(std::vector<Eigen::Vector2d> points);
+
+  double length() const;
+  Eigen::Vector2d position(double station) const;
+  double heading(double station) const;    ///< rad, unwrapped from the beginning
+  double curvature(double station) const;  ///< 1/m, positive to the left
+  /// The same way, moved to the left by a slow weave of up to `amplitude` metres.
+  Path weaving(double amplitude, double phase) const;
+
+  static constexpr double kSpacing = 0.1;
+
+ private:
+  std::vector<Eigen::Vector2d> points_;
+  std::vector<double> headings_;
+};
+
+}  // namespace lidar_mapping::simulation

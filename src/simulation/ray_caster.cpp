@@ -1,0 +1,173 @@
+#include "lidar_mapping/simulation/ray_caster.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include <embree3/rtcore.h>
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+template <auto release>
+struct Release {
+  template <typename T>
+  void operator()(T* handle) const {
+    release(handle);
+  }
+};
+template <typename T, auto release>
+using Handle = std::unique_ptr<std::remove_pointer_t<T>, Release<release>>;
+using Device = Handle<RTCDevice, rtcReleaseDevice>;
+using Scene = Handle<RTCScene, rtcReleaseScene>;
+using Geometry = Handle<RTCGeometry, rtcReleaseGeometry>;
+
+constexpr int kPacket = 8;
+constexpr unsigned kFixedId = 0;
+
+Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
+  Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), mesh.vertices.size()));
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    vertices = std::copy_n(vertex.data(), 3, vertices);
+  }
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), mesh.triangles.size()));
+  for (const auto& triangle : mesh.triangles) {
+    indices = std::copy(triangle.begin(), triangle.end(), indices);
+  }
+  rtcCommitGeometry(geometry.get());
+  return geometry;
+}
+
+Scene make_mesh_scene(RTCDevice device, const TriangleMesh& mesh) {
+  Scene scene(rtcNewScene(device));
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcAttachGeometry(scene.get(), make_triangles(device, mesh).get());
+  rtcCommitScene(scene.get());
+  return scene;
+}
+
+Eigen::Matrix<float, 3, 4> to_rows(const Pose& pose) {
+  return pose.matrix().topRows<3>().cast<float>();
+}
+
+/// Places `part` at two poses, for the beginning and the end of the frame's interval.
+void add_instance(RTCDevice device, RTCScene scene, RTCScene part, unsigned id, const Pose& first,
+                  const Pose& last) {
+  Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
+  rtcSetGeometryInstancedScene(instance.get(), part);
+  rtcSetGeometryTimeStepCount(instance.get(), 2);
+  const Eigen::Matrix<float, 3, 4> begin = to_rows(first), end = to_rows(last);
+  rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, begin.data());
+  rtcSetGeometryTransform(instance.get(), 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end.data());
+  rtcCommitGeometry(instance.get());
+  rtcAttachGeometryByID(scene, instance.get(), id);
+}
+
+void fill(RTCRayHit8& packet, int lane, const Ray& ray, float min_range, float max_range) {
+  packet.ray.org_x[lane] = ray.origin.x();
+  packet.ray.org_y[lane] = ray.origin.y();
+  packet.ray.org_z[lane] = ray.origin.z();
+  packet.ray.dir_x[lane] = ray.direction.x();
+  packet.ray.dir_y[lane] = ray.direction.y();
+  packet.ray.dir_z[lane] = ray.direction.z();
+  packet.ray.tnear[lane] = min_range;
+  packet.ray.tfar[lane] = max_range;
+  packet.ray.time[lane] = ray.time;
+  packet.ray.mask[lane] = ~0U;
+  packet.ray.flags[lane] = 0;
+  packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+  packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+}
+
+}  // namespace
+
+class RayCaster::Impl {
+ public:
+  explicit Impl(const World& world)
+      // One thread per scene: the tree, and with it the winner among equal hits, is the same
+      // whatever else runs.
+      : world_(world), device_(rtcNewDevice("threads=1")) {
+    fixed_ = make_mesh_scene(device_.get(), world.fixed);
+    for (const TriangleMesh& shape : world.shapes) {
+      shapes_.push_back(make_mesh_scene(device_.get(), shape));
+    }
+  }
+
+  Scene frame(double begin_s, double end_s) const {
+    Scene scene(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    add_instance(device_.get(), scene.get(), fixed_.get(), kFixedId, {}, {});
+    for (std::size_t i = 0; i < world_.movers.size(); ++i) {
+      const Mover& mover = world_.movers[i];
+      const auto first = mover.pose(begin_s), last = mover.pose(end_s);
+      if (!first || !last) continue;
+      add_instance(device_.get(), scene.get(), shapes_[mover.shape].get(),
+                   static_cast<unsigned>(i + 1), *first, *last);
+    }
+    rtcCommitScene(scene.get());
+    return scene;
+  }
+
+  Hit hit(const RTCRayHit8& packet, int lane) const {
+    Hit hit;
+    if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return hit;
+    const unsigned instance = packet.hit.instID[0][lane];
+    const bool moving = instance != kFixedId;
+    const TriangleMesh& mesh =
+        moving ? world_.shapes[world_.movers[instance - 1].shape] : world_.fixed;
+    hit.range = packet.ray.tfar[lane];
+    hit.reflectivity = mesh.reflectivity[packet.hit.primID[lane]];
+    hit.moving = moving;
+    hit.cosine = cosine(packet, lane, moving);
+    return hit;
+  }
+
+ private:
+  /// The normal of an instance is in its own frame; only the fixed world's is that of map.
+  static float cosine(const RTCRayHit8& packet, int lane, bool moving) {
+    if (moving) return 0.7F;
+    const Eigen::Vector3f normal(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane],
+                                 packet.hit.Ng_z[lane]);
+    const Eigen::Vector3f direction(packet.ray.dir_x[lane], packet.ray.dir_y[lane],
+                                    packet.ray.dir_z[lane]);
+    const float length = normal.norm();
+    return length > 0.0F ? std::abs(normal.dot(direction)) / length : 0.0F;
+  }
+
+  const World& world_;
+  Device device_;
+  Scene fixed_;
+  std::vector<Scene> shapes_;
+};
+
+RayCaster::RayCaster(const World& world) : impl_(std::make_unique<Impl>(world)) {}
+RayCaster::~RayCaster() = default;
+
+void RayCaster::cast(const std::vector<Ray>& rays, double begin_s, double end_s, float min_range,
+                     float max_range, std::vector<Hit>& hits) const {
+  hits.resize(rays.size());
+  const Scene scene = impl_->frame(begin_s, end_s);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  alignas(32) RTCRayHit8 packet;
+  alignas(32) int valid[kPacket];
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const int count = static_cast<int>(std::min<std::size_t>(kPacket, rays.size() - first));
+    for (int lane = 0; lane < kPacket; ++lane) {
+      valid[lane] = lane < count ? -1 : 0;
+      if (lane < count) fill(packet, lane, rays[first + lane], min_range, max_range);
+    }
+    rtcIntersect8(valid, scene.get(), &context, &packet);
+    for (int lane = 0; lane < count; ++lane) hits[first + lane] = impl_->hit(packet, lane);
+  }
+}
+
+}  // namespace lidar_mapping::simulation

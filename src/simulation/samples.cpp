@@ -1,0 +1,116 @@
+#include "samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <GeographicLib/LocalCartesian.hpp>
+
+#include "lidar_mapping/simulation/random.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr Stamp kImuPeriod = 10'000'000;
+constexpr Stamp kGnssPeriod = 100'000'000;
+/// A MEMS unit of the better kind.
+constexpr double kGyroNoise = 0.002;          ///< rad/s
+constexpr double kGyroBias = 0.001;           ///< rad/s
+constexpr double kAccelerometerNoise = 0.03;  ///< m/s^2
+constexpr double kAccelerometerBias = 0.04;   ///< m/s^2
+constexpr double kOrientationNoise = 0.001;   ///< rad
+constexpr double kVelocityNoise = 0.02;       ///< m/s
+constexpr double kJumpDuration = 10.0;        ///< s
+
+Eigen::Vector3d normal3(Random& random, double sigma) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return sigma * Eigen::Vector3d(x, y, z);
+}
+
+template <typename Interval>
+bool lies_in(const std::vector<Interval>& intervals, double seconds) {
+  return std::any_of(intervals.begin(), intervals.end(), [&](const Interval& interval) {
+    return seconds >= interval.begin_s && seconds < interval.end_s;
+  });
+}
+
+Eigen::Vector3d jump_offset(const std::vector<GnssJump>& jumps, double seconds) {
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (const GnssJump& jump : jumps) {
+    if (seconds < jump.at_s || seconds >= jump.at_s + kJumpDuration) continue;
+    offset += jump.metres * Eigen::Vector3d(M_SQRT1_2, M_SQRT1_2, 0.0);
+  }
+  return offset;
+}
+
+GnssFix without_fix(Stamp stamp) {
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  return {stamp, kNothing, kNothing, kNothing, -1, {}};
+}
+
+}  // namespace
+
+std::vector<ImuSample> sample_imu(const Trajectory& trajectory, const Pose& T_base_imu,
+                                  std::uint64_t seed) {
+  Random random(seed);
+  const Eigen::Vector3d gyro_bias = normal3(random, kGyroBias);
+  const Eigen::Vector3d accelerometer_bias = normal3(random, kAccelerometerBias);
+  std::vector<ImuSample> samples;
+  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kImuPeriod) {
+    const MotionState state = trajectory.state(stamp).of_frame(T_base_imu);
+    const Eigen::Quaterniond& R_map_imu = state.T_map_base.rotation;
+    ImuSample sample;
+    sample.stamp = stamp;
+    sample.angular_velocity = state.angular_velocity_base + gyro_bias + normal3(random, kGyroNoise);
+    sample.linear_acceleration =
+        R_map_imu.conjugate() * (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kGravity)) +
+        accelerometer_bias + normal3(random, kAccelerometerNoise);
+    sample.orientation = (R_map_imu * exp_so3(normal3(random, kOrientationNoise))).normalized();
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+std::vector<VelocitySample> sample_velocity(const Trajectory& trajectory, const Pose& T_base_imu,
+                                            std::uint64_t seed) {
+  Random random(seed);
+  std::vector<VelocitySample> samples;
+  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kImuPeriod) {
+    const MotionState state = trajectory.state(stamp).of_frame(T_base_imu);
+    samples.push_back({stamp,
+                       state.T_map_base.rotation.conjugate() * state.velocity_map +
+                           normal3(random, kVelocityNoise),
+                       state.angular_velocity_base + normal3(random, kGyroNoise)});
+  }
+  return samples;
+}
+
+std::vector<GnssFix> sample_gnss(const Trajectory& trajectory,
+                                 const Eigen::Vector3d& p_base_antenna, double noise,
+                                 const std::vector<GnssOutage>& outages,
+                                 const std::vector<GnssJump>& jumps, std::uint64_t seed) {
+  const GeographicLib::LocalCartesian geodesy(kDatum.latitude_deg, kDatum.longitude_deg,
+                                              kDatum.altitude_m);
+  const Eigen::Vector3d sigma(noise, noise, 1.5 * noise);
+  Random random(seed);
+  std::vector<GnssFix> fixes;
+  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kGnssPeriod) {
+    const double seconds = to_seconds(stamp - trajectory.begin());
+    const Eigen::Vector3d error = sigma.cwiseProduct(normal3(random, 1.0));
+    if (lies_in(outages, seconds)) {
+      fixes.push_back(without_fix(stamp));
+      continue;
+    }
+    const Eigen::Vector3d p_map =
+        trajectory.pose(stamp) * p_base_antenna + error + jump_offset(jumps, seconds);
+    GnssFix fix{stamp, 0.0, 0.0, 0.0, 2, sigma.cwiseAbs2().asDiagonal().toDenseMatrix()};
+    geodesy.Reverse(p_map.x(), p_map.y(), p_map.z(), fix.latitude_deg, fix.longitude_deg,
+                    fix.altitude_m);
+    fixes.push_back(fix);
+  }
+  return fixes;
+}
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lidar_mapping/simulation/drive.hpp"
+
+namespace lidar_mapping::simulation {
+
+/// Origin of map on the ellipsoid.
+constexpr GeodeticDatum kDatum{49.011, 8.423, 116.4};
+
+std::vector<ImuSample> sample_imu(const Trajectory& trajectory, const Pose& T_base_imu,
+                                  std::uint64_t seed);
+std::vector<VelocitySample> sample_velocity(const Trajectory& trajectory, const Pose& T_base_imu,
+                                            std::uint64_t seed);
+/// `outages` holds the intervals without a fix, those of the options and of the world.
+std::vector<GnssFix> sample_gnss(const Trajectory& trajectory,
+                                 const Eigen::Vector3d& p_base_antenna, double noise,
+                                 const std::vector<GnssOutage>& outages,
+                                 const std::vector<GnssJump>& jumps, std::uint64_t seed);
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,97 @@
+#include "scanner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/simulation/random.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+/// Light is lost at random, and more of it on dark, far and grazed surfaces.
+constexpr double kLossAtBest = 0.01;
+constexpr double kFaintSignal = 2.3e-6;
+
+Stamp column_delay(const ScanRequest& request, int column) {
+  return request.period * column / request.lidar.columns;
+}
+
+/// Direction of a beam in the LiDAR's frame.
+Eigen::Vector3d beam_direction(double azimuth, double elevation) {
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+          std::sin(elevation)};
+}
+
+std::vector<Eigen::Vector3d> all_directions(const LidarModel& lidar) {
+  std::vector<Eigen::Vector3d> directions;
+  directions.reserve(lidar.elevations.size() * lidar.columns);
+  for (int column = 0; column < lidar.columns; ++column) {
+    for (const double elevation : lidar.elevations) {
+      directions.push_back(beam_direction(column_azimuth(lidar, column), elevation));
+    }
+  }
+  return directions;
+}
+
+std::vector<Ray> make_rays(const ScanRequest& request,
+                           const std::vector<Eigen::Vector3d>& directions) {
+  std::vector<Ray> rays(directions.size());
+  const std::size_t beams = request.lidar.elevations.size();
+  for (int column = 0; column < request.lidar.columns; ++column) {
+    const Stamp delay = request.undistorted ? 0 : column_delay(request, column);
+    const Pose T_map_lidar = request.trajectory.pose(request.stamp + delay) * request.T_base_lidar;
+    const Eigen::Matrix3d rotation = T_map_lidar.rotation_matrix();
+    for (std::size_t i = column * beams; i < (column + 1) * beams; ++i) {
+      rays[i].origin = T_map_lidar.translation.cast<float>();
+      rays[i].direction = (rotation * directions[i]).cast<float>();
+      rays[i].time = static_cast<float>(to_seconds(delay) / to_seconds(request.period));
+    }
+  }
+  return rays;
+}
+
+bool is_lost(const Hit& hit, Random& random) {
+  const double signal =
+      (0.1 + hit.reflectivity / 255.0) * hit.cosine / (static_cast<double>(hit.range) * hit.range);
+  const double faintness = std::exp(-signal / kFaintSignal);
+  return random.chance(kLossAtBest + (1.0 - kLossAtBest) * faintness);
+}
+
+float measured_intensity(const Hit& hit, Random& random) {
+  const double brightness = hit.reflectivity * (0.3 + 0.7 * hit.cosine);
+  return static_cast<float>(
+      std::clamp(std::round(brightness * (1.0 + 0.05 * random.normal())), 0.0, 255.0));
+}
+
+}  // namespace
+
+SimulatedScan take_scan(const ScanRequest& request) {
+  const std::vector<Eigen::Vector3d> directions = all_directions(request.lidar);
+  const std::vector<Ray> rays = make_rays(request, directions);
+  const double begin_s = to_seconds(request.stamp - request.trajectory.begin());
+  const double end_s = begin_s + to_seconds(request.period);
+  std::vector<Hit> hits;
+  request.caster.cast(rays, begin_s, end_s, static_cast<float>(request.lidar.min_range),
+                      static_cast<float>(request.lidar.max_range), hits);
+
+  SimulatedScan scan;
+  scan.stamp = request.stamp;
+  scan.end = request.stamp + request.period;
+  Random random(request.noise_seed);
+  const std::size_t beams = request.lidar.elevations.size();
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].range < 0.0F || is_lost(hits[i], random)) continue;
+    const double range = hits[i].range + request.range_noise * random.normal();
+    const Eigen::Vector3f p_lidar = (range * directions[i]).cast<float>();
+    scan.cloud.points.push_back(
+        {p_lidar.x(), p_lidar.y(), p_lidar.z(), measured_intensity(hits[i], random)});
+    scan.moving.push_back(hits[i].moving ? 1 : 0);
+    if (request.undistorted) continue;
+    const Stamp delay = column_delay(request, static_cast<int>(i / beams));
+    scan.cloud.times.push_back(static_cast<float>(to_seconds(delay)));
+  }
+  return scan;
+}
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/simulation/random.hpp"
+#include "lidar_mapping/simulation/world.hpp"
+
+#include "terrain.hpp"
+#include "town_layout.hpp"
+
+namespace lidar_mapping::simulation {
+
+/// Height of a pavement above the carriageway, m.
+constexpr double kKerbHeight = 0.12;
+/// Distance of a lane's middle from the street's middle, m.
+constexpr double kLaneOffset = 1.75;
+
+/// Streets, blocks with houses and gardens, and what stands and parks along them.
+TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random);
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/simulation/random.hpp"
+#include "lidar_mapping/simulation/trajectory.hpp"
+#include "lidar_mapping/simulation/world.hpp"
+
+#include "path.hpp"
+#include "terrain.hpp"
+
+namespace lidar_mapping::simulation {
+
+/// A way that road users take, one after the other.
+struct TrafficLane {
+  Path path;
+  double slowest = 6.0;   ///< m/s
+  double fastest = 12.0;  ///< m/s
+  bool pedestrians = false;
+  double height = 0.0;  ///< above the terrain, m
+};
+
+/// Fills `world` with up to `count` road users on the lanes, none of which ever comes close to the
+/// vehicle on its trajectory, nor to another one.
+void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terrain& terrain,
+                 const Trajectory& trajectory, int count, Random random);
+
+/// A car that drives ahead of the vehicle on its own way. `stations` are those of the vehicle,
+/// every kControlStep seconds.
+void add_car_ahead(World& world, const Path& path, const std::vector<double>& stations,
+                   const Terrain& terrain, Random random);
+
+}  // namespace lidar_mapping::simulation

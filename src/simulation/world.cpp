@@ -1,0 +1,16 @@
+#include "lidar_mapping/simulation/world.hpp"
+
+#include <cmath>
+
+namespace lidar_mapping::simulation {
+
+std::optional<Pose> Mover::pose(double seconds) const {
+  const double position = (seconds - begin_s) / step_s;
+  if (position < 0.0 || position > static_cast<double>(T_map_shape.size()) - 1.0) return {};
+  const auto before = static_cast<std::size_t>(position);
+  if (before + 1 >= T_map_shape.size()) return T_map_shape.back();
+  return interpolate(T_map_shape[before], T_map_shape[before + 1],
+                     position - static_cast<double>(before));
+}
+
+}  // namespace lidar_mapping::simulation
