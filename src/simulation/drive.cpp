@@ -101,7 +101,7 @@ Drive::~Drive() = default;
 Drive::Drive(Drive&&) noexcept = default;
 Drive& Drive::operator=(Drive&&) noexcept = default;
 
-const Trajectory& Drive::trajectory() const { return impl_->scenario_.trajectory; }
+const SmoothTrajectory& Drive::trajectory() const { return impl_->scenario_.trajectory; }
 const World& Drive::world() const { return impl_->scenario_.world; }
 const SensorMounting& Drive::mounting() const { return impl_->scenario_.mounting; }
 const LidarModel& Drive::lidar() const { return impl_->lidar_; }

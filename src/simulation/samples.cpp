@@ -7,22 +7,15 @@
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include "lidar_mapping/simulation/random.hpp"
+#include "lidar_mapping/simulation/sensor_noise.hpp"
 
 namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr Stamp kImuPeriod = 10'000'000;
 constexpr Stamp kGnssPeriod = 100'000'000;
-/// A MEMS unit of the better kind.
-constexpr double kGyroNoise = 0.002;          ///< rad/s
-constexpr double kGyroBias = 0.001;           ///< rad/s
-constexpr double kAccelerometerNoise = 0.03;  ///< m/s^2
-constexpr double kAccelerometerBias = 0.04;   ///< m/s^2
-constexpr double kOrientationNoise = 0.001;   ///< rad
-constexpr double kVelocityNoise = 0.02;       ///< m/s
-constexpr double kJumpDuration = 10.0;        ///< s
+constexpr double kJumpDuration = 10.0;  ///< s
 
 Eigen::Vector3d normal3(Random& random, double sigma) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
@@ -52,7 +45,7 @@ GnssFix without_fix(Stamp stamp) {
 
 }  // namespace
 
-std::vector<ImuSample> sample_imu(const Trajectory& trajectory, const Pose& T_base_imu,
+std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose& T_base_imu,
                                   std::uint64_t seed) {
   Random random(seed);
   const Eigen::Vector3d gyro_bias = normal3(random, kGyroBias);
@@ -73,8 +66,8 @@ std::vector<ImuSample> sample_imu(const Trajectory& trajectory, const Pose& T_ba
   return samples;
 }
 
-std::vector<VelocitySample> sample_velocity(const Trajectory& trajectory, const Pose& T_base_imu,
-                                            std::uint64_t seed) {
+std::vector<VelocitySample> sample_velocity(const SmoothTrajectory& trajectory,
+                                            const Pose& T_base_imu, std::uint64_t seed) {
   Random random(seed);
   std::vector<VelocitySample> samples;
   for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kImuPeriod) {
@@ -87,7 +80,7 @@ std::vector<VelocitySample> sample_velocity(const Trajectory& trajectory, const 
   return samples;
 }
 
-std::vector<GnssFix> sample_gnss(const Trajectory& trajectory,
+std::vector<GnssFix> sample_gnss(const SmoothTrajectory& trajectory,
                                  const Eigen::Vector3d& p_base_antenna, double noise,
                                  const std::vector<GnssOutage>& outages,
                                  const std::vector<GnssJump>& jumps, std::uint64_t seed) {

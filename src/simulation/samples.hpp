@@ -10,12 +10,12 @@ namespace lidar_mapping::simulation {
 /// Origin of map on the ellipsoid.
 constexpr GeodeticDatum kDatum{49.011, 8.423, 116.4};
 
-std::vector<ImuSample> sample_imu(const Trajectory& trajectory, const Pose& T_base_imu,
+std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose& T_base_imu,
                                   std::uint64_t seed);
-std::vector<VelocitySample> sample_velocity(const Trajectory& trajectory, const Pose& T_base_imu,
-                                            std::uint64_t seed);
+std::vector<VelocitySample> sample_velocity(const SmoothTrajectory& trajectory,
+                                            const Pose& T_base_imu, std::uint64_t seed);
 /// `outages` holds the intervals without a fix, those of the options and of the world.
-std::vector<GnssFix> sample_gnss(const Trajectory& trajectory,
+std::vector<GnssFix> sample_gnss(const SmoothTrajectory& trajectory,
                                  const Eigen::Vector3d& p_base_antenna, double noise,
                                  const std::vector<GnssOutage>& outages,
                                  const std::vector<GnssJump>& jumps, std::uint64_t seed);

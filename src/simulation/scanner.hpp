@@ -8,7 +8,7 @@ namespace lidar_mapping::simulation {
 /// What a scan is taken of, from where and how.
 struct ScanRequest {
   const RayCaster& caster;
-  const Trajectory& trajectory;
+  const SmoothTrajectory& trajectory;
   const LidarModel& lidar;
   Pose T_base_lidar;
   Stamp stamp = 0;

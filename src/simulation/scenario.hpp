@@ -12,7 +12,7 @@ constexpr Stamp kDriveBegin = 1'317'384'506'417'322'000;
 /// A world and the way through it.
 struct Scenario {
   World world;
-  Trajectory trajectory;
+  SmoothTrajectory trajectory;
   SensorMounting mounting;
   std::vector<GnssOutage> covered;  ///< where no satellite is in view
 };

@@ -40,7 +40,7 @@ bool conflicts(const Mover& mover, const Mover& other, const Clearance& free) {
 }
 
 /// The vehicle itself as a mover, so that it is checked like any other.
-Mover ego(const Trajectory& trajectory) {
+Mover ego(const SmoothTrajectory& trajectory) {
   Mover mover;
   const double duration = to_seconds(trajectory.end() - trajectory.begin());
   for (double t = 0.0; t <= duration; t += kStep) {
@@ -69,7 +69,7 @@ TriangleMesh draw_shape(bool pedestrian, Random& random) {
 }  // namespace
 
 void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terrain& terrain,
-                 const Trajectory& trajectory, int count, Random random) {
+                 const SmoothTrajectory& trajectory, int count, Random random) {
   const Mover vehicle = ego(trajectory);
   const double duration = to_seconds(trajectory.end() - trajectory.begin());
   int added = 0;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "lidar_mapping/simulation/random.hpp"
-#include "lidar_mapping/simulation/trajectory.hpp"
+#include "lidar_mapping/simulation/smooth_trajectory.hpp"
 #include "lidar_mapping/simulation/world.hpp"
 
 #include "path.hpp"
@@ -23,7 +23,7 @@ struct TrafficLane {
 /// Fills `world` with up to `count` road users on the lanes, none of which ever comes close to the
 /// vehicle on its trajectory, nor to another one.
 void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terrain& terrain,
-                 const Trajectory& trajectory, int count, Random random);
+                 const SmoothTrajectory& trajectory, int count, Random random);
 
 /// A car that drives ahead of the vehicle on its own way. `stations` are those of the vehicle,
 /// every kControlStep seconds.

@@ -104,8 +104,8 @@ std::vector<double> stations_over_time(const Path& path, double begin, double en
   return smoothed(std::move(stations), static_cast<int>(0.25 / kControlStep), 3);
 }
 
-Trajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,
-                              const GroundUnder& ground, Random random) {
+SmoothTrajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,
+                                    const GroundUnder& ground, Random random) {
   const Shaking shaking(random);
   std::vector<Vector6d> control(stations.size());
   for (std::size_t i = 0; i < stations.size(); ++i) {
@@ -123,7 +123,7 @@ Trajectory vehicle_trajectory(const Path& path, const std::vector<double>& stati
         std::atan(under.gradient.dot(left)) +
             kRollPerAcceleration * speed * speed * path.curvature(s) + 0.0015 * shaking.at(2, s);
   }
-  return Trajectory(kDriveBegin, kControlStep, smoothed(std::move(control), 4, 3));
+  return SmoothTrajectory(kDriveBegin, kControlStep, smoothed(std::move(control), 4, 3));
 }
 
 }  // namespace lidar_mapping::simulation

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "lidar_mapping/simulation/random.hpp"
-#include "lidar_mapping/simulation/trajectory.hpp"
+#include "lidar_mapping/simulation/smooth_trajectory.hpp"
 
 #include "path.hpp"
 
@@ -39,7 +39,7 @@ std::vector<double> stations_over_time(const Path& path, double begin, double en
 
 /// Motion of a car whose rear axle follows the path: it tilts with the ground, leans with its
 /// accelerations and shakes on the road.
-Trajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,
-                              const GroundUnder& ground, Random random);
+SmoothTrajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,
+                                    const GroundUnder& ground, Random random);
 
 }  // namespace lidar_mapping::simulation

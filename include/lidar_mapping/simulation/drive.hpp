@@ -10,7 +10,7 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
-#include "lidar_mapping/simulation/trajectory.hpp"
+#include "lidar_mapping/simulation/smooth_trajectory.hpp"
 #include "lidar_mapping/simulation/world.hpp"
 
 namespace lidar_mapping::simulation {
@@ -72,7 +72,7 @@ class Drive {
   Drive& operator=(Drive&&) noexcept;
 
   /// Exact T_map_base over the drive; map is East-North-Up at datum().
-  const Trajectory& trajectory() const;
+  const SmoothTrajectory& trajectory() const;
   const World& world() const;
   const SensorMounting& mounting() const;
   const LidarModel& lidar() const;

@@ -1,4 +1,4 @@
-#include "lidar_mapping/simulation/trajectory.hpp"
+#include "lidar_mapping/simulation/smooth_trajectory.hpp"
 
 #include <algorithm>
 #include <array>
@@ -75,7 +75,7 @@ MotionState MotionState::of_frame(const Pose& T_base_frame) const {
   return state;
 }
 
-Trajectory::Trajectory(Stamp begin, double step_s, std::vector<Vector6d> control)
+SmoothTrajectory::SmoothTrajectory(Stamp begin, double step_s, std::vector<Vector6d> control)
     : begin_(begin), step_s_(step_s), control_(std::move(control)) {
   if (control_.size() < kDegree + 2) {
     throw InputError("trajectory: " + std::to_string(control_.size()) +
@@ -84,7 +84,7 @@ Trajectory::Trajectory(Stamp begin, double step_s, std::vector<Vector6d> control
   end_ = begin_ + from_seconds(static_cast<double>(control_.size() - kDegree) * step_s_);
 }
 
-Vector6d Trajectory::evaluate(Stamp stamp, int derivative) const {
+Vector6d SmoothTrajectory::evaluate(Stamp stamp, int derivative) const {
   const double position = to_seconds(stamp - begin_) / step_s_;
   const auto last_span = static_cast<double>(control_.size() - kDegree - 1);
   const double span = std::clamp(std::floor(position), 0.0, last_span);
@@ -100,7 +100,7 @@ Vector6d Trajectory::evaluate(Stamp stamp, int derivative) const {
   return value;
 }
 
-Pose Trajectory::pose(Stamp stamp) const {
+Pose SmoothTrajectory::pose(Stamp stamp) const {
   if (stamp < begin_ || stamp > end_) {
     throw InputError("trajectory: stamp " + std::to_string(stamp) + " lies outside [" +
                      std::to_string(begin_) + ", " + std::to_string(end_) + "]");
@@ -108,7 +108,7 @@ Pose Trajectory::pose(Stamp stamp) const {
   return to_pose(evaluate(stamp, 0));
 }
 
-MotionState Trajectory::state(Stamp stamp) const {
+MotionState SmoothTrajectory::state(Stamp stamp) const {
   MotionState state;
   state.T_map_base = pose(stamp);
   const Vector6d value = evaluate(stamp, 0), first = evaluate(stamp, 1),
@@ -120,7 +120,7 @@ MotionState Trajectory::state(Stamp stamp) const {
   return state;
 }
 
-double Trajectory::length(Stamp from, Stamp to) const {
+double SmoothTrajectory::length(Stamp from, Stamp to) const {
   constexpr Stamp kStep = 50'000'000;
   double length = 0.0;
   for (Stamp stamp = from; stamp < to; stamp += kStep) {

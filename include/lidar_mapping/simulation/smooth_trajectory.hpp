@@ -22,11 +22,11 @@ struct MotionState {
 
 /// An exact motion: a uniform B-spline of degree five over time for x, y, z, yaw, pitch and roll of
 /// base_link in map. All derivatives up to the fourth are continuous and exact.
-class Trajectory {
+class SmoothTrajectory {
  public:
   /// `control` holds (x, y, z, yaw, pitch, roll) every `step_s` seconds, yaw unwrapped; the curve
   /// follows them closely, without touching them. At least seven.
-  Trajectory(Stamp begin, double step_s, std::vector<Vector6d> control);
+  SmoothTrajectory(Stamp begin, double step_s, std::vector<Vector6d> control);
 
   Stamp begin() const { return begin_; }
   Stamp end() const { return end_; }

@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/simulation/sensor_noise.hpp"
+
+#include "drive_output.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+using namespace simulation;
+
+constexpr char kCloudTopic[] = "/kitti/velo/pointcloud";
+constexpr char kImuTopic[] = "/kitti/oxts/imu";
+constexpr char kFixTopic[] = "/kitti/oxts/gps/fix";
+constexpr char kVelocityTopic[] = "/kitti/oxts/gps/vel";
+constexpr char kLidarFrame[] = "velo_link";
+constexpr char kImuFrame[] = "imu_link";
+constexpr char kAntennaFrame[] = "gnss_link";
+
+/// Steps of points in the bag, m: a tenth of the range noise, and the low bytes of each float are
+/// zero, which lz4 finds.
+constexpr float kPointStep = 1.0F / 512.0F;
+
+template <typename Array>
+void fill_diagonal(Array& covariance, double sigma) {
+  for (int i = 0; i < 9; i += 4) covariance[i] = sigma * sigma;
+}
+
+sensor_msgs::Imu imu_message(const ImuSample& sample) {
+  sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
+  fill_diagonal(message.orientation_covariance, kOrientationNoise);
+  fill_diagonal(message.angular_velocity_covariance, kGyroNoise);
+  fill_diagonal(message.linear_acceleration_covariance, kAccelerometerNoise);
+  return message;
+}
+
+sensor_msgs::NavSatFix fix_message(const GnssFix& fix) {
+  sensor_msgs::NavSatFix message;
+  message.header.stamp = ros_border::to_ros(fix.stamp);
+  message.header.frame_id = kAntennaFrame;
+  message.status.status = static_cast<std::int8_t>(fix.status);
+  message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
+  message.latitude = fix.latitude_deg;
+  message.longitude = fix.longitude_deg;
+  message.altitude = fix.altitude_m;
+  if (fix.covariance) {
+    std::copy_n(fix.covariance->data(), 9, message.position_covariance.begin());
+    message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_KNOWN;
+  }
+  return message;
+}
+
+sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan) {
+  PointCloud cloud = scan.cloud;
+  const auto rounded = [](float value) { return std::round(value / kPointStep) * kPointStep; };
+  for (Point& point : cloud.points) {
+    point = {rounded(point.x), rounded(point.y), rounded(point.z), point.intensity};
+  }
+  return ros_border::to_message(cloud, scan.stamp, kLidarFrame);
+}
+
+nav_msgs::Odometry truth_message(const Drive& drive, Stamp stamp) {
+  const MotionState state = drive.trajectory().state(stamp);
+  nav_msgs::Odometry message;
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.header.frame_id = "map";
+  message.child_frame_id = "base_link";
+  message.pose.pose = ros_border::to_message(state.T_map_base);
+  Vector6d twist;
+  twist << state.T_map_base.rotation.conjugate() * state.velocity_map, state.angular_velocity_base;
+  message.twist.twist = ros_border::to_twist(twist);
+  return message;
+}
+
+geometry_msgs::TransformStamped transform_message(const Pose& T_base_frame, const char* frame,
+                                                  Stamp stamp) {
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.header.frame_id = "base_link";
+  message.child_frame_id = frame;
+  message.transform = ros_border::to_transform(T_base_frame);
+  return message;
+}
+
+tf2_msgs::TFMessage extrinsics(const Drive& drive) {
+  const SensorMounting& mounting = drive.mounting();
+  const Stamp stamp = drive.trajectory().begin();
+  const Pose T_base_antenna{Eigen::Quaterniond::Identity(), mounting.p_base_antenna};
+  tf2_msgs::TFMessage message;
+  message.transforms = {transform_message(mounting.T_base_lidar, kLidarFrame, stamp),
+                        transform_message(mounting.T_base_imu, kImuFrame, stamp),
+                        transform_message(T_base_antenna, kAntennaFrame, stamp)};
+  return message;
+}
+
+/// Writes messages in the order of their delivery: small ones wait here for the scans.
+class BagWriter {
+ public:
+  explicit BagWriter(const std::string& path) : bag_(path, rosbag::bagmode::Write) {
+    bag_.setCompression(rosbag::compression::LZ4);
+  }
+
+  /// Has `message` written once all that is delivered before `delivery` is.
+  template <typename Message>
+  void add(const char* topic, Stamp delivery, Message message) {
+    message.header.seq = sequence_[topic]++;
+    waiting_.emplace(delivery, [this, topic, delivery, message = std::move(message)] {
+      bag_.write(topic, ros_border::to_ros(delivery), message);
+    });
+  }
+  void write_latched(const char* topic, Stamp delivery, const tf2_msgs::TFMessage& message) {
+    using Traits = ros::message_traits::DataType<tf2_msgs::TFMessage>;
+    const auto header = boost::make_shared<ros::M_string>();
+    *header = {
+        {"latching", "1"},
+        {"type", Traits::value()},
+        {"md5sum", ros::message_traits::MD5Sum<tf2_msgs::TFMessage>::value()},
+        {"message_definition", ros::message_traits::Definition<tf2_msgs::TFMessage>::value()}};
+    bag_.write(topic, ros_border::to_ros(delivery), message, header);
+  }
+  void write_until(Stamp delivery) {
+    const auto end = waiting_.upper_bound(delivery);
+    for (auto it = waiting_.begin(); it != end; ++it) it->second();
+    waiting_.erase(waiting_.begin(), end);
+  }
+  void close() {
+    for (const auto& [delivery, write] : waiting_) write();
+    bag_.close();
+  }
+
+ private:
+  rosbag::Bag bag_;
+  std::multimap<Stamp, std::function<void()>> waiting_;  ///< equal times keep their order
+  std::map<std::string, std::uint32_t> sequence_;
+};
+
+void add_samples(BagWriter& writer, const Drive& drive, const BagContent& content) {
+  if (content.imu) {
+    for (const ImuSample& s : drive.imu()) writer.add(kImuTopic, s.stamp, imu_message(s));
+  }
+  if (content.velocity) {
+    for (const VelocitySample& s : drive.velocity()) {
+      writer.add(kVelocityTopic, s.stamp, ros_border::to_message(s, kImuFrame));
+    }
+  }
+  if (content.gnss) {
+    for (const GnssFix& fix : drive.gnss()) writer.add(kFixTopic, fix.stamp, fix_message(fix));
+  }
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    const Stamp stamp = drive.scan_stamp(i);
+    writer.add("/ground_truth", stamp, truth_message(drive, stamp));
+  }
+}
+
+void fill_bag(const Drive& drive, const std::string& path, const BagContent& content, int threads) {
+  BagWriter writer(path);
+  writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive));
+  add_samples(writer, drive, content);
+  for_each_scan(drive, threads, [&](std::size_t, const SimulatedScan& scan) {
+    writer.add(kCloudTopic, scan.end, cloud_message(scan));
+    writer.write_until(scan.end);
+  });
+  writer.close();
+}
+
+}  // namespace
+
+void write_bag(const Drive& drive, const std::string& path, const BagContent& content,
+               int threads) {
+  const std::string unfinished = path + ".active";
+  try {
+    fill_bag(drive, unfinished, content, threads);
+    std::filesystem::rename(unfinished, path);
+  } catch (const rosbag::BagException& error) {
+    throw FileError("cannot write " + unfinished + ": " + error.what());
+  }
+}
+
+}  // namespace lidar_mapping::tools

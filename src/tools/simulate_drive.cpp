@@ -1,0 +1,105 @@
+// Simulates a drive and writes it as a bag with KITTI's topics, or as a folder of scans.
+
+#include <cstdio>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+#include "drive_output.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+
+struct Options {
+  simulation::DriveOptions drive;
+  tools::BagContent content;
+  std::string bag;
+  std::string folder;
+  std::string truth;
+  std::vector<std::string> outages;
+  std::vector<std::string> jumps;
+  int threads = 0;
+};
+
+/// The two numbers of "A:B".
+std::pair<double, double> split(const std::string& text, const char* option) {
+  double first = 0.0, second = 0.0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf:%lf%c", &first, &second, &rest) != 2) {
+    throw ConfigError(std::string(option) + ": '" + text + "' is not of the form A:B");
+  }
+  return {first, second};
+}
+
+void add_arguments(CLI::App& app, Options& options) {
+  simulation::DriveOptions& drive = options.drive;
+  app.add_option("bag", options.bag, "bag to write");
+  app.add_option("--drive", drive.drive, "world and way")
+      ->check(CLI::IsMember(simulation::drive_names()))
+      ->capture_default_str();
+  app.add_option("--lidar", drive.lidar, "sensor")
+      ->check(CLI::IsMember(simulation::lidar_names()))
+      ->capture_default_str();
+  app.add_option("--seed", drive.seed, "seed of the world and of all noise")->capture_default_str();
+  app.add_option("--duration", drive.duration, "end the drive after so many seconds");
+  app.add_option("--scan-rate", drive.scan_rate, "turns per second")->capture_default_str();
+  app.add_option("--range-noise", drive.range_noise, "standard deviation, m")
+      ->capture_default_str();
+  app.add_flag("!--no-movers", drive.movers, "no moving cars and people");
+  app.add_flag("--undistorted", drive.undistorted,
+               "take each scan in one instant, without time per point");
+  app.add_flag("!--no-imu", options.content.imu, "leave the IMU out");
+  app.add_flag("!--no-gnss", options.content.gnss, "leave GNSS out");
+  app.add_flag("!--no-velocity", options.content.velocity, "leave the velocity out");
+  app.add_option("--gnss-noise", drive.gnss_noise, "standard deviation east and north, m")
+      ->capture_default_str();
+  app.add_option("--gnss-outage", options.outages, "START:END without a fix, s (repeatable)");
+  app.add_option("--gnss-jump", options.jumps,
+                 "T:METRES, fixes beside the truth for ten seconds (repeatable)");
+  app.add_option("--threads", options.threads, "threads; 0: all cores")->capture_default_str();
+  app.add_option("--truth", options.truth, "write the true poses of base_link to this TUM file");
+  app.add_option("--kitti", options.folder, "write the scans into this new folder");
+}
+
+void run(Options& options) {
+  for (const std::string& text : options.outages) {
+    const auto [begin, end] = split(text, "--gnss-outage");
+    options.drive.gnss_outages.push_back({begin, end});
+  }
+  for (const std::string& text : options.jumps) {
+    const auto [at, metres] = split(text, "--gnss-jump");
+    options.drive.gnss_jumps.push_back({at, metres});
+  }
+  if (options.bag.empty() && options.folder.empty() && options.truth.empty()) {
+    throw ConfigError("nothing to write; name a bag, --kitti FOLDER or --truth FILE");
+  }
+  const simulation::Drive drive(options.drive);
+  const auto& way = drive.trajectory();
+  std::printf("%s, seed %llu: %.0f m, %.0f s, %zu scans of %s\n", options.drive.drive.c_str(),
+              static_cast<unsigned long long>(options.drive.seed),
+              way.length(way.begin(), way.end()), to_seconds(way.end() - way.begin()),
+              drive.scan_count(), drive.lidar().name.c_str());
+  if (!options.truth.empty()) tools::write_truth(drive, options.truth);
+  if (!options.folder.empty()) tools::write_folder(drive, options.folder, options.threads);
+  if (!options.bag.empty()) tools::write_bag(drive, options.bag, options.content, options.threads);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Simulates a drive and writes it as a bag or as a folder of scans"};
+  Options options;
+  add_arguments(app, options);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "simulate_drive: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
