@@ -3,7 +3,17 @@
 namespace lidar_mapping::map {
 
 const config::Schema<MapConfig>& MapConfig::schema() {
-  static const auto schema = config::Schema<MapConfig>("map", "Parameters of map");
+  static const auto schema =
+      config::Schema<MapConfig>("map", "The map that the clouds of the key frames are joined to")
+          .real("resolution", &MapConfig::resolution, {0.01, 10.0}, "m",
+                "Edge of the map's voxels; each gives one point, its centroid.")
+          .real("tile_size", &MapConfig::tile_size, {5.0, 1000.0}, "m",
+                "Edge of the squares in which the map is built and rebuilt.")
+          .real(
+              "rebuild_distance", &MapConfig::rebuild_distance, {0.0, 10.0}, "m",
+              "A key frame is put in again when a point 50 m away from it moved by more; 0 always.")
+          .integer("threads", &MapConfig::threads, {0, 256}, "",
+                   "Upper limit of threads; 0 takes all cores. The result does not depend on it.");
   return schema;
 }
 

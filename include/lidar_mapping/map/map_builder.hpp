@@ -5,11 +5,13 @@
 
 #include "lidar_mapping/common/cloud_source.hpp"
 #include "lidar_mapping/map/map_config.hpp"
+#include "lidar_mapping/map/map_tile.hpp"
 
 namespace lidar_mapping::map {
 
 /// Joins the clouds of key frames to one map, a point per voxel (centroid, mean intensity). Only
-/// key frames that moved are put in again. One thread calls it; clouds come from the source.
+/// the tiles that a moved key frame touches are built again. Memory grows with the map, not with
+/// the drive. One thread calls it; clouds come from the source.
 class MapBuilder {
  public:
   /// `clouds` must outlive this object.
@@ -20,15 +22,27 @@ class MapBuilder {
   void update(const KeyFramePoses& poses);
   /// Grows whenever build() would give something else.
   std::uint64_t revision() const;
-  /// The map in the map frame. Key frames whose cloud is missing are left out and counted.
+  /// The map in the map frame. Key frames whose cloud is missing are left out and counted; they are
+  /// asked for again next time.
   PointCloud build();
-  /// The same with voxels of another size (m).
-  PointCloud build(double resolution);
+  /// The same with voxels of another size (m), from the newest poses.
+  PointCloud build(double resolution) const;
   std::size_t missing_clouds() const;
+  /// Key frames that went through the voxels since the beginning: the work that was done.
+  std::size_t insertions() const;
 
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The whole map at once, from the poses given.
+PointCloud build_map(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config);
+
+/// The same tile by tile: tiles put together are the map. Memory is that of a block of tiles (about
+/// 200 m by 200 m) and of a list of tiles per key frame, however large the map is. Each cloud is
+/// read once for every block that it touches.
+void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
+                 const TileSink& sink);
 
 }  // namespace lidar_mapping::map

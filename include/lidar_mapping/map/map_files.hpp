@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+
+namespace lidar_mapping::map {
+
+/// What a map's user has to know beside its points; written as map.yaml.
+struct MapDescription {
+  std::string frame = "map";
+  std::optional<GeodeticDatum> datum;  ///< origin of East-North-Up; none without GNSS
+  double resolution = 0.0;             ///< m, edge of the voxels
+};
+
+/// Names of files that were written.
+using Files = std::vector<std::filesystem::path>;
+
+/// Writes map.pcd (binary, compressed) and map.ply (binary), as `formats` ("pcd", "ply"; empty:
+/// both) says, and map.yaml (frame, datum, resolution, number of points, bounds) beside them. Files
+/// appear whole or not at all. Points stay in the local frame: nothing is added to them. Throws
+/// InputError for another format or an empty map, FileError for the disk, and where the folder
+/// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it).
+Files save_map(const PointCloud& map, const MapDescription& description,
+               const std::filesystem::path& directory, const std::vector<std::string>& formats);
+
+/// Fields x y z intensity. Throws FileError.
+void write_pcd(const std::filesystem::path& path, const PointCloud& cloud);
+void write_ply(const std::filesystem::path& path, const PointCloud& cloud);
+
+}  // namespace lidar_mapping::map

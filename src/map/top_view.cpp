@@ -1,0 +1,134 @@
+#include "lidar_mapping/map/top_view.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include <png.h>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::map {
+
+namespace {
+
+using Color = std::array<double, 3>;
+
+constexpr float kNone = std::numeric_limits<float>::infinity();
+constexpr double kHighest = 10.0;    // m above the ground; what is higher has the last colour
+constexpr double kGroundCell = 8.0;  // m, edge of the cells whose lowest point is the ground
+constexpr Color kBackground = {12.0, 14.0, 20.0};
+constexpr std::array<Color, 5> kScale = {{{58.0, 88.0, 160.0},
+                                          {52.0, 160.0, 170.0},
+                                          {120.0, 200.0, 90.0},
+                                          {245.0, 210.0, 70.0},
+                                          {230.0, 80.0, 60.0}}};
+
+/// A grid over the x-y plane that keeps one number a cell.
+struct Grid {
+  Grid(double x_low, double y_high, double x_size, double y_size, double cell_size, float value)
+      : x_min(x_low),
+        y_max(y_high),
+        cell(cell_size),
+        width(static_cast<int>(x_size / cell_size) + 1),
+        height(static_cast<int>(y_size / cell_size) + 1),
+        values(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value) {}
+
+  std::size_t position(const Point& point) const {
+    const auto column = static_cast<int>((static_cast<double>(point.x) - x_min) / cell);
+    const auto row = static_cast<int>((y_max - static_cast<double>(point.y)) / cell);
+    return static_cast<std::size_t>(std::clamp(row, 0, height - 1)) *
+               static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(std::clamp(column, 0, width - 1));
+  }
+  float& at(const Point& point) { return values[position(point)]; }
+
+  double x_min;
+  double y_max;
+  double cell;
+  int width;
+  int height;
+  std::vector<float> values;
+};
+
+struct Bounds {
+  double x_min, x_max, y_min, y_max;
+};
+
+Bounds bounds_of(const PointCloud& map) {
+  if (map.empty()) throw InputError("the map has no points; there is nothing to draw");
+  const auto by_x = [](const Point& a, const Point& b) { return a.x < b.x; };
+  const auto by_y = [](const Point& a, const Point& b) { return a.y < b.y; };
+  const auto x = std::minmax_element(map.points.begin(), map.points.end(), by_x);
+  const auto y = std::minmax_element(map.points.begin(), map.points.end(), by_y);
+  return {static_cast<double>(x.first->x), static_cast<double>(x.second->x),
+          static_cast<double>(y.first->y), static_cast<double>(y.second->y)};
+}
+
+Color color_of(double height, double density) {
+  const double scaled =
+      std::clamp(height / kHighest, 0.0, 1.0) * static_cast<double>(kScale.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(scaled), kScale.size() - 2);
+  const double fraction = scaled - static_cast<double>(below);
+  Color color{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double full = kScale[below][i] + fraction * (kScale[below + 1][i] - kScale[below][i]);
+    color[i] = kBackground[i] + density * (full - kBackground[i]);
+  }
+  return color;
+}
+
+std::string world_file(const TopView& view) {
+  char text[256];
+  std::snprintf(text, sizeof text, "%.9f\n0.0\n0.0\n%.9f\n%.6f\n%.6f\n", view.pixel_m,
+                -view.pixel_m, view.x_min + 0.5 * view.pixel_m, view.y_max - 0.5 * view.pixel_m);
+  return text;
+}
+
+}  // namespace
+
+TopView top_view(const PointCloud& map, double pixel_m, int max_pixels) {
+  const Bounds b = bounds_of(map);
+  const double x_size = b.x_max - b.x_min;
+  const double y_size = b.y_max - b.y_min;
+  const double pixel = std::max(pixel_m, std::max(x_size, y_size) / (max_pixels - 1));
+  Grid ground(b.x_min, b.y_max, x_size, y_size, kGroundCell, kNone);
+  for (const Point& point : map.points) ground.at(point) = std::min(ground.at(point), point.z);
+  Grid top(b.x_min, b.y_max, x_size, y_size, pixel, -kNone);
+  Grid counts(b.x_min, b.y_max, x_size, y_size, pixel, 0.0F);
+  for (const Point& point : map.points) {
+    top.at(point) = std::max(top.at(point), point.z - ground.at(point));
+    counts.at(point) += 1.0F;
+  }
+  TopView view{top.width, top.height, pixel, b.x_min, b.y_max, {}};
+  view.rgb.reserve(3 * top.values.size());
+  for (std::size_t i = 0; i < top.values.size(); ++i) {
+    const double count = static_cast<double>(counts.values[i]);
+    const double density = count > 0.0 ? std::min(1.0, 0.55 + 0.15 * std::log2(count)) : 0.0;
+    const Color color = color_of(static_cast<double>(top.values[i]), density);
+    for (const double channel : color) {
+      view.rgb.push_back(static_cast<std::uint8_t>(std::lround(channel)));
+    }
+  }
+  return view;
+}
+
+void write_png(const std::filesystem::path& path, const TopView& view) {
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(view.width);
+    image.height = static_cast<png_uint_32>(view.height);
+    image.format = PNG_FORMAT_RGB;
+    if (png_image_write_to_file(&image, temporary.c_str(), 0, view.rgb.data(), 0, nullptr) == 0) {
+      throw FileError("cannot write " + path.string() + ": " + image.message);
+    }
+  });
+  std::filesystem::path world = path;
+  write_text_atomically(world.replace_extension(".pgw"), world_file(view));
+}
+
+}  // namespace lidar_mapping::map

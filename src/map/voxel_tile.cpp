@@ -1,0 +1,87 @@
+#include "voxel_tile.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidar_mapping::map {
+
+namespace {
+
+constexpr std::size_t kFirstSlots = 1024;
+constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15U;
+
+std::int64_t floor_divided(std::int64_t value, std::int64_t divisor) {
+  return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor);
+}
+
+}  // namespace
+
+TileGrid::TileGrid(double resolution, double tile_size)
+    : resolution_(resolution),
+      voxels_per_tile_(
+          std::clamp<std::int64_t>(std::llround(tile_size / resolution), 1, (1 << 16) - 1)) {}
+
+TileGrid::Cell TileGrid::cell_of(const Eigen::Vector3d& p_map) const {
+  const auto x = static_cast<std::int64_t>(std::floor(p_map.x() / resolution_));
+  const auto y = static_cast<std::int64_t>(std::floor(p_map.y() / resolution_));
+  const auto z = static_cast<std::int64_t>(std::floor(p_map.z() / resolution_));
+  Cell cell;
+  cell.tile = {floor_divided(x, voxels_per_tile_), floor_divided(y, voxels_per_tile_)};
+  const auto local_x = static_cast<std::uint64_t>(x - cell.tile.x * voxels_per_tile_);
+  const auto local_y = static_cast<std::uint64_t>(y - cell.tile.y * voxels_per_tile_);
+  const auto height = static_cast<std::uint32_t>(static_cast<std::int32_t>(z));
+  cell.voxel = std::uint64_t{height} << 32U | local_y << 16U | local_x;
+  return cell;
+}
+
+Eigen::Vector3d TileGrid::origin_of(const TileIndex& tile) const {
+  const double edge = static_cast<double>(voxels_per_tile_) * resolution_;
+  return {static_cast<double>(tile.x) * edge, static_cast<double>(tile.y) * edge, 0.0};
+}
+
+void VoxelTile::insert(const TilePoint& point) {
+  if (2 * (voxels_.size() + 1) > slots_.size()) grow();
+  std::uint32_t& slot = slots_[slot_of(point.voxel)];
+  if (slot == 0) {
+    voxels_.push_back({point.voxel});
+    slot = static_cast<std::uint32_t>(voxels_.size());
+  }
+  Voxel& voxel = voxels_[slot - 1];
+  voxel.x += static_cast<double>(point.point.x);
+  voxel.y += static_cast<double>(point.point.y);
+  voxel.z += static_cast<double>(point.point.z);
+  voxel.intensity += static_cast<double>(point.point.intensity);
+  ++voxel.count;
+}
+
+void VoxelTile::clear() {
+  voxels_.clear();
+  std::fill(slots_.begin(), slots_.end(), 0U);
+}
+
+void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const {
+  cloud.points.reserve(cloud.points.size() + voxels_.size());
+  for (const Voxel& voxel : voxels_) {
+    const double scale = 1.0 / voxel.count;
+    cloud.points.push_back({static_cast<float>(voxel.x * scale + offset.x()),
+                            static_cast<float>(voxel.y * scale + offset.y()),
+                            static_cast<float>(voxel.z * scale + offset.z()),
+                            static_cast<float>(voxel.intensity * scale)});
+  }
+}
+
+void VoxelTile::grow() {
+  slots_.assign(std::max(kFirstSlots, 2 * slots_.size()), 0);
+  for (std::size_t i = 0; i < voxels_.size(); ++i) {
+    slots_[slot_of(voxels_[i].key)] = static_cast<std::uint32_t>(i + 1);
+  }
+}
+
+std::size_t VoxelTile::slot_of(std::uint64_t key) const {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = (key * kGoldenRatio >> 32U) & mask;
+  while (slots_[slot] != 0 && voxels_[slots_[slot] - 1].key != key) slot = (slot + 1) & mask;
+  return slot;
+}
+
+}  // namespace lidar_mapping::map

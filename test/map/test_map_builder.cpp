@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/map/map_builder.hpp"
+
+namespace lidar_mapping::map {
+namespace {
+
+/// Clouds in memory that counts how often it is asked.
+class Clouds : public CloudSource {
+ public:
+  PointCloudPtr cloud(KeyFrameIndex index) override {
+    ++reads;
+    const auto found = clouds.find(index);
+    return found == clouds.end() ? nullptr : found->second;
+  }
+  std::map<KeyFrameIndex, PointCloudPtr> clouds;
+  std::size_t reads = 0;
+};
+
+PointCloudPtr random_cloud(std::mt19937& random, int points) {
+  std::uniform_real_distribution<float> xy(-40.0F, 40.0F);
+  std::uniform_real_distribution<float> z(-2.0F, 8.0F);
+  auto cloud = std::make_shared<PointCloud>();
+  for (int i = 0; i < points; ++i)
+    cloud->points.push_back({xy(random), xy(random), z(random), z(random)});
+  return cloud;
+}
+
+/// A drive along x with `key_frames` clouds, 5 m apart.
+struct Drive {
+  Clouds clouds;
+  KeyFramePoses poses;
+
+  explicit Drive(KeyFrameIndex key_frames, int points = 500) {
+    std::mt19937 random(3);
+    for (KeyFrameIndex index = 0; index < key_frames; ++index) {
+      clouds.clouds[index] = random_cloud(random, points);
+      Pose pose;
+      pose.translation = {5.0 * index, 0.0, 0.0};
+      poses.poses.push_back({index, Stamp{index}, pose});
+    }
+  }
+
+  void move(KeyFrameIndex index, const Eigen::Vector3d& by) {
+    poses.poses[index].T_map_base.translation += by;
+  }
+};
+
+MapConfig exact_config() {
+  MapConfig config;
+  config.resolution = 0.5;
+  config.tile_size = 20.0;
+  config.rebuild_distance = 0.0;
+  return config;
+}
+
+void expect_same_bits(const PointCloud& a, const PointCloud& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a.points[i].position(), b.points[i].position()) << "point " << i;
+    ASSERT_EQ(a.points[i].intensity, b.points[i].intensity) << "point " << i;
+  }
+}
+
+PointCloudPtr cloud_of(std::vector<Point> points) {
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->points = std::move(points);
+  return cloud;
+}
+
+// F85: centroid and mean intensity, not the centre of the cell.
+TEST(MapBuilder, GivesCentroidAndMeanIntensityOfEachVoxel) {
+  Clouds clouds;
+  clouds.clouds[0] = cloud_of({{0.1F, 0.1F, 0.1F, 10.0F}, {0.3F, 0.2F, 0.1F, 20.0F}});
+  clouds.clouds[1] = cloud_of({{0.2F, 0.3F, 0.4F, 30.0F}, {-0.1F, 0.1F, 0.1F, 7.0F}});
+  KeyFramePoses poses;
+  poses.poses = {{0, 0, Pose()}, {1, 1, Pose()}};
+  const PointCloud map = build_map(poses, clouds, exact_config());
+  ASSERT_EQ(map.size(), 2U);
+  const auto centroid = std::max_element(map.points.begin(), map.points.end(),
+                                         [](const auto& a, const auto& b) { return a.x < b.x; });
+  EXPECT_NEAR(centroid->x, 0.2, 1e-6);
+  EXPECT_NEAR(centroid->y, 0.2, 1e-6);
+  EXPECT_NEAR(centroid->z, 0.2, 1e-6);
+  EXPECT_NEAR(centroid->intensity, 20.0, 1e-6);
+}
+
+// F85: a plane at an angle keeps its shape: RMS below a tenth of the voxel.
+TEST(MapBuilder, KeepsASlantedPlaneFlat) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
+  std::vector<Point> points;
+  for (int i = 0; i < 200'000; ++i) {
+    const float x = uniform(random);
+    const float y = uniform(random);
+    points.push_back({x, y, 0.4F * x + 0.2F * y, 0.0F});
+  }
+  Clouds clouds;
+  clouds.clouds[0] = cloud_of(points);
+  KeyFramePoses poses;
+  poses.poses = {{0, 0, Pose()}};
+  double squares = 0.0;
+  const PointCloud map = build_map(poses, clouds, exact_config());
+  for (const Point& point : map.points) {
+    const double distance = static_cast<double>(point.z - 0.4F * point.x - 0.2F * point.y);
+    squares += distance * distance;
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(map.size())), 0.05);
+}
+
+TEST(MapBuilder, LeavesOutPointsThatAreNotFinite) {
+  Clouds clouds;
+  clouds.clouds[0] =
+      cloud_of({{NAN, 0.0F, 0.0F, 0.0F}, {1.0F, 1.0F, INFINITY, 0.0F}, {1.0F, 2.0F, 3.0F, 4.0F}});
+  KeyFramePoses poses;
+  poses.poses = {{0, 0, Pose()}};
+  EXPECT_EQ(build_map(poses, clouds, exact_config()).size(), 1U);
+}
+
+// F80, F81, F83: whatever moved, came, went or came late, the map is that of the poses.
+TEST(MapBuilder, PartialUpdatesEqualAFullRebuildBitForBit) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  Drive drive(30);
+  KeyFramePoses seen;
+  MapBuilder builder(exact_config(), drive.clouds);
+  for (KeyFrameIndex index = 0; index < 30; ++index) {
+    seen.poses.push_back(drive.poses.poses[index]);
+    if (index % 4 == 3)
+      seen.poses[random() % seen.poses.size()].T_map_base.translation.x() += normal(random);
+    if (index == 17) seen.poses.erase(seen.poses.begin() + 4);
+    builder.update(seen);
+    expect_same_bits(builder.build(), build_map(seen, drive.clouds, exact_config()));
+  }
+}
+
+TEST(MapBuilder, TakesPartsOfThePosesIn) {
+  Drive drive(10);
+  MapBuilder builder(exact_config(), drive.clouds);
+  builder.update(drive.poses);
+  builder.build();
+  drive.move(4, {1.0, 0.5, 0.0});
+  KeyFramePoses part;
+  part.whole = false;
+  part.poses = {drive.poses.poses[4]};
+  builder.update(part);
+  expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, exact_config()));
+}
+
+// F83: only what moved is put in again.
+TEST(MapBuilder, PutsOnlyTheNeighboursOfAMovedKeyFrameInAgain) {
+  Drive drive(200);
+  MapBuilder builder(exact_config(), drive.clouds);
+  builder.update(drive.poses);
+  builder.build();
+  const std::size_t before = builder.insertions();
+  EXPECT_EQ(before, 200U);
+  drive.move(100, {0.3, 0.0, 0.0});
+  builder.update(drive.poses);
+  builder.build();
+  EXPECT_LT(builder.insertions() - before, 60U);
+}
+
+// F84: nothing changed, nothing is done.
+TEST(MapBuilder, AnIdleSystemRebuildsNothing) {
+  Drive drive(10);
+  MapBuilder builder(exact_config(), drive.clouds);
+  builder.update(drive.poses);
+  builder.build();
+  const std::uint64_t revision = builder.revision();
+  const std::size_t reads = drive.clouds.reads;
+  builder.update(drive.poses);
+  EXPECT_EQ(builder.revision(), revision);
+  builder.build();
+  EXPECT_EQ(drive.clouds.reads, reads);
+}
+
+TEST(MapBuilder, SmallMovesBelowTheLimitWaitUntilTheyAddUp) {
+  Drive drive(10);
+  MapConfig config = exact_config();
+  config.rebuild_distance = 0.05;
+  MapBuilder builder(config, drive.clouds);
+  builder.update(drive.poses);
+  builder.build();
+  const std::uint64_t revision = builder.revision();
+  drive.move(9, {0.03, 0.0, 0.0});
+  builder.update(drive.poses);
+  EXPECT_EQ(builder.revision(), revision);
+  drive.move(9, {0.03, 0.0, 0.0});
+  builder.update(drive.poses);
+  EXPECT_GT(builder.revision(), revision);
+  expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, config));
+}
+
+TEST(MapBuilder, AsksForMissingCloudsAgain) {
+  Drive drive(10);
+  const PointCloudPtr late = drive.clouds.clouds[4];
+  drive.clouds.clouds.erase(4);
+  MapBuilder builder(exact_config(), drive.clouds);
+  builder.update(drive.poses);
+  builder.build();
+  EXPECT_EQ(builder.missing_clouds(), 1U);
+  drive.clouds.clouds[4] = late;
+  expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, exact_config()));
+  EXPECT_EQ(builder.missing_clouds(), 0U);
+}
+
+TEST(MapBuilder, DoesNotDependOnTheNumberOfThreads) {
+  Drive drive(20);
+  MapConfig config = exact_config();
+  config.threads = 1;
+  const PointCloud one = build_map(drive.poses, drive.clouds, config);
+  for (const int threads : {2, 4}) {
+    config.threads = threads;
+    expect_same_bits(build_map(drive.poses, drive.clouds, config), one);
+  }
+}
+
+// F87: the resolution asked for is the one that is used, for small and large maps.
+TEST(MapBuilder, BuildsWithAnotherResolutionOnRequest) {
+  Drive drive(10);
+  MapBuilder builder(exact_config(), drive.clouds);
+  builder.update(drive.poses);
+  MapConfig coarse = exact_config();
+  coarse.resolution = 2.0;
+  expect_same_bits(builder.build(2.0), build_map(drive.poses, drive.clouds, coarse));
+  EXPECT_LT(builder.build(2.0).size(), builder.build().size());
+}
+
+TEST(BuildTiles, TilesPutTogetherAreTheMap) {
+  Drive drive(100);
+  const PointCloud map = build_map(drive.poses, drive.clouds, exact_config());
+  std::map<TileIndex, PointCloud> tiles;
+  build_tiles(drive.poses, drive.clouds, exact_config(), [&](const MapTile& tile) {
+    PointCloud& cloud = tiles[tile.index];
+    EXPECT_TRUE(cloud.empty()) << "a tile comes once";
+    for (Point point : tile.cloud.points) {
+      EXPECT_GE(point.x, -1e-4F);
+      EXPECT_LE(point.x, 20.0001F);
+      point.x += static_cast<float>(tile.origin.x());
+      point.y += static_cast<float>(tile.origin.y());
+      cloud.points.push_back(point);
+    }
+  });
+  PointCloud joined;
+  for (const auto& [index, cloud] : tiles) {
+    joined.points.insert(joined.points.end(), cloud.points.begin(), cloud.points.end());
+  }
+  ASSERT_EQ(joined.size(), map.size());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    EXPECT_LT((joined.points[i].position() - map.points[i].position()).norm(), 1e-4F);
+  }
+}
+
+// F86: points keep their precision far away from the origin.
+TEST(BuildTiles, KeepsMillimetresFarAway) {
+  Clouds clouds;
+  clouds.clouds[0] = cloud_of({{1.0F, 1.0F, 0.0F, 0.0F}, {1.601F, 1.0F, 0.0F, 0.0F}});
+  KeyFramePoses poses;
+  Pose far;
+  far.translation = {400'000.0, 4'600'000.0, 0.0};
+  poses.poses = {{0, 0, far}};
+  std::vector<Point> points;
+  build_tiles(poses, clouds, exact_config(), [&](const MapTile& tile) {
+    points.insert(points.end(), tile.cloud.points.begin(), tile.cloud.points.end());
+  });
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_NEAR(std::abs(points[1].x - points[0].x), 0.601, 1e-4);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::map

@@ -1,0 +1,132 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
+#include <yaml-cpp/yaml.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/map_files.hpp"
+#include "lidar_mapping/map/top_view.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::map {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+PointCloud example_map() {
+  PointCloud map;
+  for (int i = 0; i < 1000; ++i) {
+    const auto value = static_cast<float>(i);
+    map.points.push_back({0.1F * value, -0.05F * value, 0.01F * value, value});
+  }
+  return map;
+}
+
+template <typename Cloud>
+void expect_example(const Cloud& cloud) {
+  const PointCloud map = example_map();
+  ASSERT_EQ(cloud.size(), map.size());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    EXPECT_EQ(cloud[i].x, map.points[i].x);
+    EXPECT_EQ(cloud[i].z, map.points[i].z);
+    EXPECT_EQ(cloud[i].intensity, map.points[i].intensity);
+  }
+}
+
+TEST(SaveMap, WritesFilesThatPclReadsBack) {
+  const TemporaryFolder folder;
+  const Files files = save_map(example_map(), {}, folder.path() / "map", {});
+  EXPECT_EQ(files.size(), 3U);
+  for (const fs::path& file : files) EXPECT_TRUE(fs::is_regular_file(file)) << file;
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((folder.path() / "map/map.pcd").string(), cloud), 0);
+  expect_example(cloud);
+  ASSERT_EQ(pcl::io::loadPLYFile((folder.path() / "map/map.ply").string(), cloud), 0);
+  expect_example(cloud);
+}
+
+// F90: frame, origin, leaf size and bounds stand beside the map and fit it.
+TEST(SaveMap, DescribesTheMapBesideIt) {
+  const TemporaryFolder folder;
+  MapDescription description;
+  description.datum = GeodeticDatum{48.1234567891, 11.5, 520.25};
+  description.resolution = 0.1;
+  save_map(example_map(), description, folder.path(), {"pcd"});
+  EXPECT_FALSE(fs::exists(folder.path() / "map.ply"));
+  const YAML::Node yaml = YAML::LoadFile((folder.path() / "map.yaml").string());
+  EXPECT_EQ(yaml["frame"].as<std::string>(), "map");
+  EXPECT_EQ(yaml["datum"]["latitude"].as<double>(), 48.1234567891);
+  EXPECT_EQ(yaml["resolution"].as<double>(), 0.1);
+  EXPECT_EQ(yaml["points"].as<int>(), 1000);
+  EXPECT_NEAR(yaml["min"][1].as<double>(), -49.95, 1e-3);
+  EXPECT_NEAR(yaml["max"][0].as<double>(), 99.9, 1e-3);
+}
+
+// F55: what cannot be done is said.
+TEST(SaveMap, RefusesUnknownFormatsEmptyMapsAndUnwritableFolders) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(save_map(example_map(), {}, folder.path(), {"doc"}), InputError);
+  EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}), InputError);
+  std::ofstream(folder.path() / "file") << "x";
+  EXPECT_THROW(save_map(example_map(), {}, folder.path() / "file", {}), FileError);
+}
+
+// F56: a foreign map is not overwritten; one's own is.
+TEST(SaveMap, ReplacesItsOwnFilesOnly) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "map.pcd") << "mine";
+  EXPECT_THROW(save_map(example_map(), {}, folder.path(), {}), FileError);
+  EXPECT_EQ(fs::file_size(folder.path() / "map.pcd"), 4U);
+  const fs::path own = folder.path() / "own";
+  save_map(example_map(), {}, own, {});
+  EXPECT_NO_THROW(save_map(example_map(), {}, own, {}));
+}
+
+TEST(TopView, ShowsPointsWhereTheyAre) {
+  PointCloud map;
+  map.points = {{0.0F, 0.0F, 0.0F, 0.0F}, {9.0F, 0.0F, 0.0F, 0.0F}, {9.0F, 4.0F, 9.0F, 0.0F}};
+  const TopView view = top_view(map, 1.0);
+  EXPECT_EQ(view.width, 10);
+  EXPECT_EQ(view.height, 5);
+  const auto brightness = [&](int column, int row) {
+    const std::size_t at = 3U * static_cast<std::size_t>(row * view.width + column);
+    return view.rgb[at] + view.rgb[at + 1] + view.rgb[at + 2];
+  };
+  EXPECT_GT(brightness(0, 4), 100);
+  EXPECT_GT(brightness(9, 0), 100);
+  EXPECT_LT(brightness(5, 2), 60);
+  EXPECT_NE(view.rgb[3 * 9], view.rgb[3 * (4 * 10 + 9)]) << "height shows as colour";
+}
+
+TEST(TopView, StaysWithinTheLargestPicture) {
+  PointCloud map;
+  map.points = {{0.0F, 0.0F, 0.0F, 0.0F}, {10'000.0F, 5.0F, 0.0F, 0.0F}};
+  const TopView view = top_view(map, 0.1, 500);
+  EXPECT_LE(view.width, 500);
+  EXPECT_GT(view.pixel_m, 10.0);
+  EXPECT_THROW(top_view(PointCloud(), 1.0), InputError);
+}
+
+TEST(TopView, WritesAPictureAndItsWorldFile) {
+  const TemporaryFolder folder;
+  write_png(folder.path() / "top_view.png", top_view(example_map(), 0.5));
+  std::ifstream png(folder.path() / "top_view.png", std::ios::binary);
+  std::string magic(8, '\0');
+  png.read(magic.data(), 8);
+  EXPECT_EQ(magic.substr(1, 3), "PNG");
+  std::ifstream world(folder.path() / "top_view.pgw");
+  double numbers[6];
+  for (double& number : numbers) world >> number;
+  EXPECT_EQ(numbers[0], 0.5);
+  EXPECT_EQ(numbers[3], -0.5);
+  EXPECT_NEAR(numbers[4], 0.25, 1e-6);
+  EXPECT_NEAR(numbers[5], -0.25, 1e-6);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::map
