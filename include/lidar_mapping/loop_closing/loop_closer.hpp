@@ -25,6 +25,12 @@ class LoopCloser {
   LoopCloser(const LoopClosingConfig& config, CloudSource& clouds);
   ~LoopCloser();
 
+  /// Where the LiDAR sits in base_link (m), for the free-space check; the origin if never told.
+  void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
+  /// After a restart: a key frame or a loop of before. Like process(), but without a search.
+  void restore(const KeyFrame& key_frame);
+  void restore(const Loop& loop);
+
   /// The newest poses from the back end. They replace what odometry said of these key frames.
   void update_poses(const KeyFramePoses& poses);
   /// A position at the stamp of a key frame (before or after the key frame itself).

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "lidar_mapping/common/loop.hpp"
+#include "lidar_mapping/loop_closing/prior.hpp"
+#include "lidar_mapping/loop_closing/verification.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+/// A candidate after matching.
+struct Match {
+  Alignment alignment;
+  MatchFigures figures;
+};
+
+/// A verdict and why: one sentence that names figure, limit and parameter.
+struct Judgement {
+  Verdict verdict = Verdict::kUndecided;
+  std::string reason;
+};
+
+/// Holds a match against every rule, one after the other (doc/loop_closing.md); accepted only if
+/// none objects.
+Judgement judge(const Match& match, const Prior& prior, const LoopClosingConfig& config);
+
+/// "overlap 0.43 below the limit 0.50 (parameter)".
+std::string figure_sentence(const std::string& figure, double value, const std::string& relation,
+                            double limit, const std::string& parameter);
+
+}  // namespace lidar_mapping::loop_closing

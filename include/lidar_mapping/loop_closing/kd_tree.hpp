@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace lidar_mapping::loop_closing {
+
+/// Nearest neighbours among fixed points; built once, O(n log n). The points are put into the
+/// tree's own order, and all indices refer to that order, so that neighbours lie side by side in
+/// memory. Any number of threads may search.
+class KdTree {
+ public:
+  struct Neighbour {
+    std::uint32_t index = 0;
+    float squared_distance = 0.0F;
+  };
+
+  KdTree() = default;
+  explicit KdTree(std::vector<Eigen::Vector3f> points);
+
+  const std::vector<Eigen::Vector3f>& points() const { return points_; }
+  /// The nearest point that is closer than `limit` (m).
+  std::optional<Neighbour> nearest(const Eigen::Vector3f& p, float limit) const;
+  /// The `count` nearest points, nearest first; fewer if there are not as many.
+  std::vector<Neighbour> nearest(const Eigen::Vector3f& p, std::size_t count) const;
+
+ private:
+  struct Node {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    std::uint32_t right = 0;  ///< the left child follows its parent; 0 marks a leaf
+    int axis = 0;
+    float split = 0.0F;
+  };
+
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+  template <typename Visit>
+  void search(std::uint32_t node, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
+              Visit& visit) const;
+
+  std::vector<Eigen::Vector3f> points_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace lidar_mapping::loop_closing {
+
+/// Horizontal positions, sorted into square cells, so that a search costs what it finds and a
+/// position that moves costs two cells. Nodes are numbers from 0 without gaps.
+class PlaceGrid {
+ public:
+  /// Puts a node to a position, or moves it there.
+  void place(std::size_t node, const Eigen::Vector2d& position);
+  bool has(std::size_t node) const {
+    return node < positions_.size() && !positions_[node].hasNaN();
+  }
+  const Eigen::Vector2d& position(std::size_t node) const { return positions_[node]; }
+  /// All nodes within `radius` (m) of `centre`, in the order of their numbers.
+  std::vector<std::size_t> within(const Eigen::Vector2d& centre, double radius) const;
+
+ private:
+  using Key = std::int64_t;
+  static Key key_of(const Eigen::Vector2d& position);
+  std::vector<std::size_t> nodes_around(const Eigen::Vector2d& centre, double radius) const;
+
+  std::unordered_map<Key, std::vector<std::size_t>> cells_;
+  std::vector<Eigen::Vector2d> positions_;  // not a number where a node has none
+};
+
+}  // namespace lidar_mapping::loop_closing

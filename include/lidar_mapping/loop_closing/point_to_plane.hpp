@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/loop_closing/kd_tree.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+/// Points with a search tree and the normals of its planes.
+struct SurfaceCloud {
+  KdTree tree;
+  std::vector<Eigen::Vector3f> normals;  ///< of tree.points(); zero where there is no plane
+};
+
+/// Where a cloud came to lie.
+struct Alignment {
+  Pose T_target_source;
+  bool converged = false;
+  int iterations = 0;
+  /// Of T_target_source, from the Hessian and the spread of the last residuals; not floored.
+  Covariance6 covariance = Covariance6::Identity();
+};
+
+/// Robust point-to-plane registration, coarse to fine: pair distances shrink from 5 to 0.6 m while
+/// the number of points grows (doc/loop_closing.md). Converges from 2 m and 5 degrees.
+Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
+                               const SurfaceCloud& target, const Pose& T_target_source_guess);
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,230 @@
+#include "lidar_mapping/loop_closing/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr std::size_t kMaxPerSource = 10;
+constexpr double kSpread = 8.0;        // m of way between candidates of one pass
+constexpr int kQueryKeyFrames = 3;     // that the matched scan is made of
+constexpr double kFollowed = 1.0;      // m; the map follows a loop that it meets that well
+constexpr double kTrusted = 0.7;       // m; the estimate is a better start than the views
+constexpr double kYawTrusted = 0.35;   // rad
+constexpr std::size_t kMinCells = 30;  // occupied cells for a view to say anything
+constexpr double kGnssReach = 30.0;    // m that a fix may be off and still find its place
+constexpr double kPassReach = 25.0;    // m of way from a candidate to its neighbours
+constexpr double kStartError = 3.0;    // m that a start may be wrong
+constexpr double kPi = 3.14159265358979323846;
+
+Eigen::Vector2d horizontal(const Pose& pose) { return pose.translation.head<2>(); }
+
+/// A start on the same ground plane: roll, pitch and height differences are left to the matching.
+Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
+  Pose pose;
+  pose.translation << translation, 0.0;
+  pose.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
+  return pose;
+}
+
+bool is_followed(const Loop& loop, const TrajectoryNode& from, const TrajectoryNode& to) {
+  if (!from.optimised || !to.optimised) return false;
+  const Vector6d error = difference(loop.T_from_to, from.T_map_base.inverse() * to.T_map_base);
+  return error.head<3>().norm() < kFollowed;
+}
+
+}  // namespace
+
+Places::Places(const LoopClosingConfig& config) : config_(config) {}
+
+void Places::append(const KeyFrame& key_frame, std::optional<Appearance> appearance) {
+  const NodeId node = trajectory_.append(key_frame);
+  const bool continues = node > 0 && trajectory_[node - 1].segment == trajectory_[node].segment;
+  const double step = continues ? trajectory_[node].travelled - trajectory_[node - 1].travelled
+                                : std::numeric_limits<double>::infinity();
+  separation_.append(step);
+  appearances_.append(std::move(appearance));
+  put_on_grids(node);
+}
+
+void Places::put_on_grids(NodeId node) {
+  map_grid_.place(node, horizontal(trajectory_[node].T_map_base));
+  if (const auto& gnss = trajectory_[node].gnss) {
+    gnss_grid_.place(node, gnss->p_enu_antenna.head<2>());
+  }
+}
+
+void Places::update_poses(const KeyFramePoses& poses) {
+  for (const NodeId node : trajectory_.update(poses)) put_on_grids(node);
+  relink();
+}
+
+void Places::add_gnss(const GnssPosition& position) {
+  if (const auto node = trajectory_.add_gnss(position)) put_on_grids(*node);
+}
+
+void Places::add_loop(const Loop& loop) { loops_.push_back(loop); }
+
+/// Only loops that the newest estimate follows make it more certain: the back end may not have
+/// solved since, or may not believe a loop.
+void Places::relink() {
+  std::vector<Separation::Link> links;
+  for (const Loop& loop : loops_) {
+    const auto from = trajectory_.find(loop.from);
+    const auto to = trajectory_.find(loop.to);
+    if (!from || !to) continue;
+    if (is_followed(loop, trajectory_[*from], trajectory_[*to])) links.emplace_back(*from, *to);
+  }
+  separation_.relink(links);
+}
+
+/// Neighbours along the way see the same place trivially, and scan and submap must not share
+/// clouds.
+bool Places::is_apart(NodeId older) const {
+  const NodeId newest = trajectory_.size() - 1;
+  if (!std::isfinite(separation_.to(older))) return true;
+  const auto gap = static_cast<int>(trajectory_[newest].index - trajectory_[older].index);
+  const double way = trajectory_[newest].travelled - trajectory_[older].travelled;
+  return gap >= std::max(config_.diff_num, config_.extend_frame_num + kQueryKeyFrames) &&
+         way >= config_.accum_distance_thresh;
+}
+
+bool Places::admits(NodeId older) const {
+  return is_apart(older) && may_meet(prior_to(older), config_);
+}
+
+Prior Places::prior_to(NodeId older) const {
+  return prior_between(trajectory_, separation_, older, trajectory_.size() - 1, config_);
+}
+
+/// Nearest first, not more than one per some metres of one pass.
+std::vector<Places::NodeId> Places::spread(std::vector<NodeId> nodes, const Eigen::Vector2d& centre,
+                                           const PlaceGrid& grid) const {
+  std::stable_sort(nodes.begin(), nodes.end(), [&](NodeId a, NodeId b) {
+    return (grid.position(a) - centre).squaredNorm() < (grid.position(b) - centre).squaredNorm();
+  });
+  std::vector<NodeId> chosen;
+  for (const NodeId node : nodes) {
+    const auto is_near = [&](NodeId other) {
+      return std::abs(trajectory_[node].travelled - trajectory_[other].travelled) < kSpread &&
+             trajectory_[node].segment == trajectory_[other].segment;
+    };
+    if (std::any_of(chosen.begin(), chosen.end(), is_near)) continue;
+    chosen.push_back(node);
+    if (chosen.size() == kMaxPerSource) break;
+  }
+  return chosen;
+}
+
+std::vector<Places::NodeId> Places::near(const PlaceGrid& grid, double radius,
+                                         const std::function<bool(NodeId)>& qualifies) const {
+  const NodeId newest = trajectory_.size() - 1;
+  if (!grid.has(newest)) return {};
+  std::vector<NodeId> nodes;
+  for (const NodeId node : grid.within(grid.position(newest), radius)) {
+    if (node != newest && qualifies(node) && admits(node)) nodes.push_back(node);
+  }
+  return spread(std::move(nodes), grid.position(newest), grid);
+}
+
+std::vector<Places::NodeId> Places::by_position() const {
+  if (!config_.position_candidates) return {};
+  const double radius = largest_radius(trajectory_[trajectory_.size() - 1].travelled, config_);
+  return near(map_grid_, radius,
+              [this](NodeId node) { return std::isfinite(separation_.to(node)); });
+}
+
+std::vector<Places::NodeId> Places::by_gnss() const {
+  if (!config_.gnss_candidates) return {};
+  const double radius = config_.detect_area + kGnssReach;
+  return near(gnss_grid_, radius, [this](NodeId node) { return gnss_decides(prior_to(node)); });
+}
+
+std::vector<Places::NodeId> Places::by_appearance() const {
+  if (!config_.appearance_candidates) return {};
+  return appearances_.similar_to_newest([this](NodeId node) { return admits(node); });
+}
+
+/// The key frame of the same pass that is nearest to the start, instead of the candidate's own: the
+/// nearer, the more the scans share.
+void Places::move_to_nearest(Candidate& candidate) const {
+  const TrajectoryNode own = trajectory_[candidate.node];
+  const Pose T_odom_newest = own.T_odom_base * candidate.T_from_to;
+  const auto distance = [&](NodeId node) {
+    return (trajectory_[node].T_odom_base.translation - T_odom_newest.translation).norm();
+  };
+  const auto is_beside = [&](NodeId node) {
+    return trajectory_[node].segment == own.segment && admits(node) &&
+           std::abs(trajectory_[node].travelled - own.travelled) < kPassReach;
+  };
+  NodeId best = candidate.node;
+  for (NodeId node = candidate.node; node-- > 0 && is_beside(node);) {
+    if (distance(node) < distance(best)) best = node;
+  }
+  for (NodeId node = candidate.node + 1; node < trajectory_.size() && is_beside(node); ++node) {
+    if (distance(node) < distance(best)) best = node;
+  }
+  candidate.node = best;
+  candidate.prior = prior_to(best);
+  candidate.T_from_to = trajectory_[best].T_odom_base.inverse() * T_odom_newest;
+}
+
+/// Tries the headings that the estimate and the descriptors suggest and keeps the one from which
+/// the two views agree best.
+void Places::find_start(Candidate& candidate, const std::vector<Eigen::Vector2f>& cells) const {
+  const Prior& prior = candidate.prior;
+  candidate.T_from_to = planar_pose(horizontal(prior.T_from_to), yaw_of(prior.T_from_to.rotation));
+  const auto& older = appearances_[candidate.node];
+  const auto& newest = appearances_[trajectory_.size() - 1];
+  if (!older || !newest || std::min(older->view.count(), cells.size()) < kMinCells) return;
+  const double turn = older->descriptor.compare(newest->descriptor).yaw;
+  std::vector<double> headings = {turn, turn + kPi};
+  if (prior.anchored && prior.sigma_rotation < kYawTrusted) {
+    headings.push_back(yaw_of(prior.T_from_to.rotation));
+  }
+  const ViewCorrelator correlator(older->view);
+  for (const double heading : headings) {
+    const ViewMatch match = correlator.match(cells, heading);
+    if (match.score <= candidate.score) continue;
+    candidate.score = match.score;
+    if (prior.anchored && prior.sigma_horizontal < kTrusted) continue;
+    candidate.T_from_to = planar_pose(match.translation, heading);
+  }
+}
+
+/// From all sources; a key frame that several name belongs to the first.
+std::vector<Candidate> Places::suspects() const {
+  std::vector<Candidate> result;
+  const auto collect = [&](LoopSource source, const std::vector<NodeId>& nodes) {
+    for (const NodeId node : nodes) {
+      const auto is_known = [&](const Candidate& c) { return c.node == node; };
+      if (std::any_of(result.begin(), result.end(), is_known)) continue;
+      result.push_back({node, source, prior_to(node), {}, 0.0});
+    }
+  };
+  collect(LoopSource::kPosition, by_position());
+  collect(LoopSource::kGnss, by_gnss());
+  collect(LoopSource::kAppearance, by_appearance());
+  return result;
+}
+
+std::vector<Candidate> Places::candidates() const {
+  if (trajectory_.size() < 2) return {};
+  const auto& appearance = appearances_[trajectory_.size() - 1];
+  const auto cells = appearance ? appearance->view.cells() : std::vector<Eigen::Vector2f>();
+  std::vector<Candidate> result;
+  for (Candidate& candidate : suspects()) {
+    find_start(candidate, cells);
+    move_to_nearest(candidate);
+    const double distance = candidate.T_from_to.translation.norm();
+    if (distance <= config_.max_loop_distance + kStartError) result.push_back(candidate);
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  return result;
+}
+
+}  // namespace lidar_mapping::loop_closing

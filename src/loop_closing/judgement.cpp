@@ -1,0 +1,107 @@
+#include "lidar_mapping/loop_closing/judgement.hpp"
+
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr double kHeightQuantile = 10.8;  // 99.9 %, one degree of freedom
+constexpr double kGnssQuantile = 3.3;     // standard deviations, the same
+
+using Objection = std::optional<Judgement>;
+using Config = LoopClosingConfig;
+
+Judgement refused(const std::string& reason) { return {Verdict::kRefused, reason}; }
+
+double margin_of(const MatchFigures& figures) {
+  return figures.overlap - 2.0 * figures.free_space_violation;
+}
+
+Objection object_to_convergence(const Match& match) {
+  if (match.alignment.converged) return std::nullopt;
+  return refused("the registration did not converge in " +
+                 std::to_string(match.alignment.iterations) + " iterations");
+}
+
+Objection object_to_evidence(const MatchFigures& figures, const Config& config) {
+  if (figures.tested_points >= config.min_tested_points) return std::nullopt;
+  return Judgement{Verdict::kUndecided,
+                   figure_sentence("points above ground", figures.tested_points, "below",
+                                   config.min_tested_points, "min_tested_points")};
+}
+
+Objection object_to_distance(const Match& match, const Config& config) {
+  const double distance = match.alignment.T_target_source.translation.norm();
+  if (distance <= config.max_loop_distance) return std::nullopt;
+  return refused(figure_sentence("distance of the key frames in m", distance, "above",
+                                 config.max_loop_distance, "max_loop_distance"));
+}
+
+Objection object_to_figures(const MatchFigures& figures, const Config& config) {
+  if (margin_of(figures) <= config.overlap_margin_limit) {
+    return refused(figure_sentence("overlap minus twice the free-space violation",
+                                   margin_of(figures), "not above", config.overlap_margin_limit,
+                                   "overlap_margin_limit"));
+  }
+  if (figures.horizontal_eigenvalue <= config.eigenvalue_limit) {
+    return refused(figure_sentence("horizontal eigenvalue", figures.horizontal_eigenvalue,
+                                   "not above", config.eigenvalue_limit, "eigenvalue_limit"));
+  }
+  if (config.fitness_score_limit > 0.0 && figures.fitness > config.fitness_score_limit) {
+    return refused(figure_sentence("fitness", figures.fitness, "above", config.fitness_score_limit,
+                                   "fitness_score_limit"));
+  }
+  return std::nullopt;
+}
+
+Objection object_to_estimate(const Match& match, const Prior& prior, const Config& config) {
+  if (!prior.anchored) return std::nullopt;
+  const Innovation innovation = innovation_of(prior, match.alignment.T_target_source);
+  if (innovation.height > kHeightQuantile) {
+    return refused(figure_sentence("normalised height difference from the estimate",
+                                   innovation.height, "above", kHeightQuantile, "vertical_drift"));
+  }
+  if (innovation.whole > config.innovation_limit) {
+    return refused(figure_sentence("normalised difference from the estimate", innovation.whole,
+                                   "above", config.innovation_limit, "innovation_limit"));
+  }
+  return std::nullopt;
+}
+
+Objection object_to_gnss(const Match& match, const Prior& prior) {
+  if (!gnss_decides(prior)) return std::nullopt;
+  const double distance = match.alignment.T_target_source.translation.head<2>().norm();
+  const double limit = kGnssQuantile * prior.gnss->sigma;
+  const double deviation = std::abs(distance - prior.gnss->value);
+  if (deviation <= limit) return std::nullopt;
+  return refused(figure_sentence("difference of the distance from that of GNSS in m", deviation,
+                                 "above", limit, "covariance of the GNSS positions"));
+}
+
+}  // namespace
+
+std::string figure_sentence(const std::string& figure, double value, const std::string& relation,
+                            double limit, const std::string& parameter) {
+  std::ostringstream text;
+  text.precision(3);
+  text << figure << " " << value << " " << relation << " the limit " << limit << " (" << parameter
+       << ")";
+  return text.str();
+}
+
+Judgement judge(const Match& match, const Prior& prior, const LoopClosingConfig& config) {
+  if (const auto objection = object_to_convergence(match)) return *objection;
+  if (const auto objection = object_to_evidence(match.figures, config)) return *objection;
+  if (const auto objection = object_to_figures(match.figures, config)) return *objection;
+  if (const auto objection = object_to_distance(match, config)) return *objection;
+  if (const auto objection = object_to_estimate(match, prior, config)) return *objection;
+  if (const auto objection = object_to_gnss(match, prior)) return *objection;
+  return {Verdict::kAccepted,
+          figure_sentence("overlap minus twice the free-space violation", margin_of(match.figures),
+                          "above", config.overlap_margin_limit, "overlap_margin_limit")};
+}
+
+}  // namespace lidar_mapping::loop_closing

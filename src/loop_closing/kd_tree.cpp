@@ -1,0 +1,119 @@
+#include "lidar_mapping/loop_closing/kd_tree.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr std::uint32_t kLeafSize = 8;
+
+using Iterator = std::vector<Eigen::Vector3f>::iterator;
+
+int widest_axis(Iterator begin, Iterator end) {
+  Eigen::Vector3f low = *begin;
+  Eigen::Vector3f high = *begin;
+  for (Iterator p = begin; p != end; ++p) {
+    low = low.cwiseMin(*p);
+    high = high.cwiseMax(*p);
+  }
+  int axis = 0;
+  (high - low).maxCoeff(&axis);
+  return axis;
+}
+
+/// Keeps the one nearest point.
+struct NearestOne {
+  float bound;
+  std::uint32_t index = 0;
+  bool found = false;
+
+  void operator()(std::uint32_t candidate, float squared_distance) {
+    if (squared_distance >= bound) return;
+    bound = squared_distance;
+    index = candidate;
+    found = true;
+  }
+};
+
+/// Keeps the nearest few points, sorted.
+struct NearestSeveral {
+  std::size_t count;
+  float bound = std::numeric_limits<float>::infinity();
+  std::vector<KdTree::Neighbour> kept = {};
+
+  void operator()(std::uint32_t candidate, float squared_distance) {
+    if (squared_distance >= bound) return;
+    if (kept.size() == count) kept.pop_back();
+    const auto place = std::upper_bound(
+        kept.begin(), kept.end(), squared_distance,
+        [](float value, const KdTree::Neighbour& n) { return value < n.squared_distance; });
+    kept.insert(place, {candidate, squared_distance});
+    if (kept.size() == count) bound = kept.back().squared_distance;
+  }
+};
+
+}  // namespace
+
+KdTree::KdTree(std::vector<Eigen::Vector3f> points) : points_(std::move(points)) {
+  if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
+}
+
+std::uint32_t KdTree::build(std::uint32_t begin, std::uint32_t end) {
+  const auto self = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.push_back({begin, end, 0, 0, 0.0F});
+  if (end - begin <= kLeafSize) return self;
+  const auto first = points_.begin();
+  const int axis = widest_axis(first + begin, first + end);
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(
+      first + begin, first + middle, first + end,
+      [axis](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a[axis] < b[axis]; });
+  nodes_[self].axis = axis;
+  nodes_[self].split = points_[middle][axis];
+  build(begin, middle);
+  const std::uint32_t right = build(middle, end);
+  nodes_[self].right = right;
+  return self;
+}
+
+// `offset` is the vector from p to the cell of the node, so that its length bounds the distance of
+// all points in that cell (Arya and Mount 1993).
+template <typename Visit>
+void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
+                    Visit& visit) const {
+  const Node& node = nodes_[index];
+  if (node.right == 0) {
+    for (std::uint32_t i = node.begin; i < node.end; ++i) visit(i, (points_[i] - p).squaredNorm());
+    return;
+  }
+  const float side = p[node.axis] - node.split;
+  const std::uint32_t near = side < 0.0F ? index + 1 : node.right;
+  const std::uint32_t far = side < 0.0F ? node.right : index + 1;
+  search(near, p, offset, visit);
+  const float kept = offset[node.axis];
+  offset[node.axis] = side;
+  if (offset.squaredNorm() < visit.bound) search(far, p, offset, visit);
+  offset[node.axis] = kept;
+}
+
+std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float limit) const {
+  if (nodes_.empty()) return std::nullopt;
+  NearestOne visit{limit * limit};
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+  search(0, p, offset, visit);
+  if (!visit.found) return std::nullopt;
+  return Neighbour{visit.index, visit.bound};
+}
+
+std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, std::size_t count) const {
+  if (nodes_.empty() || count == 0) return {};
+  NearestSeveral visit{count};
+  visit.kept.reserve(count + 1);
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+  search(0, p, offset, visit);
+  return std::move(visit.kept);
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,216 @@
+#include "lidar_mapping/loop_closing/loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/loop_closing/candidates.hpp"
+#include "lidar_mapping/loop_closing/judgement.hpp"
+#include "lidar_mapping/loop_closing/submaps.hpp"
+#include "lidar_mapping/loop_closing/surface.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr double kClearance = 0.6;       // m above the ground for the view from above
+constexpr double kDistinct = 10.0;       // m of way between two candidates that are both matched
+constexpr double kAcceptedFirst = 10.0;  // more than margins can differ
+
+/// A candidate, what matching made of it and what became of it.
+struct Trial {
+  Candidate candidate;
+  Match match;
+  Judgement judgement;
+
+  double margin() const { return match.figures.overlap - 2.0 * match.figures.free_space_violation; }
+  /// Higher is better; accepted ones above all others.
+  double rank() const {
+    return margin() + (judgement.verdict == Verdict::kAccepted ? kAcceptedFirst : 0.0);
+  }
+};
+
+Appearance appearance_of(const PointCloud& cloud) {
+  const auto points = positions(cloud);
+  Appearance appearance;
+  appearance.view = BirdsEye(points, above_ground(points, kClearance));
+  appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
+  return appearance;
+}
+
+/// The covariance with every standard deviation at least as large as the floor.
+Covariance6 floored(const Covariance6& covariance, double sigma_m, double sigma_rad) {
+  return covariance + diagonal_covariance(sigma_m, sigma_rad);
+}
+
+}  // namespace
+
+class LoopCloser::Impl {
+ public:
+  Impl(const LoopClosingConfig& config, CloudSource& clouds)
+      : config_(config), submaps_(config, clouds), places_(config) {}
+
+  void set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
+    submaps_.set_sensor_origin(p_base_lidar);
+  }
+  void update_poses(const KeyFramePoses& poses) { places_.update_poses(poses); }
+  void add_gnss(const GnssPosition& position) { places_.add_gnss(position); }
+
+  void take_in(const KeyFrame& key_frame);
+  void take_in(const Loop& loop);
+  LoopClosingResult process(const KeyFrame& key_frame);
+
+ private:
+  using NodeId = Trajectory::NodeId;
+
+  const Trajectory& trajectory() const { return places_.trajectory(); }
+  bool is_due() const;
+  std::vector<Candidate> chosen() const;
+  Trial tried(const Candidate& candidate, const std::optional<QueryScan>& query);
+  std::vector<Trial> tried_candidates();
+  void keep_best(std::vector<Trial>& trials) const;
+  LoopVerdict verdict_of(const Trial& trial) const;
+  Loop loop_of(const Trial& trial) const;
+
+  LoopClosingConfig config_;
+  Submaps submaps_;
+  Places places_;
+  int key_frames_since_search_ = 0;
+  std::optional<double> last_loop_travelled_;
+};
+
+void LoopCloser::Impl::take_in(const KeyFrame& key_frame) {
+  const PointCloudPtr scan = submaps_.scan(key_frame);
+  places_.append(key_frame, scan ? std::optional(appearance_of(*scan)) : std::nullopt);
+  ++key_frames_since_search_;
+}
+
+void LoopCloser::Impl::take_in(const Loop& loop) {
+  places_.add_loop(loop);
+  const auto to = trajectory().find(loop.to);
+  if (to)
+    last_loop_travelled_ =
+        std::max(last_loop_travelled_.value_or(0.0), trajectory()[*to].travelled);
+}
+
+bool LoopCloser::Impl::is_due() const {
+  if (key_frames_since_search_ < config_.loop_step) return false;
+  if (!last_loop_travelled_) return true;
+  const double travelled = trajectory()[trajectory().size() - 1].travelled;
+  return travelled - *last_loop_travelled_ >= config_.min_edge_interval;
+}
+
+/// The best candidates, from different places where possible: neighbours would succeed or fail
+/// together.
+std::vector<Candidate> LoopCloser::Impl::chosen() const {
+  std::vector<Candidate> result;
+  for (const Candidate& candidate : places_.candidates()) {
+    const auto is_near = [&](const Candidate& other) {
+      return std::abs(trajectory()[candidate.node].travelled - trajectory()[other.node].travelled) <
+             kDistinct;
+    };
+    if (std::any_of(result.begin(), result.end(), is_near)) continue;
+    result.push_back(candidate);
+    if (result.size() == static_cast<std::size_t>(config_.max_registrations)) break;
+  }
+  return result;
+}
+
+Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<QueryScan>& query) {
+  Trial trial{candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
+  const auto submap = submaps_.around(trajectory(), candidate.node);
+  if (!query || submap == nullptr) return trial;
+  trial.match.alignment = align_point_to_plane(query->points, submap->surface, candidate.T_from_to);
+  trial.match.figures = measure_match(*query, *submap, trial.match.alignment.T_target_source,
+                                      config_.fitness_score_max_range);
+  trial.judgement = judge(trial.match, candidate.prior, config_);
+  return trial;
+}
+
+LoopVerdict LoopCloser::Impl::verdict_of(const Trial& trial) const {
+  const TrajectoryNode& newest = trajectory()[trajectory().size() - 1];
+  LoopVerdict verdict;
+  verdict.from = trajectory()[trial.candidate.node].index;
+  verdict.to = newest.index;
+  verdict.stamp = newest.stamp;
+  verdict.source = trial.candidate.source;
+  verdict.verdict = trial.judgement.verdict;
+  verdict.reason = trial.judgement.reason;
+  verdict.distance = trial.candidate.prior.T_from_to.translation.norm();
+  verdict.fitness = trial.match.figures.fitness;
+  verdict.overlap = trial.match.figures.overlap;
+  verdict.free_space_violation = trial.match.figures.free_space_violation;
+  verdict.horizontal_eigenvalue = trial.match.figures.horizontal_eigenvalue;
+  verdict.innovation =
+      innovation_of(trial.candidate.prior, trial.match.alignment.T_target_source).whole;
+  return verdict;
+}
+
+Loop LoopCloser::Impl::loop_of(const Trial& trial) const {
+  const TrajectoryNode& newest = trajectory()[trajectory().size() - 1];
+  Loop loop;
+  loop.from = trajectory()[trial.candidate.node].index;
+  loop.to = newest.index;
+  loop.stamp = newest.stamp;
+  loop.T_from_to = trial.match.alignment.T_target_source;
+  loop.covariance =
+      floored(trial.match.alignment.covariance, config_.min_stddev_x, config_.min_stddev_q);
+  loop.fitness = trial.match.figures.fitness;
+  loop.overlap = trial.match.figures.overlap;
+  loop.source = trial.candidate.source;
+  return loop;
+}
+
+std::vector<Trial> LoopCloser::Impl::tried_candidates() {
+  const std::vector<Candidate> candidates = chosen();
+  if (candidates.empty()) return {};
+  key_frames_since_search_ = 0;
+  const auto query = submaps_.query(trajectory(), trajectory().size() - 1);
+  std::vector<Trial> trials;
+  for (const Candidate& candidate : candidates) trials.push_back(tried(candidate, query));
+  return trials;
+}
+
+/// Of several accepted matches only the best stays; the others would say the same again.
+void LoopCloser::Impl::keep_best(std::vector<Trial>& trials) const {
+  const auto is_worse = [](const Trial& a, const Trial& b) { return a.rank() < b.rank(); };
+  const auto best = std::max_element(trials.begin(), trials.end(), is_worse);
+  for (Trial& trial : trials) {
+    if (trial.judgement.verdict != Verdict::kAccepted || &trial == &*best) continue;
+    const KeyFrameIndex better = trajectory()[best->candidate.node].index;
+    trial.judgement = {
+        Verdict::kRefused,
+        figure_sentence("overlap minus twice the free-space violation", trial.margin(), "below",
+                        best->margin(), "of the match with key frame " + std::to_string(better))};
+  }
+}
+
+LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame) {
+  take_in(key_frame);
+  if (!is_due()) return {};
+  std::vector<Trial> trials = tried_candidates();
+  keep_best(trials);
+  LoopClosingResult result;
+  for (const Trial& trial : trials) {
+    result.verdicts.push_back(verdict_of(trial));
+    if (trial.judgement.verdict == Verdict::kAccepted) result.loops.push_back(loop_of(trial));
+  }
+  for (const Loop& loop : result.loops) take_in(loop);
+  return result;
+}
+
+LoopCloser::LoopCloser(const LoopClosingConfig& config, CloudSource& clouds)
+    : impl_(std::make_unique<Impl>(config, clouds)) {}
+LoopCloser::~LoopCloser() = default;
+
+void LoopCloser::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
+  impl_->set_sensor_origin(p_base_lidar);
+}
+void LoopCloser::restore(const KeyFrame& key_frame) { impl_->take_in(key_frame); }
+void LoopCloser::restore(const Loop& loop) { impl_->take_in(loop); }
+void LoopCloser::update_poses(const KeyFramePoses& poses) { impl_->update_poses(poses); }
+void LoopCloser::add_gnss(const GnssPosition& position) { impl_->add_gnss(position); }
+LoopClosingResult LoopCloser::process(const KeyFrame& key_frame) {
+  return impl_->process(key_frame);
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,105 @@
+#include "lidar_mapping/loop_closing/point_to_plane.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <Eigen/Cholesky>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+struct Level {
+  float pair_distance;  // m
+  std::size_t points;
+  int iterations;
+};
+constexpr std::array<Level, 4> kLevels = {
+    {{5.0F, 1000, 15}, {2.5F, 1000, 12}, {1.2F, 2000, 10}, {0.6F, 3000, 10}}};
+
+constexpr double kStepTranslation = 5e-3;  // m; a level ends below these
+constexpr double kStepRotation = 5e-4;     // rad
+constexpr int kMinPairs = 30;
+constexpr double kMinSigma = 0.02;  // m, of a point about its plane
+
+/// Normal equations of one iteration.
+struct Equations {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  double cost = 0.0;
+  double weight = 0.0;
+  int pairs = 0;
+};
+
+/// Weight of a residual after Geman and McClure with scale c.
+double robust_weight(double residual, double c) {
+  const double ratio = c * c / (c * c + residual * residual);
+  return ratio * ratio;
+}
+
+Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
+                    const Pose& T, const Level& level) {
+  Equations equations;
+  const Eigen::Matrix3d R = T.rotation_matrix();
+  const std::size_t stride = std::max<std::size_t>(1, source.size() / level.points);
+  for (std::size_t i = 0; i < source.size(); i += stride) {
+    const Eigen::Vector3d p_source = source[i].cast<double>();
+    const Eigen::Vector3d p_target = R * p_source + T.translation;
+    const auto pair = target.tree.nearest(p_target.cast<float>(), level.pair_distance);
+    if (!pair || target.normals[pair->index].isZero()) continue;
+    const Eigen::Vector3d normal = target.normals[pair->index].cast<double>();
+    const double residual = normal.dot(p_target - target.tree.points()[pair->index].cast<double>());
+    const Eigen::Vector3d normal_source = R.transpose() * normal;
+    Vector6d jacobian;
+    jacobian << normal_source, p_source.cross(normal_source);
+    const double w = robust_weight(residual, 0.5 * level.pair_distance);
+    equations.hessian += w * jacobian * jacobian.transpose();
+    equations.gradient += w * residual * jacobian;
+    equations.cost += w * residual * residual;
+    equations.weight += w;
+    ++equations.pairs;
+  }
+  return equations;
+}
+
+/// Gauss-Newton step; a small damping keeps directions that nothing pins where they are.
+Vector6d step_of(const Equations& equations) {
+  Matrix6d damped = equations.hessian;
+  damped.diagonal() += Vector6d::Constant(1e-3 * equations.weight);
+  return -damped.ldlt().solve(equations.gradient);
+}
+
+bool is_small(const Vector6d& step) {
+  return step.head<3>().norm() < kStepTranslation && step.tail<3>().norm() < kStepRotation;
+}
+
+Covariance6 covariance_of(const Equations& equations) {
+  const double variance = std::max(equations.cost / equations.weight, kMinSigma * kMinSigma);
+  // A direction that nothing pins is worth a kilometre, not infinity.
+  const Matrix6d information = equations.hessian / variance + 1e-6 * Matrix6d::Identity();
+  return information.ldlt().solve(Matrix6d::Identity());
+}
+
+}  // namespace
+
+Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
+                               const SurfaceCloud& target, const Pose& T_target_source_guess) {
+  Alignment result;
+  result.T_target_source = T_target_source_guess;
+  Equations equations;
+  for (const Level& level : kLevels) {
+    result.converged = false;
+    for (int i = 0; i < level.iterations && !result.converged; ++i) {
+      equations = linearise(source, target, result.T_target_source, level);
+      if (equations.pairs < kMinPairs) return result;
+      const Vector6d step = step_of(equations);
+      result.T_target_source = perturbed(result.T_target_source, step);
+      result.converged = is_small(step);
+      ++result.iterations;
+    }
+  }
+  result.covariance = covariance_of(equations);
+  return result;
+}
+
+}  // namespace lidar_mapping::loop_closing

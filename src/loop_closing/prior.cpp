@@ -1,0 +1,96 @@
+#include "lidar_mapping/loop_closing/prior.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr double kQuantile99 = 3.03;  // root of the 99 % quantile, two degrees of freedom
+constexpr double kPi = 3.14159265358979323846;
+// What is left of the estimate's error right beside a constraint: tension between constraints.
+constexpr double kHorizontalFloor = 0.5;  // m
+constexpr double kVerticalFloor = 0.3;    // m
+constexpr double kRotationFloor = 0.04;   // rad
+constexpr double kGnssFloor = 1.0;        // m; receivers are rarely as good as they say
+
+double degrees_per_100m(double value) { return value * kPi / 180.0 / 100.0; }
+
+/// Position of base_link (of the antenna where there is no heading), horizontal.
+Eigen::Vector2d gnss_place(const GnssPosition& position) {
+  const Eigen::Vector3d lever =
+      position.R_enu_base ? Eigen::Vector3d(*position.R_enu_base * position.p_base_antenna)
+                          : Eigen::Vector3d::Zero();
+  return (position.p_enu_antenna - lever).head<2>();
+}
+
+double lever_uncertainty(const GnssPosition& position) {
+  return position.R_enu_base ? 0.0 : position.p_base_antenna.head<2>().norm();
+}
+
+Distance gnss_distance(const GnssPosition& a, const GnssPosition& b) {
+  const Eigen::Matrix2d covariance = (a.covariance + b.covariance).topLeftCorner<2, 2>() +
+                                     (kGnssFloor * kGnssFloor + std::pow(lever_uncertainty(a), 2) +
+                                      std::pow(lever_uncertainty(b), 2)) *
+                                         Eigen::Matrix2d::Identity();
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1];
+  return {(gnss_place(a) - gnss_place(b)).norm(), std::sqrt(largest)};
+}
+
+}  // namespace
+
+Prior prior_between(const Trajectory& trajectory, const Separation& separation,
+                    Trajectory::NodeId from, Trajectory::NodeId to,
+                    const LoopClosingConfig& config) {
+  Prior prior;
+  const double way = separation.to(from);
+  prior.anchored = std::isfinite(way);
+  prior.T_from_to = trajectory[from].T_map_base.inverse() * trajectory[to].T_map_base;
+  prior.sigma_horizontal = config.horizontal_drift * way;
+  prior.sigma_vertical = config.vertical_drift * way;
+  prior.sigma_rotation = std::min(degrees_per_100m(config.rotation_drift_deg) * way, kPi);
+  const auto& a = trajectory[from].gnss;
+  const auto& b = trajectory[to].gnss;
+  if (config.gnss_candidates && a && b) prior.gnss = gnss_distance(*a, *b);
+  return prior;
+}
+
+bool gnss_decides(const Prior& prior) {
+  return prior.gnss && (!prior.anchored || prior.gnss->sigma < prior.sigma_horizontal);
+}
+
+bool may_meet(const Prior& prior, const LoopClosingConfig& config) {
+  const bool by_gnss = gnss_decides(prior);
+  if (!by_gnss && !prior.anchored) return true;
+  const double sigma = by_gnss ? prior.gnss->sigma : prior.sigma_horizontal;
+  const double distance =
+      by_gnss ? prior.gnss->value : prior.T_from_to.translation.head<2>().norm();
+  const double radius = config.detect_area + kQuantile99 * sigma;
+  if (distance > std::min(radius, config.distance_thresh)) return false;
+  if (!prior.anchored) return true;
+  // A street may climb between the two, but not by more than its length lets it.
+  const double climb = 0.1 * prior.T_from_to.translation.head<2>().norm();
+  return std::abs(prior.T_from_to.translation.z()) <=
+         2.0 * kVerticalFloor + climb + kQuantile99 * prior.sigma_vertical;
+}
+
+double largest_radius(double way, const LoopClosingConfig& config) {
+  return std::min(config.detect_area + kQuantile99 * config.horizontal_drift * way,
+                  config.distance_thresh);
+}
+
+Innovation innovation_of(const Prior& prior, const Pose& T_from_to) {
+  const Vector6d d = difference(prior.T_from_to, T_from_to);
+  const double horizontal = std::pow(prior.sigma_horizontal, 2) + std::pow(kHorizontalFloor, 2);
+  const double vertical = std::pow(prior.sigma_vertical, 2) + std::pow(kVerticalFloor, 2);
+  const double rotation = std::pow(prior.sigma_rotation, 2) + std::pow(kRotationFloor, 2);
+  const double height = d[2] * d[2] / vertical;
+  return {d.head<2>().squaredNorm() / horizontal + height + d.tail<3>().squaredNorm() / rotation,
+          height};
+}
+
+}  // namespace lidar_mapping::loop_closing

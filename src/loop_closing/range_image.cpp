@@ -1,0 +1,59 @@
+#include "lidar_mapping/loop_closing/range_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr int kColumns = 240;  // of 1.5 degrees
+constexpr int kRows = 90;      // of 2 degrees
+constexpr float kPi = 3.14159265F;
+constexpr float kEmpty = std::numeric_limits<float>::infinity();
+constexpr float kMargin = 1.5F;  // m behind a point that its block must be to contradict it
+constexpr int kMinReturns = 4;
+
+}  // namespace
+
+RangeImage::RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor)
+    : sensor_(sensor), ranges_(kRows * kColumns, kEmpty) {
+  for (const auto& p : points) {
+    const Cell cell = cell_of(p);
+    float& range = ranges_[cell.row * kColumns + cell.column];
+    range = std::min(range, cell.range);
+  }
+}
+
+RangeImage::Cell RangeImage::cell_of(const Eigen::Vector3f& p) const {
+  const Eigen::Vector3f d = p - sensor_;
+  const float elevation = std::atan2(d.z(), std::hypot(d.x(), d.y()));
+  const float azimuth = std::atan2(d.y(), d.x());
+  Cell cell;
+  cell.row = std::clamp(static_cast<int>((elevation / kPi + 0.5F) * kRows), 0, kRows - 1);
+  cell.column =
+      std::clamp(static_cast<int>((azimuth / kPi + 1.0F) * 0.5F * kColumns), 0, kColumns - 1);
+  cell.range = d.norm();
+  return cell;
+}
+
+RangeImage::Sight RangeImage::sight(const Eigen::Vector3f& p) const {
+  if (ranges_.empty()) return Sight::kUntested;
+  const Cell cell = cell_of(p);
+  if (ranges_[cell.row * kColumns + cell.column] == kEmpty) return Sight::kUntested;
+  float nearest = kEmpty;
+  int returns = 0;
+  for (int row = std::max(cell.row - 1, 0); row <= std::min(cell.row + 1, kRows - 1); ++row) {
+    for (const int step : {kColumns - 1, 0, 1}) {
+      const float range = ranges_[row * kColumns + (cell.column + step) % kColumns];
+      if (range == kEmpty) continue;
+      nearest = std::min(nearest, range);
+      ++returns;
+    }
+  }
+  if (returns < kMinReturns) return Sight::kUntested;
+  return nearest > cell.range + kMargin ? Sight::kViolates : Sight::kAgrees;
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,91 @@
+#include "lidar_mapping/loop_closing/spectrum_descriptor.hpp"
+
+#include <cmath>
+#include <complex>
+
+#include <unsupported/Eigen/FFT>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr int kBins = 128;  // of 1 m
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kDirections = SpectrumDescriptor::kDirections;
+constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;
+using Spectra = Eigen::Matrix<float, kFrequencies, kDirections>;
+
+/// How many cells lie at which distance along a direction; shared between the two nearest bins.
+std::vector<float> projected(const std::vector<Eigen::Vector2f>& cells, double angle) {
+  const Eigen::Vector2f direction(static_cast<float>(std::cos(angle)),
+                                  static_cast<float>(std::sin(angle)));
+  std::vector<float> histogram(kBins, 0.0F);
+  for (const auto& cell : cells) {
+    const float place = cell.dot(direction) + static_cast<float>(kBins) / 2.0F;
+    const int bin = static_cast<int>(place);
+    const float share = place - static_cast<float>(bin);
+    histogram[bin] += 1.0F - share;
+    histogram[bin + 1] += share;
+  }
+  return histogram;
+}
+
+Spectra magnitude_spectra(const std::vector<Eigen::Vector2f>& cells) {
+  Eigen::FFT<float> fft;
+  std::vector<std::complex<float>> spectrum;
+  Spectra spectra;
+  for (int d = 0; d < kDirections; ++d) {
+    fft.fwd(spectrum, projected(cells, kPi * d / kDirections));
+    for (int f = 0; f < kFrequencies; ++f) spectra(f, d) = std::sqrt(std::abs(spectrum[f + 1]));
+  }
+  return spectra;
+}
+
+/// Place of the peak of a parabola through three equidistant values, in steps from the middle one.
+double parabola_peak(double left, double middle, double right) {
+  const double curvature = left - 2.0 * middle + right;
+  return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
+}
+
+}  // namespace
+
+SpectrumDescriptor::SpectrumDescriptor(const std::vector<Eigen::Vector2f>& cells) {
+  if (cells.empty()) return;
+  Spectra spectra = magnitude_spectra(cells);
+  spectra.colwise() -= spectra.rowwise().mean().eval();
+  const float norm = spectra.norm();
+  if (norm > 0.0F) values_ = (spectra / norm).cast<Eigen::half>();
+}
+
+SpectrumDescriptor::Key SpectrumDescriptor::key() const {
+  Eigen::FFT<float> fft;
+  std::vector<float> row(kDirections);
+  std::vector<std::complex<float>> spectrum;
+  Key key;
+  for (int f = 0; f < kFrequencies; ++f) {
+    for (int d = 0; d < kDirections; ++d) row[d] = static_cast<float>(values_(f, d));
+    fft.fwd(spectrum, row);
+    for (int h = 0; h < kHarmonics; ++h) key[f * kHarmonics + h] = std::abs(spectrum[h + 1]);
+  }
+  return key;
+}
+
+SpectrumDescriptor::Comparison SpectrumDescriptor::compare(const SpectrumDescriptor& other) const {
+  const Spectra mine = values_.cast<float>();
+  // Twice side by side, so that every circular shift is one block.
+  Eigen::Matrix<float, kFrequencies, 2 * kDirections> twice;
+  twice << mine, mine;
+  const Spectra theirs = other.values_.cast<float>();
+  Eigen::Matrix<float, kDirections, 1> similarity;
+  for (int shift = 0; shift < kDirections; ++shift) {
+    similarity[shift] = twice.block<kFrequencies, kDirections>(0, shift).cwiseProduct(theirs).sum();
+  }
+  int best = 0;
+  similarity.maxCoeff(&best);
+  const double peak = parabola_peak(similarity[(best + kDirections - 1) % kDirections],
+                                    similarity[best], similarity[(best + 1) % kDirections]);
+  const double yaw = (best + peak) * kPi / kDirections;
+  return {similarity[best], yaw < 0.0 ? yaw + kPi : yaw};
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,100 @@
+#include "lidar_mapping/loop_closing/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr std::size_t kNeighbours = 10;
+constexpr float kPlanarity = 0.08F;      // smallest to middle eigenvalue
+constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its middle
+constexpr double kGroundExtent = 250.0;  // m; what is further away counts as ground
+
+Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
+                              const std::vector<KdTree::Neighbour>& neighbours) {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  for (const auto& n : neighbours) mean += points[n.index];
+  mean /= static_cast<float>(neighbours.size());
+  Eigen::Matrix3f scatter = Eigen::Matrix3f::Zero();
+  for (const auto& n : neighbours) {
+    const Eigen::Vector3f d = points[n.index] - mean;
+    scatter += d * d.transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(scatter);
+  const Eigen::Vector3f& values = solver.eigenvalues();
+  if (!(values[0] < kPlanarity * values[1])) return Eigen::Vector3f::Zero();
+  return solver.eigenvectors().col(0);
+}
+
+/// Lowest height per square cell around the origin.
+class LowestHeights {
+ public:
+  explicit LowestHeights(const std::vector<Eigen::Vector3f>& points)
+      : heights_(kWidth * kWidth, std::numeric_limits<float>::infinity()) {
+    for (const auto& p : points) {
+      const int cell = cell_of(p);
+      if (cell < 0) continue;
+      heights_[cell] = std::min(heights_[cell], p.z());
+    }
+  }
+  /// Of the 3 x 3 block of cells around p; infinity outside of the grid.
+  float around(const Eigen::Vector3f& p) const {
+    const int cell = cell_of(p);
+    if (cell < 0) return std::numeric_limits<float>::infinity();
+    float lowest = heights_[cell];
+    for (const int dy : {-kWidth, 0, kWidth}) {
+      for (const int dx : {-1, 0, 1}) lowest = std::min(lowest, heights_[cell + dy + dx]);
+    }
+    return lowest;
+  }
+
+ private:
+  static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
+
+  static int cell_of(const Eigen::Vector3f& p) {
+    const double x = std::floor(p.x() / kGroundCell) + kWidth / 2;
+    const double y = std::floor(p.y() / kGroundCell) + kWidth / 2;
+    if (x < 1 || y < 1 || x > kWidth - 2 || y > kWidth - 2) return -1;
+    return static_cast<int>(y) * kWidth + static_cast<int>(x);
+  }
+
+  std::vector<float> heights_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> positions(const PointCloud& cloud) {
+  std::vector<Eigen::Vector3f> result;
+  result.reserve(cloud.size());
+  for (const Point& point : cloud.points) {
+    if (point.position().allFinite()) result.push_back(point.position());
+  }
+  return result;
+}
+
+std::vector<Eigen::Vector3f> planar_normals(const KdTree& tree) {
+  const auto& points = tree.points();
+  std::vector<Eigen::Vector3f> normals(points.size(), Eigen::Vector3f::Zero());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto neighbours = tree.nearest(points[i], kNeighbours);
+    if (neighbours.size() == kNeighbours) normals[i] = planar_normal(points, neighbours);
+  }
+  return normals;
+}
+
+std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points, double clearance) {
+  const LowestHeights lowest(points);
+  std::vector<bool> result(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    result[i] = points[i].z() > lowest.around(points[i]) + static_cast<float>(clearance);
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,102 @@
+#include "lidar_mapping/loop_closing/trajectory.hpp"
+
+#include <algorithm>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+/// Fixes wait for their key frame; most scans are none, so the oldest are given up.
+constexpr std::size_t kMaxEarlyPositions = 2000;
+
+}  // namespace
+
+Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
+  if (!nodes_.empty() && key_frame.index <= nodes_.back().index) {
+    throw InputError("key frame " + std::to_string(key_frame.index) + " comes after key frame " +
+                     std::to_string(nodes_.back().index) + "; indices must increase");
+  }
+  TrajectoryNode node;
+  node.index = key_frame.index;
+  node.segment = key_frame.segment;
+  node.stamp = key_frame.stamp;
+  node.T_odom_base = key_frame.T_odom_base;
+  if (!nodes_.empty()) {
+    const TrajectoryNode& last = nodes_.back();
+    const bool continues = last.segment == node.segment;
+    node.travelled = last.travelled;
+    if (continues) {
+      node.travelled += (node.T_odom_base.translation - last.T_odom_base.translation).norm();
+    }
+  }
+  if (const auto position = early_positions_.find(node.stamp); position != early_positions_.end()) {
+    node.gnss = position->second;
+  }
+  early_positions_.erase(early_positions_.begin(), early_positions_.upper_bound(node.stamp));
+  nodes_.push_back(node);
+  const NodeId id = nodes_.size() - 1;
+  const auto pose = early_poses_.find(node.index);
+  nodes_[id].optimised = pose != early_poses_.end();
+  nodes_[id].T_map_base = nodes_[id].optimised ? pose->second : predicted(id);
+  if (nodes_[id].optimised) early_poses_.erase(pose);
+  return id;
+}
+
+/// From the node before, by odometry.
+Pose Trajectory::predicted(NodeId id) const {
+  const TrajectoryNode& node = nodes_[id];
+  if (id == 0 || nodes_[id - 1].segment != node.segment) return node.T_odom_base;
+  const TrajectoryNode& before = nodes_[id - 1];
+  return before.T_map_base * (before.T_odom_base.inverse() * node.T_odom_base);
+}
+
+std::vector<Trajectory::NodeId> Trajectory::update(const KeyFramePoses& poses) {
+  if (poses.whole) early_poses_.clear();
+  std::vector<bool> changed(nodes_.size(), false);
+  for (const KeyFramePose& pose : poses.poses) {
+    const auto id = find(pose.index);
+    if (id) {
+      nodes_[*id].T_map_base = pose.T_map_base;
+      nodes_[*id].optimised = true;
+      changed[*id] = true;
+    } else if (nodes_.empty() || pose.index > nodes_.back().index) {
+      early_poses_[pose.index] = pose.T_map_base;
+    }
+  }
+  std::vector<NodeId> result;
+  for (NodeId id = 0; id < nodes_.size(); ++id) {
+    if (!nodes_[id].optimised && id > 0 && changed[id - 1]) {
+      nodes_[id].T_map_base = predicted(id);
+      changed[id] = true;
+    }
+    if (changed[id]) result.push_back(id);
+  }
+  return result;
+}
+
+std::optional<Trajectory::NodeId> Trajectory::add_gnss(const GnssPosition& position) {
+  const auto node =
+      std::lower_bound(nodes_.begin(), nodes_.end(), position.stamp,
+                       [](const TrajectoryNode& n, Stamp stamp) { return n.stamp < stamp; });
+  if (node != nodes_.end()) {
+    if (node->stamp != position.stamp) return std::nullopt;
+    node->gnss = position;
+    return static_cast<NodeId>(node - nodes_.begin());
+  }
+  early_positions_[position.stamp] = position;
+  if (early_positions_.size() > kMaxEarlyPositions)
+    early_positions_.erase(early_positions_.begin());
+  return std::nullopt;
+}
+
+std::optional<Trajectory::NodeId> Trajectory::find(KeyFrameIndex index) const {
+  const auto node = std::lower_bound(
+      nodes_.begin(), nodes_.end(), index,
+      [](const TrajectoryNode& n, KeyFrameIndex wanted) { return n.index < wanted; });
+  if (node == nodes_.end() || node->index != index) return std::nullopt;
+  return static_cast<NodeId>(node - nodes_.begin());
+}
+
+}  // namespace lidar_mapping::loop_closing

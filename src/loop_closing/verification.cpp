@@ -1,0 +1,115 @@
+#include "lidar_mapping/loop_closing/verification.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr float kTestRange = 40.0F;    // m from the scan; further points are too sparse
+constexpr float kPairDistance = 0.3F;  // m
+constexpr float kPairSearch = 0.6F;    // m, for pairs that lie side by side on one plane
+
+/// Shares of points that agree with a range image.
+class SightTally {
+ public:
+  void add(RangeImage::Sight sight) {
+    if (sight == RangeImage::Sight::kUntested) return;
+    ++tested_;
+    if (sight == RangeImage::Sight::kViolates) ++violating_;
+  }
+  double share() const { return tested_ == 0 ? 0.0 : static_cast<double>(violating_) / tested_; }
+
+ private:
+  int tested_ = 0;
+  int violating_ = 0;
+};
+
+double smaller_eigenvalue(const Eigen::Matrix2d& scatter, int count) {
+  if (count == 0) return 0.0;
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter / count).eigenvalues()[0];
+}
+
+/// Overlap, tested points and horizontal eigenvalue.
+void measure_overlap(const QueryScan& query, const Submap& submap,
+                     const Eigen::Isometry3f& T_submap_query, MatchFigures& figures) {
+  const KdTree& tree = submap.surface.tree;
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  int pairs = 0;
+  int explained = 0;
+  for (std::size_t i = 0; i < query.points.size(); ++i) {
+    if (!query.above_ground[i] || query.points[i].norm() > kTestRange) continue;
+    ++figures.tested_points;
+    const Eigen::Vector3f p = T_submap_query * query.points[i];
+    const auto pair = tree.nearest(p, kPairSearch);
+    if (!pair) continue;
+    if (pair->squared_distance < kPairDistance * kPairDistance) ++explained;
+    const Eigen::Vector3f& normal = submap.surface.normals[pair->index];
+    if (normal.isZero()) continue;
+    if (std::abs(normal.dot(p - tree.points()[pair->index])) > kPairDistance) continue;
+    const Eigen::Vector2d horizontal = normal.head<2>().cast<double>();
+    scatter += horizontal * horizontal.transpose();
+    ++pairs;
+  }
+  if (figures.tested_points > 0) {
+    figures.overlap = static_cast<double>(explained) / figures.tested_points;
+  }
+  figures.horizontal_eigenvalue = smaller_eigenvalue(scatter, pairs);
+}
+
+double violation_of_query(const QueryScan& query, const Submap& submap,
+                          const Eigen::Isometry3f& T_submap_query) {
+  SightTally tally;
+  for (std::size_t i = 0; i < query.points.size(); ++i) {
+    if (!query.above_ground[i]) continue;
+    const Eigen::Vector3f p = T_submap_query * query.points[i];
+    if (p.norm() < kTestRange) tally.add(submap.image.sight(p));
+  }
+  return tally.share();
+}
+
+double violation_of_submap(const QueryScan& query, const Submap& submap,
+                           const Eigen::Isometry3f& T_query_submap) {
+  SightTally tally;
+  const auto& points = submap.surface.tree.points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!submap.above_ground[i]) continue;
+    const Eigen::Vector3f p = T_query_submap * points[i];
+    if (p.norm() < kTestRange) tally.add(query.image.sight(p));
+  }
+  return tally.share();
+}
+
+double fitness_of(const QueryScan& query, const Submap& submap,
+                  const Eigen::Isometry3f& T_submap_query, float range) {
+  double sum = 0.0;
+  int pairs = 0;
+  for (const auto& p : query.points) {
+    const auto pair = submap.surface.tree.nearest(T_submap_query * p, range);
+    if (!pair) continue;
+    sum += pair->squared_distance;
+    ++pairs;
+  }
+  return pairs == 0 ? std::numeric_limits<double>::infinity() : sum / pairs;
+}
+
+}  // namespace
+
+MatchFigures measure_match(const QueryScan& query, const Submap& submap, const Pose& T_submap_query,
+                           double fitness_score_max_range) {
+  Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
+  T.linear() = T_submap_query.rotation_matrix().cast<float>();
+  T.translation() = T_submap_query.translation.cast<float>();
+  MatchFigures figures;
+  measure_overlap(query, submap, T, figures);
+  figures.free_space_violation = std::max(violation_of_query(query, submap, T),
+                                          violation_of_submap(query, submap, T.inverse()));
+  figures.fitness = fitness_of(query, submap, T, static_cast<float>(fitness_score_max_range));
+  return figures;
+}
+
+}  // namespace lidar_mapping::loop_closing
