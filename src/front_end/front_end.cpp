@@ -4,9 +4,10 @@
 #include <string>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
+#include "lidar_mapping/front_end/scan_sampler.hpp"
+#include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/tracker.hpp"
 
 namespace lidar_mapping::front_end {
@@ -35,7 +36,10 @@ class FrontEnd::Impl {
     result.twist = tracked.twist;
     result.status = tracked.status;
     if (last_) result.covariance = motion_covariance(*last_, tracked);
+    timer_.start("key frame");
     if (key_frame_due(scan.stamp, tracked)) result.key_frame = make_key_frame(scan, tracked);
+    for (auto& step : timer_.take()) result.status.step_seconds.push_back(std::move(step));
+    for (const auto& step : result.status.step_seconds) result.status.seconds += step.second;
     last_ = tracked;
     last_stamp_ = scan.stamp;
     return result;
@@ -98,14 +102,30 @@ class FrontEnd::Impl {
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) key_frame.motion_covariance = motion_covariance(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
-    key_frame.cloud = std::make_shared<const PointCloud>(
-        voxel_filtered(deskewed(scan.cloud, tracked.twist), config_.key_frame_cloud_resolution));
+    key_frame.cloud =
+        std::make_shared<const PointCloud>(key_frame_cloud(scan.cloud, tracked.twist));
     last_key_frame_ = tracked;
     key_frame_stamp_ = scan.stamp;
     return key_frame;
   }
 
+  PointCloud key_frame_cloud(const PointCloud& cloud, const Vector6d& twist) {
+    if (config_.key_frame_cloud_resolution <= 0.0) return deskewed(cloud, twist);
+    SamplingOptions options;
+    options.resolution = config_.key_frame_cloud_resolution;
+    const auto& indices = sampler_.sample(cloud, options);
+    PointCloud thinned;
+    thinned.points.reserve(indices.size());
+    for (const std::uint32_t i : indices) thinned.points.push_back(cloud.points[i]);
+    if (!cloud.has_times()) return thinned;
+    thinned.times.reserve(indices.size());
+    for (const std::uint32_t i : indices) thinned.times.push_back(cloud.times[i]);
+    return deskewed(thinned, twist);
+  }
+
   FrontEndConfig config_;
+  StepTimer timer_;
+  ScanSampler sampler_{19};
   KeyFrameRule rule_;
   std::unique_ptr<Tracker> tracker_;
   Pose initial_;

@@ -1,10 +1,23 @@
 #include "lidar_mapping/front_end/motion_filter.hpp"
 
+#include <cmath>
+
 #include <Eigen/LU>
 
 #include "lidar_mapping/common/covariance.hpp"
 
 namespace lidar_mapping::front_end {
+namespace {
+
+/// Derivative of the state after `seconds` with respect to the state now.
+Matrix12d transition(const Vector6d& twist, double seconds) {
+  Matrix12d F = Matrix12d::Identity();
+  F.topLeftCorner<6, 6>() = adjoint(moved(Pose{}, twist, seconds).inverse());
+  F.topRightCorner<6, 6>() = seconds * Matrix6d::Identity();
+  return F;
+}
+
+}  // namespace
 
 Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
   const Eigen::Vector3d rotation = seconds * twist.tail<3>();
@@ -32,10 +45,7 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
 }
 
 void MotionFilter::predict(double seconds) {
-  const Pose step = moved(Pose{}, state_.twist, seconds);
-  Matrix12d F = Matrix12d::Identity();
-  F.topLeftCorner<6, 6>() = adjoint(step.inverse());
-  F.topRightCorner<6, 6>() = seconds * Matrix6d::Identity();
+  const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
   variance.head<3>().setConstant(acceleration_sigma_ * acceleration_sigma_);
   variance.tail<3>().setConstant(angular_acceleration_sigma_ * angular_acceleration_sigma_);
@@ -45,21 +55,40 @@ void MotionFilter::predict(double seconds) {
   covariance_.topRightCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomLeftCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomRightCorner<6, 6>().diagonal() += t2 * variance;
-  state_.T_map_sensor = state_.T_map_sensor * step;
+  state_.T_map_sensor = moved(state_.T_map_sensor, state_.twist, seconds);
 }
 
-void MotionFilter::measure_twist(int first, const Eigen::Vector3d& measured, double sigma) {
-  Eigen::Matrix<double, 3, 12> H = Eigen::Matrix<double, 3, 12>::Zero();
-  H.block<3, 3>(0, 6 + first).setIdentity();
-  const Eigen::Matrix3d innovation_covariance =
-      H * covariance_ * H.transpose() + sigma * sigma * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix<double, 12, 3> gain =
-      covariance_ * H.transpose() * innovation_covariance.inverse();
-  const Eigen::Vector3d innovation = measured - state_.twist.segment<3>(first);
+/// Scalar Kalman update in Joseph's form, which stays symmetric and positive.
+void MotionFilter::measure(const Vector12d& row, double innovation, double sigma) {
+  const double variance = sigma * sigma;
+  const Vector12d gain = covariance_ * row / (row.dot(covariance_ * row) + variance);
   state_ = registration::perturbed(state_, Vector12d(gain * innovation));
-  const Matrix12d rest = Matrix12d::Identity() - gain * H;
-  // Joseph's form stays symmetric and positive.
-  covariance_ = rest * covariance_ * rest.transpose() + sigma * sigma * gain * gain.transpose();
+  const Matrix12d rest = Matrix12d::Identity() - gain * row.transpose();
+  covariance_ = rest * covariance_ * rest.transpose() + variance * gain * gain.transpose();
+}
+
+void MotionFilter::measure_rate(const Eigen::Vector3d& angular_velocity, double sigma) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double innovation = angular_velocity[axis] - state_.twist[3 + axis];
+    measure(Vector12d::Unit(9 + axis), innovation, sigma);
+  }
+}
+
+void MotionFilter::measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma) {
+  for (int axis = 0; axis < 3; ++axis) {
+    measure_velocity_along(Eigen::Vector3d::Unit(axis), linear_velocity[axis], sigma);
+  }
+}
+
+void MotionFilter::measure_velocity_along(const Eigen::Vector3d& direction, double speed,
+                                          double sigma) {
+  Vector12d row = Vector12d::Zero();
+  row.segment<3>(6) = direction;
+  measure(row, speed - direction.dot(state_.twist.head<3>()), sigma);
+}
+
+void MotionFilter::slow_down(double seconds, double time_constant) {
+  state_.twist *= std::exp(-seconds / time_constant);
 }
 
 void MotionFilter::set(const MotionState& state, const Matrix12d& covariance) {
@@ -68,5 +97,11 @@ void MotionFilter::set(const MotionState& state, const Matrix12d& covariance) {
 }
 
 registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }
+
+Covariance6 MotionFilter::pose_covariance(double seconds) const {
+  const Matrix12d F = transition(state_.twist, seconds);
+  const Matrix12d moved_covariance = F * covariance_ * F.transpose();
+  return moved_covariance.topLeftCorner<6, 6>();
+}
 
 }  // namespace lidar_mapping::front_end

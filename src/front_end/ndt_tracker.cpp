@@ -1,210 +1,250 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include <Eigen/LU>
 
+#include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
+#include "lidar_mapping/front_end/match_judge.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/pose_search.hpp"
-#include "lidar_mapping/front_end/scan_sampler.hpp"
+#include "lidar_mapping/front_end/search_starts.hpp"
+#include "lidar_mapping/front_end/step_timer.hpp"
+#include "lidar_mapping/front_end/sweep_matcher.hpp"
+#include "lidar_mapping/front_end/sweep_sampler.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
 
 using registration::MotionBelief;
 using registration::NdtMatch;
-using registration::NdtMatcher;
-using registration::NdtOptions;
-using registration::NdtPoints;
 
-/// So many points of a scan are looked at for matching; of more only a part.
-constexpr std::size_t kCandidates = 16000;
-/// The first scans are put into the map wherever they are.
+/// A scan goes into the local map after this motion; so standing still adds nothing.
+const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
+/// The first scans go into it wherever they are.
 constexpr int kFirstScans = 3;
+/// Fewer points are no scan.
+constexpr std::size_t kMinPoints = 50;
 
-std::size_t odd_stride(std::size_t points) {
-  // Odd, so that it visits all rings of a cloud that is stored firing by firing.
-  return (points / kCandidates) | 1U;
-}
+// What is believed of the motion before the second scan.
+constexpr double kInitialSpeedSigma = 15.0;  // m/s
+constexpr double kInitialRateSigma = 1.0;    // rad/s
+/// Rounds of deskewing the first scan and matching the second one with it.
+constexpr int kStartRounds = 3;
+
+// Measured twists belong to the stamp, the filter's to the middle of the sweep.
+constexpr double kGyroSigma = 0.1;                 // rad/s
+constexpr double kVelocitySigma = 0.3;             // m/s
+constexpr double kVelocityScaleSigma = 0.03;       // of the speed
+constexpr double kDegenerateVelocitySigma = 0.05;  // m/s, where nothing else is known
+
+/// While lost, the speed falls by 1/e in this time.
+constexpr double kHoldTime = 1.0;  // s
 
 }  // namespace
 
 class NdtTracker::Impl {
  public:
   explicit Impl(const FrontEndConfig& config)
-      : config_(config),
+      : max_lost_time_(config.max_lost_time),
+        sampler_(config),
         map_(config.voxel_size, config.local_map_radius),
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
-        search_(NdtOptions{}) {}
+        judge_(config.max_speed) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
-    take_sample(scan);
-    if (scans_ == 0) return begin(scan, prior);
-    filter_.predict(to_seconds(scan.stamp - stamp_) + offset_ - last_offset_);
-    NdtMatch match = scans_ == 1 ? first_match(scan) : find();
+    timer_.start("sampling");
+    const double last_reference = sampler_.reference();
+    sampler_.take(scan, scans_++);
     TrackedScan result;
-    filter_.set(match.state, match.information.inverse());
-    result.status.converged = match.converged;
-    result.status.iterations = match.iterations;
-    result.status.fitness = match.fitness;
-    result.status.inlier_fraction = match.inlier_fraction;
-    result.status.overlap = match.overlap;
-    result.status.rescued = rescued_;
-    keep(scan);
-    finish(scan, result);
+    if (map_.empty()) {
+      if (prior.T_odom_base_initial) start_ = *prior.T_odom_base_initial;
+      begin(scan, start_, result.status);
+    } else {
+      const double seconds =
+          to_seconds(scan.stamp - stamp_) + sampler_.reference() - last_reference;
+      timer_.start("matching");
+      predict(seconds, prior);
+      follow(scan, seconds, prior, result);
+    }
+    stamp_ = scan.stamp;
+    timer_.start("ageing");
+    map_.follow(filter_.state().T_map_sensor.translation);
+    report(result);
     return result;
   }
 
   void restart(const Pose& T_odom_base) {
-    map_.clear();
+    forget();
     start_ = T_odom_base;
-    scans_ = 0;
   }
 
   PointCloud local_map() const { return map_.cloud(); }
 
  private:
-  void take_sample(const Scan& scan) {
-    SamplingOptions options;
-    options.resolution = config_.scan_resolution;
-    options.max_range = config_.max_range;
-    options.stride = odd_stride(scan.cloud.size());
-    options.phase = static_cast<std::size_t>(scans_) % options.stride;
-    sampler_.sample(scan.cloud, options, sample_);
-    last_offset_ = offset_;
-    offset_ = 0.0;
-    if (sample_.size() > 0) {
-      const auto [first, last] = std::minmax_element(sample_.s.begin(), sample_.s.end());
-      offset_ = 0.5 * (*first + *last);
+  void forget() {
+    map_.clear();
+    judge_.reset();
+    inserted_scans_ = 0;
+    lost_time_ = 0.0;
+    motion_known_ = false;
+  }
+
+  /// The first scan of a map. Its points are kept until the motion during it is known.
+  void begin(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
+    start_ = last_good_ = T_odom_base;
+    filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
+    if (sampler_.points().size() < kMinPoints) {
+      status.state = TrackingState::kLost;
+      return;
     }
-    for (float& s : sample_.s) s -= static_cast<float>(offset_);
-    points_.assign(sample_.x, sample_.y, sample_.z, sample_.s);
+    status.converged = true;
+    insert(scan);
+    first_ = sampler_.dense(scan);
+    first_reference_ = sampler_.reference();
   }
 
-  void take_dense_sample(const Scan& scan) {
-    SamplingOptions options;
-    options.resolution = config_.insertion_resolution;
-    options.max_range = config_.max_range;
-    dense_sampler_.sample(scan.cloud, options, dense_);
-    for (float& s : dense_.s) s -= static_cast<float>(offset_);
-  }
-
-  TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
-    if (prior.T_odom_base_initial) start_ = *prior.T_odom_base_initial;
-    filter_.reset(start_, 15.0, 1.0);
-    keep(scan);
-    first_ = dense_;
-    first_offset_ = offset_;
-    TrackedScan result;
-    finish(scan, result);
-    return result;
-  }
-
-  NdtMatch first_match(const Scan& scan) {
-    const double dt = to_seconds(scan.stamp - stamp_);
-    std::vector<MotionState> starts;
-    const MotionState rest = filter_.state();
-    starts.push_back(rest);
-    for (double distance = 0.75; distance < 35.0 * dt; distance += 0.75) {
-      for (const double sign : {1.0, -0.4}) {
-        Vector6d d = Vector6d::Zero();
-        d[0] = sign * distance;
-        MotionState start = rest;
-        start.T_map_sensor = perturbed(rest.T_map_sensor, d);
-        start.twist = d / dt;
-        starts.push_back(start);
-      }
+  void predict(double seconds, const MotionPrior& prior) {
+    filter_.predict(seconds);
+    if (prior.angular_velocity) filter_.measure_rate(*prior.angular_velocity, kGyroSigma);
+    if (prior.linear_velocity) {
+      filter_.measure_velocity(
+          *prior.linear_velocity,
+          kVelocitySigma + kVelocityScaleSigma * prior.linear_velocity->norm());
     }
-    NdtMatch match = search_.search(points_, map_, filter_.belief(), starts);
-    if (!scan.cloud.has_times()) return match;
-    for (int i = 0; i < 3; ++i) {
+  }
+
+  void follow(const Scan& scan, double seconds, const MotionPrior& prior, TrackedScan& result) {
+    const MotionBelief prediction = filter_.belief();
+    const SweepMatcher::Found found =
+        motion_known_ ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
+                      : find_first_motion(scan, prediction, seconds);
+    describe(found, result.status);
+    result.status.state = judge_.judge(found.match, prediction);
+    if (result.status.state == TrackingState::kLost) {
+      hold(scan, seconds, result);
+      return;
+    }
+    accept(found.match, prediction, prior, result.status);
+    if (result.status.state != TrackingState::kDegraded) keep(scan);
+  }
+
+  /// The second scan: the speed may be anything, and the first scan is still as skewed as it came.
+  SweepMatcher::Found find_first_motion(const Scan& scan, const MotionBelief& prediction,
+                                        double seconds) {
+    const auto& points = sampler_.points();
+    SweepMatcher::Found found;
+    std::vector<MotionState> starts = starts_at_speed(start_, seconds);
+    starts.push_back(prediction.state);
+    found.match = matcher_.search(points, map_, prediction, starts);
+    for (int round = 0; scan.cloud.has_times() && round < kStartRounds; ++round) {
+      const Vector6d twist = found.match.state.twist;
       map_.clear();
-      MotionState first{moved(start_, match.state.twist, first_offset_), match.state.twist};
-      map_.insert(first_, first);
-      match = matcher_.match(points_, map_.fine(), filter_.belief(), match.state, NdtOptions{});
+      map_.insert(first_, {moved(start_, twist, first_reference_), twist});
+      found.match = matcher_.refine(points, map_, prediction, found.match.state);
     }
-    return match;
+    return found;
   }
 
-  NdtMatch find() {
-    rescued_ = false;
-    const MotionBelief prior = filter_.belief();
-    few_.assign_thinned(points_, 8);
-    NdtOptions wide;
-    wide.kernel *= 3.0;
-    const NdtMatch quick = matcher_.evaluate(few_, map_.fine(), prior.state, wide);
-    MotionState start = prior.state;
-    if (quick.quality < 0.75 * usual_quick_) start = search_.approach(points_, map_, prior, start);
-    usual_quick_ += 0.1 * (quick.quality - usual_quick_);
-    NdtMatch match = matcher_.match(points_, map_.fine(), prior, start, NdtOptions{});
-    if (match.quality < 0.75 * usual_quality_) {
-      rescued_ = true;
-      std::vector<MotionState> starts;
-      starts.push_back(prior.state);
-      for (double x = -2.4; x <= 6.0; x += 1.5) {
-        for (double yaw = -0.6; yaw < 0.61; yaw += 0.2) {
-          Vector6d d = Vector6d::Zero();
-          d[0] = x;
-          d[5] = yaw;
-          MotionState s = prior.state;
-          s.T_map_sensor = perturbed(filter_.state().T_map_sensor, d);
-          starts.push_back(s);
-        }
-      }
-      const NdtMatch found = search_.search(points_, map_, prior, starts);
-      if (found.quality > 1.1 * match.quality) match = found;
+  static void describe(const SweepMatcher::Found& found, FrontEndStatus& status) {
+    status.converged = found.match.converged;
+    status.iterations = found.match.iterations;
+    status.fitness = found.match.fitness;
+    status.inlier_fraction = found.match.inlier_fraction;
+    status.overlap = found.match.overlap;
+    status.rescued = found.rescued;
+  }
+
+  void accept(const NdtMatch& match, const MotionBelief& prediction, const MotionPrior& prior,
+              FrontEndStatus& status) {
+    NdtMatch observed = match;
+    status.degenerate_directions = degenerate_directions(match.pose_hessian);
+    if (!status.degenerate_directions.empty()) {
+      if (status.state == TrackingState::kTracking) status.state = TrackingState::kDegenerate;
+      observed = without_directions(match, prediction, known_otherwise(prior, status),
+                                    status.degenerate_directions);
     }
-    usual_quality_ += 0.1 * (match.quality - usual_quality_);
-    return match;
+    filter_.set(observed.state, observed.information.inverse());
+    judge_.learn(match);
+    last_good_ = observed.state.T_map_sensor;
+    lost_time_ = 0.0;
+    motion_known_ = true;
+  }
+
+  /// The prediction, held to the measured velocity along the directions that the points leave open.
+  MotionBelief known_otherwise(const MotionPrior& prior, const FrontEndStatus& status) const {
+    MotionFilter filter = filter_;
+    if (prior.linear_velocity) {
+      for (const Eigen::Vector3d& direction : status.degenerate_directions) {
+        filter.measure_velocity_along(direction, direction.dot(*prior.linear_velocity),
+                                      kDegenerateVelocitySigma);
+      }
+    }
+    return filter.belief();
+  }
+
+  /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
+  void hold(const Scan& scan, double seconds, TrackedScan& result) {
+    filter_.slow_down(seconds, kHoldTime);
+    lost_time_ += seconds;
+    if (lost_time_ <= max_lost_time_ || sampler_.points().size() < kMinPoints) return;
+    const Pose pose =
+        moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
+    forget();
+    begin(scan, pose, result.status);
+    result.new_segment = true;
   }
 
   void keep(const Scan& scan) {
-    const Pose& now = filter_.state().T_map_sensor;
-    if (scans_ >= kFirstScans && !insertion_rule_.reached(inserted_.inverse() * now, 0)) return;
-    take_dense_sample(scan);
-    map_.insert(dense_, filter_.state());
-    inserted_ = now;
+    const Pose T_inserted_now = inserted_.inverse() * filter_.state().T_map_sensor;
+    if (inserted_scans_ < kFirstScans || kInsertionRule.reached(T_inserted_now, 0)) insert(scan);
   }
 
-  void finish(const Scan& scan, TrackedScan& result) {
-    const MotionState& state = filter_.state();
-    result.T_odom_base = moved(state.T_map_sensor, state.twist, -offset_);
-    result.twist = state.twist;
-    result.covariance = filter_.covariance().topLeftCorner<6, 6>();
-    map_.follow(state.T_map_sensor.translation);
-    stamp_ = scan.stamp;
-    ++scans_;
+  void insert(const Scan& scan) {
+    timer_.start("dense sampling");
+    const SampledPoints& dense = sampler_.dense(scan);
+    timer_.start("insertion");
+    map_.insert(dense, filter_.state());
+    inserted_ = filter_.state().T_map_sensor;
+    ++inserted_scans_;
   }
 
-  FrontEndConfig config_;
+  void report(TrackedScan& result) {
+    const double to_stamp = -sampler_.reference();
+    result.T_odom_base = moved(filter_.state().T_map_sensor, filter_.state().twist, to_stamp);
+    result.covariance = filter_.pose_covariance(to_stamp);
+    result.twist = filter_.state().twist;
+    result.status.step_seconds = timer_.take();
+  }
+
+  const double max_lost_time_;
+  SweepSampler sampler_;
   LocalMap map_;
   MotionFilter filter_;
-  PoseSearch search_;
-  NdtMatcher matcher_;
-  ScanSampler sampler_{15};
-  ScanSampler dense_sampler_{17};
-  KeyFrameRule insertion_rule_{2.0, 0.1, 0.0};
-  SampledPoints sample_, dense_, first_;
-  NdtPoints points_, few_;
-  Pose start_, inserted_;
+  MatchJudge judge_;
+  SweepMatcher matcher_;
+  StepTimer timer_;
+
+  std::size_t scans_ = 0;
   Stamp stamp_ = 0;
-  double offset_ = 0.0, last_offset_ = 0.0, first_offset_ = 0.0;
-  int scans_ = 0;
-  bool rescued_ = false;
-  double usual_quality_ = 0.0;
-  double usual_quick_ = 0.0;
+  Pose start_;      ///< of the map's first scan, at its stamp
+  Pose inserted_;   ///< of the scan last put into the map
+  Pose last_good_;  ///< of the scan last matched
+  int inserted_scans_ = 0;
+  double lost_time_ = 0.0;  ///< s since the last match
+  bool motion_known_ = false;
+  SampledPoints first_;
+  double first_reference_ = 0.0;
 };
 
 NdtTracker::NdtTracker(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 NdtTracker::~NdtTracker() = default;
+
 TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   return impl_->track(scan, prior);
 }
+
 void NdtTracker::restart(const Pose& T_odom_base) { impl_->restart(T_odom_base); }
+
 PointCloud NdtTracker::local_map() const { return impl_->local_map(); }
 
 }  // namespace lidar_mapping::front_end

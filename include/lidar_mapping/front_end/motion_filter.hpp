@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 namespace lidar_mapping::front_end {
@@ -21,17 +22,25 @@ class MotionFilter {
   void reset(const Pose& pose, double speed_sigma, double rate_sigma);
   /// Moves the state on by `seconds`.
   void predict(double seconds);
-  /// Takes a measured part of the twist in: twist[first .. first + 2], along `directions` only
-  /// (columns, orthonormal).
-  void measure_twist(int first, const Eigen::Vector3d& measured, double sigma);
+  /// Take measurements of the twist in, with the standard deviation of each axis.
+  void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);
+  void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);
+  /// Only the component along a unit vector in the sensor's axes is measured.
+  void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
+  /// Lets the twist fall exponentially: nobody has seen it lately.
+  void slow_down(double seconds, double time_constant);
   /// Replaces the state.
   void set(const MotionState& state, const Matrix12d& covariance);
 
   const MotionState& state() const { return state_; }
   const Matrix12d& covariance() const { return covariance_; }
   registration::MotionBelief belief() const;
+  /// Covariance of the pose `seconds` later (or earlier) with the present twist.
+  Covariance6 pose_covariance(double seconds) const;
 
  private:
+  void measure(const Vector12d& row, double innovation, double sigma);
+
   double acceleration_sigma_;
   double angular_acceleration_sigma_;
   MotionState state_;

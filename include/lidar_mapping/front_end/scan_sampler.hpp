@@ -2,37 +2,30 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
 
 namespace lidar_mapping::front_end {
 
-/// Some points of a scan, coordinates in arrays of their own; times are zero where there are none.
-struct SampledPoints {
-  std::vector<float> x, y, z, s;
-
-  std::size_t size() const { return x.size(); }
-  void clear();
-  void push(const Point& point, float time);
-};
-
 struct SamplingOptions {
   double resolution = 0.8;  ///< m: one point per cube of this edge
-  double min_range = 1.0;   ///< m from the origin of the cloud's frame
-  double max_range = 100.0;
+  double min_range = 0.0;   ///< m from the origin of the cloud's frame
+  double max_range = 1e4;
   std::size_t stride = 1;  ///< looks at every stride-th point only,
   std::size_t phase = 0;   ///< beginning with this one
 };
 
 /// Thins a scan out in one pass: the first point that falls into a cube is taken. Cubes are told
-/// apart by a hash; a collision merely drops a point. Not finite points are left out.
+/// apart by a hash; a collision merely drops a point. Points that are not finite are left out.
 class ScanSampler {
  public:
   /// `table_bits`: log2 of the number of cubes that are told apart.
   explicit ScanSampler(int table_bits);
 
-  void sample(const PointCloud& cloud, const SamplingOptions& options, SampledPoints& result);
+  /// Indices of the points taken, rising; valid until the next call.
+  const std::vector<std::uint32_t>& sample(const PointCloud& cloud, const SamplingOptions& options);
 
  private:
   void next_generation();
@@ -41,6 +34,17 @@ class ScanSampler {
   /// Number of the sampling that last took a point for this hash.
   std::vector<std::uint8_t> taken_;
   std::uint8_t generation_ = 0;
+  /// Keeps its size; the returned one is cut to length.
+  std::vector<std::uint32_t> chosen_;
+};
+
+/// Coordinates of sampled points in arrays of their own, and their times: seconds after the stamp
+/// less `reference`, or zero where the cloud has none.
+struct SampledPoints {
+  std::vector<float> x, y, z, s;
+
+  std::size_t size() const { return x.size(); }
+  void assign(const PointCloud& cloud, const std::vector<std::uint32_t>& indices, double reference);
 };
 
 }  // namespace lidar_mapping::front_end

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Starts for a search around the prediction and around other poses: mostly ahead and turned, since
+/// that is where a vehicle can be.
+std::vector<registration::MotionState> starts_around(const registration::MotionState& prediction,
+                                                     const std::vector<Pose>& anchors);
+
+/// Starts for the second scan of a drive, `seconds` after the first one: at rest, and at speeds
+/// forward, backward and, slowly, sideways.
+std::vector<registration::MotionState> starts_at_speed(const Pose& first, double seconds);
+
+}  // namespace lidar_mapping::front_end

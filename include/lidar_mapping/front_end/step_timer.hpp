@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lidar_mapping::front_end {
+
+/// Measures how long the steps of a scan take. For reports only: no result depends on it.
+class StepTimer {
+ public:
+  /// Begins a step, and ends the one before.
+  void start(const char* step) {
+    stop();
+    step_ = step;
+    begin_ = Clock::now();
+  }
+  void stop() {
+    if (step_ == nullptr) return;
+    steps_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - begin_).count());
+    step_ = nullptr;
+  }
+  /// Ends the present step and hands over all steps since the last call, in order.
+  std::vector<std::pair<std::string, double>> take() {
+    stop();
+    return std::exchange(steps_, {});
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const char* step_ = nullptr;
+  Clock::time_point begin_;
+  std::vector<std::pair<std::string, double>> steps_;
+};
+
+}  // namespace lidar_mapping::front_end

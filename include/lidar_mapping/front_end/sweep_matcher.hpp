@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/front_end/local_map.hpp"
+#include "lidar_mapping/front_end/match_judge.hpp"
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Finds where a sweep was taken: finely from the prediction, coarsely first where a quick test
+/// distrusts the prediction, and from many starts where the match is in doubt.
+class SweepMatcher {
+ public:
+  struct Found {
+    registration::NdtMatch match;
+    bool rescued = false;
+  };
+
+  /// `anchors` are poses around which to search if the match from the prediction is in doubt.
+  Found find(const registration::NdtPoints& points, LocalMap& map, const MatchJudge& judge,
+             const registration::MotionBelief& prediction, const std::vector<Pose>& anchors);
+  /// The best match from any of the starts.
+  registration::NdtMatch search(const registration::NdtPoints& points, LocalMap& map,
+                                const registration::MotionBelief& prior,
+                                const std::vector<registration::MotionState>& starts);
+  /// A fine match from near the solution.
+  registration::NdtMatch refine(const registration::NdtPoints& points, LocalMap& map,
+                                const registration::MotionBelief& prior,
+                                const registration::MotionState& start);
+
+ private:
+  registration::MotionState start_for(const registration::NdtPoints& points, LocalMap& map,
+                                      const registration::MotionBelief& prediction);
+  registration::MotionState approach(const registration::NdtPoints& points, LocalMap& map,
+                                     const registration::MotionBelief& prior,
+                                     const registration::MotionState& start);
+
+  registration::NdtMatcher matcher_;
+  registration::NdtPoints few_;
+  double usual_quick_ = 0.0;  ///< running mean of the quick test's quality
+};
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,59 @@
+#include "lidar_mapping/front_end/match_judge.hpp"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+// Shares of the usual quality.
+constexpr double kDoubtfulQuality = 0.75;
+constexpr double kPoorQuality = 0.6;
+constexpr double kLostQuality = 0.4;
+/// Below this overlap, whatever is usual, a match says nothing.
+constexpr double kMinOverlap = 0.1;
+/// A wrong pose lets less than half of the pairs fit.
+constexpr double kMinPairQuality = 0.45;
+// Distance from the prediction in standard deviations.
+constexpr double kDoubtfulInnovation = 6.0;
+constexpr double kLostInnovation = 12.0;
+constexpr double kLearningRate = 0.1;
+
+/// Length of the pose's innovation in standard deviations of the prediction.
+double innovation(const registration::NdtMatch& match,
+                  const registration::MotionBelief& prediction) {
+  const Matrix6d covariance = prediction.information.inverse().topLeftCorner<6, 6>();
+  const Vector6d d = difference(prediction.state.T_map_sensor, match.state.T_map_sensor);
+  return std::sqrt(d.dot(covariance.ldlt().solve(d)));
+}
+
+double pair_quality(const registration::NdtMatch& match) {
+  return match.overlap > 0.0 ? match.quality / match.overlap : 0.0;
+}
+
+}  // namespace
+
+bool MatchJudge::in_doubt(const registration::NdtMatch& match,
+                          const registration::MotionBelief& prediction) const {
+  return match.quality < kDoubtfulQuality * usual_ || pair_quality(match) < kMinPairQuality ||
+         innovation(match, prediction) > kDoubtfulInnovation;
+}
+
+TrackingState MatchJudge::judge(const registration::NdtMatch& match,
+                                const registration::MotionBelief& prediction) const {
+  if (match.overlap < kMinOverlap || match.quality < kLostQuality * usual_ ||
+      pair_quality(match) < kMinPairQuality || !is_finite(match.state.T_map_sensor) ||
+      match.state.twist.head<3>().norm() > max_speed_ ||
+      innovation(match, prediction) > kLostInnovation) {
+    return TrackingState::kLost;
+  }
+  return match.quality < kPoorQuality * usual_ ? TrackingState::kDegraded
+                                               : TrackingState::kTracking;
+}
+
+void MatchJudge::learn(const registration::NdtMatch& match) {
+  usual_ = usual_ == 0.0 ? match.quality : usual_ + kLearningRate * (match.quality - usual_);
+}
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,108 @@
+#include "lidar_mapping/front_end/sweep_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/front_end/search_starts.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+using registration::MotionBelief;
+using registration::MotionState;
+using registration::NdtMatch;
+using registration::NdtOptions;
+using registration::NdtPoints;
+
+// The quick test: a share of the points, a wide kernel, compared with what is usual.
+constexpr std::size_t kQuickThinning = 8;
+constexpr double kQuickWidening = 3.0;
+constexpr double kQuickDoubt = 0.75;
+constexpr double kQuickLearningRate = 0.1;
+
+// The search: all starts are scored, the better ones are improved coarsely, the best ones finely.
+constexpr std::size_t kScoringThinning = 16;
+constexpr std::size_t kCoarseThinning = 4;
+constexpr std::size_t kImproved = 12;
+constexpr std::size_t kFinalists = 3;
+/// What many starts found must be that much better than what the prediction found.
+constexpr double kClearlyBetter = 1.1;
+/// The coarse match may leave the prediction this much more easily.
+constexpr double kCoarsePriorWeight = 0.01;
+
+NdtOptions widened(double factor) {
+  NdtOptions options;
+  options.kernel *= factor;
+  return options;
+}
+
+NdtOptions coarse_options() {
+  NdtOptions options;
+  options.max_iterations = 8;
+  options.translation_epsilon = 0.02;
+  options.rotation_epsilon = 1e-3;
+  return options;
+}
+
+/// Keeps the `count` best, in a fixed order.
+void keep_best(std::vector<NdtMatch>& matches, std::size_t count) {
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const NdtMatch& a, const NdtMatch& b) { return a.quality > b.quality; });
+  matches.resize(std::min(matches.size(), count));
+}
+
+}  // namespace
+
+SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
+                                       const MatchJudge& judge, const MotionBelief& prediction,
+                                       const std::vector<Pose>& anchors) {
+  Found found;
+  found.match = refine(points, map, prediction, start_for(points, map, prediction));
+  if (!judge.in_doubt(found.match, prediction)) return found;
+  found.rescued = true;
+  const NdtMatch other = search(points, map, prediction, starts_around(prediction.state, anchors));
+  if (other.quality > kClearlyBetter * found.match.quality) found.match = other;
+  return found;
+}
+
+NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,
+                              const MotionState& start) {
+  return matcher_.match(points, map.fine(), prior, start, NdtOptions{});
+}
+
+MotionState SweepMatcher::approach(const NdtPoints& points, LocalMap& map,
+                                   const MotionBelief& prior, const MotionState& start) {
+  const MotionBelief weak{prior.state, kCoarsePriorWeight * prior.information};
+  return matcher_.match(points, map.coarse(), weak, start, coarse_options()).state;
+}
+
+MotionState SweepMatcher::start_for(const NdtPoints& points, LocalMap& map,
+                                    const MotionBelief& prediction) {
+  few_.assign_thinned(points, kQuickThinning);
+  const double quick =
+      matcher_.evaluate(few_, map.fine(), prediction.state, widened(kQuickWidening)).quality;
+  const bool doubtful = quick < kQuickDoubt * usual_quick_;
+  usual_quick_ += kQuickLearningRate * (quick - usual_quick_);
+  return doubtful ? approach(points, map, prediction, prediction.state) : prediction.state;
+}
+
+NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,
+                              const std::vector<MotionState>& starts) {
+  std::vector<NdtMatch> found;
+  few_.assign_thinned(points, kScoringThinning);
+  for (const MotionState& start : starts) {
+    found.push_back(matcher_.evaluate(few_, map.coarse(), start, widened(kQuickWidening)));
+  }
+  keep_best(found, kImproved);
+  few_.assign_thinned(points, kCoarseThinning);
+  for (NdtMatch& match : found) {
+    const MotionState state = approach(few_, map, prior, match.state);
+    match = matcher_.evaluate(few_, map.fine(), state, widened(kQuickWidening));
+  }
+  keep_best(found, kFinalists);
+  for (NdtMatch& match : found) match = refine(points, map, prior, match.state);
+  keep_best(found, 1);
+  return found.front();
+}
+
+}  // namespace lidar_mapping::front_end
