@@ -65,7 +65,7 @@ config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& constant) {
 std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
                                               const ros::NodeHandle& private_node,
                                               const std::string& stage) {
-  return {source_at(private_node, ""), source_at(node, stage)};
+  return {source_at(node, "nodes"), source_at(private_node, ""), source_at(node, stage)};
 }
 
 void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,

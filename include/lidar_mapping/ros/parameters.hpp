@@ -15,9 +15,9 @@ namespace lidar_mapping::ros_border {
 /// takes for words, become numbers again. Throws ConfigError for binary data and dates.
 config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& value);
 
-/// What the parameter server holds for a stage, read once: the node's private parameters, and over
-/// them the group of the stage's name beside the node, into which launch files load sensor
-/// overlays.
+/// What the parameter server holds for a stage, read once, in growing precedence: the group `nodes`
+/// beside the node with what all nodes share, the node's private parameters, and the group of the
+/// stage's name beside the node, into which launch files load sensor overlays.
 std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
                                               const ros::NodeHandle& private_node,
                                               const std::string& stage);

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace lidar_mapping::ros_border {
+
+/// A folder for files that a node needs only while it runs: TMPDIR/lidar_mapping-<name>-<pid>. It
+/// goes with this object; what a killed process of the same name left behind goes when the next
+/// one starts. Throws FileError if it cannot be made.
+class ScratchFolder {
+ public:
+  /// `name` is that of the node; slashes of namespaces are replaced.
+  explicit ScratchFolder(const std::string& name);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,148 @@
+#include "lidar_mapping/loop_closing/loop_closer.hpp"
+#include "lidar_mapping/ros/key_frame_client.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/scratch_folder.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
+#include "lidar_mapping/session/cloud_store.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Parameters of the node and of its stage.
+struct LoopClosingNodeConfig {
+  NodeFields node;
+  std::string lidar_frame;
+  loop_closing::LoopClosingConfig stage;
+
+  static const config::Schema<LoopClosingNodeConfig>& schema();
+};
+
+const config::Schema<LoopClosingNodeConfig>& LoopClosingNodeConfig::schema() {
+  using Config = LoopClosingNodeConfig;
+  const auto& stage = loop_closing::LoopClosingConfig::schema();
+  static const auto schema =
+      config::Schema<Config>(stage.stage(), stage.summary())
+          .include(&Config::node, NodeFields::schema())
+          .text("lidar_frame", &Config::lidar_frame,
+                "Frame of the LiDAR, whose place on the vehicle the check of free space needs; "
+                "empty: it sits in the origin of the vehicle.")
+          .include(&Config::stage, stage);
+  return schema;
+}
+
+/// Subscribed: key_frame, key_frame_poses, synced_gnss. Published: loop, loop_verdict. Asks
+/// get_key_frames for what it missed; a restart loses nothing.
+class LoopClosingNode {
+ public:
+  using Config = LoopClosingNodeConfig;
+
+  LoopClosingNode(const Config& config, NodeContext& context);
+
+ private:
+  /// Clouds of one run and the search in them.
+  struct Run {
+    Run(const Config& config, const std::filesystem::path& folder)
+        : clouds(folder), closer(config.stage, clouds) {}
+    session::CloudStore clouds;
+    loop_closing::LoopCloser closer;
+  };
+
+  void begin_run(const std::string& run_id);
+  void take_key_frame(const RunKeyFrame& received);
+  void tell_sensor_origin();
+  void take_poses(const KeyFramePosesMessage& message);
+  void take_gnss(const nav_msgs::Odometry& message);
+  void publish(const loop_closing::LoopClosingResult& result);
+  void report();
+
+  Config config_;
+  NodeContext& context_;
+  ScratchFolder scratch_{ros::this_node::getName()};
+  SensorFrames sensor_frames_;
+  std::string run_id_;
+  std::size_t runs_ = 0;
+  std::unique_ptr<Run> run_;
+  std::size_t accepted_ = 0;
+  std::size_t refused_ = 0;
+  ros::Publisher loop_, verdict_;
+  KeyFrameSubscription key_frames_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
+    : config_(config),
+      context_(context),
+      loop_(context.node.advertise<LoopMessage>("loop", kPublisherQueue)),
+      verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
+      key_frames_(context, config.node.queue_size,
+                  [this](const RunKeyFrame& received) { take_key_frame(received); }) {
+  subscribers_ = {
+      subscribe<KeyFramePosesMessage>(context, "key_frame_poses", config.node.queue_size,
+                                      [this](const auto& message) { take_poses(*message); }),
+      subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
+                                    [this](const auto& message) { take_gnss(*message); })};
+}
+
+void LoopClosingNode::begin_run(const std::string& run_id) {
+  run_id_ = run_id;
+  run_ = std::make_unique<Run>(config_, scratch_.path() / std::to_string(++runs_));
+}
+
+void LoopClosingNode::take_key_frame(const RunKeyFrame& received) {
+  if (!run_ || received.run_id != run_id_) begin_run(received.run_id);
+  const KeyFrame& key_frame = received.key_frame;
+  context_.diagnostics.count_input(key_frame.stamp);
+  tell_sensor_origin();
+  if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
+  publish(run_->closer.process(key_frame));
+  context_.diagnostics.count_output(key_frame.stamp);
+  report();
+}
+
+void LoopClosingNode::tell_sensor_origin() {
+  if (config_.lidar_frame.empty()) return;
+  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
+  if (T_base_lidar) run_->closer.set_sensor_origin(T_base_lidar->translation);
+}
+
+void LoopClosingNode::take_poses(const KeyFramePosesMessage& message) {
+  key_frames_.note(message);
+  if (run_ && message.run_id == run_id_) run_->closer.update_poses(from_message(message));
+}
+
+void LoopClosingNode::take_gnss(const nav_msgs::Odometry& message) {
+  if (!run_) return;
+  const auto T_base_antenna =
+      sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
+  if (T_base_antenna) run_->closer.add_gnss(from_message(message, T_base_antenna->translation));
+}
+
+void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {
+  for (const Loop& loop : result.loops) {
+    loop_.publish(to_message(loop, run_id_, config_.node.base_frame));
+    ROS_INFO_STREAM("loop: key frame " << loop.to << " sees key frame " << loop.from
+                                       << " again, overlap " << loop.overlap);
+  }
+  for (const LoopVerdict& verdict : result.verdicts) {
+    verdict_.publish(to_message(verdict, run_id_, config_.node.base_frame));
+    if (verdict.verdict == Verdict::kRefused) ++refused_;
+  }
+  accepted_ += result.loops.size();
+}
+
+void LoopClosingNode::report() {
+  context_.diagnostics.set_state(Diagnostics::Level::kOk, "searching");
+  context_.diagnostics.set("key frames", std::to_string(key_frames_.feed().next_index()));
+  context_.diagnostics.set("key frames given up", std::to_string(key_frames_.feed().missing()));
+  context_.diagnostics.set("loops accepted", std::to_string(accepted_));
+  context_.diagnostics.set("candidates refused", std::to_string(refused_));
+}
+
+}  // namespace lidar_mapping::ros_border
+
+int main(int argc, char** argv) {
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::LoopClosingNode>(
+      argc, argv, "loop_closing");
+}
