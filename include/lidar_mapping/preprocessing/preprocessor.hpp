@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -17,10 +17,14 @@ struct RawScan {
   Stamp stamp = 0;
   std::string frame_id;
   PointCloud cloud;
+  /// The times came from absolute ones: they refer to `stamp` whatever `scan_stamp` says.
+  bool times_are_absolute = false;
 };
 
 /// A scan in base_link and what the other sensors measured at its stamp. No value where a sensor is
-/// absent or has a gap there: nothing is extrapolated.
+/// absent or has a gap there: nothing is extrapolated. The cloud has times if the motion during the
+/// scan is still in it; where only the IMU's gyro was there, the turning that remains is uniform,
+/// at the rate imu->angular_velocity.
 struct SyncedScan {
   Scan scan;
   std::optional<ImuSample> imu;            ///< in the axes of base_link
@@ -35,7 +39,8 @@ struct PreprocessingCounters {
   std::size_t scans_without_extrinsic = 0;  ///< no transform from the scan's frame to base_link
   std::size_t scans_without_points = 0;     ///< empty after filtering
   std::size_t scans_out_of_order = 0;
-  std::size_t scans_waiting_too_long = 0;  ///< pushed out of the full queue
+  std::size_t scans_waiting_too_long = 0;  ///< completed early: the queue was full
+  std::size_t scans_deskewed = 0;
   std::size_t points_not_finite = 0;
   std::size_t samples_refused = 0;  ///< not finite, duplicate or out of order
   std::size_t gnss_refused = 0;     ///< no fix, implausible position, gated
@@ -48,8 +53,7 @@ struct PreprocessingCounters {
 /// data say. One thread calls it.
 class Preprocessor {
  public:
-  /// T_base_frame of a sensor's frame, or nothing while it is not known.
-  using ExtrinsicLookup = std::function<std::optional<Pose>(const std::string& frame_id)>;
+  using ExtrinsicLookup = preprocessing::ExtrinsicLookup;
 
   /// Throws ConfigError for a configuration that contradicts itself.
   Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup);

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+
+#include "lidar_mapping/common/pose.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// Compares the heading of an IMU's orientation with the course over ground: a six-axis IMU starts
+/// at any heading, and only driving tells.
+class HeadingCheck {
+ public:
+  /// A position of the vehicle with its sigma (m), its claimed attitude, and whether it drives
+  /// backwards.
+  void add(const Eigen::Vector3d& p_enu, double sigma, const Eigen::Quaterniond& R_enu_base,
+           bool backwards);
+  /// True once three stretches in a row agreed, false once three in a row did not.
+  std::optional<bool> verdict() const { return verdict_; }
+  /// Course minus heading over the last stretch, rad.
+  double last_difference() const { return last_difference_; }
+
+ private:
+  void judge(const Eigen::Vector3d& step, double yaw);
+
+  std::optional<Eigen::Vector3d> from_;
+  double yaw_from_ = 0.0;
+  int agreements_ = 0;
+  int contradictions_ = 0;
+  double last_difference_ = 0.0;
+  std::optional<bool> verdict_;
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/gyro_bias.hpp"
+#include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/preprocessing/scan_motion.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
+#include "lidar_mapping/preprocessing/sensor_stream.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// How the motion during a scan was found.
+enum class MotionSource { kNone, kImu, kVelocity, kImuAndVelocity };
+const char* to_string(MotionSource source);
+
+struct MeasuredMotion {
+  MotionSource source = MotionSource::kNone;
+  ScanMotion motion;
+};
+
+/// IMU and velocity: their values in base_link at an instant, and the motion over a scan.
+class MotionSensors {
+ public:
+  MotionSensors(const PreprocessingConfig& config, const Extrinsics& extrinsics);
+
+  Insertion add_imu(ImuSample sample, const std::string& frame_id);
+  Insertion add_velocity(VelocitySample sample, const std::string& frame_id);
+
+  /// In base_link; nothing in a gap, without a transform, or without the sensor.
+  std::optional<ImuSample> imu_at(Stamp stamp) const;
+  std::optional<VelocitySample> velocity_at(Stamp stamp) const;
+
+  /// The motion over the time span of a scan, by the gyro (else the turning of the velocity) and
+  /// the velocity. With the gyro alone only the turning is known (kImu).
+  MeasuredMotion motion(Stamp stamp, const TimeSpan& span) const;
+
+  const SensorStream<ImuSample>& imu() const { return imu_; }
+  const SensorStream<VelocitySample>& velocity() const { return velocity_; }
+  void give_up_silent_sensors();
+  void clear();
+
+ private:
+  std::optional<bool> is_standing(Stamp stamp) const;
+
+  const Extrinsics& extrinsics_;
+  double acceleration_unit_;
+  double angular_unit_;
+  bool estimate_bias_;
+  Stamp imu_offset_;
+  Stamp velocity_offset_;
+  SensorStream<ImuSample> imu_;
+  SensorStream<VelocitySample> velocity_;
+  GyroBias gyro_bias_;
+  bool velocity_turns_ = false;  ///< its angular part has been something else than zero
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// Samples of one sensor in the order of their stamps, whatever the order of their arrival. Bounded
+/// in time and number: the oldest leave.
+template <typename Sample>
+class SampleBuffer {
+ public:
+  SampleBuffer(Stamp horizon, std::size_t capacity) : horizon_(horizon), capacity_(capacity) {}
+
+  /// False, and nothing changes, for a stamp that is there already or older than the buffer's span.
+  bool insert(Sample sample) {
+    const auto at = std::lower_bound(samples_.begin(), samples_.end(), sample.stamp, is_before);
+    if (at != samples_.end() && at->stamp == sample.stamp) return false;
+    if (at == samples_.begin() && !samples_.empty() && dropped_some_) return false;
+    samples_.insert(at, std::move(sample));
+    while (samples_.size() > capacity_ ||
+           samples_.back().stamp - samples_.front().stamp > horizon_) {
+      samples_.pop_front();
+      dropped_some_ = true;
+    }
+    return true;
+  }
+
+  /// The neighbours of `stamp` (the same sample twice where it has that stamp), if they are at most
+  /// `max_gap` apart: the only pair between which values may be interpolated.
+  std::optional<std::pair<const Sample*, const Sample*>> around(Stamp stamp, Stamp max_gap) const {
+    const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp, is_before);
+    if (after == samples_.end()) return std::nullopt;
+    if (after->stamp == stamp) return std::make_pair(&*after, &*after);
+    if (after == samples_.begin()) return std::nullopt;
+    const auto before = std::prev(after);
+    if (after->stamp - before->stamp > max_gap) return std::nullopt;
+    return std::make_pair(&*before, &*after);
+  }
+
+  bool empty() const { return samples_.empty(); }
+  std::size_t size() const { return samples_.size(); }
+  const Sample& oldest() const { return samples_.front(); }
+  const Sample& newest() const { return samples_.back(); }
+  void clear() {
+    samples_.clear();
+    dropped_some_ = false;
+  }
+
+ private:
+  static bool is_before(const Sample& sample, Stamp stamp) { return sample.stamp < stamp; }
+
+  Stamp horizon_;
+  std::size_t capacity_;
+  std::deque<Sample> samples_;
+  bool dropped_some_ = false;
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "lidar_mapping/common/pose.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// The motion of base_link during a scan: T_stamp_t, its pose at time t in its own frame at the
+/// scan's stamp, at equal steps of time (s, relative to the stamp).
+struct ScanMotion {
+  double begin = 0.0;
+  double step = 0.0;
+  std::vector<Pose> T_stamp_knot;
+
+  /// Linear between the knots; held beyond the ends.
+  Pose at(double time) const;
+};
+
+/// A vector at a time (s, relative to the scan's stamp), or nothing where it was not measured.
+using VectorAtTime = std::function<std::optional<Eigen::Vector3d>(double time)>;
+
+/// Integrates angular velocity (on SO(3)) and velocity, both in the axes of base_link, by the
+/// midpoint rule from the stamp to both ends of [begin, end]. Without a `velocity` only the turning
+/// is followed. Nothing where a value is missing.
+std::optional<ScanMotion> integrated(double begin, double end, const VectorAtTime& angular_velocity,
+                                     const VectorAtTime& velocity);
+
+/// Mean angular velocity over the scan, rad/s.
+Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
+
+/// What remains of the turning when a uniform one is taken away: rotations exp(-omega t) R(t). A
+/// scan that is moved by it looks as if the vehicle had turned at the constant rate `omega`.
+ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/preprocessing/scan_motion.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// What the pass over the points needs to know of the configuration.
+struct PassLimits {
+  explicit PassLimits(const PreprocessingConfig& config);
+
+  float near_squared;
+  float far_squared;
+  Eigen::Vector3f box_min;  ///< of the box on the vehicle, in base_link; empty if min = max
+  Eigen::Vector3f box_max;
+};
+
+/// The one pass over a raw scan, in place: drops points that are not finite, at the sensor itself,
+/// out of range or on the vehicle, and moves the others to base_link; with a `motion` to its place
+/// at the scan's stamp as well. Times stay with their points. Returns how many were not finite.
+std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
+                         const ScanMotion* motion);
+
+/// Turns every point by `angle` (rad) upwards about the horizontal axis normal to its beam.
+void correct_vertical_angle(PointCloud& cloud, double angle);
+
+/// Seconds since the scan's start for each point of a sensor that turns once per `scan_period`,
+/// from the azimuth in the sensor's frame.
+void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config);
+
+}  // namespace lidar_mapping::preprocessing

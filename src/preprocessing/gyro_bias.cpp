@@ -1,0 +1,53 @@
+#include "lidar_mapping/preprocessing/gyro_bias.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr Stamp kWindow = from_seconds(1.0);
+constexpr std::size_t kFewest = 8;
+constexpr double kSteadyRate = 0.01;          // rad/s, standard deviation
+constexpr double kSteadyAcceleration = 0.15;  // m/s^2, standard deviation; engines shake more
+constexpr double kLargestBias = 0.05;         // rad/s where the velocity vouches for standing
+constexpr double kLargestBiasAlone = 0.02;    // rad/s: a wide bend turns as slowly
+
+struct Moments {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double deviation = 0.0;
+};
+
+Moments moments(const std::deque<ImuSample>& window, Eigen::Vector3d ImuSample::*value) {
+  Moments result;
+  for (const ImuSample& sample : window) result.mean += sample.*value;
+  result.mean /= static_cast<double>(window.size());
+  double sum = 0.0;
+  for (const ImuSample& sample : window) sum += (sample.*value - result.mean).squaredNorm();
+  result.deviation = std::sqrt(sum / static_cast<double>(3 * window.size()));
+  return result;
+}
+
+}  // namespace
+
+void GyroBias::add(const ImuSample& sample, std::optional<bool> standing) {
+  if (!window_.empty() && sample.stamp <= window_.back().stamp) window_.clear();
+  window_.push_back(sample);
+  if (sample.stamp - window_.front().stamp < kWindow) return;
+  judge(standing);
+  window_.clear();
+}
+
+void GyroBias::judge(std::optional<bool> standing) {
+  if (window_.size() < kFewest || (standing && !*standing)) return;
+  const Moments rate = moments(window_, &ImuSample::angular_velocity);
+  const Moments acceleration = moments(window_, &ImuSample::linear_acceleration);
+  const double largest = standing ? kLargestBias : kLargestBiasAlone;
+  if (rate.deviation > kSteadyRate || acceleration.deviation > kSteadyAcceleration ||
+      rate.mean.norm() > largest) {
+    return;
+  }
+  // A bias drifts over minutes: a window of a second counts for a quarter.
+  bias_ = known_ ? Eigen::Vector3d(0.75 * bias_ + 0.25 * rate.mean) : rate.mean;
+  known_ = true;
+}
+
+}  // namespace lidar_mapping::preprocessing

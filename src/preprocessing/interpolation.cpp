@@ -1,0 +1,63 @@
+#include "lidar_mapping/preprocessing/interpolation.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+/// Share of the way from a to b, 0 for equal stamps. The difference is taken in integers.
+double fraction(Stamp a, Stamp b, Stamp stamp) {
+  return a == b ? 0.0 : static_cast<double>(stamp - a) / static_cast<double>(b - a);
+}
+
+Eigen::Vector3d between(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double f) {
+  return a + f * (b - a);
+}
+
+}  // namespace
+
+ImuSample interpolated(const ImuSample& a, const ImuSample& b, Stamp stamp) {
+  const double f = fraction(a.stamp, b.stamp, stamp);
+  ImuSample result;
+  result.stamp = stamp;
+  result.angular_velocity = between(a.angular_velocity, b.angular_velocity, f);
+  result.linear_acceleration = between(a.linear_acceleration, b.linear_acceleration, f);
+  if (a.orientation && b.orientation) {
+    result.orientation = a.orientation->slerp(f, *b.orientation).normalized();
+  }
+  return result;
+}
+
+VelocitySample interpolated(const VelocitySample& a, const VelocitySample& b, Stamp stamp) {
+  const double f = fraction(a.stamp, b.stamp, stamp);
+  return {stamp, between(a.linear, b.linear, f), between(a.angular, b.angular, f)};
+}
+
+ImuSample in_base(const ImuSample& sample, const Pose& T_base_sensor) {
+  ImuSample result = sample;
+  result.angular_velocity = T_base_sensor.rotation * sample.angular_velocity;
+  result.linear_acceleration = T_base_sensor.rotation * sample.linear_acceleration;
+  // R_world_base = R_world_sensor * R_sensor_base.
+  if (sample.orientation) {
+    result.orientation = (*sample.orientation * T_base_sensor.rotation.conjugate()).normalized();
+  }
+  return result;
+}
+
+VelocitySample in_base(const VelocitySample& sample, const Pose& T_base_sensor) {
+  VelocitySample result;
+  result.stamp = sample.stamp;
+  result.angular = T_base_sensor.rotation * sample.angular;
+  result.linear =
+      T_base_sensor.rotation * sample.linear - result.angular.cross(T_base_sensor.translation);
+  return result;
+}
+
+bool is_finite(const ImuSample& sample) {
+  return sample.angular_velocity.allFinite() && sample.linear_acceleration.allFinite();
+}
+
+bool is_finite(const VelocitySample& sample) {
+  return sample.linear.allFinite() && sample.angular.allFinite();
+}
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,130 @@
+#include "lidar_mapping/preprocessing/local_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <Eigen/Cholesky>
+#include <GeographicLib/LocalCartesian.hpp>
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kAcceleration = 2.0;      // m/s^2, of a vehicle in traffic
+constexpr double kHighestPlace = 12000.0;  // m; nobody maps above the airliners
+constexpr double kDeepestPlace = -2000.0;  // m
+
+bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
+  return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&
+         covariance.diagonal().head<2>().maxCoeff() > 0.0;
+}
+
+double horizontal_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+}
+
+Eigen::Matrix3d diagonal(double sigma_xy, double sigma_z) {
+  return Eigen::Vector3d(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z).asDiagonal();
+}
+
+/// The reported covariance, made symmetric, raised to the floor; one of its own where it is
+/// unknown.
+Eigen::Matrix3d believed_covariance(const GnssFix& fix, const PreprocessingConfig& config) {
+  if (!fix.covariance || !is_usable_covariance(*fix.covariance)) {
+    return diagonal(config.gnss_unknown_sigma_xy, config.gnss_unknown_sigma_z);
+  }
+  Eigen::Matrix3d covariance = 0.5 * (*fix.covariance + fix.covariance->transpose());
+  const Eigen::Matrix3d floor = diagonal(config.gnss_sigma_floor_xy, config.gnss_sigma_floor_z);
+  for (int i = 0; i < 3; ++i) covariance(i, i) = std::max(covariance(i, i), floor(i, i));
+  const bool positive = Eigen::LLT<Eigen::Matrix3d>(covariance).info() == Eigen::Success;
+  return positive ? covariance : Eigen::Matrix3d(covariance.diagonal().asDiagonal());
+}
+
+std::string text(const char* format, double value, double limit) {
+  char buffer[160];
+  std::snprintf(buffer, sizeof(buffer), format, value, limit);
+  return buffer;
+}
+
+}  // namespace
+
+std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
+  if (fix.status < 0) return "the receiver has no fix";
+  if (fix.status < config.gnss_min_status) return "status below gnss_min_status";
+  if (!std::isfinite(fix.latitude_deg) || !std::isfinite(fix.longitude_deg) ||
+      !std::isfinite(fix.altitude_m)) {
+    return "coordinates are not finite";
+  }
+  if (fix.latitude_deg == 0.0 && fix.longitude_deg == 0.0) {
+    return "coordinates (0, 0): the receiver has not begun";
+  }
+  if (std::abs(fix.latitude_deg) > 90.0 || std::abs(fix.longitude_deg) > 360.0) {
+    return "latitude or longitude out of range";
+  }
+  if (fix.altitude_m < kDeepestPlace || fix.altitude_m > kHighestPlace) {
+    return text("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kHighestPlace);
+  }
+  if (fix.covariance && is_usable_covariance(*fix.covariance) &&
+      horizontal_sigma(*fix.covariance) > config.gnss_max_sigma) {
+    return text("standard deviation of %.1f m exceeds gnss_max_sigma (%.1f m)",
+                horizontal_sigma(*fix.covariance), config.gnss_max_sigma);
+  }
+  return "";
+}
+
+class LocalFrame::Projection {
+ public:
+  explicit Projection(const GeodeticDatum& datum)
+      : datum_(datum), cartesian_(datum.latitude_deg, datum.longitude_deg, datum.altitude_m) {}
+
+  Eigen::Vector3d forward(const GnssFix& fix) const {
+    Eigen::Vector3d p;
+    cartesian_.Forward(fix.latitude_deg, fix.longitude_deg, fix.altitude_m, p.x(), p.y(), p.z());
+    return p;
+  }
+  const GeodeticDatum& datum() const { return datum_; }
+
+ private:
+  GeodeticDatum datum_;
+  GeographicLib::LocalCartesian cartesian_;
+};
+
+LocalFrame::LocalFrame(const PreprocessingConfig& config) : config_(config) {
+  if (!config.use_datum) return;
+  projection_ = std::make_unique<Projection>(
+      GeodeticDatum{config.datum[0], config.datum[1], config.datum[2]});
+}
+
+LocalFrame::~LocalFrame() = default;
+
+LocalFix LocalFrame::to_local(const GnssFix& fix) {
+  if (!projection_) {
+    projection_ = std::make_unique<Projection>(
+        GeodeticDatum{fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+  }
+  return {fix.stamp, projection_->forward(fix), believed_covariance(fix, config_), fix.status};
+}
+
+std::optional<GeodeticDatum> LocalFrame::datum() const {
+  if (!projection_) return std::nullopt;
+  return projection_->datum();
+}
+
+LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp) {
+  if (a.stamp == b.stamp) return a;
+  const double before = to_seconds(stamp - a.stamp);
+  const double after = to_seconds(b.stamp - stamp);
+  const double f = before / (before + after);
+  LocalFix result;
+  result.stamp = stamp;
+  result.status = std::min(a.status, b.status);
+  result.p_enu = a.p_enu + f * (b.p_enu - a.p_enu);
+  // Errors of neighbouring fixes are far from independent: the mean is not better than its parts.
+  result.covariance = (1.0 - f) * a.covariance + f * b.covariance;
+  const double aside = 0.5 * kAcceleration * before * after;
+  result.covariance.diagonal().array() += aside * aside;
+  return result;
+}
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,174 @@
+#include "lidar_mapping/preprocessing/motion_sensors.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "lidar_mapping/preprocessing/interpolation.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kStandardGravity = 9.80665;  // m/s^2
+constexpr double kStanding = 0.05;            // m/s
+/// At the ends of a scan the nearest sample may stand in for this long.
+constexpr Stamp kHold = from_seconds(0.02);
+
+/// The value at `stamp`; just outside of the samples the nearest one, never farther.
+template <typename Sample>
+std::optional<Sample> value_near(const SensorStream<Sample>& stream, Stamp stamp) {
+  if (const auto pair = stream.around(stamp)) {
+    return interpolated(*pair->first, *pair->second, stamp);
+  }
+  const auto& buffer = stream.buffer();
+  if (buffer.empty()) return std::nullopt;
+  const Stamp past_end = stamp - buffer.newest().stamp;
+  if (past_end > 0 && past_end <= kHold) return buffer.newest();
+  const Stamp before_begin = buffer.oldest().stamp - stamp;
+  if (before_begin > 0 && before_begin <= kHold) return buffer.oldest();
+  return std::nullopt;
+}
+
+bool is_orientation(const Eigen::Quaterniond& q) {
+  return q.coeffs().allFinite() && std::abs(q.norm() - 1.0) < 0.05;
+}
+
+}  // namespace
+
+const char* to_string(MotionSource source) {
+  switch (source) {
+    case MotionSource::kNone:
+      return "nothing";
+    case MotionSource::kImu:
+      return "IMU (turning only)";
+    case MotionSource::kVelocity:
+      return "velocity";
+    case MotionSource::kImuAndVelocity:
+      return "IMU and velocity";
+  }
+  return "";
+}
+
+MotionSensors::MotionSensors(const PreprocessingConfig& config, const Extrinsics& extrinsics)
+    : extrinsics_(extrinsics),
+      acceleration_unit_(config.imu_acceleration_unit == AccelerationUnit::kStandardGravity
+                             ? kStandardGravity
+                             : 1.0),
+      angular_unit_(config.imu_angular_unit == AngularUnit::kDegrees ? M_PI / 180.0 : 1.0),
+      estimate_bias_(config.estimate_gyro_bias),
+      imu_offset_(from_seconds(config.imu_time_offset)),
+      velocity_offset_(from_seconds(config.velocity_time_offset)),
+      imu_("imu", config.use_imu, config.imu_max_gap),
+      velocity_("velocity", config.use_velocity, config.velocity_max_gap) {}
+
+Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) {
+  if (!is_finite(sample)) return Insertion::kRefused;
+  sample.stamp += imu_offset_;
+  sample.linear_acceleration *= acceleration_unit_;
+  sample.angular_velocity *= angular_unit_;
+  if (sample.orientation) {
+    if (is_orientation(*sample.orientation)) {
+      sample.orientation->normalize();
+    } else {
+      sample.orientation.reset();
+    }
+  }
+  const Insertion insertion = imu_.insert(sample, frame_id);
+  if (insertion == Insertion::kTaken && estimate_bias_) {
+    gyro_bias_.add(sample, is_standing(sample.stamp));
+  }
+  return insertion;
+}
+
+Insertion MotionSensors::add_velocity(VelocitySample sample, const std::string& frame_id) {
+  if (!is_finite(sample)) return Insertion::kRefused;
+  sample.stamp += velocity_offset_;
+  velocity_turns_ = velocity_turns_ || !sample.angular.isZero(0.0);
+  return velocity_.insert(sample, frame_id);
+}
+
+std::optional<bool> MotionSensors::is_standing(Stamp stamp) const {
+  const auto& buffer = velocity_.buffer();
+  if (buffer.empty() || std::abs(to_seconds(stamp - buffer.newest().stamp)) > 1.0) {
+    return std::nullopt;
+  }
+  return buffer.newest().linear.norm() < kStanding;
+}
+
+std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
+  const auto pair = imu_.around(stamp);
+  if (!pair) return std::nullopt;
+  const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
+  if (!T_base_imu) return std::nullopt;
+  ImuSample sample = interpolated(*pair->first, *pair->second, stamp);
+  sample.angular_velocity -= gyro_bias_.bias();
+  return in_base(sample, *T_base_imu);
+}
+
+std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
+  const auto pair = velocity_.around(stamp);
+  if (!pair) return std::nullopt;
+  const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
+  if (!T_base_velocity) return std::nullopt;
+  VelocitySample sample = interpolated(*pair->first, *pair->second, stamp);
+  if (!velocity_turns_) {
+    // Only the speed was measured; the lever arm needs the turning, which the gyro knows.
+    if (const auto imu = imu_at(stamp)) {
+      sample.angular = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
+    }
+  }
+  return in_base(sample, *T_base_velocity);
+}
+
+MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
+  const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
+  const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
+  const VectorAtTime gyro = [&](double time) -> std::optional<Eigen::Vector3d> {
+    const auto sample = value_near(imu_, stamp + from_seconds(time));
+    if (!sample) return std::nullopt;
+    return T_base_imu->rotation * (sample->angular_velocity - gyro_bias_.bias());
+  };
+  const VectorAtTime turning = [&](double time) -> std::optional<Eigen::Vector3d> {
+    const auto sample = value_near(velocity_, stamp + from_seconds(time));
+    if (!sample) return std::nullopt;
+    return T_base_velocity->rotation * sample->angular;
+  };
+  const auto driving_with = [&](const VectorAtTime& angular) -> VectorAtTime {
+    return [&](double time) -> std::optional<Eigen::Vector3d> {
+      const auto sample = value_near(velocity_, stamp + from_seconds(time));
+      const auto omega = angular(time);
+      if (!sample || !omega) return std::nullopt;
+      return T_base_velocity->rotation * sample->linear -
+             omega->cross(T_base_velocity->translation);
+    };
+  };
+  if (T_base_imu && T_base_velocity) {
+    if (auto both = integrated(span.begin, span.end, gyro, driving_with(gyro))) {
+      return {MotionSource::kImuAndVelocity, *std::move(both)};
+    }
+  }
+  if (T_base_velocity && velocity_turns_) {
+    if (auto driven = integrated(span.begin, span.end, turning, driving_with(turning))) {
+      return {MotionSource::kVelocity, *std::move(driven)};
+    }
+  }
+  if (T_base_imu) {
+    if (auto turned = integrated(span.begin, span.end, gyro, nullptr)) {
+      return {MotionSource::kImu, *std::move(turned)};
+    }
+  }
+  return {};
+}
+
+void MotionSensors::give_up_silent_sensors() {
+  imu_.give_up_if_silent();
+  velocity_.give_up_if_silent();
+}
+
+void MotionSensors::clear() {
+  imu_.clear();
+  velocity_.clear();
+  gyro_bias_ = {};
+}
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,88 @@
+#include "lidar_mapping/preprocessing/scan_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kLongestStep = 0.002;  // s: turning at 10 rad/s^2 stays below 1e-5 rad in a step
+
+/// Moves on from the pose at `time` by `step` (of either sign).
+std::optional<Pose> advanced(const Pose& pose, double time, double step,
+                             const VectorAtTime& angular_velocity, const VectorAtTime& velocity) {
+  const double middle = time + 0.5 * step;
+  const auto omega = angular_velocity(middle);
+  if (!omega) return std::nullopt;
+  Pose next = pose;
+  next.rotation = (pose.rotation * exp_so3(*omega * step)).normalized();
+  if (velocity) {
+    const auto v = velocity(middle);
+    if (!v) return std::nullopt;
+    next.translation += pose.rotation * (exp_so3(*omega * (0.5 * step)) * *v) * step;
+  }
+  return next;
+}
+
+/// Poses at stamp + k step for k = 1 .. count.
+std::optional<std::vector<Pose>> followed(int count, double step,
+                                          const VectorAtTime& angular_velocity,
+                                          const VectorAtTime& velocity) {
+  std::vector<Pose> poses;
+  Pose pose;
+  for (int k = 0; k < count; ++k) {
+    const auto next = advanced(pose, k * step, step, angular_velocity, velocity);
+    if (!next) return std::nullopt;
+    pose = *next;
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+}  // namespace
+
+Pose ScanMotion::at(double time) const {
+  const double last = static_cast<double>(T_stamp_knot.size() - 1);
+  const double position = std::clamp((time - begin) / step, 0.0, last);
+  const auto index = std::min(static_cast<std::size_t>(position), T_stamp_knot.size() - 2);
+  return interpolate(T_stamp_knot[index], T_stamp_knot[index + 1],
+                     position - static_cast<double>(index));
+}
+
+std::optional<ScanMotion> integrated(double begin, double end, const VectorAtTime& angular_velocity,
+                                     const VectorAtTime& velocity) {
+  // The knots include the stamp itself, so that points of that instant do not move at all.
+  const double step = kLongestStep;
+  const int before = static_cast<int>(std::ceil(std::max(0.0, -begin) / step));
+  const int after =
+      std::max(static_cast<int>(std::ceil(std::max(0.0, end) / step)), before ? 0 : 1);
+  auto earlier = followed(before, -step, angular_velocity, velocity);
+  const auto later = followed(after, step, angular_velocity, velocity);
+  if (!earlier || !later) return std::nullopt;
+  ScanMotion motion;
+  motion.begin = -before * step;
+  motion.step = step;
+  motion.T_stamp_knot.assign(earlier->rbegin(), earlier->rend());
+  motion.T_stamp_knot.emplace_back();
+  motion.T_stamp_knot.insert(motion.T_stamp_knot.end(), later->begin(), later->end());
+  return motion;
+}
+
+Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion) {
+  const auto& knots = motion.T_stamp_knot;
+  const double duration = motion.step * static_cast<double>(knots.size() - 1);
+  return log_so3(knots.front().rotation.conjugate() * knots.back().rotation) / duration;
+}
+
+ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega) {
+  ScanMotion result = motion;
+  for (std::size_t k = 0; k < result.T_stamp_knot.size(); ++k) {
+    const double time = motion.begin + motion.step * static_cast<double>(k);
+    Pose& knot = result.T_stamp_knot[k];
+    knot.rotation = (exp_so3(-omega * time) * knot.rotation).normalized();
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::preprocessing

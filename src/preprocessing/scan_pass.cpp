@@ -1,0 +1,147 @@
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+/// Points without an echo lie in the sensor's origin; no LiDAR measures a centimetre.
+constexpr float kNoEcho = 0.01F;
+
+/// A rigid motion as the columns of [R | t], each a vector of four floats: a point costs three
+/// multiplications and additions of whole vectors.
+struct alignas(16) Columns {
+  Eigen::Vector4f x, y, z, t;
+
+  Eigen::Vector4f operator*(const Point& p) const { return x * p.x + y * p.y + z * p.z + t; }
+};
+
+Columns columns(const Pose& pose) {
+  const Eigen::Matrix4f m = pose.matrix().cast<float>();
+  return {m.col(0), m.col(1), m.col(2), m.col(3)};
+}
+
+/// The same place for every point.
+class FixedMotion {
+ public:
+  explicit FixedMotion(const Pose& T_base_sensor) : columns_(columns(T_base_sensor)) {}
+  Eigen::Vector4f moved(const Point& point, std::size_t) const { return columns_ * point; }
+
+ private:
+  Columns columns_;
+};
+
+/// Linear between the knots of a motion, by the points' times.
+class TimedMotion {
+ public:
+  TimedMotion(const ScanMotion& motion, const Pose& T_base_sensor, const std::vector<float>& times)
+      : times_(times),
+        begin_(static_cast<float>(motion.begin)),
+        rate_(static_cast<float>(1.0 / motion.step)),
+        last_(static_cast<float>(motion.T_stamp_knot.size() - 1)) {
+    for (const Pose& T_stamp_knot : motion.T_stamp_knot) {
+      knots_.push_back(columns(T_stamp_knot * T_base_sensor));
+    }
+    knots_.push_back(knots_.back());
+  }
+
+  Eigen::Vector4f moved(const Point& point, std::size_t index) const {
+    const float position = std::min(std::max((times_[index] - begin_) * rate_, 0.0F), last_);
+    const auto knot = static_cast<int>(position);
+    const Eigen::Vector4f before = knots_[static_cast<std::size_t>(knot)] * point;
+    const Eigen::Vector4f after = knots_[static_cast<std::size_t>(knot) + 1] * point;
+    return before + (position - static_cast<float>(knot)) * (after - before);
+  }
+
+ private:
+  const std::vector<float>& times_;
+  float begin_, rate_, last_;
+  std::vector<Columns> knots_;
+};
+
+bool is_inside(const Eigen::Vector4f& p, const PassLimits& limits) {
+  return p.x() > limits.box_min.x() && p.x() < limits.box_max.x() && p.y() > limits.box_min.y() &&
+         p.y() < limits.box_max.y() && p.z() > limits.box_min.z() && p.z() < limits.box_max.z();
+}
+
+/// Writes never overtake reads, so the scan shrinks in place.
+template <typename Motion>
+std::size_t pass(PointCloud& cloud, const PassLimits& limits, const Motion& motion) {
+  const bool has_times = cloud.has_times();
+  std::size_t kept = 0;
+  std::size_t not_finite = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Point point = cloud.points[i];
+    const float squared = point.x * point.x + point.y * point.y + point.z * point.z;
+    if (!(squared >= limits.near_squared && squared <= limits.far_squared)) {
+      if (!std::isfinite(squared)) ++not_finite;
+      continue;
+    }
+    if (has_times && !std::isfinite(cloud.times[i])) {
+      ++not_finite;
+      continue;
+    }
+    const Eigen::Vector4f p = motion.moved(point, i);
+    if (is_inside(p, limits)) continue;
+    cloud.points[kept] = {p.x(), p.y(), p.z(), point.intensity};
+    if (has_times) cloud.times[kept] = cloud.times[i];
+    ++kept;
+  }
+  cloud.points.resize(kept);
+  if (has_times) cloud.times.resize(kept);
+  return not_finite;
+}
+
+}  // namespace
+
+PassLimits::PassLimits(const PreprocessingConfig& config)
+    : box_min(static_cast<float>(config.vehicle_box[0]), static_cast<float>(config.vehicle_box[1]),
+              static_cast<float>(config.vehicle_box[2])),
+      box_max(static_cast<float>(config.vehicle_box[3]), static_cast<float>(config.vehicle_box[4]),
+              static_cast<float>(config.vehicle_box[5])) {
+  const bool cut = config.use_distance_filter;
+  const float near = cut ? static_cast<float>(config.distance_near_thresh) : 0.0F;
+  near_squared = std::max(near, kNoEcho) * std::max(near, kNoEcho);
+  const auto far = static_cast<float>(config.distance_far_thresh);
+  far_squared = cut ? far * far : std::numeric_limits<float>::max();
+}
+
+std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
+                         const ScanMotion* motion) {
+  if (motion == nullptr || !cloud.has_times()) {
+    return pass(cloud, limits, FixedMotion(T_base_sensor));
+  }
+  return pass(cloud, limits, TimedMotion(*motion, T_base_sensor, cloud.times));
+}
+
+void correct_vertical_angle(PointCloud& cloud, double angle) {
+  const auto cosine = static_cast<float>(std::cos(angle));
+  const auto sine = static_cast<float>(std::sin(angle));
+  for (Point& p : cloud.points) {
+    const float horizontal = std::sqrt(p.x * p.x + p.y * p.y);
+    const float scale = horizontal > 0.0F ? (horizontal * cosine - p.z * sine) / horizontal : 1.0F;
+    p.z = p.z * cosine + horizontal * sine;
+    p.x *= scale;
+    p.y *= scale;
+  }
+}
+
+void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config) {
+  const double sign = config.scan_direction == ScanDirection::kClockwise ? -1.0 : 1.0;
+  const auto turns_per_radian = static_cast<float>(sign / (2.0 * kPi));
+  const auto start = static_cast<float>(sign * config.scan_start_azimuth_deg / 360.0);
+  const auto period = static_cast<float>(config.scan_period);
+  cloud.times.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Point& p = cloud.points[i];
+    const float turns = std::atan2(p.y, p.x) * turns_per_radian - start;
+    cloud.times[i] = period * (turns - std::floor(turns));
+  }
+}
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,72 @@
+#include "lidar_mapping/preprocessing/scan_times.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+/// No spinning sensor turns slower than this, whatever scan_period says.
+constexpr double kLongestScan = 0.6;  // s
+/// Relative to the period: the first column of a scan may be this much before its start.
+constexpr double kSlack = 0.02;
+
+std::string implausible(const TimeSpan& span, const PreprocessingConfig& config) {
+  char text[240];
+  std::snprintf(text, sizeof(text),
+                "point times from %.6g to %.6g s do not fit a scan of %.3g s: the scan is taken "
+                "without times; check point_time_unit and scan_period",
+                span.begin, span.end, config.scan_period);
+  return text;
+}
+
+/// How much earlier than the scan's start-based time a time based on its stamp is.
+double start_to_stamp(const PreprocessingConfig& config) {
+  switch (config.scan_stamp) {
+    case ScanStamp::kStart:
+      return 0.0;
+    case ScanStamp::kMiddle:
+      return 0.5 * config.scan_period;
+    case ScanStamp::kEnd:
+      return config.scan_period;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+TimeSpan time_span(const PointCloud& cloud) {
+  if (!cloud.has_times()) return {};
+  float begin = std::numeric_limits<float>::max();
+  float end = std::numeric_limits<float>::lowest();
+  for (const float time : cloud.times) {  // comparisons are false for NaN
+    begin = time < begin ? time : begin;
+    end = time > end ? time : end;
+  }
+  if (begin > end) return {};
+  return {begin, end};
+}
+
+std::string settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config) {
+  if (config.point_times == PointTimes::kNone) cloud.times.clear();
+  if (config.point_times == PointTimes::kAzimuth) set_times_from_azimuth(cloud, config);
+  if (!cloud.has_times()) return "";
+  const TimeSpan span = time_span(cloud);
+  const double longest = std::max(1.5 * config.scan_period, kLongestScan);
+  if (span.end - span.begin > longest || span.end > longest || span.begin < -longest) {
+    cloud.times.clear();
+    return implausible(span, config);
+  }
+  const bool from_start = !absolute && span.begin >= -kSlack * config.scan_period;
+  const auto shift = static_cast<float>(start_to_stamp(config));
+  if (from_start && shift != 0.0F) {
+    for (float& time : cloud.times) time -= shift;
+  }
+  return "";
+}
+
+}  // namespace lidar_mapping::preprocessing
