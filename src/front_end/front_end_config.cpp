@@ -51,6 +51,10 @@ config::Schema<Config> make_schema() {
   schema
       .integer("local_frame_num", &Config::local_frame_num, {1, 1000}, "key frames",
                "Size of the sliding window of the methods other than NDT.")
+      .real("frame_filter_resolution", &Config::frame_filter_resolution, {0.0, 10.0}, "m",
+            "Edge of the voxels that thin out a scan for the sliding window; 0 keeps all points.")
+      .real("local_map_filter_resolution", &Config::local_map_filter_resolution, {0.0, 10.0}, "m",
+            "Edge of the voxels that thin out the sliding window's cloud; 0 keeps all points.")
       .integer("threads", &Config::threads, {0, 256}, "",
                "Upper limit of threads; 0 takes all cores. The result does not depend on it.");
   return schema;

@@ -1,9 +1,14 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
+#include "lidar_mapping/front_end/sliding_window_tracker.hpp"
 
 namespace lidar_mapping::front_end {
 
 std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config) {
-  return std::make_unique<NdtTracker>(config);
+  using registration::Method;
+  if (registration::implemented_by(config.registration.method) == Method::kNdt) {
+    return std::make_unique<NdtTracker>(config);
+  }
+  return std::make_unique<SlidingWindowTracker>(config);
 }
 
 }  // namespace lidar_mapping::front_end

@@ -21,27 +21,6 @@ constexpr double kGreatestThickness = 0.1;  // third axis / second axis, of vari
 constexpr double kInlierShare = 0.2;        // of max_range
 constexpr double kLeastSigma = 0.01;        // m: no scanner of this class is better
 
-struct Plane {
-  Eigen::Vector3d centroid;
-  Eigen::Vector3d normal;
-};
-
-std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-  for (const auto i : indices) centroid += cloud[i].getVector3fMap().cast<double>();
-  centroid /= static_cast<double>(indices.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto i : indices) {
-    const Eigen::Vector3d d = cloud[i].getVector3fMap().cast<double>() - centroid;
-    covariance += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  const Eigen::Vector3d& variances = solver.eigenvalues();
-  if (variances[1] < kLeastBreadth * variances[2]) return std::nullopt;
-  if (variances[0] > kGreatestThickness * variances[1]) return std::nullopt;
-  return Plane{centroid, solver.eigenvectors().col(0)};
-}
-
 /// Distance of a point to the target's plane, and its derivative by the pose's perturbation.
 struct Residual {
   double value;
@@ -114,6 +93,22 @@ double distance_of(const Match& match) {
 
 }  // namespace
 
+std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  for (const auto i : indices) centroid += cloud[i].getVector3fMap().cast<double>();
+  centroid /= static_cast<double>(indices.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto i : indices) {
+    const Eigen::Vector3d d = cloud[i].getVector3fMap().cast<double>() - centroid;
+    covariance += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::Vector3d& variances = solver.eigenvalues();
+  if (variances[1] < kLeastBreadth * variances[2]) return std::nullopt;
+  if (variances[0] > kGreatestThickness * variances[1]) return std::nullopt;
+  return Plane{centroid, solver.eigenvectors().col(0)};
+}
+
 Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,
                  const Pose& T_target_source, double max_range) {
   Fit fit;
@@ -136,6 +131,13 @@ Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud&
   fit.inlier_fraction = believed / tried;
   fit.hessian = hessian_of(residuals);
   return fit;
+}
+
+void take_over(const Fit& fit, RegistrationResult& result) {
+  result.fitness = fit.fitness;
+  result.inlier_fraction = fit.inlier_fraction;
+  result.overlap = fit.overlap;
+  result.hessian = fit.hessian;
 }
 
 }  // namespace lidar_mapping::registration

@@ -1,12 +1,26 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include <pcl/search/kdtree.h>
 
-#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/registration/registration.hpp"
 
 #include "pcl_clouds.hpp"
 
 namespace lidar_mapping::registration {
+
+/// Fewer points than this have no neighbourhoods from which a method could take a surface.
+constexpr std::size_t kLeastPoints = 20;
+
+struct Plane {
+  Eigen::Vector3d centroid;
+  Eigen::Vector3d normal;  ///< unit length
+};
+
+/// The plane through points of a cloud; none where they lie on a line or fill a volume.
+std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices);
 
 /// How well a source lies on a target; the fields mean what those of RegistrationResult mean.
 struct Fit {
@@ -21,5 +35,8 @@ struct Fit {
 /// by it. The Hessian is that of the distances to the planes through the neighbours.
 Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,
                  const Pose& T_target_source, double max_range);
+
+/// Writes the figures of a fit into a result.
+void take_over(const Fit& fit, RegistrationResult& result);
 
 }  // namespace lidar_mapping::registration

@@ -4,13 +4,6 @@
 
 namespace lidar_mapping::registration {
 
-namespace {
-
-// Fewer points than this have no neighbourhoods from which a method could take a surface.
-constexpr std::size_t kLeastPoints = 20;
-
-}  // namespace
-
 void PclRegistration::set_target(const PointCloud& target) {
   const PclCloud::Ptr cloud = to_pcl(target);
   has_target_ = cloud->size() >= kLeastPoints;
@@ -34,12 +27,9 @@ RegistrationResult PclRegistration::align(const PointCloud& source,
   const Outcome outcome = this->outcome();
   result.converged = outcome.converged;
   result.iterations = outcome.iterations;
-  const Fit fit = evaluate_fit(*method().getSearchMethodTarget(), *cloud, result.T_target_source,
-                               fitness_max_range_);
-  result.fitness = fit.fitness;
-  result.inlier_fraction = fit.inlier_fraction;
-  result.overlap = fit.overlap;
-  result.hessian = fit.hessian;
+  take_over(evaluate_fit(*method().getSearchMethodTarget(), *cloud, result.T_target_source,
+                         fitness_max_range_),
+            result);
   return result;
 }
 

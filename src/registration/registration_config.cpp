@@ -10,10 +10,16 @@ namespace lidar_mapping::registration {
 namespace {
 
 const std::vector<std::pair<std::string, Method>>& method_names() {
-  static const std::vector<std::pair<std::string, Method>> names = {{"PCL_NDT", Method::kPclNdt},
-                                                                    {"ICP", Method::kIcp},
-                                                                    {"GICP", Method::kGicp},
-                                                                    {"GICP_OMP", Method::kGicpOmp}};
+  static const std::vector<std::pair<std::string, Method>> names = {
+      {"NDT", Method::kNdt},
+      {"VGICP", Method::kVgicp},
+      {"PCL_NDT", Method::kPclNdt},
+      {"ICP", Method::kIcp},
+      {"GICP", Method::kGicp},
+      {"NDT_OMP", Method::kNdtOmp},
+      {"FAST_GICP", Method::kFastGicp},
+      {"FAST_VGICP", Method::kFastVgicp},
+      {"GICP_OMP", Method::kGicpOmp}};
   return names;
 }
 
@@ -38,13 +44,22 @@ const config::Schema<RegistrationConfig>& RegistrationConfig::schema() {
           .real("reg_max_correspondence_distance", &C::max_correspondence_distance, {0.01, 100.0},
                 "m", "Points farther apart are no pair for ICP and GICP.")
           .integer("reg_correspondence_randomness", &C::correspondence_randomness, {5, 1000},
-                   "points", "Neighbours from which GICP takes a point's covariance.")
+                   "points", "Neighbours from which GICP and VGICP take a point's covariance.")
           .integer("reg_max_optimizer_iterations", &C::max_optimizer_iterations, {1, 1000},
                    "iterations", "Inner iterations of GICP.")
+          .choice("neighbor_search", &C::neighbor_search,
+                  {{"DIRECT1", NeighborSearch::kDirect1},
+                   {"DIRECT7", NeighborSearch::kDirect7},
+                   {"KDTREE", NeighborSearch::kKdTree}},
+                  "Voxels in which NDT and VGICP look for a point's partners.")
+          .integer("reg_num_threads", &C::num_threads, {0, 256}, "",
+                   "Upper limit of VGICP's threads; 0 takes all cores. The result does not depend "
+                   "on it.")
           .boolean("reg_use_reciprocal_correspondences", &C::use_reciprocal_correspondences,
                    "ICP pairs only points that are each other's nearest.")
           .real("fitness_score_max_range", &C::fitness_max_range, {0.01, 100.0}, "m",
                 "Points farther from the target count neither in the fitness nor in the overlap.")
+          .alias("reg_nn_search_method", "neighbor_search")
           .alias("NDT/res", "reg_resolution")
           .alias("NDT/step_size", "reg_step_size")
           .alias("NDT/trans_eps", "reg_transformation_epsilon")
@@ -52,7 +67,19 @@ const config::Schema<RegistrationConfig>& RegistrationConfig::schema() {
   return schema;
 }
 
-Method implemented_by(Method method) { return method == Method::kGicpOmp ? Method::kGicp : method; }
+Method implemented_by(Method method) {
+  switch (method) {
+    case Method::kNdtOmp:
+      return Method::kNdt;
+    case Method::kFastGicp:
+    case Method::kFastVgicp:
+      return Method::kVgicp;
+    case Method::kGicpOmp:
+      return Method::kGicp;
+    default:
+      return method;
+  }
+}
 
 std::string method_notice(const RegistrationConfig& config) {
   const Method used = implemented_by(config.method);

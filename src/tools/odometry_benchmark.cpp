@@ -20,6 +20,9 @@ using namespace lidar_mapping;
 using tools::ScanRecord;
 using Json = nlohmann::ordered_json;
 
+/// The name of no method but of the front end of the articles from which this package descends.
+const std::string kArticles = "LIDAR_LOCALIZATION";
+
 struct Options {
   std::string recording;
   std::string method;
@@ -37,11 +40,24 @@ struct Options {
   std::string json;
 };
 
+/// Parameters of the articles (PCL's NDT, window of 20 key frames); their transformation epsilon in
+/// the meaning that it had when they were written: a length in metres, and no limit for the turn.
+config::Source article_parameters() {
+  return config::parse_yaml(
+      "registration_method: PCL_NDT\nlocal_frame_num: 20\nkey_frame_distance: 2.0\n"
+      "frame_filter_resolution: 1.3\nlocal_map_filter_resolution: 0.6\n"
+      "NDT: {res: 1.0, step_size: 0.1, trans_eps: 0.01, max_iter: 30}\n"
+      "reg_rotation_epsilon: 3.14159\n",
+      kArticles);
+}
+
 /// Defaults, then the file, then the method, then single parameters.
 front_end::FrontEndConfig make_config(const Options& options) {
   std::vector<config::Source> sources;
   if (!options.config.empty()) sources.push_back(config::read_yaml_file(options.config));
-  if (!options.method.empty()) {
+  if (options.method == kArticles) {
+    sources.push_back(article_parameters());
+  } else if (!options.method.empty()) {
     sources.push_back(config::parse_yaml("registration_method: " + options.method, "--method"));
   }
   sources.push_back(config::parse_yaml("threads: " + std::to_string(options.threads), "--threads"));
@@ -140,7 +156,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Odometry over recorded scans: time, drift, state"};
   Options options;
   app.add_option("recording", options.recording, "folder with velodyne/NNNNNN.bin")->required();
-  app.add_option("--method", options.method, "registration_method");
+  app.add_option("--method", options.method,
+                 "registration_method, or " + kArticles + " for the scheme of the articles");
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
   app.add_option("--config", options.config, "parameters of the front end, a YAML file");
   app.add_option("--parameter", options.parameters, "one parameter more: 'name: value'");

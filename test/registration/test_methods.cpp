@@ -133,7 +133,8 @@ TEST_P(Methods, GiveTheSameBitsEachTime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Methods,
-                         testing::Values(Method::kPclNdt, Method::kIcp, Method::kGicp),
+                         testing::Values(Method::kNdt, Method::kVgicp, Method::kPclNdt,
+                                         Method::kIcp, Method::kGicp),
                          [](const auto& method) { return to_string(method.param); });
 
 }  // namespace

@@ -25,7 +25,10 @@ TEST(RegistrationConfig, ReadsTheParametersOfHdlGraphSlam) {
       "registration_method: GICP_OMP\nreg_resolution: 0.5\nreg_transformation_epsilon: 0.1\n"
       "reg_maximum_iterations: 20\nreg_max_correspondence_distance: 2\n"
       "reg_correspondence_randomness: 15\nreg_max_optimizer_iterations: 10\n"
-      "reg_use_reciprocal_correspondences: true\n");
+      "reg_use_reciprocal_correspondences: true\nreg_nn_search_method: DIRECT7\n"
+      "reg_num_threads: 2\n");
+  EXPECT_EQ(config.neighbor_search, NeighborSearch::kDirect7);
+  EXPECT_EQ(config.num_threads, 2);
   EXPECT_EQ(config.resolution, 0.5);
   EXPECT_EQ(config.transformation_epsilon, 0.1);
   EXPECT_EQ(config.max_iterations, 20);
@@ -41,6 +44,15 @@ TEST(RegistrationConfig, SaysWhichMethodStandsForAForeignName) {
   EXPECT_EQ(method_notice(config),
             "registration_method GICP_OMP is hdl_graph_slam's; GICP does its work here");
   EXPECT_EQ(method_notice(load_text("registration_method: ICP\n")), "");
+}
+
+TEST(RegistrationConfig, KnowsTheMethodsOfHdlGraphSlam) {
+  for (const auto& [name, method] :
+       {std::pair("NDT_OMP", Method::kNdt), std::pair("FAST_GICP", Method::kVgicp),
+        std::pair("FAST_VGICP", Method::kVgicp), std::pair("GICP_OMP", Method::kGicp)}) {
+    EXPECT_EQ(implemented_by(load_text(std::string("registration_method: ") + name).method),
+              method);
+  }
 }
 
 TEST(RegistrationConfig, RefusesAnUnknownMethod) {

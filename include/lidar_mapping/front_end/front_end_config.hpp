@@ -30,6 +30,8 @@ struct FrontEndConfig {
 
   // The sliding window of the other methods.
   int local_frame_num = 20;
+  double frame_filter_resolution = 1.3;
+  double local_map_filter_resolution = 0.6;
 
   int threads = 1;
 

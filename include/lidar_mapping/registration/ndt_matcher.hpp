@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/registration/gaussian_voxel_map.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
+#include "lidar_mapping/registration/neighbor_search.hpp"
 
 namespace lidar_mapping::registration {
 
@@ -28,12 +29,6 @@ Vector12d difference(const MotionState& a, const MotionState& b);
 struct MotionBelief {
   MotionState state;
   Matrix12d information = Matrix12d::Zero();
-};
-
-enum class NeighborSearch {
-  kDirect1,  ///< the voxel of the point
-  kDirect7,  ///< and the six that share a face with it
-  kKdTree    ///< all voxels whose mean is within one voxel edge, as a radius search would give them
 };
 
 struct NdtOptions {

@@ -3,17 +3,18 @@
 #include <string>
 
 #include "lidar_mapping/config/schema.hpp"
+#include "lidar_mapping/registration/neighbor_search.hpp"
 
 namespace lidar_mapping::registration {
 
 /// Methods that make_registration() knows. The last ones are hdl_graph_slam's names; each stands
 /// for one of the methods above, see implemented_by().
-enum class Method { kPclNdt, kIcp, kGicp, kGicpOmp };
+enum class Method { kNdt, kVgicp, kPclNdt, kIcp, kGicp, kNdtOmp, kFastGicp, kFastVgicp, kGicpOmp };
 
 /// Parameters of scan matching; each is described once, in schema(). All thresholds are lengths in
 /// metres and angles in radians, whatever the method's library makes of them.
 struct RegistrationConfig {
-  Method method = Method::kPclNdt;
+  Method method = Method::kNdt;
   double resolution = 1.0;                ///< edge of a voxel of the target, m
   double step_size = 0.1;                 ///< longest step of the line search, m
   double transformation_epsilon = 0.001;  ///< a shorter step ends the search, m
@@ -22,6 +23,8 @@ struct RegistrationConfig {
   double max_correspondence_distance = 2.5;  ///< m
   int correspondence_randomness = 20;        ///< neighbours per covariance
   int max_optimizer_iterations = 20;
+  NeighborSearch neighbor_search = NeighborSearch::kDirect1;
+  int num_threads = 1;
   bool use_reciprocal_correspondences = false;
   double fitness_max_range = 1.0;  ///< m
 

@@ -1,0 +1,283 @@
+#include "lidar_mapping/front_end/sliding_window_tracker.hpp"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/key_frame_rule.hpp"
+#include "lidar_mapping/front_end/key_frame_window.hpp"
+#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/registration/registration.hpp"
+
+namespace lidar_mapping::front_end {
+
+namespace {
+
+using registration::RegistrationResult;
+
+// Shares of the scan that must lie on the map.
+constexpr double kTrackedInliers = 0.5;
+constexpr double kLostInliers = 0.3;
+// Smallest eigenvalue of the Hessian's translation part / trace, below which nothing is observed.
+constexpr double kDegenerateShare = 0.0015;
+// Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.
+constexpr double kUsualSpeed = 35.0;  // m/s
+constexpr double kStartStep = 1.0;    // m
+// Of a pose that was predicted, not measured.
+constexpr double kLostSigma = 1.0;       // m
+constexpr double kLostAngleSigma = 0.1;  // rad
+
+/// The constant twist that leads from a to b; inverse of moved().
+Vector6d twist_between(const Pose& a, const Pose& b, double seconds) {
+  const Pose step = a.inverse() * b;
+  Vector6d turn = Vector6d::Zero();
+  turn.tail<3>() = log_so3(step.rotation);
+  Eigen::Matrix3d J;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector6d unit = turn;
+    unit[axis] = 1.0;
+    J.col(axis) = moved(Pose::Identity(), unit, 1.0).translation;
+  }
+  Vector6d twist = turn;
+  twist.head<3>() = J.inverse() * step.translation;
+  return twist / seconds;
+}
+
+/// Axes of base_link along which the match says nothing about the position.
+std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& hessian) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(hessian.topLeftCorner<3, 3>());
+  const double trace = solver.eigenvalues().sum();
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < 3; ++i) {
+    if (solver.eigenvalues()[i] < kDegenerateShare * trace) {
+      directions.push_back(solver.eigenvectors().col(i));
+    }
+  }
+  return directions;
+}
+
+/// The match, but for the directions that it did not observe: there the prediction stays.
+Pose held_back(const Pose& predicted, const Pose& matched,
+               const std::vector<Eigen::Vector3d>& directions) {
+  Vector6d correction = difference(matched, predicted);
+  Vector6d kept = Vector6d::Zero();
+  for (const Eigen::Vector3d& direction : directions) {
+    kept.head<3>() += direction * direction.dot(correction.head<3>());
+  }
+  return perturbed(matched, kept);
+}
+
+Covariance6 covariance_of(const Matrix6d& hessian) {
+  // A little information, so that directions that were not observed stay finite.
+  const Matrix6d prior = diagonal_covariance(kLostSigma, kLostAngleSigma).inverse();
+  return (hessian + prior).inverse();
+}
+
+class Stopwatch {
+ public:
+  /// Seconds since the last call.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> passed = now - last_;
+    last_ = now;
+    return passed.count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+class SlidingWindowTracker::Impl {
+ public:
+  explicit Impl(const FrontEndConfig& config)
+      : config_(config),
+        rule_{config.key_frame_distance, config.key_frame_angle, 0.0},
+        registration_(registration::make_registration(config.registration)),
+        window_(static_cast<std::size_t>(config.local_frame_num),
+                config.local_map_filter_resolution) {}
+
+  TrackedScan track(const Scan& scan, const MotionPrior& prior) {
+    if (window_.empty()) return begin(scan, prior);
+    Stopwatch stopwatch;
+    const double seconds = to_seconds(scan.stamp - stamp_);
+    predict_twist(prior);
+    const Pose predicted = moved(T_odom_base_, twist_, seconds);
+    const PointCloud cloud = deskewed(scan.cloud, twist_);
+    const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
+    const double sampling = stopwatch.lap();
+    const Match match = find(sample, predicted, seconds);
+    const double matching = stopwatch.lap();
+
+    TrackedScan tracked = judge(match, predicted, seconds);
+    follow(tracked, scan.stamp);
+    if (lost_for(scan.stamp) > config_.max_lost_time) {
+      window_.clear();
+      tracked.new_segment = true;
+    }
+    if (key_frame_due(tracked)) keep(cloud);
+    tracked.twist = twist_;
+    tracked.status.step_seconds = {
+        {"sampling", sampling}, {"matching", matching}, {"insertion", stopwatch.lap()}};
+    tracked.status.seconds = total(tracked.status.step_seconds);
+    return tracked;
+  }
+
+  void restart(const Pose& T_odom_base) {
+    window_.clear();
+    T_odom_base_ = T_odom_base;
+    twist_.setZero();
+  }
+
+  PointCloud local_map() const { return window_.joint_cloud(Pose::Identity()); }
+
+ private:
+  /// T_odom_base from one of several starts.
+  struct Match {
+    RegistrationResult result;
+    bool rescued = false;
+  };
+
+  TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
+    if (prior.T_odom_base_initial) T_odom_base_ = *prior.T_odom_base_initial;
+    predict_twist(prior);
+    speed_known_ = prior.linear_velocity.has_value();
+    stamp_ = tracked_stamp_ = scan.stamp;
+    keep(deskewed(scan.cloud, twist_));
+    TrackedScan tracked;
+    tracked.T_odom_base = T_odom_base_;
+    tracked.covariance = diagonal_covariance(1e-4, 1e-5);
+    tracked.twist = twist_;
+    tracked.status.converged = true;
+    tracked.status.inlier_fraction = tracked.status.overlap = 1.0;
+    return tracked;
+  }
+
+  void predict_twist(const MotionPrior& prior) {
+    if (prior.linear_velocity) twist_.head<3>() = *prior.linear_velocity;
+    if (prior.angular_velocity) twist_.tail<3>() = *prior.angular_velocity;
+  }
+
+  Match find(const PointCloud& sample, const Pose& predicted, double seconds) {
+    Match match{align(sample, predicted), false};
+    if (speed_known_ && match.result.inlier_fraction >= kLostInliers) return match;
+    for (const Pose& start : other_starts(seconds)) {
+      const RegistrationResult result = align(sample, start);
+      if (result.inlier_fraction <= match.result.inlier_fraction) continue;
+      match = {result, true};
+    }
+    return match;
+  }
+
+  /// Rest, and where nothing is known of the speed, motion forward.
+  std::vector<Pose> other_starts(double seconds) const {
+    std::vector<Pose> starts = {T_odom_base_};
+    if (speed_known_) return starts;
+    for (double way = kStartStep; way < kUsualSpeed * seconds; way += kStartStep) {
+      starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {way, 0.0, 0.0}});
+    }
+    return starts;
+  }
+
+  RegistrationResult align(const PointCloud& sample, const Pose& T_odom_base_start) {
+    RegistrationResult result =
+        registration_->align(sample, T_odom_map_.inverse() * T_odom_base_start);
+    result.T_target_source = T_odom_map_ * result.T_target_source;
+    return result;
+  }
+
+  TrackedScan judge(const Match& match, const Pose& predicted, double seconds) const {
+    const RegistrationResult& result = match.result;
+    TrackedScan tracked;
+    tracked.status.converged = result.converged;
+    tracked.status.iterations = result.iterations;
+    tracked.status.fitness = result.fitness;
+    tracked.status.inlier_fraction = result.inlier_fraction;
+    tracked.status.overlap = result.overlap;
+    tracked.status.rescued = match.rescued;
+    const double way = (result.T_target_source.translation - T_odom_base_.translation).norm();
+    if (result.inlier_fraction < kLostInliers || way > config_.max_speed * seconds) {
+      tracked.status.state = TrackingState::kLost;
+      tracked.T_odom_base = predicted;
+      tracked.covariance = diagonal_covariance(kLostSigma, kLostAngleSigma);
+      return tracked;
+    }
+    tracked.status.degenerate_directions = degenerate_directions(result.hessian);
+    tracked.T_odom_base =
+        held_back(predicted, result.T_target_source, tracked.status.degenerate_directions);
+    tracked.covariance = covariance_of(result.hessian);
+    if (result.inlier_fraction < kTrackedInliers) {
+      tracked.status.state = TrackingState::kDegraded;
+    } else if (!tracked.status.degenerate_directions.empty()) {
+      tracked.status.state = TrackingState::kDegenerate;
+    }
+    return tracked;
+  }
+
+  /// Takes the pose over; the velocity only from poses that were measured.
+  void follow(const TrackedScan& tracked, Stamp stamp) {
+    if (tracked.status.state != TrackingState::kLost) {
+      twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
+      speed_known_ = true;
+      tracked_stamp_ = stamp;
+    }
+    T_odom_base_ = tracked.T_odom_base;
+    stamp_ = stamp;
+  }
+
+  double lost_for(Stamp now) const { return to_seconds(now - tracked_stamp_); }
+
+  bool key_frame_due(const TrackedScan& tracked) const {
+    if (window_.empty()) return true;
+    if (tracked.status.state == TrackingState::kLost ||
+        tracked.status.state == TrackingState::kDegraded) {
+      return false;
+    }
+    return rule_.reached(window_.newest_pose().inverse() * tracked.T_odom_base, 0);
+  }
+
+  /// The target is relative to the newest key frame: floats lose nothing far from the start.
+  void keep(PointCloud cloud) {
+    tracked_stamp_ = stamp_;
+    window_.push(T_odom_base_, std::move(cloud));
+    T_odom_map_ = T_odom_base_;
+    registration_->set_target(window_.joint_cloud(T_odom_map_.inverse()));
+  }
+
+  static double total(const std::vector<std::pair<std::string, double>>& steps) {
+    double sum = 0.0;
+    for (const auto& step : steps) sum += step.second;
+    return sum;
+  }
+
+  FrontEndConfig config_;
+  KeyFrameRule rule_;
+  std::unique_ptr<registration::Registration> registration_;
+  KeyFrameWindow window_;
+  Pose T_odom_map_;   ///< frame of the registration's target
+  Pose T_odom_base_;  ///< of the last scan
+  Vector6d twist_ = Vector6d::Zero();
+  Stamp stamp_ = 0;
+  Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
+  bool speed_known_ = false;
+};
+
+SlidingWindowTracker::SlidingWindowTracker(const FrontEndConfig& config)
+    : impl_(std::make_unique<Impl>(config)) {}
+SlidingWindowTracker::~SlidingWindowTracker() = default;
+
+TrackedScan SlidingWindowTracker::track(const Scan& scan, const MotionPrior& prior) {
+  return impl_->track(scan, prior);
+}
+
+void SlidingWindowTracker::restart(const Pose& T_odom_base) { impl_->restart(T_odom_base); }
+
+PointCloud SlidingWindowTracker::local_map() const { return impl_->local_map(); }
+
+}  // namespace lidar_mapping::front_end
