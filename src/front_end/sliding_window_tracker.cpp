@@ -21,8 +21,8 @@ namespace {
 using registration::RegistrationResult;
 
 // Shares of the scan that must lie on the map.
-constexpr double kTrackedInliers = 0.5;
-constexpr double kLostInliers = 0.3;
+constexpr double kTrackedInliers = 0.35;
+constexpr double kLostInliers = 0.2;
 // Smallest eigenvalue of the Hessian's translation part / trace, below which nothing is observed.
 constexpr double kDegenerateShare = 0.0015;
 // Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.

@@ -18,8 +18,11 @@ constexpr int kPlanePoints = 8;
 // A ring of the sensor that crosses a surface is a line: it says nothing about the surface.
 constexpr double kLeastBreadth = 0.05;      // second axis / first axis, of variances
 constexpr double kGreatestThickness = 0.1;  // third axis / second axis, of variances
-constexpr double kInlierShare = 0.2;        // of max_range
-constexpr double kLeastSigma = 0.01;        // m: no scanner of this class is better
+// Shares of max_range up to which a distance is believed: to a surface, and to a point where the
+// target is too sparse for a surface.
+constexpr double kSurfaceShare = 0.2;
+constexpr double kPointShare = 0.5;
+constexpr double kLeastSigma = 0.01;  // m: no scanner of this class is better
 
 /// Distance of a point to the target's plane, and its derivative by the pose's perturbation.
 struct Residual {
@@ -86,9 +89,9 @@ class Matcher {
   std::vector<float> squared_distances_;
 };
 
-/// Distance to the surface where there is one, else to the point.
-double distance_of(const Match& match) {
-  return match.residual ? std::abs(match.residual->value) : std::sqrt(match.squared_distance);
+bool is_believed(const Match& match, double max_range) {
+  if (match.residual) return std::abs(match.residual->value) < kSurfaceShare * max_range;
+  return std::sqrt(match.squared_distance) < kPointShare * max_range;
 }
 
 }  // namespace
@@ -122,7 +125,7 @@ Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud&
     if (!match) continue;
     paired += 1.0;
     fit.fitness += match->squared_distance;
-    if (distance_of(*match) < kInlierShare * max_range) believed += 1.0;
+    if (is_believed(*match, max_range)) believed += 1.0;
     if (match->residual) residuals.push_back(*match->residual);
   }
   if (paired == 0.0) return fit;
