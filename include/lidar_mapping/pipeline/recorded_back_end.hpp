@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// What came of an optimisation.
+struct AppliedSolution {
+  KeyFramePoses poses;
+  /// Of the loops of which the graph thinks otherwise than before.
+  std::vector<LoopVerdict> verdicts;
+};
+
+/// A back end whose every input and result is kept in a session: what an add_ function returned
+/// from survives the process. A session that has content already is gone on with: its data are put
+/// into the graph again and solved, so that poses, loops and indices are there as before. Key
+/// frames and measurements are written first; where that throws FileError the graph is as it was.
+/// One thread calls it.
+class RecordedBackEnd {
+ public:
+  RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config);
+
+  void add_key_frame(const KeyFrame& key_frame);
+  /// False (and nothing is changed) if an index is unknown or both are the same.
+  bool add_loop(const Loop& loop);
+  void add_gnss(const GnssPosition& position);
+  void add_imu(const ImuSample& sample_base);
+  void add_floor(const Floor& floor);
+
+  bool optimization_due() const { return back_end_.optimization_due(); }
+  std::shared_ptr<const back_end::OptimizationProblem> problem(bool thorough) const {
+    return back_end_.problem(thorough);
+  }
+  AppliedSolution apply(const back_end::OptimizationSolution& solution, double seconds);
+
+  /// Revisions count on over the whole session.
+  KeyFramePoses poses() const;
+  Pose T_map_odom() const { return back_end_.T_map_odom(); }
+  /// The graph's present opinion of every loop.
+  std::vector<LoopVerdict> verdicts() const;
+
+  /// For what the graph does not need: verdicts of loop closing, scans, datum, configuration.
+  session::Session& session() { return session_; }
+  const session::Session& session() const { return session_; }
+
+  /// Brings trajectory/, loops.csv and graph.g2o up to date. Throws FileError.
+  void write_files() const;
+
+ private:
+  void go_on();
+
+  session::Session session_;
+  back_end::BackEnd back_end_;
+  std::uint32_t first_revision_ = 0;
+  std::vector<Verdict> opinions_;  ///< of the graph, loop by loop
+};
+
+/// Puts key frames, their measurements and loops of a session into a back end.
+void replay(const session::Session& session, back_end::BackEnd& back_end);
+
+/// Writes trajectory/, loops.csv and graph.g2o of a session, with these poses, to `directory`.
+void write_results(const session::Session& session, const back_end::BackEnd& back_end,
+                   const KeyFramePoses& poses, const std::filesystem::path& directory);
+
+}  // namespace lidar_mapping::pipeline

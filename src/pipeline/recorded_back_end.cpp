@@ -1,0 +1,143 @@
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+
+#include <set>
+
+#include "lidar_mapping/session/trajectory_files.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+session::RevisionRecord record_of(const back_end::OptimizationReport& report,
+                                  std::uint32_t revision, double seconds) {
+  session::RevisionRecord record;
+  record.revision = revision;
+  record.key_frames = report.key_frames;
+  record.loops_used = report.loops_used;
+  record.loops_refused = report.loops_refused;
+  record.gnss_used = report.gnss_used;
+  record.gnss_refused = report.gnss_refused;
+  record.cost_before = report.cost_before;
+  record.cost_after = report.cost_after;
+  record.seconds = seconds;
+  return record;
+}
+
+LoopVerdict verdict_on(const Loop& loop, bool used) {
+  LoopVerdict verdict;
+  verdict.from = loop.from;
+  verdict.to = loop.to;
+  verdict.stamp = loop.stamp;
+  verdict.source = loop.source;
+  verdict.verdict = used ? Verdict::kAccepted : Verdict::kRefused;
+  verdict.reason = used ? "the graph agrees with it"
+                        : "the graph leaves it out: it contradicts the other constraints";
+  verdict.fitness = loop.fitness;
+  verdict.overlap = loop.overlap;
+  return verdict;
+}
+
+}  // namespace
+
+RecordedBackEnd::RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config)
+    : session_(std::move(session)), back_end_(config) {
+  if (session_.key_frame_count() > 0) go_on();
+}
+
+void RecordedBackEnd::go_on() {
+  replay(session_, back_end_);
+  back_end_.apply(*back_end::solve(*back_end_.problem(true)));
+  first_revision_ = session_.poses().revision;
+  for (const auto& [loop, used] : back_end_.loops()) {
+    opinions_.push_back(used ? Verdict::kAccepted : Verdict::kRefused);
+  }
+}
+
+void RecordedBackEnd::add_key_frame(const KeyFrame& key_frame) {
+  session_.add_key_frame(key_frame);
+  KeyFrame without_cloud = key_frame;
+  without_cloud.cloud = nullptr;
+  back_end_.add_key_frame(without_cloud);
+}
+
+bool RecordedBackEnd::add_loop(const Loop& loop) {
+  if (!back_end_.add_loop(loop)) return false;
+  session_.add_loop(loop);
+  return true;
+}
+
+void RecordedBackEnd::add_gnss(const GnssPosition& position) {
+  session_.add_gnss(position);
+  back_end_.add_gnss(position);
+}
+
+void RecordedBackEnd::add_imu(const ImuSample& sample_base) {
+  session_.add_imu(sample_base);
+  back_end_.add_imu(sample_base);
+}
+
+void RecordedBackEnd::add_floor(const Floor& floor) {
+  session_.add_floor(floor);
+  back_end_.add_floor(floor);
+}
+
+AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& solution,
+                                       double seconds) {
+  back_end_.apply(solution);
+  AppliedSolution applied;
+  applied.poses = poses();
+  session_.set_poses(applied.poses,
+                     record_of(back_end::report_of(solution), applied.poses.revision, seconds));
+  const std::vector<LoopVerdict> all = verdicts();
+  opinions_.resize(all.size(), Verdict::kUndecided);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].verdict == opinions_[i]) continue;
+    opinions_[i] = all[i].verdict;
+    session_.add_verdict(all[i]);
+    applied.verdicts.push_back(all[i]);
+  }
+  return applied;
+}
+
+KeyFramePoses RecordedBackEnd::poses() const {
+  KeyFramePoses poses = back_end_.poses();
+  poses.revision += first_revision_;
+  return poses;
+}
+
+std::vector<LoopVerdict> RecordedBackEnd::verdicts() const {
+  std::vector<LoopVerdict> verdicts;
+  for (const auto& [loop, used] : back_end_.loops()) verdicts.push_back(verdict_on(loop, used));
+  return verdicts;
+}
+
+void RecordedBackEnd::write_files() const {
+  write_results(session_, back_end_, poses(), session_.directory());
+}
+
+void replay(const session::Session& session, back_end::BackEnd& back_end) {
+  std::set<Stamp> stamps;
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    back_end.add_key_frame(key_frame);
+    stamps.insert(key_frame.stamp);
+  }
+  const auto belongs = [&](const auto& value) { return stamps.count(value.stamp) > 0; };
+  for (const GnssPosition& position : session.gnss()) {
+    if (belongs(position)) back_end.add_gnss(position);
+  }
+  for (const ImuSample& sample : session.imu()) {
+    if (belongs(sample)) back_end.add_imu(sample);
+  }
+  for (const Floor& floor : session.floors()) {
+    if (belongs(floor)) back_end.add_floor(floor);
+  }
+  for (const Loop& loop : session.loops()) back_end.add_loop(loop);
+}
+
+void write_results(const session::Session& session, const back_end::BackEnd&,
+                   const KeyFramePoses& poses, const std::filesystem::path& directory) {
+  session::write_trajectories(session, poses, directory / "trajectory");
+  session::write_loops_csv(session, directory / "loops.csv");
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::pipeline {
+namespace {
+
+using session::Session;
+using test::TemporaryFolder;
+
+constexpr KeyFrameIndex kKeyFrames = 60;
+constexpr double kStep = 2.0;
+
+/// Round a circle, so that the last key frame is where the first was.
+Pose true_pose(KeyFrameIndex index) {
+  const double angle = 2.0 * M_PI * index / (kKeyFrames - 1);
+  const double radius = kStep * (kKeyFrames - 1) / (2.0 * M_PI);
+  return {exp_so3({0.0, 0.0, angle}),
+          {radius * std::sin(angle), radius * (1.0 - std::cos(angle)), 0.0}};
+}
+
+/// Odometry that turns a little too much.
+KeyFrame drifting_key_frame(KeyFrameIndex index) {
+  KeyFrame key_frame;
+  key_frame.index = index;
+  key_frame.stamp = 1'000'000'000 + Stamp{index} * 200'000'000;
+  key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
+  Pose pose;
+  for (KeyFrameIndex i = 1; i <= index; ++i) {
+    const Pose motion = true_pose(i - 1).inverse() * true_pose(i);
+    pose = pose * motion * Pose{exp_so3({0.0, 0.0, 0.0004}), Eigen::Vector3d::Zero()};
+  }
+  key_frame.T_odom_base = pose;
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->points = {{1.0F, 2.0F, 3.0F, 4.0F}};
+  key_frame.cloud = cloud;
+  return key_frame;
+}
+
+Loop closing_loop() {
+  Loop loop;
+  loop.from = 0;
+  loop.to = kKeyFrames - 1;
+  loop.stamp = drifting_key_frame(loop.to).stamp;
+  loop.T_from_to = true_pose(loop.from).inverse() * true_pose(loop.to);
+  loop.covariance = diagonal_covariance(0.02, 0.002);
+  loop.overlap = 0.9;
+  return loop;
+}
+
+void drive(RecordedBackEnd& back_end, KeyFrameIndex begin, KeyFrameIndex end) {
+  for (KeyFrameIndex index = begin; index < end; ++index) {
+    back_end.add_key_frame(drifting_key_frame(index));
+  }
+}
+
+AppliedSolution optimize(RecordedBackEnd& back_end) {
+  return back_end.apply(*back_end::solve(*back_end.problem(true)), 0.5);
+}
+
+Session reopened(const TemporaryFolder& folder) {
+  return Session::open(folder.path(), Session::Access::kWrite);
+}
+
+TEST(RecordedBackEnd, KeepsWhatTheOptimisationDid) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  ASSERT_TRUE(back_end.add_loop(closing_loop()));
+  const AppliedSolution applied = optimize(back_end);
+  EXPECT_LT(applied.poses.poses.back().T_map_base.translation.norm(), 0.1);
+  ASSERT_EQ(applied.verdicts.size(), 1U);
+  EXPECT_EQ(applied.verdicts[0].verdict, Verdict::kAccepted);
+  EXPECT_EQ(back_end.session().poses().revision, applied.poses.revision);
+  EXPECT_EQ(back_end.session().revisions().back().loops_used, 1U);
+  EXPECT_TRUE(optimize(back_end).verdicts.empty()) << "an opinion is said once";
+}
+
+// F54: indices that the graph does not know leave session and graph as they were.
+TEST(RecordedBackEnd, RefusesLoopsWithUnknownOrEqualIndices) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, 5);
+  Loop loop = closing_loop();
+  EXPECT_FALSE(back_end.add_loop(loop));
+  loop.to = loop.from;
+  EXPECT_FALSE(back_end.add_loop(loop));
+  EXPECT_TRUE(back_end.session().loops().empty());
+}
+
+// F62: save, load, continue equals the run that was not interrupted.
+TEST(RecordedBackEnd, GoesOnWithASessionAsIfNothingHadHappened) {
+  const TemporaryFolder undisturbed_folder;
+  RecordedBackEnd undisturbed(Session::create_in(undisturbed_folder.path()), {});
+  drive(undisturbed, 0, kKeyFrames);
+  undisturbed.add_loop(closing_loop());
+  const KeyFramePoses expected = optimize(undisturbed).poses;
+
+  const TemporaryFolder folder;
+  std::uint32_t revision = 0;
+  {
+    RecordedBackEnd first(Session::create_in(folder.path()), {});
+    drive(first, 0, 30);
+    revision = optimize(first).poses.revision;
+  }
+  RecordedBackEnd second(reopened(folder), {});
+  EXPECT_EQ(second.poses().poses.size(), 30U);
+  drive(second, 30, kKeyFrames);
+  second.add_loop(closing_loop());
+  const KeyFramePoses poses = optimize(second).poses;
+  EXPECT_GT(poses.revision, revision) << "revisions count on";
+  EXPECT_EQ(second.session().poses().revision, poses.revision);
+  ASSERT_EQ(poses.poses.size(), expected.poses.size());
+  for (std::size_t i = 0; i < poses.poses.size(); ++i) {
+    const Vector6d d = difference(expected.poses[i].T_map_base, poses.poses[i].T_map_base);
+    EXPECT_LT(d.head<3>().norm(), 0.02) << "key frame " << i;
+  }
+}
+
+TEST(RecordedBackEnd, KnowsLoopsAgainAfterARestart) {
+  const TemporaryFolder folder;
+  {
+    RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+    drive(back_end, 0, kKeyFrames);
+    back_end.add_loop(closing_loop());
+  }
+  RecordedBackEnd back_end(reopened(folder), {});
+  ASSERT_EQ(back_end.verdicts().size(), 1U);
+  EXPECT_EQ(back_end.verdicts()[0].verdict, Verdict::kAccepted);
+  EXPECT_LT(back_end.poses().poses.back().T_map_base.translation.norm(), 0.1);
+  EXPECT_THROW(back_end.add_key_frame(drifting_key_frame(3)), InputError);
+}
+
+TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, kKeyFrames);
+  back_end.add_loop(closing_loop());
+  optimize(back_end);
+  back_end.write_files();
+  for (const char* name : {"trajectory/optimized.txt", "trajectory/laser_odom.tum", "loops.csv"}) {
+    EXPECT_GT(std::filesystem::file_size(folder.path() / name), 100U) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline
