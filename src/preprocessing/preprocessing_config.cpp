@@ -30,6 +30,13 @@ void add_time(Schema& schema) {
                {"NONE", PointTimes::kNone}},
               "Point times from the cloud's field, derived from the azimuth, or none because the "
               "scans are motion-compensated already.")
+      .choice("point_time_unit", &Config::point_time_unit,
+              {{"AUTO", PointTimeUnit::kAuto},
+               {"S", PointTimeUnit::kSeconds},
+               {"MS", PointTimeUnit::kMilliseconds},
+               {"US", PointTimeUnit::kMicroseconds},
+               {"NS", PointTimeUnit::kNanoseconds}},
+              "Unit of the times in the cloud's field; AUTO takes the one that fits scan_period.")
       .choice("scan_direction", &Config::scan_direction,
               {{"CLOCKWISE", ScanDirection::kClockwise},
                {"COUNTERCLOCKWISE", ScanDirection::kCounterclockwise}},

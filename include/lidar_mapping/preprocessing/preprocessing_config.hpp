@@ -13,6 +13,8 @@ enum class PointTimes {
   kAzimuth,  ///< from the direction of the point, for scans that were recorded without times
   kNone      ///< the scan is compensated already, whatever its fields say
 };
+/// Unit of the times in a cloud's field.
+enum class PointTimeUnit { kAuto, kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 enum class ScanDirection { kClockwise, kCounterclockwise };
 /// The instant of a scan that the stamp of its message names.
 enum class ScanStamp { kStart, kMiddle, kEnd };
@@ -37,6 +39,7 @@ struct PreprocessingConfig {
   ScanStamp scan_stamp = ScanStamp::kStart;
   double scan_period = 0.1;
   PointTimes point_times = PointTimes::kField;
+  PointTimeUnit point_time_unit = PointTimeUnit::kAuto;
   ScanDirection scan_direction = ScanDirection::kClockwise;
   double scan_start_azimuth_deg = 180.0;
   double max_latency = 0.3;

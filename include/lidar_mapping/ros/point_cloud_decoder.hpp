@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// What was found in a cloud, for people.
+struct CloudFormat {
+  std::string fields;           ///< "x y z intensity ring time", in the message's order
+  std::string intensity_field;  ///< empty if there is none
+  std::string time_field;       ///< empty if there is none
+  std::string time_unit;        ///< "s", "ms", "us", "ns"
+  bool absolute_times = false;  ///< times of the clock of the stamps
+  bool foreign_clock = false;   ///< absolute by another clock: counted from the first point
+  double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
+  double last_time = 0.0;
+};
+
+struct DecodedCloud {
+  preprocessing::RawScan scan;
+  CloudFormat format;
+};
+
+/// A PointCloud2 of any driver: x y z as FLOAT32 or FLOAT64, intensity from `intensity`, `i` or
+/// `reflectivity`, times from `time`, `t`, `timestamp`, `time_stamp`, `offset_time` or
+/// `time_offset` of any number type, in the unit that fits the scan's period (or point_time_unit),
+/// relative or absolute. Points are taken as they are, in their order, also those that are not
+/// finite. Throws InputError for big-endian data, missing coordinates, fields outside of the point
+/// and data that are shorter than the header says.
+DecodedCloud decode(const sensor_msgs::PointCloud2& message,
+                    const preprocessing::PreprocessingConfig& config);
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,301 @@
+#include "lidar_mapping/ros/point_cloud_decoder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using preprocessing::PointTimeUnit;
+using sensor_msgs::PointCloud2;
+using sensor_msgs::PointField;
+
+const std::array<const char*, 3> kIntensityNames = {"intensity", "i", "reflectivity"};
+const std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
+                                               "time_stamp", "offset_time", "time_offset"};
+
+/// A scan whose times span less or more of its period than this has them in another unit.
+constexpr double kShortestShare = 0.1;
+constexpr double kLongestShare = 2.5;
+/// Absolute times lie this near to the stamp.
+constexpr double kSameClock = 2.0;  // s
+
+struct Unit {
+  const char* name;
+  double seconds;
+};
+constexpr std::array<Unit, 4> kUnits = {{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+
+std::size_t size_of(std::uint8_t datatype) {
+  switch (datatype) {
+    case PointField::INT8:
+    case PointField::UINT8:
+      return 1;
+    case PointField::INT16:
+    case PointField::UINT16:
+      return 2;
+    case PointField::INT32:
+    case PointField::UINT32:
+    case PointField::FLOAT32:
+      return 4;
+    case PointField::FLOAT64:
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+void check_field(const PointCloud2& message, const PointField& field) {
+  const std::size_t size = size_of(field.datatype);
+  if (size == 0) {
+    throw InputError("cloud: field '" + field.name + "' has the unknown datatype " +
+                     std::to_string(field.datatype));
+  }
+  if (field.offset > message.point_step || size > message.point_step - field.offset) {
+    throw InputError("cloud: field '" + field.name + "' lies outside of the point of " +
+                     std::to_string(message.point_step) + " bytes");
+  }
+}
+
+const PointField* find(const PointCloud2& message, const std::string& name) {
+  for (const PointField& field : message.fields) {
+    if (field.name != name) continue;
+    check_field(message, field);
+    return &field;
+  }
+  return nullptr;
+}
+
+template <std::size_t count>
+const PointField* find_any(const PointCloud2& message,
+                           const std::array<const char*, count>& names) {
+  for (const char* name : names) {
+    if (const PointField* field = find(message, name)) return field;
+  }
+  return nullptr;
+}
+
+const PointField& coordinate(const PointCloud2& message, const std::string& name) {
+  const PointField* field = find(message, name);
+  if (field == nullptr) {
+    throw InputError("cloud: no field '" + name + "'; the driver must publish x, y and z");
+  }
+  if (field->datatype != PointField::FLOAT32 && field->datatype != PointField::FLOAT64) {
+    throw InputError("cloud: field '" + name + "' is no FLOAT32 or FLOAT64");
+  }
+  return *field;
+}
+
+/// Sizes are compared by division, so that no product of theirs overflows.
+void check_size(const PointCloud2& message) {
+  if (message.is_bigendian) {
+    throw InputError("cloud: big-endian data; the driver must publish little-endian ones");
+  }
+  const std::size_t bytes = message.data.size();
+  const bool fits = message.point_step > 0 && message.width <= bytes / message.point_step;
+  const std::size_t row = fits ? std::size_t{message.width} * message.point_step : 0;
+  const bool rows_fit =
+      message.height <= 1 || (message.row_step >= row && message.row_step > 0 &&
+                              message.height - 1 <= (bytes - row) / message.row_step);
+  if (fits && rows_fit) return;
+  throw InputError("cloud: " + std::to_string(bytes) + " bytes of data are fewer than " +
+                   std::to_string(message.height) + " x " + std::to_string(message.width) +
+                   " points need; the message was cut off");
+}
+
+/// Calls body(address, index) for every point.
+template <typename Body>
+void for_each_point(const PointCloud2& message, const Body& body) {
+  std::size_t index = 0;
+  for (std::size_t row = 0; row < message.height; ++row) {
+    const std::uint8_t* in = message.data.data() + row * message.row_step;
+    for (std::size_t column = 0; column < message.width; ++column, in += message.point_step) {
+      body(in, index++);
+    }
+  }
+}
+
+template <typename Number>
+Number read(const std::uint8_t* address) {
+  Number value;
+  std::memcpy(&value, address, sizeof value);
+  return value;
+}
+
+/// Calls body(read) with the function that reads numbers of this type.
+template <typename Body>
+void with_reader(std::uint8_t datatype, const Body& body) {
+  switch (datatype) {
+    case PointField::INT8:
+      return body(&read<std::int8_t>);
+    case PointField::UINT8:
+      return body(&read<std::uint8_t>);
+    case PointField::INT16:
+      return body(&read<std::int16_t>);
+    case PointField::UINT16:
+      return body(&read<std::uint16_t>);
+    case PointField::INT32:
+      return body(&read<std::int32_t>);
+    case PointField::UINT32:
+      return body(&read<std::uint32_t>);
+    case PointField::FLOAT32:
+      return body([](const std::uint8_t* address) { return read<float>(address); });
+    default:
+      return body(&read<double>);
+  }
+}
+
+/// The layout of nearly all drivers, for which a point is two copies.
+bool is_packed(const PointField& x, const PointField& y, const PointField& z) {
+  return x.datatype == PointField::FLOAT32 && y.datatype == PointField::FLOAT32 &&
+         z.datatype == PointField::FLOAT32 && y.offset == x.offset + 4 && z.offset == x.offset + 8;
+}
+
+void read_coordinates(const PointCloud2& message, std::vector<Point>& points) {
+  const PointField& x = coordinate(message, "x");
+  const PointField& y = coordinate(message, "y");
+  const PointField& z = coordinate(message, "z");
+  if (is_packed(x, y, z)) {
+    for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
+      std::array<float, 3> position;
+      std::memcpy(position.data(), in + x.offset, sizeof position);
+      points[i] = {position[0], position[1], position[2], 0.0F};
+    });
+    return;
+  }
+  const auto read_axis = [&](const PointField& field, float Point::*axis) {
+    with_reader(field.datatype, [&](const auto& number) {
+      for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
+        points[i].*axis = static_cast<float>(number(in + field.offset));
+      });
+    });
+  };
+  read_axis(x, &Point::x);
+  read_axis(y, &Point::y);
+  read_axis(z, &Point::z);
+}
+
+void read_intensity(const PointCloud2& message, const PointField& field,
+                    std::vector<Point>& points) {
+  with_reader(field.datatype, [&](const auto& number) {
+    for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
+      points[i].intensity = static_cast<float>(number(in + field.offset));
+    });
+  });
+}
+
+/// Smallest and largest finite value of a field, as it is written.
+struct Bounds {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+};
+
+Bounds bounds_of(const PointCloud2& message, const PointField& field) {
+  Bounds bounds;
+  with_reader(field.datatype, [&](const auto& number) {
+    for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
+      const auto value = static_cast<double>(number(in + field.offset));
+      if (!std::isfinite(value)) return;
+      bounds.min = value < bounds.min ? value : bounds.min;
+      bounds.max = value > bounds.max ? value : bounds.max;
+    });
+  });
+  return bounds;
+}
+
+std::optional<Unit> configured_unit(PointTimeUnit unit) {
+  if (unit == PointTimeUnit::kAuto) return std::nullopt;
+  return kUnits[static_cast<std::size_t>(unit) - 1];
+}
+
+/// The unit in which the times span about a turn; where none does, the usual one of the type.
+Unit unit_of(const PointField& field, const Bounds& bounds,
+             const preprocessing::PreprocessingConfig& config) {
+  if (const auto unit = configured_unit(config.point_time_unit)) return *unit;
+  for (const Unit& unit : kUnits) {
+    const double share = (bounds.max - bounds.min) * unit.seconds / config.scan_period;
+    if (share > kShortestShare && share < kLongestShare) return unit;
+  }
+  const bool counts = size_of(field.datatype) == 4 && field.datatype != PointField::FLOAT32;
+  return counts ? kUnits[3] : kUnits[0];
+}
+
+/// Differences from a time near to them, so that absolute nanoseconds keep their digits.
+void read_times(const PointCloud2& message, const PointField& field, double origin, double unit,
+                double shift, std::vector<float>& times) {
+  with_reader(field.datatype, [&](const auto& number) {
+    for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
+      const double since_origin = static_cast<double>(number(in + field.offset)) - origin;
+      times[i] = static_cast<float>(since_origin * unit + shift);
+    });
+  });
+}
+
+/// `origin` (in the field's unit) minus the stamp, s. Whole seconds are subtracted first.
+double since_stamp(double origin, double unit, const ros::Time& stamp) {
+  const double per_second = std::round(1.0 / unit);
+  const double whole = std::floor(origin / per_second);
+  const double rest = (origin - whole * per_second) * unit;
+  return (whole - static_cast<double>(stamp.sec)) + (rest - 1e-9 * stamp.nsec);
+}
+
+void decode_times(const PointCloud2& message, const PointField& field,
+                  const preprocessing::PreprocessingConfig& config, DecodedCloud& result) {
+  const Bounds bounds = bounds_of(message, field);
+  if (!(bounds.max > bounds.min)) return;  // a field that nobody fills
+  const Unit unit = unit_of(field, bounds, config);
+  const double longest = kLongestShare * config.scan_period;
+  const double first = bounds.min * unit.seconds;
+  const double from_stamp = since_stamp(bounds.min, unit.seconds, message.header.stamp);
+  CloudFormat& format = result.format;
+  format.time_field = field.name;
+  format.time_unit = unit.name;
+  const bool is_relative = std::abs(first) < longest;
+  format.absolute_times = !is_relative && std::abs(from_stamp) < kSameClock;
+  format.foreign_clock = !is_relative && !format.absolute_times;
+  const double shift = is_relative ? first : format.absolute_times ? from_stamp : 0.0;
+  result.scan.times_are_absolute = format.absolute_times;
+  format.first_time = shift;
+  format.last_time = shift + (bounds.max - bounds.min) * unit.seconds;
+  result.scan.cloud.times.resize(result.scan.cloud.size());
+  read_times(message, field, bounds.min, unit.seconds, shift, result.scan.cloud.times);
+}
+
+std::string names_of(const PointCloud2& message) {
+  std::string names;
+  for (const PointField& field : message.fields) names += (names.empty() ? "" : " ") + field.name;
+  return names;
+}
+
+}  // namespace
+
+DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config) {
+  DecodedCloud result;
+  result.scan.stamp = from_ros(message.header.stamp);
+  result.scan.frame_id = frame_name(message.header.frame_id);
+  result.format.fields = names_of(message);
+  if (message.width == 0 || message.height == 0) return result;
+  check_size(message);
+  result.scan.cloud.points.resize(std::size_t{message.width} * message.height);
+  read_coordinates(message, result.scan.cloud.points);
+  if (const PointField* intensity = find_any(message, kIntensityNames)) {
+    result.format.intensity_field = intensity->name;
+    read_intensity(message, *intensity, result.scan.cloud.points);
+  }
+  if (config.point_times != preprocessing::PointTimes::kField) return result;
+  if (const PointField* time = find_any(message, kTimeNames)) {
+    decode_times(message, *time, config, result);
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,291 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/point_cloud_decoder.hpp"
+
+#include "cloud_builder.hpp"
+#include "test_data.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+using preprocessing::PreprocessingConfig;
+using sensor_msgs::PointCloud2;
+using sensor_msgs::PointField;
+using test::cloud_with;
+using test::put;
+using test::put_positions;
+
+constexpr std::uint32_t kCount = 1000;
+constexpr double kPeriod = 0.1;
+
+double fraction(std::size_t i) { return static_cast<double>(i) / (kCount - 1); }
+
+/// The points of put_positions() and, for each, `time(i)`.
+template <typename Time>
+void expect_points(const DecodedCloud& decoded, const Time& time, double tolerance) {
+  const PointCloud& cloud = decoded.scan.cloud;
+  ASSERT_EQ(cloud.size(), kCount);
+  ASSERT_EQ(cloud.times.size(), kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    EXPECT_EQ(cloud.points[i].position(),
+              (Eigen::Vector3f(1, 2, 3) * static_cast<float>(i)).eval());
+    EXPECT_NEAR(cloud.times[i], time(i), tolerance);
+  }
+}
+
+TEST(PointCloudDecoder, ReadsVelodyne) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"intensity", PointField::FLOAT32, 12},
+                             {"ring", PointField::UINT16, 16},
+                             {"time", PointField::FLOAT32, 18}},
+                            22, kCount);
+  put_positions(message);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    put(message, i, 12, static_cast<float>(i % 256));
+    put(message, i, 18, static_cast<float>(kPeriod * (fraction(i) - 1.0)));
+  }
+  const DecodedCloud decoded = decode(message, {});
+  expect_points(
+      decoded, [](std::size_t i) { return kPeriod * (fraction(i) - 1.0); }, 1e-7);
+  EXPECT_EQ(decoded.scan.cloud.points[300].intensity, 44.0F);  // F19
+  EXPECT_EQ(decoded.format.time_unit, "s");
+  EXPECT_FALSE(decoded.scan.times_are_absolute);
+}
+
+TEST(PointCloudDecoder, ReadsOusterOrganisedWithPadding) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"intensity", PointField::FLOAT32, 16},
+                             {"t", PointField::UINT32, 20},
+                             {"reflectivity", PointField::UINT16, 24},
+                             {"ring", PointField::UINT8, 26},
+                             {"ambient", PointField::UINT16, 28},
+                             {"range", PointField::UINT32, 32}},
+                            48, kCount);
+  put_positions(message);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    put(message, i, 16, 7.0F);
+    put(message, i, 20, static_cast<std::uint32_t>(std::lround(fraction(i) * 99.9e6)));
+    put(message, i, 24, static_cast<std::uint16_t>(9));
+  }
+  // The same points in 4 rows, each with padding at its end.
+  PointCloud2 organised = message;
+  organised.height = 4;
+  organised.width = kCount / 4;
+  organised.row_step = organised.width * 48 + 32;
+  organised.data.assign(organised.row_step * 4, 0xAB);
+  for (std::size_t row = 0; row < 4; ++row) {
+    std::copy_n(message.data.begin() + static_cast<std::ptrdiff_t>(row * 48 * kCount / 4),
+                48 * kCount / 4,
+                organised.data.begin() + static_cast<std::ptrdiff_t>(row * organised.row_step));
+  }
+  for (const PointCloud2& layout : {message, organised}) {
+    const DecodedCloud decoded = decode(layout, {});
+    expect_points(
+        decoded, [](std::size_t i) { return fraction(i) * 0.0999; }, 1e-8);
+    EXPECT_EQ(decoded.format.time_unit, "ns");
+    EXPECT_EQ(decoded.scan.cloud.points[5].intensity, 7.0F);
+  }
+}
+
+/// x y z intensity ring timestamp as Hesai and RoboSense have them.
+PointCloud2 absolute_cloud(double unit, const ros::Time& stamp, double first) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"intensity", PointField::FLOAT32, 16},
+                             {"timestamp", PointField::FLOAT64, 24},
+                             {"ring", PointField::UINT16, 32}},
+                            48, kCount, stamp);
+  put_positions(message);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double since_second = 1e-9 * stamp.nsec + first + kPeriod * fraction(i);
+    put(message, i, 24, (stamp.sec + since_second) / unit);
+  }
+  return message;
+}
+
+TEST(PointCloudDecoder, ReadsAbsoluteTimesInAnyUnit) {  // F1: a float cannot hold them
+  const ros::Time stamp(1673400677, 700635123);
+  for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
+    for (const double first : {0.0, -0.1, -0.05}) {
+      const DecodedCloud decoded = decode(absolute_cloud(unit, stamp, first), {});
+      expect_points(
+          decoded, [&](std::size_t i) { return first + kPeriod * fraction(i); }, 1e-6);
+      EXPECT_TRUE(decoded.scan.times_are_absolute);
+      EXPECT_EQ(decoded.scan.stamp, 1673400677700635123);
+    }
+  }
+}
+
+TEST(PointCloudDecoder, CountsTimesOfAForeignClockFromTheFirstPoint) {
+  PointCloud2 message = absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0);
+  message.header.stamp = ros::Time(1700000000, 0);
+  const DecodedCloud decoded = decode(message, {});
+  expect_points(
+      decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+  EXPECT_TRUE(decoded.format.foreign_clock);
+  EXPECT_FALSE(decoded.scan.times_are_absolute);
+}
+
+TEST(PointCloudDecoder, ReadsLivox) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"reflectivity", PointField::UINT8, 12},
+                             {"tag", PointField::UINT8, 13},
+                             {"line", PointField::UINT8, 14},
+                             {"offset_time", PointField::UINT32, 15}},
+                            19, kCount);
+  put_positions(message);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    put(message, i, 12, static_cast<std::uint8_t>(200));
+    put(message, i, 15, static_cast<std::uint32_t>(std::lround(fraction(i) * 1e8)));
+  }
+  const DecodedCloud decoded = decode(message, {});
+  expect_points(
+      decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-8);
+  EXPECT_EQ(decoded.scan.cloud.points[0].intensity, 200.0F);
+  EXPECT_EQ(decoded.format.intensity_field, "reflectivity");
+}
+
+TEST(PointCloudDecoder, FindsTheUnitOfFloatsByThePeriod) {
+  for (const auto& [unit, name] :
+       {std::pair{1.0, "s"}, std::pair{1e-3, "ms"}, std::pair{1e-6, "us"}, std::pair{1e-9, "ns"}}) {
+    auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                               {"y", PointField::FLOAT32, 4},
+                               {"z", PointField::FLOAT32, 8},
+                               {"time_stamp", PointField::FLOAT32, 12}},
+                              16, kCount);
+    put_positions(message);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      put(message, i, 12, static_cast<float>(kPeriod * fraction(i) / unit));
+    }
+    const DecodedCloud decoded = decode(message, {});
+    expect_points(
+        decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-7);
+    EXPECT_EQ(decoded.format.time_unit, name);
+  }
+}
+
+TEST(PointCloudDecoder, ObeysTheConfiguredUnitAndSwitch) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"t", PointField::UINT32, 12}},
+                            16, kCount);
+  for (std::size_t i = 0; i < kCount; ++i) put(message, i, 12, static_cast<std::uint32_t>(i));
+  PreprocessingConfig config;
+  config.point_time_unit = preprocessing::PointTimeUnit::kMicroseconds;
+  EXPECT_NEAR(decode(message, config).scan.cloud.times.back(), 999e-6, 1e-9);
+  config.point_times = preprocessing::PointTimes::kNone;
+  EXPECT_FALSE(decode(message, config).scan.cloud.has_times());
+}
+
+TEST(PointCloudDecoder, TakesCloudsOfCoordinatesAlone) {
+  auto message = cloud_with({{"z", PointField::FLOAT64, 0},
+                             {"x", PointField::FLOAT64, 8},
+                             {"y", PointField::FLOAT64, 16}},
+                            24, 2);
+  put(message, 1, 0, 3.0);
+  put(message, 1, 8, 1.0);
+  put(message, 1, 16, std::numeric_limits<double>::quiet_NaN());
+  const DecodedCloud decoded = decode(message, {});
+  ASSERT_EQ(decoded.scan.cloud.size(), 2U);
+  EXPECT_EQ(decoded.scan.cloud.points[1].x, 1.0F);
+  EXPECT_EQ(decoded.scan.cloud.points[1].z, 3.0F);
+  EXPECT_TRUE(std::isnan(decoded.scan.cloud.points[1].y));
+  EXPECT_FALSE(decoded.scan.cloud.has_times());
+}
+
+TEST(PointCloudDecoder, IgnoresTimesThatNobodyFilled) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"t", PointField::UINT32, 12}},
+                            16, kCount);
+  EXPECT_FALSE(decode(message, {}).scan.cloud.has_times());
+}
+
+TEST(PointCloudDecoder, TakesEmptyClouds) {  // F20
+  PointCloud2 message;
+  EXPECT_TRUE(decode(message, {}).scan.cloud.empty());
+}
+
+TEST(PointCloudDecoder, RefusesWhatCannotBeRead) {
+  auto good = cloud_with(
+      {{"x", PointField::FLOAT32, 0}, {"y", PointField::FLOAT32, 4}, {"z", PointField::FLOAT32, 8}},
+      12, kCount);
+  EXPECT_NO_THROW(decode(good, {}));
+  const auto refuses = [&](auto&& spoil) {
+    PointCloud2 message = good;
+    spoil(message);
+    EXPECT_THROW(decode(message, {}), InputError);
+  };
+  refuses([](PointCloud2& m) { m.is_bigendian = true; });
+  refuses([](PointCloud2& m) { m.data.resize(m.data.size() - 1); });
+  refuses([](PointCloud2& m) { m.fields.pop_back(); });
+  refuses([](PointCloud2& m) { m.fields[0].datatype = PointField::UINT16; });
+  refuses([](PointCloud2& m) { m.fields[0].datatype = 77; });
+  refuses([](PointCloud2& m) { m.fields[2].offset = 9; });
+  refuses([](PointCloud2& m) { m.fields[2].offset = 0xFFFFFFFF; });
+  refuses([](PointCloud2& m) { m.point_step = 0; });
+  refuses([](PointCloud2& m) { m.width = 0xFFFFFFFF; });
+  refuses([](PointCloud2& m) { m.height = 0xFFFFFFFF; });
+  refuses([](PointCloud2& m) {
+    m.height = 2;
+    m.row_step = 1;
+  });
+}
+
+/// Times of a recorded scan span about its period and refer to its stamp.
+void expect_recorded(const std::filesystem::path& file, const ros::Time& stamp,
+                     const std::string& unit, bool absolute) {
+  const DecodedCloud decoded = decode(test::read_pcd(file, stamp), {});
+  const auto& times = decoded.scan.cloud.times;
+  ASSERT_EQ(times.size(), decoded.scan.cloud.size());
+  const auto [first, last] = std::minmax_element(times.begin(), times.end());
+  EXPECT_NEAR(*last - *first, 0.1, 0.005);
+  EXPECT_LT(std::abs(*first), 0.11);
+  EXPECT_EQ(decoded.format.time_unit, unit);
+  EXPECT_EQ(decoded.scan.times_are_absolute, absolute);
+  EXPECT_FALSE(decoded.format.foreign_clock);
+}
+
+TEST(PointCloudDecoder, ReadsRecordedVelodyne) {
+  REQUIRE_RECORDED(folder, "velodyne_vlp16");
+  expect_recorded(folder / "000000.pcd", ros::Time(1600000000, 5), "s", false);
+}
+
+TEST(PointCloudDecoder, ReadsRecordedOuster) {
+  REQUIRE_RECORDED(folder, "ouster_os1_128");
+  expect_recorded(folder / "000000.pcd", ros::Time(1600000000, 5), "ns", false);
+}
+
+TEST(PointCloudDecoder, ReadsRecordedHesai) {
+  REQUIRE_RECORDED(folder, "hesai_xt32");
+  expect_recorded(folder / "000000.pcd", ros::Time(1673400677, 700635000), "s", true);
+}
+
+TEST(PointCloudDecoder, ReadsRecordedRoboSense) {
+  REQUIRE_RECORDED(folder, "robosense_32");
+  expect_recorded(folder / "000000.pcd", ros::Time(1600000000, 5), "ns", false);
+}
+
+TEST(PointCloudDecoder, ReadsRecordedRingsWithoutTimes) {
+  REQUIRE_RECORDED(folder, "ring32");
+  const DecodedCloud decoded = decode(test::read_pcd(folder / "000000.pcd", ros::Time(5, 0)), {});
+  EXPECT_GT(decoded.scan.cloud.size(), 10000U);
+  EXPECT_FALSE(decoded.scan.cloud.has_times());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
