@@ -30,6 +30,11 @@ lidar_mapping_import(lidar_mapping_pcl_io INCLUDES ${PCL_INCLUDE_DIRS}
                      LIBRARIES ${pcl_core_libraries} ${PCL_IO_LIBRARIES})
 lidar_mapping_import(lidar_mapping_geographiclib INCLUDES ${GeographicLib_INCLUDE_DIRS}
                      LIBRARIES ${GeographicLib_LIBRARIES})
+# SuiteSparse's sparse Cholesky, which Ceres builds on, has no package file of its own.
+find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+lidar_mapping_import(lidar_mapping_cholmod INCLUDES ${CHOLMOD_INCLUDE_DIR}
+                     LIBRARIES ${CHOLMOD_LIBRARY})
 if(catkin_FOUND)
   lidar_mapping_import(lidar_mapping_catkin INCLUDES ${catkin_INCLUDE_DIRS}
                        LIBRARIES ${catkin_LIBRARIES})

@@ -8,7 +8,8 @@
 namespace lidar_mapping::back_end {
 
 /// A relative pose between two nodes, with its information for g2o's error (translation and vector
-/// part of the quaternion; Kuemmerle et al. 2011).
+/// part of the quaternion; Kuemmerle et al. 2011). In a planar graph rows and columns 0, 1 and 5
+/// count and stand for x, y and the angle itself.
 struct PoseEdge {
   std::int64_t from = 0;
   std::int64_t to = 0;

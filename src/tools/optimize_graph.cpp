@@ -1,0 +1,122 @@
+/// Optimises a pose graph in a g2o file.
+
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "lidar_mapping/back_end/g2o_file.hpp"
+#include "lidar_mapping/back_end/graph_optimizer.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+using namespace lidar_mapping::back_end;
+
+constexpr const char* kGraduated = "graduated";
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  std::string robust = "none";
+  double kernel_size = 1.0;
+  std::string json;
+};
+
+std::vector<std::string> robust_names() {
+  std::vector<std::string> names = {kGraduated};
+  for (const auto& entry : robust_kernel_names()) names.push_back(entry.first);
+  return names;
+}
+
+GraphOptions options_of(const Arguments& arguments) {
+  GraphOptions options;
+  options.graduated = arguments.robust == kGraduated;
+  options.kernel_size = arguments.kernel_size;
+  for (const auto& [name, kernel] : robust_kernel_names()) {
+    if (name == arguments.robust) options.kernel = kernel;
+  }
+  return options;
+}
+
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+nlohmann::json refused_edges(const PoseGraph& graph, const GraphReport& report) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const std::size_t i : report.refused) {
+    list.push_back({{"edge", i}, {"from", graph.edges[i].from}, {"to", graph.edges[i].to}});
+  }
+  return list;
+}
+
+void write_json(const std::string& path, const G2oFile& file, const GraphReport& report,
+                double seconds) {
+  const nlohmann::json document = {{"nodes", file.graph.nodes.size()},
+                                   {"edges", file.graph.edges.size()},
+                                   {"initial_cost", report.initial_cost},
+                                   {"start", report.start},
+                                   {"start_cost", report.start_cost},
+                                   {"final_cost", report.final_cost},
+                                   {"iterations", report.iterations},
+                                   {"seconds", seconds},
+                                   {"peak_memory_mb", peak_memory_mb()},
+                                   {"success", report.success},
+                                   {"notes", file.notes},
+                                   {"refused_edges", refused_edges(file.graph, report)}};
+  std::ofstream stream(path);
+  stream << document.dump(2) << '\n';
+  if (!stream) throw FileError("cannot write " + path + "; check the folder and the free space");
+}
+
+int run(const Arguments& arguments) {
+  G2oFile file = read_g2o(arguments.input);
+  for (const std::string& note : file.notes) std::printf("note: %s\n", note.c_str());
+  const double begin = cpu_seconds();
+  const GraphReport report = optimize(file.graph, options_of(arguments));
+  const double seconds = cpu_seconds() - begin;
+  std::printf(
+      "%zu nodes, %zu edges: cost %.9g -> %.9g in %d iterations, %.3f s CPU; %zu edges "
+      "refused\n",
+      file.graph.nodes.size(), file.graph.edges.size(), report.initial_cost, report.final_cost,
+      report.iterations, seconds, report.refused.size());
+  write_g2o(file.graph, arguments.output);
+  if (!arguments.json.empty()) write_json(arguments.json, file, report, seconds);
+  if (!report.success) std::fprintf(stderr, "the solver failed: %s\n", report.message.c_str());
+  return report.success ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Optimises a pose graph in a g2o file (SE2 or SE3).");
+  app.add_option("input", arguments.input, "g2o file to read")->required();
+  app.add_option("output", arguments.output, "g2o file to write")->required();
+  app.add_option("--robust", arguments.robust,
+                 "graduated: decide which loops to believe; or a kernel on all loops")
+      ->check(CLI::IsMember(robust_names()))
+      ->capture_default_str();
+  app.add_option("--kernel-size", arguments.kernel_size, "standard deviations")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--json", arguments.json, "file for the figures");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(arguments);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}
