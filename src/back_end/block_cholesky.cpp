@@ -36,7 +36,7 @@ void BlockCholesky<size>::lay_out(int nodes, const std::vector<std::pair<int, in
   std::vector<std::vector<int>> rows(static_cast<std::size_t>(nodes));
   for (int i = 0; i < nodes; ++i) rows[static_cast<std::size_t>(i)].push_back(i);
   for (const auto& [a, b] : pairs) {
-    const auto [column, row] = std::minmax(row_of(a), row_of(b));
+    const auto [column, row] = std::minmax({row_of(a), row_of(b)});
     rows[static_cast<std::size_t>(column)].push_back(row);
   }
   Eigen::VectorXi counts(nodes * size);
@@ -60,7 +60,7 @@ void BlockCholesky<size>::lay_out(int nodes, const std::vector<std::pair<int, in
   }
   lower_.makeCompressed();
   for (const auto& [a, b] : pairs) {
-    const auto [column, row] = std::minmax(row_of(a), row_of(b));
+    const auto [column, row] = std::minmax({row_of(a), row_of(b)});
     const auto& list = rows[static_cast<std::size_t>(column)];
     const auto found = std::lower_bound(list.begin(), list.end(), row);
     slots_.push_back(

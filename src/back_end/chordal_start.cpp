@@ -1,5 +1,7 @@
 #include "lidar_mapping/back_end/chordal_start.hpp"
 
+#include <memory>
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/SVD>

@@ -10,8 +10,7 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// A Gauss-Newton step that gains less is followed by one that gains next to nothing.
-constexpr double kTolerance = 1e-6;
+constexpr double kTolerance = 1e-4;
 
 CostPtr residual_of(const PoseEdge& edge, bool planar) {
   if (!planar) return relative_pose_residual(edge.T_from_to, edge.information);

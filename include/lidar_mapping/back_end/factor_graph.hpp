@@ -46,7 +46,8 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used);
 struct MinimizerSettings {
   int max_iterations = 50;
   double initial_radius = 1e10;  ///< of the trust region
-  double function_tolerance = 1e-9;
+  /// Relative to the cost: ends when further steps can be expected to gain less than this.
+  double tolerance = 1e-7;
 };
 
 struct MinimizerSummary {

@@ -19,9 +19,10 @@ RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
                                const MinimizerSettings& settings = {});
 
 /// Decides which switchable constraints to believe and solves with them: Cauchy, then dynamic
-/// covariance scaling, then refusal above the 99 % quantile and least squares, in rounds in which
-/// refused ones may return. Starts from the present states, which should follow the constraints
-/// that are not switchable (the odometry chain): those are what the others are judged by.
+/// covariance scaling, then refusal above twice the 99 % quantile and least squares, in rounds in
+/// which refused ones may return. Starts from the present states, which should follow the
+/// constraints that are not switchable (the odometry chain): those are what the others are judged
+/// by.
 RobustSolution solve_graduated(FactorGraph& graph);
 
 /// Marks of all constraints that are not switchable, and of switchable ones that agree with the
