@@ -1,0 +1,56 @@
+#include "lidar_mapping/map/key_frame_track.hpp"
+
+namespace lidar_mapping::map {
+
+void KeyFrameTrack::add(const KeyFrame& key_frame) {
+  nodes_[key_frame.index] = {key_frame.stamp, key_frame.segment, key_frame.T_odom_base};
+}
+
+void KeyFrameTrack::update(const KeyFramePoses& poses) {
+  if (poses.whole) optimized_.clear();
+  for (const KeyFramePose& pose : poses.poses) optimized_[pose.index] = pose.T_map_base;
+  revision_ = poses.revision;
+}
+
+KeyFramePoses KeyFrameTrack::poses() const {
+  KeyFramePoses result;
+  result.revision = revision_;
+  Pose T_map_odom;
+  for (const auto& [index, node] : nodes_) {
+    const auto optimized = optimized_.find(index);
+    if (optimized != optimized_.end()) {
+      T_map_odom = optimized->second * node.T_odom_base.inverse();
+      result.poses.push_back({index, node.stamp, optimized->second});
+    } else {
+      result.poses.push_back({index, node.stamp, T_map_odom * node.T_odom_base});
+    }
+  }
+  return result;
+}
+
+KeyFramePoses KeyFrameTrack::odometry() const {
+  KeyFramePoses result = poses();
+  if (result.poses.empty()) return result;
+  const Pose T_map_odom =
+      result.poses.front().T_map_base * nodes_.begin()->second.T_odom_base.inverse();
+  for (KeyFramePose& pose : result.poses) {
+    pose.T_map_base = T_map_odom * nodes_.at(pose.index).T_odom_base;
+  }
+  return result;
+}
+
+std::vector<std::uint32_t> KeyFrameTrack::segments() const {
+  std::vector<std::uint32_t> segments;
+  for (const auto& [index, node] : nodes_) segments.push_back(node.segment);
+  return segments;
+}
+
+Pose KeyFrameTrack::T_map_odom() const {
+  for (auto entry = optimized_.rbegin(); entry != optimized_.rend(); ++entry) {
+    const auto node = nodes_.find(entry->first);
+    if (node != nodes_.end()) return entry->second * node->second.T_odom_base.inverse();
+  }
+  return Pose::Identity();
+}
+
+}  // namespace lidar_mapping::map

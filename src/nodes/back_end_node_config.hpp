@@ -1,0 +1,30 @@
+#pragma once
+
+#include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Parameters of back_end_node.
+struct BackEndNodeConfig {
+  NodeFields node;
+  back_end::BackEndConfig stage;
+  std::string session_directory = "~/.ros/lidar_mapping";
+  std::string resume;
+
+  static const config::Schema<BackEndNodeConfig>& schema() {
+    using Config = BackEndNodeConfig;
+    static const auto schema =
+        config::Schema<Config>("back_end", back_end::BackEndConfig::schema().summary())
+            .include(&Config::node, NodeFields::schema())
+            .include(&Config::stage, back_end::BackEndConfig::schema())
+            .text("session_directory", &Config::session_directory,
+                  "Folder in which every run gets a folder of its own; ~ is the home folder.")
+            .alias("data_path", "session_directory")
+            .text("resume", &Config::resume,
+                  "Session to go on with: a folder, or latest; empty begins a new one.");
+    return schema;
+  }
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,279 @@
+#include <filesystem>
+#include <future>
+
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/map_builder.hpp"
+#include "lidar_mapping/map/map_files.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/key_frame_client.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/scratch_folder.hpp"
+#include "lidar_mapping/session/cloud_store.hpp"
+
+#include "map_viewer_display.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Without moved poses the map on display grows in steps of this length of the drive.
+constexpr KeyFrameIndex kKeyFramesPerStep = 20;
+
+}  // namespace
+
+/// Subscribed: key_frame, key_frame_poses, loop, graph_verdict, gnss_datum. Published, all latched:
+/// global_map, odom_path, optimized_path, graph_markers. Service: save_map. Asks get_key_frames for
+/// what it missed; a restart loses nothing.
+class MapViewerNode {
+ public:
+  using Config = NodeConfig<map::MapConfig>;
+
+  MapViewerNode(const Config& config, NodeContext& context);
+  ~MapViewerNode();
+
+ private:
+  /// What is known of one run. The clouds and the builder belong to the thread that builds.
+  struct Run {
+    Run(const map::MapConfig& config, const std::filesystem::path& folder)
+        : clouds(folder), builder(config, clouds) {}
+    session::CloudStore clouds;
+    map::MapBuilder builder;
+    map::KeyFrameTrack track;
+    std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> loops;
+  };
+
+  template <typename Message>
+  ros::Publisher latched(const std::string& topic, std::function<void()> show);
+  void subscribe_all();
+  void begin_run(const std::string& run_id);
+  void take_key_frame(const RunKeyFrame& received);
+  void take_poses(const KeyFramePosesMessage& message);
+  void take_loop(const LoopMessage& message);
+  void take_verdict(const LoopVerdictMessage& message);
+  void show_graph();
+  void show_map(bool always);
+  void build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses, bool always);
+  void take_newest_poses();
+  bool save_map(SaveMap::Request& request, SaveMap::Response& response);
+  SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                         const SaveMap::Request& request);
+  std::filesystem::path directory_for(const std::string& asked);
+
+  Config config_;
+  NodeContext& context_;
+  KeyFrameClient back_end_;
+  ScratchFolder scratch_{ros::this_node::getName()};
+  std::string run_id_;
+  std::size_t runs_ = 0;
+  std::shared_ptr<Run> run_;
+  std::optional<GeodeticDatum> datum_;
+  Worker::ChannelId requests_;
+  Worker builder_;
+  Worker::ChannelId builds_, saves_;
+  ros::Publisher global_map_, odom_path_, optimized_path_, graph_markers_;
+  KeyFrameSubscription key_frames_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::CallbackQueue service_queue_;
+  ros::ServiceServer service_;
+  ros::AsyncSpinner service_spinner_{1, &service_queue_};
+};
+
+MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
+    : config_(config),
+      context_(context),
+      back_end_(context.node),
+      requests_(context.worker.add_channel("requests", kPublisherQueue)),
+      builder_([](const std::string& what, const std::string& problem) {
+        ROS_ERROR_STREAM(what << " failed: " << problem);
+      }),
+      builds_(builder_.add_channel("building the map", 1)),
+      saves_(builder_.add_channel("saving the map", kPublisherQueue)),
+      global_map_(latched<sensor_msgs::PointCloud2>("global_map", [this] { show_map(true); })),
+      odom_path_(latched<nav_msgs::Path>("odom_path", [this] { show_graph(); })),
+      optimized_path_(latched<nav_msgs::Path>("optimized_path", [this] { show_graph(); })),
+      graph_markers_(
+          latched<visualization_msgs::MarkerArray>("graph_markers", [this] { show_graph(); })),
+      key_frames_(context, config.node.queue_size,
+                  [this](const RunKeyFrame& received) { take_key_frame(received); }) {
+  subscribe_all();
+  ros::NodeHandle node(context.node);
+  node.setCallbackQueue(&service_queue_);
+  service_ = node.advertiseService("save_map", &MapViewerNode::save_map, this);
+  service_spinner_.start();
+}
+
+MapViewerNode::~MapViewerNode() {
+  builder_.stop();  // who waits for an answer learns that there will be none
+  service_spinner_.stop();
+}
+
+/// What has no listener is not made; `show` makes it when somebody comes.
+template <typename Message>
+ros::Publisher MapViewerNode::latched(const std::string& topic, std::function<void()> show) {
+  const auto task = [this, show] {
+    if (run_) show();
+  };
+  return context_.node.advertise<Message>(
+      topic, 1, [this, task](const auto&) { context_.worker.post(requests_, task); },
+      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+}
+
+void MapViewerNode::subscribe_all() {
+  const int capacity = config_.node.queue_size;
+  subscribers_ = {
+      subscribe<KeyFramePosesMessage>(context_, "key_frame_poses", capacity,
+                                      [this](const auto& m) { take_poses(*m); }),
+      subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { take_loop(*m); }),
+      subscribe<LoopVerdictMessage>(context_, "graph_verdict", 10 * capacity,
+                                    [this](const auto& m) { take_verdict(*m); }),
+      subscribe<sensor_msgs::NavSatFix>(context_, "gnss_datum", 1, [this](const auto& m) {
+        datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
+      })};
+}
+
+void MapViewerNode::begin_run(const std::string& run_id) {
+  run_id_ = run_id;
+  run_ = std::make_shared<Run>(config_.stage, scratch_.path() / std::to_string(++runs_));
+}
+
+void MapViewerNode::take_key_frame(const RunKeyFrame& received) {
+  if (!run_ || received.run_id != run_id_) begin_run(received.run_id);
+  const KeyFrame& key_frame = received.key_frame;
+  context_.diagnostics.count_input(key_frame.stamp);
+  if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
+  run_->track.add(key_frame);
+  show_graph();
+  if (key_frame.index % kKeyFramesPerStep == 0) show_map(false);
+}
+
+void MapViewerNode::take_poses(const KeyFramePosesMessage& message) {
+  key_frames_.note(message);
+  if (!run_ || message.run_id != run_id_) return;
+  run_->track.update(from_message(message));
+  show_graph();
+  show_map(false);
+}
+
+void MapViewerNode::take_loop(const LoopMessage& message) {
+  if (!run_ || message.run_id != run_id_) return;
+  LoopVerdict verdict;
+  verdict.from = message.from;
+  verdict.to = message.to;
+  run_->loops.try_emplace({message.from, message.to}, verdict);
+}
+
+void MapViewerNode::take_verdict(const LoopVerdictMessage& message) {
+  if (!run_ || message.run_id != run_id_) return;
+  run_->loops[{message.from, message.to}] = from_message(message);
+  show_graph();
+}
+
+void MapViewerNode::show_graph() {
+  const std::string& frame = config_.node.map_frame;
+  if (odom_path_.getNumSubscribers() > 0) {
+    odom_path_.publish(to_path(run_->track.odometry(), frame));
+  }
+  if (optimized_path_.getNumSubscribers() > 0) {
+    optimized_path_.publish(to_path(run_->track.poses(), frame));
+  }
+  if (graph_markers_.getNumSubscribers() == 0) return;
+  std::vector<LoopVerdict> loops;
+  for (const auto& [pair, verdict] : run_->loops) loops.push_back(verdict);
+  graph_markers_.publish(to_markers(run_->track, loops, frame));
+}
+
+/// A map that waits to be built is replaced by a newer one.
+void MapViewerNode::show_map(bool always) {
+  if (global_map_.getNumSubscribers() == 0) return;
+  builder_.post(builds_, [this, run = run_, poses = run_->track.poses(), always] {
+    build_and_publish(run, poses, always);
+  });
+}
+
+void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                                      bool always) {
+  const std::uint64_t before = run->builder.revision();
+  run->builder.update(poses);
+  if (poses.poses.empty() || (!always && run->builder.revision() == before)) return;
+  const PointCloud map = run->builder.build();
+  const Stamp stamp = poses.poses.back().stamp;
+  global_map_.publish(to_message(map, stamp, config_.node.map_frame));
+  context_.diagnostics.count_output(stamp);
+  context_.diagnostics.set_state(Diagnostics::Level::kOk, "showing the map");
+  context_.diagnostics.set("points", std::to_string(map.size()));
+  context_.diagnostics.set("clouds missing", std::to_string(run->builder.missing_clouds()));
+}
+
+/// Poses on their way in a topic may be late: a map that is saved after optimize_map has answered
+/// is that of the optimised poses.
+void MapViewerNode::take_newest_poses() {
+  const auto state = back_end_.run();
+  if (state && state->run_id == run_id_) run_->track.update(state->poses);
+}
+
+bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
+  auto answer = std::make_shared<std::promise<SaveMap::Response>>();
+  std::future<SaveMap::Response> future = answer->get_future();
+  context_.worker.post(requests_, [this, answer, request] {
+    if (!run_) {
+      SaveMap::Response nothing;
+      nothing.message = "there are no key frames yet; nothing to save";
+      return answer->set_value(nothing);
+    }
+    take_newest_poses();
+    builder_.post(saves_, [this, answer, request, run = run_, poses = run_->track.poses()] {
+      answer->set_value(save(run, poses, request));
+    });
+  });
+  answer.reset();
+  try {
+    response = future.get();
+  } catch (const std::future_error&) {
+    response.message = "the map viewer is ending";
+  }
+  return true;
+}
+
+SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                                      const SaveMap::Request& request) {
+  SaveMap::Response response;
+  try {
+    map::MapConfig config = config_.stage;
+    if (request.resolution > 0.0) config.resolution = request.resolution;
+    const PointCloud map = map::build_map(poses, run->clouds, config);
+    const map::MapDescription description{config_.node.map_frame, datum_, config.resolution};
+    for (const auto& file :
+         map::save_map(map, description, directory_for(request.directory), request.formats)) {
+      response.files.push_back(file.string());
+    }
+    response.success = true;
+    response.message = std::to_string(map.size()) + " points of " +
+                       std::to_string(poses.poses.size()) + " key frames";
+  } catch (const Error& error) {
+    response.message = error.what();
+  }
+  return response;
+}
+
+std::filesystem::path MapViewerNode::directory_for(const std::string& asked) {
+  if (!asked.empty()) return asked;
+  std::string session;
+  if (context_.node.getParam("session_folder", session)) {
+    return std::filesystem::path(session) / "map";
+  }
+  throw InputError("no session is known, as there is no back end; name a directory");
+}
+
+}  // namespace lidar_mapping::ros_border
+
+int main(int argc, char** argv) {
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::MapViewerNode>(argc, argv,
+                                                                                       "map");
+}
