@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "lidar_mapping/loop_closing/candidates.hpp"
 #include "lidar_mapping/loop_closing/judgement.hpp"
+#include "lidar_mapping/loop_closing/segment_joins.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
 #include "lidar_mapping/loop_closing/surface.hpp"
 
@@ -42,12 +44,30 @@ Covariance6 floored(const Covariance6& covariance, double sigma_m, double sigma_
   return covariance + diagonal_covariance(sigma_m, sigma_rad);
 }
 
+/// Of a match that waited until another confirmed it.
+LoopVerdict confirmed_verdict(const Loop& loop, const Loop& by) {
+  LoopVerdict verdict;
+  verdict.from = loop.from;
+  verdict.to = loop.to;
+  verdict.stamp = loop.stamp;
+  verdict.source = loop.source;
+  verdict.verdict = Verdict::kAccepted;
+  verdict.reason = "the match of key frames " + std::to_string(by.from) + " and " +
+                   std::to_string(by.to) + " confirms it (unanchored_stretch)";
+  verdict.fitness = loop.fitness;
+  verdict.overlap = loop.overlap;
+  return verdict;
+}
+
 }  // namespace
 
 class LoopCloser::Impl {
  public:
   Impl(const LoopClosingConfig& config, CloudSource& clouds)
-      : config_(config), submaps_(config, clouds), places_(config) {}
+      : config_(config),
+        submaps_(config, clouds),
+        places_(config),
+        joins_(config.unanchored_stretch) {}
 
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
     submaps_.set_sensor_origin(p_base_lidar);
@@ -68,18 +88,20 @@ class LoopCloser::Impl {
   Trial tried(const Candidate& candidate, const std::optional<QueryScan>& query);
   std::vector<Trial> tried_candidates();
   void keep_best(std::vector<Trial>& trials) const;
+  void conclude(const Trial& trial, LoopClosingResult& result);
   LoopVerdict verdict_of(const Trial& trial) const;
   Loop loop_of(const Trial& trial) const;
 
   LoopClosingConfig config_;
   Submaps submaps_;
   Places places_;
+  SegmentJoins joins_;
   int key_frames_since_search_ = 0;
   std::optional<double> last_loop_travelled_;
 };
 
 void LoopCloser::Impl::take_in(const KeyFrame& key_frame) {
-  const PointCloudPtr scan = submaps_.scan(key_frame);
+  const PointCloudPtr scan = submaps_.take_newest(key_frame);
   places_.append(key_frame, scan ? std::optional(appearance_of(*scan)) : std::nullopt);
   ++key_frames_since_search_;
 }
@@ -87,9 +109,8 @@ void LoopCloser::Impl::take_in(const KeyFrame& key_frame) {
 void LoopCloser::Impl::take_in(const Loop& loop) {
   places_.add_loop(loop);
   const auto to = trajectory().find(loop.to);
-  if (to)
-    last_loop_travelled_ =
-        std::max(last_loop_travelled_.value_or(0.0), trajectory()[*to].travelled);
+  if (!to) return;
+  last_loop_travelled_ = std::max(last_loop_travelled_.value_or(0.0), trajectory()[*to].travelled);
 }
 
 bool LoopCloser::Impl::is_due() const {
@@ -164,7 +185,7 @@ std::vector<Trial> LoopCloser::Impl::tried_candidates() {
   const std::vector<Candidate> candidates = chosen();
   if (candidates.empty()) return {};
   key_frames_since_search_ = 0;
-  const auto query = submaps_.query(trajectory(), trajectory().size() - 1);
+  const auto query = submaps_.query(trajectory());
   std::vector<Trial> trials;
   for (const Candidate& candidate : candidates) trials.push_back(tried(candidate, query));
   return trials;
@@ -184,6 +205,29 @@ void LoopCloser::Impl::keep_best(std::vector<Trial>& trials) const {
   }
 }
 
+/// What an accepted match leads to. Between segments that nothing joins yet it has to wait for
+/// others that agree with it, and these are accepted with it.
+void LoopCloser::Impl::conclude(const Trial& trial, LoopClosingResult& result) {
+  const Loop loop = loop_of(trial);
+  result.verdicts.push_back(verdict_of(trial));
+  if (trial.candidate.prior.anchored || gnss_decides(trial.candidate.prior)) {
+    result.loops.push_back(loop);
+    return;
+  }
+  const std::vector<Loop> group = joins_.add(loop, trajectory());
+  if (group.empty()) {
+    result.verdicts.back().verdict = Verdict::kUndecided;
+    std::ostringstream reason;
+    reason << "nothing joins the two segments yet, and matches that agree span less than "
+           << config_.unanchored_stretch << " m (unanchored_stretch)";
+    result.verdicts.back().reason = reason.str();
+  }
+  for (const Loop& member : group) {
+    result.loops.push_back(member);
+    if (member.to != loop.to) result.verdicts.push_back(confirmed_verdict(member, loop));
+  }
+}
+
 LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame) {
   take_in(key_frame);
   if (!is_due()) return {};
@@ -191,8 +235,11 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame) {
   keep_best(trials);
   LoopClosingResult result;
   for (const Trial& trial : trials) {
-    result.verdicts.push_back(verdict_of(trial));
-    if (trial.judgement.verdict == Verdict::kAccepted) result.loops.push_back(loop_of(trial));
+    if (trial.judgement.verdict == Verdict::kAccepted) {
+      conclude(trial, result);
+    } else {
+      result.verdicts.push_back(verdict_of(trial));
+    }
   }
   for (const Loop& loop : result.loops) take_in(loop);
   return result;

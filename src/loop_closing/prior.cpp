@@ -17,6 +17,10 @@ constexpr double kVerticalFloor = 0.3;    // m
 constexpr double kRotationFloor = 0.04;   // rad
 constexpr double kGnssFloor = 1.0;        // m; receivers are rarely as good as they say
 
+// A random walk of the pitch, integrated along the way, grows with its power 1.5: hardly anything
+// between the storeys of a car park, metres after kilometres.
+constexpr double kVerticalDriftWay = 1000.0;  // m
+
 double degrees_per_100m(double value) { return value * kPi / 180.0 / 100.0; }
 
 /// Position of base_link (of the antenna where there is no heading), horizontal.
@@ -50,9 +54,11 @@ Prior prior_between(const Trajectory& trajectory, const Separation& separation,
   const double way = separation.to(from);
   prior.anchored = std::isfinite(way);
   prior.T_from_to = trajectory[from].T_map_base.inverse() * trajectory[to].T_map_base;
-  prior.sigma_horizontal = config.horizontal_drift * way;
-  prior.sigma_vertical = config.vertical_drift * way;
-  prior.sigma_rotation = std::min(degrees_per_100m(config.rotation_drift_deg) * way, kPi);
+  if (prior.anchored) {
+    prior.sigma_horizontal = config.horizontal_drift * way;
+    prior.sigma_vertical = config.vertical_drift * way * std::sqrt(way / kVerticalDriftWay);
+    prior.sigma_rotation = std::min(degrees_per_100m(config.rotation_drift_deg) * way, kPi);
+  }
   const auto& a = trajectory[from].gnss;
   const auto& b = trajectory[to].gnss;
   if (config.gnss_candidates && a && b) prior.gnss = gnss_distance(*a, *b);

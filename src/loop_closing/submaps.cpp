@@ -57,9 +57,17 @@ PointCloudPtr Submaps::keep(KeyFrameIndex index, const PointCloud& cloud) {
   return filtered;
 }
 
-PointCloudPtr Submaps::scan(const KeyFrame& key_frame) {
-  const PointCloudPtr cloud = key_frame.cloud ? key_frame.cloud : clouds_.cloud(key_frame.index);
-  return cloud ? keep(key_frame.index, *cloud) : nullptr;
+PointCloudPtr Submaps::take_newest(const KeyFrame& key_frame) {
+  newest_ = key_frame.cloud ? key_frame.cloud : clouds_.cloud(key_frame.index);
+  return newest_ ? keep(key_frame.index, *newest_) : nullptr;
+}
+
+/// The newest cloud, filtered as a scan.
+PointCloud Submaps::newest_scan(KeyFrameIndex index) {
+  const bool same =
+      config_.scan_filter == config_.map_filter && config_.scan_leaf_size == config_.map_leaf_size;
+  if (same) return *map_cloud(index);
+  return voxel_filtered(*newest_, leaf(config_.scan_filter, config_.scan_leaf_size));
 }
 
 /// The clouds around `middle`, placed by odometry, which over some metres is better than any
@@ -82,12 +90,12 @@ PointCloud Submaps::joined(const Trajectory& trajectory, Trajectory::NodeId midd
   return result;
 }
 
-std::optional<QueryScan> Submaps::query(const Trajectory& trajectory, Trajectory::NodeId node) {
-  const PointCloudPtr own = map_cloud(trajectory[node].index);
-  if (own == nullptr) return std::nullopt;
+std::optional<QueryScan> Submaps::query(const Trajectory& trajectory) {
+  if (newest_ == nullptr) return std::nullopt;
+  const Trajectory::NodeId node = trajectory.size() - 1;
+  PointCloud cloud = newest_scan(trajectory[node].index);
   QueryScan query;
-  query.image = RangeImage(positions(*own), p_base_lidar_);
-  PointCloud cloud{own->points, {}};
+  query.image = RangeImage(positions(cloud), p_base_lidar_);
   const auto tail = joined(trajectory, node, kQueryTail, 0).points;
   cloud.points.insert(cloud.points.end(), tail.begin(), tail.end());
   query.points =

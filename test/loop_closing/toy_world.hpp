@@ -51,7 +51,7 @@ class ToyWorld {
   }
 
  private:
-  static constexpr int kSteps = 450;
+  static constexpr int kSteps = 360;
 
   std::vector<Box> boxes_near(const Eigen::Vector3d& origin) const {
     std::vector<Box> near;

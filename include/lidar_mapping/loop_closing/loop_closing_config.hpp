@@ -21,7 +21,7 @@ struct LoopClosingConfig {
   double detect_area = 10.0;
   double distance_thresh = 1000.0;
   double horizontal_drift = 0.01;
-  double vertical_drift = 0.005;
+  double vertical_drift = 0.003;
   double rotation_drift_deg = 1.0;
   int max_registrations = 2;
   // What to match.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
@@ -16,12 +17,12 @@ struct Distance {
 
 /// What is known of the relative pose of two key frames before they are matched.
 struct Prior {
-  bool anchored = false;          ///< constraints join the two; if not, the estimate says nothing
-  Pose T_from_to;                 ///< from the newest estimate
-  double sigma_horizontal = 0.0;  ///< m
-  double sigma_vertical = 0.0;    ///< m
-  double sigma_rotation = 0.0;    ///< rad
-  std::optional<Distance> gnss;   ///< where both have a position
+  bool anchored = false;  ///< constraints join the two; if not, the estimate says nothing
+  Pose T_from_to;         ///< from the newest estimate
+  double sigma_horizontal = std::numeric_limits<double>::infinity();  ///< m
+  double sigma_vertical = std::numeric_limits<double>::infinity();    ///< m
+  double sigma_rotation = std::numeric_limits<double>::infinity();    ///< rad
+  std::optional<Distance> gnss;  ///< where both have a position
 };
 
 Prior prior_between(const Trajectory& trajectory, const Separation& separation,

@@ -1,0 +1,81 @@
+#include "lidar_mapping/loop_closing/segment_joins.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr std::size_t kMaxWaiting = 100;
+constexpr double kMaxSpeed = 40.0;             // m/s, of the vehicle while nothing was recorded
+constexpr double kTranslationTolerance = 0.5;  // m, and 2 % of the way between the matches
+constexpr double kDriftTolerance = 0.02;
+constexpr double kRotationTolerance = 0.1;  // rad
+
+struct Ends {
+  Trajectory::NodeId from;
+  Trajectory::NodeId to;
+};
+
+Ends ends_of(const Loop& loop, const Trajectory& trajectory) {
+  return {*trajectory.find(loop.from), *trajectory.find(loop.to)};
+}
+
+Pose odometry_between(const Trajectory& trajectory, Trajectory::NodeId a, Trajectory::NodeId b) {
+  return trajectory[a].T_odom_base.inverse() * trajectory[b].T_odom_base;
+}
+
+double way_between(const Trajectory& trajectory, Trajectory::NodeId a, Trajectory::NodeId b) {
+  return std::abs(trajectory[a].travelled - trajectory[b].travelled);
+}
+
+/// True if odometry leads from one match to the other.
+bool agree(const Loop& a, const Loop& b, const Trajectory& trajectory) {
+  const Ends ends_a = ends_of(a, trajectory);
+  const Ends ends_b = ends_of(b, trajectory);
+  if (trajectory[ends_a.from].segment != trajectory[ends_b.from].segment) return false;
+  if (trajectory[ends_a.to].segment != trajectory[ends_b.to].segment) return false;
+  const Pose predicted = odometry_between(trajectory, ends_b.from, ends_a.from) * a.T_from_to *
+                         odometry_between(trajectory, ends_a.to, ends_b.to);
+  const Vector6d error = difference(predicted, b.T_from_to);
+  const double way = way_between(trajectory, ends_a.from, ends_b.from) +
+                     way_between(trajectory, ends_a.to, ends_b.to);
+  return error.head<3>().norm() < kTranslationTolerance + kDriftTolerance * way &&
+         error.tail<3>().norm() < kRotationTolerance;
+}
+
+/// How far apart the two key frames can be at most: the ways to the ends of their segments and what
+/// the vehicle can have driven between.
+double farthest_apart(const Ends& ends, const Trajectory& trajectory) {
+  Trajectory::NodeId last = ends.from;
+  while (trajectory[last + 1].segment == trajectory[ends.from].segment) ++last;
+  Trajectory::NodeId first = ends.to;
+  while (trajectory[first - 1].segment == trajectory[ends.to].segment) --first;
+  const double gap = to_seconds(trajectory[first].stamp - trajectory[last].stamp);
+  return way_between(trajectory, ends.from, last) + kMaxSpeed * gap +
+         way_between(trajectory, first, ends.to);
+}
+
+}  // namespace
+
+std::vector<Loop> SegmentJoins::add(const Loop& loop, const Trajectory& trajectory) {
+  std::vector<Loop> group = {loop};
+  const Ends ends = ends_of(loop, trajectory);
+  double stretch = 0.0;
+  for (const Loop& other : waiting_) {
+    if (!agree(other, loop, trajectory)) continue;
+    group.push_back(other);
+    stretch = std::max(stretch, way_between(trajectory, ends_of(other, trajectory).to, ends.to));
+  }
+  if (stretch >= stretch_ || farthest_apart(ends, trajectory) <= stretch_) {
+    const auto is_released = [&](const Loop& waiting) { return agree(waiting, loop, trajectory); };
+    waiting_.erase(std::remove_if(waiting_.begin(), waiting_.end(), is_released), waiting_.end());
+    return group;
+  }
+  waiting_.push_back(loop);
+  if (waiting_.size() > kMaxWaiting) waiting_.erase(waiting_.begin());
+  return {};
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,208 @@
+#include <ctime>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/loop_closing/candidates.hpp"
+
+#include "drive.hpp"
+
+namespace lidar_mapping::loop_closing::test {
+namespace {
+
+class NoClouds : public CloudSource {
+ public:
+  PointCloudPtr cloud(KeyFrameIndex) override { return nullptr; }
+};
+
+/// Indices of the key frames at which a search was made. There are no clouds: each attempt ends
+/// undecided, which leaves the policy alone.
+std::vector<std::size_t> attempts(const std::vector<Pose>& poses,
+                                  const LoopClosingConfig& config = {}) {
+  NoClouds clouds;
+  LoopCloser closer(config, clouds);
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!closer.process(key_frame(i, poses[i])).verdicts.empty()) result.push_back(i);
+  }
+  return result;
+}
+
+/// The first key frame with an older one within 7 m of it and 50 m of way.
+std::size_t first_possible(const std::vector<Pose>& poses, double step) {
+  const auto gap = static_cast<std::size_t>(std::ceil(50.0 / step));
+  for (std::size_t i = gap; i < poses.size(); ++i) {
+    for (std::size_t j = 0; j + gap <= i; ++j) {
+      if ((poses[i].translation - poses[j].translation).norm() < 7.0) return i;
+    }
+  }
+  return poses.size();
+}
+
+// F71: waiting never oversleeps a street that is driven back, whatever the length of the drive.
+TEST(Candidates, AreTriedWithinTenKeyFramesOfTheFirstPossibility) {
+  for (double length = 200.0; length < 310.0; length += 9.0) {
+    const auto poses =
+        along({{0, 0}, {length, 0}, {length, 4}, {length - 140.0, 4}, {length - 140.0, 300}});
+    const auto tried = attempts(poses);
+    ASSERT_FALSE(tried.empty()) << length;
+    EXPECT_LE(tried.front(), first_possible(poses, 2.0) + 10) << length;
+  }
+}
+
+// F72: no spacing of key frames is assumed.
+TEST(Candidates, DoNotDependOnTheSpacingOfKeyFrames) {
+  for (const double step : {0.5, 2.0, 5.0}) {
+    const auto poses = along({{0, 0}, {150, 0}, {150, 150}, {0, 150}, {0, 0}, {100, 0}}, step);
+    const auto tried = attempts(poses);
+    ASSERT_FALSE(tried.empty()) << step;
+    EXPECT_NEAR(static_cast<double>(tried.front()) * step, 592.0, 12.0) << step;
+    EXPECT_GE(static_cast<double>(tried.back()) * step, 685.0) << step;
+  }
+}
+
+TEST(Candidates, LoopStepAndMinEdgeIntervalSpaceTheSearches) {
+  const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
+  LoopClosingConfig config;
+  config.loop_step = 5;
+  const auto tried = attempts(poses, config);
+  ASSERT_GE(tried.size(), 3U);
+  for (std::size_t i = 1; i < tried.size(); ++i) EXPECT_GE(tried[i] - tried[i - 1], 5U);
+}
+
+TEST(Candidates, DiffNumAndAccumDistanceThreshKeepNeighboursAway) {
+  const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
+  LoopClosingConfig config;
+  config.diff_num = 90;
+  EXPECT_GE(attempts(poses, config).front(), 90U);
+  config.diff_num = 0;
+  config.accum_distance_thresh = 190.0;
+  EXPECT_GE(attempts(poses, config).front(), 95U);
+}
+
+TEST(Candidates, DistanceThreshLimitsTheRadius) {
+  const auto poses = along({{0, 0}, {200, 0}, {200, 12}, {0, 12}});
+  LoopClosingConfig config;
+  config.max_loop_distance = 20.0;
+  EXPECT_FALSE(attempts(poses, config).empty());
+  config.distance_thresh = 5.0;
+  const auto tried = attempts(poses, config);
+  EXPECT_TRUE(tried.empty() || tried.front() > poses.size());
+}
+
+TEST(Candidates, EverySourceCanBeSwitchedOff) {
+  const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
+  LoopClosingConfig config;
+  config.position_candidates = false;
+  EXPECT_TRUE(attempts(poses, config).empty());
+}
+
+// F73: the search does not slow down with the drive.
+TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
+  Places places{LoopClosingConfig()};
+  std::vector<Eigen::Vector2d> corners;
+  for (int row = 0; row < 20; ++row) {
+    corners.emplace_back(row % 2 == 0 ? 0.0 : 1000.0, 50.0 * row);
+    corners.emplace_back(row % 2 == 0 ? 1000.0 : 0.0, 50.0 * row);
+  }
+  const auto poses = along(corners, 2.0);
+  ASSERT_GT(poses.size(), 10000U);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    places.append(key_frame(i, poses[i]), std::nullopt);
+  }
+  constexpr int kRounds = 50;
+  const std::clock_t begin = std::clock();
+  for (int i = 0; i < kRounds; ++i) places.candidates();
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kRounds;
+  EXPECT_LT(seconds, 1e-3);
+}
+
+/// Two streets 60 m apart; by odometry the second is a new one.
+std::vector<Pose> two_streets() { return along({{0, 0}, {200, 0}, {200, 60}, {0, 60}}); }
+
+// F69: a correction of the map changes what is near.
+TEST(Candidates, AreThoseOfTheCorrectedMap) {
+  LoopClosingConfig config;
+  config.horizontal_drift = 0.0;
+  Places places(config);
+  const auto poses = two_streets();
+  KeyFramePoses corrected{1, true, {}};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    places.append(key_frame(i, poses[i]), std::nullopt);
+    Pose pose = poses[i];
+    pose.translation.y() *= 0.05;
+    corrected.poses.push_back({static_cast<KeyFrameIndex>(i), 0, pose});
+  }
+  EXPECT_TRUE(places.candidates().empty());
+  places.update_poses(corrected);
+  const auto candidates = places.candidates();
+  ASSERT_FALSE(candidates.empty());
+  EXPECT_LE(candidates.front().node, 3U);
+}
+
+// F77: what lies above each other is not near each other.
+TEST(Candidates, AnotherStoreyIsNoCandidate) {
+  LoopClosingConfig config;
+  config.vertical_drift = 0.001;
+  Places places(config);
+  auto poses = along({{0, 0}, {60, 0}, {60, 20}, {0, 20}, {0, 0}, {60, 0}});
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (i > 80) poses[i].translation.z() = 6.0;
+    places.append(key_frame(i, poses[i]), std::nullopt);
+  }
+  EXPECT_TRUE(places.candidates().empty());
+}
+
+GnssPosition position_at(std::size_t i, const Pose& T_enu_base) {
+  GnssPosition position;
+  position.stamp = key_frame(i, {}).stamp;
+  position.p_enu_antenna = T_enu_base.translation;
+  position.covariance = 0.25 * Eigen::Matrix3d::Identity();
+  return position;
+}
+
+// Whatever the heights of the receiver are (F77), and before or after the key frame.
+TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
+  LoopClosingConfig config;
+  config.position_candidates = false;
+  config.accum_distance_thresh = 100.0;
+  Places places(config);
+  const auto truth = along({{0, 0}, {300, 0}, {300, 100}, {0, 100}, {0, 0}});
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    GnssPosition position = position_at(i, truth[i]);
+    position.p_enu_antenna.z() = i % 7 == 0 ? 15.0 : 0.0;
+    if (i % 2 == 0) places.add_gnss(position);
+    places.append(key_frame(i, truth[i]), std::nullopt);
+    if (i % 2 == 1) places.add_gnss(position);
+  }
+  const auto candidates = places.candidates();
+  ASSERT_FALSE(candidates.empty());
+  EXPECT_EQ(candidates.front().source, LoopSource::kGnss);
+  config.gnss_candidates = false;
+  EXPECT_TRUE(Places(config).candidates().empty());
+}
+
+TEST(Candidates, LoopsThatTheMapFollowsMakeItCertain) {
+  LoopClosingConfig config;
+  config.max_loop_distance = 30.0;
+  Places places(config);
+  const auto poses = along({{0, 0}, {500, 0}, {500, 25}, {0, 25}});
+  KeyFramePoses whole{1, true, {}};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    places.append(key_frame(i, poses[i]), std::nullopt);
+    whole.poses.push_back({static_cast<KeyFrameIndex>(i), 0, poses[i]});
+  }
+  Loop loop;
+  loop.from = 1;
+  loop.to = static_cast<KeyFrameIndex>(poses.size() - 2);
+  loop.T_from_to = poses[loop.from].inverse() * poses[loop.to];
+  const auto radius_admits = [&] {
+    places.update_poses(whole);
+    return !places.candidates().empty();
+  };
+  EXPECT_TRUE(radius_admits());
+  places.add_loop(loop);
+  EXPECT_FALSE(radius_admits());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing::test

@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/loop_closing/judgement.hpp"
+
+#include "toy_world.hpp"
+
+namespace lidar_mapping::loop_closing::test {
+namespace {
+
+Match good_match() {
+  Match match;
+  match.alignment.converged = true;
+  match.alignment.T_target_source = planar(1.0, 0.5, 0.1);
+  match.figures = {1000, 0.9, 0.01, 0.2, 0.05};
+  return match;
+}
+
+Prior certain_prior() {
+  Prior prior;
+  prior.anchored = true;
+  prior.T_from_to = planar(1.0, 0.0, 0.1);
+  prior.sigma_horizontal = 0.5;
+  prior.sigma_vertical = 0.1;
+  prior.sigma_rotation = 0.02;
+  return prior;
+}
+
+Judgement judged(const Match& match, const Prior& prior = certain_prior(),
+                 const LoopClosingConfig& config = {}) {
+  return judge(match, prior, config);
+}
+
+/// The verdict is `verdict` and the reason names `parameter`.
+void expect(const Judgement& judgement, Verdict verdict, const std::string& parameter) {
+  EXPECT_EQ(judgement.verdict, verdict) << judgement.reason;
+  EXPECT_NE(judgement.reason.find(parameter), std::string::npos) << judgement.reason;
+}
+
+TEST(Judge, AcceptsWhatNothingSpeaksAgainst) {
+  expect(judged(good_match()), Verdict::kAccepted, "overlap_margin_limit");
+}
+
+// F75: every figure has its say, none alone decides.
+TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
+  Match match = good_match();
+  match.alignment.converged = false;
+  expect(judged(match), Verdict::kRefused, "converge");
+  match = good_match();
+  match.figures.tested_points = 299;
+  expect(judged(match), Verdict::kUndecided, "min_tested_points");
+  match = good_match();
+  match.figures.overlap = 0.5;
+  expect(judged(match), Verdict::kRefused, "overlap_margin_limit");
+  match = good_match();
+  match.figures.free_space_violation = 0.25;
+  expect(judged(match), Verdict::kRefused, "overlap_margin_limit");
+  match = good_match();
+  match.figures.horizontal_eigenvalue = 0.019;
+  expect(judged(match), Verdict::kRefused, "eigenvalue_limit");
+  match = good_match();
+  match.alignment.T_target_source = planar(1.0, 7.5, 0.1);
+  expect(judged(match), Verdict::kRefused, "max_loop_distance");
+  match = good_match();
+  match.alignment.T_target_source = planar(1.0, 5.0, 0.1);
+  expect(judged(match), Verdict::kRefused, "innovation_limit");
+  match = good_match();
+  match.alignment.T_target_source = planar(1.0, 0.0, 0.1, 1.2);
+  expect(judged(match), Verdict::kRefused, "vertical_drift");
+}
+
+TEST(Judge, TheFitnessCountsOnlyOnRequest) {
+  Match match = good_match();
+  match.figures.fitness = 3.0;
+  expect(judged(match), Verdict::kAccepted, "");
+  const auto config =
+      config::load<LoopClosingConfig>({config::parse_yaml("fitness_score_thresh: 2.5\n", "hdl")});
+  expect(judged(match, certain_prior(), config), Verdict::kRefused, "fitness_score_limit");
+}
+
+TEST(Judge, GnssContradicts) {
+  Prior prior = certain_prior();
+  prior.sigma_horizontal = 100.0;
+  prior.gnss = Distance{30.0, 2.0};
+  expect(judged(good_match(), prior), Verdict::kRefused, "GNSS");
+  prior.gnss = Distance{4.0, 2.0};
+  expect(judged(good_match(), prior), Verdict::kAccepted, "");
+}
+
+TEST(Judge, AMatchFarFromAnUncertainEstimateIsFine) {
+  Prior prior = certain_prior();
+  prior.T_from_to = planar(25.0, -10.0, 0.5, 6.0);
+  prior.sigma_horizontal = 12.0;
+  prior.sigma_vertical = 6.0;
+  prior.sigma_rotation = 0.3;
+  expect(judged(good_match(), prior), Verdict::kAccepted, "");
+}
+
+TEST(LoopClosingConfig, LoadsBothAncestorsNames) {
+  const auto config = config::load<LoopClosingConfig>({config::parse_yaml(
+      "loop_step: 5\ndiff_num: 100\ndetect_area: 10.0\nextend_frame_num: 5\n"
+      "fitness_score_limit: 0.2\nmap_filter: voxel_filter\nscan_filter: no_filter\n"
+      "voxel_filter: {map: {leaf_size: 0.3}, scan: {leaf_size: 0.3}}\n"
+      "distance_thresh: 15.0\naccum_distance_thresh: 25.0\nmin_edge_interval: 15.0\n",
+      "articles")});
+  EXPECT_EQ(config.diff_num, 100);
+  EXPECT_EQ(config.scan_filter, FilterMethod::kNone);
+  EXPECT_EQ(config.map_leaf_size, 0.3);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing::test

@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/loop_closing/judgement.hpp"
+#include "lidar_mapping/loop_closing/submaps.hpp"
+
+#include "drive.hpp"
+
+namespace lidar_mapping::loop_closing::test {
+namespace {
+
+/// A street with a submap around its middle and the scan of another place in it.
+struct Street {
+  explicit Street(const ToyWorld& world, const Pose& newest)
+      : poses(along({{-30, 0}, {30, 0}})), clouds(world, with(poses, newest)), submaps({}, clouds) {
+    submaps.set_sensor_origin(ToyWorld::sensor());
+    for (std::size_t i = 0; i < poses.size(); ++i) trajectory.append(key_frame(i, poses[i]));
+    submap = submaps.around(trajectory, kMiddle);
+    KeyFrame last = key_frame(poses.size(), newest);
+    last.segment = 1;
+    trajectory.append(last);
+    submaps.take_newest(last);
+    query = submaps.query(trajectory);
+    T_true = poses[kMiddle].inverse() * newest;
+  }
+  static std::vector<Pose> with(std::vector<Pose> poses, const Pose& newest) {
+    poses.push_back(newest);
+    return poses;
+  }
+  Match matched(const Pose& guess) const {
+    Match match;
+    match.alignment = align_point_to_plane(query->points, submap->surface, guess);
+    match.figures = measure_match(*query, *submap, match.alignment.T_target_source, 2.0);
+    return match;
+  }
+
+  static constexpr std::size_t kMiddle = 15;
+  std::vector<Pose> poses;
+  DriveClouds clouds;
+  Trajectory trajectory;
+  Submaps submaps;
+  std::shared_ptr<const Submap> submap;
+  std::optional<QueryScan> query;
+  Pose T_true;
+};
+
+Prior anything() { return {}; }
+
+TEST(Matching, ConvergesFromWhatTheAppearanceGives) {
+  const Street street(make_town(100.0, 100.0, 6), planar(2.0, 3.0, kPi));
+  for (const double x : {-1.5, 0.0, 1.5}) {
+    for (const double turn : {-0.08, 0.08}) {
+      const Match match = street.matched(street.T_true * planar(x, 1.0, turn));
+      EXPECT_TRUE(match.alignment.converged);
+      const Vector6d error = difference(street.T_true, match.alignment.T_target_source);
+      EXPECT_LT(error.head<3>().norm(), 0.05);
+      EXPECT_LT(error.tail<3>().norm(), 0.005);
+      EXPECT_EQ(judge(match, anything(), {}).verdict, Verdict::kAccepted);
+    }
+  }
+}
+
+TEST(Matching, CovarianceIsThatOfTheErrors) {
+  const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
+  const Match match = street.matched(street.T_true);
+  EXPECT_TRUE(is_valid_covariance(match.alignment.covariance));
+  EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
+}
+
+// F75: the fitness of a wrong place can be small; overlap and free space tell.
+TEST(Matching, AnotherPlaceIsRefused) {
+  const ToyWorld here = make_town(100.0, 100.0, 6);
+  const ToyWorld elsewhere = make_town(100.0, 100.0, 7);
+  Street street(here, planar(0.0, 0.0, 0.0));
+  DriveClouds other(elsewhere, {planar(0.0, 0.0, 0.0)});
+  Submaps submaps({}, other);
+  Trajectory trajectory;
+  KeyFrame key = key_frame(0, planar(0.0, 0.0, 0.0));
+  trajectory.append(key);
+  submaps.take_newest(key);
+  street.query = submaps.query(trajectory);
+  int accepted = 0;
+  for (double heading = 0.0; heading < 2.0 * kPi; heading += kPi / 6.0) {
+    const Match match = street.matched(planar(0.0, 0.0, heading));
+    accepted += judge(match, anything(), {}).verdict == Verdict::kAccepted;
+  }
+  EXPECT_EQ(accepted, 0);
+}
+
+/// A smooth tunnel along x, 8 m wide and 5 m high.
+ToyWorld make_tunnel() {
+  ToyWorld world;
+  world.boxes = {
+      {{-200, 4, 0}, {200, 6, 5}}, {{-200, -6, 0}, {200, -4, 5}}, {{-200, -6, 5}, {200, 6, 6}}};
+  return world;
+}
+
+// F75: a tunnel looks the same everywhere along its axis.
+TEST(Matching, ATunnelDoesNotPinThePosition) {
+  const Street street(make_tunnel(), planar(0.5, 0.0, 0.0));
+  for (const double slip : {-6.0, -3.0, 3.0, 6.0}) {
+    const Match match = street.matched(street.T_true * planar(slip, 0.3, 0.02));
+    EXPECT_LT(match.figures.horizontal_eigenvalue, 0.02);
+    EXPECT_NE(judge(match, anything(), {}).verdict, Verdict::kAccepted);
+  }
+}
+
+TEST(Matching, AnOpenFieldStaysUndecided) {
+  const Street street(ToyWorld(), planar(1.0, 0.0, 0.0));
+  const Match match = street.matched(street.T_true);
+  const Judgement judgement = judge(match, anything(), {});
+  EXPECT_NE(judgement.verdict, Verdict::kAccepted);
+}
+
+TEST(Matching, ObjectsWhereOneLookedThroughViolateFreeSpace) {
+  ToyWorld before = make_town(100.0, 100.0, 6);
+  ToyWorld after = before;
+  for (double x = -20.0; x < 20.0; x += 6.0) after.boxes.push_back({{x, 4, 0}, {x + 4, 5.5, 2.5}});
+  const Street same(before, planar(0.0, 0.0, 0.0));
+  Street changed(before, planar(0.0, 0.0, 0.0));
+  DriveClouds clouds(after, {planar(0.0, 0.0, 0.0)});
+  Submaps submaps({}, clouds);
+  submaps.set_sensor_origin(ToyWorld::sensor());
+  Trajectory trajectory;
+  trajectory.append(key_frame(0, planar(0.0, 0.0, 0.0)));
+  submaps.take_newest(key_frame(0, planar(0.0, 0.0, 0.0)));
+  changed.query = submaps.query(trajectory);
+  EXPECT_LT(same.matched(same.T_true).figures.free_space_violation, 0.02);
+  EXPECT_GT(changed.matched(changed.T_true).figures.free_space_violation, 0.1);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing::test

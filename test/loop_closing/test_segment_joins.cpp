@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/loop_closing/segment_joins.hpp"
+
+#include "drive.hpp"
+
+namespace lidar_mapping::loop_closing::test {
+namespace {
+
+/// A street in segment 0 and the same street again in segment 1, `gap` seconds later, in an
+/// odometry frame of its own.
+struct Streets {
+  explicit Streets(double gap) {
+    const auto poses = along({{0, 0}, {300, 0}});
+    count = poses.size();
+    const Pose T_new_old = planar(1000.0, -50.0, 1.0);
+    for (std::size_t i = 0; i < 2 * count; ++i) {
+      KeyFrame key = key_frame(i, i < count ? poses[i] : T_new_old * poses[i - count]);
+      key.segment = i < count ? 0 : 1;
+      if (key.segment == 1) key.stamp += from_seconds(gap);
+      trajectory.append(key);
+    }
+  }
+  Loop match(std::size_t place, const Pose& T_from_to) const {
+    Loop loop;
+    loop.from = static_cast<KeyFrameIndex>(place);
+    loop.to = static_cast<KeyFrameIndex>(place + count);
+    loop.T_from_to = T_from_to;
+    return loop;
+  }
+  std::size_t count;
+  Trajectory trajectory;
+};
+
+TEST(SegmentJoins, BelieveMatchesThatAgreeOverALongWay) {
+  const Streets streets(1000.0);
+  SegmentJoins joins(100.0);
+  EXPECT_TRUE(joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
+  EXPECT_TRUE(joins.add(streets.match(40, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
+  EXPECT_EQ(joins.add(streets.match(61, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 3U);
+}
+
+TEST(SegmentJoins, DoNotBelieveMatchesThatContradictEachOther) {
+  const Streets streets(1000.0);
+  SegmentJoins joins(100.0);
+  joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory);
+  EXPECT_TRUE(joins.add(streets.match(61, planar(9.0, 1.0, 0.0)), streets.trajectory).empty());
+  EXPECT_TRUE(joins.add(streets.match(90, planar(0.2, 1.0, 0.5)), streets.trajectory).empty());
+}
+
+TEST(SegmentJoins, BelieveOneMatchWhereTheVehicleCannotHaveGoneFar) {
+  const Streets streets(1.0);
+  SegmentJoins joins(100.0);
+  Loop loop = streets.match(0, planar(1.0, 0.0, 0.0));
+  loop.from = static_cast<KeyFrameIndex>(streets.count - 3);
+  EXPECT_EQ(joins.add(loop, streets.trajectory).size(), 1U);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing::test

@@ -1,0 +1,112 @@
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/loop_closing/place_grid.hpp"
+#include "lidar_mapping/loop_closing/separation.hpp"
+#include "lidar_mapping/loop_closing/trajectory.hpp"
+
+#include "drive.hpp"
+
+namespace lidar_mapping::loop_closing::test {
+namespace {
+
+Trajectory straight(std::size_t count) {
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < count; ++i) {
+    trajectory.append(key_frame(i, planar(2.0 * static_cast<double>(i), 0.0, 0.0)));
+  }
+  return trajectory;
+}
+
+// F69: what is not optimised yet follows the newest pose that is.
+TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
+  Trajectory trajectory = straight(5);
+  const auto moved = trajectory.update({1, true, {{2, 0, planar(4.0, 10.0, kPi / 2.0)}}});
+  EXPECT_EQ(moved.size(), 3U);
+  EXPECT_NEAR(trajectory[4].T_map_base.translation.y(), 14.0, 1e-9);
+  EXPECT_NEAR(trajectory[4].T_map_base.translation.x(), 4.0, 1e-9);
+  trajectory.append(key_frame(5, planar(10.0, 0.0, 0.0)));
+  EXPECT_NEAR(trajectory[5].T_map_base.translation.y(), 16.0, 1e-9);
+  EXPECT_NEAR(trajectory[1].T_map_base.translation.x(), 2.0, 1e-9);
+}
+
+TEST(Trajectory, KeepsPosesAndPositionsThatComeBeforeTheirKeyFrame) {
+  Trajectory trajectory = straight(2);
+  trajectory.update({1, true, {{2, 0, planar(7.0, 0.0, 0.0)}}});
+  GnssPosition position;
+  position.stamp = key_frame(2, {}).stamp;
+  EXPECT_FALSE(trajectory.add_gnss(position));
+  trajectory.append(key_frame(2, planar(4.0, 0.0, 0.0)));
+  EXPECT_EQ(trajectory[2].T_map_base.translation.x(), 7.0);
+  EXPECT_TRUE(trajectory[2].gnss);
+  position.stamp = key_frame(1, {}).stamp;
+  EXPECT_EQ(trajectory.add_gnss(position), std::optional<std::size_t>(1));
+  position.stamp += 1;
+  EXPECT_FALSE(trajectory.add_gnss(position));
+}
+
+TEST(Trajectory, RefusesIndicesThatGoBack) {
+  Trajectory trajectory = straight(3);
+  EXPECT_THROW(trajectory.append(key_frame(2, {})), InputError);
+}
+
+TEST(Trajectory, NoOdometryJoinsSegments) {
+  Trajectory trajectory = straight(2);
+  KeyFrame next = key_frame(2, planar(500.0, 0.0, 0.0));
+  next.segment = 1;
+  trajectory.append(next);
+  EXPECT_EQ(trajectory[2].travelled, trajectory[1].travelled);
+}
+
+TEST(Separation, IsTheShortestWayThroughLoops) {
+  Separation separation;
+  for (int i = 0; i <= 100; ++i) separation.append(2.0);
+  EXPECT_DOUBLE_EQ(separation.to(0), 200.0);
+  separation.relink({{10, 90}});
+  EXPECT_DOUBLE_EQ(separation.to(10), 20.0);
+  EXPECT_DOUBLE_EQ(separation.to(0), 40.0);
+  EXPECT_DOUBLE_EQ(separation.to(50), 100.0);
+  separation.append(3.0);
+  EXPECT_DOUBLE_EQ(separation.to(0), 43.0);
+  EXPECT_DOUBLE_EQ(separation.to(101), 0.0);
+}
+
+TEST(Separation, IsInfiniteAcrossSegmentsUntilALoopJoinsThem) {
+  const double none = std::numeric_limits<double>::infinity();
+  Separation separation;
+  for (const double step : {0.0, 2.0, 2.0, none, 2.0}) separation.append(step);
+  EXPECT_EQ(separation.to(1), none);
+  EXPECT_DOUBLE_EQ(separation.to(3), 2.0);
+  separation.relink({{0, 4}});
+  EXPECT_DOUBLE_EQ(separation.to(2), 4.0);
+}
+
+TEST(PlaceGrid, FindsWhatAScanOverAllFindsWhileNodesMove) {
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> coordinate(-300.0, 300.0);
+  const auto somewhere = [&] {
+    return Eigen::Vector2d(coordinate(generator), coordinate(generator));
+  };
+  PlaceGrid grid;
+  std::vector<Eigen::Vector2d> places(1000);
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      places[i] = somewhere();
+      grid.place(i, places[i]);
+    }
+    for (const double radius : {5.0, 40.0, 700.0}) {
+      const Eigen::Vector2d centre = somewhere();
+      std::vector<std::size_t> expected;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        if ((places[i] - centre).norm() <= radius) expected.push_back(i);
+      }
+      EXPECT_EQ(grid.within(centre, radius), expected);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing::test
