@@ -28,7 +28,7 @@ void describe_search(config::Schema<Config>& schema) {
       .real("horizontal_drift", &Config::horizontal_drift, {0.0, 0.2}, "m/m",
             "Standard deviation of the estimate's horizontal drift per way driven.")
       .real("vertical_drift", &Config::vertical_drift, {0.0, 0.2}, "m/m",
-            "The same of the vertical drift over 1 km; it grows with the power 1.5 of the way.")
+            "Standard deviation of the height after 1 km; it grows with the power 1.5 of the way.")
       .real("rotation_drift_deg", &Config::rotation_drift_deg, {0.0, 90.0}, "deg per 100 m",
             "Standard deviation of the estimate's rotation drift per way driven.")
       .integer("max_registrations", &Config::max_registrations, {1, 50}, "",

@@ -40,6 +40,7 @@ Submaps::Submaps(const LoopClosingConfig& config, CloudSource& clouds)
     : config_(config), clouds_(clouds) {}
 
 void Submaps::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
+  if (p_base_lidar_ == p_base_lidar.cast<float>()) return;
   p_base_lidar_ = p_base_lidar.cast<float>();
   kept_submaps_.clear();
 }
