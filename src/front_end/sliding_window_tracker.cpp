@@ -28,6 +28,10 @@ constexpr double kDegenerateShare = 0.0015;
 // Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.
 constexpr double kUsualSpeed = 35.0;  // m/s
 constexpr double kStartStep = 1.0;    // m
+// Share of the last step in the twist with which a sweep is deskewed. An error of the pose bends
+// the sweep, and a bent sweep turns the pose: with 1 the two chase each other to ever larger
+// swings.
+constexpr double kSweepSmoothing = 0.4;
 // Of a pose that was predicted, not measured.
 constexpr double kLostSigma = 1.0;       // m
 constexpr double kLostAngleSigma = 0.1;  // rad
@@ -109,7 +113,7 @@ class SlidingWindowTracker::Impl {
     const double seconds = to_seconds(scan.stamp - stamp_);
     predict_twist(prior);
     const Pose predicted = moved(T_odom_base_, twist_, seconds);
-    const PointCloud cloud = deskewed(scan.cloud, twist_);
+    const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
     const double sampling = stopwatch.lap();
     const Match match = find(sample, predicted, seconds);
@@ -133,6 +137,7 @@ class SlidingWindowTracker::Impl {
     window_.clear();
     T_odom_base_ = T_odom_base;
     twist_.setZero();
+    sweep_twist_.setZero();
   }
 
   PointCloud local_map() const { return window_.joint_cloud(Pose::Identity()); }
@@ -149,7 +154,7 @@ class SlidingWindowTracker::Impl {
     predict_twist(prior);
     speed_known_ = prior.linear_velocity.has_value();
     stamp_ = tracked_stamp_ = scan.stamp;
-    keep(deskewed(scan.cloud, twist_));
+    keep(deskewed(scan.cloud, sweep_twist_));
     TrackedScan tracked;
     tracked.T_odom_base = T_odom_base_;
     tracked.covariance = diagonal_covariance(1e-4, 1e-5);
@@ -160,8 +165,13 @@ class SlidingWindowTracker::Impl {
   }
 
   void predict_twist(const MotionPrior& prior) {
-    if (prior.linear_velocity) twist_.head<3>() = *prior.linear_velocity;
-    if (prior.angular_velocity) twist_.tail<3>() = *prior.angular_velocity;
+    sweep_twist_ += kSweepSmoothing * (twist_ - sweep_twist_);
+    if (prior.linear_velocity) {
+      twist_.head<3>() = sweep_twist_.head<3>() = *prior.linear_velocity;
+    }
+    if (prior.angular_velocity) {
+      twist_.tail<3>() = sweep_twist_.tail<3>() = *prior.angular_velocity;
+    }
   }
 
   Match find(const PointCloud& sample, const Pose& predicted, double seconds) {
@@ -263,6 +273,7 @@ class SlidingWindowTracker::Impl {
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan
   Vector6d twist_ = Vector6d::Zero();
+  Vector6d sweep_twist_ = Vector6d::Zero();  ///< with which sweeps are deskewed
   Stamp stamp_ = 0;
   Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
   bool speed_known_ = false;
