@@ -1,5 +1,7 @@
 #include "lidar_mapping/ros/node.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -13,6 +15,14 @@ namespace {
 void say_fatal(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) ROS_FATAL_STREAM(line);
+}
+
+/// Messages that differ in their figures only are of one kind.
+std::string without_digits(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(),
+                            [](unsigned char c) { return std::isdigit(c) != 0; }),
+             text.end());
+  return text;
 }
 
 /// Runs until the end; false if there was nothing to run.
@@ -30,7 +40,8 @@ bool run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) 
 NodeContext::NodeContext()
     : worker([limiter = WarningLimiter()](const std::string& channel,
                                           const std::string& what) mutable {
-        if (limiter.due(channel)) ROS_WARN_STREAM(channel << ": message left out: " << what);
+        if (limiter.due(channel + without_digits(what)))
+          ROS_WARN_STREAM(channel << ": message left out: " << what);
       }) {}
 
 std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequence) {
@@ -42,6 +53,8 @@ std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequ
 }
 
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
+  // Without a node handle roscpp shuts down, and its log with it.
+  const ros::NodeHandle keeps_log;
   try {
     run_to_end(make);
     return 0;

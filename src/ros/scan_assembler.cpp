@@ -1,7 +1,10 @@
 #include "lidar_mapping/ros/scan_assembler.hpp"
 
 #include <iterator>
+#include <string>
 #include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -64,7 +67,15 @@ void ScanAssembler::add_odometry(Stamp stamp, const Pose& T_external_base) {
   if (odometry_.size() > kMostOdometry) odometry_.erase(odometry_.begin());
 }
 
-void ScanAssembler::add_scan(Scan scan) { waiting_.push_back(std::move(scan)); }
+void ScanAssembler::add_scan(Scan scan) {
+  if (newest_ && scan.stamp <= *newest_) {
+    throw InputError("the stamp of a scan goes back by " +
+                     std::to_string(to_seconds(*newest_ - scan.stamp)) +
+                     " s; to map another drive start the nodes again");
+  }
+  newest_ = scan.stamp;
+  waiting_.push_back(std::move(scan));
+}
 
 std::vector<AssembledScan> ScanAssembler::take_ready() {
   std::vector<AssembledScan> out;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/scan_assembler.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -123,6 +124,16 @@ TEST(ScanAssembler, LeavesOutScansInAGapOfTheOutsideOdometry) {
   assembler.add_scan(scan_at(5 * kPeriod));
   EXPECT_TRUE(assembler.flush().empty());
   EXPECT_EQ(assembler.scans_without_odometry(), 1U);
+}
+
+// F7: arrival order was taken for time order.
+TEST(ScanAssembler, RefusesStampsThatGoBackAndKeepsTheOthers) {
+  ScanAssembler assembler(false);
+  assembler.add_scan(scan_at(2 * kPeriod));
+  EXPECT_THROW(assembler.add_scan(scan_at(kPeriod)), InputError);
+  EXPECT_THROW(assembler.add_scan(scan_at(2 * kPeriod)), InputError);
+  assembler.add_scan(scan_at(3 * kPeriod));
+  EXPECT_EQ(stamps(assembler.flush()), (std::vector<Stamp>{2 * kPeriod, 3 * kPeriod}));
 }
 
 TEST(ScanAssembler, AnOutsideOdometryThatIsSilentHoldsNoMemory) {

@@ -31,6 +31,7 @@ class ScanAssembler {
   void add_velocity(const VelocitySample& sample_base);
   void add_gnss(const GnssPosition& position);
   void add_odometry(Stamp stamp, const Pose& T_external_base);
+  /// Throws InputError if the stamp does not increase.
   void add_scan(Scan scan);
 
   /// The scans that are waited for no longer, oldest first.
@@ -62,6 +63,7 @@ class ScanAssembler {
   Stream<GnssPosition> gnss_;
   std::map<Stamp, Pose> odometry_;
   std::deque<Scan> waiting_;
+  std::optional<Stamp> newest_;
   std::size_t without_odometry_ = 0;
 };
 

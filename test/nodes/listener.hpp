@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+namespace lidar_mapping::test {
+
+/// Lets messages come in until the condition holds, or `seconds` have passed; says whether it
+/// holds.
+inline bool wait_until(const std::function<bool()>& condition, double seconds = 20.0) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (ros::ok() && !condition()) {
+    if (ros::WallTime::now() >= end) return false;
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
+  }
+  return condition();
+}
+
+/// Keeps all messages of a topic.
+template <typename Message>
+class Listener {
+ public:
+  explicit Listener(const std::string& topic)
+      : subscriber_(ros::NodeHandle().subscribe<Message>(
+            topic, 1000, [this](const boost::shared_ptr<const Message>& message) {
+              messages.push_back(*message);
+            })) {}
+
+  bool connected() const { return subscriber_.getNumPublishers() > 0; }
+  bool wait_for(std::size_t count, double seconds = 20.0) {
+    return wait_until([&] { return messages.size() >= count; }, seconds);
+  }
+
+  std::vector<Message> messages;
+
+ private:
+  ros::Subscriber subscriber_;
+};
+
+/// A publisher that a node has found.
+template <typename Message>
+ros::Publisher connected_publisher(const std::string& topic) {
+  ros::Publisher publisher = ros::NodeHandle().advertise<Message>(topic, 1000);
+  wait_until([&] { return publisher.getNumSubscribers() > 0; });
+  return publisher;
+}
+
+}  // namespace lidar_mapping::test

@@ -1,0 +1,91 @@
+#include "node_process.hpp"
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <fcntl.h>
+#include <ros/master.h>
+#include <ros/param.h>
+#include <ros/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace lidar_mapping::test {
+
+namespace {
+
+std::string temporary_file() {
+  char name[] = "/tmp/lidar_mapping_test_XXXXXX";
+  close(mkstemp(name));
+  return name;
+}
+
+[[noreturn]] void become(const std::string& path, const std::vector<std::string>& arguments,
+                         const std::string& output_file) {
+  const int file = open(output_file.c_str(), O_WRONLY | O_APPEND);
+  dup2(file, STDOUT_FILENO);
+  dup2(file, STDERR_FILENO);
+  std::vector<char*> words = {const_cast<char*>(path.c_str())};
+  for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  execvp(path.c_str(), words.data());
+  _exit(127);
+}
+
+}  // namespace
+
+NodeProcess::NodeProcess(const std::string& program, const std::vector<std::string>& arguments)
+    : output_file_(temporary_file()) {
+  // Programs of this package by their name, others by their path.
+  const std::string path = program.find('/') == std::string::npos
+                               ? std::string(LIDAR_MAPPING_PROGRAMS) + "/" + program
+                               : program;
+  // What an earlier node of this name was told must not reach this one.
+  if (ros::param::has("/" + program)) ros::param::del("/" + program);
+  pid_ = fork();
+  if (pid_ == 0) become(path, arguments, output_file_);
+}
+
+NodeProcess::~NodeProcess() {
+  stop();
+  unlink(output_file_.c_str());
+}
+
+bool NodeProcess::is_running() { return wait(0.0) == -1; }
+
+void NodeProcess::stop() { end(SIGINT); }
+
+void NodeProcess::kill() { end(SIGKILL); }
+
+void NodeProcess::end(int signal) {
+  if (!is_running()) return;
+  ::kill(pid_, signal);
+  if (wait(30.0) != -1 || !is_running()) return;
+  ::kill(pid_, SIGKILL);
+  wait(10.0);
+}
+
+int NodeProcess::wait(double seconds) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (pid_ > 0) {
+    int status = 0;
+    if (waitpid(pid_, &status, WNOHANG) == pid_) {
+      pid_ = -1;
+      status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    } else if (ros::WallTime::now() >= end) {
+      return -1;
+    } else {
+      ros::WallDuration(0.01).sleep();
+    }
+  }
+  return status_;
+}
+
+std::string NodeProcess::output() const {
+  std::ifstream file(output_file_);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace lidar_mapping::test

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace lidar_mapping::test {
+
+/// A program of this package that runs beside the test and ends with this object.
+class NodeProcess {
+ public:
+  /// Arguments are given as on the command line; `_name:=value` sets a private parameter.
+  explicit NodeProcess(const std::string& program, const std::vector<std::string>& arguments = {});
+  ~NodeProcess();
+  NodeProcess(const NodeProcess&) = delete;
+  NodeProcess& operator=(const NodeProcess&) = delete;
+
+  bool is_running();
+  /// Asks it to end (SIGINT) and waits.
+  void stop();
+  /// Ends it without a chance to tidy up.
+  void kill();
+  /// Exit status; waits at most `seconds` and is -1 if it has not ended by itself.
+  int wait(double seconds);
+  /// All that it has written to both streams so far.
+  std::string output() const;
+
+ private:
+  void end(int signal);
+
+  pid_t pid_ = -1;
+  int status_ = -1;
+  std::string output_file_;
+};
+
+}  // namespace lidar_mapping::test

@@ -1,0 +1,203 @@
+#include <limits>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+
+#include "listener.hpp"
+#include "node_process.hpp"
+#include "yard.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+using ros_border::from_ros;
+
+constexpr Stamp kBegin = 1317384506123456789;
+constexpr Stamp kPeriod = 100000000;
+
+Stamp stamp_of(int step) { return kBegin + step * kPeriod; }
+
+/// A front end with listeners on all that it says.
+class FrontEndNode : public testing::Test {
+ protected:
+  FrontEndNode() { start({}); }
+
+  void start(std::vector<std::string> arguments) {
+    arguments.push_back("_key_frame_distance:=1.9");
+    node_.reset();
+    node_ = std::make_unique<NodeProcess>("front_end_node", arguments);
+    clouds_ = connected_publisher<sensor_msgs::PointCloud2>("synced_cloud");
+    ASSERT_TRUE(wait_until([&] { return odometry_.connected() && key_frames_.connected(); }));
+  }
+  void send(int step) {
+    clouds_.publish(
+        ros_border::to_message(yard_seen_from(straight(step), 7U), stamp_of(step), "base_link"));
+  }
+  void drive(int from, int to) {
+    for (int step = from; step < to; ++step) {
+      const std::size_t before = odometry_.messages.size();
+      send(step);
+      wait_until([&] { return odometry_.messages.size() > before; }, 2.0);
+    }
+  }
+
+  std::unique_ptr<NodeProcess> node_;
+  ros::Publisher clouds_;
+  Listener<nav_msgs::Odometry> odometry_{"laser_odom"};
+  Listener<KeyFrameMessage> key_frames_{"key_frame"};
+  Listener<FrontEndStatusMessage> status_{"front_end_status"};
+  Listener<tf2_msgs::TFMessage> tf_{"tf"};
+};
+
+// F1, F10: stamps were mangled, and lost messages shifted the pairs.
+TEST_F(FrontEndNode, GivesOdometryForEachScanWithItsStampBitForBit) {
+  drive(0, 12);
+  ASSERT_TRUE(odometry_.wait_for(12));
+  for (int step = 0; step < 12; ++step) {
+    const nav_msgs::Odometry& message = odometry_.messages[static_cast<std::size_t>(step)];
+    EXPECT_EQ(from_ros(message.header.stamp), stamp_of(step));
+    EXPECT_EQ(message.header.frame_id, "odom");
+    EXPECT_EQ(message.child_frame_id, "base_link");
+    EXPECT_NEAR(message.pose.pose.position.x, 0.5 * step, 0.1);
+  }
+  ASSERT_TRUE(status_.wait_for(12));
+  EXPECT_EQ(from_ros(status_.messages[5].header.stamp), stamp_of(5));
+  EXPECT_EQ(status_.messages[5].state, "tracking");
+}
+
+// F48: no covariance, no twist, no tf.
+TEST_F(FrontEndNode, GivesCovarianceTwistAndTransform) {
+  drive(0, 12);
+  ASSERT_TRUE(odometry_.wait_for(12));
+  const nav_msgs::Odometry& last = odometry_.messages.back();
+  EXPECT_NEAR(last.twist.twist.linear.x, 5.0, 0.5);
+  EXPECT_GT(last.pose.covariance[0], 0.0);
+  EXPECT_GT(last.twist.covariance[0], 0.0);
+  ASSERT_TRUE(tf_.wait_for(12));
+  const auto& transform = tf_.messages.back().transforms.at(0);
+  EXPECT_EQ(transform.header.frame_id, "odom");
+  EXPECT_EQ(transform.child_frame_id, "base_link");
+  EXPECT_EQ(from_ros(transform.header.stamp), stamp_of(11));
+  EXPECT_EQ(transform.transform.translation.x, last.pose.pose.position.x);
+}
+
+// F13: a stored cloud must have the pose of its own stamp.
+TEST_F(FrontEndNode, NumbersItsKeyFramesAndGivesThemThePoseOfTheirStamp) {
+  drive(0, 14);
+  ASSERT_TRUE(odometry_.wait_for(14) && key_frames_.wait_for(3));
+  for (std::size_t i = 0; i < key_frames_.messages.size(); ++i) {
+    const KeyFrameMessage& key_frame = key_frames_.messages[i];
+    EXPECT_EQ(key_frame.index, i);
+    EXPECT_EQ(key_frame.segment, 0U);
+    EXPECT_FALSE(key_frame.run_id.empty());
+    EXPECT_EQ(key_frame.header.frame_id, "base_link");
+    EXPECT_EQ(key_frame.cloud.header.stamp, key_frame.header.stamp);
+    EXPECT_GT(key_frame.cloud.width, 1000U);
+    const auto odometry = std::find_if(
+        odometry_.messages.begin(), odometry_.messages.end(),
+        [&](const auto& message) { return message.header.stamp == key_frame.header.stamp; });
+    ASSERT_NE(odometry, odometry_.messages.end());
+    EXPECT_EQ(key_frame.odometry_pose.position.x, odometry->pose.pose.position.x);
+  }
+}
+
+// F20: empty and all-NaN sweeps crashed, or became key frames.
+TEST_F(FrontEndNode, LeavesOutScansThatCannotBeUsedAndSaysWhy) {
+  drive(0, 3);
+  clouds_.publish(ros_border::to_message(PointCloud(), stamp_of(3), "base_link"));
+  PointCloud not_finite = yard_seen_from(straight(3), 7U);
+  for (Point& point : not_finite.points) point.x = std::numeric_limits<float>::quiet_NaN();
+  clouds_.publish(ros_border::to_message(not_finite, stamp_of(4), "base_link"));
+  clouds_.publish(
+      ros_border::to_message(yard_seen_from(straight(1), 7U), stamp_of(1), "base_link"));
+  drive(5, 8);
+  ASSERT_TRUE(odometry_.wait_for(6));
+  EXPECT_EQ(odometry_.messages.size(), 6U);
+  EXPECT_NEAR(odometry_.messages.back().pose.pose.position.x, 3.5, 0.2);
+  const std::string output = node_->output();
+  EXPECT_NE(output.find("no point with finite coordinates"), std::string::npos) << output;
+  EXPECT_NE(output.find("stamp of a scan goes back by 0.1"), std::string::npos) << output;
+}
+
+// F21: a missing transform killed or muted the pipeline.
+TEST_F(FrontEndNode, NamesBothFramesOfAMissingTransformOnceAndLivesOn) {
+  for (int step = 0; step < 5; ++step) {
+    clouds_.publish(
+        ros_border::to_message(yard_seen_from(straight(step), 7U), stamp_of(step), "/velodyne"));
+  }
+  drive(5, 7);
+  ASSERT_TRUE(odometry_.wait_for(1));
+  EXPECT_EQ(from_ros(odometry_.messages.front().header.stamp), stamp_of(5));
+  const std::string output = node_->output();
+  const std::string warning = "no transform from frame 'velodyne' to 'base_link' yet";
+  const std::size_t first = output.find(warning);
+  ASSERT_NE(first, std::string::npos) << output;
+  EXPECT_EQ(output.find(warning, first + 1), std::string::npos) << output;
+}
+
+TEST_F(FrontEndNode, TakesTheMotionFromOutsideWhenToldTo) {
+  start({"_odometry:=external"});
+  const auto outside = connected_publisher<nav_msgs::Odometry>("external_odom");
+  for (int step = 0; step < 12; ++step) {
+    nav_msgs::Odometry message;
+    message.header.stamp = ros_border::to_ros(stamp_of(step));
+    message.pose.pose =
+        ros_border::to_message(Pose{Eigen::Quaterniond::Identity(), {0.8 * step, 0.1 * step, 0.0}});
+    outside.publish(message);
+    send(step);
+  }
+  ASSERT_TRUE(odometry_.wait_for(12));
+  EXPECT_NEAR(odometry_.messages.back().pose.pose.position.y -
+                  odometry_.messages.front().pose.pose.position.y,
+              1.1, 1e-6);
+  EXPECT_TRUE(key_frames_.wait_for(3));
+}
+
+TEST_F(FrontEndNode, GoesOnWithTheRunThatTheBackEndHas) {
+  const boost::function<bool(GetKeyFrames::Request&, GetKeyFrames::Response&)> answer =
+      [](GetKeyFrames::Request&, GetKeyFrames::Response& response) {
+        KeyFrame last;
+        last.index = 41;
+        last.segment = 2;
+        last.T_odom_base.translation.x() = 100.0;
+        response.key_frames.push_back(ros_border::to_message(last, "the run", "base_link"));
+        response.poses.run_id = "the run";
+        return true;
+      };
+  const ros::ServiceServer service = ros::NodeHandle().advertiseService("get_key_frames", answer);
+  drive(0, 3);
+  ASSERT_TRUE(key_frames_.wait_for(1));
+  EXPECT_EQ(key_frames_.messages.front().run_id, "the run");
+  EXPECT_EQ(key_frames_.messages.front().index, 42U);
+  EXPECT_EQ(key_frames_.messages.front().segment, 3U);
+  EXPECT_NEAR(key_frames_.messages.front().odometry_pose.position.x, 100.0, 1e-6);
+}
+
+TEST_F(FrontEndNode, ReportsItsStateInDiagnostics) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  drive(0, 4);
+  clouds_.publish(ros_border::to_message(PointCloud(), stamp_of(4), "base_link"));
+  const auto says = [&](const std::string& message, const std::string& value) {
+    for (const auto& array : diagnostics.messages) {
+      for (const auto& status : array.status) {
+        for (const auto& pair : status.values) {
+          if (status.message == message && pair.value.find(value) != std::string::npos) return true;
+        }
+      }
+    }
+    return false;
+  };
+  EXPECT_TRUE(wait_until(
+      [&] { return says("tracking", "4 handled, 0 dropped, 0 lost, 1 refused"); }, 10.0));
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test

@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+
+#include "listener.hpp"
+#include "node_process.hpp"
+#include "yard.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+constexpr int kCount = 60;
+
+/// Out and back on the same line, 2 m between key frames, with odometry that drifts sideways.
+KeyFrame key_frame_at(int index) {
+  const int step = index < kCount / 2 ? index : kCount - 1 - index;
+  const Pose T_map_base = straight(step, 0.8);
+  KeyFrame key_frame;
+  key_frame.index = static_cast<KeyFrameIndex>(index);
+  key_frame.stamp = 1317384506123456789 + index * 400000000LL;
+  key_frame.T_odom_base = T_map_base;
+  key_frame.T_odom_base.translation.y() += 0.02 * index;
+  key_frame.motion_covariance = diagonal_covariance(0.05, 0.005);
+  key_frame.cloud =
+      std::make_shared<PointCloud>(yard_seen_from(T_map_base, static_cast<unsigned>(index)));
+  return key_frame;
+}
+
+/// A back end that has all key frames of a finished drive.
+class LoopClosingNode : public testing::Test {
+ protected:
+  LoopClosingNode() {
+    for (int i = 0; i < kCount; ++i) {
+      stored_.push_back(ros_border::to_message(key_frame_at(i), "run", "base_link"));
+    }
+    const boost::function<bool(GetKeyFrames::Request&, GetKeyFrames::Response&)> answer =
+        [this](GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
+          return serve(request, response);
+        };
+    service_ = ros::NodeHandle().advertiseService("get_key_frames", answer);
+  }
+
+  bool serve(const GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
+    response.poses.run_id = "run";
+    for (const KeyFrameMessage& message : stored_) {
+      const bool wanted = request.indices.empty() ||
+                          std::count(request.indices.begin(), request.indices.end(), message.index);
+      if (!wanted) continue;
+      response.key_frames.push_back(message);
+      if (!request.clouds) response.key_frames.back().cloud = {};
+    }
+    ++requests_;
+    return true;
+  }
+
+  /// Small yards and short ways: what real drives need would find nothing here.
+  const std::vector<std::string> arguments_ = {"_diff_num:=10", "_loop_step:=1",
+                                               "_accum_distance_thresh:=10.0"};
+  std::vector<KeyFrameMessage> stored_;
+  std::size_t requests_ = 0;
+  ros::ServiceServer service_;
+  Listener<LoopMessage> loops_{"loop"};
+  Listener<LoopVerdictMessage> verdicts_{"loop_verdict"};
+};
+
+TEST_F(LoopClosingNode, FindsTheLoopsOfADriveThatItNeverHeardOf) {
+  NodeProcess node("loop_closing_node", arguments_);
+  ASSERT_TRUE(loops_.wait_for(1, 60.0)) << node.output();
+  const LoopMessage& loop = loops_.messages.front();
+  EXPECT_EQ(loop.run_id, "run");
+  EXPECT_LT(loop.from, loop.to);
+  EXPECT_EQ(loop.header.stamp, stored_[loop.to].header.stamp);
+  const Pose T_from_to = ros_border::from_message(loop).T_from_to;
+  const Pose truth = straight(static_cast<int>(loop.from), 0.8).inverse() *
+                     straight(kCount - 1 - static_cast<int>(loop.to), 0.8);
+  EXPECT_LT((T_from_to.translation - truth.translation).norm(), 0.2);
+  EXPECT_TRUE(verdicts_.wait_for(1));
+}
+
+TEST_F(LoopClosingNode, GoesOnAfterItWasKilled) {
+  auto node = std::make_unique<NodeProcess>("loop_closing_node", arguments_);
+  ASSERT_TRUE(wait_until([&] { return requests_ > 2; }));
+  node->kill();
+  loops_.messages.clear();
+  node = std::make_unique<NodeProcess>("loop_closing_node", arguments_);
+  EXPECT_TRUE(loops_.wait_for(1, 60.0)) << node->output();
+}
+
+TEST_F(LoopClosingNode, TakesLiveKeyFramesAndFetchesTheOnesThatWereLost) {
+  std::vector<KeyFrameMessage> all;
+  std::swap(all, stored_);
+  NodeProcess node("loop_closing_node", arguments_);
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  for (const KeyFrameMessage& message : all) {
+    stored_.push_back(message);
+    if (message.index % 3 != 1) live.publish(message);
+    ros::spinOnce();
+  }
+  ASSERT_TRUE(loops_.wait_for(1, 60.0)) << node.output();
+  EXPECT_GT(requests_, 1U);
+}
+
+TEST_F(LoopClosingNode, LivesOnAfterAMessageThatCannotBe) {
+  NodeProcess node("loop_closing_node", arguments_);
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  KeyFrameMessage wrong = stored_.back();
+  wrong.index = kCount;
+  wrong.motion_covariance[0] = std::numeric_limits<double>::quiet_NaN();
+  live.publish(wrong);
+  EXPECT_TRUE(loops_.wait_for(1, 60.0)) << node.output();
+  EXPECT_TRUE(wait_until(
+      [&] { return node.output().find("covariance is not finite") != std::string::npos; }));
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test

@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+
+#include "listener.hpp"
+#include "node_process.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+class EveryNode : public testing::TestWithParam<const char*> {
+ protected:
+  std::string name() const { return GetParam(); }
+};
+
+// F92: a wrong value crashed later, or had no effect.
+TEST_P(EveryNode, EndsWithALinePerProblemBeforeItTouchesData) {
+  NodeProcess node(name(), {"_queue_size:=0", "_base_frame:=/base_link"});
+  EXPECT_EQ(node.wait(20.0), 1);
+  const std::string output = node.output();
+  EXPECT_NE(output.find("/" + name() + ": queue_size: 0 is out of range; allowed: integer from 1"),
+            std::string::npos)
+      << output;
+  EXPECT_NE(output.find("'/base_link' starts with a slash"), std::string::npos) << output;
+}
+
+// F93: a misspelt key was ignored in silence.
+TEST_P(EveryNode, EndsForAnUnknownKeyAndSuggestsTheRightOne) {
+  NodeProcess node(name(), {"_base_farme:=vehicle"});
+  EXPECT_EQ(node.wait(20.0), 1);
+  EXPECT_NE(
+      node.output().find("unknown key 'base_farme' (value vehicle); did you mean 'base_frame'"),
+      std::string::npos)
+      << node.output();
+}
+
+TEST_P(EveryNode, PrintsItsConfigurationInForce) {
+  NodeProcess node(name(), {"--print-config", "_base_frame:=vehicle"});
+  EXPECT_EQ(node.wait(20.0), 0);
+  EXPECT_NE(node.output().find("base_frame: \"vehicle\""), std::string::npos) << node.output();
+}
+
+// F91: frames, topics and paths were compiled in; two instances could not run beside each other.
+TEST_P(EveryNode, StartsInTwoNamespacesAtOnceAndEndsWhenAsked) {
+  NodeProcess one(name(), {"__ns:=one"});
+  NodeProcess two(name(), {"__ns:=two"});
+  const auto alive = [&](const std::string& space) {
+    std::vector<std::string> nodes;
+    ros::master::getNodes(nodes);
+    return std::find(nodes.begin(), nodes.end(), "/" + space + "/" + name()) != nodes.end();
+  };
+  EXPECT_TRUE(wait_until([&] { return alive("one") && alive("two"); }));
+  one.stop();
+  two.stop();
+  EXPECT_EQ(one.wait(0.0), 0) << one.output();
+  EXPECT_EQ(two.wait(0.0), 0) << two.output();
+}
+
+INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode, testing::Values("front_end_node", "loop_closing_node"));
+
+TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
+  ros::param::set("/front_end/key_frame_distance", 7.5);
+  ros::param::set("/nodes/odom_frame", "odometry");
+  NodeProcess node("front_end_node", {"--print-config", "_key_frame_distance:=3.0"});
+  EXPECT_EQ(node.wait(20.0), 0);
+  EXPECT_NE(node.output().find("key_frame_distance: 7.5"), std::string::npos) << node.output();
+  EXPECT_NE(node.output().find("odom_frame: \"odometry\""), std::string::npos) << node.output();
+  ros::param::del("/front_end");
+  ros::param::del("/nodes");
+}
+
+TEST(EffectiveConfiguration, IsLeftOnTheParameterServer) {
+  ros::param::del("/effective_configuration");
+  NodeProcess node("front_end_node", {"_key_frame_distance:=3.0"});
+  std::string yaml;
+  ASSERT_TRUE(
+      wait_until([&] { return ros::param::get("/effective_configuration/front_end", yaml); }));
+  EXPECT_NE(yaml.find("key_frame_distance: 3.0"), std::string::npos) << yaml;
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test
