@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -134,10 +135,11 @@ void replay(const session::Session& session, back_end::BackEnd& back_end) {
   for (const Loop& loop : session.loops()) back_end.add_loop(loop);
 }
 
-void write_results(const session::Session& session, const back_end::BackEnd&,
+void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory) {
   session::write_trajectories(session, poses, directory / "trajectory");
   session::write_loops_csv(session, directory / "loops.csv");
+  back_end::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
 }
 
 }  // namespace lidar_mapping::pipeline

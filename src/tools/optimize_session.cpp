@@ -1,0 +1,111 @@
+// Solves the pose graph of a session again, with other settings if wanted.
+
+#include <chrono>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+using back_end::BackEndConfig;
+using session::Session;
+
+struct Options {
+  std::string session;
+  std::string config;
+  std::vector<std::string> parameters;
+  std::string use_gnss;
+  std::string use_loops;
+  std::string output;
+};
+
+/// What was in force during the drive, then the file, then single parameters.
+BackEndConfig make_config(const Options& options, const Session& session) {
+  std::vector<config::Source> sources{pipeline::stored_configuration<BackEndConfig>(session)};
+  if (!options.config.empty()) sources.push_back(config::read_yaml_file(options.config));
+  for (const std::string& parameter : options.parameters) {
+    sources.push_back(config::parse_yaml(parameter, "--parameter"));
+  }
+  if (!options.use_gnss.empty()) {
+    sources.push_back(config::parse_yaml("use_gnss: " + options.use_gnss, "--use-gnss"));
+  }
+  if (!options.use_loops.empty()) {
+    sources.push_back(config::parse_yaml("use_loop_close: " + options.use_loops, "--use-loops"));
+  }
+  return config::load<BackEndConfig>(sources);
+}
+
+struct Solved {
+  std::shared_ptr<const back_end::OptimizationSolution> solution;
+  back_end::OptimizationReport report;
+};
+
+Solved solve_timed(const back_end::OptimizationProblem& problem) {
+  const auto begin = std::chrono::steady_clock::now();
+  Solved solved;
+  solved.solution = back_end::solve(problem);
+  solved.report = back_end::report_of(*solved.solution);
+  solved.report.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return solved;
+}
+
+void print(const back_end::OptimizationReport& report, const std::filesystem::path& directory) {
+  std::printf("%s\n", report.message.c_str());
+  std::printf("key frames %zu, loops used %zu, refused %zu, GNSS used %zu, refused %zu\n",
+              report.key_frames, report.loops_used, report.loops_refused, report.gnss_used,
+              report.gnss_refused);
+  std::printf("cost %.6g -> %.6g, %.2f s\n", report.cost_before, report.cost_after, report.seconds);
+  std::printf("trajectories in %s\n", (directory / "trajectory").c_str());
+}
+
+/// The session stays as it is; the results go elsewhere.
+bool solve_aside(const Options& options) {
+  const Session session = Session::open(options.session, Session::Access::kRead);
+  back_end::BackEnd back_end(make_config(options, session));
+  pipeline::replay(session, back_end);
+  const Solved solved = solve_timed(*back_end.problem(true));
+  const KeyFramePoses poses = back_end.apply(*solved.solution);
+  pipeline::write_results(session, back_end, poses, options.output);
+  print(solved.report, options.output);
+  return solved.report.success;
+}
+
+/// The session gets a new revision of its poses.
+bool solve_inside(const Options& options) {
+  Session session = Session::open(options.session, Session::Access::kWrite);
+  const BackEndConfig config = make_config(options, session);
+  pipeline::RecordedBackEnd back_end(std::move(session), config);
+  const Solved solved = solve_timed(*back_end.problem(true));
+  back_end.apply(*solved.solution, solved.report.seconds);
+  back_end.write_files();
+  print(solved.report, back_end.session().directory());
+  return solved.report.success;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Solves the pose graph of a session again"};
+  Options options;
+  app.add_option("session", options.session, "folder of the session, or a folder with `latest`")
+      ->required();
+  app.add_option("--use-gnss", options.use_gnss, "true or false; as in the drive if left out");
+  app.add_option("--use-loops", options.use_loops, "true or false; as in the drive if left out");
+  app.add_option("--config", options.config, "YAML file of the back end's parameters");
+  app.add_option("--parameter", options.parameters, "a single one, as 'name: value' (repeatable)");
+  app.add_option("--output", options.output,
+                 "write the results here and leave the session as it is");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return (options.output.empty() ? solve_inside(options) : solve_aside(options)) ? 0 : 1;
+  } catch (const Error& error) {
+    std::cerr << "optimize_session: " << error.what() << "\n";
+    return 1;
+  }
+}
