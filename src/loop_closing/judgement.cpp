@@ -16,10 +16,6 @@ using Config = LoopClosingConfig;
 
 Judgement refused(const std::string& reason) { return {Verdict::kRefused, reason}; }
 
-double margin_of(const MatchFigures& figures) {
-  return figures.overlap - 2.0 * figures.free_space_violation;
-}
-
 Objection object_to_convergence(const Match& match) {
   if (match.alignment.converged) return std::nullopt;
   return refused("the registration did not converge in " +
@@ -82,6 +78,10 @@ Objection object_to_gnss(const Match& match, const Prior& prior) {
 }
 
 }  // namespace
+
+double margin_of(const MatchFigures& figures) {
+  return figures.overlap - 2.0 * figures.free_space_violation;
+}
 
 std::string figure_sentence(const std::string& figure, double value, const std::string& relation,
                             double limit, const std::string& parameter) {

@@ -4,32 +4,17 @@
 #include <cmath>
 #include <sstream>
 
-#include "lidar_mapping/loop_closing/candidates.hpp"
-#include "lidar_mapping/loop_closing/judgement.hpp"
 #include "lidar_mapping/loop_closing/segment_joins.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
 #include "lidar_mapping/loop_closing/surface.hpp"
+#include "lidar_mapping/loop_closing/trial.hpp"
 
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kClearance = 0.6;       // m above the ground for the view from above
-constexpr double kDistinct = 10.0;       // m of way between two candidates that are both matched
-constexpr double kAcceptedFirst = 10.0;  // more than margins can differ
-
-/// A candidate, what matching made of it and what became of it.
-struct Trial {
-  Candidate candidate;
-  Match match;
-  Judgement judgement;
-
-  double margin() const { return match.figures.overlap - 2.0 * match.figures.free_space_violation; }
-  /// Higher is better; accepted ones above all others.
-  double rank() const {
-    return margin() + (judgement.verdict == Verdict::kAccepted ? kAcceptedFirst : 0.0);
-  }
-};
+constexpr double kClearance = 0.6;  // m above the ground for the view from above
+constexpr double kDistinct = 10.0;  // m of way between two candidates that are both matched
 
 Appearance appearance_of(const PointCloud& cloud) {
   const auto points = positions(cloud);
@@ -37,26 +22,6 @@ Appearance appearance_of(const PointCloud& cloud) {
   appearance.view = BirdsEye(points, above_ground(points, kClearance));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
   return appearance;
-}
-
-/// The covariance with every standard deviation at least as large as the floor.
-Covariance6 floored(const Covariance6& covariance, double sigma_m, double sigma_rad) {
-  return covariance + diagonal_covariance(sigma_m, sigma_rad);
-}
-
-/// Of a match that waited until another confirmed it.
-LoopVerdict confirmed_verdict(const Loop& loop, const Loop& by) {
-  LoopVerdict verdict;
-  verdict.from = loop.from;
-  verdict.to = loop.to;
-  verdict.stamp = loop.stamp;
-  verdict.source = loop.source;
-  verdict.verdict = Verdict::kAccepted;
-  verdict.reason = "the match of key frames " + std::to_string(by.from) + " and " +
-                   std::to_string(by.to) + " confirms it (unanchored_stretch)";
-  verdict.fitness = loop.fitness;
-  verdict.overlap = loop.overlap;
-  return verdict;
 }
 
 }  // namespace
@@ -87,10 +52,7 @@ class LoopCloser::Impl {
   std::vector<Candidate> chosen() const;
   Trial tried(const Candidate& candidate, const std::optional<QueryScan>& query);
   std::vector<Trial> tried_candidates();
-  void keep_best(std::vector<Trial>& trials) const;
   void conclude(const Trial& trial, LoopClosingResult& result);
-  LoopVerdict verdict_of(const Trial& trial) const;
-  Loop loop_of(const Trial& trial) const;
 
   LoopClosingConfig config_;
   Submaps submaps_;
@@ -147,40 +109,6 @@ Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<Qu
   return trial;
 }
 
-LoopVerdict LoopCloser::Impl::verdict_of(const Trial& trial) const {
-  const TrajectoryNode& newest = trajectory()[trajectory().size() - 1];
-  LoopVerdict verdict;
-  verdict.from = trajectory()[trial.candidate.node].index;
-  verdict.to = newest.index;
-  verdict.stamp = newest.stamp;
-  verdict.source = trial.candidate.source;
-  verdict.verdict = trial.judgement.verdict;
-  verdict.reason = trial.judgement.reason;
-  verdict.distance = trial.candidate.prior.T_from_to.translation.norm();
-  verdict.fitness = trial.match.figures.fitness;
-  verdict.overlap = trial.match.figures.overlap;
-  verdict.free_space_violation = trial.match.figures.free_space_violation;
-  verdict.horizontal_eigenvalue = trial.match.figures.horizontal_eigenvalue;
-  verdict.innovation =
-      innovation_of(trial.candidate.prior, trial.match.alignment.T_target_source).whole;
-  return verdict;
-}
-
-Loop LoopCloser::Impl::loop_of(const Trial& trial) const {
-  const TrajectoryNode& newest = trajectory()[trajectory().size() - 1];
-  Loop loop;
-  loop.from = trajectory()[trial.candidate.node].index;
-  loop.to = newest.index;
-  loop.stamp = newest.stamp;
-  loop.T_from_to = trial.match.alignment.T_target_source;
-  loop.covariance =
-      floored(trial.match.alignment.covariance, config_.min_stddev_x, config_.min_stddev_q);
-  loop.fitness = trial.match.figures.fitness;
-  loop.overlap = trial.match.figures.overlap;
-  loop.source = trial.candidate.source;
-  return loop;
-}
-
 std::vector<Trial> LoopCloser::Impl::tried_candidates() {
   const std::vector<Candidate> candidates = chosen();
   if (candidates.empty()) return {};
@@ -191,25 +119,11 @@ std::vector<Trial> LoopCloser::Impl::tried_candidates() {
   return trials;
 }
 
-/// Of several accepted matches only the best stays; the others would say the same again.
-void LoopCloser::Impl::keep_best(std::vector<Trial>& trials) const {
-  const auto is_worse = [](const Trial& a, const Trial& b) { return a.rank() < b.rank(); };
-  const auto best = std::max_element(trials.begin(), trials.end(), is_worse);
-  for (Trial& trial : trials) {
-    if (trial.judgement.verdict != Verdict::kAccepted || &trial == &*best) continue;
-    const KeyFrameIndex better = trajectory()[best->candidate.node].index;
-    trial.judgement = {
-        Verdict::kRefused,
-        figure_sentence("overlap minus twice the free-space violation", trial.margin(), "below",
-                        best->margin(), "of the match with key frame " + std::to_string(better))};
-  }
-}
-
 /// What an accepted match leads to. Between segments that nothing joins yet it has to wait for
 /// others that agree with it, and these are accepted with it.
 void LoopCloser::Impl::conclude(const Trial& trial, LoopClosingResult& result) {
-  const Loop loop = loop_of(trial);
-  result.verdicts.push_back(verdict_of(trial));
+  const Loop loop = to_loop(trial, trajectory(), config_);
+  result.verdicts.push_back(to_verdict(trial, trajectory()));
   if (trial.candidate.prior.anchored || gnss_decides(trial.candidate.prior)) {
     result.loops.push_back(loop);
     return;
@@ -232,13 +146,13 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame) {
   take_in(key_frame);
   if (!is_due()) return {};
   std::vector<Trial> trials = tried_candidates();
-  keep_best(trials);
+  keep_best(trials, trajectory());
   LoopClosingResult result;
   for (const Trial& trial : trials) {
     if (trial.judgement.verdict == Verdict::kAccepted) {
       conclude(trial, result);
     } else {
-      result.verdicts.push_back(verdict_of(trial));
+      result.verdicts.push_back(to_verdict(trial, trajectory()));
     }
   }
   for (const Loop& loop : result.loops) take_in(loop);

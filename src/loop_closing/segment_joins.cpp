@@ -7,7 +7,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kMaxWaiting = 100;
+constexpr std::size_t kMaxKnown = 100;
 constexpr double kMaxSpeed = 40.0;             // m/s, of the vehicle while nothing was recorded
 constexpr double kTranslationTolerance = 0.5;  // m, and 2 % of the way between the matches
 constexpr double kDriftTolerance = 0.02;
@@ -60,22 +60,25 @@ double farthest_apart(const Ends& ends, const Trajectory& trajectory) {
 }  // namespace
 
 std::vector<Loop> SegmentJoins::add(const Loop& loop, const Trajectory& trajectory) {
-  std::vector<Loop> group = {loop};
   const Ends ends = ends_of(loop, trajectory);
-  double stretch = 0.0;
-  for (const Loop& other : waiting_) {
-    if (!agree(other, loop, trajectory)) continue;
-    group.push_back(other);
-    stretch = std::max(stretch, way_between(trajectory, ends_of(other, trajectory).to, ends.to));
+  bool believed = farthest_apart(ends, trajectory) <= stretch_;
+  std::vector<Known*> agreeing;
+  for (Known& known : known_) {
+    if (!agree(known.loop, loop, trajectory)) continue;
+    agreeing.push_back(&known);
+    const double way = way_between(trajectory, ends_of(known.loop, trajectory).to, ends.to);
+    believed = believed || known.believed || way >= stretch_;
   }
-  if (stretch >= stretch_ || farthest_apart(ends, trajectory) <= stretch_) {
-    const auto is_released = [&](const Loop& waiting) { return agree(waiting, loop, trajectory); };
-    waiting_.erase(std::remove_if(waiting_.begin(), waiting_.end(), is_released), waiting_.end());
-    return group;
+  std::vector<Loop> result;
+  if (believed) result.push_back(loop);
+  for (Known* known : agreeing) {
+    if (!believed || known->believed) continue;
+    result.push_back(known->loop);
+    known->believed = true;
   }
-  waiting_.push_back(loop);
-  if (waiting_.size() > kMaxWaiting) waiting_.erase(waiting_.begin());
-  return {};
+  known_.push_back({loop, believed});
+  if (known_.size() > kMaxKnown) known_.erase(known_.begin());
+  return result;
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -38,6 +38,7 @@ TEST(SegmentJoins, BelieveMatchesThatAgreeOverALongWay) {
   EXPECT_TRUE(joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
   EXPECT_TRUE(joins.add(streets.match(40, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
   EXPECT_EQ(joins.add(streets.match(61, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 3U);
+  EXPECT_EQ(joins.add(streets.match(64, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 1U);
 }
 
 TEST(SegmentJoins, DoNotBelieveMatchesThatContradictEachOther) {

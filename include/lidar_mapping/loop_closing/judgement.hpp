@@ -14,6 +14,9 @@ struct Match {
   MatchFigures figures;
 };
 
+/// Overlap minus twice the free-space violation: what separates true places from false ones.
+double margin_of(const MatchFigures& figures);
+
 /// A verdict and why: one sentence that names figure, limit and parameter.
 struct Judgement {
   Verdict verdict = Verdict::kUndecided;

@@ -18,8 +18,12 @@ class SegmentJoins {
   std::vector<Loop> add(const Loop& loop, const Trajectory& trajectory);
 
  private:
+  struct Known {
+    Loop loop;
+    bool believed = false;
+  };
   double stretch_;
-  std::vector<Loop> waiting_;  // bounded; the oldest is given up
+  std::vector<Known> known_;  // bounded; the oldest is given up
 };
 
 }  // namespace lidar_mapping::loop_closing
