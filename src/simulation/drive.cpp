@@ -25,7 +25,10 @@ struct NamedDrive {
   const char* name;
   Scenario (*make)(const DriveOptions&);
 };
-constexpr NamedDrive kDrives[] = {{"town", make_town}};
+constexpr NamedDrive kDrives[] = {
+    {"town", make_town},           {"figure_eight", make_figure_eight},
+    {"open_road", make_open_road}, {"tunnel", make_tunnel},
+    {"twins", make_twins},         {"city", make_city}};
 
 void require(bool holds, const std::string& message) {
   if (!holds) throw ConfigError("simulation: " + message);

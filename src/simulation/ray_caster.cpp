@@ -86,6 +86,12 @@ void fill(RTCRayHit8& packet, int lane, const Ray& ray, float min_range, float m
   packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
+/// The world as it stands during one frame.
+struct Frame {
+  Scene scene;
+  std::vector<Eigen::Matrix3f> R_map_shape;  ///< per mover
+};
+
 }  // namespace
 
 class RayCaster::Impl {
@@ -100,41 +106,45 @@ class RayCaster::Impl {
     }
   }
 
-  Scene frame(double begin_s, double end_s) const {
-    Scene scene(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-    add_instance(device_.get(), scene.get(), fixed_.get(), kFixedId, {}, {});
+  Frame frame(double begin_s, double end_s) const {
+    Frame frame{Scene(rtcNewScene(device_.get())), {}};
+    frame.R_map_shape.resize(world_.movers.size());
+    rtcSetSceneFlags(frame.scene.get(), RTC_SCENE_FLAG_ROBUST);
+    add_instance(device_.get(), frame.scene.get(), fixed_.get(), kFixedId, {}, {});
     for (std::size_t i = 0; i < world_.movers.size(); ++i) {
       const Mover& mover = world_.movers[i];
       const auto first = mover.pose(begin_s), last = mover.pose(end_s);
       if (!first || !last) continue;
-      add_instance(device_.get(), scene.get(), shapes_[mover.shape].get(),
+      add_instance(device_.get(), frame.scene.get(), shapes_[mover.shape].get(),
                    static_cast<unsigned>(i + 1), *first, *last);
+      frame.R_map_shape[i] = first->rotation_matrix().cast<float>();
     }
-    rtcCommitScene(scene.get());
-    return scene;
+    rtcCommitScene(frame.scene.get());
+    return frame;
   }
 
-  Hit hit(const RTCRayHit8& packet, int lane) const {
+  Hit hit(const Frame& frame, const RTCRayHit8& packet, int lane) const {
     Hit hit;
     if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return hit;
     const unsigned instance = packet.hit.instID[0][lane];
-    const bool moving = instance != kFixedId;
-    const TriangleMesh& mesh =
-        moving ? world_.shapes[world_.movers[instance - 1].shape] : world_.fixed;
+    const Eigen::Vector3f normal(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane],
+                                 packet.hit.Ng_z[lane]);
     hit.range = packet.ray.tfar[lane];
-    hit.reflectivity = mesh.reflectivity[packet.hit.primID[lane]];
-    hit.moving = moving;
-    hit.cosine = cosine(packet, lane, moving);
+    hit.moving = instance != kFixedId;
+    if (hit.moving) {
+      const Mover& mover = world_.movers[instance - 1];
+      hit.reflectivity = world_.shapes[mover.shape].reflectivity[packet.hit.primID[lane]];
+      // The normal of an instance is in the shape's own frame.
+      hit.cosine = cosine(packet, lane, frame.R_map_shape[instance - 1] * normal);
+    } else {
+      hit.reflectivity = world_.fixed.reflectivity[packet.hit.primID[lane]];
+      hit.cosine = cosine(packet, lane, normal);
+    }
     return hit;
   }
 
  private:
-  /// The normal of an instance is in its own frame; only the fixed world's is that of map.
-  static float cosine(const RTCRayHit8& packet, int lane, bool moving) {
-    if (moving) return 0.7F;
-    const Eigen::Vector3f normal(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane],
-                                 packet.hit.Ng_z[lane]);
+  static float cosine(const RTCRayHit8& packet, int lane, const Eigen::Vector3f& normal) {
     const Eigen::Vector3f direction(packet.ray.dir_x[lane], packet.ray.dir_y[lane],
                                     packet.ray.dir_z[lane]);
     const float length = normal.norm();
@@ -153,7 +163,7 @@ RayCaster::~RayCaster() = default;
 void RayCaster::cast(const std::vector<Ray>& rays, double begin_s, double end_s, float min_range,
                      float max_range, std::vector<Hit>& hits) const {
   hits.resize(rays.size());
-  const Scene scene = impl_->frame(begin_s, end_s);
+  const Frame frame = impl_->frame(begin_s, end_s);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -165,8 +175,8 @@ void RayCaster::cast(const std::vector<Ray>& rays, double begin_s, double end_s,
       valid[lane] = lane < count ? -1 : 0;
       if (lane < count) fill(packet, lane, rays[first + lane], min_range, max_range);
     }
-    rtcIntersect8(valid, scene.get(), &context, &packet);
-    for (int lane = 0; lane < count; ++lane) hits[first + lane] = impl_->hit(packet, lane);
+    rtcIntersect8(valid, frame.scene.get(), &context, &packet);
+    for (int lane = 0; lane < count; ++lane) hits[first + lane] = impl_->hit(frame, packet, lane);
   }
 }
 

@@ -18,5 +18,10 @@ struct Scenario {
 };
 
 Scenario make_town(const DriveOptions& options);
+Scenario make_figure_eight(const DriveOptions& options);
+Scenario make_twins(const DriveOptions& options);
+Scenario make_city(const DriveOptions& options);
+Scenario make_open_road(const DriveOptions& options);
+Scenario make_tunnel(const DriveOptions& options);
 
 }  // namespace lidar_mapping::simulation

@@ -3,11 +3,11 @@
 #include <utility>
 
 #include "mounting.hpp"
+#include "road_drive.hpp"
 #include "scenario.hpp"
 #include "town_layout.hpp"
 #include "town_world.hpp"
 #include "traffic.hpp"
-#include "vehicle_motion.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -15,70 +15,124 @@ namespace {
 
 enum Stream : std::uint64_t { kLayout = 1, kTerrain, kMesh, kTraffic, kMotion };
 
-constexpr int kColumns = 6;
-constexpr int kRows = 6;
-constexpr double kTurnRadius = 7.5;
+constexpr double kTurnRadius = 8.0;
+constexpr double kOutOfCrossing = 22.0;  ///< where a drive begins on its first street, m
 
-/// A round of a block, its first side again, a round of the block behind it and back over three
-/// streets against their first direction.
-std::vector<Crossing> route() {
-  return {{2, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 2}, {3, 2}, {4, 2}, {4, 3},
-          {3, 3}, {3, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 2}, {2, 2}, {1, 2}};
+/// A grid of streets and a drive over its crossings.
+struct TownPlan {
+  int columns = 6;
+  int rows = 6;
+  bool rows_alike = false;
+  double slope = 0.035;  ///< rise per run of the steepest hills
+  std::vector<Crossing> route;
+  double end_before = 95.0;   ///< m before the route's last crossing
+  std::vector<double> halts;  ///< as shares of the route's length
+  int road_users = 140;
+  std::uint64_t variant = 0;  ///< sets the worlds of different plans apart
+};
+
+void add_lanes(std::vector<TrafficLane>& lanes, const TownLayout& layout,
+               std::vector<Crossing> crossings, double half_width) {
+  for (int direction = 0; direction < 2; ++direction) {
+    lanes.push_back({Path::rounded(layout.lane_corners(crossings, kLaneOffset), 30.0)});
+    TrafficLane pavement{Path::rounded(layout.lane_corners(crossings, half_width + 1.2), 2.0)};
+    pavement.slowest = 0.9;
+    pavement.fastest = 1.7;
+    pavement.pedestrians = true;
+    pavement.height = kKerbHeight;
+    lanes.push_back(std::move(pavement));
+    std::reverse(crossings.begin(), crossings.end());
+  }
 }
 
 std::vector<TrafficLane> traffic_lanes(const TownLayout& layout) {
   std::vector<TrafficLane> lanes;
-  const auto add = [&](std::vector<Crossing> crossings, double half_width) {
-    for (int direction = 0; direction < 2; ++direction) {
-      lanes.push_back({Path::rounded(layout.lane_corners(crossings, kLaneOffset), 30.0)});
-      TrafficLane pavement{Path::rounded(layout.lane_corners(crossings, half_width + 1.2), 2.0)};
-      pavement.slowest = 0.9;
-      pavement.fastest = 1.7;
-      pavement.pedestrians = true;
-      pavement.height = kKerbHeight;
-      lanes.push_back(std::move(pavement));
-      std::reverse(crossings.begin(), crossings.end());
-    }
-  };
   for (int row = 0; row < layout.rows(); ++row) {
     std::vector<Crossing> crossings;
     for (int column = 0; column < layout.columns(); ++column) crossings.push_back({column, row});
-    add(std::move(crossings), layout.row_half_width(row));
+    add_lanes(lanes, layout, std::move(crossings), layout.row_half_width(row));
   }
   for (int column = 0; column < layout.columns(); ++column) {
     std::vector<Crossing> crossings;
     for (int row = 0; row < layout.rows(); ++row) crossings.push_back({column, row});
-    add(std::move(crossings), layout.column_half_width(column));
+    add_lanes(lanes, layout, std::move(crossings), layout.column_half_width(column));
   }
   return lanes;
+}
+
+Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
+  const std::uint64_t seed = mixed(options.seed) ^ plan.variant;
+  const TownLayout layout(plan.columns, plan.rows, plan.rows_alike, Random(seed, kLayout));
+  const Terrain terrain(Random(seed, kTerrain), 5, 180.0, 420.0, plan.slope);
+  const Path path = Path::rounded(layout.lane_corners(plan.route, kLaneOffset), kTurnRadius)
+                        .weaving(0.2, Random(seed, kMotion).uniform(0.0, 6.0));
+  RoadDrive drive{path, kOutOfCrossing, path.length() - plan.end_before, {}, {}};
+  for (const double share : plan.halts) drive.halts.push_back({share * path.length(), 4.0});
+  const std::vector<double> stations = drive.stations();
+  Scenario scenario{
+      {},
+      vehicle_trajectory(path, stations, ground_along(path, terrain), Random(seed, kMotion)),
+      car_mounting(),
+      {}};
+  scenario.world.fixed = make_town_mesh(layout, terrain, Random(seed, kMesh));
+  if (options.movers) {
+    Random random(seed, kTraffic);
+    add_car_ahead(scenario.world, path, stations, terrain, Random(random.bits()));
+    add_traffic(scenario.world, traffic_lanes(layout), terrain, scenario.trajectory,
+                plan.road_users, Random(random.bits()));
+  }
+  return scenario;
 }
 
 }  // namespace
 
 Scenario make_town(const DriveOptions& options) {
-  const TownLayout layout(kColumns, kRows, Random(options.seed, kLayout));
-  const Terrain terrain(Random(options.seed, kTerrain), 5, 180.0, 420.0, 0.035);
-  const Path path = Path::rounded(layout.lane_corners(route(), kLaneOffset), kTurnRadius)
-                        .weaving(0.2, 0.1 * static_cast<double>(options.seed % 60));
-  const double begin = 22.0, end = path.length() - 95.0;
-  const std::vector<double> stations = stations_over_time(
-      path, begin, end, {}, {{0.22 * path.length(), 4.0}, {0.61 * path.length(), 5.0}});
-  const auto ground = [&](double station) {
-    const Eigen::Vector2d at = path.position(station);
-    return Ground{terrain.height(at), terrain.gradient(at)};
-  };
-  Scenario scenario{{},
-                    vehicle_trajectory(path, stations, ground, Random(options.seed, kMotion)),
-                    car_mounting(),
-                    {}};
-  scenario.world.fixed = make_town_mesh(layout, terrain, Random(options.seed, kMesh));
-  if (options.movers) {
-    Random random(options.seed, kTraffic);
-    add_car_ahead(scenario.world, path, stations, terrain, Random(random.bits()));
-    add_traffic(scenario.world, traffic_lanes(layout), terrain, scenario.trajectory, 140,
-                Random(random.bits()));
+  TownPlan plan;
+  // A round of a block, its first side again, a round of the block behind it and back over three
+  // streets against their first direction.
+  plan.route = {{2, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 2}, {3, 2}, {4, 2}, {4, 3},
+                {3, 3}, {3, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 2}, {2, 2}, {1, 2}};
+  plan.halts = {0.22, 0.61};
+  return make_planned_town(plan, options);
+}
+
+Scenario make_figure_eight(const DriveOptions& options) {
+  TownPlan plan;
+  plan.route = {{2, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 2}, {2, 1}, {1, 1}, {1, 2},
+                {2, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 2}, {2, 1}, {1, 1}};
+  plan.halts = {0.35};
+  plan.variant = 8;
+  return make_planned_town(plan, options);
+}
+
+Scenario make_twins(const DriveOptions& options) {
+  TownPlan plan;
+  plan.rows_alike = true;
+  plan.slope = 0.0;
+  // Eastwards, westwards and eastwards again through three streets that look the same, then back
+  // to the first of them.
+  plan.route = {{1, 1}, {3, 1}, {3, 2}, {1, 2}, {1, 3}, {3, 3}, {3, 1}, {1, 1}, {0, 1}};
+  plan.halts = {0.5};
+  plan.variant = 2;
+  return make_planned_town(plan, options);
+}
+
+Scenario make_city(const DriveOptions& options) {
+  const std::vector<Crossing> round = {{1, 1}, {8, 1}, {8, 7}, {6, 7}, {6, 3},
+                                       {4, 3}, {4, 7}, {2, 7}, {2, 4}, {1, 4}};
+  TownPlan plan;
+  plan.columns = 10;
+  plan.rows = 9;
+  plan.variant = 100;
+  plan.road_users = 400;
+  for (int i = 0; i < options.rounds; ++i) {
+    plan.route.insert(plan.route.end(), round.begin(), round.end());
+    plan.halts.push_back((i + 0.4) / options.rounds);
   }
-  return scenario;
+  plan.route.push_back(round[0]);
+  plan.route.push_back(round[1]);
+  plan.end_before = 500.0;
+  return make_planned_town(plan, options);
 }
 
 }  // namespace lidar_mapping::simulation

@@ -6,6 +6,8 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
+constexpr double kEvenSpacing = 70.0;  ///< m between streets that are alike
+
 /// A straight line in the plane with a direction.
 struct Line {
   Eigen::Vector2d point;
@@ -29,17 +31,23 @@ Eigen::Vector2d meeting(const Line& a, const Line& b, const Eigen::Vector2d& oth
 
 }  // namespace
 
-TownLayout::TownLayout(int columns, int rows, Random random) : columns_(columns), rows_(rows) {
+TownLayout::TownLayout(int columns, int rows, bool rows_alike, Random random)
+    : columns_(columns), rows_(rows), rows_alike_(rows_alike) {
   std::vector<double> xs(columns), ys(rows);
   for (int i = 1; i < columns; ++i) xs[i] = xs[i - 1] + random.uniform(72.0, 96.0);
-  for (int j = 1; j < rows; ++j) ys[j] = ys[j - 1] + random.uniform(62.0, 80.0);
+  for (int j = 1; j < rows; ++j) {
+    ys[j] = ys[j - 1] + (rows_alike ? kEvenSpacing : random.uniform(62.0, 80.0));
+  }
+  const double skew = rows_alike ? 0.0 : 4.5;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      nodes_.emplace_back(xs[i] + random.uniform(-4.5, 4.5), ys[j] + random.uniform(-4.5, 4.5));
+      const double dx = random.uniform(-skew, skew), dy = random.uniform(-skew, skew);
+      nodes_.emplace_back(xs[i] + dx, ys[j] + dy);
     }
   }
   for (int i = 0; i < columns; ++i) column_half_widths_.push_back(random.uniform(5.6, 7.2));
   for (int j = 0; j < rows; ++j) row_half_widths_.push_back(random.uniform(5.6, 7.2));
+  if (rows_alike) row_half_widths_.assign(rows, row_half_widths_.front());
 }
 
 std::array<Eigen::Vector2d, 4> TownLayout::block(Crossing at) const {

@@ -18,11 +18,13 @@ struct Crossing {
 /// A skewed grid of streets. Streets along x belong to rows, those along y to columns.
 class TownLayout {
  public:
-  /// Crossings 0..columns-1 by 0..rows-1; those of the route's first one at the origin.
-  TownLayout(int columns, int rows, Random random);
+  /// Crossings 0..columns-1 by 0..rows-1, the first near the origin. With `rows_alike` all streets
+  /// along x have the same shape, a shift apart.
+  TownLayout(int columns, int rows, bool rows_alike, Random random);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
+  bool rows_alike() const { return rows_alike_; }
   Eigen::Vector2d crossing(Crossing at) const { return nodes_[at.row * columns_ + at.column]; }
   /// Half the width of the carriageway between its kerbs, m.
   double row_half_width(int row) const { return row_half_widths_[row]; }
@@ -37,6 +39,7 @@ class TownLayout {
  private:
   int columns_;
   int rows_;
+  bool rows_alike_;
   std::vector<Eigen::Vector2d> nodes_;
   std::vector<double> row_half_widths_;
   std::vector<double> column_half_widths_;

@@ -166,12 +166,15 @@ class BlockBuilder {
 
 TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random) {
   TriangleMesh mesh;
+  const std::uint64_t seed = random.bits();
   const Eigen::Vector2d margin(25.0, 25.0);
   add_ground(mesh, terrain, layout.crossing({0, 0}) - margin,
              layout.crossing({layout.columns() - 1, layout.rows() - 1}) + margin, 2.5, kAsphalt);
   for (int row = 0; row + 1 < layout.rows(); ++row) {
     for (int column = 0; column + 1 < layout.columns(); ++column) {
-      BlockBuilder(mesh, terrain, Random(random.bits())).build(layout.block({column, row}));
+      const int block = layout.rows_alike() ? column : row * layout.columns() + column;
+      BlockBuilder(mesh, terrain, Random(seed, static_cast<std::uint64_t>(block)))
+          .build(layout.block({column, row}));
     }
   }
   return mesh;

@@ -12,9 +12,9 @@ namespace lidar_mapping::simulation {
 
 /// How fast a vehicle goes along a path.
 struct SpeedLimits {
-  double speed = 11.0;        ///< m/s
-  double lateral = 2.0;       ///< m/s^2 in curves
-  double longitudinal = 1.6;  ///< m/s^2
+  double speed = 12.0;        ///< m/s
+  double lateral = 2.4;       ///< m/s^2 in curves
+  double longitudinal = 1.8;  ///< m/s^2
 };
 
 /// A halt of some seconds at a station of the path.

@@ -29,9 +29,10 @@ constexpr char kLidarFrame[] = "velo_link";
 constexpr char kImuFrame[] = "imu_link";
 constexpr char kAntennaFrame[] = "gnss_link";
 
-/// Steps of points in the bag, m: a tenth of the range noise, and the low bytes of each float are
-/// zero, which lz4 finds.
-constexpr float kPointStep = 1.0F / 512.0F;
+/// Steps of coordinates (m, a fifth of the range noise) and intensities in the bag: lz4 finds the
+/// zeros and repetitions that they leave in the floats.
+constexpr float kPointStep = 1.0F / 256.0F;
+constexpr float kIntensityStep = 4.0F;
 
 template <typename Array>
 void fill_diagonal(Array& covariance, double sigma) {
@@ -62,11 +63,13 @@ sensor_msgs::NavSatFix fix_message(const GnssFix& fix) {
   return message;
 }
 
+float rounded(float value, float step) { return std::round(value / step) * step; }
+
 sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan) {
   PointCloud cloud = scan.cloud;
-  const auto rounded = [](float value) { return std::round(value / kPointStep) * kPointStep; };
   for (Point& point : cloud.points) {
-    point = {rounded(point.x), rounded(point.y), rounded(point.z), point.intensity};
+    point = {rounded(point.x, kPointStep), rounded(point.y, kPointStep),
+             rounded(point.z, kPointStep), rounded(point.intensity, kIntensityStep)};
   }
   return ros_border::to_message(cloud, scan.stamp, kLidarFrame);
 }

@@ -46,6 +46,7 @@ void add_arguments(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--seed", drive.seed, "seed of the world and of all noise")->capture_default_str();
   app.add_option("--duration", drive.duration, "end the drive after so many seconds");
+  app.add_option("--rounds", drive.rounds, "rounds of the drive 'city'")->capture_default_str();
   app.add_option("--scan-rate", drive.scan_rate, "turns per second")->capture_default_str();
   app.add_option("--range-noise", drive.range_noise, "standard deviation, m")
       ->capture_default_str();
