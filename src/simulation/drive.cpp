@@ -28,6 +28,7 @@ struct NamedDrive {
 constexpr NamedDrive kDrives[] = {
     {"town", make_town},           {"figure_eight", make_figure_eight},
     {"open_road", make_open_road}, {"tunnel", make_tunnel},
+    {"car_park", make_car_park},   {"walk", make_walk},
     {"twins", make_twins},         {"city", make_city}};
 
 void require(bool holds, const std::string& message) {

@@ -16,4 +16,10 @@ SensorMounting car_mounting() {
           {-0.35, 0.45, 1.52}};
 }
 
+SensorMounting hand_held_mounting() {
+  return {mounted({0.02, 0.01, 0.3}, {0.004, -0.012, 0.02}),
+          mounted({0.01, -0.02, 0.18}, {0.003, 0.004, -0.015}),
+          {0.0, 0.05, 0.45}};
+}
+
 }  // namespace lidar_mapping::simulation

@@ -7,5 +7,7 @@ namespace lidar_mapping::simulation {
 /// On a car: LiDAR and antenna on the roof, IMU in the boot; nothing quite straight. base_link is
 /// on the ground under the rear axle.
 SensorMounting car_mounting();
+/// In a hand, LiDAR 0.3 m above base_link.
+SensorMounting hand_held_mounting();
 
 }  // namespace lidar_mapping::simulation

@@ -10,8 +10,6 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr int kBlendSamples = 15;  ///< half width of the blend between arc and straight: 1.5 m
-
 /// Corner points replaced by chains of points on an arc.
 std::vector<Eigen::Vector2d> with_arcs(const std::vector<Eigen::Vector2d>& corners, double radius) {
   std::vector<Eigen::Vector2d> chain = {corners.front()};
@@ -84,9 +82,9 @@ std::vector<double> unwrapped_headings(const std::vector<Eigen::Vector2d>& point
 Path::Path(std::vector<Eigen::Vector2d> points)
     : points_(std::move(points)), headings_(unwrapped_headings(points_)) {}
 
-Path Path::rounded(const std::vector<Eigen::Vector2d>& corners, double radius) {
+Path Path::rounded(const std::vector<Eigen::Vector2d>& corners, double radius, double blend) {
   std::vector<Eigen::Vector2d> points = resampled(with_arcs(corners, radius), kSpacing);
-  return Path(smoothed(std::move(points), kBlendSamples, 3));
+  return Path(smoothed(std::move(points), static_cast<int>(std::lround(blend / kSpacing)), 3));
 }
 
 double Path::length() const { return static_cast<double>(points_.size() - 1) * kSpacing; }
@@ -98,7 +96,7 @@ Eigen::Vector2d Path::position(double station) const {
 double Path::heading(double station) const { return interpolated(headings_, station / kSpacing); }
 
 double Path::curvature(double station) const {
-  return (heading(station + 0.5) - heading(station - 0.5)) / 1.0;
+  return (heading(station + kSpacing) - heading(station - kSpacing)) / (2.0 * kSpacing);
 }
 
 Path Path::weaving(double amplitude, double phase) const {

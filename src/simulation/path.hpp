@@ -10,9 +10,11 @@ namespace lidar_mapping::simulation {
 /// A curve in the plane, sampled evenly, whose curvature changes without jumps.
 class Path {
  public:
-  /// Through the corners of a polyline, each rounded with at most `radius` (m); arcs and straights
-  /// are blended over some metres. Stations are metres from the beginning along the polyline.
-  static Path rounded(const std::vector<Eigen::Vector2d>& corners, double radius);
+  /// Through the corners of a polyline, each rounded with at most `radius` (m); the position is
+  /// then averaged three times over `blend` metres before and behind, which turns the jumps of
+  /// curvature into ramps. Stations are metres from the beginning, before blending.
+  static Path rounded(const std::vector<Eigen::Vector2d>& corners, double radius,
+                      double blend = 1.5);
   /// Through points `kSpacing` apart.
   explicit Path(std::vector<Eigen::Vector2d> points);
 

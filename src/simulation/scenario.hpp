@@ -23,5 +23,7 @@ Scenario make_twins(const DriveOptions& options);
 Scenario make_city(const DriveOptions& options);
 Scenario make_open_road(const DriveOptions& options);
 Scenario make_tunnel(const DriveOptions& options);
+Scenario make_car_park(const DriveOptions& options);
+Scenario make_walk(const DriveOptions& options);
 
 }  // namespace lidar_mapping::simulation
