@@ -1,5 +1,6 @@
 #include "lidar_mapping/front_end/motion_filter.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -8,6 +9,12 @@
 
 namespace lidar_mapping::front_end {
 namespace {
+
+/// Standard deviation of the acceleration in units of the one last seen.
+constexpr double kAgilityFactor = 2.0;
+constexpr double kAgilityDecay = 0.1;
+/// Lower limit in units of the upper one.
+constexpr double kMinAgility = 0.05;
 
 /// Derivative of the state after `seconds` with respect to the state now.
 Matrix12d transition(const Vector6d& twist, double seconds) {
@@ -33,11 +40,21 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
 }
 
 MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleration_sigma)
-    : acceleration_sigma_(acceleration_sigma),
-      angular_acceleration_sigma_(angular_acceleration_sigma) {}
+    : linear_{acceleration_sigma, acceleration_sigma},
+      angular_{angular_acceleration_sigma, angular_acceleration_sigma} {}
+
+/// Believes a larger acceleration at once, and forgets it slowly.
+void MotionFilter::Agility::see(double acceleration) {
+  const double wanted =
+      std::clamp(kAgilityFactor * acceleration, kMinAgility * max_sigma, max_sigma);
+  sigma = std::max(wanted, sigma + kAgilityDecay * (wanted - sigma));
+}
 
 void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma) {
   state_ = {pose, Vector6d::Zero()};
+  linear_.sigma = kMinAgility * linear_.max_sigma;
+  angular_.sigma = kMinAgility * angular_.max_sigma;
+  step_seconds_ = 0.0;
   // The first pose is known by definition.
   covariance_.setZero();
   covariance_.topLeftCorner<6, 6>() = diagonal_covariance(1e-4, 1e-5);
@@ -45,10 +62,11 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
 }
 
 void MotionFilter::predict(double seconds) {
+  step_seconds_ = seconds;
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
-  variance.head<3>().setConstant(acceleration_sigma_ * acceleration_sigma_);
-  variance.tail<3>().setConstant(angular_acceleration_sigma_ * angular_acceleration_sigma_);
+  variance.head<3>().setConstant(linear_.sigma * linear_.sigma);
+  variance.tail<3>().setConstant(angular_.sigma * angular_.sigma);
   const double t2 = seconds * seconds;
   covariance_ = F * covariance_ * F.transpose();
   covariance_.topLeftCorner<6, 6>().diagonal() += 0.25 * t2 * t2 * variance;
@@ -91,7 +109,12 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
   state_.twist *= std::exp(-seconds / time_constant);
 }
 
-void MotionFilter::set(const MotionState& state, const Matrix12d& covariance) {
+void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance) {
+  if (step_seconds_ > 0.0) {
+    const Vector6d acceleration = (state.twist - state_.twist) / step_seconds_;
+    linear_.see(acceleration.head<3>().norm());
+    angular_.see(acceleration.tail<3>().norm());
+  }
   state_ = state;
   covariance_ = 0.5 * (covariance + covariance.transpose());
 }

@@ -163,7 +163,7 @@ class NdtTracker::Impl {
       observed = without_directions(match, prediction, known_otherwise(prior, status),
                                     status.degenerate_directions);
     }
-    filter_.set(observed.state, observed.information.inverse());
+    filter_.correct(observed.state, observed.information.inverse());
     judge_.learn(match);
     last_good_ = observed.state.T_map_sensor;
     lost_time_ = 0.0;

@@ -13,9 +13,12 @@ using registration::Vector12d;
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
 
 /// Pose and twist of the sensor with their covariance, for perturbed(MotionState, Vector12d). The
-/// twist is constant between scans but for an unknown constant acceleration.
+/// twist is constant between scans but for an unknown constant acceleration. How large that may be
+/// follows the drive: a vehicle at rest or on a straight road is held more firmly than one that is
+/// carried around a corner.
 class MotionFilter {
  public:
+  /// The largest standard deviations of the acceleration (m/s^2) and the angular one (rad/s^2).
   MotionFilter(double acceleration_sigma, double angular_acceleration_sigma);
 
   /// At rest in all that is known, the twist unknown to `speed_sigma` and `rate_sigma`.
@@ -29,8 +32,8 @@ class MotionFilter {
   void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
   /// Lets the twist fall exponentially: nobody has seen it lately.
   void slow_down(double seconds, double time_constant);
-  /// Replaces the state.
-  void set(const MotionState& state, const Matrix12d& covariance);
+  /// Replaces the predicted state by a matched one, and learns how far off the prediction was.
+  void correct(const MotionState& state, const Matrix12d& covariance);
 
   const MotionState& state() const { return state_; }
   const Matrix12d& covariance() const { return covariance_; }
@@ -41,8 +44,16 @@ class MotionFilter {
  private:
   void measure(const Vector12d& row, double innovation, double sigma);
 
-  double acceleration_sigma_;
-  double angular_acceleration_sigma_;
+  /// Standard deviation of an acceleration, between limits.
+  struct Agility {
+    double max_sigma;
+    double sigma;
+
+    void see(double acceleration);
+  };
+  Agility linear_;
+  Agility angular_;
+  double step_seconds_ = 0.0;  ///< of the last prediction
   MotionState state_;
   Matrix12d covariance_ = Matrix12d::Identity();
 };
