@@ -27,6 +27,9 @@ constexpr std::size_t kImproved = 12;
 constexpr std::size_t kFinalists = 3;
 /// What many starts found must be that much better than what the prediction found.
 constexpr double kClearlyBetter = 1.1;
+/// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: one
+/// scan of a sensor with few rings.
+constexpr double kThinMap = 0.25;
 /// The coarse match may leave the prediction this much more easily.
 constexpr double kCoarsePriorWeight = 0.01;
 
@@ -70,6 +73,13 @@ NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const Moti
   return matcher_.match(points, map.fine(), prior, start, NdtOptions{});
 }
 
+NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& points, LocalMap& map,
+                                      const MotionBelief& prior) {
+  if (fine.overlap > kThinMap) return fine;
+  const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, prior.state, NdtOptions{});
+  return coarse.overlap > kThinMap ? coarse : fine;
+}
+
 MotionState SweepMatcher::approach(const NdtPoints& points, LocalMap& map,
                                    const MotionBelief& prior, const MotionState& start) {
   const MotionBelief weak{prior.state, kCoarsePriorWeight * prior.information};
@@ -102,7 +112,7 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
   keep_best(found, kFinalists);
   for (NdtMatch& match : found) match = refine(points, map, prior, match.state);
   keep_best(found, 1);
-  return found.front();
+  return coarse_if_thin(found.front(), points, map, prior);
 }
 
 }  // namespace lidar_mapping::front_end

@@ -30,6 +30,10 @@ class SweepMatcher {
                                 const registration::MotionState& start);
 
  private:
+  /// The match, or a coarse one from the prior as long as the fine map is too thin to match with.
+  registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
+                                        const registration::NdtPoints& points, LocalMap& map,
+                                        const registration::MotionBelief& prior);
   registration::MotionState start_for(const registration::NdtPoints& points, LocalMap& map,
                                       const registration::MotionBelief& prediction);
   registration::MotionState approach(const registration::NdtPoints& points, LocalMap& map,
