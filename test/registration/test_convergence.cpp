@@ -1,0 +1,57 @@
+#include <array>
+
+#include "method_test.hpp"
+
+namespace lidar_mapping::registration {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr std::array<double, 6> kDistances = {0.0, 0.5, 1.0, 2.0, 5.0, 10.0};  // m
+constexpr std::array<double, 4> kAngles = {0.0, 6.0, 15.0, 30.0};              // deg
+
+enum class Outcome { kFound, kRefused, kWrong };
+
+/// What becomes of a start; wrong is what looks like a success and is none.
+Outcome outcome_of(const RegistrationResult& result, const Pose& truth) {
+  const bool looks_good = result.converged && result.inlier_fraction > 0.9;
+  const bool is_good = distance_between(result.T_target_source, truth) < 0.15 &&
+                       angle_between(result.T_target_source, truth) < 0.02;
+  if (is_good) return Outcome::kFound;
+  return looks_good ? Outcome::kWrong : Outcome::kRefused;
+}
+
+/// Distance from which a method must find the truth, turned by up to 6 degrees besides.
+double sure_distance(Method method) { return method == Method::kNdt ? 2.0 : 0.5; }
+
+class Convergence : public MethodTest {};
+
+// F42, F37: the basin of convergence is known, and outside of it nothing is called a success.
+TEST_P(Convergence, SucceedsNearbyAndSaysSoElsewhere) {
+  Scene scene = make_scene(0.02);
+  scene.source.points.resize(1500);
+  const auto registration = make_registration(config());
+  registration->set_target(scene.target);
+  std::string map;
+  for (const double angle : kAngles) {
+    for (const double distance : kDistances) {
+      const double heading = 0.7 + distance;
+      const Pose start = scene.T_target_source * pose_of(distance * std::cos(heading),
+                                                         distance * std::sin(heading), 0.0, 0.0,
+                                                         0.0, angle * kDegree);
+      const Outcome outcome =
+          outcome_of(registration->align(scene.source, start), scene.T_target_source);
+      map += "+.!"[static_cast<int>(outcome)];
+      EXPECT_NE(outcome, Outcome::kWrong) << distance << " m, " << angle << " deg";
+      if (distance <= sure_distance(GetParam()) && angle <= 6.0) {
+        EXPECT_EQ(outcome, Outcome::kFound) << distance << " m, " << angle << " deg";
+      }
+    }
+    map += ' ';
+  }
+  RecordProperty("map", map);  // a word per angle; + found, . refused
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Convergence, testing::ValuesIn(kAllMethods), method_name);
+
+}  // namespace
+}  // namespace lidar_mapping::registration

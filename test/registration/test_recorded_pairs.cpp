@@ -1,0 +1,105 @@
+#include <filesystem>
+#include <fstream>
+
+#include <pcl/io/pcd_io.h>
+
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/common/voxel_filter.hpp"
+
+#include "method_test.hpp"
+#include "test_data.hpp"
+
+namespace lidar_mapping::registration {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Spacing of the points that are matched, m.
+constexpr double kTargetSpacing = 0.3;
+constexpr double kSourceSpacing = 0.8;
+
+PointCloud read_bin(const fs::path& path) {
+  PointCloud cloud;
+  cloud.points.resize(fs::file_size(path) / sizeof(Point));
+  std::ifstream(path, std::ios::binary)
+      .read(reinterpret_cast<char*>(cloud.points.data()),
+            static_cast<std::streamsize>(cloud.size() * sizeof(Point)));
+  return cloud;
+}
+
+/// Without the empty returns, which this sensor puts into its origin.
+PointCloud read_pcd(const fs::path& path) {
+  pcl::PointCloud<pcl::PointXYZ> points;
+  pcl::io::loadPCDFile(path.string(), points);
+  PointCloud cloud;
+  for (const pcl::PointXYZ& p : points) {
+    if (p.getVector3fMap().norm() > 0.5F) cloud.points.push_back({p.x, p.y, p.z, 0.0F});
+  }
+  return cloud;
+}
+
+/// Two scans of a recording and how they lie to each other.
+struct RecordedPair {
+  PointCloud first;
+  PointCloud second;
+  Pose T_first_second;
+};
+
+RecordedPair read_pair(const fs::path& folder, const std::string& ending, std::size_t first,
+                       std::size_t second) {
+  const auto read = [&](std::size_t index) {
+    std::string name = std::to_string(index);
+    name = std::string(6 - name.size(), '0') + name + ending;
+    return ending == ".pcd" ? read_pcd(folder / name) : read_bin(folder / "velodyne" / name);
+  };
+  const auto poses = read_trajectory((folder / "poses.txt").string()).poses;
+  return {read(first), read(second), poses[first].pose.inverse() * poses[second].pose};
+}
+
+class RecordedPairs : public MethodTest {
+ protected:
+  /// Matches both ways from a disturbed start, up to what the reference poses are good for.
+  static void expect_found(const RecordedPair& pair, const Pose& disturbance, double tolerance_m,
+                           double tolerance_rad) {
+    const RegistrationResult forward = aligned(voxel_filtered(pair.first, kTargetSpacing),
+                                               voxel_filtered(pair.second, kSourceSpacing),
+                                               pair.T_first_second * disturbance, config());
+    EXPECT_LT(distance_between(forward.T_target_source, pair.T_first_second), tolerance_m);
+    EXPECT_LT(angle_between(forward.T_target_source, pair.T_first_second), tolerance_rad);
+    EXPECT_GT(forward.inlier_fraction, 0.6);
+
+    const Pose T_second_first = pair.T_first_second.inverse();
+    const RegistrationResult back =
+        aligned(voxel_filtered(pair.second, kTargetSpacing),
+                voxel_filtered(pair.first, kSourceSpacing), T_second_first * disturbance, config());
+    EXPECT_LT(distance_between(back.T_target_source, T_second_first), tolerance_m);
+    EXPECT_LT(angle_between(back.T_target_source, T_second_first), tolerance_rad);
+    const Pose loop = forward.T_target_source * back.T_target_source;
+    EXPECT_LT(loop.translation.norm(), tolerance_m);
+  }
+};
+
+// The reference poses of this drive scatter by 24 mm, and its sweeps are not deskewed.
+TEST_P(RecordedPairs, OfACityStreet) {
+  REQUIRE_RECORDED(folder, "kitti00_scans");
+  for (const std::size_t first : {0U, 40U, 80U}) {
+    SCOPED_TRACE(first);
+    expect_found(read_pair(folder, ".bin", first, first + 1), pose_of(0.4, -0.2, 0, 0, 0, 0.03),
+                 0.2, 0.02);
+  }
+}
+
+TEST_P(RecordedPairs, OfAMotorway) {
+  REQUIRE_RECORDED(folder, "kitti01_first10");
+  expect_found(read_pair(folder, ".bin", 0, 1), pose_of(0.3, 0.2, 0, 0, 0, 0.02), 0.3, 0.02);
+}
+
+TEST_P(RecordedPairs, OfAnotherSensor) {
+  REQUIRE_RECORDED(folder, "ouster_os1_128");
+  expect_found(read_pair(folder, ".pcd", 0, 2), pose_of(0.3, 0.2, 0.05, 0, 0, -0.05), 0.1, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RecordedPairs, testing::ValuesIn(kAllMethods), method_name);
+
+}  // namespace
+}  // namespace lidar_mapping::registration
