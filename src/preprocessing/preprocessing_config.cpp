@@ -24,12 +24,14 @@ void add_time(Schema& schema) {
           "negative count from the scan's start and are moved accordingly, others and absolute "
           "ones refer to the stamp as they are.")
       .real("scan_period", &Config::scan_period, {0.01, 2.0}, "s", "Time of one turn.")
-      .choice("point_times", &Config::point_times,
-              {{"FIELD", PointTimes::kField},
-               {"AZIMUTH", PointTimes::kAzimuth},
-               {"NONE", PointTimes::kNone}},
-              "Point times from the cloud's field, derived from the azimuth, or none because the "
-              "scans are motion-compensated already.")
+      .choice(
+          "point_times", &Config::point_times,
+          {{"FIELD", PointTimes::kField},
+           {"AZIMUTH", PointTimes::kAzimuth},
+           {"NONE", PointTimes::kNone}},
+          "FIELD: point times from the cloud's field, and a scan without it counts as compensated; "
+          "AZIMUTH: where there is no field, from the azimuth of the points; NONE: the scans are "
+          "compensated already, whatever their fields say.")
       .choice("point_time_unit", &Config::point_time_unit,
               {{"AUTO", PointTimeUnit::kAuto},
                {"S", PointTimeUnit::kSeconds},

@@ -53,7 +53,9 @@ TimeSpan time_span(const PointCloud& cloud) {
 
 std::string settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config) {
   if (config.point_times == PointTimes::kNone) cloud.times.clear();
-  if (config.point_times == PointTimes::kAzimuth) set_times_from_azimuth(cloud, config);
+  if (config.point_times == PointTimes::kAzimuth && !cloud.has_times()) {
+    set_times_from_azimuth(cloud, config);
+  }
   if (!cloud.has_times()) return "";
   const TimeSpan span = time_span(cloud);
   const double longest = std::max(1.5 * config.scan_period, kLongestScan);

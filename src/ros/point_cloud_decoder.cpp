@@ -291,7 +291,7 @@ DecodedCloud decode(const PointCloud2& message, const preprocessing::Preprocessi
     result.format.intensity_field = intensity->name;
     read_intensity(message, *intensity, result.scan.cloud.points);
   }
-  if (config.point_times != preprocessing::PointTimes::kField) return result;
+  if (config.point_times == preprocessing::PointTimes::kNone) return result;
   if (const PointField* time = find_any(message, kTimeNames)) {
     decode_times(message, *time, config, result);
   }

@@ -10,7 +10,7 @@ namespace lidar_mapping::preprocessing {
 /// Where the time of a point comes from.
 enum class PointTimes {
   kField,    ///< from the cloud's field; without one the scan counts as compensated
-  kAzimuth,  ///< from the direction of the point, for scans that were recorded without times
+  kAzimuth,  ///< where there is no field, from the direction of the points
   kNone      ///< the scan is compensated already, whatever its fields say
 };
 /// Unit of the times in a cloud's field.

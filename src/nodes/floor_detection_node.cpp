@@ -1,0 +1,52 @@
+#include "lidar_mapping/preprocessing/floor_detector.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Subscribed: synced_cloud. Published: floor, for every scan, also where there is none.
+class FloorDetectionNode {
+ public:
+  using Config = NodeConfig<preprocessing::FloorDetectionConfig>;
+
+  FloorDetectionNode(const Config& config, NodeContext& context)
+      : config_(config),
+        context_(context),
+        stage_(config.stage),
+        floor_(context.node.advertise<FloorMessage>("floor", kPublisherQueue)),
+        cloud_(subscribe<sensor_msgs::PointCloud2>(
+            context, "synced_cloud", config.node.queue_size,
+            [this](const auto& message) { process(*message); }, Numbered::kYes)) {}
+
+ private:
+  void process(const sensor_msgs::PointCloud2& message) {
+    const Scan scan{from_ros(message.header.stamp), from_message(message)};
+    context_.diagnostics.count_input(scan.stamp);
+    const Floor floor = stage_.process(scan);
+    floor_.publish(to_message(floor, config_.node.base_frame));
+    context_.diagnostics.count_output(scan.stamp);
+    ++(floor.found ? found_ : missing_);
+    context_.diagnostics.set_state(Diagnostics::Level::kOk,
+                                   floor.found ? "floor found" : "no floor in this scan");
+    context_.diagnostics.set("scans with floor", std::to_string(found_));
+    context_.diagnostics.set("scans without floor", std::to_string(missing_));
+  }
+
+  Config config_;
+  NodeContext& context_;
+  preprocessing::FloorDetector stage_;
+  std::size_t found_ = 0;
+  std::size_t missing_ = 0;
+  ros::Publisher floor_;
+  ros::Subscriber cloud_;
+};
+
+}  // namespace lidar_mapping::ros_border
+
+int main(int argc, char** argv) {
+  return lidar_mapping::ros_border::run_node<lidar_mapping::ros_border::FloorDetectionNode>(
+      argc, argv, "floor_detection");
+}

@@ -1,0 +1,127 @@
+#include "lidar_mapping/preprocessing/floor_detector.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "lidar_mapping/common/pose.hpp"
+
+#include "plane_search.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kPlace = 1.0;             // m, edge of a place whose surface is judged
+constexpr std::size_t kFewestOfPlace = 8;  // points
+constexpr double kLineLike = 0.02;         // eigenvalues, middle to largest
+constexpr int kSectors = 12;
+constexpr int kSectorsOfFloor = 3;
+constexpr double kOutward = 1.0;  // m
+
+using Points = std::vector<Eigen::Vector3d>;
+
+/// Points near to the vehicle and to the expected floor, in level axes.
+Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
+               const FloorDetectionConfig& config) {
+  const double radius_squared = config.floor_radius * config.floor_radius;
+  Points result;
+  for (const Point& point : cloud.points) {
+    const Eigen::Vector3d p = R_level_base * point.position().cast<double>();
+    const bool is_level = std::abs(p.z() + config.sensor_height) <= config.height_clip_range;
+    if (is_level && p.head<2>().squaredNorm() <= radius_squared) result.push_back(p);
+  }
+  return result;
+}
+
+/// Whether the surface of a place may be level. A single line of points tells nothing.
+bool may_be_level(const Points& points, const std::vector<std::size_t>& place, double largest) {
+  if (place.size() < kFewestOfPlace) return true;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::size_t i : place) mean += points[i];
+  mean /= static_cast<double>(place.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const std::size_t i : place) {
+    scatter += (points[i] - mean) * (points[i] - mean).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  if (eigen.eigenvalues()[1] < kLineLike * eigen.eigenvalues()[2]) return true;
+  return std::abs(eigen.eigenvectors()(2, 0)) >= std::cos(largest);
+}
+
+Points level_places(const Points& points, double largest) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> places;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    places[{static_cast<int>(std::floor(points[i].x() / kPlace)),
+            static_cast<int>(std::floor(points[i].y() / kPlace))}]
+        .push_back(i);
+  }
+  Points result;
+  for (const auto& [key, place] : places) {
+    if (!may_be_level(points, place, largest)) continue;
+    for (const std::size_t i : place) result.push_back(points[i]);
+  }
+  return result;
+}
+
+/// A floor goes on outward in some directions; a ring of points on walls does not.
+bool extends_outward(const Points& points, const std::vector<std::size_t>& inliers) {
+  std::array<double, kSectors> nearest;
+  std::array<double, kSectors> farthest;
+  nearest.fill(1e9);
+  farthest.fill(-1e9);
+  for (const std::size_t i : inliers) {
+    const double turn = (std::atan2(points[i].y(), points[i].x()) + M_PI) / (2.0 * M_PI);
+    const auto sector =
+        std::min<std::size_t>(static_cast<std::size_t>(turn * kSectors), kSectors - 1);
+    const double range = points[i].head<2>().norm();
+    nearest[sector] = std::min(nearest[sector], range);
+    farthest[sector] = std::max(farthest[sector], range);
+  }
+  int wide = 0;
+  for (std::size_t sector = 0; sector < kSectors; ++sector) {
+    if (farthest[sector] - nearest[sector] > kOutward) ++wide;
+  }
+  return wide >= kSectorsOfFloor;
+}
+
+}  // namespace
+
+FloorDetector::FloorDetector(const FloorDetectionConfig& config) : config_(config) {}
+
+Floor FloorDetector::process(const Scan& scan) const {
+  Floor floor;
+  floor.stamp = scan.stamp;
+  const auto enough = static_cast<std::size_t>(config_.floor_pts_thresh);
+  const double largest_lean = config_.floor_normal_thresh * kDegree;
+  const Eigen::Quaterniond R_level_base =
+      exp_so3(Eigen::Vector3d(0.0, config_.tilt_deg * kDegree, 0.0));
+
+  Points points = clipped(scan.cloud, R_level_base.toRotationMatrix(), config_);
+  if (config_.use_normal_filtering) {
+    points = level_places(points, config_.normal_filter_thresh * kDegree);
+  }
+  if (points.size() < enough) return floor;
+  const auto found = search_plane(points, config_.floor_distance_thresh, largest_lean);
+  if (!found) return floor;
+  const auto fit = fit_plane(points, *found, config_.floor_distance_thresh);
+  if (!fit || fit->inliers.size() < enough || fit->plane.normal.z() < std::cos(largest_lean) ||
+      !extends_outward(points, fit->inliers)) {
+    return floor;
+  }
+  floor.found = true;
+  floor.normal = R_level_base.conjugate() * fit->plane.normal;
+  floor.offset = fit->plane.offset;
+  floor.covariance = fit->covariance;
+  floor.inliers = static_cast<int>(fit->inliers.size());
+  return floor;
+}
+
+}  // namespace lidar_mapping::preprocessing
