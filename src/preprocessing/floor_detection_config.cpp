@@ -15,7 +15,7 @@ const config::Schema<FloorDetectionConfig>& FloorDetectionConfig::schema() {
           .real("floor_radius", &Config::floor_radius, {1.0, 1000.0}, "m",
                 "Points this near are looked at: farther off the ground is another plane.")
           .integer("floor_pts_thresh", &Config::floor_pts_thresh, {10, 1000000}, "points",
-                   "Least number of points on the plane.")
+                   "Least number of points on the plane, of the strip that the vehicle drives on.")
           .real("floor_normal_thresh", &Config::floor_normal_thresh, {0.1, 90.0}, "deg",
                 "A floor leans at most this much.")
           .real("floor_distance_thresh", &Config::floor_distance_thresh, {0.001, 1.0}, "m",

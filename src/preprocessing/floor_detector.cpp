@@ -19,6 +19,7 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
+constexpr double kHalfStrip = 2.0;         // m
 constexpr double kPlace = 1.0;             // m, edge of a place whose surface is judged
 constexpr std::size_t kFewestOfPlace = 8;  // points
 constexpr double kLineLike = 0.02;         // eigenvalues, middle to largest
@@ -28,7 +29,8 @@ constexpr double kOutward = 1.0;  // m
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Points near to the vehicle and to the expected floor, in level axes.
+/// Points on the strip that the vehicle drives on, near to the expected floor, in level axes.
+/// Beside the strip are kerbs: a plane over road and pavement would lean.
 Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
                const FloorDetectionConfig& config) {
   const double radius_squared = config.floor_radius * config.floor_radius;
@@ -36,7 +38,8 @@ Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
   for (const Point& point : cloud.points) {
     const Eigen::Vector3d p = R_level_base * point.position().cast<double>();
     const bool is_level = std::abs(p.z() + config.sensor_height) <= config.height_clip_range;
-    if (is_level && p.head<2>().squaredNorm() <= radius_squared) result.push_back(p);
+    if (is_level && std::abs(p.y()) <= kHalfStrip && p.head<2>().squaredNorm() <= radius_squared)
+      result.push_back(p);
   }
   return result;
 }

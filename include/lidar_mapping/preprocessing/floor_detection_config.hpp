@@ -10,7 +10,7 @@ struct FloorDetectionConfig {
   double sensor_height = 0.0;
   double height_clip_range = 1.0;
   double floor_radius = 20.0;
-  int floor_pts_thresh = 512;
+  int floor_pts_thresh = 200;
   double floor_normal_thresh = 10.0;
   double floor_distance_thresh = 0.1;
   bool use_normal_filtering = true;

@@ -1,0 +1,147 @@
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/floor_detector.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/ray_caster.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+/// What 16 beams at `height` see of a plane through the point below them, and of a wall around.
+Scan scan_of_plane(const Eigen::Vector3d& normal, double height, bool with_wall,
+                   std::uint32_t seed) {
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  Scan scan;
+  for (int beam = 0; beam < 16; ++beam) {
+    const double elevation = (-15.0 + 2.0 * beam) * kDegree;
+    for (int step = 0; step < 900; ++step) {
+      const double azimuth = 2.0 * M_PI * step / 900;
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const double down = -normal.dot(ray);
+      double range = down > 1e-3 ? normal.z() * height / down : 1e9;
+      const double wall = 12.0 / std::cos(elevation);
+      if (with_wall) range = std::min(range, wall);
+      if (range > 60.0) continue;
+      const Eigen::Vector3f p = ((range + noise(engine)) * ray).cast<float>();
+      scan.cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
+    }
+  }
+  return scan;
+}
+
+FloorDetectionConfig config_for(double height) {
+  FloorDetectionConfig config;
+  config.sensor_height = height;
+  return config;
+}
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+TEST(FloorDetector, FindsLeaningFloors) {
+  for (const double lean : {0.0, 3.0, -4.0}) {
+    const Eigen::Vector3d normal(std::sin(lean * kDegree), 0.0, std::cos(lean * kDegree));
+    const Scan scan = scan_of_plane(normal, 1.8, true, 7);
+    const Floor floor = FloorDetector(config_for(1.8)).process(scan);
+    ASSERT_TRUE(floor.found);
+    EXPECT_LT(angle_between(floor.normal, normal), 0.2 * kDegree);
+    EXPECT_NEAR(floor.offset, 1.8 * normal.z(), 0.02);
+    EXPECT_TRUE(floor.covariance.llt().info() == Eigen::Success);
+  }
+}
+
+TEST(FloorDetector, UndoesTheTiltOfTheSensor) {
+  FloorDetectionConfig config = config_for(1.8);
+  config.tilt_deg = 20.0;
+  const Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
+  Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 8);
+  scan.cloud = transformed(scan.cloud, Pose{R_level_base.conjugate(), Eigen::Vector3d::Zero()});
+  EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan).found);
+  const Floor floor = FloorDetector(config).process(scan);
+  ASSERT_TRUE(floor.found);
+  EXPECT_LT(angle_between(R_level_base * floor.normal, Eigen::Vector3d::UnitZ()), 0.2 * kDegree);
+}
+
+TEST(FloorDetector, LooksOnlyWhereTheFloorIsExpected) {  // F34: heights from base_link
+  const Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 9);
+  EXPECT_FALSE(FloorDetector(config_for(0.0)).process(scan).found);
+  EXPECT_TRUE(FloorDetector(config_for(1.3)).process(scan).found);
+}
+
+TEST(FloorDetector, RefusesWallsAndEmptyScans) {  // F20
+  EXPECT_FALSE(FloorDetector({}).process({}).found);
+  Scan walls = scan_of_plane(Eigen::Vector3d::UnitZ(), 100.0, true, 10);
+  EXPECT_FALSE(FloorDetector(config_for(1.0)).process(walls).found);
+  EXPECT_FALSE(FloorDetector(config_for(0.0)).process(walls).found);
+}
+
+TEST(FloorDetector, RefusesTooFewPointsAndSteepPlanes) {
+  const Eigen::Vector3d steep(std::sin(15.0 * kDegree), 0.0, std::cos(15.0 * kDegree));
+  EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan_of_plane(steep, 1.8, true, 11)).found);
+  FloorDetectionConfig many = config_for(1.8);
+  many.floor_pts_thresh = 100000;
+  EXPECT_FALSE(
+      FloorDetector(many).process(scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 12)).found);
+}
+
+/// The street within two metres of the vehicle as (rotation about x, about y, height) of a plane
+/// z = height + rx y - ry x in base_link, by rays straight down.
+Eigen::Vector3d street_below(const simulation::RayCaster& caster, const Pose& T_map_base,
+                             double seconds) {
+  std::vector<simulation::Ray> rays;
+  std::vector<Eigen::Vector3d> origins;
+  for (double x = -2.0; x <= 2.0; x += 0.5) {
+    for (double y = -1.0; y <= 1.0; y += 0.5)
+      origins.push_back(T_map_base * Eigen::Vector3d(x, y, 0.4));
+  }
+  for (const Eigen::Vector3d& origin : origins) {
+    simulation::Ray ray;
+    ray.origin = origin.cast<float>();
+    ray.direction = -Eigen::Vector3f::UnitZ();
+    rays.push_back(ray);
+  }
+  std::vector<simulation::Hit> hits;
+  caster.cast(rays, seconds, seconds, 0.01F, 5.0F, hits);
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Eigen::Vector3d p =
+        T_map_base.inverse() * (origins[i] - Eigen::Vector3d(0, 0, hits[i].range));
+    const Eigen::Vector3d row(p.y(), -p.x(), 1.0);
+    normal += row * row.transpose();
+    right += row * p.z();
+  }
+  return normal.llt().solve(right);
+}
+
+TEST(FloorDetector, FindsTheStreetBelowASimulatedDrive) {
+  simulation::DriveOptions options;
+  options.lidar = "vlp16";
+  const simulation::Drive drive(options);
+  const simulation::RayCaster caster(drive.world());
+  const FloorDetector detector({});
+  int good = 0;
+  int all = 0;
+  for (std::size_t i = 0; i < drive.scan_count(); i += 40) {
+    const Scan scan = drive.base_scan(i);
+    const Floor floor = detector.process(scan);
+    const Eigen::Vector3d truth = street_below(caster, drive.trajectory().pose(scan.stamp),
+                                               to_seconds(scan.stamp - drive.trajectory().begin()));
+    const Eigen::Vector3d normal = Eigen::Vector3d(truth.y(), -truth.x(), 1.0).normalized();
+    const double lean = angle_between(floor.normal, normal);
+    ++all;
+    if (floor.found && lean < 0.5 * kDegree && std::abs(floor.offset + truth.z()) < 0.03) ++good;
+  }
+  EXPECT_GE(good, 0.99 * all);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
