@@ -36,6 +36,17 @@ class Waiting {
   std::map<Stamp, Value> values_;
 };
 
+/// Keeps `list` ordered by node; false if the node has its value already.
+template <typename Value>
+bool insert_by_node(const Value& value, std::vector<Value>& list) {
+  const auto after =
+      std::lower_bound(list.begin(), list.end(), value.node,
+                       [](const Value& entry, int node) { return entry.node < node; });
+  if (after != list.end() && after->node == value.node) return false;
+  list.insert(after, value);
+  return true;
+}
+
 bool usable(const GnssPosition& position, const BackEndConfig& config) {
   const Eigen::Matrix2d covariance = position.covariance.topLeftCorner<2, 2>();
   if (!position.p_enu_antenna.head<2>().allFinite() || !position.p_base_antenna.allFinite()) {
@@ -74,7 +85,9 @@ class BackEnd::Impl {
     }
     drive_.nodes.push_back(node);
     at_stamp_[node.stamp] = size() - 1;
-    if (const auto position = waiting_gnss_.take(node.stamp)) attach(*position, size() - 1);
+    attach_waiting(node.stamp, waiting_gnss_);
+    attach_waiting(node.stamp, waiting_imu_);
+    attach_waiting(node.stamp, waiting_floors_);
     ++since_.key_frames;
   }
 
@@ -90,19 +103,23 @@ class BackEnd::Impl {
 
   void add_gnss(const GnssPosition& position) {
     if (!usable(position, config_)) {
-      ++unusable_gnss_;
+      ++drive_.unusable_gnss;
       return;
     }
-    const auto found = at_stamp_.find(position.stamp);
-    if (found == at_stamp_.end()) {
-      waiting_gnss_.add(position.stamp, position);
-    } else {
-      attach(position, found->second);
-    }
+    attach_or_wait(position, waiting_gnss_);
   }
 
-  void add_imu(const ImuSample&) {}
-  void add_floor(const Floor&) {}
+  void add_imu(const ImuSample& sample) {
+    const bool known = sample.linear_acceleration.allFinite() &&
+                       (!sample.orientation || sample.orientation->coeffs().allFinite());
+    if (known) attach_or_wait(sample, waiting_imu_);
+  }
+
+  void add_floor(const Floor& floor) {
+    const bool known =
+        floor.normal.allFinite() && std::isfinite(floor.offset) && floor.covariance.allFinite();
+    if (floor.found && known) attach_or_wait(floor, waiting_floors_);
+  }
 
   bool optimization_due() const {
     if (drive_.nodes.empty()) return false;
@@ -150,7 +167,9 @@ class BackEnd::Impl {
 
   std::vector<std::pair<Loop, bool>> loops() const {
     std::vector<std::pair<Loop, bool>> result;
-    for (const DriveLoop& loop : drive_.loops) result.emplace_back(loop.loop, loop.used);
+    for (const DriveLoop& loop : drive_.loops) {
+      result.emplace_back(loop.loop, loop.used || !loop.weighed);
+    }
     return result;
   }
 
@@ -184,13 +203,29 @@ class BackEnd::Impl {
     return static_cast<int>(found - drive_.nodes.begin());
   }
 
+  template <typename Value>
+  void attach_or_wait(const Value& value, Waiting<Value>& waiting) {
+    const auto found = at_stamp_.find(value.stamp);
+    if (found == at_stamp_.end()) {
+      waiting.add(value.stamp, value);
+    } else {
+      attach(value, found->second);
+    }
+  }
+
+  template <typename Value>
+  void attach_waiting(Stamp stamp, Waiting<Value>& waiting) {
+    if (const auto value = waiting.take(stamp)) attach(*value, at_stamp_.at(stamp));
+  }
+
   void attach(const GnssPosition& position, int node) {
-    // Ordered by node, because neighbours share their errors.
-    const auto after =
-        std::upper_bound(drive_.gnss.begin(), drive_.gnss.end(), node,
-                         [](int wanted, const DriveGnss& gnss) { return wanted < gnss.node; });
-    drive_.gnss.insert(after, {position, node, false, false, false});
-    ++since_.gnss;
+    if (insert_by_node(DriveGnss{position, node, false, false, false}, drive_.gnss)) ++since_.gnss;
+  }
+  void attach(const ImuSample& sample, int node) {
+    insert_by_node(DriveImu{sample, node}, drive_.imu);
+  }
+  void attach(const Floor& floor, int node) {
+    insert_by_node(DriveFloor{floor, node}, drive_.floors);
   }
 
   void take_poses(const DriveGraph& solved) {
@@ -225,7 +260,8 @@ class BackEnd::Impl {
   DriveGraph drive_;
   std::map<Stamp, int> at_stamp_;
   Waiting<GnssPosition> waiting_gnss_;
-  std::size_t unusable_gnss_ = 0;
+  Waiting<ImuSample> waiting_imu_;
+  Waiting<Floor> waiting_floors_;
   std::uint32_t revision_ = 0;
   Counts since_;
   Stamp last_optimization_ = 0;

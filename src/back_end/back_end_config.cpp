@@ -39,6 +39,25 @@ config::Schema<Config> make_schema() {
             "Added to the covariance of every loop.")
       .real("loop_min_stddev_deg", &Config::loop_min_stddev_deg, kStddev, "deg",
             "Added to the covariance of every loop.")
+      .boolean("use_const_inf_matrix", &Config::use_const_inf_matrix,
+               "Weigh all motions and loops by const_stddev_x and const_stddev_q instead of their "
+               "covariances.")
+      .boolean("use_fitness_inf_matrix", &Config::use_fitness_inf_matrix,
+               "Weigh loops by their fitness (var_gain_a, min and max stddevs) instead of their "
+               "covariances.")
+      .real("const_stddev_x", &Config::const_stddev_x, kStddev, "m",
+            "Translation, with use_const_inf_matrix.")
+      .real("const_stddev_q", &Config::const_stddev_q, kStddev, "half rad",
+            "Vector part of the quaternion, with use_const_inf_matrix.")
+      .real("var_gain_a", &Config::var_gain_a, {1e-3, 1e3}, "1/m^2",
+            "How fast variances grow with the fitness, with use_fitness_inf_matrix.")
+      .real("min_stddev_x", &Config::min_stddev_x, kStddev, "m", "At fitness zero.")
+      .real("max_stddev_x", &Config::max_stddev_x, kStddev, "m", "At inf_matrix_max_fitness.")
+      .real("min_stddev_q", &Config::min_stddev_q, kStddev, "half rad", "At fitness zero.")
+      .real("max_stddev_q", &Config::max_stddev_q, kStddev, "half rad",
+            "At inf_matrix_max_fitness.")
+      .real("inf_matrix_max_fitness", &Config::inf_matrix_max_fitness, {1e-6, 1e6}, "m^2",
+            "Fitness at which the variances reach their maxima.")
       .real("gnss_min_stddev_m", &Config::gnss_min_stddev_m, kStddev, "m",
             "Least horizontal standard deviation of a GNSS position.")
       .real("gnss_min_stddev_altitude_m", &Config::gnss_min_stddev_altitude_m, kStddev, "m",
@@ -51,14 +70,63 @@ config::Schema<Config> make_schema() {
             "Least extent of the track before it is turned to East-North-Up.")
       .real("gnss_alignment_stddev_deg", &Config::gnss_alignment_stddev_deg, {0.01, 10.0}, "deg",
             "The heading must be known this well before the track is turned to East-North-Up.")
+      .boolean("enable_imu_orientation", &Config::enable_imu_orientation,
+               "Whether the tilt of the IMU's orientation keeps the map level.")
+      .boolean(
+          "enable_imu_heading", &Config::enable_imu_heading,
+          "Whether headings that come with GNSS positions are used; only for an IMU with a true "
+          "heading.")
+      .boolean("enable_imu_acceleration", &Config::enable_imu_acceleration,
+               "Whether the measured acceleration, as gravity, keeps the map level.")
+      .real("imu_orientation_stddev_deg", &Config::imu_orientation_stddev_deg, kStddev, "deg",
+            "Of the tilt at one key frame; larger than the IMU's, because neighbours share errors.")
+      .real("imu_heading_stddev_deg", &Config::imu_heading_stddev_deg, kStddev, "deg",
+            "Of the heading at one key frame; larger than the IMU's, because neighbours share "
+            "errors.")
+      .real("imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev_deg, kStddev, "deg",
+            "Of the vertical by acceleration at one key frame; motion adds to it.")
+      .choice(
+          "floor_constraint", &Config::floor_constraint,
+          {{"none", FloorConstraint::kNone},
+           {"neighbours", FloorConstraint::kNeighbours},
+           {"plane", FloorConstraint::kPlane}},
+          "Floors of successive key frames as one plane each (safe on slopes), or all floors as "
+          "a single plane (flat halls).")
+      .real("floor_stddev_deg", &Config::floor_stddev_deg, kStddev, "deg",
+            "How much the slope of the floor differs from the plane, added to its covariance.")
+      .real("floor_stddev_m", &Config::floor_stddev_m, kStddev, "m",
+            "How much the height of the floor differs from the plane, added to its covariance.")
       .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, robust_kernel_names(),
               "Kernel of odometry constraints.")
       .choice("loop_robust_kernel", &Config::loop_robust_kernel, robust_kernel_names(),
               "Kernel of the loops that are believed.")
       .choice("gnss_robust_kernel", &Config::gnss_robust_kernel, robust_kernel_names(),
               "Kernel of the GNSS positions that are believed.")
+      .choice("imu_robust_kernel", &Config::imu_robust_kernel, robust_kernel_names(),
+              "Kernel of orientations, headings and accelerations.")
+      .choice("floor_robust_kernel", &Config::floor_robust_kernel, robust_kernel_names(),
+              "Kernel of floors.")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
-            "Where the kernels begin to bend.");
+            "Where the kernels begin to bend.")
+      .check([](const Config& c) {
+        return c.use_const_inf_matrix && c.use_fitness_inf_matrix
+                   ? std::string(
+                         "use_const_inf_matrix and use_fitness_inf_matrix exclude each "
+                         "other; set one of them to false")
+                   : std::string();
+      })
+      .check([](const Config& c) {
+        return c.min_stddev_x > c.max_stddev_x || c.min_stddev_q > c.max_stddev_q
+                   ? std::string(
+                         "min_stddev_x and min_stddev_q must not be above max_stddev_x and "
+                         "max_stddev_q")
+                   : std::string();
+      })
+      .check([](const Config& c) {
+        return c.georeference_only && !c.use_gnss
+                   ? std::string("georeference_only needs use_gnss: true")
+                   : std::string();
+      });
   return schema;
 }
 

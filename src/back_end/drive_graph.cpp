@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "lidar_mapping/back_end/vertical.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -17,18 +18,20 @@ constexpr double kFirmStddev_rad = 1e-4;
 constexpr double kWeakStddev_m = 1e3;
 constexpr double kWeakHeadingStddev_rad = 10.0;
 constexpr double kWeakTiltStddev_rad = 0.05;
+constexpr double kRadPerDeg = M_PI / 180.0;
 
-Covariance6 firm_prior() { return diagonal_covariance(kFirmStddev_m, kFirmStddev_rad); }
-
-Covariance6 weak_prior(const Pose& T_map_base) {
+/// Of place and heading, and of the tilt, each firm or weak.
+Covariance6 prior_covariance(const Pose& T_map_base, bool firm_place, bool firm_tilt) {
   const Eigen::Vector3d up_base = T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  Covariance6 covariance = diagonal_covariance(kWeakStddev_m, kWeakTiltStddev_rad);
+  const double tilt = firm_tilt ? kFirmStddev_rad : kWeakTiltStddev_rad;
+  const double heading = firm_place ? kFirmStddev_rad : kWeakHeadingStddev_rad;
+  Covariance6 covariance = diagonal_covariance(firm_place ? kFirmStddev_m : kWeakStddev_m, tilt);
   covariance.bottomRightCorner<3, 3>() +=
-      std::pow(kWeakHeadingStddev_rad, 2) * up_base * up_base.transpose();
+      (heading * heading - tilt * tilt) * up_base * up_base.transpose();
   return covariance;
 }
 
-void add_priors(const DriveGraph& drive, bool with_gnss, FactorGraph& graph) {
+void add_priors(const DriveGraph& drive, bool with_gnss, bool with_vertical, FactorGraph& graph) {
   const std::vector<int> connected = connected_segments(drive, true);
   for (std::size_t segment = 0; segment < drive.segment_starts.size(); ++segment) {
     const int node = drive.segment_starts[segment];
@@ -38,7 +41,7 @@ void add_priors(const DriveGraph& drive, bool with_gnss, FactorGraph& graph) {
     // loops be refused.
     const bool alone = connected[segment] == static_cast<int>(segment);
     const bool firm = alone && !(with_gnss && drive.in_enu[segment]);
-    const Covariance6 covariance = firm ? firm_prior() : weak_prior(pose);
+    const Covariance6 covariance = prior_covariance(pose, firm, firm && !with_vertical);
     graph.add({prior_residual(pose, g2o_information(covariance)), node});
   }
 }
@@ -120,6 +123,66 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
   }
 }
 
+void add_verticals(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  for (const Vertical& vertical : verticals(drive, config)) {
+    graph.add({tilt_residual(vertical.up_base, vertical.stddev), vertical.node, -1, false,
+               config.imu_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+void add_headings(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  const std::vector<bool> in_enu = segments_in_enu(drive);
+  for (const DriveGnss& gnss : drive.gnss) {
+    if (!gnss.position.R_enu_base) continue;
+    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    graph.add({heading_residual(yaw_of(*gnss.position.R_enu_base),
+                                config.imu_heading_stddev_deg * kRadPerDeg),
+               gnss.node, -1, false, config.imu_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+Eigen::Matrix3d floor_covariance(const BackEndConfig& config) {
+  const double angle = config.floor_stddev_deg * kRadPerDeg;
+  const Eigen::Vector3d stddev(angle, angle, config.floor_stddev_m);
+  return stddev.cwiseAbs2().asDiagonal();
+}
+
+void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  for (std::size_t i = 1; i < drive.floors.size(); ++i) {
+    const DriveFloor& a = drive.floors[i - 1];
+    const DriveFloor& b = drive.floors[i];
+    // Floors further apart need not lie in one plane.
+    if (b.node != a.node + 1 || drive.segment_of(a.node) != drive.segment_of(b.node)) continue;
+    const Eigen::Matrix3d covariance =
+        a.floor.covariance + b.floor.covariance + floor_covariance(config);
+    graph.add({common_floor_residual(a.floor, b.floor, covariance), a.node, b.node, false,
+               config.floor_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+/// Where the first floor lies: its z axis is the normal.
+Pose plane_pose(const DriveGraph& drive, const DriveFloor& first) {
+  const Pose& T_map_base = drive.nodes[static_cast<std::size_t>(first.node)].T_map_base;
+  const Eigen::Vector3d normal = T_map_base.rotation * first.floor.normal;
+  return {Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal),
+          T_map_base.translation - first.floor.offset * normal};
+}
+
+/// A node of its own stands for the plane, so that no single floor decides about it.
+void add_floor_plane(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  if (drive.floors.empty()) return;
+  const Pose pose = plane_pose(drive, drive.floors.front());
+  const int plane = graph.add_node(pose);
+  Vector6d stddev;  // a plane is free in height and tilt; along itself it must be held
+  stddev << 1.0, 1.0, kWeakStddev_m, kWeakHeadingStddev_rad, kWeakHeadingStddev_rad, 1.0;
+  graph.add({prior_residual(pose, g2o_information(stddev.cwiseAbs2().asDiagonal())), plane});
+  for (const DriveFloor& floor : drive.floors) {
+    const Eigen::Matrix3d covariance = floor.floor.covariance + floor_covariance(config);
+    graph.add({common_floor_residual(Floor{}, floor.floor, covariance), plane, floor.node, false,
+               config.floor_robust_kernel, config.robust_kernel_size});
+  }
+}
+
 /// Believed so far, or not judged yet.
 std::vector<bool> marks(const DriveGraph& drive, const DriveFactors& factors) {
   std::vector<bool> marked(factors.graph.constraints.size(), true);
@@ -162,12 +225,38 @@ DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) 
   factors.altitude_of.assign(drive.gnss.size(), -1);
   for (const DriveNode& node : drive.nodes) factors.graph.add_node(node.T_map_base);
   const bool with_gnss = config.use_gnss && !config.georeference_only;
-  add_priors(drive, with_gnss, factors.graph);
+  const bool with_vertical =
+      !drive.imu.empty() && (config.enable_imu_orientation || config.enable_imu_acceleration);
+  add_priors(drive, with_gnss, with_vertical, factors.graph);
   add_odometry(drive, config, factors.graph);
+  add_verticals(drive, config, factors.graph);
+  if (with_gnss && config.enable_imu_heading) add_headings(drive, config, factors.graph);
+  switch (config.floor_constraint) {
+    case FloorConstraint::kNone:
+      break;
+    case FloorConstraint::kNeighbours:
+      add_floor_pairs(drive, config, factors.graph);
+      break;
+    case FloorConstraint::kPlane:
+      add_floor_plane(drive, config, factors.graph);
+      break;
+  }
   if (config.use_loop_close) add_loops(drive, config, factors);
   if (with_gnss) add_gnss(drive, config, factors);
   factors.marked = marks(drive, factors);
   return factors;
+}
+
+Eigen::Quaterniond levelling(const DriveGraph& drive, const std::vector<bool>& segments,
+                             const BackEndConfig& config) {
+  Eigen::Vector3d up_map = Eigen::Vector3d::Zero();
+  for (const Vertical& vertical : verticals(drive, config)) {
+    if (!segments[static_cast<std::size_t>(drive.segment_of(vertical.node))]) continue;
+    up_map += drive.nodes[static_cast<std::size_t>(vertical.node)].T_map_base.rotation *
+              vertical.up_base / (vertical.stddev * vertical.stddev);
+  }
+  if (up_map.norm() == 0.0) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond::FromTwoVectors(up_map, Eigen::Vector3d::UnitZ());
 }
 
 double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config) {

@@ -1,5 +1,6 @@
 #include "lidar_mapping/back_end/edge_covariance.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lidar_mapping::back_end {
@@ -8,11 +9,27 @@ namespace {
 
 constexpr double kRadPerDeg = M_PI / 180.0;
 
+/// The standard deviation of the quaternion's vector part is that of half the angle.
+Covariance6 constant_covariance(const BackEndConfig& config) {
+  return diagonal_covariance(config.const_stddev_x, 2.0 * config.const_stddev_q);
+}
+
+/// Standard deviation between its extremes: variances approach the larger one exponentially.
+double saturating(double fitness, double min_stddev, double max_stddev,
+                  const BackEndConfig& config) {
+  const double s = std::min(fitness, config.inf_matrix_max_fitness);
+  const double share = std::expm1(-config.var_gain_a * s) /
+                       std::expm1(-config.var_gain_a * config.inf_matrix_max_fitness);
+  const double least = min_stddev * min_stddev;
+  return std::sqrt(least + (max_stddev * max_stddev - least) * share);
+}
+
 }  // namespace
 
 Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
                                 const std::vector<Eigen::Vector3d>& degenerate_directions,
                                 const BackEndConfig& config) {
+  if (config.use_const_inf_matrix) return constant_covariance(config);
   const double distance = T_previous_current.translation.norm();
   const double drift = std::hypot(config.odometry_min_stddev_m, config.odometry_drift * distance);
   const double turn =
@@ -28,6 +45,12 @@ Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& 
 }
 
 Covariance6 loop_covariance(const Loop& loop, const BackEndConfig& config) {
+  if (config.use_const_inf_matrix) return constant_covariance(config);
+  if (config.use_fitness_inf_matrix) {
+    return diagonal_covariance(
+        saturating(loop.fitness, config.min_stddev_x, config.max_stddev_x, config),
+        2.0 * saturating(loop.fitness, config.min_stddev_q, config.max_stddev_q, config));
+  }
   return loop.covariance +
          diagonal_covariance(config.loop_min_stddev_m, config.loop_min_stddev_deg * kRadPerDeg);
 }

@@ -89,29 +89,49 @@ std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
   return samples;
 }
 
+AlignmentLimits alignment_limits(const BackEndConfig& config) {
+  return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * M_PI / 180.0};
+}
+
+/// Over the whole track, or where that has drifted too far to fit, over its beginning.
+std::optional<Alignment> align_track(const std::vector<AlignmentSample>& samples,
+                                     const Eigen::Quaterniond& R_level_map,
+                                     const BackEndConfig& config) {
+  const AlignmentLimits limits = alignment_limits(config);
+  auto alignment = align_to_enu(samples, R_level_map, limits);
+  for (std::size_t count = 16; !alignment && count < samples.size(); count *= 2) {
+    const std::vector<AlignmentSample> beginning(samples.begin(),
+                                                 samples.begin() + static_cast<long>(count));
+    alignment = align_to_enu(beginning, R_level_map, limits);
+  }
+  return alignment;
+}
+
 /// Turns groups of segments to East-North-Up as soon as their tracks allow, or again if `again`.
-/// The newest alignment goes to `report`.
-void georeference(DriveGraph& drive, const BackEndConfig& config, bool again,
+/// True if one was turned that was not before.
+bool georeference(DriveGraph& drive, const BackEndConfig& config, bool again,
                   OptimizationReport& report) {
-  if (!config.use_gnss || drive.gnss.empty()) return;
+  if (!config.use_gnss || drive.gnss.empty()) return false;
+  bool turned = false;
   const std::vector<int> connected = connected_segments(drive, true);
-  const AlignmentLimits limits = {config.gnss_alignment_distance,
-                                  config.gnss_alignment_stddev_deg * M_PI / 180.0};
   for (int group = 0; group < static_cast<int>(connected.size()); ++group) {
-    std::vector<bool> segments = members(connected, group);
-    const auto turned = [&](std::size_t s) { return segments[s] && drive.in_enu[s]; };
+    const std::vector<bool> segments = members(connected, group);
     bool already = false;
-    for (std::size_t s = 0; s < segments.size(); ++s) already = already || turned(s);
+    for (std::size_t s = 0; s < segments.size(); ++s) {
+      already = already || (segments[s] && drive.in_enu[s]);
+    }
     if (already && !again) continue;
-    const auto alignment = align_to_enu(alignment_samples(drive, segments, config),
-                                        Eigen::Quaterniond::Identity(), limits);
+    const auto alignment = align_track(alignment_samples(drive, segments, config),
+                                       levelling(drive, segments, config), config);
     if (!alignment) continue;
     move_segments(drive, segments, alignment->T_enu_map);
     for (std::size_t s = 0; s < segments.size(); ++s) {
       if (segments[s]) drive.in_enu[s] = true;
     }
+    turned = turned || !already;
     report.gnss_rms = alignment->rms_horizontal;
   }
+  return turned;
 }
 
 /// The states as odometry alone has them, from the first node of each segment.
@@ -121,6 +141,36 @@ void follow_odometry(const DriveGraph& drive, FactorGraph& graph) {
     if (previous.segment != drive.nodes[i].segment) continue;
     const Pose motion = previous.T_odom_base.inverse() * drive.nodes[i].T_odom_base;
     graph.set_pose(static_cast<int>(i), graph.pose(static_cast<int>(i) - 1) * motion);
+  }
+}
+
+/// Moves stretches of the states onto the positions about them: drift over the whole track would
+/// make every far position look false.
+void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  constexpr std::size_t kStretch = 100;
+  DriveGraph moved = drive;
+  for (std::size_t i = 0; i < moved.nodes.size(); ++i) {
+    moved.nodes[i].T_map_base = graph.pose(static_cast<int>(i));
+  }
+  const std::vector<bool> everywhere(drive.in_enu.size(), true);
+  const std::vector<AlignmentSample> samples = alignment_samples(moved, everywhere, config);
+  Pose correction;
+  std::size_t node = 0;
+  for (std::size_t begin = 0; begin < samples.size(); begin += kStretch / 2) {
+    const std::size_t end = std::min(begin + kStretch, samples.size());
+    const auto alignment = align_to_enu(
+        {samples.begin() + static_cast<long>(begin), samples.begin() + static_cast<long>(end)},
+        Eigen::Quaterniond::Identity(), alignment_limits(config));
+    if (alignment) correction = alignment->T_enu_map;
+    const std::size_t middle = std::min(begin + 3 * kStretch / 4, samples.size() - 1);
+    const std::size_t until = end == samples.size()
+                                  ? moved.nodes.size()
+                                  : static_cast<std::size_t>(drive.gnss[middle].node);
+    for (; node < until; ++node) {
+      if (!drive.in_enu[static_cast<std::size_t>(drive.segment_of(static_cast<int>(node)))])
+        continue;
+      graph.set_pose(static_cast<int>(node), correction * moved.nodes[node].T_map_base);
+    }
   }
 }
 
@@ -136,12 +186,14 @@ bool solve_from_present(DriveFactors& factors, RobustSolution& solution) {
   return true;
 }
 
-RobustSolution solve_factors(const DriveGraph& drive, DriveFactors& factors, bool thorough) {
+RobustSolution solve_factors(const DriveGraph& drive, const BackEndConfig& config,
+                             DriveFactors& factors, bool thorough) {
   const std::vector<StateBlock> present = factors.graph.states;
   RobustSolution solution;
   if (!thorough && solve_from_present(factors, solution)) return solution;
   factors.graph.states = present;
   follow_odometry(drive, factors.graph);
+  if (config.use_gnss && !config.georeference_only) pull_to_gnss(drive, config, factors.graph);
   solution = solve_graduated(factors.graph);
   if (!solution.success) factors.graph.states = present;
   return solution;
@@ -175,6 +227,7 @@ void fill(const DriveGraph& drive, const RobustSolution& solution, OptimizationR
   for (const DriveLoop& loop : drive.loops) {
     (loop.used ? report.loops_used : report.loops_refused) += 1;
   }
+  report.gnss_refused = drive.unusable_gnss;
   for (const DriveGnss& gnss : drive.gnss) {
     (gnss.horizontal_used ? report.gnss_used : report.gnss_refused) += 1;
   }
@@ -195,9 +248,10 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
     return result;
   }
   if (problem.config.use_loop_close) join_segments(drive);
-  georeference(drive, problem.config, false, result->report);
+  const bool turned = georeference(drive, problem.config, false, result->report);
   DriveFactors factors = make_factors(drive, problem.config);
-  const RobustSolution solution = solve_factors(drive, factors, problem.thorough);
+  const RobustSolution solution =
+      solve_factors(drive, problem.config, factors, problem.thorough || turned);
   if (solution.success) take_over(factors, solution, drive);
   if (problem.config.georeference_only) {
     georeference(drive, problem.config, true, result->report);

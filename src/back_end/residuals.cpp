@@ -248,31 +248,6 @@ class CommonFloor : public ceres::SizedCostFunction<3, kPoseBlockSize, kPoseBloc
   Eigen::Matrix3d S_;
 };
 
-class GroundPlane : public ceres::SizedCostFunction<3, kPoseBlockSize> {
- public:
-  GroundPlane(const Floor& floor, const Eigen::Matrix3d& covariance)
-      : across_(across(floor.normal)), offset_(floor.offset), S_(whitening<3>(covariance)) {}
-
-  bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
-    const Eigen::Matrix3d R = rotation_of(blocks[0]).toRotationMatrix();
-    const Eigen::Vector3d up = R.row(2);
-    Eigen::Vector3d error;
-    error << across_ * up, blocks[0][2] - offset_;
-    vector_at<3>(residual) = S_ * error;
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    TangentMatrix<3> derivative = TangentMatrix<3>::Zero();
-    derivative.block<2, 3>(0, 3) = across_ * (2.0 * skew(up));
-    derivative.block<1, 3>(2, 0) = R.row(2);
-    write_jacobian<3>(jacobians[0], S_ * derivative);
-    return true;
-  }
-
- private:
-  Eigen::Matrix<double, 2, 3> across_;
-  double offset_;
-  Eigen::Matrix3d S_;
-};
-
 class PlanarRelativePose : public ceres::SizedCostFunction<3, kPlanarBlockSize, kPlanarBlockSize> {
  public:
   PlanarRelativePose(const Eigen::Vector3d& motion, const Eigen::Matrix3d& information)
@@ -330,7 +305,9 @@ CostPtr antenna_horizontal_residual(const Eigen::Vector3d& p_map_antenna,
                                     const Eigen::Matrix2d& covariance) {
   Eigen::Matrix<double, 2, 3> weights = Eigen::Matrix<double, 2, 3>::Zero();
   weights.leftCols<2>() = whitening<2>(covariance);
-  return std::make_unique<Antenna<2>>(p_map_antenna, p_base_antenna, weights);
+  // The altitude may be missing; a weight of zero does not make that finite.
+  const Eigen::Vector3d p_map(p_map_antenna.x(), p_map_antenna.y(), 0.0);
+  return std::make_unique<Antenna<2>>(p_map, p_base_antenna, weights);
 }
 
 CostPtr antenna_altitude_residual(double z_map_antenna, const Eigen::Vector3d& p_base_antenna,
@@ -350,10 +327,6 @@ CostPtr heading_residual(double yaw, double stddev) {
 CostPtr common_floor_residual(const Floor& first, const Floor& second,
                               const Eigen::Matrix3d& covariance) {
   return std::make_unique<CommonFloor>(first, second, covariance);
-}
-
-CostPtr ground_plane_residual(const Floor& floor, const Eigen::Matrix3d& covariance) {
-  return std::make_unique<GroundPlane>(floor, covariance);
 }
 
 CostPtr planar_relative_pose_residual(const Eigen::Vector3d& motion,

@@ -5,7 +5,7 @@
 #include "lidar_mapping/back_end/back_end.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
-#include "synthetic_drive.hpp"
+#include "back_end_fixture.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -13,23 +13,9 @@ namespace {
 using test::DriveSettings;
 using test::SyntheticDrive;
 
-void feed(BackEnd& back_end, const SyntheticDrive& drive) {
-  for (const KeyFrame& key_frame : drive.key_frames) back_end.add_key_frame(key_frame);
-}
-
-void add_lap_loops(BackEnd& back_end, const SyntheticDrive& drive, int lap, int step,
-                   std::mt19937& engine) {
-  const int count = static_cast<int>(drive.truth.size());
-  for (int i = lap; i < count; i += step) {
-    EXPECT_TRUE(back_end.add_loop(test::make_loop(drive, i - lap, i, engine)));
-  }
-}
-
-OptimizationReport optimize(BackEnd& back_end, bool thorough = false) {
-  const auto solution = solve(*back_end.problem(thorough));
-  back_end.apply(*solution);
-  return report_of(*solution);
-}
+using test::add_lap_loops;
+using test::feed;
+using test::optimize;
 
 TEST(BackEnd, FollowsOdometryBeforeAnythingElse) {
   const SyntheticDrive drive = test::make_drive({1});

@@ -180,7 +180,6 @@ TEST(Residuals, FloorsHaveExactDerivatives) {
     const Eigen::Matrix3d covariance = draw.covariance<3>(0.1);
     expect_exact_derivatives(*common_floor_residual(draw.floor(), draw.floor(), covariance),
                              {to_block(first), to_block(second)});
-    expect_exact_derivatives(*ground_plane_residual(draw.floor(), covariance), {to_block(first)});
   }
 }
 

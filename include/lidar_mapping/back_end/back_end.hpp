@@ -69,7 +69,8 @@ class BackEnd {
   KeyFramePoses poses() const;
   /// The correction between odometry and map: T_map_odom of the newest key frame.
   Pose T_map_odom() const;
-  /// All loops with the graph's present opinion of them.
+  /// All loops with the graph's present opinion of them; those that no solution has judged yet
+  /// count as believed.
   std::vector<std::pair<Loop, bool>> loops() const;
   /// The graph with its present poses, for files.
   PoseGraph graph() const;

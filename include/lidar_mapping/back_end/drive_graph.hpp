@@ -36,11 +36,24 @@ struct DriveGnss {
   bool weighed = false;
 };
 
+struct DriveImu {
+  ImuSample sample;  ///< in base_link
+  int node = 0;
+};
+
+struct DriveFloor {
+  Floor floor;
+  int node = 0;
+};
+
 /// All that the back end knows of a drive, as values.
 struct DriveGraph {
   std::vector<DriveNode> nodes;
   std::vector<DriveLoop> loops;
-  std::vector<DriveGnss> gnss;
+  std::vector<DriveGnss> gnss;  ///< by node, as are the next two
+  std::vector<DriveImu> imu;
+  std::vector<DriveFloor> floors;
+  std::size_t unusable_gnss = 0;    ///< positions without a meaning or too uncertain
   Pose T_map_first;                 ///< where the prior holds the first node
   std::vector<bool> in_enu;         ///< per segment number in order of appearance: lies in ENU
   std::vector<int> segment_starts;  ///< position of each segment's first node
@@ -62,6 +75,11 @@ struct DriveFactors {
   std::vector<int> altitude_of;
 };
 DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config);
+
+/// The rotation that makes the map's z axis vertical, as the IMU saw it from all nodes of the
+/// marked segments; the identity where no IMU is in use.
+Eigen::Quaterniond levelling(const DriveGraph& drive, const std::vector<bool>& segments,
+                             const BackEndConfig& config);
 
 /// Standard deviations of a position as the graph believes them, horizontal and altitude.
 double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config);

@@ -34,11 +34,10 @@ CostPtr antenna_altitude_residual(double z_map_antenna, const Eigen::Vector3d& p
 CostPtr tilt_residual(const Eigen::Vector3d& up_base, double stddev);
 /// One node: the angle of base_link's x axis about the map's z axis, rad.
 CostPtr heading_residual(double yaw, double stddev);
-/// Two nodes: both stand on one plane, seen in each base_link.
+/// Two nodes: both stand on one plane, seen in each base_link. The covariance is that of the two
+/// angles and the height of one plane seen from the other's place.
 CostPtr common_floor_residual(const Floor& first, const Floor& second,
                               const Eigen::Matrix3d& covariance);
-/// One node: the floor below it is the map's plane z = 0.
-CostPtr ground_plane_residual(const Floor& floor, const Eigen::Matrix3d& covariance);
 /// Two nodes of a planar graph: x, y, yaw of the second in the first.
 CostPtr planar_relative_pose_residual(const Eigen::Vector3d& motion,
                                       const Eigen::Matrix3d& information);

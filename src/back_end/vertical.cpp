@@ -1,0 +1,51 @@
+#include "lidar_mapping/back_end/vertical.hpp"
+
+#include <cmath>
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180.0;
+constexpr double kGravity = 9.81;
+
+/// A vehicle stands on its wheels: most accelerations point to where odometry has the sky.
+double sign_of_gravity(const DriveGraph& drive) {
+  double votes = 0.0;
+  for (const DriveImu& imu : drive.imu) {
+    votes += imu.sample.linear_acceleration.z() > 0.0 ? 1.0 : -1.0;
+  }
+  return votes < 0.0 ? -1.0 : 1.0;
+}
+
+Vertical by_orientation(const DriveImu& imu, const BackEndConfig& config) {
+  return {imu.node, imu.sample.orientation->conjugate() * Eigen::Vector3d::UnitZ(),
+          config.imu_orientation_stddev_deg * kRadPerDeg};
+}
+
+Vertical by_acceleration(const DriveImu& imu, double sign, const BackEndConfig& config) {
+  const Eigen::Vector3d& acceleration = imu.sample.linear_acceleration;
+  const double excess = std::abs(acceleration.norm() - kGravity) / kGravity;
+  // Braking by a changes the length by a^2 / 2g but turns the vertical by a / g.
+  const double turned = std::sqrt(2.0 * excess);
+  return {imu.node, sign * acceleration.normalized(),
+          std::hypot(config.imu_acceleration_stddev_deg * kRadPerDeg, turned)};
+}
+
+}  // namespace
+
+std::vector<Vertical> verticals(const DriveGraph& drive, const BackEndConfig& config) {
+  std::vector<Vertical> result;
+  const double sign = sign_of_gravity(drive);
+  for (const DriveImu& imu : drive.imu) {
+    if (config.enable_imu_orientation && imu.sample.orientation) {
+      result.push_back(by_orientation(imu, config));
+    }
+    if (config.enable_imu_acceleration && imu.sample.linear_acceleration.norm() > 0.0) {
+      result.push_back(by_acceleration(imu, sign, config));
+    }
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::back_end

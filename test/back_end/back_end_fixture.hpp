@@ -1,0 +1,41 @@
+#pragma once
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/back_end/back_end.hpp"
+
+#include "synthetic_drive.hpp"
+
+namespace lidar_mapping::test {
+
+inline void feed(back_end::BackEnd& back_end, const SyntheticDrive& drive) {
+  for (const KeyFrame& key_frame : drive.key_frames) back_end.add_key_frame(key_frame);
+}
+
+/// Ties each `step`th key frame to the one a lap before.
+inline void add_lap_loops(back_end::BackEnd& back_end, const SyntheticDrive& drive, int lap,
+                          int step, std::mt19937& engine) {
+  const int count = static_cast<int>(drive.truth.size());
+  for (int i = lap; i < count; i += step) {
+    EXPECT_TRUE(back_end.add_loop(make_loop(drive, i - lap, i, engine)));
+  }
+}
+
+inline back_end::OptimizationReport optimize(back_end::BackEnd& back_end, bool thorough = false) {
+  const auto solution = back_end::solve(*back_end.problem(thorough));
+  back_end.apply(*solution);
+  return back_end::report_of(*solution);
+}
+
+/// Of the estimate as it is, without alignment.
+inline double true_rmse(const back_end::BackEnd& back_end, const SyntheticDrive& drive) {
+  return position_rmse(back_end.poses().poses, drive.truth, false);
+}
+
+inline double aligned_rmse(const back_end::BackEnd& back_end, const SyntheticDrive& drive) {
+  return position_rmse(back_end.poses().poses, drive.truth, true);
+}
+
+}  // namespace lidar_mapping::test

@@ -1,0 +1,136 @@
+#include <cmath>
+#include <random>
+
+#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "lidar_mapping/back_end/residuals.hpp"
+#include "lidar_mapping/back_end/robust_kernel.hpp"
+#include "lidar_mapping/config/load.hpp"
+
+#include "back_end_fixture.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+constexpr double kDeg = M_PI / 180.0;
+
+Pose forward(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0.0, 0.0}}; }
+
+TEST(Weights, DriftGrowsWithTheDistance) {
+  const BackEndConfig config;
+  const Covariance6 registration = diagonal_covariance(0.001, 0.0001);
+  const Covariance6 near = odometry_covariance(registration, forward(1.0), {}, config);
+  const Covariance6 far = odometry_covariance(registration, forward(5.0), {}, config);
+  EXPECT_NEAR(std::sqrt(far(0, 0)), 5.0 * config.odometry_drift, 0.006);
+  EXPECT_GT(far(5, 5), 10.0 * near(5, 5));
+}
+
+// F67
+TEST(Weights, DegenerateDirectionsAreHardlyHeld) {
+  const BackEndConfig config;
+  const Covariance6 covariance = odometry_covariance(
+      diagonal_covariance(0.001, 0.0001), forward(2.0), {Eigen::Vector3d::UnitX()}, config);
+  EXPECT_GT(std::sqrt(covariance(0, 0)), 0.3);
+  EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
+}
+
+// F67: in a corridor a loop that knows nothing along it corrects nothing along it.
+TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
+  const test::SyntheticDrive drive = test::make_drive({1, 300.0});
+  std::mt19937 engine(1);
+  Loop loop = test::make_loop(drive, 0, 200, engine);
+  Vector6d offset = Vector6d::Zero();
+  offset.head<2>() << 3.0, 0.2;
+  loop.T_from_to = perturbed(drive.key_frames[200].T_odom_base, offset);
+  loop.covariance = diagonal_covariance(0.02, 0.002);
+  loop.covariance(0, 0) = 100.0;
+  BackEnd back_end(BackEndConfig{});
+  test::feed(back_end, drive);
+  ASSERT_TRUE(back_end.add_loop(loop));
+  test::optimize(back_end);
+  const Eigen::Vector3d moved = back_end.poses().poses[200].T_map_base.translation -
+                                drive.key_frames[200].T_odom_base.translation;
+  EXPECT_LT(std::abs(moved.x()), 0.1);
+  EXPECT_GT(moved.y(), 0.15);
+}
+
+// F66: constant and by fitness, as hdl_graph_slam has them but with squares (F35).
+TEST(Weights, OtherRulesAreThereByName) {
+  BackEndConfig config;
+  config.use_const_inf_matrix = true;
+  Loop loop;
+  loop.covariance = diagonal_covariance(0.01, 0.001);
+  EXPECT_NEAR(loop_covariance(loop, config)(0, 0), 0.25, 1e-12);
+  EXPECT_NEAR(g2o_information(loop_covariance(loop, config))(5, 5), 100.0, 1e-9);
+  config.use_const_inf_matrix = false;
+  config.use_fitness_inf_matrix = true;
+  loop.fitness = 0.0;
+  EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), config.min_stddev_x, 1e-9);
+  loop.fitness = 10.0;
+  EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), config.max_stddev_x, 1e-9);
+  loop.fitness = 0.01;
+  // The published formula: 0.01 + 24.99 (1 - e^-0.2) / (1 - e^-10).
+  EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), 2.131, 0.001);
+}
+
+// F66, F35: where noise is as the parameters say, chi2 per degree of freedom is about one.
+TEST(Weights, ChiSquareIsHonest) {
+  BackEndConfig config;
+  config.odometry_min_stddev_m = config.loop_min_stddev_m = 1e-6;
+  config.odometry_min_stddev_deg = config.loop_min_stddev_deg = 1e-6;
+  config.odometry_drift = config.odometry_drift_deg_per_m = 0.0;
+  test::DriveSettings settings;
+  settings.scale_error = settings.turn_bias_deg = 0.0;
+  const test::SyntheticDrive drive = test::make_drive(settings);
+  BackEnd back_end(config);
+  test::feed(back_end, drive);
+  std::mt19937 engine(7);
+  test::add_lap_loops(back_end, drive, 400, 2, engine);
+  const OptimizationReport report = test::optimize(back_end);
+  // 200 loops of six dimensions close the graph: so many degrees of freedom are left.
+  EXPECT_NEAR(report.cost_after / (6.0 * 200.0), 1.0, 0.15);
+}
+
+TEST(Weights, KernelsBendWhereTheyShould) {
+  double rho[3];
+  const auto huber = make_kernel(RobustKernel::kHuber, 2.0);
+  huber->Evaluate(1.0, rho);
+  EXPECT_EQ(rho[1], 1.0);
+  const auto dcs = make_kernel(RobustKernel::kDcs, 2.0);
+  dcs->Evaluate(4.0, rho);
+  EXPECT_NEAR(rho[0], 4.0, 1e-12);
+  dcs->Evaluate(1e9, rho);
+  EXPECT_NEAR(rho[0], 12.0, 1e-6);
+  const auto geman = make_kernel(RobustKernel::kGemanMcClure, 2.0);
+  geman->Evaluate(1e9, rho);
+  EXPECT_NEAR(rho[0], 4.0, 1e-6);
+  EXPECT_EQ(make_kernel(RobustKernel::kNone, 1.0), nullptr);
+}
+
+TEST(Weights, KernelsHaveExactDerivatives) {
+  for (const auto& [name, kernel] : robust_kernel_names()) {
+    const auto loss = make_kernel(kernel, 1.5);
+    if (!loss) continue;
+    for (const double s : {0.5, 3.0, 20.0}) {
+      constexpr double kStep = 1e-5;
+      double at[3], ahead[3], behind[3];
+      loss->Evaluate(s, at);
+      loss->Evaluate(s + kStep, ahead);
+      loss->Evaluate(s - kStep, behind);
+      EXPECT_NEAR(at[1], (ahead[0] - behind[0]) / (2.0 * kStep), 1e-7) << name << " at " << s;
+      EXPECT_NEAR(at[2], (ahead[1] - behind[1]) / (2.0 * kStep), 1e-7) << name << " at " << s;
+    }
+  }
+}
+
+TEST(Config, RefusesRulesThatExcludeEachOther) {
+  const auto load = [](const std::string& text) {
+    return config::load<BackEndConfig>({config::parse_yaml(text, "back_end.yaml")});
+  };
+  EXPECT_THROW(load("use_const_inf_matrix: true\nuse_fitness_inf_matrix: true\n"), ConfigError);
+  EXPECT_THROW(load("use_gnss: false\ngeoreference_only: true\n"), ConfigError);
+  EXPECT_THROW(load("min_stddev_x: 6.0\n"), ConfigError);
+  EXPECT_EQ(load("loop_robust_kernel: DCS\n").loop_robust_kernel, RobustKernel::kDcs);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end
