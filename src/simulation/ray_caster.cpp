@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <embree3/rtcore.h>
+#include <tbb/task_arena.h>
 
 namespace lidar_mapping::simulation {
 
@@ -45,11 +46,18 @@ Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
   return geometry;
 }
 
+/// Builds a scene's tree in the caller's thread alone: then the tree, and with it the winner among
+/// equal hits, is the same whatever else runs. (The device's own limit would hold for all of TBB.)
+void commit(RTCScene scene) {
+  tbb::task_arena alone(1);
+  alone.execute([scene] { rtcCommitScene(scene); });
+}
+
 Scene make_mesh_scene(RTCDevice device, const TriangleMesh& mesh) {
   Scene scene(rtcNewScene(device));
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene.get(), make_triangles(device, mesh).get());
-  rtcCommitScene(scene.get());
+  commit(scene.get());
   return scene;
 }
 
@@ -96,10 +104,7 @@ struct Frame {
 
 class RayCaster::Impl {
  public:
-  explicit Impl(const World& world)
-      // One thread per scene: the tree, and with it the winner among equal hits, is the same
-      // whatever else runs.
-      : world_(world), device_(rtcNewDevice("threads=1")) {
+  explicit Impl(const World& world) : world_(world), device_(rtcNewDevice(nullptr)) {
     fixed_ = make_mesh_scene(device_.get(), world.fixed);
     for (const TriangleMesh& shape : world.shapes) {
       shapes_.push_back(make_mesh_scene(device_.get(), shape));
@@ -119,7 +124,7 @@ class RayCaster::Impl {
                    static_cast<unsigned>(i + 1), *first, *last);
       frame.R_map_shape[i] = first->rotation_matrix().cast<float>();
     }
-    rtcCommitScene(frame.scene.get());
+    commit(frame.scene.get());
     return frame;
   }
 

@@ -60,11 +60,28 @@ std::vector<TrafficLane> traffic_lanes(const TownLayout& layout) {
   return lanes;
 }
 
+/// The route with all the crossings that lie between those named.
+std::vector<Crossing> over_all_crossings(const std::vector<Crossing>& route) {
+  std::vector<Crossing> all = {route.front()};
+  for (const Crossing& next : route) {
+    while (all.back().column != next.column || all.back().row != next.row) {
+      Crossing step = all.back();
+      step.column += (next.column > step.column) - (next.column < step.column);
+      if (step.column == all.back().column) {
+        step.row += (next.row > step.row) - (next.row < step.row);
+      }
+      all.push_back(step);
+    }
+  }
+  return all;
+}
+
 Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
   const std::uint64_t seed = mixed(options.seed) ^ plan.variant;
   const TownLayout layout(plan.columns, plan.rows, plan.rows_alike, Random(seed, kLayout));
   const Terrain terrain(Random(seed, kTerrain), 5, 180.0, 420.0, plan.slope);
-  const Path path = Path::rounded(layout.lane_corners(plan.route, kLaneOffset), kTurnRadius)
+  const std::vector<Crossing> route = over_all_crossings(plan.route);
+  const Path path = Path::rounded(layout.lane_corners(route, kLaneOffset), kTurnRadius)
                         .weaving(0.2, Random(seed, kMotion).uniform(0.0, 6.0));
   RoadDrive drive{path, kOutOfCrossing, path.length() - plan.end_before, {}, {}};
   for (const double share : plan.halts) drive.halts.push_back({share * path.length(), 4.0});

@@ -25,16 +25,23 @@ Clearance clearance(bool pedestrian) {
 }
 
 bool conflicts(const Pose& a, const Pose& b, const Clearance& free) {
-  const Eigen::Vector3d between = a.inverse() * b.translation;
-  return std::abs(between.x()) < free.along && std::abs(between.y()) < free.across;
+  const Eigen::Vector3d between = b.translation - a.translation;
+  if (between.squaredNorm() > 2.0 * free.along * free.along) return false;
+  const auto too_close = [&](const Eigen::Vector3d& p) {
+    return std::abs(p.x()) < free.along && std::abs(p.y()) < free.across;
+  };
+  return too_close(a.rotation.conjugate() * between) ||
+         too_close(b.rotation.conjugate() * -between);
 }
 
+/// Compares sample with nearest sample: what moves between them lies well within the clearance.
 bool conflicts(const Mover& mover, const Mover& other, const Clearance& free) {
-  for (std::size_t i = 0; i < mover.T_map_shape.size(); i += 2) {
-    const auto there = other.pose(mover.begin_s + static_cast<double>(i) * mover.step_s);
-    if (!there) continue;
-    if (conflicts(mover.T_map_shape[i], *there, free)) return true;
-    if (conflicts(*there, mover.T_map_shape[i], free)) return true;
+  const auto size = static_cast<std::ptrdiff_t>(mover.T_map_shape.size());
+  const auto others = static_cast<std::ptrdiff_t>(other.T_map_shape.size());
+  const std::ptrdiff_t ahead = std::lround((mover.begin_s - other.begin_s) / kStep);
+  const std::ptrdiff_t last = std::min(size, others - ahead);
+  for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -ahead); i < last; i += 2) {
+    if (conflicts(mover.T_map_shape[i], other.T_map_shape[i + ahead], free)) return true;
   }
   return false;
 }

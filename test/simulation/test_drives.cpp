@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/ray_caster.hpp"
+
+namespace lidar_mapping::simulation {
+namespace {
+
+/// Building a world takes a second; each is built once for all tests.
+const Drive& drive_of(const std::string& name) {
+  static std::map<std::string, std::unique_ptr<Drive>> built;
+  std::unique_ptr<Drive>& drive = built[name];
+  if (!drive) {
+    DriveOptions options;
+    options.drive = name;
+    options.rounds = 1;
+    drive = std::make_unique<Drive>(options);
+  }
+  return *drive;
+}
+
+std::vector<Pose> poses_every(const Drive& drive, double seconds) {
+  std::vector<Pose> poses;
+  const SmoothTrajectory& way = drive.trajectory();
+  for (Stamp t = way.begin(); t <= way.end(); t += from_seconds(seconds)) {
+    poses.push_back(way.pose(t));
+  }
+  return poses;
+}
+
+class EveryDrive : public testing::TestWithParam<std::string> {
+ protected:
+  const Drive& drive = drive_of(GetParam());
+};
+
+/// Rays from the middle of the vehicle to its outline must not meet anything.
+TEST_P(EveryDrive, TouchesNothingThatStands) {
+  const RayCaster caster(drive.world());
+  const bool on_foot = GetParam() == "walk";
+  const double half_length = on_foot ? 0.2 : 1.9, half_width = on_foot ? 0.2 : 0.85;
+  const Eigen::Vector3d middle(on_foot ? 0.0 : 1.3, 0.0, on_foot ? 0.0 : 0.6);
+  std::vector<Ray> rays;
+  for (const Pose& pose : poses_every(drive, 0.25)) {
+    for (double angle = 0.0; angle < 2.0 * M_PI; angle += M_PI / 8.0) {
+      const Eigen::Vector3d to(half_length * std::cos(angle), half_width * std::sin(angle), 0.0);
+      rays.push_back({(pose * middle).cast<float>(), (pose.rotation * to).cast<float>(), 0.0F});
+    }
+  }
+  std::vector<Hit> hits;
+  caster.cast(rays, 1e6, 1e6 + 1.0, 0.0F, 1.0F, hits);
+  const auto met =
+      std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return h.range >= 0; });
+  EXPECT_EQ(met, 0);
+}
+
+TEST_P(EveryDrive, HasTheGroundWhereItsWheelsAre) {
+  if (GetParam() == "walk") GTEST_SKIP() << "no wheels";
+  const RayCaster caster(drive.world());
+  std::vector<Ray> rays;
+  for (const Pose& pose : poses_every(drive, 0.5)) {
+    for (const double x : {0.0, 2.6}) {
+      for (const double y : {-0.75, 0.75}) {
+        rays.push_back({(pose * Eigen::Vector3d(x, y, 0.5)).cast<float>(),
+                        (pose.rotation * -Eigen::Vector3d::UnitZ()).cast<float>(), 0.0F});
+      }
+    }
+  }
+  std::vector<Hit> hits;
+  caster.cast(rays, 1e6, 1e6 + 1.0, 0.0F, 3.0F, hits);
+  for (const Hit& hit : hits) ASSERT_NEAR(hit.range, 0.5, 0.13);
+}
+
+TEST_P(EveryDrive, MeetsNoMovingThing) {
+  const bool on_foot = GetParam() == "walk";
+  const double ahead = on_foot ? 0.9 : 6.0, behind = on_foot ? 0.9 : 3.5;
+  const double beside = on_foot ? 0.6 : 1.5;
+  const double duration = to_seconds(drive.trajectory().end() - drive.trajectory().begin());
+  for (double t = 0.0; t < duration; t += 0.2) {
+    const Pose T_map_base = drive.trajectory().pose(drive.trajectory().begin() + from_seconds(t));
+    for (const Mover& mover : drive.world().movers) {
+      const auto T_map_mover = mover.pose(t);
+      if (!T_map_mover) continue;
+      const Eigen::Vector3d p = T_map_base.inverse() * T_map_mover->translation;
+      ASSERT_FALSE(p.x() > -behind && p.x() < ahead && std::abs(p.y()) < beside)
+          << "at " << t << " s: " << p.transpose();
+    }
+  }
+}
+
+TEST_P(EveryDrive, MovesLikeItsCarrier) {
+  const bool on_foot = GetParam() == "walk";
+  for (double t = 0.0; t < to_seconds(drive.trajectory().end() - drive.trajectory().begin());
+       t += 0.1) {
+    const MotionState state =
+        drive.trajectory().state(drive.trajectory().begin() + from_seconds(t));
+    ASSERT_LT(state.velocity_map.norm(), on_foot ? 2.0 : 18.0);
+    ASSERT_LT(state.acceleration_map.norm(), on_foot ? 5.0 : 5.5);
+    ASSERT_LT(state.angular_velocity_base.norm(), on_foot ? 2.0 : 1.0);
+    const Eigen::Vector3d v_base = state.T_map_base.rotation.conjugate() * state.velocity_map;
+    ASSERT_LT(std::abs(v_base.y()), on_foot ? 1.0 : 0.12) << "a car does not slide, " << t << " s";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Drives, EveryDrive, testing::ValuesIn(drive_names()),
+                         [](const auto& drive) { return drive.param; });
+
+/// Ways that the drive covers twice, m, counted where it was within 5 m at least 60 m earlier.
+struct Revisits {
+  double same_direction = 0.0;
+  double opposite_direction = 0.0;
+};
+
+Revisits revisits(const Drive& drive) {
+  const std::vector<Pose> poses = poses_every(drive, 0.2);
+  std::vector<double> way = {0.0};
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    way.push_back(way.back() + (poses[i].translation - poses[i - 1].translation).norm());
+  }
+  Revisits found;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    double same = 1e9, opposite = 1e9;
+    for (std::size_t j = 0; j < i && way[i] - way[j] > 60.0; ++j) {
+      const double distance = (poses[i].translation - poses[j].translation).norm();
+      const double turn = std::abs(
+          std::remainder(yaw_of(poses[i].rotation) - yaw_of(poses[j].rotation), 2.0 * M_PI));
+      if (turn < 0.5) same = std::min(same, distance);
+      if (turn > M_PI - 0.5) opposite = std::min(opposite, distance);
+    }
+    if (same < 5.0) found.same_direction += way[i] - way[i - 1];
+    if (opposite < 5.0) found.opposite_direction += way[i] - way[i - 1];
+  }
+  return found;
+}
+
+TEST(TownDrive, RevisitsStreetsInBothDirectionsAndEndsNearItsStart) {
+  const Drive& drive = drive_of("town");
+  const SmoothTrajectory& way = drive.trajectory();
+  EXPECT_NEAR(way.length(way.begin(), way.end()), 1000.0, 150.0);
+  const Revisits found = revisits(drive);
+  EXPECT_GT(found.same_direction, 100.0);
+  EXPECT_GT(found.opposite_direction, 200.0);
+  EXPECT_LT((way.pose(way.end()).translation - way.pose(way.begin()).translation).norm(), 40.0);
+}
+
+TEST(TownDrive, StandsStillInBetween) {
+  const Drive& drive = drive_of("town");
+  const SmoothTrajectory& way = drive.trajectory();
+  int resting = 0;
+  for (Stamp t = way.begin() + 10'000'000'000; t < way.end() - 10'000'000'000; t += 100'000'000) {
+    if (way.state(t).velocity_map.norm() < 0.02) ++resting;
+  }
+  EXPECT_GT(resting, 30);
+}
+
+TEST(CarParkDrive, UsesThreeStoreysOneAboveTheOther) {
+  const Drive& drive = drive_of("car_park");
+  std::vector<double> heights;
+  for (const Pose& pose : poses_every(drive, 0.1)) {
+    if (std::abs(pose.translation.y() - 27.0) < 1.0) heights.push_back(pose.translation.z());
+  }
+  const auto near = [&](double z) {
+    return std::count_if(heights.begin(), heights.end(),
+                         [&](double h) { return std::abs(h - z) < 0.1; });
+  };
+  EXPECT_GT(near(0.0), 20);
+  EXPECT_GT(near(3.0), 20);
+  EXPECT_GT(near(6.0), 20);
+}
+
+TEST(TwinsDrive, HasTwoStreetsThatLookAlike) {
+  const Drive& drive = drive_of("twins");
+  const RayCaster caster(drive.world());
+  // The same rays from two crossings, a street apart.
+  const auto ranges_from = [&](const Eigen::Vector3d& origin) {
+    std::vector<Ray> rays;
+    for (double angle = 0.0; angle < 2.0 * M_PI; angle += 0.01) {
+      rays.push_back(
+          {origin.cast<float>(),
+           Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.02).normalized().cast<float>(),
+           0.0F});
+    }
+    std::vector<Hit> hits;
+    caster.cast(rays, 1e6, 1e6 + 1.0, 0.0F, 50.0F, hits);
+    return hits;
+  };
+  const Eigen::Vector3d here =
+      drive.trajectory().pose(drive.trajectory().begin()).translation + Eigen::Vector3d(30, 0, 1.7);
+  const auto a = ranges_from(here), b = ranges_from(here + Eigen::Vector3d(0.0, 70.0, 0.0));
+  int alike = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) alike += std::abs(a[i].range - b[i].range) < 0.01;
+  EXPECT_GT(alike, static_cast<int>(0.98 * static_cast<double>(a.size())));
+}
+
+TEST(WalkDrive, TurnsAsFastAsAPersonDoes) {
+  const Drive& drive = drive_of("walk");
+  double fastest = 0.0;
+  for (Stamp t = drive.trajectory().begin(); t < drive.trajectory().end(); t += 20'000'000) {
+    fastest = std::max(fastest, drive.trajectory().state(t).angular_velocity_base.norm());
+  }
+  EXPECT_GT(fastest, 1.3);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::simulation
