@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+#include "listener.hpp"
+#include "node_process.hpp"
+#include "round_drive.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BackEndNode : public testing::Test {
+ protected:
+  std::unique_ptr<NodeProcess> start(std::vector<std::string> arguments = {}) {
+    arguments.push_back("_session_directory:=" + (folder_.path() / "sessions").string());
+    auto node = std::make_unique<NodeProcess>("back_end_node", arguments);
+    wait_until([&] {
+      return key_frames_.getNumSubscribers() > 0 && loops_.getNumSubscribers() > 0 &&
+             poses_.connected() && ros::service::exists("optimize_map", false);
+    });
+    return node;
+  }
+
+  void publish(int begin, int end, const std::string& run_id = "run") {
+    for (int i = begin; i < end; ++i) key_frames_.publish(round_message(i, run_id));
+  }
+
+  GetKeyFrames::Response known(bool clouds = false, std::vector<std::uint32_t> indices = {}) {
+    GetKeyFrames request;
+    request.request.clouds = clouds;
+    request.request.indices = std::move(indices);
+    ros::service::call("get_key_frames", request);
+    return request.response;
+  }
+  bool wait_for_key_frames(std::size_t count) {
+    return wait_until([&] { return known().key_frames.size() == count; });
+  }
+  OptimizeMap::Response optimize() {
+    OptimizeMap request;
+    ros::service::call("optimize_map", request);
+    return request.response;
+  }
+  std::vector<fs::path> sessions() const {
+    std::vector<fs::path> result;
+    for (const auto& entry : fs::directory_iterator(folder_.path() / "sessions")) {
+      if (!entry.is_symlink()) result.push_back(entry.path());
+    }
+    return result;
+  }
+
+  TemporaryFolder folder_;
+  ros::Publisher key_frames_ = ros::NodeHandle().advertise<KeyFrameMessage>("key_frame", 1000);
+  ros::Publisher loops_ = ros::NodeHandle().advertise<LoopMessage>("loop", 1000);
+  Listener<KeyFramePosesMessage> poses_{"key_frame_poses"};
+};
+
+// F55: the answer comes when the work is done, with figures.
+TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
+  const auto node = start();
+  publish(0, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  loops_.publish(round_loop());
+  ASSERT_TRUE(poses_.wait_for(1)) << "an accepted loop is solved at once: " << node->output();
+  const OptimizeMap::Response answer = optimize();
+  EXPECT_TRUE(answer.success) << answer.message;
+  EXPECT_EQ(answer.key_frames, static_cast<std::uint32_t>(kRound));
+  EXPECT_EQ(answer.loops_used, 1U);
+  const KeyFramePoses poses = ros_border::from_message(known().poses);
+  ASSERT_EQ(poses.poses.size(), static_cast<std::size_t>(kRound));
+  EXPECT_LT(poses.poses.back().T_map_base.translation.norm(), 0.1);
+  EXPECT_EQ(poses.poses.back().stamp, round_key_frame(kRound - 1).stamp);
+  const fs::path trajectory = sessions().front() / "trajectory";
+  for (const char* name : {"optimized.txt", "optimized.tum", "laser_odom.txt"}) {
+    EXPECT_TRUE(fs::exists(trajectory / name)) << name;
+  }
+}
+
+// F55: an empty graph says so.
+TEST_F(BackEndNode, SaysThatThereIsNothingToOptimise) {
+  const auto node = start();
+  const OptimizeMap::Response answer = optimize();
+  EXPECT_FALSE(answer.success);
+  EXPECT_NE(answer.message.find("no key frames"), std::string::npos) << answer.message;
+}
+
+// F61: clouds come over the service, those that were asked for.
+TEST_F(BackEndNode, GivesKeyFramesWithAndWithoutClouds) {
+  const auto node = start();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10));
+  EXPECT_EQ(known().key_frames[3].cloud.width, 0U);
+  const GetKeyFrames::Response answer = known(true, {3, 7, 99});
+  ASSERT_EQ(answer.key_frames.size(), 2U);
+  const KeyFrame key_frame = ros_border::from_message(answer.key_frames[1]);
+  const KeyFrame expected = round_key_frame(7);
+  EXPECT_EQ(key_frame.index, 7U);
+  EXPECT_EQ(key_frame.stamp, expected.stamp);
+  ASSERT_NE(key_frame.cloud, nullptr);
+  EXPECT_EQ(key_frame.cloud->size(), expected.cloud->size());
+  EXPECT_LT(difference(key_frame.T_odom_base, expected.T_odom_base).norm(), 1e-9);
+}
+
+// F54: unknown, equal and foreign indices are refused with a message, and nothing ends.
+TEST_F(BackEndNode, RefusesLoopsThatDoNotFit) {
+  const auto node = start();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10));
+  loops_.publish(round_loop(0, kRound - 1));
+  loops_.publish(round_loop(4, 4));
+  loops_.publish(round_loop(0, 9, "another run"));
+  EXPECT_TRUE(wait_until(
+      [&] { return node->output().find("does not fit the graph") != std::string::npos; }));
+  EXPECT_EQ(optimize().loops_used + optimize().loops_refused, 0U);
+  EXPECT_TRUE(node->is_running());
+}
+
+// F62: killed in mid-drive and started again, it goes on with the session.
+TEST_F(BackEndNode, GoesOnWithItsSessionAfterItWasKilled) {
+  auto node = start();
+  publish(0, 25);
+  ASSERT_TRUE(wait_for_key_frames(25));
+  node->kill();
+  ASSERT_TRUE(wait_until([&] { return key_frames_.getNumSubscribers() == 0; }));
+  node = start();
+  publish(25, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  loops_.publish(round_loop());
+  EXPECT_TRUE(wait_until([&] { return optimize().loops_used == 1; }));
+  EXPECT_LT(ros_border::from_message(known().poses).poses.back().T_map_base.translation.norm(),
+            0.1);
+  EXPECT_EQ(sessions().size(), 1U);
+}
+
+TEST_F(BackEndNode, ResumesASessionOnRequest) {
+  auto node = start();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10));
+  node->stop();
+  poses_.messages.clear();
+  node = start({"_resume:=latest"});
+  ASSERT_TRUE(poses_.wait_for(1)) << "latched: " << node->output();
+  EXPECT_EQ(poses_.messages[0].indices.size(), 10U);
+  EXPECT_EQ(poses_.messages[0].run_id, "run");
+}
+
+// F56: another run gets a session of its own.
+TEST_F(BackEndNode, AnotherRunBeginsAnotherSession) {
+  const auto node = start();
+  publish(0, 5, "first");
+  ASSERT_TRUE(wait_for_key_frames(5));
+  publish(0, 3, "second");
+  ASSERT_TRUE(wait_for_key_frames(3));
+  EXPECT_EQ(known().poses.run_id, "second");
+  EXPECT_EQ(sessions().size(), 2U);
+}
+
+// F82, F88, F89: tf map -> odom at the stamps of the data, never twice for one.
+TEST_F(BackEndNode, BroadcastsMapToOdomAtTheStampsOfOdometry) {
+  Listener<tf2_msgs::TFMessage> transforms("/tf");
+  Listener<nav_msgs::Odometry> optimized("optimized_odom");
+  const auto node = start();
+  const auto odometry = connected_publisher<nav_msgs::Odometry>("laser_odom");
+  nav_msgs::Odometry message;
+  message.header.frame_id = "odom";
+  message.child_frame_id = "base_link";
+  message.pose.pose.orientation.w = 1.0;
+  for (const int i : {1, 2, 2, 3}) {
+    message.header.stamp = ros_border::to_ros(round_key_frame(i).stamp);
+    odometry.publish(message);
+  }
+  ASSERT_TRUE(optimized.wait_for(4)) << node->output();
+  ASSERT_TRUE(transforms.wait_for(3));
+  EXPECT_EQ(transforms.messages.size(), 3U);
+  const auto& first = transforms.messages[0].transforms[0];
+  EXPECT_EQ(first.header.frame_id, "map");
+  EXPECT_EQ(first.child_frame_id, "odom");
+  EXPECT_EQ(ros_border::from_ros(first.header.stamp), round_key_frame(1).stamp);
+  EXPECT_EQ(optimized.messages[0].header.frame_id, "map");
+}
+
+TEST_F(BackEndNode, EndsWithAMessageWhereThereIsNoSessionToResume) {
+  NodeProcess node("back_end_node", {"_resume:=" + (folder_.path() / "nothing").string()});
+  EXPECT_EQ(node.wait(10.0), 1);
+  EXPECT_NE(node.output().find("there is no session in"), std::string::npos) << node.output();
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test

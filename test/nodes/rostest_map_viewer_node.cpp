@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+#include <nav_msgs/Path.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+#include "listener.hpp"
+#include "node_process.hpp"
+#include "round_drive.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A back end that has some key frames.
+class MapViewerNode : public testing::Test {
+ protected:
+  MapViewerNode() {
+    const boost::function<bool(GetKeyFrames::Request&, GetKeyFrames::Response&)> answer =
+        [this](GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
+          return serve(request, response);
+        };
+    service_ = ros::NodeHandle().advertiseService("get_key_frames", answer);
+  }
+
+  bool serve(const GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
+    response.poses.run_id = "run";
+    response.poses.whole = true;
+    for (const KeyFrameMessage& message : stored_) {
+      const bool wanted = request.indices.empty() ||
+                          std::count(request.indices.begin(), request.indices.end(), message.index);
+      if (wanted) response.key_frames.push_back(message);
+    }
+    return true;
+  }
+
+  void store(int count) {
+    for (int i = 0; i < count; ++i) stored_.push_back(round_message(i));
+  }
+
+  static KeyFramePosesMessage corrected(int count, std::uint32_t revision) {
+    KeyFramePoses poses;
+    poses.revision = revision;
+    for (int i = 0; i < count; ++i) {
+      poses.poses.push_back(
+          {static_cast<KeyFrameIndex>(i), round_key_frame(i).stamp, true_pose(i)});
+    }
+    return ros_border::to_message(poses, "run", "map");
+  }
+
+  /// Calls the service while the services and topics of this process go on.
+  SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {}) {
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    SaveMap request;
+    request.request.directory = directory.string();
+    request.request.formats = std::move(formats);
+    ros::service::waitForService("save_map", ros::Duration(20.0));
+    ros::service::call("save_map", request);
+    return request.response;
+  }
+
+  TemporaryFolder folder_;
+  std::vector<KeyFrameMessage> stored_;
+  ros::ServiceServer service_;
+};
+
+// F82: who subscribes after the fact sees everything; F88: stamps are those of the data.
+TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  ros::NodeHandle handle;
+  auto poses = handle.advertise<KeyFramePosesMessage>("key_frame_poses", 1, true);
+  poses.publish(corrected(kRound, 1));
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until([&] {
+    return !path.messages.empty() && path.messages.back().poses.size() == kRound &&
+           std::abs(path.messages.back().poses.back().pose.position.x) < 0.01;
+  })) << node.output();
+  EXPECT_EQ(ros_border::from_ros(path.messages.back().header.stamp),
+            round_key_frame(kRound - 1).stamp);
+  Listener<sensor_msgs::PointCloud2> map("global_map");
+  Listener<nav_msgs::Path> odometry("odom_path");
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  ASSERT_TRUE(map.wait_for(1) && odometry.wait_for(1) && markers.wait_for(1)) << node.output();
+  EXPECT_EQ(map.messages[0].header.frame_id, "map");
+  EXPECT_EQ(ros_border::from_ros(map.messages[0].header.stamp), round_key_frame(kRound - 1).stamp);
+  EXPECT_GT(map.messages[0].width * map.messages[0].height, 500U);
+  EXPECT_EQ(odometry.messages[0].poses.size(), static_cast<std::size_t>(kRound));
+  EXPECT_EQ(markers.messages[0].markers.size(), 3U);
+}
+
+// F84: without anything new the map is sent once.
+TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  Listener<sensor_msgs::PointCloud2> map("global_map");
+  ASSERT_TRUE(map.wait_for(1)) << node.output();
+  auto poses = ros::NodeHandle().advertise<KeyFramePosesMessage>("key_frame_poses", 10);
+  wait_until([&] { return poses.getNumSubscribers() > 0; });
+  poses.publish(corrected(kRound, 1));
+  ASSERT_TRUE(map.wait_for(2)) << "poses moved";
+  for (std::uint32_t revision = 2; revision < 5; ++revision) {
+    poses.publish(corrected(kRound, revision));
+  }
+  EXPECT_FALSE(map.wait_for(3, 1.0)) << "they did not move again";
+}
+
+// F55: saving works without an optimisation, and says what it wrote.
+TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
+  EXPECT_TRUE(answer.success) << answer.message << node.output();
+  ASSERT_EQ(answer.files.size(), 2U);
+  for (const std::string& file : answer.files) EXPECT_TRUE(fs::exists(file)) << file;
+}
+
+// F55: each thing that cannot be done has its own message.
+TEST_F(MapViewerNode, SaysWhyItCannotSave) {
+  ros::param::del("session_folder");
+  const NodeProcess node("map_viewer_node");
+  const SaveMap::Response empty = save(folder_.path());
+  EXPECT_FALSE(empty.success);
+  EXPECT_NE(empty.message.find("no key frames"), std::string::npos) << empty.message;
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  live.publish(round_message(0));
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until([&] { return !path.messages.empty(); })) << node.output();
+  EXPECT_NE(save("").message.find("name a directory"), std::string::npos);
+  EXPECT_NE(save(folder_.path(), {"doc"}).message.find("not known"), std::string::npos);
+  EXPECT_FALSE(save("/proc/nowhere").success);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test
