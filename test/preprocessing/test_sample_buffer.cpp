@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/interpolation.hpp"
+#include "lidar_mapping/preprocessing/local_frame.hpp"
+#include "lidar_mapping/preprocessing/sample_buffer.hpp"
+
+#include "samples.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+using test::at;
+
+TEST(SampleBuffer, PutsSamplesIntoTheOrderOfTheirStamps) {  // F7
+  std::mt19937 engine(1);
+  std::vector<int> order(100);
+  for (int i = 0; i < 100; ++i) order[static_cast<std::size_t>(i)] = i;
+  for (std::size_t i = 0; i + 5 < order.size(); i += 5) {
+    std::shuffle(order.begin() + static_cast<long>(i), order.begin() + static_cast<long>(i) + 5,
+                 engine);
+  }
+  SampleBuffer<ImuSample> buffer(from_seconds(10.0), 1000);
+  for (const int i : order) EXPECT_TRUE(buffer.insert(test::imu(at(0.01 * i))));
+  for (int i = 0; i + 1 < 100; ++i) {
+    const auto pair = buffer.around(at(0.01 * i + 0.005), from_seconds(0.02));
+    ASSERT_TRUE(pair);
+    EXPECT_EQ(pair->first->stamp, at(0.01 * i));
+    EXPECT_EQ(pair->second->stamp, at(0.01 * (i + 1)));
+  }
+}
+
+TEST(SampleBuffer, RefusesDuplicatesAndStaysBounded) {  // F5, F9
+  SampleBuffer<ImuSample> buffer(from_seconds(1.0), 50);
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_TRUE(buffer.insert(test::imu(at(0.01 * i))));
+    EXPECT_FALSE(buffer.insert(test::imu(at(0.01 * i))));
+    EXPECT_LE(buffer.size(), 50U);
+  }
+  EXPECT_FALSE(buffer.insert(test::imu(at(0.0))));
+}
+
+TEST(Interpolation, StaysBetweenNeighboursOrGivesNothing) {  // F4
+  std::mt19937 engine(2);
+  std::uniform_real_distribution<double> value(-5.0, 5.0);
+  std::uniform_real_distribution<double> step(0.001, 0.4);
+  const Stamp gap = from_seconds(0.2);
+  SampleBuffer<VelocitySample> buffer(from_seconds(1000.0), 100000);
+  double end = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    end += step(engine);
+    buffer.insert(test::velocity(at(end), {value(engine), 0.0, 0.0}));
+  }
+  std::uniform_real_distribution<double> when(-1.0, end + 1.0);
+  int found = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Stamp stamp = at(when(engine));
+    const auto pair = buffer.around(stamp, gap);
+    if (!pair) continue;
+    ++found;
+    ASSERT_LE(pair->first->stamp, stamp);
+    ASSERT_GE(pair->second->stamp, stamp);
+    ASSERT_LE(pair->second->stamp - pair->first->stamp, gap);
+    const double x = interpolated(*pair->first, *pair->second, stamp).linear.x();
+    EXPECT_GE(x, std::min(pair->first->linear.x(), pair->second->linear.x()) - 1e-12);
+    EXPECT_LE(x, std::max(pair->first->linear.x(), pair->second->linear.x()) + 1e-12);
+  }
+  EXPECT_GT(found, 500);
+  EXPECT_LT(found, 4500);
+}
+
+TEST(Interpolation, TakesTheShorterWayWhateverTheSigns) {  // F6
+  for (double yaw = -3.1; yaw < 3.1; yaw += 0.1) {
+    ImuSample a = test::imu(at(0.0));
+    ImuSample b = test::imu(at(0.1));
+    a.orientation = exp_so3({0.0, 0.0, yaw});
+    b.orientation = exp_so3({0.0, 0.0, yaw + 0.1});
+    b.orientation->coeffs() *= -1.0;
+    const auto middle = interpolated(a, b, at(0.05)).orientation;
+    ASSERT_TRUE(middle);
+    EXPECT_LT(rotation_angle(*middle * exp_so3({0.0, 0.0, -(yaw + 0.05)})), 1e-7);
+  }
+}
+
+TEST(Interpolation, MovesVelocitiesOfTurnedAndDistantSensors) {  // F14, F15
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  const auto vector = [&] {
+    return Eigen::Vector3d(normal(engine), normal(engine), normal(engine));
+  };
+  for (int i = 0; i < 100; ++i) {
+    const Pose T_base_sensor{exp_so3(vector()), vector()};
+    const Eigen::Vector3d v = vector(), omega = vector();
+    // The sensor's place in the world by the motion of base_link, half a step each way.
+    const double h = 1e-6;
+    const auto sensor_at = [&](double t) {
+      return Pose{exp_so3(omega * t), v * t} * T_base_sensor;
+    };
+    const Eigen::Vector3d v_world =
+        (sensor_at(h).translation - sensor_at(-h).translation) / (2 * h);
+    const VelocitySample measured{at(0.0), T_base_sensor.rotation.conjugate() * v_world,
+                                  T_base_sensor.rotation.conjugate() * omega};
+    const VelocitySample base = in_base(measured, T_base_sensor);
+    EXPECT_LT((base.linear - v).norm(), 1e-8);
+    EXPECT_LT((base.angular - omega).norm(), 1e-12);
+  }
+}
+
+TEST(Interpolation, ComposesTheOrientationOnTheRightSide) {  // F30
+  // An IMU mounted with 90 degrees of yaw on a vehicle that heads for 30 degrees.
+  const Pose T_base_imu{exp_so3({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.0}};
+  ImuSample sample = test::imu(at(0.0), {1.0, 0.0, 0.0});
+  sample.orientation = exp_so3({0.0, 0.0, M_PI / 6.0}) * T_base_imu.rotation;
+  const ImuSample base = in_base(sample, T_base_imu);
+  EXPECT_NEAR(yaw_of(*base.orientation), M_PI / 6.0, 1e-12);
+  EXPECT_LT((base.angular_velocity - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+TEST(Interpolation, KeepsFixesOnTheTrack) {  // F29: 30 m/s, 10 Hz and 1 Hz
+  for (const double period : {0.1, 1.0}) {
+    const LocalFix a{at(0.0), {0.0, 0.0, 0.0}, 0.01 * Eigen::Matrix3d::Identity(), 2};
+    const LocalFix b{at(period), {30.0 * period, 0.0, 0.0}, 0.01 * Eigen::Matrix3d::Identity(), 0};
+    const LocalFix middle = interpolated(a, b, at(0.3 * period));
+    EXPECT_NEAR(middle.p_enu.x(), 9.0 * period, 1e-6);
+    EXPECT_EQ(middle.status, 0);
+    EXPECT_GE(middle.covariance(0, 0), 0.01);
+    // What the vehicle may have done between the fixes is in the covariance.
+    EXPECT_NEAR(middle.covariance(0, 0), 0.01 + std::pow(0.21 * period * period, 2), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing

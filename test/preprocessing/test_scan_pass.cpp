@@ -1,0 +1,192 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
+#include "lidar_mapping/preprocessing/thinning.hpp"
+
+#include "samples.hpp"
+#include "test_data.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+PointCloud random_cloud(std::uint32_t seed, std::size_t count, float extent) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<float> axis(-extent, extent);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    cloud.points.push_back({axis(engine), axis(engine), axis(engine), static_cast<float>(i)});
+    cloud.times.push_back(1e-4F * static_cast<float>(i % 1000));
+  }
+  return cloud;
+}
+
+TEST(ScanPass, CutsByRangeFromTheSensor) {
+  PreprocessingConfig config;
+  config.distance_near_thresh = 2.0;
+  config.distance_far_thresh = 20.0;
+  const Pose T_base_lidar{exp_so3({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0}};
+  PointCloud cloud = random_cloud(1, 5000, 25.0F);
+  const PointCloud raw = cloud;
+  move_to_base(cloud, T_base_lidar, PassLimits(config), nullptr);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const float range = raw.points[i].position().norm();
+    if (range < 2.0F || range > 20.0F) continue;
+    const Eigen::Vector3d expected = T_base_lidar * raw.points[i].position().cast<double>();
+    ASSERT_LT(kept, cloud.size());
+    EXPECT_LT((cloud.points[kept].position().cast<double>() - expected).norm(), 1e-5);
+    EXPECT_EQ(cloud.points[kept].intensity, raw.points[i].intensity);  // F19
+    EXPECT_EQ(cloud.times[kept], raw.times[i]);
+    ++kept;
+  }
+  EXPECT_EQ(cloud.size(), kept);
+}
+
+TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {  // F22
+  PreprocessingConfig config;
+  config.use_distance_filter = false;
+  PointCloud cloud = random_cloud(2, 1000, 500.0F);
+  move_to_base(cloud, Pose::Identity(), PassLimits(config), nullptr);
+  EXPECT_EQ(cloud.size(), 1000U);
+}
+
+TEST(ScanPass, DropsWhatIsNoPoint) {  // F20
+  PointCloud cloud;
+  cloud.points = {
+      {kNaN, 1, 1, 0}, {0, 0, 0, 0},     {std::numeric_limits<float>::infinity(), 0, 0, 0},
+      {5, 0, 0, 3},    {1e30F, 0, 0, 0}, {5, 1, 0, 4}};
+  cloud.times = {0, 0, 0, 0, 0, kNaN};
+  EXPECT_EQ(move_to_base(cloud, Pose::Identity(), PassLimits({}), nullptr), 4U);
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud.points[0].intensity, 3.0F);
+}
+
+TEST(ScanPass, CutsTheVehicleOut) {
+  PreprocessingConfig config;
+  config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
+  PointCloud cloud;
+  cloud.points = {{0, 0, -1, 1}, {4, 0, 0, 2}, {1, 0.5F, -1.5F, 3}};
+  // The sensor sits 2 m above base_link.
+  move_to_base(cloud, Pose{Eigen::Quaterniond::Identity(), {0, 0, 2}}, PassLimits(config), nullptr);
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud.points[0].intensity, 2.0F);
+}
+
+TEST(ScanPass, CorrectsTheVerticalAngle) {
+  PointCloud cloud = random_cloud(3, 100, 30.0F);
+  const PointCloud raw = cloud;
+  const double angle = 0.205 * M_PI / 180.0;
+  correct_vertical_angle(cloud, angle);
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const Eigen::Vector3d before = raw.points[i].position().cast<double>();
+    const Eigen::Vector3d after = cloud.points[i].position().cast<double>();
+    const auto elevation = [](const Eigen::Vector3d& p) {
+      return std::atan2(p.z(), p.head<2>().norm());
+    };
+    EXPECT_NEAR(after.norm(), before.norm(), 1e-4);
+    EXPECT_NEAR(elevation(after) - elevation(before), angle, 1e-5);
+    EXPECT_NEAR(std::atan2(after.y(), after.x()), std::atan2(before.y(), before.x()), 1e-5);
+  }
+}
+
+TEST(ScanTimes, FollowTheAzimuthEitherWay) {  // F17
+  for (const ScanDirection direction :
+       {ScanDirection::kClockwise, ScanDirection::kCounterclockwise}) {
+    for (const double start_deg : {0.0, 90.0, 180.0, -135.0}) {
+      PreprocessingConfig config;
+      config.point_times = PointTimes::kAzimuth;
+      config.scan_direction = direction;
+      config.scan_start_azimuth_deg = start_deg;
+      PointCloud cloud;
+      for (int i = 0; i < 360; ++i) {
+        const double sign = direction == ScanDirection::kClockwise ? -1.0 : 1.0;
+        const double azimuth = start_deg * M_PI / 180.0 + sign * 2.0 * M_PI * (i + 0.5) / 360.0;
+        cloud.points.push_back({static_cast<float>(10.0 * std::cos(azimuth)),
+                                static_cast<float>(10.0 * std::sin(azimuth)), 0.0F, 0.0F});
+      }
+      EXPECT_EQ(settle_times(cloud, false, config), "");
+      for (int i = 0; i < 360; ++i) {
+        EXPECT_NEAR(cloud.times[static_cast<std::size_t>(i)], 0.1 * (i + 0.5) / 360.0, 1e-6);
+      }
+    }
+  }
+}
+
+TEST(ScanTimes, MeanTheInstantOfTheStamp) {
+  for (const auto& [meaning, shift] :
+       {std::pair{ScanStamp::kStart, 0.0}, std::pair{ScanStamp::kMiddle, 0.05},
+        std::pair{ScanStamp::kEnd, 0.1}}) {
+    PreprocessingConfig config;
+    config.scan_stamp = meaning;
+    PointCloud from_start, to_end, absolute;
+    from_start.points.resize(3, {5, 0, 0, 0});
+    to_end = absolute = from_start;
+    from_start.times = {0.0F, 0.05F, 0.1F};
+    to_end.times = {-0.1F, -0.05F, 0.0F};
+    absolute.times = {0.0F, 0.05F, 0.1F};
+    settle_times(from_start, false, config);
+    settle_times(to_end, false, config);
+    settle_times(absolute, true, config);
+    EXPECT_NEAR(from_start.times[0], -shift, 1e-7);
+    EXPECT_NEAR(to_end.times[0], -0.1, 1e-7);
+    EXPECT_NEAR(absolute.times[2], 0.1, 1e-7);
+  }
+}
+
+TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
+  for (const float factor : {1e3F, 1e6F, 1e9F}) {
+    PointCloud cloud;
+    cloud.points.resize(2, {5, 0, 0, 0});
+    cloud.times = {0.0F, 0.1F * factor};
+    EXPECT_NE(settle_times(cloud, false, {}), "");
+    EXPECT_FALSE(cloud.has_times());
+  }
+}
+
+TEST(Thinning, FiltersWhateverTheExtent) {  // F23
+  for (const DownsampleMethod method :
+       {DownsampleMethod::kVoxelGrid, DownsampleMethod::kApproximateVoxelGrid}) {
+    PreprocessingConfig config;
+    config.downsample_method = method;
+    config.downsample_resolution = 0.5;
+    PointCloud cloud = random_cloud(4, 20000, 2.0F);
+    cloud.points.push_back({100000.0F, 0.0F, 0.0F, 0.0F});
+    cloud.times.push_back(0.0F);
+    const PointCloud thin = downsampled(cloud, config);
+    EXPECT_LE(thin.size(), 9U * 9U * 9U + 1U);
+    EXPECT_GT(thin.size(), 400U);
+    EXPECT_EQ(thin.times.size(), thin.size());
+  }
+  EXPECT_EQ(downsampled(random_cloud(5, 100, 2.0F), {}).size(), 100U);
+}
+
+TEST(Thinning, RemovesLonelyPointsAndKeepsTimes) {
+  PointCloud cloud = random_cloud(6, 4000, 3.0F);
+  cloud.points.push_back({50.0F, 50.0F, 50.0F, -1.0F});
+  cloud.times.push_back(0.077F);
+  for (const OutlierRemovalMethod method :
+       {OutlierRemovalMethod::kStatistical, OutlierRemovalMethod::kRadius}) {
+    PreprocessingConfig config;
+    config.outlier_removal_method = method;
+    const PointCloud clean = without_outliers(cloud, config);
+    EXPECT_GT(clean.size(), 3000U);
+    ASSERT_EQ(clean.times.size(), clean.size());
+    for (std::size_t i = 0; i < clean.size(); ++i) {
+      EXPECT_GE(clean.points[i].intensity, 0.0F);
+      const auto original = static_cast<std::size_t>(clean.points[i].intensity);
+      EXPECT_EQ(clean.times[i], cloud.times[original]);
+    }
+  }
+  EXPECT_EQ(without_outliers(cloud, {}).size(), cloud.size());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
