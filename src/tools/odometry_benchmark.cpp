@@ -10,9 +10,9 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/config/load.hpp"
-#include "lidar_mapping/pipeline/kitti_folder.hpp"
 
 #include "benchmark_figures.hpp"
+#include "recording.hpp"
 
 namespace {
 
@@ -25,6 +25,7 @@ const std::string kArticles = "LIDAR_LOCALIZATION";
 
 struct Options {
   std::string recording;
+  std::string topic;
   std::string method;
   int threads = 1;
   std::string config;
@@ -124,15 +125,15 @@ void run(const Options& options) {
   const front_end::FrontEndConfig config = make_config(options);
   const std::string notice = registration::method_notice(config.registration);
   if (!notice.empty()) std::cerr << "odometry_benchmark: " << notice << "\n";
-  const pipeline::KittiFolder folder(
-      options.recording,
+  const tools::Recording recording = tools::open_recording(
+      options.recording, options.topic,
       {options.elevation_correction_deg * M_PI / 180.0, options.time_from_azimuth});
-  const std::vector<std::size_t> scans = chosen_scans(options, folder.size());
+  const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
   const double memory_before = tools::peak_memory_mb();
   front_end::FrontEnd front_end(config);
   std::vector<ScanRecord> records;
-  for (const std::size_t i : scans) records.push_back(timed(front_end, folder.scan(i)));
+  for (const std::size_t i : scans) records.push_back(timed(front_end, recording.scan(i)));
 
   Json result = {
       {"recording", options.recording},
@@ -155,7 +156,9 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app{"Odometry over recorded scans: time, drift, state"};
   Options options;
-  app.add_option("recording", options.recording, "folder with velodyne/NNNNNN.bin")->required();
+  app.add_option("recording", options.recording, "folder with velodyne/NNNNNN.bin, or bag")
+      ->required();
+  app.add_option("--topic", options.topic, "topic of a bag; else its first PointCloud2");
   app.add_option("--method", options.method,
                  "registration_method, or " + kArticles + " for the scheme of the articles");
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
