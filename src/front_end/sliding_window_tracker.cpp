@@ -1,17 +1,17 @@
 #include "lidar_mapping/front_end/sliding_window_tracker.hpp"
 
-#include <chrono>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/key_frame_window.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
 namespace lidar_mapping::front_end {
@@ -23,8 +23,6 @@ using registration::RegistrationResult;
 // Shares of the scan that must lie on the map.
 constexpr double kTrackedInliers = 0.35;
 constexpr double kLostInliers = 0.2;
-// Smallest eigenvalue of the Hessian's translation part / trace, below which nothing is observed.
-constexpr double kDegenerateShare = 0.0015;
 // Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.
 constexpr double kUsualSpeed = 35.0;  // m/s
 constexpr double kStartStep = 1.0;    // m
@@ -52,19 +50,6 @@ Vector6d twist_between(const Pose& a, const Pose& b, double seconds) {
   return twist / seconds;
 }
 
-/// Axes of base_link along which the match says nothing about the position.
-std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& hessian) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(hessian.topLeftCorner<3, 3>());
-  const double trace = solver.eigenvalues().sum();
-  std::vector<Eigen::Vector3d> directions;
-  for (int i = 0; i < 3; ++i) {
-    if (solver.eigenvalues()[i] < kDegenerateShare * trace) {
-      directions.push_back(solver.eigenvectors().col(i));
-    }
-  }
-  return directions;
-}
-
 /// The match, but for the directions that it did not observe: there the prediction stays.
 Pose held_back(const Pose& predicted, const Pose& matched,
                const std::vector<Eigen::Vector3d>& directions) {
@@ -82,20 +67,6 @@ Covariance6 covariance_of(const Matrix6d& hessian) {
   return (hessian + prior).inverse();
 }
 
-class Stopwatch {
- public:
-  /// Seconds since the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double> passed = now - last_;
-    last_ = now;
-    return passed.count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 }  // namespace
 
 class SlidingWindowTracker::Impl {
@@ -109,27 +80,23 @@ class SlidingWindowTracker::Impl {
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     if (window_.empty()) return begin(scan, prior);
-    Stopwatch stopwatch;
+    timer_.start("sampling");
     const double seconds = to_seconds(scan.stamp - stamp_);
     predict_twist(prior);
     const Pose predicted = moved(T_odom_base_, twist_, seconds);
     const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
-    const double sampling = stopwatch.lap();
-    const Match match = find(sample, predicted, seconds);
-    const double matching = stopwatch.lap();
-
-    TrackedScan tracked = judge(match, predicted, seconds);
+    timer_.start("matching");
+    TrackedScan tracked = judge(find(sample, predicted, seconds), predicted, seconds);
     follow(tracked, scan.stamp);
+    timer_.start("insertion");
     if (lost_for(scan.stamp) > config_.max_lost_time) {
       window_.clear();
       tracked.new_segment = true;
     }
     if (key_frame_due(tracked)) keep(cloud);
     tracked.twist = twist_;
-    tracked.status.step_seconds = {
-        {"sampling", sampling}, {"matching", matching}, {"insertion", stopwatch.lap()}};
-    tracked.status.seconds = total(tracked.status.step_seconds);
+    tracked.status.step_seconds = timer_.take();
     return tracked;
   }
 
@@ -260,16 +227,11 @@ class SlidingWindowTracker::Impl {
     registration_->set_target(window_.joint_cloud(T_odom_map_.inverse()));
   }
 
-  static double total(const std::vector<std::pair<std::string, double>>& steps) {
-    double sum = 0.0;
-    for (const auto& step : steps) sum += step.second;
-    return sum;
-  }
-
   FrontEndConfig config_;
   KeyFrameRule rule_;
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
+  StepTimer timer_;
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan
   Vector6d twist_ = Vector6d::Zero();
