@@ -62,8 +62,7 @@ class Preprocessor::Impl {
       newest_ = std::max(newest_, fix.stamp);
       return;
     }
-    ++counters_.gnss_refused;
-    notices_.say("gnss " + verdict.problem.substr(0, 12), "gnss: fix refused: " + verdict.problem);
+    refuse_fix(verdict.problem);
   }
 
   void enqueue(RawScan scan) {
@@ -86,6 +85,9 @@ class Preprocessor::Impl {
 
   std::vector<SyncedScan> take(bool all) {
     std::vector<SyncedScan> result;
+    for (const std::string& problem : gnss_.settle(sensors_, newest_, latency_, all)) {
+      refuse_fix(problem);
+    }
     while (!waiting_.empty()) {
       const bool full = waiting_.size() > kLongestQueue;
       if (!all && !full && is_incomplete(waiting_.front())) break;
@@ -134,6 +136,11 @@ class Preprocessor::Impl {
     newest_ = 0;
   }
 
+  void refuse_fix(const std::string& problem) {
+    ++counters_.gnss_refused;
+    notices_.say("gnss " + problem.substr(0, 12), "gnss: fix refused: " + problem);
+  }
+
   void refuse_order(Stamp stamp) {
     ++counters_.scans_out_of_order;
     notices_.say("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
@@ -146,7 +153,7 @@ class Preprocessor::Impl {
     const Stamp end = scan.stamp + from_seconds(time_span(scan.cloud).end);
     return sensors_.imu().may_still_deliver(end, newest_, latency_) ||
            sensors_.velocity().may_still_deliver(end, newest_, latency_) ||
-           gnss_.stream().may_still_deliver(scan.stamp, newest_, latency_);
+           gnss_.may_still_deliver(scan.stamp, newest_, latency_);
   }
 
   std::optional<SyncedScan> completed(RawScan raw) {

@@ -42,7 +42,9 @@ std::vector<SyncedScan> drive(Preprocessor& stage, double seconds, const Missing
     if (tick % 2 == 0 && !missing("velocity", t)) {
       stage.add_velocity(velocity(at(t), {10.0, 0.0, 0.0}), "imu");
     }
-    if (tick % 10 == 0 && !missing("gnss", t)) stage.add_gnss(fix(at(t)), "gps");
+    if (tick % 10 == 0 && !missing("gnss", t)) {
+      stage.add_gnss(fix(at(t), 49.0, 8.4 + 10.0 * (t - start) / 73172.0), "gps");
+    }
     if (tick % 10 == 5 && !missing("points", t)) append(out, stage.process(ring_scan(at(t))));
   }
   return out;

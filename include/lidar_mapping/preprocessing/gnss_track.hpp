@@ -1,11 +1,15 @@
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/gnss_gate.hpp"
 #include "lidar_mapping/preprocessing/heading_check.hpp"
 #include "lidar_mapping/preprocessing/local_frame.hpp"
+#include "lidar_mapping/preprocessing/motion_sensors.hpp"
 #include "lidar_mapping/preprocessing/sensor_stream.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -21,7 +25,13 @@ class GnssTrack {
  public:
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);
 
+  /// A taken fix waits until the motion up to it is known.
   FixVerdict add(GnssFix fix, const std::string& frame_id);
+  /// Judges the fixes whose motion is known by now, or will not be (`latency` after them, or all).
+  /// Returns what is wrong with those that it refuses.
+  std::vector<std::string> settle(const MotionSensors& sensors, Stamp now, Stamp latency, bool all);
+  /// Whether a fix at or after `stamp` may still come.
+  bool may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const;
   /// The antenna at `stamp` between two good fixes, with its lever arm; no orientation yet.
   std::optional<GnssPosition> at(Stamp stamp) const;
   /// Whether R_enu_base may be used at this position (imu_orientation).
@@ -29,17 +39,26 @@ class GnssTrack {
                       bool backwards);
 
   const SensorStream<LocalFix>& stream() const { return stream_; }
+  bool has_fixes() const { return !stream_.buffer().empty() || !pending_.empty(); }
   const HeadingCheck& heading_check() const { return heading_check_; }
   std::optional<GeodeticDatum> datum() const { return local_frame_.datum(); }
-  void give_up_if_silent() { stream_.give_up_if_silent(); }
+  void give_up_if_silent() {
+    if (pending_.empty()) stream_.give_up_if_silent();
+  }
   /// Forgets the fixes; the datum stays.
   void clear();
 
  private:
+  std::string judge(const LocalFix& fix, const MotionSensors& sensors);
+
   PreprocessingConfig config_;
   const Extrinsics& extrinsics_;
   LocalFrame local_frame_;
+  std::deque<LocalFix> pending_;  ///< in the order of their stamps
+  Stamp last_judged_ = 0;
+  GnssGate gate_;
   SensorStream<LocalFix> stream_;
+  std::string frame_id_;
   HeadingCheck heading_check_;
 };
 

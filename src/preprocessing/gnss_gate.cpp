@@ -1,0 +1,121 @@
+#include "lidar_mapping/preprocessing/gnss_gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kSigmas = 3.0;
+constexpr double kSlack = 0.5;             // m
+constexpr double kDrift = 0.012;           // of the way since the last good fix
+constexpr double kSteepest = 0.12;         // height per way
+constexpr double kFastest = 70.0;          // m/s
+constexpr double kWindow = 60.0;           // m of way that is laid over the fixes
+constexpr double kLongestWithout = 150.0;  // m; then the old fixes say nothing about the new
+constexpr double kSpacing = 0.5;           // m of way between the fixes that count
+constexpr double kShortestForTurn = 5.0;   // m
+constexpr double kSigmasForTurn = 5.0;
+
+double horizontal_sigma(const LocalFix& fix) {
+  return std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1)));
+}
+
+std::string jump_text(const char* what, double distance, double limit) {
+  char text[120];
+  std::snprintf(text, sizeof(text), "a jump: %.1f m %s, %.1f m allowed", distance, what, limit);
+  return text;
+}
+
+}  // namespace
+
+std::string GnssGate::judge(const LocalFix& fix, const Eigen::Vector3d& p_base_antenna,
+                            const std::optional<Pose>& motion) {
+  follow(p_base_antenna, motion);
+  const Eigen::Vector3d p_dr = T_dr_base_ * p_base_antenna;
+  const std::string problem = problem_with(fix, p_dr);
+  if (problem.empty()) remember(fix, p_dr);
+  return problem;
+}
+
+void GnssGate::clear() { *this = {}; }
+
+void GnssGate::follow(const Eigen::Vector3d& p_base_antenna, const std::optional<Pose>& motion) {
+  if (!motion) {
+    matches_.clear();
+    has_motion_ = false;
+    return;
+  }
+  const Eigen::Vector3d before = T_dr_base_ * p_base_antenna;
+  T_dr_base_ = T_dr_base_ * *motion;
+  way_ += (T_dr_base_ * p_base_antenna - before).norm();
+  has_motion_ = true;
+}
+
+std::optional<GnssGate::Alignment> GnssGate::alignment() const {
+  if (matches_.size() < 3) return std::nullopt;
+  Alignment result;
+  result.center_dr.setZero();
+  result.center_enu.setZero();
+  double sigma = 0.0;
+  for (const Match& match : matches_) {
+    result.center_dr += match.p_dr.head<2>();
+    result.center_enu += match.p_enu.head<2>();
+    sigma = std::max(sigma, match.sigma);
+  }
+  const auto count = static_cast<double>(matches_.size());
+  result.center_dr /= count;
+  result.center_enu /= count;
+  double along = 0.0, across = 0.0, extent = 0.0;
+  for (const Match& match : matches_) {
+    const Eigen::Vector2d a = match.p_dr.head<2>() - result.center_dr;
+    const Eigen::Vector2d b = match.p_enu.head<2>() - result.center_enu;
+    along += a.dot(b);
+    across += a.x() * b.y() - a.y() * b.x();
+    extent = std::max(extent, a.norm());
+  }
+  if (extent < std::max(kShortestForTurn, kSigmasForTurn * sigma)) return std::nullopt;
+  result.R_enu_dr = Eigen::Rotation2Dd(std::atan2(across, along)).toRotationMatrix();
+  return result;
+}
+
+std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p_dr) const {
+  if (!last_good_) return "";
+  const Eigen::Vector3d step = fix.p_enu - last_good_->p_enu;
+  const double sigma = std::hypot(horizontal_sigma(fix), horizontal_sigma(*last_good_));
+  const double seconds = to_seconds(fix.stamp - last_good_->stamp);
+  if (!has_motion_ || matches_.empty()) {
+    const double limit = kFastest * seconds + kSigmas * sigma + kSlack;
+    return step.norm() > limit ? jump_text("since the last fix", step.norm(), limit) : "";
+  }
+  const double way = way_ - last_match_.way;
+  if (way > kLongestWithout) return "";
+  const double sigma_z = std::sqrt(fix.covariance(2, 2) + last_good_->covariance(2, 2));
+  const double limit_z = kSigmas * sigma_z + kSteepest * way + 2.0 * kSlack;
+  if (std::abs(step.z()) > limit_z) return jump_text("in height", std::abs(step.z()), limit_z);
+  const double drift = kDrift * way;
+  if (const auto aligned = alignment()) {
+    const Eigen::Vector2d expected =
+        aligned->center_enu + aligned->R_enu_dr * (p_dr.head<2>() - aligned->center_dr);
+    const double off = (fix.p_enu.head<2>() - expected).norm();
+    const double limit = kSigmas * std::hypot(sigma, drift) + kSlack;
+    return off > limit ? jump_text("beside the measured way", off, limit) : "";
+  }
+  const double driven = (p_dr - last_match_.p_dr).head<2>().norm();
+  const double difference = std::abs(step.head<2>().norm() - driven);
+  const double limit = kSigmas * std::hypot(sigma, drift) + kSlack;
+  return difference > limit ? jump_text("more or less than was driven", difference, limit) : "";
+}
+
+void GnssGate::remember(const LocalFix& fix, const Eigen::Vector3d& p_dr) {
+  last_good_ = fix;
+  if (way_ - last_match_.way > kLongestWithout) matches_.clear();
+  last_match_ = {p_dr, fix.p_enu, horizontal_sigma(fix), way_};
+  const bool stands = !matches_.empty() && way_ - matches_.back().way < kSpacing;
+  if (!stands) matches_.push_back(last_match_);
+  while (way_ - matches_.front().way > kWindow) matches_.pop_front();
+}
+
+}  // namespace lidar_mapping::preprocessing

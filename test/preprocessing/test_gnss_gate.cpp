@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/gnss_gate.hpp"
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+#include "samples.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+using test::at;
+
+/// Fixes and motion of a simulated drive through the stage; the scans carry no real points.
+struct Outcome {
+  std::size_t with_gnss = 0;
+  std::size_t scans = 0;
+  double worst = 0.0;  ///< m, horizontal, to the true antenna
+  std::size_t refused = 0;
+};
+
+Outcome drive_with(const simulation::DriveOptions& options, bool with_motion, bool gating) {
+  const simulation::Drive drive(options);
+  PreprocessingConfig config;
+  config.gnss_gating = gating;
+  const GeodeticDatum datum = drive.datum();
+  config.use_datum = true;
+  config.datum = {datum.latitude_deg, datum.longitude_deg, datum.altitude_m};
+  const auto& mounting = drive.mounting();
+  Preprocessor stage(config, [&](const std::string& frame) -> std::optional<Pose> {
+    if (frame == "gps") return Pose{Eigen::Quaterniond::Identity(), mounting.p_base_antenna};
+    return frame == "imu" ? mounting.T_base_imu : Pose::Identity();
+  });
+  const auto imus = drive.imu();
+  const auto velocities = drive.velocity();
+  const auto fixes = drive.gnss();
+  std::size_t i = 0, v = 0, g = 0;
+  std::vector<SyncedScan> scans;
+  for (std::size_t k = 0; k < drive.scan_count(); ++k) {
+    const Stamp stamp = drive.scan_stamp(k);
+    for (; with_motion && i < imus.size() && imus[i].stamp <= stamp; ++i) {
+      stage.add_imu(imus[i], "imu");
+    }
+    for (; with_motion && v < velocities.size() && velocities[v].stamp <= stamp; ++v) {
+      stage.add_velocity(velocities[v], "imu");
+    }
+    for (; g < fixes.size() && fixes[g].stamp <= stamp; ++g) stage.add_gnss(fixes[g], "gps");
+    test::append(scans, stage.process(test::ring_scan(stamp)));
+  }
+  test::append(scans, stage.flush());
+  Outcome outcome;
+  outcome.scans = scans.size();
+  outcome.refused = stage.counters().gnss_refused;
+  for (const SyncedScan& scan : scans) {
+    if (!scan.gnss) continue;
+    ++outcome.with_gnss;
+    const Eigen::Vector3d truth =
+        drive.trajectory().pose(scan.scan.stamp) * mounting.p_base_antenna;
+    outcome.worst = std::max(outcome.worst, (scan.gnss->p_enu_antenna - truth).head<2>().norm());
+  }
+  return outcome;
+}
+
+TEST(GnssGate, TakesAllOfACleanDrive) {
+  const Outcome outcome = drive_with({}, true, true);
+  EXPECT_EQ(outcome.refused, 0U);
+  EXPECT_GE(outcome.with_gnss, outcome.scans - 2);
+  EXPECT_LT(outcome.worst, 0.15);
+}
+
+TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {  // F24
+  for (const double metres : {5.0, 50.0}) {
+    simulation::DriveOptions options;
+    options.gnss_jumps = {{40.0, metres}, {90.0, metres}};
+    options.duration = 120.0;
+    const Outcome off = drive_with(options, true, false);
+    EXPECT_GT(off.worst, 0.9 * metres);
+    const Outcome on = drive_with(options, true, true);
+    EXPECT_LT(on.worst, 0.7) << metres;
+    EXPECT_NEAR(static_cast<double>(on.refused), 200.0, 4.0) << metres;
+    EXPECT_GT(on.with_gnss, on.scans - 240) << metres;
+  }
+}
+
+TEST(GnssGate, TakesFixesAgainAfterAnOutage) {
+  simulation::DriveOptions options;
+  options.gnss_outages = {{40.0, 100.0}};
+  const Outcome outcome = drive_with(options, true, true);
+  EXPECT_NEAR(static_cast<double>(outcome.refused), 600.0, 5.0);  // those without a fix
+  EXPECT_GT(outcome.with_gnss, outcome.scans - 620);
+}
+
+TEST(GnssGate, WithoutMotionRefusesWhatNobodyCanDrive) {
+  simulation::DriveOptions options;
+  options.gnss_jumps = {{40.0, 50.0}};
+  const Outcome outcome = drive_with(options, false, true);
+  EXPECT_GT(outcome.refused, 3U);
+  EXPECT_GT(outcome.with_gnss, outcome.scans - 120);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
