@@ -68,7 +68,6 @@ class BackEnd::Impl {
     check(key_frame);
     DriveNode node;
     node.index = key_frame.index;
-    node.segment = key_frame.segment;
     node.stamp = key_frame.stamp;
     node.T_odom_base = key_frame.T_odom_base;
     node.T_map_base =
@@ -79,10 +78,13 @@ class BackEnd::Impl {
       node.motion_covariance = odometry_covariance(key_frame.motion_covariance, motion,
                                                    key_frame.degenerate_directions, config_);
     }
-    if (drive_.nodes.empty() || drive_.nodes.back().segment != node.segment) {
+    node.joined = !drive_.nodes.empty() && key_frame.segment == newest_segment_;
+    if (!node.joined) {
       drive_.segment_starts.push_back(size());
       drive_.in_enu.push_back(false);
     }
+    node.segment = static_cast<int>(drive_.segment_starts.size()) - 1;
+    newest_segment_ = key_frame.segment;
     drive_.nodes.push_back(node);
     at_stamp_[node.stamp] = size() - 1;
     attach_waiting(node.stamp, waiting_gnss_);
@@ -125,6 +127,7 @@ class BackEnd::Impl {
     if (drive_.nodes.empty()) return false;
     const double elapsed = to_seconds(drive_.nodes.back().stamp - last_optimization_);
     if (elapsed >= 0.0 && elapsed < config_.optimize_min_interval) return false;
+    if (whole_needed_) return true;
     if (config_.use_loop_close && since_.loops >= config_.optimize_step_with_loop) return true;
     if (config_.use_gnss && since_.gnss >= config_.optimize_step_with_gnss) return true;
     // Odometry alone has nothing to distribute.
@@ -136,16 +139,22 @@ class BackEnd::Impl {
   std::shared_ptr<const OptimizationProblem> problem(bool thorough) const {
     auto problem = std::make_shared<OptimizationProblem>();
     problem->config = config_;
-    problem->drive = drive_;
+    problem->key_frames = drive_.nodes.size();
     problem->thorough = thorough;
+    if (!thorough && !whole_due()) problem->window = window_of_news(drive_, config_);
+    problem->drive = problem->window ? cut(drive_, *problem->window) : drive_;
     return problem;
   }
 
   KeyFramePoses apply(const OptimizationSolution& solution) {
-    const DriveGraph& solved = solution.drive;
-    if (solved.nodes.empty() || solved.nodes.size() > drive_.nodes.size()) return poses();
-    take_poses(solved);
-    take_judgements(solved);
+    if (solution.drive.nodes.empty() || solution.key_frames > drive_.nodes.size()) return poses();
+    if (solution.window) {
+      apply_window(solution);
+    } else {
+      apply_whole(solution.drive);
+    }
+    since_.key_frames = size() - static_cast<int>(solution.key_frames);
+    last_optimization_ = drive_.nodes[solution.key_frames - 1].stamp;
     ++revision_;
     return poses();
   }
@@ -228,32 +237,71 @@ class BackEnd::Impl {
     insert_by_node(DriveFloor{floor, node}, drive_.floors);
   }
 
-  void take_poses(const DriveGraph& solved) {
+  /// Small graphs are solved whole each time; large ones after each twentieth part that they have
+  /// grown, and when a window could not settle what is new.
+  bool whole_due() const {
+    constexpr std::size_t kSmallGraph = 4000;
+    return whole_needed_ || drive_.nodes.size() < kSmallGraph ||
+           20 * (drive_.nodes.size() - last_whole_) > drive_.nodes.size();
+  }
+
+  void apply_whole(const DriveGraph& solved) {
     drive_.T_map_first = solved.T_map_first;
     std::copy(solved.in_enu.begin(), solved.in_enu.end(), drive_.in_enu.begin());
-    for (std::size_t i = 0; i < drive_.nodes.size(); ++i) {
-      DriveNode& node = drive_.nodes[i];
-      if (i < solved.nodes.size()) {
-        node.T_map_base = solved.nodes[i].T_map_base;
-      } else {
-        const DriveNode& previous = drive_.nodes[i - 1];
-        node.T_map_base = previous.T_map_base * previous.T_odom_base.inverse() * node.T_odom_base;
-      }
+    for (std::size_t i = 0; i < solved.nodes.size(); ++i) {
+      drive_.nodes[i].T_map_base = solved.nodes[i].T_map_base;
+    }
+    follow_from(solved.nodes.size());
+    for (std::size_t i = 0; i < solved.loops.size(); ++i) drive_.loops[i] = solved.loops[i];
+    for (const DriveGnss& gnss : solved.gnss) take_judgement(gnss, gnss.node);
+    since_.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
+    since_.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
+    last_whole_ = solved.nodes.size();
+    whole_needed_ = false;
+  }
+
+  void apply_window(const OptimizationSolution& solution) {
+    whole_needed_ = solution.whole_needed;
+    if (whole_needed_) return;
+    const DriveWindow& window = *solution.window;
+    for (std::size_t i = 0; i < window.nodes.size(); ++i) {
+      drive_.nodes[static_cast<std::size_t>(window.nodes[i])].T_map_base =
+          solution.drive.nodes[i].T_map_base;
+    }
+    follow_from(solution.key_frames);
+    for (std::size_t i = 0; i < window.loops.size(); ++i) {
+      DriveLoop& loop = drive_.loops[static_cast<std::size_t>(window.loops[i])];
+      loop.used = solution.drive.loops[i].used;
+      loop.weighed = solution.drive.loops[i].weighed;
+    }
+    for (const DriveGnss& gnss : solution.drive.gnss) {
+      take_judgement(gnss, window.nodes[static_cast<std::size_t>(gnss.node)]);
+    }
+    const auto is_new = [](const auto& value) { return !value.weighed; };
+    since_.loops =
+        static_cast<int>(std::count_if(drive_.loops.begin(), drive_.loops.end(), is_new));
+    since_.gnss =
+        config_.georeference_only
+            ? 0
+            : static_cast<int>(std::count_if(drive_.gnss.begin(), drive_.gnss.end(), is_new));
+  }
+
+  /// Lets the nodes that came during a solution follow odometry from those before.
+  void follow_from(std::size_t first) {
+    for (std::size_t i = first; i < drive_.nodes.size(); ++i) {
+      const DriveNode& previous = drive_.nodes[i - 1];
+      drive_.nodes[i].T_map_base =
+          previous.T_map_base * previous.T_odom_base.inverse() * drive_.nodes[i].T_odom_base;
     }
   }
 
-  void take_judgements(const DriveGraph& solved) {
-    for (std::size_t i = 0; i < solved.loops.size(); ++i) drive_.loops[i] = solved.loops[i];
-    std::map<Stamp, const DriveGnss*> judged;
-    for (const DriveGnss& gnss : solved.gnss) judged[gnss.position.stamp] = &gnss;
-    for (DriveGnss& gnss : drive_.gnss) {
-      const auto found = judged.find(gnss.position.stamp);
-      if (found != judged.end()) gnss = *found->second;
-    }
-    since_.key_frames = size() - static_cast<int>(solved.nodes.size());
-    since_.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
-    since_.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
-    last_optimization_ = solved.nodes.back().stamp;
+  void take_judgement(const DriveGnss& judged, int node) {
+    const auto found =
+        std::lower_bound(drive_.gnss.begin(), drive_.gnss.end(), node,
+                         [](const DriveGnss& gnss, int wanted) { return gnss.node < wanted; });
+    found->horizontal_used = judged.horizontal_used;
+    found->altitude_used = judged.altitude_used;
+    found->weighed = judged.weighed;
   }
 
   BackEndConfig config_;
@@ -265,6 +313,9 @@ class BackEnd::Impl {
   std::uint32_t revision_ = 0;
   Counts since_;
   Stamp last_optimization_ = 0;
+  std::uint32_t newest_segment_ = 0;  ///< as the front end numbers them
+  std::size_t last_whole_ = 0;        ///< key frames when the whole graph was solved last
+  bool whole_needed_ = false;
 };
 
 PoseGraph BackEnd::Impl::graph() const {
@@ -273,7 +324,7 @@ PoseGraph BackEnd::Impl::graph() const {
   for (std::size_t i = 1; i < drive_.nodes.size(); ++i) {
     const DriveNode& a = drive_.nodes[i - 1];
     const DriveNode& b = drive_.nodes[i];
-    if (a.segment != b.segment) continue;
+    if (!b.joined) continue;
     graph.edges.push_back({a.index, b.index, a.T_odom_base.inverse() * b.T_odom_base,
                            g2o_information(b.motion_covariance)});
   }

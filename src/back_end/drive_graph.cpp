@@ -50,7 +50,7 @@ void add_odometry(const DriveGraph& drive, const BackEndConfig& config, FactorGr
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     const DriveNode& previous = drive.nodes[i - 1];
     const DriveNode& node = drive.nodes[i];
-    if (previous.segment != node.segment) continue;
+    if (!node.joined) continue;
     const Pose T_previous_node = previous.T_odom_base.inverse() * node.T_odom_base;
     const int to = static_cast<int>(i);
     graph.add({relative_pose_residual(T_previous_node, g2o_information(node.motion_covariance)),
@@ -152,7 +152,7 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config, Facto
     const DriveFloor& a = drive.floors[i - 1];
     const DriveFloor& b = drive.floors[i];
     // Floors further apart need not lie in one plane.
-    if (b.node != a.node + 1 || drive.segment_of(a.node) != drive.segment_of(b.node)) continue;
+    if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].joined) continue;
     const Eigen::Matrix3d covariance =
         a.floor.covariance + b.floor.covariance + floor_covariance(config);
     graph.add({common_floor_residual(a.floor, b.floor, covariance), a.node, b.node, false,
@@ -201,13 +201,8 @@ std::vector<bool> marks(const DriveGraph& drive, const DriveFactors& factors) {
 
 }  // namespace
 
-int DriveGraph::segment_of(int node) const {
-  const auto next = std::upper_bound(segment_starts.begin(), segment_starts.end(), node);
-  return static_cast<int>(next - segment_starts.begin()) - 1;
-}
-
 std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops) {
-  std::vector<int> least(drive.segment_starts.size());
+  std::vector<int> least(drive.in_enu.size());
   std::iota(least.begin(), least.end(), 0);
   for (const DriveLoop& loop : drive.loops) {
     if (!loop.used && !(with_unweighed_loops && !loop.weighed)) continue;
@@ -223,7 +218,9 @@ DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) 
   factors.loop_of.assign(drive.loops.size(), -1);
   factors.horizontal_of.assign(drive.gnss.size(), -1);
   factors.altitude_of.assign(drive.gnss.size(), -1);
-  for (const DriveNode& node : drive.nodes) factors.graph.add_node(node.T_map_base);
+  for (const DriveNode& node : drive.nodes) {
+    factors.graph.add_node(node.T_map_base, node.held);
+  }
   const bool with_gnss = config.use_gnss && !config.georeference_only;
   const bool with_vertical =
       !drive.imu.empty() && (config.enable_imu_orientation || config.enable_imu_acceleration);

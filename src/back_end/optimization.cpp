@@ -137,9 +137,8 @@ bool georeference(DriveGraph& drive, const BackEndConfig& config, bool again,
 /// The states as odometry alone has them, from the first node of each segment.
 void follow_odometry(const DriveGraph& drive, FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
-    const DriveNode& previous = drive.nodes[i - 1];
-    if (previous.segment != drive.nodes[i].segment) continue;
-    const Pose motion = previous.T_odom_base.inverse() * drive.nodes[i].T_odom_base;
+    if (!drive.nodes[i].joined) continue;
+    const Pose motion = drive.nodes[i - 1].T_odom_base.inverse() * drive.nodes[i].T_odom_base;
     graph.set_pose(static_cast<int>(i), graph.pose(static_cast<int>(i) - 1) * motion);
   }
 }
@@ -239,12 +238,32 @@ void fill(const DriveGraph& drive, const RobustSolution& solution, OptimizationR
 
 }  // namespace
 
+namespace {
+
+/// Only what is new and its surroundings; where that does not settle everything nothing moves.
+void solve_window(const OptimizationProblem& problem, OptimizationSolution& result) {
+  DriveFactors factors = make_factors(result.drive, problem.config);
+  RobustSolution solution;
+  result.whole_needed = !solve_from_present(factors, solution);
+  solution.success = solution.success && !result.whole_needed;
+  if (solution.success) take_over(factors, solution, result.drive);
+  fill(result.drive, solution, result.report);
+}
+
+}  // namespace
+
 std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& problem) {
   auto result = std::make_shared<OptimizationSolution>();
   DriveGraph& drive = result->drive;
   drive = problem.drive;
+  result->window = problem.window;
+  result->key_frames = problem.key_frames;
   if (drive.nodes.empty()) {
     result->report.message = "there are no key frames yet; nothing to optimise";
+    return result;
+  }
+  if (problem.window) {
+    solve_window(problem, *result);
     return result;
   }
   if (problem.config.use_loop_close) join_segments(drive);

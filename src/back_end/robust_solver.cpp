@@ -1,5 +1,7 @@
 #include "lidar_mapping/back_end/robust_solver.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -11,6 +13,8 @@ constexpr int kRounds = 5;
 // Real errors have heavier tails than Gauss' while false loops lie far out: refusal begins at twice
 // the quantile, or a hundredth and more of the true ones would go.
 constexpr double kRefusal = 2.0;
+// Tried in turn until half of the switchable constraints are believed.
+constexpr std::array<double, 3> kWeightsOfOthers = {1.0, 0.04, 0.0016};
 
 /// Losses by kernel and size, made once and kept while a problem uses them.
 class Kernels {
@@ -31,10 +35,11 @@ LossOf own_kernels(Kernels& kernels) {
 }
 
 /// Switchable constraints under Cauchy with one standard deviation: it still pulls from far away.
-LossOf pulling(Kernels& kernels) {
-  return [&kernels](const Constraint& c) {
-    return c.switchable ? kernels.get(RobustKernel::kCauchy, 1.0)
-                        : kernels.get(c.kernel, c.kernel_size);
+/// The others with a share of their weight, so that they give way to drift that their covariances
+/// do not know of.
+LossOf pulling(Kernels& kernels, ceres::LossFunction* others) {
+  return [&kernels, others](const Constraint& c) {
+    return c.switchable ? kernels.get(RobustKernel::kCauchy, 1.0) : others;
   };
 }
 
@@ -73,11 +78,14 @@ RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
   return solution;
 }
 
-RobustSolution solve_graduated(FactorGraph& graph) {
+namespace {
+
+/// One run of the scheme from the present states.
+RobustSolution graduate(FactorGraph& graph, double weight_of_others) {
   Kernels kernels;
-  const std::vector<StateBlock> start = graph.states;
+  ceres::ScaledLoss others(nullptr, weight_of_others, ceres::TAKE_OWNERSHIP);
   const std::vector<bool> all(graph.constraints.size(), true);
-  int iterations = minimize(graph, all, pulling(kernels), {60, 1e4, 1e-5}).iterations;
+  int iterations = minimize(graph, all, pulling(kernels, &others), {60, 1e4, 1e-5}).iterations;
   iterations += minimize(graph, all, deciding(kernels), {60, 1e6, 1e-5}).iterations;
   RobustSolution solution;
   std::vector<bool> used = believed(graph);
@@ -88,10 +96,37 @@ RobustSolution solve_graduated(FactorGraph& graph) {
     if (used == solution.used) break;
   }
   solution.iterations = iterations;
-  const std::vector<StateBlock> end = std::exchange(graph.states, start);
-  solution.cost_before = total_chi2(graph, solution.used);
-  graph.states = end;
   return solution;
+}
+
+std::ptrdiff_t switchable_count(const FactorGraph& graph) {
+  return std::count_if(graph.constraints.begin(), graph.constraints.end(),
+                       [](const Constraint& c) { return c.switchable; });
+}
+
+std::ptrdiff_t refused_count(const RobustSolution& solution) {
+  return std::count(solution.used.begin(), solution.used.end(), false);
+}
+
+}  // namespace
+
+RobustSolution solve_graduated(FactorGraph& graph) {
+  const std::vector<StateBlock> start = graph.states;
+  std::vector<StateBlock> best_states = start;
+  RobustSolution best;
+  for (const double weight : kWeightsOfOthers) {
+    graph.states = start;
+    RobustSolution solution = graduate(graph, weight);
+    if (!best.success || (solution.success && refused_count(solution) < refused_count(best))) {
+      best = std::move(solution);
+      best_states = graph.states;
+    }
+    if (2 * refused_count(best) <= switchable_count(graph)) break;
+  }
+  graph.states = start;
+  best.cost_before = best.success ? total_chi2(graph, best.used) : 0.0;
+  graph.states = best_states;
+  return best;
 }
 
 }  // namespace lidar_mapping::back_end

@@ -13,7 +13,9 @@ namespace lidar_mapping::back_end {
 /// A key frame as the graph keeps it.
 struct DriveNode {
   KeyFrameIndex index = 0;
-  std::uint32_t segment = 0;
+  int segment = 0;      ///< in order of appearance
+  bool joined = false;  ///< odometry joins it to the node before
+  bool held = false;    ///< at the border of a window
   Stamp stamp = 0;
   Pose T_odom_base;
   Pose T_map_base;
@@ -55,11 +57,10 @@ struct DriveGraph {
   std::vector<DriveFloor> floors;
   std::size_t unusable_gnss = 0;    ///< positions without a meaning or too uncertain
   Pose T_map_first;                 ///< where the prior holds the first node
-  std::vector<bool> in_enu;         ///< per segment number in order of appearance: lies in ENU
-  std::vector<int> segment_starts;  ///< position of each segment's first node
+  std::vector<bool> in_enu;         ///< per segment: lies in East-North-Up
+  std::vector<int> segment_starts;  ///< position of each segment's first node; none in a window
 
-  /// Position of a node's segment in segment_starts.
-  int segment_of(int node) const;
+  int segment_of(int node) const { return nodes[static_cast<std::size_t>(node)].segment; }
 };
 
 /// For each segment the least segment that loops tie it to. Loops that no solution has judged yet

@@ -1,18 +1,23 @@
 #pragma once
 
 #include "lidar_mapping/back_end/back_end.hpp"
-#include "lidar_mapping/back_end/drive_graph.hpp"
+#include "lidar_mapping/back_end/drive_window.hpp"
 
 namespace lidar_mapping::back_end {
 
 struct OptimizationProblem {
   BackEndConfig config;
-  DriveGraph drive;
-  bool thorough = false;  ///< judge every loop and position anew
+  DriveGraph drive;                   ///< the whole drive, or a window of it
+  std::optional<DriveWindow> window;  ///< where the drive is a window: of what
+  std::size_t key_frames = 0;         ///< of the whole drive
+  bool thorough = false;              ///< judge every loop and position anew
 };
 
 struct OptimizationSolution {
   DriveGraph drive;  ///< with the new poses and judgements
+  std::optional<DriveWindow> window;
+  std::size_t key_frames = 0;
+  bool whole_needed = false;  ///< the window could not settle what is new
   OptimizationReport report;
 };
 

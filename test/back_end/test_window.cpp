@@ -1,0 +1,134 @@
+#include <chrono>
+
+#include "lidar_mapping/back_end/drive_window.hpp"
+#include "lidar_mapping/back_end/marginal_covariance.hpp"
+#include "lidar_mapping/back_end/optimization.hpp"
+
+#include "back_end_fixture.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+using test::feed;
+using test::make_loop;
+using test::optimize;
+using test::SyntheticDrive;
+
+/// 6000 key frames on a street block, well tied by loops, solved.
+struct LongDrive {
+  SyntheticDrive drive;
+  BackEnd back_end{BackEndConfig{}};
+  std::mt19937 engine{11};
+
+  LongDrive() {
+    test::DriveSettings settings;
+    settings.laps = 15;
+    settings.turn_bias_deg = 0.001;
+    drive = test::make_drive(settings);
+    feed(back_end, drive);
+    test::add_lap_loops(back_end, drive, 400, 10, engine);
+    EXPECT_TRUE(optimize(back_end).success);
+  }
+};
+
+double cpu_seconds_of_one_loop(LongDrive& run) {
+  run.back_end.add_loop(make_loop(run.drive, 2005, 2405, run.engine));
+  const auto begin = std::clock();
+  optimize(run.back_end);
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+// F65, F51
+TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
+  LongDrive run;
+  const auto before = run.back_end.poses().poses;
+  run.back_end.add_loop(make_loop(run.drive, 2005, 2405, run.engine));
+  const auto problem = run.back_end.problem();
+  ASSERT_TRUE(problem->window);
+  EXPECT_LT(problem->drive.nodes.size(), 1500U);
+  const auto solution = solve(*problem);
+  EXPECT_TRUE(report_of(*solution).success);
+  run.back_end.apply(*solution);
+  EXPECT_TRUE(run.back_end.loops().back().second);
+  const auto after = run.back_end.poses().poses;
+  EXPECT_EQ(after.size(), before.size());
+  // The whole graph agrees to millimetres.
+  optimize(run.back_end, true);
+  const auto whole = run.back_end.poses().poses;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_LT((whole[i].T_map_base.translation - after[i].T_map_base.translation).norm(), 0.01);
+  }
+}
+
+TEST(Window, IsMuchCheaperThanTheWhole) {
+  LongDrive run;
+  const double window = cpu_seconds_of_one_loop(run);
+  const auto begin = std::clock();
+  optimize(run.back_end, true);
+  const double whole = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  EXPECT_LT(window, 0.5 * whole);
+}
+
+TEST(Window, AFalseLoopCallsForTheWholeGraphAndIsRefused) {
+  LongDrive run;
+  Loop loop = make_loop(run.drive, 2005, 2405, run.engine);
+  loop.T_from_to.translation.x() += 10.0;
+  run.back_end.add_loop(loop);
+  EXPECT_FALSE(run.back_end.problem()->window) << "ten metres are not absorbed in a window";
+  optimize(run.back_end);
+  EXPECT_FALSE(run.back_end.loops().back().second);
+}
+
+TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
+  LongDrive run;
+  Loop loop = make_loop(run.drive, 2005, 2405, run.engine);
+  // Small enough for a window, but false.
+  Vector6d offset = Vector6d::Zero();
+  offset << 0.11, 0.11, 0.0, 0.0, 0.0, 0.015;
+  loop.T_from_to = perturbed(loop.T_from_to, offset);
+  run.back_end.add_loop(loop);
+  const auto problem = run.back_end.problem();
+  ASSERT_TRUE(problem->window);
+  const auto before = run.back_end.poses().poses;
+  const auto solution = solve(*problem);
+  ASSERT_TRUE(solution->whole_needed);
+  run.back_end.apply(*solution);
+  EXPECT_EQ(before[2405].T_map_base.translation,
+            run.back_end.poses().poses[2405].T_map_base.translation);
+  EXPECT_FALSE(run.back_end.problem()->window);
+  optimize(run.back_end);
+  EXPECT_FALSE(run.back_end.loops().back().second);
+}
+
+TEST(MarginalCovariance, GrowsAlongTheChainAndShrinksWithALoop) {
+  const SyntheticDrive drive = test::make_drive({1});
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  const auto sigma = [&](KeyFrameIndex index) {
+    const auto covariance = marginal_covariance(*back_end.problem(), index);
+    EXPECT_TRUE(covariance);
+    EXPECT_TRUE(is_valid_covariance(*covariance));
+    return std::sqrt(covariance->topLeftCorner<3, 3>().trace());
+  };
+  EXPECT_LT(sigma(100), sigma(300));
+  const double before = sigma(399);
+  std::mt19937 engine(3);
+  back_end.add_loop(make_loop(drive, 0, 399, engine));
+  EXPECT_LT(sigma(399), 0.1 * before);
+  EXPECT_FALSE(marginal_covariance(*back_end.problem(), 100000));
+}
+
+TEST(MarginalCovariance, OfOneMotionIsTheMotionsOwn) {
+  const SyntheticDrive drive = test::make_drive({1});
+  BackEnd back_end(BackEndConfig{});
+  back_end.add_key_frame(drive.key_frames[0]);
+  back_end.add_key_frame(drive.key_frames[1]);
+  const auto problem = back_end.problem();
+  const auto covariance = marginal_covariance(*problem, 1);
+  ASSERT_TRUE(covariance);
+  const Covariance6& expected = problem->drive.nodes[1].motion_covariance;
+  EXPECT_LT((*covariance - expected).norm(), 0.02 * expected.norm());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end
