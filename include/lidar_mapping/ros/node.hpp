@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -70,12 +71,12 @@ constexpr std::uint32_t kPublisherQueue = 100;
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make);
 
 /// The body of a node's main. `Node` has a type `Config` with a schema and the constructor
-/// Node(const Config&, NodeContext&); `stage` is the name of its group of parameters. With
-/// --print-config the configuration in force is printed instead.
+/// Node(const Config&, NodeContext&); `stage` is the name of its group of parameters. The node has
+/// the program's name. With --print-config the configuration in force is printed instead.
 template <typename Node>
 int run_node(int argc, char** argv, const std::string& stage) {
   using Config = typename Node::Config;
-  ros::init(argc, argv, stage + "_node");
+  ros::init(argc, argv, std::filesystem::path(argv[0]).filename().string());
   const bool print = argc > 1 && std::string(argv[1]) == "--print-config";
   return run([&](NodeContext& context) -> std::shared_ptr<void> {
     const auto config =
