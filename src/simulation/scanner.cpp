@@ -5,12 +5,15 @@
 
 #include "lidar_mapping/simulation/random.hpp"
 
+#include "palette.hpp"
+
 namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Light is lost at random, and more of it on dark, far and grazed surfaces.
+/// Light is lost at random, more of it on dark, far and grazed surfaces, most of it on glass.
 constexpr double kLossAtBest = 0.01;
+constexpr double kLossOnGlass = 0.6;
 constexpr double kFaintSignal = 2.3e-6;
 
 Stamp column_delay(const ScanRequest& request, int column) {
@@ -55,7 +58,8 @@ bool is_lost(const Hit& hit, Random& random) {
   const double signal =
       (0.1 + hit.reflectivity / 255.0) * hit.cosine / (static_cast<double>(hit.range) * hit.range);
   const double faintness = std::exp(-signal / kFaintSignal);
-  return random.chance(kLossAtBest + (1.0 - kLossAtBest) * faintness);
+  const double least = hit.reflectivity == kGlass ? kLossOnGlass : kLossAtBest;
+  return random.chance(least + (1.0 - least) * faintness);
 }
 
 float measured_intensity(const Hit& hit, Random& random) {
