@@ -72,7 +72,7 @@ def simulate(options, bag, truth):
 
 
 @contextlib.contextmanager
-def nodes(options, sessions, log):
+def nodes(sessions, log):
     """The running nodes, with a master of their own."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
@@ -80,7 +80,7 @@ def nodes(options, sessions, log):
     with open(log, 'w') as file:
         process = subprocess.Popen(
             ['roslaunch', '-p', str(port), PACKAGE, 'demo.launch', f'rviz:={with_rviz}',
-             f'session_directory:={sessions}', f'sensor:={sensor_overlay(options)}'],
+             f'session_directory:={sessions}'],
             stdout=file, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
         try:
             wait_for_services(process, log, '/optimize_map', '/save_map')
@@ -88,10 +88,6 @@ def nodes(options, sessions, log):
         finally:
             process.send_signal(signal.SIGINT)
             process.wait(timeout=90)
-
-
-def sensor_overlay(options):
-    return {'hdl64': 'hdl64', 'vlp16': 'vlp16', 'os1_64': 'os1'}[options.lidar]
 
 
 def wait_for_services(process, log, *names):
@@ -138,9 +134,9 @@ def map_drive(options, bag, sessions, log):
     """Play the bag to the nodes; return the session's folder and the answer of /save_map."""
     if options.rate != 1.0:
         say(f'Note: the bag is played at {options.rate} times the real speed')
-    with nodes(options, sessions, log):
+    with nodes(sessions, log):
         say('Playing the bag to the nodes')
-        run('rosbag', 'play', '--clock', '--quiet', '--wait-for-subscribers', '-d', '2',
+        run('rosbag', 'play', '--clock', '--quiet', '-d', '3',
             '-r', options.rate, bag, stdin=subprocess.DEVNULL)
         session = (sessions / 'latest').resolve()
         wait_until_idle(session)
@@ -158,7 +154,7 @@ def evaluate(session, truth, variants):
         rosrun('optimize_session', session, '--use-gnss', str(gnss).lower(), '--use-loops',
                str(loops).lower(), '--output', folder, stdout=subprocess.DEVNULL)
         figures = folder / 'errors.json'
-        rosrun('evaluate_trajectory', truth, folder / 'optimized.tum', '--align', '--json', figures,
+        rosrun('evaluate_trajectory', truth, folder / 'trajectory' / 'optimized.tum', '--align', '--json', figures,
                '--plot', folder / 'trajectory.png', stdout=subprocess.DEVNULL)
         errors[name] = json.loads(figures.read_text())
     return errors
