@@ -2,14 +2,14 @@
 #   source scripts/setup.bash
 export PATH=/usr/bin:$PATH
 _lidar_mapping_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-_lidar_mapping_workspace=${LIDAR_MAPPING_WORKSPACE:-$_lidar_mapping_root/.catkin_ws}
+_lidar_mapping_build=${LIDAR_MAPPING_BUILD:-$_lidar_mapping_root/.build}
 if [ -d /opt/ros/noetic ]; then
   . /opt/ros/noetic/setup.bash
 fi
-if [ -f "$_lidar_mapping_workspace/devel/setup.bash" ]; then
-  . "$_lidar_mapping_workspace/devel/setup.bash"
+if [ -f "$_lidar_mapping_build/devel/setup.bash" ]; then
+  . "$_lidar_mapping_build/devel/setup.bash"
   export ROS_IP=${ROS_IP:-127.0.0.1}
 else
   echo "lidar_mapping is not built yet: run $_lidar_mapping_root/scripts/demo or scripts/test first" >&2
 fi
-unset _lidar_mapping_root _lidar_mapping_workspace
+unset _lidar_mapping_root _lidar_mapping_build

@@ -1,8 +1,8 @@
-# Functions shared by the scripts: install what is missing, build the package in a workspace of its
+# Functions shared by the scripts: install what is missing, build the package in a folder of its
 # own. Meant to be sourced.
 
 package_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-workspace=${LIDAR_MAPPING_WORKSPACE:-$package_root/.catkin_ws}
+build=${LIDAR_MAPPING_BUILD:-$package_root/.build}
 
 # catkin and its generators start the first python3 of PATH; only the system's one knows ROS.
 export PATH=/usr/bin:$PATH
@@ -43,21 +43,27 @@ source_ros() {
   set +u
   # shellcheck disable=SC1090,SC1091
   if [ -d /opt/ros/noetic ]; then . /opt/ros/noetic/setup.bash; fi
-  if [ -f "$workspace/devel/setup.bash" ]; then . "$workspace/devel/setup.bash"; fi
+  if [ -f "$build/devel/setup.bash" ]; then . "$build/devel/setup.bash"; fi
   set -u
 }
 
 # build_package [CMAKE ARGUMENT ...]
 build_package() {
-  say "Building in $workspace"
-  mkdir -p "$workspace/src"
-  [ -e "$workspace/src/lidar_mapping" ] || ln -s "$package_root" "$workspace/src/lidar_mapping"
+  say "Building in $build"
+  mkdir -p "$build"
   source_ros
   local launcher=()
   if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-  (cd "$workspace" && catkin_make -j"$(nproc)" "${launcher[@]}" "$@") >"$workspace/build.log" 2>&1 ||
-    { tail -n 60 "$workspace/build.log"; echo "The build failed; all of it: $workspace/build.log"; return 1; }
+  logged build.log cmake -S "$package_root" -B "$build" "${launcher[@]}" "$@"
+  logged build.log cmake --build "$build" -j"$(nproc)"
   source_ros
+}
+
+# logged FILE COMMAND ...: the output goes to a file; its end is shown if the command fails
+logged() {
+  local log=$build/$1
+  shift
+  "$@" >"$log" 2>&1 || { tail -n 60 "$log"; echo "Failed; all of the output: $log" >&2; return 1; }
 }
 
 # ROS's tools need a name for this machine that resolves; a bare one may have none.
