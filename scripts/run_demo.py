@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Simulate a drive, map it with the nodes while rosbag plays it, and judge the map.
 
-The package must be built and its workspace sourced; scripts/demo does both.
+The package must be built and its setup sourced; scripts/demo does both.
 """
 import argparse
 import contextlib
@@ -192,6 +192,7 @@ def main():
     say('Evaluating against the ground truth')
     errors = evaluate(session, truth, variants)
     shutil.copy(variants / 'gnss_loops' / 'trajectory.png', demo / 'trajectory.png')
+    rosrun('build_map', session, '--formats', 'png', '--output', demo, stdout=subprocess.DEVNULL)
 
     scans = scans_in(bag)
     summary = {f'{name}_ape_rmse': errors[name]['ape']['translation_m']['rmse']
@@ -212,7 +213,7 @@ def main():
           f"{summary['key_frames']} key frames, {summary['loop_constraints']} loops, "
           f"{summary['map_points']} points in the map, {summary['seconds']:.0f} s")
     for title, path in [('session', session), ('trajectory plot', demo / 'trajectory.png'),
-                        ('figures', demo / 'summary.json')] + [
+                        ('view from above', demo / 'map.png'), ('figures', demo / 'summary.json')] + [
                             ('map', path) for path in saved['files']]:
         print(f'{title + ":":18}{path}')
 

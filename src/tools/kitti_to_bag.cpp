@@ -1,0 +1,152 @@
+// Writes a folder of scans, as KITTI's odometry benchmark lays it out, as a bag with the topics
+// that mapping.launch expects.
+
+#include <iostream>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <GeographicLib/LocalCartesian.hpp>
+#include <rosbag/bag.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+
+#include "progress_bar.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+
+constexpr char kLidarFrame[] = "velo_link";
+constexpr char kImuFrame[] = "imu_link";
+constexpr char kAntennaFrame[] = "gnss_link";
+
+struct Options {
+  std::string folder;
+  std::string bag;
+  std::string poses_enu;
+  std::vector<double> datum = {49.0, 8.4, 110.0};
+  double gnss_sigma = 0.05;
+  double sensor_height = 1.73;
+  double start = 1317617735.0;
+};
+
+geometry_msgs::TransformStamped fixed(const char* parent, const char* child, const Pose& T,
+                                      Stamp stamp) {
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.header.frame_id = parent;
+  message.child_frame_id = child;
+  message.transform = ros_border::to_transform(T);
+  return message;
+}
+
+/// The receiver and the IMU are where the poses are: in the LiDAR.
+tf2_msgs::TFMessage extrinsics(const Options& options, Stamp stamp) {
+  Pose T_base_lidar;
+  T_base_lidar.translation.z() = options.sensor_height;
+  tf2_msgs::TFMessage message;
+  for (const char* frame : {kLidarFrame, kImuFrame, kAntennaFrame}) {
+    message.transforms.push_back(fixed("base_link", frame, T_base_lidar, stamp));
+  }
+  return message;
+}
+
+sensor_msgs::NavSatFix fix_at(const Eigen::Vector3d& p_enu, const Options& options, Stamp stamp) {
+  const GeographicLib::LocalCartesian local(options.datum[0], options.datum[1], options.datum[2]);
+  sensor_msgs::NavSatFix message;
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.header.frame_id = kAntennaFrame;
+  message.status.status = sensor_msgs::NavSatStatus::STATUS_GBAS_FIX;
+  message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
+  local.Reverse(p_enu.x(), p_enu.y(), p_enu.z(), message.latitude, message.longitude,
+                message.altitude);
+  for (std::size_t i = 0; i < 9; i += 4) {
+    message.position_covariance[i] = options.gnss_sigma * options.gnss_sigma;
+  }
+  message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_DIAGONAL_KNOWN;
+  return message;
+}
+
+sensor_msgs::Imu attitude_at(const Pose& T_enu_lidar, Stamp stamp) {
+  constexpr double kSigma = 0.002;  // rad
+  ImuSample sample;
+  sample.stamp = stamp;
+  sample.orientation = T_enu_lidar.rotation;
+  sample.linear_acceleration = T_enu_lidar.rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, 9.81);
+  sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
+  for (std::size_t i = 0; i < 9; i += 4) message.orientation_covariance[i] = kSigma * kSigma;
+  // No gyro in these poses: sensor_msgs/Imu says so by -1.
+  message.angular_velocity_covariance[0] = -1.0;
+  return message;
+}
+
+std::optional<Trajectory> enu_poses(const Options& options, std::size_t scans) {
+  if (options.poses_enu.empty()) return std::nullopt;
+  Trajectory poses = read_trajectory(options.poses_enu);
+  if (poses.poses.size() != scans) {
+    throw InputError(options.poses_enu + " has " + std::to_string(poses.poses.size()) +
+                     " poses for " + std::to_string(scans) + " scans; it needs one for each");
+  }
+  return poses;
+}
+
+void convert(const Options& options) {
+  const pipeline::KittiFolder folder(options.folder);
+  const auto poses = enu_poses(options, folder.size());
+  rosbag::Bag bag(options.bag, rosbag::bagmode::Write);
+  bag.setCompression(rosbag::compression::LZ4);
+  const Stamp start = from_seconds(options.start);
+  bag.write("/tf_static", ros_border::to_ros(start + folder.stamp(0)),
+            extrinsics(options, start + folder.stamp(0)));
+  tools::ProgressBar progress("writing scans", folder.size());
+  for (std::size_t i = 0; i < folder.size(); ++i) {
+    const Stamp stamp = start + folder.stamp(i);
+    const ros::Time time = ros_border::to_ros(stamp);
+    if (poses) {
+      const Pose& T_enu_lidar = poses->poses[i].pose;
+      bag.write("/kitti/oxts/gps/fix", time, fix_at(T_enu_lidar.translation, options, stamp));
+      bag.write("/kitti/oxts/imu", time, attitude_at(T_enu_lidar, stamp));
+    }
+    bag.write("/kitti/velo/pointcloud", time,
+              ros_border::to_message(folder.scan(i).cloud, stamp, kLidarFrame));
+    progress.show(i + 1);
+  }
+  bag.close();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Writes a folder of scans in KITTI's layout as a bag for mapping.launch"};
+  Options options;
+  app.add_option("folder", options.folder, "folder with velodyne/NNNNNN.bin and times.txt")
+      ->required();
+  app.add_option("bag", options.bag, "bag to write")->required();
+  app.add_option("--poses-enu", options.poses_enu,
+                 "poses of the LiDAR in East-North-Up, 12 numbers a line: written as GNSS and IMU");
+  app.add_option("--datum", options.datum,
+                 "latitude and longitude (deg), altitude (m) of the poses")
+      ->expected(3)
+      ->capture_default_str();
+  app.add_option("--gnss-sigma", options.gnss_sigma, "standard deviation that the fixes claim, m")
+      ->capture_default_str();
+  app.add_option("--sensor-height", options.sensor_height, "height of the LiDAR over base_link, m")
+      ->capture_default_str();
+  app.add_option("--start", options.start, "time of the first scan, s since 1970")
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    convert(options);
+  } catch (const std::exception& error) {
+    std::cerr << "kitti_to_bag: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
