@@ -10,11 +10,16 @@
 namespace lidar_mapping::front_end {
 namespace {
 
+/// Variance of the position after an unknown acceleration a for t seconds, in units of a^2 t^4: 1/4
+/// for a constant one, 1/3 for white noise of equal effect on the velocity. The former ties
+/// velocity and position so closely that an error of the one scan returns with the other sign in
+/// the next.
+constexpr double kPositionShare = 0.28;
 /// Standard deviation of the acceleration in units of the one last seen.
-constexpr double kAgilityFactor = 2.0;
+constexpr double kAgilityFactor = 1.0;
 constexpr double kAgilityDecay = 0.1;
 /// Lower limit in units of the upper one.
-constexpr double kMinAgility = 0.05;
+constexpr double kMinAgility = 0.025;
 
 /// Derivative of the state after `seconds` with respect to the state now.
 Matrix12d transition(const Vector6d& twist, double seconds) {
@@ -69,7 +74,7 @@ void MotionFilter::predict(double seconds) {
   variance.tail<3>().setConstant(angular_.sigma * angular_.sigma);
   const double t2 = seconds * seconds;
   covariance_ = F * covariance_ * F.transpose();
-  covariance_.topLeftCorner<6, 6>().diagonal() += 0.25 * t2 * t2 * variance;
+  covariance_.topLeftCorner<6, 6>().diagonal() += kPositionShare * t2 * t2 * variance;
   covariance_.topRightCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomLeftCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomRightCorner<6, 6>().diagonal() += t2 * variance;

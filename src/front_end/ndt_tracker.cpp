@@ -25,6 +25,11 @@ constexpr int kFirstScans = 3;
 /// Fewer points are no scan.
 constexpr std::size_t kMinPoints = 50;
 
+/// Median distance of the points (m) below which a scan is taken in a room, and what that does to
+/// all voxels.
+constexpr double kRoomRange = 5.0;
+constexpr double kRoomScale = 0.5;
+
 // What is believed of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
@@ -45,7 +50,7 @@ constexpr double kHoldTime = 1.0;  // s
 class NdtTracker::Impl {
  public:
   explicit Impl(const FrontEndConfig& config)
-      : max_lost_time_(config.max_lost_time),
+      : config_(config),
         sampler_(config),
         map_(config.voxel_size, config.local_map_radius),
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
@@ -93,6 +98,7 @@ class NdtTracker::Impl {
   void begin(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
     start_ = last_good_ = T_odom_base;
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
+    map_ = LocalMap(voxel_size(), config_.local_map_radius);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -101,6 +107,12 @@ class NdtTracker::Impl {
     insert(scan);
     first_ = sampler_.dense(scan);
     first_reference_ = sampler_.reference();
+  }
+
+  /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
+  double voxel_size() const {
+    return sampler_.median_range() > kRoomRange ? config_.voxel_size
+                                                : kRoomScale * config_.voxel_size;
   }
 
   void predict(double seconds, const MotionPrior& prior) {
@@ -186,7 +198,7 @@ class NdtTracker::Impl {
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
     filter_.slow_down(seconds, kHoldTime);
     lost_time_ += seconds;
-    if (lost_time_ <= max_lost_time_ || sampler_.points().size() < kMinPoints) return;
+    if (lost_time_ <= config_.max_lost_time || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
     forget();
@@ -216,7 +228,7 @@ class NdtTracker::Impl {
     result.status.step_seconds = timer_.take();
   }
 
-  const double max_lost_time_;
+  const FrontEndConfig config_;
   SweepSampler sampler_;
   LocalMap map_;
   MotionFilter filter_;

@@ -1,6 +1,8 @@
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -9,6 +11,11 @@ namespace {
 constexpr double kMinRange = 1.0;
 /// So many points are looked at for the match; more would cost time and bring nothing.
 constexpr std::size_t kCandidates = 16000;
+/// Cells shrink until they give about so many points,
+constexpr double kMatchedPoints = 2500.0;
+constexpr double kInsertedPoints = 12000.0;
+/// but not below this share of the configured edge.
+constexpr double kSmallestCell = 0.4;
 constexpr int kSparseTableBits = 15;
 constexpr int kDenseTableBits = 17;
 
@@ -28,27 +35,57 @@ double middle_time(const PointCloud& cloud, const std::vector<std::uint32_t>& in
 
 }  // namespace
 
+void AdaptiveCell::adapt(std::size_t points) {
+  // Points lie on surfaces: their number goes with the square of the edge.
+  const double factor = std::sqrt(static_cast<double>(points) / wanted_points_);
+  edge_ = std::clamp(edge_ * factor, kSmallestCell * largest_, largest_);
+}
+
 SweepSampler::SweepSampler(const FrontEndConfig& config)
-    : scan_resolution_(config.scan_resolution),
-      insertion_resolution_(config.insertion_resolution),
+    : sparse_cell_(config.scan_resolution, kMatchedPoints),
+      dense_cell_(config.insertion_resolution, kInsertedPoints),
       max_range_(config.max_range),
       sparse_sampler_(kSparseTableBits),
       dense_sampler_(kDenseTableBits) {}
 
-void SweepSampler::take(const Scan& scan, std::size_t turn) {
+void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
   const std::size_t stride = stride_for(scan.cloud.size());
   const auto& indices = sparse_sampler_.sample(
-      scan.cloud, {scan_resolution_, kMinRange, max_range_, stride, turn % stride});
+      scan.cloud, {sparse_cell_.edge(), kMinRange, max_range_, stride, turn % stride});
   reference_ = middle_time(scan.cloud, indices);
   sparse_.assign(scan.cloud, indices, reference_);
+  sparse_cell_.adapt(indices.size());
+}
+
+void SweepSampler::take(const Scan& scan, std::size_t turn) {
+  sample_sparse(scan, turn);
+  if (!std::exchange(sparse_known_, true)) sample_sparse(scan, turn);
   points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s);
 }
 
-const SampledPoints& SweepSampler::dense(const Scan& scan) {
+void SweepSampler::sample_dense(const Scan& scan) {
   const auto& indices =
-      dense_sampler_.sample(scan.cloud, {insertion_resolution_, kMinRange, max_range_, 1, 0});
+      dense_sampler_.sample(scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0});
   dense_.assign(scan.cloud, indices, reference_);
+  dense_cell_.adapt(indices.size());
+}
+
+const SampledPoints& SweepSampler::dense(const Scan& scan) {
+  sample_dense(scan);
+  if (!std::exchange(dense_known_, true)) sample_dense(scan);
   return dense_;
+}
+
+double SweepSampler::median_range() const {
+  if (sparse_.size() == 0) return 0.0;
+  std::vector<float> squares(sparse_.size());
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    squares[i] =
+        sparse_.x[i] * sparse_.x[i] + sparse_.y[i] * sparse_.y[i] + sparse_.z[i] * sparse_.z[i];
+  }
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(static_cast<double>(*middle));
 }
 
 }  // namespace lidar_mapping::front_end

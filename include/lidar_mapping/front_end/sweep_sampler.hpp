@@ -8,6 +8,23 @@
 
 namespace lidar_mapping::front_end {
 
+/// Edge of the cubes of which each gives one point: as in the configuration, or smaller where that
+/// gives too few points, as in rooms and for sensors with few rings.
+class AdaptiveCell {
+ public:
+  AdaptiveCell(double largest, double wanted_points)
+      : largest_(largest), wanted_points_(wanted_points), edge_(largest) {}
+
+  double edge() const { return edge_; }
+  /// Learns from the number of points that the present edge gave.
+  void adapt(std::size_t points);
+
+ private:
+  double largest_;
+  double wanted_points_;
+  double edge_;
+};
+
 /// Takes from a scan the few points that are matched and the many that go into the map.
 class SweepSampler {
  public:
@@ -18,13 +35,20 @@ class SweepSampler {
   const registration::NdtPoints& points() const { return points_; }
   /// The reference time of the points: the middle of the sweep, s after the stamp.
   double reference() const { return reference_; }
+  /// Median distance of the sampled points, m; 0 without points.
+  double median_range() const;
   /// The points for the map, of the scan that was taken last; valid until the next call.
   const SampledPoints& dense(const Scan& scan);
 
  private:
-  double scan_resolution_;
-  double insertion_resolution_;
+  void sample_sparse(const Scan& scan, std::size_t turn);
+  void sample_dense(const Scan& scan);
+
+  AdaptiveCell sparse_cell_;
+  AdaptiveCell dense_cell_;
   double max_range_;
+  bool sparse_known_ = false;  ///< the cell has adapted to a first scan
+  bool dense_known_ = false;
   ScanSampler sparse_sampler_;
   ScanSampler dense_sampler_;
   SampledPoints sparse_;
