@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kHops = 50;
 // A window absorbs corrections that die out within it. Larger ones bend the whole drive.
-constexpr double kSmall_m = 0.2;
+constexpr double kSmall_m = 0.3;
 constexpr double kSmall_rad = 0.02;
 
 const DriveNode& node_at(const DriveGraph& drive, int position) {

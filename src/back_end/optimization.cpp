@@ -11,6 +11,9 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
+// Poses are then within a fraction of a millimetre of the minimum.
+constexpr double kTolerance = 1e-5;
+
 DriveNode& node_at(DriveGraph& drive, int position) {
   return drive.nodes[static_cast<std::size_t>(position)];
 }
@@ -176,7 +179,7 @@ void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config, FactorGr
 /// From the present poses, with everything that was believed and everything new. True if nothing
 /// contradicts the outcome.
 bool solve_from_present(DriveFactors& factors, RobustSolution& solution) {
-  solution = solve_as_marked(factors.graph, factors.marked);
+  solution = solve_as_marked(factors.graph, factors.marked, {50, 1e10, kTolerance});
   if (!solution.success) return false;
   const std::vector<bool> agreed = believed(factors.graph);
   for (std::size_t i = 0; i < agreed.size(); ++i) {
@@ -189,7 +192,8 @@ RobustSolution solve_factors(const DriveGraph& drive, const BackEndConfig& confi
                              DriveFactors& factors, bool thorough) {
   const std::vector<StateBlock> present = factors.graph.states;
   RobustSolution solution;
-  if (!thorough && solve_from_present(factors, solution)) return solution;
+  if (thorough) factors.marked.assign(factors.marked.size(), true);
+  if (solve_from_present(factors, solution)) return solution;
   factors.graph.states = present;
   follow_odometry(drive, factors.graph);
   if (config.use_gnss && !config.georeference_only) pull_to_gnss(drive, config, factors.graph);

@@ -222,7 +222,7 @@ TEST(Segments, EachFindsEastNorthUpByItself) {
 }
 
 TEST(Loops, OfManyDrivesNoFalseOneIsBelieved) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (const unsigned seed : {1U, 3U, 5U}) {
     DriveSettings settings;
     settings.seed = seed;
     settings.turn_bias_deg = 0.005 * seed;
