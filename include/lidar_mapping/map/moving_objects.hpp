@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "lidar_mapping/common/cloud_source.hpp"
+
+namespace lidar_mapping::map {
+
+/// How sure removal has to be (doc/map.md).
+struct MovingObjectsConfig {
+  int neighbours = 20;     ///< key frames before and after that vote; not other passes of the place
+  double reach = 30.0;     ///< m, they vote on points this near to them
+  int min_votes = 2;       ///< a point goes only if so many saw through it ...
+  double min_share = 0.7;  ///< ... and they are this share of all that saw its place
+  int threads = 0;
+};
+
+/// Clouds without the points of objects that moved while they were seen. A point goes when
+/// neighbouring key frames look through the place where it was, undisturbed; ground never goes, and
+/// neighbours decide together. One thread calls it. Memory is that of the neighbouring key frames.
+class StaticClouds : public CloudSource {
+ public:
+  /// `clouds` must outlive this object. `p_base_sensor`: the LiDAR in base_link, from which rays
+  /// start.
+  StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
+               const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config = {});
+  ~StaticClouds() override;
+
+  PointCloudPtr cloud(KeyFrameIndex index) override;
+  /// What cloud() leaves out.
+  PointCloudPtr removed(KeyFrameIndex index);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidar_mapping::map

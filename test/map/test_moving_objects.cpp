@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/map/moving_objects.hpp"
+
+namespace lidar_mapping::map {
+namespace {
+
+constexpr KeyFrameIndex kKeyFrames = 30;
+const Eigen::Vector3d kSensor(0.5, 0.0, 1.8);
+
+struct Box {
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+};
+
+/// Distance along a ray to a box; infinity if it misses.
+double distance_to(const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+  double near = 0.0;
+  double far = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const double a = (box.low[i] - origin[i]) / ray[i];
+    const double b = (box.high[i] - origin[i]) / ray[i];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  return near <= far && near > 0.0 ? near : std::numeric_limits<double>::infinity();
+}
+
+/// A street with walls, a parked car, a pole and a car that drives towards the vehicle.
+class Street : public CloudSource {
+ public:
+  Street() {
+    for (KeyFrameIndex index = 0; index < kKeyFrames; ++index) {
+      Pose pose;
+      pose.translation.x() = 1.0 * index;
+      poses.poses.push_back({index, Stamp{index}, pose});
+      clouds_[index] = scan(pose, moving_car(index));
+    }
+  }
+
+  static Box moving_car(KeyFrameIndex index) {
+    const double x = 45.0 - 1.2 * index;
+    return {{x, 2.0, 0.0}, {x + 4.0, 3.8, 1.5}};
+  }
+
+  PointCloudPtr cloud(KeyFrameIndex index) override { return clouds_.at(index); }
+
+  /// Whether a point of that key frame is on the moving car, well above the ground.
+  static bool on_moving_car(KeyFrameIndex index, const Point& point) {
+    const Box car = moving_car(index);
+    const Eigen::Vector3d p =
+        point.position().cast<double>() + Eigen::Vector3d(1.0 * index, 0.0, 0.0);
+    return ((p - car.low).array() > -0.01).all() && ((car.high - p).array() > -0.01).all() &&
+           p.z() > 0.15;
+  }
+
+  KeyFramePoses poses;
+
+ private:
+  static PointCloudPtr scan(const Pose& T_map_base, const Box& car) {
+    const std::vector<Box> boxes = {
+        {{-50.0, 8.0, 0.0}, {80.0, 9.0, 8.0}},      {{-50.0, -9.0, 0.0}, {80.0, -8.0, 8.0}},
+        {{12.0, -5.5, 0.0}, {16.0, -3.8, 1.5}},     {{20.0, 6.0, 0.0}, {20.15, 6.15, 5.0}},
+        {{-60.0, -60.0, -1.0}, {100.0, 60.0, 0.0}}, car};
+    auto cloud = std::make_shared<PointCloud>();
+    const Eigen::Vector3d origin = T_map_base * kSensor;
+    for (int beam = 0; beam < 48; ++beam) {
+      const double elevation = (-24.0 + 0.6 * beam) * M_PI / 180.0;
+      for (int column = 0; column < 720; ++column) {
+        const double azimuth = column * M_PI / 360.0 + 1e-4;
+        const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+        double range = std::numeric_limits<double>::infinity();
+        for (const Box& box : boxes) range = std::min(range, distance_to(box, origin, ray));
+        if (range > 60.0) continue;
+        const Eigen::Vector3f p = (T_map_base.inverse() * (origin + range * ray)).cast<float>();
+        cloud->points.push_back({p.x(), p.y(), p.z(), 1.0F});
+      }
+    }
+    return cloud;
+  }
+
+  std::map<KeyFrameIndex, PointCloudPtr> clouds_;
+};
+
+struct Counts {
+  double moving = 0.0;
+  double fixed = 0.0;
+};
+
+Counts count(const PointCloud& cloud, KeyFrameIndex index) {
+  Counts counts;
+  for (const Point& point : cloud.points) {
+    (Street::on_moving_car(index, point) ? counts.moving : counts.fixed) += 1.0;
+  }
+  return counts;
+}
+
+TEST(MovingObjects, GoAndWhatStandsStays) {
+  Street street;
+  StaticClouds clean(street, street.poses, kSensor);
+  Counts before;
+  Counts after;
+  for (KeyFrameIndex index = 5; index < 25; ++index) {
+    const Counts all = count(*street.cloud(index), index);
+    const Counts kept = count(*clean.cloud(index), index);
+    before.moving += all.moving;
+    before.fixed += all.fixed;
+    after.moving += kept.moving;
+    after.fixed += kept.fixed;
+  }
+  ASSERT_GT(before.moving, 1000.0);
+  EXPECT_LT(after.moving / before.moving, 0.05);
+  EXPECT_GT(after.fixed / before.fixed, 0.999);
+}
+
+TEST(MovingObjects, PartsMakeTheWhole) {
+  Street street;
+  StaticClouds clean(street, street.poses, kSensor);
+  EXPECT_EQ(clean.cloud(10)->size() + clean.removed(10)->size(), street.cloud(10)->size());
+}
+
+TEST(MovingObjects, DoNotDependOnTheNumberOfThreadsOrTheOrderOfQuestions) {
+  Street street;
+  MovingObjectsConfig config;
+  config.threads = 1;
+  StaticClouds one(street, street.poses, kSensor, config);
+  config.threads = 3;
+  StaticClouds three(street, street.poses, kSensor, config);
+  three.cloud(28);
+  EXPECT_EQ(one.removed(12)->size(), three.removed(12)->size());
+  EXPECT_GT(one.removed(12)->size(), 0U);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::map
