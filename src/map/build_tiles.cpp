@@ -71,6 +71,10 @@ class TileRun {
 
 }  // namespace
 
+double true_tile_size(const MapConfig& config) {
+  return TileGrid(config.resolution, config.tile_size).origin_of({1, 0}).x();
+}
+
 void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                  const TileSink& sink) {
   TileRun run(clouds, config);

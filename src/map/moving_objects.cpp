@@ -13,12 +13,13 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kGrain = 2048;    // points
-constexpr int kGroundNeighbours = 5;    // key frames whose points tell the ground
-constexpr float kGroundHeight = 0.12F;  // m; nothing below goes
-constexpr double kBlockVoxel = 0.4;     // m; neighbours decide in blocks of 3x3x3
-constexpr double kMajority = 0.5;       // of a block: all go
-constexpr double kMinority = 0.25;      // of a block: none goes
+constexpr std::size_t kGrain = 2048;       // points
+constexpr int kGroundNeighbours = 5;       // key frames whose points tell the ground
+constexpr float kGroundHeight = 0.12F;     // m; nothing below goes
+constexpr double kBlockVoxel = 0.4;        // m; neighbours decide in blocks of 3x3x3
+constexpr double kMajority = 0.5;          // of a block: all go
+constexpr std::size_t kKnownMarks = 2000;  // key frames whose marks are kept
+constexpr double kMinority = 0.25;         // of a block: none goes
 
 /// A key frame as a witness: what it saw, from where.
 struct View {
@@ -63,25 +64,27 @@ class StaticClouds::Impl {
     const PointCloudPtr cloud = clouds_.cloud(index);
     const auto position = positions_.find(index);
     if (!cloud || position == positions_.end()) return cloud;
-    const std::vector<char>& marks = marks_of(position->second, *cloud);
+    const std::vector<bool>& moves = marks_of(position->second, *cloud);
     auto result = std::make_shared<PointCloud>();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
-      if ((marks[i] != 0) == moving) result->points.push_back(cloud->points[i]);
+      if (moves[i] == moving) result->points.push_back(cloud->points[i]);
     }
     return result;
   }
 
  private:
-  /// One mark per point; those of the last key frame are kept, as both parts may be asked for.
-  const std::vector<char>& marks_of(std::size_t position, const PointCloud& cloud) {
-    if (marked_ == position && marks_.size() == cloud.size()) return marks_;
+  /// One mark per point; those of the last key frames are kept, a bit each, as clouds are asked for
+  /// several times.
+  const std::vector<bool>& marks_of(std::size_t position, const PointCloud& cloud) {
+    const auto known = known_marks_.find(position);
+    if (known != known_marks_.end() && known->second.size() == cloud.size()) return known->second;
     const std::vector<Eigen::Vector3d> points = in_map(cloud, poses_[position].T_map_base);
     gather_views(position);
     marks_ = candidates(position, points);
     spare_ground(position, points);
     ask_neighbours(points);
-    marked_ = position;
-    return marks_;
+    if (known_marks_.size() >= kKnownMarks) known_marks_.erase(known_marks_.begin());
+    return known_marks_[position] = std::vector<bool>(marks_.begin(), marks_.end());
   }
 
   std::size_t first_of(std::size_t position, int neighbours) const {
@@ -200,7 +203,7 @@ class StaticClouds::Impl {
   std::map<std::size_t, View> views_;
   std::vector<char> marks_;
   std::vector<char> above_ground_;
-  std::size_t marked_ = SIZE_MAX;
+  std::map<std::size_t, std::vector<bool>> known_marks_;
 };
 
 StaticClouds::StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,

@@ -84,6 +84,7 @@ class BackEndNode {
   void listen(const std::string& topic, Handle handle, Numbered numbered = Numbered::kNo);
 
   void take_key_frame(const KeyFrameMessage& message);
+  void keep_sensor_origin();
   void take_loop(const LoopMessage& message);
   void take_gnss(const nav_msgs::Odometry& message);
   void take_odometry(const nav_msgs::Odometry& message);
@@ -227,8 +228,15 @@ void BackEndNode::take_key_frame(const KeyFrameMessage& message) {
   context_.diagnostics.count_input(key_frame.stamp);
   run_->add_key_frame(key_frame);
   files_are_old_ = true;
+  keep_sensor_origin();
   context_.diagnostics.set("key frames", std::to_string(key_frame.index + 1));
   optimize_if_due();
+}
+
+void BackEndNode::keep_sensor_origin() {
+  if (config_.lidar_frame.empty() || run_->session().sensor_origin()) return;
+  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
+  if (T_base_lidar) run_->session().set_sensor_origin(T_base_lidar->translation);
 }
 
 void BackEndNode::take_loop(const LoopMessage& message) {

@@ -11,6 +11,7 @@ struct BackEndNodeConfig {
   back_end::BackEndConfig stage;
   std::string session_directory = "~/.ros/lidar_mapping";
   std::string resume;
+  std::string lidar_frame;
 
   static const config::Schema<BackEndNodeConfig>& schema() {
     using Config = BackEndNodeConfig;
@@ -22,7 +23,10 @@ struct BackEndNodeConfig {
                   "Folder in which every run gets a folder of its own; ~ is the home folder.")
             .alias("data_path", "session_directory")
             .text("resume", &Config::resume,
-                  "Session to go on with: a folder, or latest; empty begins a new one.");
+                  "Session to go on with: a folder, or latest; empty begins a new one.")
+            .text(
+                "lidar_frame", &Config::lidar_frame,
+                "Frame of the LiDAR in tf, kept for the removal of moving objects; may be empty.");
     return schema;
   }
 };

@@ -59,6 +59,14 @@ class Session::Impl {
     insert("INSERT OR REPLACE", "properties", {name, value});
   }
 
+  std::optional<Eigen::Vector3d> vector_property(const std::string& name) const {
+    Statement row = database.query("SELECT value FROM properties WHERE name = ?", {name});
+    if (!row.step()) return std::nullopt;
+    const Blob values = row.take_blob();
+    if (values.size() != 3) return std::nullopt;
+    return Eigen::Vector3d(values[0], values[1], values[2]);
+  }
+
   const fs::path directory;
   const std::unique_ptr<WriteLock> lock;
   Database database;
@@ -167,6 +175,10 @@ void Session::set_datum(const GeodeticDatum& datum) {
   impl_->set_property("datum", Blob{datum.latitude_deg, datum.longitude_deg, datum.altitude_m});
 }
 
+void Session::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
+  impl_->set_property("sensor_origin", to_blob(p_base_sensor));
+}
+
 void Session::set_configuration(const std::string& stage, const std::string& yaml) {
   impl_->insert("INSERT OR REPLACE", "configurations", {stage, yaml});
   std::string text;
@@ -232,11 +244,13 @@ std::string Session::run_id() const {
 }
 
 std::optional<GeodeticDatum> Session::datum() const {
-  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = 'datum'");
-  if (!row.step()) return std::nullopt;
-  const Blob values = row.take_blob();
-  if (values.size() != 3) return std::nullopt;
-  return GeodeticDatum{values[0], values[1], values[2]};
+  const std::optional<Eigen::Vector3d> values = impl_->vector_property("datum");
+  if (!values) return std::nullopt;
+  return GeodeticDatum{values->x(), values->y(), values->z()};
+}
+
+std::optional<Eigen::Vector3d> Session::sensor_origin() const {
+  return impl_->vector_property("sensor_origin");
 }
 
 std::map<std::string, std::string> Session::configurations() const {

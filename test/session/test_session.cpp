@@ -131,12 +131,16 @@ TEST(Session, GivesScansOdometryAndPropertiesBack) {
   EXPECT_FALSE(session.datum());
   EXPECT_EQ(session.run_id(), "");
   session.set_run_id("run-7");
+  EXPECT_FALSE(session.sensor_origin());
+  session.set_sensor_origin({0.5, 0.0, 1.8});
   session.set_datum({48.123456789012, 11.5, 520.25});
   session.add_scan({9, "tracking", 0.1, 0.9, 0.05, 3});
   session.add_odometry(9, example_key_frame(1).T_odom_base);
   session.set_configuration("back_end", "use_gnss: true\n# a sentence\nuse_loop_close: false\n");
 
   EXPECT_EQ(session.run_id(), "run-7");
+  ASSERT_TRUE(session.sensor_origin());
+  EXPECT_EQ(*session.sensor_origin(), Eigen::Vector3d(0.5, 0.0, 1.8));
   ASSERT_TRUE(session.datum());
   EXPECT_EQ(session.datum()->latitude_deg, 48.123456789012);
   ASSERT_EQ(session.scans().size(), 1U);

@@ -45,4 +45,7 @@ PointCloud build_map(const KeyFramePoses& poses, CloudSource& clouds, const MapC
 void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                  const TileSink& sink);
 
+/// Edge of the tiles: the whole number of voxels that is nearest to the configured size, m.
+double true_tile_size(const MapConfig& config);
+
 }  // namespace lidar_mapping::map

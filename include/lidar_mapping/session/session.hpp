@@ -80,6 +80,8 @@ class Session {
   /// Name of the run as it stands in messages; empty if unknown.
   void set_run_id(const std::string& run_id);
   void set_datum(const GeodeticDatum& datum);
+  /// Where the LiDAR is in base_link, m: rays start there.
+  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
   /// The fields of one stage as YAML. Also written to config.yaml.
   void set_configuration(const std::string& stage, const std::string& yaml);
 
@@ -96,6 +98,7 @@ class Session {
   std::vector<RevisionRecord> revisions() const;
   std::string run_id() const;
   std::optional<GeodeticDatum> datum() const;
+  std::optional<Eigen::Vector3d> sensor_origin() const;
   std::map<std::string, std::string> configurations() const;
 
  private:

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/map/map_files.hpp"
+#include "lidar_mapping/map/map_tile.hpp"
+
+namespace lidar_mapping::map {
+
+/// Something that hands all tiles of a map to a sink, such as build_tiles() with its arguments.
+using TileSource = std::function<void(const TileSink&)>;
+
+/// Autoware's layout: a PCD file per tile and pointcloud_map_metadata.yaml, which names the lower
+/// corner of each. `tile_size` (m) is that of the source. Points are in the map frame. Only a tile
+/// at a time is in memory. The folder must not exist. Throws FileError.
+Files save_tiles(const TileSource& tiles, double tile_size, const std::filesystem::path& directory);
+
+/// A LAS 1.2 file (point format 0). Coordinates are whole millimetres and never pass through float:
+/// with a datum metres in the datum's UTM zone, whose EPSG code stands in the file, and heights
+/// above the ellipsoid; without one the map frame. `max_intensity` is the largest in the map and
+/// becomes 65535. Throws FileError.
+void write_las(const std::filesystem::path& path, const TileSource& tiles,
+               const std::optional<GeodeticDatum>& datum, float max_intensity);
+
+/// What stands in the way of a vehicle: a cell with points between these heights above the local
+/// ground is occupied, one with ground alone is free, others are unknown.
+struct GridOptions {
+  double cell = 0.1;     ///< m
+  double lowest = 0.3;   ///< m above the ground
+  double highest = 2.0;  ///< m above the ground
+  int min_points = 2;    ///< in a cell, to be occupied
+};
+
+/// grid.pgm and grid.yaml for map_server. Throws InputError for a map without points, FileError.
+Files save_grid(const PointCloud& map, const GridOptions& options,
+                const std::filesystem::path& directory);
+
+}  // namespace lidar_mapping::map

@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/map_products.hpp"
+
+namespace lidar_mapping::map {
+
+namespace {
+
+constexpr double kScale = 0.001;  // m
+constexpr std::uint16_t kHeaderSize = 227;
+constexpr std::uint16_t kRecordHeaderSize = 54;
+constexpr std::uint16_t kPointSize = 20;
+constexpr std::uint8_t kOnlyReturn = 0x09;  // the first of one
+constexpr std::uint16_t kMetre = 9001;      // EPSG
+
+/// Bytes in the order of the format: little endian, as on every machine that runs this.
+class Bytes {
+ public:
+  template <typename Number>
+  Bytes& add(Number number) {
+    const auto* begin = reinterpret_cast<const char*>(&number);
+    data_.append(begin, sizeof number);
+    return *this;
+  }
+  Bytes& text(const std::string& text, std::size_t size) {
+    std::string padded = text;
+    padded.resize(size, '\0');
+    data_ += padded;
+    return *this;
+  }
+  const std::string& data() const { return data_; }
+
+ private:
+  std::string data_;
+};
+
+/// The coordinates of the file: UTM of the datum's zone, or the map frame.
+class Projection {
+ public:
+  explicit Projection(const std::optional<GeodeticDatum>& datum) {
+    if (!datum) return;
+    local_.emplace(datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
+    double x = 0.0;
+    double y = 0.0;
+    GeographicLib::UTMUPS::Forward(datum->latitude_deg, datum->longitude_deg, zone_, north_, x, y);
+    offset_ = {1000.0 * std::floor(x / 1000.0), 1000.0 * std::floor(y / 1000.0),
+               std::floor(datum->altitude_m)};
+  }
+
+  Eigen::Vector3d operator()(const Eigen::Vector3d& p_map) const {
+    if (!local_) return p_map;
+    double latitude = 0.0;
+    double longitude = 0.0;
+    Eigen::Vector3d p;
+    local_->Reverse(p_map.x(), p_map.y(), p_map.z(), latitude, longitude, p.z());
+    int zone = 0;
+    bool north = true;
+    GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, p.x(), p.y(), zone_);
+    return p;
+  }
+  const Eigen::Vector3d& offset() const { return offset_; }
+  /// Of WGS 84 / UTM; 0 without a datum.
+  std::uint16_t epsg() const {
+    return local_ ? static_cast<std::uint16_t>((north_ ? 32600 : 32700) + zone_) : 0;
+  }
+
+ private:
+  std::optional<GeographicLib::LocalCartesian> local_;
+  int zone_ = 0;
+  bool north_ = true;
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
+};
+
+struct Extent {
+  std::uint64_t points = 0;
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+};
+
+/// GeoTIFF keys: a projected system by its EPSG code, metres in all directions.
+std::string georeference(std::uint16_t epsg) {
+  if (epsg == 0) return {};
+  const std::array<std::uint16_t, 20> keys = {1,    1,    0, 4, 1024,   0,    1, 1, 3072,  0, 1,
+                                              epsg, 3076, 0, 1, kMetre, 4099, 0, 1, kMetre};
+  Bytes bytes;
+  bytes.add(std::uint16_t{0}).text("LASF_Projection", 16).add(std::uint16_t{34735});
+  bytes.add(static_cast<std::uint16_t>(sizeof keys)).text("GeoTIFF keys", 32);
+  for (const std::uint16_t key : keys) bytes.add(key);
+  return bytes.data();
+}
+
+std::string header(const Extent& extent, const Projection& projection) {
+  const std::string reference = georeference(projection.epsg());
+  const auto points = static_cast<std::uint32_t>(extent.points);
+  Bytes bytes;
+  bytes.text("LASF", 4).add(std::uint32_t{0}).text("", 16);
+  bytes.add(std::uint8_t{1}).add(std::uint8_t{2}).text("", 32).text("lidar_mapping", 32);
+  bytes.add(std::uint32_t{0}).add(kHeaderSize);  // no date: equal maps are equal files
+  bytes.add(static_cast<std::uint32_t>(kHeaderSize + reference.size()));
+  bytes.add(std::uint32_t{reference.empty() ? 0U : 1U}).add(std::uint8_t{0}).add(kPointSize);
+  bytes.add(points).add(points).text("", 16);
+  for (int i = 0; i < 3; ++i) bytes.add(kScale);
+  for (int i = 0; i < 3; ++i) bytes.add(projection.offset()[i]);
+  for (int i = 0; i < 3; ++i) bytes.add(extent.high[i]).add(extent.low[i]);
+  return bytes.data() + reference;
+}
+
+class Writer {
+ public:
+  Writer(std::ofstream& file, const Projection& projection, float max_intensity)
+      : file_(file), projection_(projection), intensity_scale_(65535.0F / max_intensity) {}
+
+  void add(const MapTile& tile) {
+    Bytes bytes;
+    for (const Point& point : tile.cloud.points) {
+      const Eigen::Vector3d p = projection_(tile.origin + point.position().cast<double>());
+      extent_.low = extent_.low.cwiseMin(p);
+      extent_.high = extent_.high.cwiseMax(p);
+      for (int i = 0; i < 3; ++i) {
+        bytes.add(
+            static_cast<std::int32_t>(std::lround((p[i] - projection_.offset()[i]) / kScale)));
+      }
+      const float intensity = std::clamp(point.intensity * intensity_scale_, 0.0F, 65535.0F);
+      bytes.add(static_cast<std::uint16_t>(std::lround(intensity)));
+      bytes.add(kOnlyReturn).add(std::uint8_t{0}).add(std::int8_t{0}).add(std::uint8_t{0});
+      bytes.add(std::uint16_t{0});
+    }
+    extent_.points += tile.cloud.size();
+    file_ << bytes.data();
+  }
+  const Extent& extent() const { return extent_; }
+
+ private:
+  std::ofstream& file_;
+  const Projection& projection_;
+  float intensity_scale_;
+  Extent extent_;
+};
+
+}  // namespace
+
+void write_las(const std::filesystem::path& path, const TileSource& tiles,
+               const std::optional<GeodeticDatum>& datum, float max_intensity) {
+  const Projection projection(datum);
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file << header({}, projection);  // of the right length; the figures are known at the end
+    Writer writer(file, projection, max_intensity > 0.0F ? max_intensity : 1.0F);
+    tiles([&](const MapTile& tile) { writer.add(tile); });
+    if (writer.extent().points > std::numeric_limits<std::uint32_t>::max()) {
+      throw FileError("the map has more points than a LAS 1.2 file can hold; choose tiles");
+    }
+    file.seekp(0);
+    file << header(writer.extent(), projection);
+    if (!file.flush()) throw FileError("cannot write " + path.string() + "; check the free space");
+  });
+}
+
+}  // namespace lidar_mapping::map

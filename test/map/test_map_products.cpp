@@ -1,0 +1,145 @@
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_types.h>
+#include <yaml-cpp/yaml.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/map_products.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::map {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+constexpr double kTileSize = 20.0;
+
+/// Two tiles; the second lies far away.
+std::vector<MapTile> example_tiles() {
+  MapTile near{{0, 0}, {0.0, 0.0, 0.0}, {}};
+  near.cloud.points = {{1.0F, 2.0F, 3.0F, 10.0F}, {1.001F, 2.0F, 3.0F, 100.0F}};
+  MapTile far{{500, -250}, {10'000.0, -5'000.0, 0.0}, {}};
+  far.cloud.points = {{19.999F, 0.001F, -1.0F, 50.0F}};
+  return {near, far};
+}
+
+void give_tiles(const TileSink& sink) {
+  for (const MapTile& tile : example_tiles()) sink(tile);
+}
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+template <typename Number>
+Number number_at(const std::string& bytes, std::size_t position) {
+  Number number;
+  std::memcpy(&number, bytes.data() + position, sizeof number);
+  return number;
+}
+
+/// Coordinates of a point of a LAS file, as its definition says.
+Eigen::Vector3d las_point(const std::string& las, std::size_t index) {
+  const auto begin = number_at<std::uint32_t>(las, 96) + index * number_at<std::uint16_t>(las, 105);
+  Eigen::Vector3d p;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    p[i] = number_at<std::int32_t>(las, begin + 4 * axis) * number_at<double>(las, 131 + 8 * axis) +
+           number_at<double>(las, 155 + 8 * axis);
+  }
+  return p;
+}
+
+TEST(SaveTiles, WritesAutowaresLayout) {
+  const TemporaryFolder folder;
+  const fs::path directory = folder.path() / "pointcloud_map";
+  const Files files = save_tiles(give_tiles, kTileSize, directory);
+  ASSERT_EQ(files.size(), 3U);
+  const YAML::Node yaml = YAML::LoadFile((directory / "pointcloud_map_metadata.yaml").string());
+  EXPECT_EQ(yaml["x_resolution"].as<double>(), kTileSize);
+  EXPECT_EQ(yaml["10000_-5000.pcd"][1].as<double>(), -5000.0);
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((directory / "10000_-5000.pcd").string(), cloud), 0);
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_NEAR(cloud[0].x, 10'019.999, 1e-3);
+  EXPECT_THROW(save_tiles(give_tiles, kTileSize, directory), FileError);
+}
+
+// F86: coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.
+TEST(WriteLas, CoordinatesAreRightToAMillimetre) {
+  const TemporaryFolder folder;
+  const GeodeticDatum datum{48.98, 8.39, 116.5};
+  write_las(folder.path() / "map.las", give_tiles, datum, 100.0F);
+  const std::string las = content_of(folder.path() / "map.las");
+  ASSERT_EQ(las.substr(0, 4), "LASF");
+  ASSERT_EQ(number_at<std::uint32_t>(las, 107), 3U);
+  ASSERT_EQ(las.size(), number_at<std::uint32_t>(las, 96) + 3U * 20U);
+  const GeographicLib::LocalCartesian local(datum.latitude_deg, datum.longitude_deg,
+                                            datum.altitude_m);
+  std::size_t index = 0;
+  for (const MapTile& tile : example_tiles()) {
+    for (const Point& point : tile.cloud.points) {
+      const Eigen::Vector3d p = tile.origin + point.position().cast<double>();
+      double latitude, longitude, height, x, y;
+      int zone;
+      bool north;
+      local.Reverse(p.x(), p.y(), p.z(), latitude, longitude, height);
+      GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, x, y);
+      EXPECT_LT((las_point(las, index++) - Eigen::Vector3d(x, y, height)).norm(), 0.001);
+      EXPECT_EQ(zone, 32);
+    }
+  }
+  EXPECT_EQ(number_at<std::uint16_t>(las, 227 + 54 + 22), 32632) << "EPSG code";
+  EXPECT_EQ(number_at<std::uint16_t>(las, number_at<std::uint32_t>(las, 96) + 32), 65535);
+}
+
+TEST(WriteLas, KeepsTheMapFrameWithoutADatum) {
+  const TemporaryFolder folder;
+  write_las(folder.path() / "map.las", give_tiles, std::nullopt, 100.0F);
+  const std::string las = content_of(folder.path() / "map.las");
+  EXPECT_EQ(number_at<std::uint32_t>(las, 100), 0U) << "no georeference";
+  EXPECT_LT((las_point(las, 2) - Eigen::Vector3d(10'019.999, -4'999.999, -1.0)).norm(), 0.001);
+  EXPECT_NEAR(number_at<double>(las, 179), 10'019.999, 1e-3) << "largest x";
+  EXPECT_NEAR(number_at<double>(las, 187), 1.0, 1e-3) << "smallest x";
+}
+
+TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
+  const TemporaryFolder folder;
+  PointCloud map;
+  for (int i = 0; i < 400; ++i) {
+    const float x = 0.1F * static_cast<float>(i % 20) + 0.05F;
+    const float y = 0.1F * static_cast<float>(i / 20) + 0.05F;
+    const float ground = 10.0F + 0.1F * x;
+    map.points.push_back({x, y, ground, 0.0F});
+    if (i % 20 == 15) {
+      map.points.push_back({x, y, ground + 1.0F, 0.0F});
+      map.points.push_back({x, y, ground + 1.5F, 0.0F});
+    }
+    if (i % 20 == 5) map.points.push_back({x, y, ground + 3.0F, 0.0F});
+  }
+  save_grid(map, {}, folder.path());
+  const std::string pgm = content_of(folder.path() / "grid.pgm");
+  const std::size_t begin = pgm.find("255\n") + 4;
+  ASSERT_EQ(pgm.substr(0, 3), "P5\n");
+  const auto value = [&](std::size_t column) {
+    return static_cast<unsigned char>(pgm[begin + 10 * 20 + column]);
+  };
+  EXPECT_EQ(value(15), 0) << "a wall";
+  EXPECT_EQ(value(2), 254) << "free ground";
+  EXPECT_EQ(value(5), 254) << "a bridge is no obstacle";
+  const YAML::Node yaml = YAML::LoadFile((folder.path() / "grid.yaml").string());
+  EXPECT_EQ(yaml["resolution"].as<double>(), 0.1);
+  EXPECT_NEAR(yaml["origin"][0].as<double>(), 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::map
