@@ -55,7 +55,10 @@ TEST_P(EveryNode, StartsInTwoNamespacesAtOnceAndEndsWhenAsked) {
   EXPECT_EQ(two.wait(0.0), 0) << two.output();
 }
 
-INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode, testing::Values("front_end_node", "loop_closing_node"));
+INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode,
+                         testing::Values("preprocessing_node", "floor_detection_node",
+                                         "front_end_node", "loop_closing_node", "back_end_node",
+                                         "map_viewer_node"));
 
 TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
   ros::param::set("/front_end/key_frame_distance", 7.5);

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <geometry_msgs/TwistStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_msgs/TFMessage.h>
+
+namespace lidar_mapping::test {
+
+/// Publishes the sensors of a simulated drive under the nodes' own topic names, as fast as they are
+/// asked for: what depends on the machine's speed is no test.
+class BagPlayer {
+ public:
+  explicit BagPlayer(const std::string& path) {
+    rosbag::Bag bag(path, rosbag::bagmode::Read);
+    for (const rosbag::MessageInstance& m : rosbag::View(bag)) {
+      add<sensor_msgs::PointCloud2>(m, "/kitti/velo/pointcloud", "points");
+      add<sensor_msgs::Imu>(m, "/kitti/oxts/imu", "imu");
+      add<geometry_msgs::TwistStamped>(m, "/kitti/oxts/gps/vel", "velocity");
+      add<sensor_msgs::NavSatFix>(m, "/kitti/oxts/gps/fix", "gnss");
+      add<tf2_msgs::TFMessage>(m, "/tf_static", "tf_static", true);
+      if (m.getTopic() == "/ground_truth") truth_.push_back(*m.instantiate<nav_msgs::Odometry>());
+    }
+    bag.close();
+  }
+
+  void advertise(const std::vector<std::string>& topics) {
+    for (const std::string& topic : topics) publishers_[topic] = advertisers_.at(topic)();
+  }
+  bool has_subscribers() const {
+    for (const auto& [topic, publisher] : publishers_) {
+      if (publisher.getNumSubscribers() == 0) return false;
+    }
+    return true;
+  }
+  /// Sends everything up to and with the next scan; false at the end.
+  bool send_next_scan() {
+    while (next_ < messages_.size()) {
+      const Entry& entry = messages_[next_++];
+      const auto publisher = publishers_.find(entry.topic);
+      if (publisher != publishers_.end()) entry.publish(publisher->second);
+      if (entry.topic == "points") return true;
+    }
+    return false;
+  }
+  const std::vector<nav_msgs::Odometry>& truth() const { return truth_; }
+
+ private:
+  struct Entry {
+    std::string topic;
+    std::function<void(const ros::Publisher&)> publish;
+  };
+
+  template <typename Message>
+  void add(const rosbag::MessageInstance& instance, const std::string& recorded,
+           const std::string& topic, bool latched = false) {
+    if (instance.getTopic() != recorded) return;
+    advertisers_[topic] = [topic, latched] {
+      return ros::NodeHandle().advertise<Message>(topic, 1000, latched);
+    };
+    const auto message = instance.instantiate<Message>();
+    messages_.push_back({topic, [message](const ros::Publisher& p) { p.publish(message); }});
+  }
+
+  std::vector<Entry> messages_;
+  std::size_t next_ = 0;
+  std::map<std::string, std::function<ros::Publisher()>> advertisers_;
+  std::map<std::string, ros::Publisher> publishers_;
+  std::vector<nav_msgs::Odometry> truth_;
+};
+
+}  // namespace lidar_mapping::test

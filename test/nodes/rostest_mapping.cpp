@@ -1,0 +1,208 @@
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+
+#include "bag_player.hpp"
+#include "listener.hpp"
+#include "node_process.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kNodes = {"preprocessing_node", "floor_detection_node",
+                                         "front_end_node",     "loop_closing_node",
+                                         "back_end_node",      "map_viewer_node"};
+const std::vector<std::string> kAllTopics = {"points", "imu", "velocity", "gnss", "tf_static"};
+
+/// All nodes on a few seconds of a simulated drive.
+class Mapping : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    char name[] = "/tmp/lidar_mapping_test_XXXXXX";
+    folder() = mkdtemp(name);
+    NodeProcess simulation("simulate_drive", {bag(), "--lidar", "vlp16", "--duration", "8"});
+    ASSERT_EQ(simulation.wait(100.0), 0) << simulation.output();
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
+  static fs::path& folder() {
+    static fs::path path;
+    return path;
+  }
+  static std::string bag() { return (folder() / "drive.bag").string(); }
+
+  void SetUp() override {
+    for (const std::string& name : kNodes) start(name);
+  }
+
+  void start(const std::string& name) {
+    std::vector<std::string> arguments;
+    if (name == "back_end_node") {
+      arguments.push_back("_session_directory:=" + (folder() / "sessions").string());
+    }
+    nodes_.erase(name);
+    nodes_[name] = std::make_unique<NodeProcess>(name, arguments);
+  }
+
+  void connect(const std::vector<std::string>& topics) {
+    player_.advertise(topics);
+    ASSERT_TRUE(wait_until([&] {
+      return player_.has_subscribers() && odometry_.connected() && status_.connected() &&
+             poses_.connected() && ros::service::exists("save_map", false) &&
+             ros::service::exists("optimize_map", false);
+    }));
+    ASSERT_TRUE(
+        wait_until([] { return has_both_ends("synced_cloud") && has_both_ends("key_frame"); }));
+  }
+  /// True if the master knows who publishes the topic and who listens.
+  static bool has_both_ends(const std::string& topic) {
+    XmlRpc::XmlRpcValue state, lists;
+    const XmlRpc::XmlRpcValue caller(ros::this_node::getName());
+    if (!ros::master::execute("getSystemState", caller, state, lists, false)) return false;
+    const auto is_in = [&](XmlRpc::XmlRpcValue& list) {
+      for (int i = 0; i < list.size(); ++i) {
+        if (static_cast<std::string>(list[i][0]) == "/" + topic) return true;
+      }
+      return false;
+    };
+    return is_in(lists[0]) && is_in(lists[1]);
+  }
+
+  /// Sends up to `count` scans; waits for the nodes to follow, three scans behind.
+  std::size_t drive(std::size_t count = 1000) {
+    std::size_t sent = 0;
+    while (sent < count && player_.send_next_scan()) {
+      ++sent;
+      ++sent_;
+      if (sent_ > 3) odometry_.wait_for(sent_ - 3, 5.0);
+    }
+    return sent;
+  }
+
+  /// The largest distance of the key frames to the truth, both seen from their first one.
+  double error_of(const KeyFramePosesMessage& message) const {
+    std::vector<std::pair<Pose, Pose>> pairs;
+    for (std::size_t i = 0; i < message.indices.size(); ++i) {
+      for (const nav_msgs::Odometry& truth : player_.truth()) {
+        if (truth.header.stamp != message.stamps[i]) continue;
+        pairs.emplace_back(ros_border::from_message(message.poses[i]),
+                           ros_border::from_message(truth.pose.pose));
+      }
+    }
+    double largest = pairs.empty() ? 1e9 : 0.0;
+    for (const auto& [estimate, truth] : pairs) {
+      const Pose T_first_estimate = pairs.front().first.inverse() * estimate;
+      const Pose T_first_truth = pairs.front().second.inverse() * truth;
+      largest =
+          std::max(largest, (T_first_estimate.translation - T_first_truth.translation).norm());
+    }
+    return largest;
+  }
+
+  OptimizeMap::Response optimize() {
+    OptimizeMap call;
+    EXPECT_TRUE(ros::service::call("optimize_map", call));
+    EXPECT_TRUE(call.response.success) << call.response.message;
+    return call.response;
+  }
+  SaveMap::Response save() {
+    SaveMap call;
+    call.request.directory = (folder() / "map").string();
+    EXPECT_TRUE(ros::service::call("save_map", call));
+    return call.response;
+  }
+  std::string output_of(const std::string& node) const { return nodes_.at(node)->output(); }
+
+  BagPlayer player_{bag()};
+  std::size_t sent_ = 0;
+  std::map<std::string, std::unique_ptr<NodeProcess>> nodes_;
+  Listener<nav_msgs::Odometry> odometry_{"laser_odom"};
+  Listener<nav_msgs::Odometry> optimized_{"optimized_odom"};
+  Listener<FrontEndStatusMessage> status_{"front_end_status"};
+  Listener<KeyFramePosesMessage> poses_{"key_frame_poses"};
+};
+
+TEST_F(Mapping, GivesAMapAndLosesNoScan) {
+  connect(kAllTopics);
+  const std::size_t scans = drive();
+  ASSERT_GT(scans, 50U);
+  EXPECT_TRUE(odometry_.wait_for(scans)) << output_of("front_end_node");
+  EXPECT_EQ(odometry_.messages.size(), scans);
+  EXPECT_TRUE(optimized_.wait_for(scans));
+  const OptimizeMap::Response optimized = optimize();
+  EXPECT_GT(optimized.key_frames, 5U);
+  EXPECT_GT(optimized.gnss_used, 0U);
+  ASSERT_TRUE(wait_until([&] {
+    return !poses_.messages.empty() &&
+           poses_.messages.back().indices.size() == optimized.key_frames;
+  }));
+  EXPECT_LT(error_of(poses_.messages.back()), 0.3);
+  const SaveMap::Response saved = save();
+  ASSERT_TRUE(saved.success) << saved.message;
+  for (const std::string& file : saved.files) EXPECT_GT(fs::file_size(file), 0U) << file;
+}
+
+// F12: LiDAR alone did not work.
+TEST_F(Mapping, GivesAMapOfTheLidarAlone) {
+  connect({"points", "tf_static"});
+  const std::size_t scans = drive();
+  EXPECT_TRUE(odometry_.wait_for(scans)) << output_of("front_end_node");
+  const OptimizeMap::Response optimized = optimize();
+  EXPECT_EQ(optimized.gnss_used, 0U);
+  ASSERT_TRUE(wait_until([&] {
+    return !poses_.messages.empty() &&
+           poses_.messages.back().indices.size() == optimized.key_frames;
+  }));
+  EXPECT_LT(error_of(poses_.messages.back()), 0.5);
+  EXPECT_TRUE(save().success);
+}
+
+TEST_F(Mapping, IsCompleteAfterLoopClosingAndViewerWereKilledInMidDrive) {
+  connect(kAllTopics);
+  drive(25);
+  nodes_.at("loop_closing_node")->kill();
+  nodes_.at("map_viewer_node")->kill();
+  drive(25);
+  start("loop_closing_node");
+  start("map_viewer_node");
+  drive();
+  ASSERT_TRUE(odometry_.wait_for(sent_));
+  const OptimizeMap::Response optimized = optimize();
+  ASSERT_TRUE(wait_until([] { return ros::service::exists("save_map", false); }));
+  SaveMap::Response saved;
+  const std::string all = "of " + std::to_string(optimized.key_frames) + " key frames";
+  EXPECT_TRUE(wait_until([&] {
+    saved = save();
+    return saved.message.find(all) != std::string::npos;
+  })) << saved.message
+      << ", not " << all;
+}
+
+// F21: a missing transform muted the pipeline, or killed it.
+TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
+  connect({"points", "imu", "velocity", "gnss"});
+  for (int i = 0; i < 20; ++i) player_.send_next_scan();
+  EXPECT_TRUE(wait_until([&] {
+    return output_of("preprocessing_node")
+               .find(
+                   "no transform from frame 'velo_link' to "
+                   "'base_link'") != std::string::npos;
+  })) << output_of("preprocessing_node");
+  EXPECT_TRUE(odometry_.messages.empty());
+  OptimizeMap call;
+  ASSERT_TRUE(ros::service::call("optimize_map", call));
+  EXPECT_FALSE(call.response.success);
+  EXPECT_FALSE(call.response.message.empty());
+  EXPECT_FALSE(save().success);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test
