@@ -73,6 +73,8 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
       back_end_(context.node),
       front_end_(config.stage),
       assembler_(config.stage.odometry == front_end::OdometrySource::kExternal) {
+  const std::string notice = registration::method_notice(config.stage.registration);
+  if (!notice.empty()) ROS_INFO_STREAM(notice);
   laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
   key_frame_ = context.node.advertise<KeyFrameMessage>("key_frame", kPublisherQueue);
   status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);
