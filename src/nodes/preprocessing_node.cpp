@@ -1,3 +1,6 @@
+#include <atomic>
+
+#include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -15,6 +18,10 @@ namespace {
 constexpr std::chrono::milliseconds kIdle{1000};
 /// IMUs send ten times as often as LiDARs and more.
 constexpr int kSamplesPerScan = 20;
+/// Data after which the input doctor says what it found, and wall time after which it says that
+/// nothing came.
+constexpr double kLook = 5.0;
+constexpr double kPatience = 10.0;
 
 }  // namespace
 
@@ -32,10 +39,18 @@ class PreprocessingNode {
   void publish(const std::vector<preprocessing::SyncedScan>& scans);
   void publish(const preprocessing::SyncedScan& scan);
   void report();
+  std::optional<Pose> T_base(const std::string& frame);
+  void look_at(const sensor_msgs::PointCloud2& message, const DecodedCloud& decoded);
+  void say_what_was_found();
+  void say_if_nothing_came();
 
   Config config_;
   NodeContext& context_;
   SensorFrames frames_;
+  std::unique_ptr<preprocessing::InputDoctor> doctor_;  ///< until it has spoken
+  std::optional<Stamp> first_scan_;
+  std::atomic<bool> has_scans_{false};
+  ros::WallTimer patience_;
   preprocessing::Preprocessor stage_;
   std::string antenna_frame_;
   ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_;
@@ -63,28 +78,73 @@ void PreprocessingNode::advertise() {
 void PreprocessingNode::subscribe_sensors() {
   const int scans = config_.node.queue_size;
   const int samples = kSamplesPerScan * scans;
-  const auto sample_of = [this](auto add) {
-    return [this, add](const auto& message) {
-      add(from_message(*message), frame_name(message->header.frame_id));
+  const auto sample_of = [this](auto look, auto add) {
+    return [this, look, add](const auto& message) {
+      const auto sample = from_message(*message);
+      if (doctor_) look(sample, message->header.frame_id);
+      add(sample, frame_name(message->header.frame_id));
       publish(stage_.take_complete());
     };
   };
   subscribers_ = {
       subscribe<sensor_msgs::Imu>(
           context_, "imu", samples,
-          sample_of([this](const auto& sample, const auto& f) { stage_.add_imu(sample, f); })),
+          sample_of([this](const auto& sample, const auto& f) { doctor_->see_imu(sample, f); },
+                    [this](const auto& sample, const auto& f) { stage_.add_imu(sample, f); })),
       subscribe<geometry_msgs::TwistStamped>(
           context_, "velocity", samples,
-          sample_of([this](const auto& sample, const auto& f) { stage_.add_velocity(sample, f); })),
-      subscribe<sensor_msgs::NavSatFix>(context_, "gnss", samples,
-                                        sample_of([this](const auto& fix, const auto& f) {
-                                          antenna_frame_ = f;
-                                          stage_.add_gnss(fix, f);
-                                        })),
+          sample_of([this](const auto& sample, const auto& f) { doctor_->see_velocity(sample, f); },
+                    [this](const auto& sample, const auto& f) { stage_.add_velocity(sample, f); })),
+      subscribe<sensor_msgs::NavSatFix>(
+          context_, "gnss", samples,
+          sample_of([this](const auto& fix, const auto& f) { doctor_->see_gnss(fix, f); },
+                    [this](const auto& fix, const auto& f) {
+                      antenna_frame_ = f;
+                      stage_.add_gnss(fix, f);
+                    })),
       subscribe<sensor_msgs::PointCloud2>(context_, "points", scans, [this](const auto& message) {
         context_.diagnostics.count_input(from_ros(message->header.stamp));
-        publish(stage_.process(decode(*message, config_.stage).scan));
+        DecodedCloud decoded = decode(*message, config_.stage);
+        look_at(*message, decoded);
+        publish(stage_.process(std::move(decoded.scan)));
       })};
+}
+
+std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {
+  if (frame.empty()) return std::nullopt;
+  return frames_.lookup(config_.node.base_frame, frame);
+}
+
+void PreprocessingNode::look_at(const sensor_msgs::PointCloud2& message,
+                                const DecodedCloud& decoded) {
+  has_scans_ = true;
+  if (!doctor_) return;
+  doctor_->see_scan(summary_of(message, decoded));
+  if (!first_scan_) first_scan_ = decoded.scan.stamp;
+  if (to_seconds(decoded.scan.stamp - *first_scan_) < kLook) return;
+  say_what_was_found();
+  doctor_.reset();
+}
+
+void PreprocessingNode::say_what_was_found() {
+  for (const auto& input : doctor_->report([this](const auto& frame) { return T_base(frame); })) {
+    ROS_INFO_STREAM(input.input << ": " << input.found);
+    context_.diagnostics.set(input.input, input.found);
+    for (const std::string& fault : input.faults) {
+      ROS_WARN_STREAM(input.input << ": " << fault);
+    }
+  }
+}
+
+/// In roscpp's thread: nothing has arrived, so nothing else is running.
+void PreprocessingNode::say_if_nothing_came() {
+  if (has_scans_) return;
+  const std::string topic = context_.node.resolveName("points");
+  ROS_WARN_STREAM("nothing came on " << topic << " for " << kPatience
+                                     << " s: is it published? (rostopic hz; remap `points`)");
+  if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
+    ROS_WARN("use_sim_time is set, but nobody publishes /clock: play the bag with --clock");
+  }
 }
 
 void PreprocessingNode::publish(const std::vector<preprocessing::SyncedScan>& scans) {

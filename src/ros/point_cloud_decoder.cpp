@@ -298,4 +298,19 @@ DecodedCloud decode(const PointCloud2& message, const preprocessing::Preprocessi
   return result;
 }
 
+preprocessing::CloudSummary summary_of(const PointCloud2& message, const DecodedCloud& decoded) {
+  preprocessing::CloudSummary summary;
+  summary.stamp = decoded.scan.stamp;
+  summary.frame_id = message.header.frame_id;
+  summary.points = decoded.scan.cloud.size();
+  summary.fields = decoded.format.fields;
+  summary.time_field = decoded.format.time_field;
+  summary.time_unit = decoded.format.time_unit;
+  summary.absolute_times = decoded.format.absolute_times;
+  summary.foreign_clock = decoded.format.foreign_clock;
+  summary.first_time = decoded.format.first_time;
+  summary.last_time = decoded.format.last_time;
+  return summary;
+}
+
 }  // namespace lidar_mapping::ros_border

@@ -22,8 +22,7 @@ struct Outcome {
   std::size_t refused = 0;
 };
 
-Outcome drive_with(const simulation::DriveOptions& options, bool with_motion, bool gating) {
-  const simulation::Drive drive(options);
+Outcome drive_with(const simulation::Drive& drive, bool with_motion, bool gating) {
   PreprocessingConfig config;
   config.gnss_gating = gating;
   const GeodeticDatum datum = drive.datum();
@@ -65,7 +64,7 @@ Outcome drive_with(const simulation::DriveOptions& options, bool with_motion, bo
 }
 
 TEST(GnssGate, TakesAllOfACleanDrive) {
-  const Outcome outcome = drive_with({}, true, true);
+  const Outcome outcome = drive_with(simulation::Drive({}), true, true);
   EXPECT_EQ(outcome.refused, 0U);
   EXPECT_GE(outcome.with_gnss, outcome.scans - 2);
   EXPECT_LT(outcome.worst, 0.15);
@@ -76,9 +75,10 @@ TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {  // F24
     simulation::DriveOptions options;
     options.gnss_jumps = {{40.0, metres}, {90.0, metres}};
     options.duration = 120.0;
-    const Outcome off = drive_with(options, true, false);
+    const simulation::Drive drive(options);
+    const Outcome off = drive_with(drive, true, false);
     EXPECT_GT(off.worst, 0.9 * metres);
-    const Outcome on = drive_with(options, true, true);
+    const Outcome on = drive_with(drive, true, true);
     EXPECT_LT(on.worst, 0.7) << metres;
     EXPECT_NEAR(static_cast<double>(on.refused), 200.0, 4.0) << metres;
     EXPECT_GT(on.with_gnss, on.scans - 240) << metres;
@@ -88,7 +88,7 @@ TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {  // F24
 TEST(GnssGate, TakesFixesAgainAfterAnOutage) {
   simulation::DriveOptions options;
   options.gnss_outages = {{40.0, 100.0}};
-  const Outcome outcome = drive_with(options, true, true);
+  const Outcome outcome = drive_with(simulation::Drive(options), true, true);
   EXPECT_NEAR(static_cast<double>(outcome.refused), 600.0, 5.0);  // those without a fix
   EXPECT_GT(outcome.with_gnss, outcome.scans - 620);
 }
@@ -96,7 +96,7 @@ TEST(GnssGate, TakesFixesAgainAfterAnOutage) {
 TEST(GnssGate, WithoutMotionRefusesWhatNobodyCanDrive) {
   simulation::DriveOptions options;
   options.gnss_jumps = {{40.0, 50.0}};
-  const Outcome outcome = drive_with(options, false, true);
+  const Outcome outcome = drive_with(simulation::Drive(options), false, true);
   EXPECT_GT(outcome.refused, 3U);
   EXPECT_GT(outcome.with_gnss, outcome.scans - 120);
 }

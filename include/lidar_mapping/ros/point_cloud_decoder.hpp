@@ -4,6 +4,7 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
+#include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -33,5 +34,9 @@ struct DecodedCloud {
 /// and data that are shorter than the header says.
 DecodedCloud decode(const sensor_msgs::PointCloud2& message,
                     const preprocessing::PreprocessingConfig& config);
+
+/// What the input doctor wants to know of a cloud.
+preprocessing::CloudSummary summary_of(const sensor_msgs::PointCloud2& message,
+                                       const DecodedCloud& decoded);
 
 }  // namespace lidar_mapping::ros_border
