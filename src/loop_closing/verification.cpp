@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -94,7 +93,7 @@ double fitness_of(const QueryScan& query, const Submap& submap,
     sum += pair->squared_distance;
     ++pairs;
   }
-  return pairs == 0 ? std::numeric_limits<double>::infinity() : sum / pairs;
+  return pairs == 0 ? static_cast<double>(range) * range : sum / pairs;
 }
 
 }  // namespace

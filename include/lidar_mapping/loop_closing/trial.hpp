@@ -1,7 +1,7 @@
 #pragma once
 
-#include "lidar_mapping/loop_closing/candidates.hpp"
 #include "lidar_mapping/loop_closing/judgement.hpp"
+#include "lidar_mapping/loop_closing/places.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -30,7 +30,8 @@ struct MatchFigures {
   double free_space_violation = 0.0;
   /// How well the walls pin the horizontal position: 0.5 at best, 0 in a smooth tunnel.
   double horizontal_eigenvalue = 0.0;
-  /// Mean squared distance of the points with a partner within the range, m^2; infinite if none.
+  /// Mean squared distance of the points with a partner within the range, m^2; the squared range if
+  /// none has one.
   double fitness = 0.0;
 };
 

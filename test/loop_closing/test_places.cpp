@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/loop_closing/candidates.hpp"
+#include "lidar_mapping/loop_closing/places.hpp"
 
 #include "drive.hpp"
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/candidates.hpp"
+#include "lidar_mapping/loop_closing/places.hpp"
 
 #include <algorithm>
 #include <cmath>
