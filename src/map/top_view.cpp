@@ -21,9 +21,9 @@ constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr double kHighest = 10.0;    // m above the ground; what is higher has the last colour
 constexpr double kGroundCell = 8.0;  // m, edge of the cells whose lowest point is the ground
 constexpr Color kBackground = {12.0, 14.0, 20.0};
-constexpr std::array<Color, 5> kScale = {{{58.0, 88.0, 160.0},
-                                          {52.0, 160.0, 170.0},
-                                          {120.0, 200.0, 90.0},
+constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
+                                          {60.0, 175.0, 185.0},
+                                          {130.0, 210.0, 100.0},
                                           {245.0, 210.0, 70.0},
                                           {230.0, 80.0, 60.0}}};
 
@@ -107,7 +107,7 @@ TopView top_view(const PointCloud& map, double pixel_m, int max_pixels) {
   view.rgb.reserve(3 * top.values.size());
   for (std::size_t i = 0; i < top.values.size(); ++i) {
     const double count = static_cast<double>(counts.values[i]);
-    const double density = count > 0.0 ? std::min(1.0, 0.55 + 0.15 * std::log2(count)) : 0.0;
+    const double density = count > 0.0 ? std::min(1.0, 0.75 + 0.08 * std::log2(count)) : 0.0;
     const Color color = color_of(static_cast<double>(top.values[i]), density);
     for (const double channel : color) {
       view.rgb.push_back(static_cast<std::uint8_t>(std::lround(channel)));

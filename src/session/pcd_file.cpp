@@ -84,9 +84,13 @@ PointCloud read_pcd(const std::filesystem::path& path) {
 void write_pcd(const std::filesystem::path& path, const PointCloud& cloud) {
   if (cloud.empty()) return write_text_atomically(path, kEmptyFile);
   write_atomically(path, [&](const std::filesystem::path& temporary) {
-    const auto converted = to_pcl(cloud);
-    if (pcl::PCDWriter().writeBinary(temporary.string(), converted) < 0)
-      throw FileError("cannot write " + path.string() + "; check the free space");
+    const FileError problem("cannot write " + path.string() +
+                            "; check the free space and the permissions");
+    try {
+      if (pcl::PCDWriter().writeBinary(temporary.string(), to_pcl(cloud)) < 0) throw problem;
+    } catch (const pcl::IOException&) {
+      throw problem;
+    }
   });
 }
 

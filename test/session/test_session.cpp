@@ -3,6 +3,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -291,6 +292,41 @@ TEST(Session, SurvivesKillAtAnyMoment) {
       EXPECT_EQ(cloud->size(), 100U);
     }
     session.add_key_frame(example_key_frame(static_cast<KeyFrameIndex>(key_frames.size())));
+  }
+}
+
+/// Exit status 0 if a session on a disk that fills up refuses what does not fit and keeps the rest.
+int write_to_a_full_disk(const fs::path& folder) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{200'000, 200'000};  // bytes a file: the database gets full, the clouds do not
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  Session session = Session::create_in(folder);
+  std::size_t kept = 0;
+  for (KeyFrameIndex index = 0; index < 500; ++index) {
+    try {
+      session.add_key_frame(example_key_frame(index));
+      ++kept;
+    } catch (const FileError&) {
+      return kept > 10 && session.key_frame_count() == kept ? 0 : 2;
+    }
+  }
+  return 1;
+}
+
+// F55: a full disk is an error, and what was kept before stays whole.
+TEST(Session, RefusesWhatDoesNotFitOnTheDisk) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(write_to_a_full_disk(folder.path()));
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const Session session = Session::open(folder.path(), Session::Access::kRead);
+  EXPECT_GT(session.key_frame_count(), 10U);
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    EXPECT_NE(session.clouds().cloud(key_frame.index), nullptr);
   }
 }
 
