@@ -21,6 +21,8 @@ enum Stream : std::uint64_t { kScanNoise = 0x100, kImuNoise, kVelocityNoise, kGn
 /// The first scan begins when every sensor has given samples.
 constexpr Stamp kFirstScanAfter = 200'000'000;
 
+constexpr double kShortestDrive = 1.0;  ///< s
+
 struct NamedDrive {
   const char* name;
   Scenario (*make)(const DriveOptions&);
@@ -39,6 +41,9 @@ Scenario make_scenario(const DriveOptions& options) {
   require(
       options.scan_rate >= 1.0 && options.scan_rate <= 50.0,
       "scan_rate " + std::to_string(options.scan_rate) + " is outside 1 to 50 turns per second");
+  require(!options.duration || *options.duration >= kShortestDrive,
+          "duration is shorter than 1 s; ask for more");
+  require(options.rounds >= 1, "rounds " + std::to_string(options.rounds) + "; use 1 or more");
   require(options.range_noise >= 0.0, "range_noise is negative; use 0 or more metres");
   require(options.gnss_noise > 0.0, "gnss_noise must be greater than 0 metres");
   for (const NamedDrive& drive : kDrives) {

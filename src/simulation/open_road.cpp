@@ -38,7 +38,7 @@ std::vector<Eigen::Vector2d> corners(Random random) {
 
 /// Trees and bushes here and there, off the road.
 void add_plants(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Random& random) {
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 260; ++i) {
     const Eigen::Vector2d at(random.uniform(-230.0, 420.0), random.uniform(-150.0, 330.0));
     const double size = random.uniform();
     const Random own(random.bits());

@@ -58,9 +58,11 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_flag("!--no-velocity", options.content.velocity, "leave the velocity out");
   app.add_option("--gnss-noise", drive.gnss_noise, "standard deviation east and north, m")
       ->capture_default_str();
-  app.add_option("--gnss-outage", options.outages, "START:END without a fix, s (repeatable)");
+  app.add_option("--gnss-outage", options.outages, "START:END without a fix, s (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--gnss-jump", options.jumps,
-                 "T:METRES, fixes beside the truth for ten seconds (repeatable)");
+                 "T:METRES, fixes beside the truth for ten seconds (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--threads", options.threads, "threads; 0: all cores")->capture_default_str();
   app.add_option("--truth", options.truth, "write the true poses of base_link to this TUM file");
   app.add_option("--kitti", options.folder, "write the scans into this new folder");

@@ -155,6 +155,13 @@ TEST(DriveOptions, OutOfRangeAreRefused) {
   options.scan_rate = 0.0;
   EXPECT_THROW(Drive{options}, ConfigError);
   options = small_options();
+  options.duration = 0.0;
+  EXPECT_THROW(Drive{options}, ConfigError);
+  options = small_options();
+  options.drive = "city";
+  options.rounds = 0;
+  EXPECT_THROW(Drive{options}, ConfigError);
+  options = small_options();
   options.range_noise = -0.1;
   EXPECT_THROW(Drive{options}, ConfigError);
 }
