@@ -40,9 +40,9 @@ registration::NdtMatch without_directions(const registration::NdtMatch& match,
   const Vector12d points_gradient =
       -matched_with.information * difference(matched_with.state, match.state);
   const Vector12d prior_gradient = instead.information * difference(instead.state, match.state);
-  const Matrix12d points_information = match.information - matched_with.information;
   registration::NdtMatch result = match;
-  result.information = keep * points_information * keep + instead.information;
+  result.points_information = keep * match.points_information * keep;
+  result.information = result.points_information + instead.information;
   const Vector12d step = -result.information.ldlt().solve(keep * points_gradient + prior_gradient);
   result.state = perturbed(match.state, step);
   return result;

@@ -7,6 +7,7 @@ namespace {
 
 /// Edge of a coarse voxel in fine ones.
 constexpr int kCoarseFactor = 3;
+constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kFineCapacity = std::size_t{1} << 17;
 constexpr std::size_t kCoarseCapacity = std::size_t{1} << 15;
 /// Share of the tables that is aged per scan.
@@ -40,6 +41,17 @@ void place(const SampledPoints& points, const registration::MotionState& state,
   }
 }
 
+/// Large voxels have points enough with a part of them.
+void insert_thinned(SampledPoints& points, registration::GaussianVoxelMap& map) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += kCoarseThinning, ++kept) {
+    points.x[kept] = points.x[i];
+    points.y[kept] = points.y[i];
+    points.z[kept] = points.z[i];
+  }
+  map.insert(points.x.data(), points.y.data(), points.z.data(), kept);
+}
+
 }  // namespace
 
 LocalMap::LocalMap(double voxel_size, double radius)
@@ -55,7 +67,7 @@ void LocalMap::clear() {
 void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
   place(points, state, fine_.origin(), placed_);
   fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size());
-  coarse_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size());
+  insert_thinned(placed_, coarse_);
 }
 
 void LocalMap::follow(const Eigen::Vector3d& position) {

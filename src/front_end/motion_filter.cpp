@@ -44,6 +44,12 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
   return T * Pose{exp_so3(rotation), J * (seconds * twist.head<3>())};
 }
 
+Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds) {
+  const Matrix12d F = transition(twist, seconds);
+  const Matrix12d later = F * covariance * F.transpose();
+  return later.topLeftCorner<6, 6>();
+}
+
 MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleration_sigma)
     : linear_{acceleration_sigma, acceleration_sigma},
       angular_{angular_acceleration_sigma, angular_acceleration_sigma} {}
@@ -125,11 +131,5 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
 }
 
 registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }
-
-Covariance6 MotionFilter::pose_covariance(double seconds) const {
-  const Matrix12d F = transition(state_.twist, seconds);
-  const Matrix12d moved_covariance = F * covariance_ * F.transpose();
-  return moved_covariance.topLeftCorner<6, 6>();
-}
 
 }  // namespace lidar_mapping::front_end

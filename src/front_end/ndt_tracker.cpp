@@ -42,6 +42,9 @@ constexpr double kVelocitySigma = 0.3;             // m/s
 constexpr double kVelocityScaleSigma = 0.03;       // of the speed
 constexpr double kDegenerateVelocitySigma = 0.05;  // m/s, where nothing else is known
 
+/// Weight of the points in the covariance that is reported, in units of their weight in the filter.
+constexpr double kReportedWeight = 24.0;
+
 /// While lost, the speed falls by 1/e in this time.
 constexpr double kHoldTime = 1.0;  // s
 
@@ -54,7 +57,8 @@ class NdtTracker::Impl {
         sampler_(config),
         map_(config.voxel_size, config.local_map_radius),
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
-        judge_(config.max_speed) {}
+        judge_(config.max_speed),
+        matcher_(config.registration.neighbor_search) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
@@ -98,6 +102,7 @@ class NdtTracker::Impl {
   void begin(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
     start_ = last_good_ = T_odom_base;
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
+    covariance_ = filter_.covariance();
     map_ = LocalMap(voxel_size(), config_.local_map_radius);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
@@ -176,10 +181,19 @@ class NdtTracker::Impl {
                                     status.degenerate_directions);
     }
     filter_.correct(observed.state, observed.information.inverse());
+    covariance_ = reported_covariance(observed);
     judge_.learn(match);
     last_good_ = observed.state.T_map_sensor;
     lost_time_ = 0.0;
     motion_known_ = true;
+  }
+
+  /// The filter weighs the points low, because neighbouring ones err together, and so holds itself
+  /// for worse than it is. What is reported has the size of the errors of simulated drives.
+  static Matrix12d reported_covariance(const NdtMatch& match) {
+    const Matrix12d information =
+        match.information + (kReportedWeight - 1.0) * match.points_information;
+    return information.inverse();
   }
 
   /// The prediction, held to the measured velocity along the directions that the points leave open.
@@ -197,6 +211,7 @@ class NdtTracker::Impl {
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
     filter_.slow_down(seconds, kHoldTime);
+    covariance_ = filter_.covariance();
     lost_time_ += seconds;
     if (lost_time_ <= config_.max_lost_time || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
@@ -223,7 +238,7 @@ class NdtTracker::Impl {
   void report(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
     result.T_odom_base = moved(filter_.state().T_map_sensor, filter_.state().twist, to_stamp);
-    result.covariance = filter_.pose_covariance(to_stamp);
+    result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp);
     result.twist = filter_.state().twist;
     result.status.step_seconds = timer_.take();
   }
@@ -236,6 +251,7 @@ class NdtTracker::Impl {
   SweepMatcher matcher_;
   StepTimer timer_;
 
+  Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   std::size_t scans_ = 0;
   Stamp stamp_ = 0;
   Pose start_;      ///< of the map's first scan, at its stamp

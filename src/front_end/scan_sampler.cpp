@@ -3,72 +3,53 @@
 #include <algorithm>
 #include <array>
 
+#include "hash_kernel.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Hashes are computed for so many points at a time: the loop has no branches and is vectorised.
+/// Hashes are computed for so many points at a time, then looked up.
 constexpr std::size_t kBlock = 256;
-/// Stands for a point that is out of range or not finite.
-constexpr std::uint32_t kNoHash = 0xFFFFFFFFU;
-
-struct HashRule {
-  float inverse_resolution;
-  float min_range_squared;
-  float max_range_squared;
-  std::uint32_t shift;
-};
-
-inline std::uint32_t cell(float coordinate) {
-  const auto truncated = static_cast<std::int32_t>(coordinate);
-  return static_cast<std::uint32_t>(truncated -
-                                    static_cast<int>(static_cast<float>(truncated) > coordinate));
-}
-
-void hash_block(const Point* points, std::size_t stride, std::size_t count, const HashRule& rule,
-                std::uint32_t* hashes) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const Point& p = points[i * stride];
-    const float range = p.x * p.x + p.y * p.y + p.z * p.z;
-    // Written so that NaN fails.
-    const bool usable = range >= rule.min_range_squared && range < rule.max_range_squared;
-    const float scale = rule.inverse_resolution;
-    const std::uint32_t mixed = (cell(usable ? p.x * scale : 0.0F) * 0x9E3779B1U) ^
-                                (cell(usable ? p.y * scale : 0.0F) * 0x85EBCA77U) ^
-                                (cell(usable ? p.z * scale : 0.0F) * 0xC2B2AE3DU);
-    hashes[i] = usable ? (mixed * 0x27D4EB2FU) >> rule.shift : kNoHash;
-  }
-}
 
 float squared(double value) { return static_cast<float>(value * value); }
 
 }  // namespace
 
 ScanSampler::ScanSampler(int table_bits)
-    : shift_(static_cast<std::uint32_t>(32 - table_bits)), taken_(std::size_t{1} << table_bits) {}
+    : shift_(static_cast<std::uint32_t>(32 - table_bits)),
+      taken_((std::size_t{1} << table_bits) + 1) {}
 
 void ScanSampler::next_generation() {
-  if (++generation_ != 0) return;
-  std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
-  generation_ = 1;
+  if (++generation_ == 0) {
+    std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
+    generation_ = 1;
+  }
+  // The place of the refused points is always taken.
+  taken_.back() = generation_;
 }
 
 const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
                                                       const SamplingOptions& options) {
   next_generation();
-  chosen_.clear();
+  const HashKernel hash = hash_kernel();
   const HashRule rule{static_cast<float>(1.0 / options.resolution), squared(options.min_range),
-                      squared(options.max_range), shift_};
+                      squared(options.max_range), shift_,
+                      static_cast<std::uint32_t>(taken_.size() - 1)};
+  candidates_.resize(std::max(candidates_.size(), cloud.size() / options.stride + 1));
+  std::size_t kept = 0;
   std::array<std::uint32_t, kBlock> hashes;
   for (std::size_t begin = options.phase; begin < cloud.size(); begin += kBlock * options.stride) {
     const std::size_t left = (cloud.size() - begin + options.stride - 1) / options.stride;
     const std::size_t count = std::min(left, kBlock);
-    hash_block(&cloud.points[begin], options.stride, count, rule, hashes.data());
+    hash(&cloud.points[begin].x, options.stride, count, rule, hashes.data());
     for (std::size_t i = 0; i < count; ++i) {
-      if (hashes[i] == kNoHash || taken_[hashes[i]] == generation_) continue;
+      // Without a branch: write always, go on if the cube is new.
+      candidates_[kept] = static_cast<std::uint32_t>(begin + i * options.stride);
+      kept += static_cast<std::size_t>(taken_[hashes[i]] != generation_);
       taken_[hashes[i]] = generation_;
-      chosen_.push_back(static_cast<std::uint32_t>(begin + i * options.stride));
     }
   }
+  chosen_.assign(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(kept));
   return chosen_;
 }
 

@@ -70,7 +70,9 @@ SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
 
 NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,
                               const MotionState& start) {
-  return matcher_.match(points, map.fine(), prior, start, NdtOptions{});
+  NdtOptions options;
+  options.neighbor_search = neighbors_;
+  return matcher_.match(points, map.fine(), prior, start, options);
 }
 
 NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& points, LocalMap& map,

@@ -103,7 +103,8 @@ class NdtMatcher::Impl {
     while (match.iterations < options.max_iterations && !match.converged) {
       ++match.iterations;
       sum = normal_equations(points, map, match.state, kernel);
-      match.information = options.data_weight * sum.hessian + prior.information;
+      match.points_information = options.data_weight * sum.hessian;
+      match.information = match.points_information + prior.information;
       const Vector12d gradient = options.data_weight * sum.gradient +
                                  prior.information * difference(prior.state, match.state);
       const Vector12d step = -match.information.ldlt().solve(gradient);

@@ -12,6 +12,9 @@ using registration::Vector12d;
 /// The pose after moving for `seconds` with a constant twist (own axes, m/s and rad/s).
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
 
+/// Covariance of that pose, for a covariance of the pose and the twist now.
+Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
+
 /// Pose and twist of the sensor with their covariance, for perturbed(MotionState, Vector12d). The
 /// twist is constant between scans but for an unknown constant acceleration. How large that may be
 /// follows the drive: a vehicle at rest or on a straight road is held more firmly than one that is
@@ -38,8 +41,6 @@ class MotionFilter {
   const MotionState& state() const { return state_; }
   const Matrix12d& covariance() const { return covariance_; }
   registration::MotionBelief belief() const;
-  /// Covariance of the pose `seconds` later (or earlier) with the present twist.
-  Covariance6 pose_covariance(double seconds) const;
 
  private:
   void measure(const Vector12d& row, double innovation, double sigma);

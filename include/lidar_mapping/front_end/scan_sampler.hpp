@@ -34,7 +34,7 @@ class ScanSampler {
   /// Number of the sampling that last took a point for this hash.
   std::vector<std::uint8_t> taken_;
   std::uint8_t generation_ = 0;
-  /// Keeps its size; the returned one is cut to length.
+  std::vector<std::uint32_t> candidates_;  ///< keeps its size: growing would clear it each time
   std::vector<std::uint32_t> chosen_;
 };
 

@@ -17,6 +17,9 @@ class SweepMatcher {
     bool rescued = false;
   };
 
+  /// `neighbors`: the voxels with which the fine matches pair a point.
+  explicit SweepMatcher(registration::NeighborSearch neighbors) : neighbors_(neighbors) {}
+
   /// `anchors` are poses around which to search if the match from the prediction is in doubt.
   Found find(const registration::NdtPoints& points, LocalMap& map, const MatchJudge& judge,
              const registration::MotionBelief& prediction, const std::vector<Pose>& anchors);
@@ -40,6 +43,7 @@ class SweepMatcher {
                                      const registration::MotionBelief& prior,
                                      const registration::MotionState& start);
 
+  registration::NeighborSearch neighbors_;
   registration::NdtMatcher matcher_;
   registration::NdtPoints few_;
   double usual_quick_ = 0.0;  ///< running mean of the quick test's quality

@@ -52,7 +52,8 @@ struct NdtMatch {
   int iterations = 0;
   /// Gauss-Newton Hessian of the points alone for the pose, for independent residuals.
   Matrix6d pose_hessian = Matrix6d::Zero();
-  /// Points (weighted) and prior together.
+  /// What the points say, weighted against the prior, and both together.
+  Matrix12d points_information = Matrix12d::Zero();
   Matrix12d information = Matrix12d::Zero();
   double quality = 0.0;          ///< mean robust weight of all points, 0 to 1
   double inlier_fraction = 0.0;  ///< points that the kernel believes / points
