@@ -13,13 +13,12 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kClearance = 0.6;  // m above the ground for the view from above
 constexpr double kDistinct = 10.0;  // m of way between two candidates that are both matched
 
 Appearance appearance_of(const PointCloud& cloud) {
   const auto points = positions(cloud);
   Appearance appearance;
-  appearance.view = BirdsEye(points, above_ground(points, kClearance));
+  appearance.view = BirdsEye(points, above_ground(points));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
   return appearance;
 }
@@ -100,6 +99,7 @@ std::vector<Candidate> LoopCloser::Impl::chosen() const {
 
 Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<QueryScan>& query) {
   Trial trial{candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
+  trial.match.alignment.T_target_source = candidate.T_from_to;
   const auto submap = submaps_.around(trajectory(), candidate.node);
   if (!query || submap == nullptr) return trial;
   trial.match.alignment = align_point_to_plane(query->points, submap->surface, candidate.T_from_to);

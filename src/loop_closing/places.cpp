@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/loop_closing/submaps.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr std::size_t kMaxPerSource = 10;
 constexpr double kSpread = 8.0;        // m of way between candidates of one pass
-constexpr int kQueryKeyFrames = 3;     // that the matched scan is made of
 constexpr double kFollowed = 1.0;      // m; the map follows a loop that it meets that well
 constexpr double kTrusted = 0.7;       // m; the estimate is a better start than the views
 constexpr double kYawTrusted = 0.35;   // rad

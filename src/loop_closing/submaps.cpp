@@ -11,9 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxClouds = 64;
 constexpr std::size_t kMaxSubmaps = 8;
-constexpr std::size_t kQueryTail = 2;  // key frames that are added to the newest scan
-constexpr double kSubmapWay = 30.0;    // m, further ones see other things
-constexpr double kClearance = 0.6;     // m
+constexpr double kSubmapWay = 30.0;  // m, further ones see other things
 
 /// The element with that index, moved to the front; null if there is none.
 template <typename List>
@@ -97,11 +95,11 @@ std::optional<QueryScan> Submaps::query(const Trajectory& trajectory) {
   PointCloud cloud = newest_scan(trajectory[node].index);
   QueryScan query;
   query.image = RangeImage(positions(cloud), p_base_lidar_);
-  const auto tail = joined(trajectory, node, kQueryTail, 0).points;
+  const auto tail = joined(trajectory, node, kQueryKeyFrames - 1, 0).points;
   cloud.points.insert(cloud.points.end(), tail.begin(), tail.end());
   query.points =
       positions(voxel_filtered(cloud, leaf(config_.scan_filter, config_.scan_leaf_size)));
-  query.above_ground = above_ground(query.points, kClearance);
+  query.above_ground = above_ground(query.points);
   return query;
 }
 
@@ -119,7 +117,7 @@ std::shared_ptr<const Submap> Submaps::around(const Trajectory& trajectory,
   submap->surface.tree =
       KdTree(positions(voxel_filtered(cloud, leaf(config_.map_filter, config_.map_leaf_size))));
   submap->surface.normals = planar_normals(submap->surface.tree);
-  submap->above_ground = above_ground(submap->surface.tree.points(), kClearance);
+  submap->above_ground = above_ground(submap->surface.tree.points());
   submap->image = RangeImage(positions(*own), p_base_lidar_);
   remember(kept_submaps_, index, std::shared_ptr<const Submap>(submap), kMaxSubmaps);
   return submap;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kNeighbours = 10;
 constexpr float kPlanarity = 0.08F;      // smallest to middle eigenvalue
+constexpr float kClearance = 0.6F;       // m above the ground
 constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its middle
 constexpr double kGroundExtent = 250.0;  // m; what is further away counts as ground
 
@@ -88,11 +89,11 @@ std::vector<Eigen::Vector3f> planar_normals(const KdTree& tree) {
   return normals;
 }
 
-std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points, double clearance) {
+std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points) {
   const LowestHeights lowest(points);
   std::vector<bool> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    result[i] = points[i].z() > lowest.around(points[i]) + static_cast<float>(clearance);
+    result[i] = points[i].z() > lowest.around(points[i]) + kClearance;
   }
   return result;
 }

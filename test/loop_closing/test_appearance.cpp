@@ -11,7 +11,7 @@ namespace {
 Appearance seen_from(const ToyWorld& world, const Pose& pose) {
   const auto points = positions(world.scan(pose, 7));
   Appearance appearance;
-  appearance.view = BirdsEye(points, above_ground(points, 0.6));
+  appearance.view = BirdsEye(points, above_ground(points));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
   return appearance;
 }

@@ -36,7 +36,7 @@ TEST(AboveGround, FollowsASlope) {
   for (float x = -30.0F; x < 30.0F; x += 0.5F) points.emplace_back(x, 0.0F, 0.1F * x);
   const std::size_t ground = points.size();
   points.emplace_back(20.0F, 0.0F, 2.0F + 2.0F);
-  const auto above = above_ground(points, 0.6);
+  const auto above = above_ground(points);
   EXPECT_TRUE(above.back());
   for (std::size_t i = 0; i < ground; ++i) EXPECT_FALSE(above[i]) << i;
 }

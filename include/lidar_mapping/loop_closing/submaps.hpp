@@ -11,6 +11,9 @@
 
 namespace lidar_mapping::loop_closing {
 
+/// Key frames that the scan to be matched is made of.
+constexpr int kQueryKeyFrames = 3;
+
 /// Makes what is matched: the scan of a key frame and the submap around another. Keeps a few
 /// filtered clouds and submaps, so that memory does not grow with the drive.
 class Submaps {

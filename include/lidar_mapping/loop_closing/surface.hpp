@@ -14,8 +14,8 @@ std::vector<Eigen::Vector3f> positions(const PointCloud& cloud);
 /// neighbourhood is no plane.
 std::vector<Eigen::Vector3f> planar_normals(const KdTree& tree);
 
-/// For each point: true if it is more than `clearance` (m) higher than the lowest point within
-/// about 3.75 m, so that slopes and several storeys count as ground too.
-std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points, double clearance);
+/// For each point: true if it is more than 0.6 m higher than the lowest point within about 3.75 m,
+/// so that slopes count as ground too.
+std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points);
 
 }  // namespace lidar_mapping::loop_closing
