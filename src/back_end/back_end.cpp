@@ -129,7 +129,7 @@ class BackEnd::Impl {
     if (elapsed >= 0.0 && elapsed < config_.optimize_min_interval) return false;
     if (whole_needed_) return true;
     if (config_.use_loop_close && since_.loops >= config_.optimize_step_with_loop) return true;
-    if (config_.use_gnss && since_.gnss >= config_.optimize_step_with_gnss) return true;
+    if (config_.use_gnss && since_.gnss >= gnss_step()) return true;
     // Odometry alone has nothing to distribute.
     const bool anything = (config_.use_loop_close && !drive_.loops.empty()) ||
                           (config_.use_gnss && !drive_.gnss.empty());
@@ -143,6 +143,7 @@ class BackEnd::Impl {
     problem->thorough = thorough;
     if (!thorough && !whole_due()) problem->window = window_of_news(drive_, config_);
     problem->drive = problem->window ? cut(drive_, *problem->window) : drive_;
+    problem->judged = count_judgements(drive_);
     return problem;
   }
 
@@ -190,6 +191,13 @@ class BackEnd::Impl {
     int loops = 0;
     int gnss = 0;
   };
+
+  /// A map that is not in East-North-Up yet should be soon.
+  int gnss_step() const {
+    constexpr int kFirstStep = 20;
+    return drive_.in_enu.back() ? config_.optimize_step_with_gnss
+                                : std::min(kFirstStep, config_.optimize_step_with_gnss);
+  }
 
   int size() const { return static_cast<int>(drive_.nodes.size()); }
 

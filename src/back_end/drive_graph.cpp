@@ -213,6 +213,18 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed
   return least;
 }
 
+Judgements count_judgements(const DriveGraph& drive) {
+  Judgements counts;
+  for (const DriveLoop& loop : drive.loops) {
+    (loop.used ? counts.loops_used : counts.loops_refused) += 1;
+  }
+  counts.gnss_refused = drive.unusable_gnss;
+  for (const DriveGnss& gnss : drive.gnss) {
+    (gnss.horizontal_used ? counts.gnss_used : counts.gnss_refused) += 1;
+  }
+  return counts;
+}
+
 DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) {
   DriveFactors factors;
   factors.loop_of.assign(drive.loops.size(), -1);

@@ -221,21 +221,22 @@ void take_over(const DriveFactors& factors, const RobustSolution& solution, Driv
   }
 }
 
-void fill(const DriveGraph& drive, const RobustSolution& solution, OptimizationReport& report) {
+/// Judgements on the whole drive: those so far, but for the part that was solved, and the new ones.
+void fill(const OptimizationProblem& problem, const DriveGraph& solved,
+          const RobustSolution& solution, OptimizationReport& report) {
+  const Judgements before = count_judgements(problem.drive);
+  const Judgements after = count_judgements(solved);
   report.success = solution.success;
-  report.key_frames = drive.nodes.size();
+  report.key_frames = problem.key_frames;
   report.cost_before = solution.cost_before;
   report.cost_after = solution.cost_after;
   report.iterations = solution.iterations;
-  for (const DriveLoop& loop : drive.loops) {
-    (loop.used ? report.loops_used : report.loops_refused) += 1;
-  }
-  report.gnss_refused = drive.unusable_gnss;
-  for (const DriveGnss& gnss : drive.gnss) {
-    (gnss.horizontal_used ? report.gnss_used : report.gnss_refused) += 1;
-  }
+  report.loops_used = problem.judged.loops_used - before.loops_used + after.loops_used;
+  report.loops_refused = problem.judged.loops_refused - before.loops_refused + after.loops_refused;
+  report.gnss_used = problem.judged.gnss_used - before.gnss_used + after.gnss_used;
+  report.gnss_refused = problem.judged.gnss_refused - before.gnss_refused + after.gnss_refused;
   report.message = solution.success
-                       ? "optimised " + std::to_string(drive.nodes.size()) + " key frames in " +
+                       ? "optimised " + std::to_string(solved.nodes.size()) + " key frames in " +
                              std::to_string(solution.iterations) + " iterations"
                        : "the solver failed, poses are as before: " + solution.message;
 }
@@ -251,7 +252,7 @@ void solve_window(const OptimizationProblem& problem, OptimizationSolution& resu
   result.whole_needed = !solve_from_present(factors, solution);
   solution.success = solution.success && !result.whole_needed;
   if (solution.success) take_over(factors, solution, result.drive);
-  fill(result.drive, solution, result.report);
+  fill(problem, result.drive, solution, result.report);
 }
 
 }  // namespace
@@ -279,7 +280,7 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   if (problem.config.georeference_only) {
     georeference(drive, problem.config, true, result->report);
   }
-  fill(drive, solution, result->report);
+  fill(problem, drive, solution, result->report);
   return result;
 }
 

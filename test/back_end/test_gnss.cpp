@@ -65,6 +65,19 @@ TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsShort) {
   EXPECT_LT(back_end.T_map_odom().translation.norm(), 1e-6);
 }
 
+// F27: it does not wait for a hundred fixes.
+TEST(Gnss, TheFirstAlignmentIsDueEarly) {
+  MappedDrive run;
+  BackEnd back_end(BackEndConfig{});
+  for (int i = 0; i < 30; ++i) {
+    back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
+    back_end.add_gnss(run.gnss(i));
+  }
+  EXPECT_TRUE(back_end.optimization_due());
+  optimize(back_end);
+  EXPECT_FALSE(back_end.optimization_due());
+}
+
 // F28
 TEST(Gnss, AnyStartHeadingEndsInTheSameMap) {
   double reference = 0.0;

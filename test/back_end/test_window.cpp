@@ -45,6 +45,8 @@ TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
   const auto solution = solve(*problem);
   const double in_window = cpu_seconds() - begin;
   EXPECT_TRUE(report_of(*solution).success);
+  EXPECT_EQ(report_of(*solution).key_frames, 4400U) << "the report is about the whole drive";
+  EXPECT_EQ(report_of(*solution).loops_used, run.back_end.loops().size());
   run.back_end.apply(*solution);
   EXPECT_TRUE(run.back_end.loops().back().second);
   const auto after = run.back_end.poses().poses;

@@ -67,6 +67,15 @@ struct DriveGraph {
 /// count if `with_unweighed_loops`.
 std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops);
 
+/// How many loops and positions the graph believes and refuses.
+struct Judgements {
+  std::size_t loops_used = 0;
+  std::size_t loops_refused = 0;
+  std::size_t gnss_used = 0;
+  std::size_t gnss_refused = 0;
+};
+Judgements count_judgements(const DriveGraph& drive);
+
 /// The factor graph of a drive, and what each of its constraints came from.
 struct DriveFactors {
   FactorGraph graph;

@@ -10,6 +10,7 @@ struct OptimizationProblem {
   DriveGraph drive;                   ///< the whole drive, or a window of it
   std::optional<DriveWindow> window;  ///< where the drive is a window: of what
   std::size_t key_frames = 0;         ///< of the whole drive
+  Judgements judged;                  ///< on the whole drive, so far
   bool thorough = false;              ///< judge every loop and position anew
 };
 
