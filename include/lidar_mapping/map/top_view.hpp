@@ -18,9 +18,10 @@ struct TopView {
   std::vector<std::uint8_t> rgb;  ///< rows from above, 3 bytes a pixel
 };
 
-/// A pixel shows the highest point in it: grey-blue at the ground, over green and yellow, to red at 10 m
-/// and more; brightness follows the number of points. Pixels are `pixel_m` wide, or wider where the
-/// picture would be more than `max_pixels` on a side. Throws InputError for a map without points.
+/// A pixel shows the highest point in it: grey-blue at the ground, over green and yellow, to red at
+/// 10 m and more; brightness follows the number of points. Pixels are `pixel_m` wide, or wider
+/// where the picture would be more than `max_pixels` on a side. Throws InputError for a map without
+/// points.
 TopView top_view(const PointCloud& map, double pixel_m, int max_pixels = 4000);
 
 /// Writes a PNG file and a world file (.pgw: pixel size and the centre of the upper left pixel)

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/cloud_source.hpp"
+
+namespace lidar_mapping::map {
+
+/// How a map is judged without truth (doc/map.md).
+struct QualityConfig {
+  double range_noise = 0.02;  ///< m, standard deviation of the sensor's ranges
+  Eigen::Vector3d p_base_sensor = Eigen::Vector3d::Zero();  ///< the LiDAR in base_link, m
+  double reach = 30.0;  ///< m, points farther from their key frame are left out
+  int group = 5;        ///< consecutive key frames whose points are one group
+};
+
+/// Spread of the points of planar places about their planes.
+struct Thickness {
+  std::size_t cells = 0;
+  double median = 0.0;        ///< m
+  double high = 0.0;          ///< m, 90 % lie below
+  double median_ratio = 0.0;  ///< to the spread that range noise alone gives: 1 is perfect
+};
+
+struct LocalThickness {
+  Thickness ground;
+  Thickness walls;
+  double planar_share = 0.0;  ///< planar cells among those with enough extent
+};
+
+/// Thickness in cells of 0.5 m. The plane of a cell comes from one group of consecutive key frames
+/// alone and all groups are measured against it, so layers that the key frames lay apart count.
+LocalThickness local_thickness(const KeyFramePoses& poses, CloudSource& clouds,
+                               const QualityConfig& config);
+
+/// How a later pass of a place lies against the earlier ones, in the axes of the vehicle.
+struct GhostVector {
+  KeyFrameIndex key_frame = 0;  ///< in the middle of the place, of the later pass
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< of that key frame, m
+  double along = 0.0;                                  ///< m
+  double left = 0.0;                                   ///< m
+  double up = 0.0;                                     ///< m
+  double yaw = 0.0;                                    ///< rad
+  std::size_t planes = 0;                              ///< that have a partner in both passes
+  double residual = 0.0;                               ///< m, median distance that is left over
+
+  double size() const { return Eigen::Vector3d(along, left, up).norm(); }
+};
+
+/// A vector for each 10 m of the way on which the vehicle came back to a place, by registering the
+/// planes of the later pass onto those of the earlier ones; places with fewer than 15 common planes
+/// have none.
+std::vector<GhostVector> ghost_vectors(const KeyFramePoses& poses, CloudSource& clouds,
+                                       const QualityConfig& config);
+
+}  // namespace lidar_mapping::map
