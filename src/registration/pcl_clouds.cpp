@@ -13,4 +13,11 @@ PclCloud::Ptr to_pcl(const PointCloud& cloud) {
   return result;
 }
 
+Eigen::Vector3d middle_of(const PclCloud& cloud) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  if (cloud.empty()) return sum;
+  for (const pcl::PointXYZ& p : cloud) sum += p.getVector3fMap().cast<double>();
+  return sum / static_cast<double>(cloud.size());
+}
+
 }  // namespace lidar_mapping::registration

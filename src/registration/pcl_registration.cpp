@@ -7,7 +7,14 @@ namespace lidar_mapping::registration {
 void PclRegistration::set_target(const PointCloud& target) {
   const PclCloud::Ptr cloud = to_pcl(target);
   has_target_ = cloud->size() >= kLeastPoints;
-  if (has_target_) method().setInputTarget(cloud);
+  if (!has_target_) return;
+  // By whole metres: the usual voxels stay where they are.
+  T_target_middle_ = {Eigen::Quaterniond::Identity(), middle_of(*cloud).array().round()};
+  const Eigen::Vector3d& middle = T_target_middle_.translation;
+  for (pcl::PointXYZ& p : *cloud) {
+    p.getVector3fMap() = (p.getVector3fMap().cast<double>() - middle).cast<float>();
+  }
+  method().setInputTarget(cloud);
 }
 
 RegistrationResult PclRegistration::align(const PointCloud& source,
@@ -19,17 +26,19 @@ RegistrationResult PclRegistration::align(const PointCloud& source,
 
   method().setInputSource(cloud);
   PclCloud aligned;
-  method().align(aligned, T_target_source_guess.matrix().cast<float>());
+  const Pose T_middle_guess = T_target_middle_.inverse() * T_target_source_guess;
+  method().align(aligned, T_middle_guess.matrix().cast<float>());
   const Eigen::Matrix4f matrix = method().getFinalTransformation();
   if (!matrix.allFinite()) return result;
 
-  result.T_target_source = Pose::from_matrix(matrix.cast<double>());
+  const Pose T_middle_source = Pose::from_matrix(matrix.cast<double>());
+  result.T_target_source = T_target_middle_ * T_middle_source;
   const Outcome outcome = this->outcome();
   result.converged = outcome.converged;
   result.iterations = outcome.iterations;
-  take_over(evaluate_fit(*method().getSearchMethodTarget(), *cloud, result.T_target_source,
-                         fitness_max_range_),
-            result);
+  take_over(
+      evaluate_fit(*method().getSearchMethodTarget(), *cloud, T_middle_source, fitness_max_range_),
+      result);
   return result;
 }
 

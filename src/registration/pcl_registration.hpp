@@ -32,6 +32,8 @@ class PclRegistration : public Registration {
 
   double fitness_max_range_;
   bool has_target_ = false;
+  /// PCL's methods turn about the target's origin, in single precision: it is moved to the middle.
+  Pose T_target_middle_;
 };
 
 std::unique_ptr<Registration> make_pcl_ndt(const RegistrationConfig& config);

@@ -3,22 +3,27 @@
 #include <algorithm>
 #include <vector>
 
+#include "lidar_mapping/common/voxel_filter.hpp"
+
 namespace lidar_mapping::registration {
 
 namespace {
 
-Eigen::Vector3d middle_of(const PclCloud& cloud) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const pcl::PointXYZ& p : cloud) sum += p.getVector3fMap().cast<double>();
-  return sum / static_cast<double>(cloud.size());
+/// Number of voxels that hold points.
+std::size_t voxel_count(const PclCloud& cloud, double resolution) {
+  PointCloud points;
+  points.points.reserve(cloud.size());
+  for (const pcl::PointXYZ& p : cloud) points.points.push_back({p.x, p.y, p.z, 0.0F});
+  return voxel_filtered(points, resolution).size();
 }
 
 }  // namespace
 
 GaussianVoxelMap voxel_target(const PclCloud& cloud, double resolution, const PlaneModel& model) {
   constexpr std::size_t kLeastCapacity = 1024;
-  // Half of the table stays empty even if every point has a voxel of its own.
-  GaussianVoxelMap map(resolution, std::max(kLeastCapacity, 2 * cloud.size()), model);
+  // Half of the table stays empty.
+  GaussianVoxelMap map(resolution, std::max(kLeastCapacity, 2 * voxel_count(cloud, resolution)),
+                       model);
   map.set_origin_cell((middle_of(cloud) / resolution).array().round().matrix().cast<int>());
   const Eigen::Vector3d origin = map.origin();
   std::vector<float> x, y, z;

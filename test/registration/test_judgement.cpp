@@ -43,7 +43,7 @@ TEST_P(Judgement, FitnessIsTheMeanSquaredDistanceOfPairs) {
 
 // The covariance that follows from the Hessian is of the size of the true errors.
 TEST_P(Judgement, InverseHessianHasTheSizeOfTheErrors) {
-  constexpr int kRuns = 20;
+  constexpr int kRuns = 12;
   double normalised = 0.0;
   for (unsigned seed = 0; seed < kRuns; ++seed) {
     const Scene scene = make_scene(0.05, 1000 + seed);

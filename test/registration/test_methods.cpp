@@ -84,6 +84,33 @@ TEST_P(Methods, GiveTheSameBitsEachTime) {
   EXPECT_EQ(first.hessian, again.hessian);
 }
 
+TEST_P(Methods, GiveTheSameBitsForAnyNumberOfThreads) {
+  const Scene scene = make_scene(0.02);
+  const Pose guess = scene.T_target_source * pose_of(0.4, -0.3, 0.1, 0.01, 0.02, -0.05);
+  RegistrationConfig parallel = config();
+  const RegistrationResult one = aligned(scene.target, scene.source, guess, parallel);
+  for (const int threads : {2, 4}) {
+    parallel.num_threads = threads;
+    const RegistrationResult more = aligned(scene.target, scene.source, guess, parallel);
+    EXPECT_EQ(one.T_target_source.matrix(), more.T_target_source.matrix());
+    EXPECT_EQ(one.hessian, more.hessian);
+  }
+}
+
+TEST_P(Methods, KeepTheirPrecisionFarFromTheOrigin) {
+  // As in a submap 300 m away from the frame's origin; floats resolve 0.03 mm there.
+  const Scene scene = make_scene(0.02);
+  const Pose T_far_target = pose_of(300.0, -200.0, 10.0, 0.0, 0.0, 0.0);
+  const RegistrationResult near = aligned(
+      scene.target, scene.source, scene.T_target_source * pose_of(0.2, 0, 0, 0, 0, 0), config());
+  const RegistrationResult far =
+      aligned(transformed(scene.target, T_far_target), scene.source,
+              T_far_target * scene.T_target_source * pose_of(0.2, 0, 0, 0, 0, 0), config());
+  const Pose found = T_far_target.inverse() * far.T_target_source;
+  EXPECT_LT(distance_between(found, near.T_target_source), 0.03);
+  EXPECT_LT(angle_between(found, near.T_target_source), 0.003);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Methods, testing::ValuesIn(kAllMethods), method_name);
 
 }  // namespace
