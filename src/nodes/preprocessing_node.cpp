@@ -36,7 +36,7 @@ class PreprocessingNode {
  private:
   void advertise();
   void subscribe_sensors();
-  void publish(const std::vector<preprocessing::SyncedScan>& scans);
+  void publish(std::vector<preprocessing::SyncedScan> scans);
   void publish(const preprocessing::SyncedScan& scan);
   void report();
   std::optional<Pose> T_base(const std::string& frame);
@@ -52,6 +52,7 @@ class PreprocessingNode {
   std::atomic<bool> has_scans_{false};
   ros::WallTimer patience_;
   preprocessing::Preprocessor stage_;
+  PointCloud spare_;  ///< memory of a cloud that has been sent, for the next one
   std::string antenna_frame_;
   ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_;
   std::vector<ros::Subscriber> subscribers_;
@@ -104,7 +105,7 @@ void PreprocessingNode::subscribe_sensors() {
                     })),
       subscribe<sensor_msgs::PointCloud2>(context_, "points", scans, [this](const auto& message) {
         context_.diagnostics.count_input(from_ros(message->header.stamp));
-        DecodedCloud decoded = decode(*message, config_.stage);
+        DecodedCloud decoded = decode(*message, config_.stage, std::move(spare_));
         look_at(*message, decoded);
         publish(stage_.process(std::move(decoded.scan)));
       })};
@@ -147,8 +148,11 @@ void PreprocessingNode::say_if_nothing_came() {
   }
 }
 
-void PreprocessingNode::publish(const std::vector<preprocessing::SyncedScan>& scans) {
-  for (const preprocessing::SyncedScan& scan : scans) publish(scan);
+void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
+  for (preprocessing::SyncedScan& scan : scans) {
+    publish(scan);
+    spare_ = std::move(scan.scan.cloud);
+  }
   for (const std::string& notice : stage_.take_notices()) ROS_WARN_STREAM(notice);
   if (!scans.empty()) report();
 }

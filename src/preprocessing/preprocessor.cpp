@@ -30,6 +30,11 @@ std::string seconds_text(Stamp interval) {
 }  // namespace
 
 class Preprocessor::Impl {
+  struct WaitingScan {
+    RawScan raw;
+    TimeSpan span;
+  };
+
  public:
   Impl(const PreprocessingConfig& config, ExtrinsicLookup lookup)
       : config_(config),
@@ -67,20 +72,21 @@ class Preprocessor::Impl {
 
   void enqueue(RawScan scan) {
     ++counters_.scans_in;
-    const Stamp newest_scan = waiting_.empty() ? last_output_ : waiting_.back().stamp;
+    const Stamp newest_scan = waiting_.empty() ? last_output_ : waiting_.back().raw.stamp;
     const bool is_first = waiting_.empty() && !has_output_;
     if (!is_first && scan.stamp < newest_scan - kJumpBack) {
       begin_anew("points", newest_scan - scan.stamp);
     } else if (has_output_ && scan.stamp <= last_output_) {
       return refuse_order(scan.stamp);
     }
-    const auto before = [](const RawScan& a, Stamp stamp) { return a.stamp < stamp; };
+    const auto before = [](const WaitingScan& a, Stamp stamp) { return a.raw.stamp < stamp; };
     const auto at = std::lower_bound(waiting_.begin(), waiting_.end(), scan.stamp, before);
-    if (at != waiting_.end() && at->stamp == scan.stamp) return refuse_order(scan.stamp);
+    if (at != waiting_.end() && at->raw.stamp == scan.stamp) return refuse_order(scan.stamp);
     const std::string problem = settle_times(scan.cloud, scan.times_are_absolute, config_);
     if (!problem.empty()) notices_.say("times", "points: " + problem);
     newest_ = std::max(newest_, scan.stamp);
-    waiting_.insert(at, std::move(scan));
+    const TimeSpan span = time_span(scan.cloud);
+    waiting_.insert(at, {std::move(scan), span});
   }
 
   std::vector<SyncedScan> take(bool all) {
@@ -92,9 +98,9 @@ class Preprocessor::Impl {
       const bool full = waiting_.size() > kLongestQueue;
       if (!all && !full && is_incomplete(waiting_.front())) break;
       if (!all && full) ++counters_.scans_waiting_too_long;
-      RawScan scan = std::move(waiting_.front());
+      WaitingScan scan = std::move(waiting_.front());
       waiting_.pop_front();
-      last_output_ = scan.stamp;
+      last_output_ = scan.raw.stamp;
       has_output_ = true;
       if (auto synced = completed(std::move(scan))) result.push_back(*std::move(synced));
     }
@@ -148,15 +154,16 @@ class Preprocessor::Impl {
                                        "after a later one; it was dropped");
   }
 
-  bool is_incomplete(const RawScan& scan) const {
-    if (!extrinsics_.T_base(scan.frame_id)) return true;
-    const Stamp end = scan.stamp + from_seconds(time_span(scan.cloud).end);
+  bool is_incomplete(const WaitingScan& scan) const {
+    if (!extrinsics_.T_base(scan.raw.frame_id)) return true;
+    const Stamp end = scan.raw.stamp + from_seconds(scan.span.end);
     return sensors_.imu().may_still_deliver(end, newest_, latency_) ||
            sensors_.velocity().may_still_deliver(end, newest_, latency_) ||
-           gnss_.may_still_deliver(scan.stamp, newest_, latency_);
+           gnss_.may_still_deliver(scan.raw.stamp, newest_, latency_);
   }
 
-  std::optional<SyncedScan> completed(RawScan raw) {
+  std::optional<SyncedScan> completed(WaitingScan scan) {
+    RawScan& raw = scan.raw;
     const auto T_base_lidar = extrinsics_.T_base(raw.frame_id);
     if (!T_base_lidar) {
       ++counters_.scans_without_extrinsic;
@@ -173,7 +180,7 @@ class Preprocessor::Impl {
     note_sensor(sensors_.imu(), raw.stamp, result.imu.has_value());
     note_sensor(sensors_.velocity(), raw.stamp, result.velocity.has_value());
     note_sensor(gnss_.stream(), raw.stamp, result.gnss.has_value());
-    result.scan.cloud = cloud_in_base(std::move(raw), *T_base_lidar, result.imu);
+    result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result.imu);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
       notices_.say("empty",
@@ -199,14 +206,15 @@ class Preprocessor::Impl {
     return position;
   }
 
-  PointCloud cloud_in_base(RawScan raw, const Pose& T_base_lidar, std::optional<ImuSample>& imu) {
-    PointCloud cloud = std::move(raw.cloud);
+  PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar,
+                           std::optional<ImuSample>& imu) {
+    PointCloud cloud = std::move(scan.raw.cloud);
     if (config_.vertical_angle_correction_deg != 0.0) {
       correct_vertical_angle(cloud, config_.vertical_angle_correction_deg * kPi / 180.0);
     }
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {
-      measured = sensors_.motion(raw.stamp, time_span(cloud));
+      measured = sensors_.motion(scan.raw.stamp, scan.span);
     }
     note_motion(measured.source, cloud.has_times());
     if (measured.source == MotionSource::kImu) {
@@ -272,8 +280,8 @@ class Preprocessor::Impl {
   MotionSensors sensors_;
   GnssTrack gnss_;
   Stamp latency_;
-  std::deque<RawScan> waiting_;  ///< in the order of stamps
-  Stamp newest_ = 0;             ///< the time that the data have reached
+  std::deque<WaitingScan> waiting_;  ///< in the order of stamps
+  Stamp newest_ = 0;                 ///< the time that the data have reached
   Stamp last_output_ = 0;
   bool has_output_ = false;
   PreprocessingCounters counters_;

@@ -36,32 +36,44 @@ class FixedMotion {
   Columns columns_;
 };
 
-/// Linear between the knots of a motion, by the points' times.
+/// By the points' times, from a table of motions so fine that the nearest one serves: at 30 m/s and
+/// 1 rad/s it is off by 1 mm and 0.05 mrad.
 class TimedMotion {
  public:
   TimedMotion(const ScanMotion& motion, const Pose& T_base_sensor, const std::vector<float>& times)
-      : times_(times),
+      : times_(times.data()),
         begin_(static_cast<float>(motion.begin)),
-        rate_(static_cast<float>(1.0 / motion.step)),
-        last_(static_cast<float>(motion.T_stamp_knot.size() - 1)) {
+        rate_(static_cast<float>(kFiner / motion.step)),
+        last_(static_cast<float>(kFiner * (motion.T_stamp_knot.size() - 1))) {
+    std::vector<Columns> knots;
     for (const Pose& T_stamp_knot : motion.T_stamp_knot) {
-      knots_.push_back(columns(T_stamp_knot * T_base_sensor));
+      knots.push_back(columns(T_stamp_knot * T_base_sensor));
     }
-    knots_.push_back(knots_.back());
+    table_.reserve(kFiner * knots.size());
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      for (int part = 0; part < kFiner; ++part) {
+        table_.push_back(between(knots[k], knots[k + 1], static_cast<float>(part) / kFiner));
+      }
+    }
+    table_.push_back(knots.back());
   }
 
   Eigen::Vector4f moved(const Point& point, std::size_t index) const {
     const float position = std::min(std::max((times_[index] - begin_) * rate_, 0.0F), last_);
-    const auto knot = static_cast<int>(position);
-    const Eigen::Vector4f before = knots_[static_cast<std::size_t>(knot)] * point;
-    const Eigen::Vector4f after = knots_[static_cast<std::size_t>(knot) + 1] * point;
-    return before + (position - static_cast<float>(knot)) * (after - before);
+    return table_[static_cast<std::size_t>(static_cast<int>(position + 0.5F))] * point;
   }
 
  private:
-  const std::vector<float>& times_;
+  static constexpr int kFiner = 64;
+
+  static Columns between(const Columns& a, const Columns& b, float share) {
+    return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), a.z + share * (b.z - a.z),
+            a.t + share * (b.t - a.t)};
+  }
+
+  const float* times_;
   float begin_, rate_, last_;
-  std::vector<Columns> knots_;
+  std::vector<Columns> table_;
 };
 
 bool is_inside(const Eigen::Vector4f& p, const PassLimits& limits) {
@@ -70,26 +82,32 @@ bool is_inside(const Eigen::Vector4f& p, const PassLimits& limits) {
 }
 
 /// Writes never overtake reads, so the scan shrinks in place.
-template <typename Motion>
+template <bool has_times, typename Motion>
 std::size_t pass(PointCloud& cloud, const PassLimits& limits, const Motion& motion) {
-  const bool has_times = cloud.has_times();
+  Point* const points = cloud.points.data();
+  float* const times = cloud.times.data();
+  const std::size_t count = cloud.size();
+  const bool has_box = (limits.box_max - limits.box_min).minCoeff() > 0.0F;
   std::size_t kept = 0;
   std::size_t not_finite = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Point point = cloud.points[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point point = points[i];
     const float squared = point.x * point.x + point.y * point.y + point.z * point.z;
     if (!(squared >= limits.near_squared && squared <= limits.far_squared)) {
       if (!std::isfinite(squared)) ++not_finite;
       continue;
     }
-    if (has_times && !std::isfinite(cloud.times[i])) {
-      ++not_finite;
-      continue;
+    if constexpr (has_times) {
+      if (!std::isfinite(times[i])) {
+        ++not_finite;
+        continue;
+      }
     }
     const Eigen::Vector4f p = motion.moved(point, i);
-    if (is_inside(p, limits)) continue;
-    cloud.points[kept] = {p.x(), p.y(), p.z(), point.intensity};
-    if (has_times) cloud.times[kept] = cloud.times[i];
+    if (has_box && is_inside(p, limits)) continue;
+    Eigen::Map<Eigen::Vector4f>(&points[kept].x) = p;  // one store, then the intensity over it
+    points[kept].intensity = point.intensity;
+    if constexpr (has_times) times[kept] = times[i];
     ++kept;
   }
   cloud.points.resize(kept);
@@ -113,10 +131,9 @@ PassLimits::PassLimits(const PreprocessingConfig& config)
 
 std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
                          const ScanMotion* motion) {
-  if (motion == nullptr || !cloud.has_times()) {
-    return pass(cloud, limits, FixedMotion(T_base_sensor));
-  }
-  return pass(cloud, limits, TimedMotion(*motion, T_base_sensor, cloud.times));
+  if (!cloud.has_times()) return pass<false>(cloud, limits, FixedMotion(T_base_sensor));
+  if (motion == nullptr) return pass<true>(cloud, limits, FixedMotion(T_base_sensor));
+  return pass<true>(cloud, limits, TimedMotion(*motion, T_base_sensor, cloud.times));
 }
 
 void correct_vertical_angle(PointCloud& cloud, double angle) {

@@ -1,6 +1,7 @@
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <limits>
 
@@ -40,15 +41,29 @@ double start_to_stamp(const PreprocessingConfig& config) {
 }  // namespace
 
 TimeSpan time_span(const PointCloud& cloud) {
-  if (!cloud.has_times()) return {};
-  float begin = std::numeric_limits<float>::max();
-  float end = std::numeric_limits<float>::lowest();
-  for (const float time : cloud.times) {  // comparisons are false for NaN
-    begin = time < begin ? time : begin;
-    end = time > end ? time : end;
+  // Lanes of their own let the compiler use wide instructions; comparisons are false for NaN.
+  constexpr std::size_t kLanes = 8;
+  std::array<float, kLanes> begin;
+  std::array<float, kLanes> end;
+  begin.fill(std::numeric_limits<float>::max());
+  end.fill(std::numeric_limits<float>::lowest());
+  const float* const times = cloud.times.data();
+  const std::size_t count = cloud.times.size();
+  for (std::size_t i = 0; i + kLanes <= count; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const float time = times[i + lane];
+      begin[lane] = time < begin[lane] ? time : begin[lane];
+      end[lane] = time > end[lane] ? time : end[lane];
+    }
   }
-  if (begin > end) return {};
-  return {begin, end};
+  for (std::size_t i = count - count % kLanes; i < count; ++i) {
+    begin[0] = times[i] < begin[0] ? times[i] : begin[0];
+    end[0] = times[i] > end[0] ? times[i] : end[0];
+  }
+  const float first = *std::min_element(begin.begin(), begin.end());
+  const float last = *std::max_element(end.begin(), end.end());
+  if (first > last) return {};
+  return {first, last};
 }
 
 std::string settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config) {

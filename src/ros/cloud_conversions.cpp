@@ -72,6 +72,11 @@ sensor_msgs::PointCloud2 to_message(const PointCloud& cloud, Stamp stamp,
   message.width = static_cast<std::uint32_t>(cloud.size());
   message.row_step = message.width * message.point_step;
   message.is_dense = true;
+  if (!cloud.has_times()) {  // the points as they lie in memory
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(cloud.points.data());
+    message.data.assign(bytes, bytes + message.row_step);
+    return message;
+  }
   message.data.resize(message.row_step);
   std::uint8_t* out = message.data.data();
   for (std::size_t i = 0; i < cloud.size(); ++i, out += message.point_step) {

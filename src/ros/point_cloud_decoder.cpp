@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -160,6 +163,78 @@ bool is_packed(const PointField& x, const PointField& y, const PointField& z) {
          z.datatype == PointField::FLOAT32 && y.offset == x.offset + 4 && z.offset == x.offset + 8;
 }
 
+bool is_contiguous(const PointCloud2& message) {
+  return message.height == 1 || message.row_step == std::size_t{message.width} * message.point_step;
+}
+
+/// Values at equal distances in memory. Ranges of it fill a vector without clearing it first.
+template <typename Value, typename Read>
+class Strided {
+ public:
+  using iterator_category = std::random_access_iterator_tag;
+  using value_type = Value;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const Value*;
+  using reference = Value;
+
+  Strided(const std::uint8_t* address, std::size_t step, Read read_value)
+      : address_(address), step_(step), read_(read_value) {}
+  Value operator*() const { return read_(address_); }
+  Strided& operator++() {
+    address_ += step_;
+    return *this;
+  }
+  Strided& operator--() {
+    address_ -= step_;
+    return *this;
+  }
+  Strided& operator+=(difference_type count) {
+    address_ += count * static_cast<difference_type>(step_);
+    return *this;
+  }
+  Strided operator+(difference_type count) const { return Strided(*this) += count; }
+  difference_type operator-(const Strided& other) const {
+    return (address_ - other.address_) / static_cast<difference_type>(step_);
+  }
+  bool operator==(const Strided& other) const { return address_ == other.address_; }
+  bool operator!=(const Strided& other) const { return address_ != other.address_; }
+
+ private:
+  const std::uint8_t* address_;
+  std::size_t step_;
+  Read read_;
+};
+
+template <typename Value, typename Read>
+void fill(const PointCloud2& message, const Read& read_value, std::vector<Value>& values) {
+  const Strided<Value, Read> begin(message.data.data(), message.point_step, read_value);
+  const auto count = static_cast<std::ptrdiff_t>(std::size_t{message.width} * message.height);
+  values.assign(begin, begin + count);
+}
+
+/// All of a cloud whose intensity is a float as well; false for other layouts.
+bool read_packed(const PointCloud2& message, const PointField* intensity,
+                 std::vector<Point>& points) {
+  const PointField& x = coordinate(message, "x");
+  if (!is_contiguous(message) ||
+      !is_packed(x, coordinate(message, "y"), coordinate(message, "z")) || intensity == nullptr ||
+      intensity->datatype != PointField::FLOAT32) {
+    return false;
+  }
+  const std::size_t at_x = x.offset;
+  const std::size_t at_intensity = intensity->offset;
+  fill(
+      message,
+      [at_x, at_intensity](const std::uint8_t* in) {
+        std::array<float, 4> values;
+        std::memcpy(values.data(), in + at_x, 12);
+        std::memcpy(&values[3], in + at_intensity, 4);
+        return Point{values[0], values[1], values[2], values[3]};
+      },
+      points);
+  return true;
+}
+
 void read_coordinates(const PointCloud2& message, std::vector<Point>& points) {
   const PointField& x = coordinate(message, "x");
   const PointField& y = coordinate(message, "y");
@@ -212,6 +287,11 @@ Bounds bounds_of(const PointCloud2& message, const PointField& field) {
   return bounds;
 }
 
+Bounds bounds_of(const PointCloud& cloud) {
+  const preprocessing::TimeSpan span = preprocessing::time_span(cloud);
+  return {span.begin, span.end};
+}
+
 std::optional<Unit> configured_unit(PointTimeUnit unit) {
   if (unit == PointTimeUnit::kAuto) return std::nullopt;
   return kUnits[static_cast<std::size_t>(unit) - 1];
@@ -240,6 +320,29 @@ void read_times(const PointCloud2& message, const PointField& field, double orig
   });
 }
 
+/// Times of four bytes as floats, as they are written: 8 ns of 0.1 s is what that costs. False for
+/// other layouts.
+bool read_raw_times(const PointCloud2& message, const PointField& field,
+                    std::vector<float>& times) {
+  const std::size_t offset = field.offset;
+  if (!is_contiguous(message)) return false;
+  if (field.datatype == PointField::FLOAT32) {
+    fill(
+        message, [offset](const std::uint8_t* in) { return read<float>(in + offset); }, times);
+    return true;
+  }
+  if (field.datatype == PointField::UINT32) {
+    fill(
+        message,
+        [offset](const std::uint8_t* in) {
+          return static_cast<float>(read<std::uint32_t>(in + offset));
+        },
+        times);
+    return true;
+  }
+  return false;
+}
+
 /// `origin` (in the field's unit) minus the stamp, s. Whole seconds are subtracted first.
 double since_stamp(double origin, double unit, const ros::Time& stamp) {
   const double per_second = std::round(1.0 / unit);
@@ -250,8 +353,13 @@ double since_stamp(double origin, double unit, const ros::Time& stamp) {
 
 void decode_times(const PointCloud2& message, const PointField& field,
                   const preprocessing::PreprocessingConfig& config, DecodedCloud& result) {
-  const Bounds bounds = bounds_of(message, field);
-  if (!(bounds.max > bounds.min)) return;  // a field that nobody fills
+  std::vector<float>& times = result.scan.cloud.times;
+  const bool is_read = read_raw_times(message, field, times);
+  const Bounds bounds = is_read ? bounds_of(result.scan.cloud) : bounds_of(message, field);
+  if (!(bounds.max > bounds.min)) {  // a field that nobody fills
+    times.clear();
+    return;
+  }
   const Unit unit = unit_of(field, bounds, config);
   const double longest = kLongestShare * config.scan_period;
   const double first = bounds.min * unit.seconds;
@@ -266,8 +374,13 @@ void decode_times(const PointCloud2& message, const PointField& field,
   result.scan.times_are_absolute = format.absolute_times;
   format.first_time = shift;
   format.last_time = shift + (bounds.max - bounds.min) * unit.seconds;
-  result.scan.cloud.times.resize(result.scan.cloud.size());
-  read_times(message, field, bounds.min, unit.seconds, shift, result.scan.cloud.times);
+  if (is_read && is_relative) {
+    if (unit.seconds == 1.0) return;
+    for (float& time : times) time *= static_cast<float>(unit.seconds);
+    return;
+  }
+  times.resize(result.scan.cloud.size());
+  read_times(message, field, bounds.min, unit.seconds, shift, times);
 }
 
 std::string names_of(const PointCloud2& message) {
@@ -278,18 +391,24 @@ std::string names_of(const PointCloud2& message) {
 
 }  // namespace
 
-DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config) {
+DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config,
+                    PointCloud buffer) {
   DecodedCloud result;
+  result.scan.cloud = std::move(buffer);
+  result.scan.cloud.points.clear();
+  result.scan.cloud.times.clear();
   result.scan.stamp = from_ros(message.header.stamp);
   result.scan.frame_id = frame_name(message.header.frame_id);
   result.format.fields = names_of(message);
   if (message.width == 0 || message.height == 0) return result;
   check_size(message);
-  result.scan.cloud.points.resize(std::size_t{message.width} * message.height);
-  read_coordinates(message, result.scan.cloud.points);
-  if (const PointField* intensity = find_any(message, kIntensityNames)) {
-    result.format.intensity_field = intensity->name;
-    read_intensity(message, *intensity, result.scan.cloud.points);
+  const PointField* intensity = find_any(message, kIntensityNames);
+  if (intensity != nullptr) result.format.intensity_field = intensity->name;
+  std::vector<Point>& points = result.scan.cloud.points;
+  if (!read_packed(message, intensity, points)) {
+    points.resize(std::size_t{message.width} * message.height);
+    read_coordinates(message, points);
+    if (intensity != nullptr) read_intensity(message, *intensity, points);
   }
   if (config.point_times == preprocessing::PointTimes::kNone) return result;
   if (const PointField* time = find_any(message, kTimeNames)) {

@@ -33,7 +33,7 @@ struct DecodedCloud {
 /// finite. Throws InputError for big-endian data, missing coordinates, fields outside of the point
 /// and data that are shorter than the header says.
 DecodedCloud decode(const sensor_msgs::PointCloud2& message,
-                    const preprocessing::PreprocessingConfig& config);
+                    const preprocessing::PreprocessingConfig& config, PointCloud buffer = {});
 
 /// What the input doctor wants to know of a cloud.
 preprocessing::CloudSummary summary_of(const sensor_msgs::PointCloud2& message,
