@@ -213,7 +213,7 @@ def main():
           f"{summary['key_frames']} key frames, {summary['loop_constraints']} loops, "
           f"{summary['map_points']} points in the map, {summary['seconds']:.0f} s")
     for title, path in [('session', session), ('trajectory plot', demo / 'trajectory.png'),
-                        ('view from above', demo / 'map.png'), ('figures', demo / 'summary.json')] + [
+                        ('view from above', demo / 'top_view.png'), ('figures', demo / 'summary.json')] + [
                             ('map', path) for path in saved['files']]:
         print(f'{title + ":":18}{path}')
 
