@@ -26,7 +26,7 @@ constexpr double kPatience = 10.0;
 }  // namespace
 
 /// Subscribed: points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
-/// synced_velocity, synced_gnss, all with the stamp of their scan.
+/// synced_velocity, synced_gnss, all with the stamp of their scan; gnss_datum (latched).
 class PreprocessingNode {
  public:
   using Config = NodeConfig<preprocessing::PreprocessingConfig>;
@@ -38,6 +38,7 @@ class PreprocessingNode {
   void subscribe_sensors();
   void publish(std::vector<preprocessing::SyncedScan> scans);
   void publish(const preprocessing::SyncedScan& scan);
+  void publish_datum(Stamp stamp);
   void report();
   std::optional<Pose> T_base(const std::string& frame);
   void look_at(const sensor_msgs::PointCloud2& message, const DecodedCloud& decoded);
@@ -54,7 +55,8 @@ class PreprocessingNode {
   preprocessing::Preprocessor stage_;
   PointCloud spare_;  ///< memory of a cloud that has been sent, for the next one
   std::string antenna_frame_;
-  ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_;
+  std::optional<GeodeticDatum> datum_;  ///< that was published
+  ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_, gnss_datum_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -74,6 +76,7 @@ void PreprocessingNode::advertise() {
   synced_velocity_ =
       node.advertise<geometry_msgs::TwistStamped>("synced_velocity", kPublisherQueue);
   synced_gnss_ = node.advertise<nav_msgs::Odometry>("synced_gnss", kPublisherQueue);
+  gnss_datum_ = node.advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
 }
 
 void PreprocessingNode::subscribe_sensors() {
@@ -162,10 +165,25 @@ void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
   if (synced.imu) synced_imu_.publish(to_message(*synced.imu, base));
   if (synced.velocity) synced_velocity_.publish(to_message(*synced.velocity, base));
   if (synced.gnss) {
+    publish_datum(synced.scan.stamp);
     synced_gnss_.publish(to_message(*synced.gnss, config_.node.map_frame, antenna_frame_));
   }
   synced_cloud_.publish(to_message(synced.scan.cloud, synced.scan.stamp, base));
   context_.diagnostics.count_output(synced.scan.stamp);
+}
+
+/// Once, and again where a new run has another origin.
+void PreprocessingNode::publish_datum(Stamp stamp) {
+  const std::optional<GeodeticDatum> datum = stage_.datum();
+  if (!datum || datum_ == datum) return;
+  datum_ = datum;
+  sensor_msgs::NavSatFix message;
+  message.header.stamp = to_ros(stamp);
+  message.header.frame_id = config_.node.map_frame;
+  message.latitude = datum->latitude_deg;
+  message.longitude = datum->longitude_deg;
+  message.altitude = datum->altitude_m;
+  gnss_datum_.publish(message);
 }
 
 void PreprocessingNode::report() {

@@ -37,7 +37,12 @@ struct GnssFix {
 struct GeodeticDatum {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
-  double altitude_m = 0.0;
+  double altitude_m = 0.0;  ///< above the WGS 84 ellipsoid
+
+  bool operator==(const GeodeticDatum& other) const {
+    return latitude_deg == other.latitude_deg && longitude_deg == other.longitude_deg &&
+           altitude_m == other.altitude_m;
+  }
 };
 
 /// Position of the antenna in the local East-North-Up frame at a scan's stamp.
