@@ -28,7 +28,7 @@ std_msgs::ColorRGBA color(float red, float green, float blue) {
 std_msgs::ColorRGBA color_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::kAccepted:
-      return color(0.1F, 0.9F, 0.2F);
+      return color(1.0F, 0.3F, 0.8F);
     case Verdict::kRefused:
       return color(0.95F, 0.15F, 0.1F);
     case Verdict::kUndecided:
@@ -37,11 +37,15 @@ std_msgs::ColorRGBA color_of(Verdict verdict) {
   return {};
 }
 
+/// The graph floats above the road, whose points would hide it.
+constexpr double kLift = 3.0;  // m
+
 Marker empty_marker(const std::string& name, int type, double size) {
   Marker marker;
   marker.ns = name;
   marker.type = type;
   marker.action = Marker::ADD;
+  marker.pose.position.z = kLift;
   marker.pose.orientation.w = 1.0;
   marker.scale.x = marker.scale.y = marker.scale.z = size;
   return marker;
@@ -68,7 +72,7 @@ Marker odometry_lines(const KeyFramePoses& poses, const std::vector<std::uint32_
 }
 
 Marker loop_lines(const KeyFramePoses& poses, const std::vector<LoopVerdict>& loops) {
-  Marker marker = empty_marker("loops", Marker::LINE_LIST, 0.3);
+  Marker marker = empty_marker("loops", Marker::LINE_LIST, 0.8);
   std::map<KeyFrameIndex, Eigen::Vector3d> places;
   for (const KeyFramePose& pose : poses.poses) places[pose.index] = pose.T_map_base.translation;
   for (const LoopVerdict& loop : loops) {

@@ -14,7 +14,7 @@ namespace lidar_mapping::ros_border {
 /// Stamps are those of the key frames.
 nav_msgs::Path to_path(const KeyFramePoses& poses, const std::string& frame);
 
-/// Key frames as dots, odometry between them as lines, loops that the graph uses in green, those
+/// Key frames as dots, odometry between them as lines, loops that the graph uses in pink, those
 /// that it leaves out in red, those on which it has not judged yet in yellow.
 visualization_msgs::MarkerArray to_markers(const map::KeyFrameTrack& track,
                                            const std::vector<LoopVerdict>& loops,
