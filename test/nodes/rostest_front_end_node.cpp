@@ -127,6 +127,22 @@ TEST_F(FrontEndNode, LeavesOutScansThatCannotBeUsedAndSaysWhy) {
   EXPECT_NE(output.find("stamp of a scan goes back by 0.1"), std::string::npos) << output;
 }
 
+// F9, F10: queues without bound, and losses in silence.
+TEST_F(FrontEndNode, CountsEveryScanThatItCannotKeepUpWith) {
+  start({"_queue_size:=3"});
+  odometry_.messages.clear();
+  status_.messages.clear();
+  for (int step = 0; step < 40; ++step) send(step);
+  const auto accounted = [&] {
+    return status_.messages.empty()
+               ? 0
+               : status_.messages.size() + status_.messages.back().scans_dropped;
+  };
+  EXPECT_TRUE(wait_until([&] { return accounted() == 40; }))
+      << status_.messages.size() << " scans handled, " << accounted() << " accounted for";
+  EXPECT_EQ(odometry_.messages.size(), status_.messages.size());
+}
+
 // F21: a missing transform killed or muted the pipeline.
 TEST_F(FrontEndNode, NamesBothFramesOfAMissingTransformOnceAndLivesOn) {
   for (int step = 0; step < 5; ++step) {

@@ -186,6 +186,26 @@ TEST_F(Mapping, IsCompleteAfterLoopClosingAndViewerWereKilledInMidDrive) {
       << ", not " << all;
 }
 
+TEST_F(Mapping, GoesOnInANewSegmentAfterTheFrontEndWasKilled) {
+  Listener<KeyFrameMessage> key_frames("key_frame");
+  connect(kAllTopics);
+  drive(40);
+  ASSERT_TRUE(odometry_.wait_for(40));
+  const std::size_t before = key_frames.messages.size();
+  nodes_.at("front_end_node")->kill();
+  start("front_end_node");
+  while (key_frames.messages.size() < before + 3 && player_.send_next_scan()) {
+    wait_until([&] { return key_frames.messages.size() >= before + 3; }, 0.1);
+  }
+  ASSERT_GE(key_frames.messages.size(), before + 3);
+  for (std::size_t i = 0; i < key_frames.messages.size(); ++i) {
+    EXPECT_EQ(key_frames.messages[i].index, i);
+    EXPECT_EQ(key_frames.messages[i].run_id, key_frames.messages.front().run_id);
+    EXPECT_EQ(key_frames.messages[i].segment, i < before ? 0U : 1U);
+  }
+  EXPECT_TRUE(wait_until([&] { return optimize().key_frames == key_frames.messages.size(); }));
+}
+
 // F21: a missing transform muted the pipeline, or killed it.
 TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
   connect({"points", "imu", "velocity", "gnss"});
