@@ -1,10 +1,6 @@
 #include "lidar_mapping/back_end/optimization.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "lidar_mapping/back_end/gnss_alignment.hpp"
+#include "lidar_mapping/back_end/drive_placement.hpp"
 #include "lidar_mapping/back_end/robust_solver.hpp"
 
 namespace lidar_mapping::back_end {
@@ -14,165 +10,12 @@ namespace {
 // Poses are then within a fraction of a millimetre of the minimum.
 constexpr double kTolerance = 1e-5;
 
-DriveNode& node_at(DriveGraph& drive, int position) {
-  return drive.nodes[static_cast<std::size_t>(position)];
-}
-
-/// Moves the nodes of some segments rigidly.
-void move_segments(DriveGraph& drive, const std::vector<bool>& segments, const Pose& T_new_old) {
-  for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
-    if (!segments[static_cast<std::size_t>(drive.segment_of(static_cast<int>(i)))]) continue;
-    drive.nodes[i].T_map_base = T_new_old * drive.nodes[i].T_map_base;
-  }
-  if (segments.front()) drive.T_map_first = T_new_old * drive.T_map_first;
-}
-
-std::vector<bool> members(const std::vector<int>& connected, int group) {
-  std::vector<bool> result;
-  for (const int g : connected) result.push_back(g == group);
-  return result;
-}
-
-/// Where a loop that is new says that the group of its newer end lies, relative to where it is.
-Pose correction_by(DriveGraph& drive, const DriveLoop& loop, bool move_to) {
-  const Pose& from = node_at(drive, loop.from).T_map_base;
-  const Pose& to = node_at(drive, loop.to).T_map_base;
-  const Pose correction = from * loop.loop.T_from_to * to.inverse();
-  return move_to ? correction : correction.inverse();
-}
-
-/// Puts segments that a new loop ties to an older one beside it, where the solver can begin. Of
-/// several loops the one counts with which the most others agree.
-void join_segments(DriveGraph& drive) {
-  constexpr double kAgreement_m = 2.0;
-  std::vector<int> connected = connected_segments(drive, false);
-  const std::vector<int> joined = connected_segments(drive, true);
-  for (int group = static_cast<int>(connected.size()) - 1; group > 0; --group) {
-    const auto slot = static_cast<std::size_t>(group);
-    if (connected[slot] != group || joined[slot] == group) continue;
-    const std::vector<bool> segments = members(connected, group);
-    std::vector<Pose> corrections;
-    for (const DriveLoop& loop : drive.loops) {
-      if (loop.weighed) continue;
-      const bool from = segments[static_cast<std::size_t>(drive.segment_of(loop.from))];
-      const bool to = segments[static_cast<std::size_t>(drive.segment_of(loop.to))];
-      if (from != to) corrections.push_back(correction_by(drive, loop, to));
-    }
-    const Eigen::Vector3d anywhere =
-        node_at(drive, drive.segment_starts[slot]).T_map_base.translation;
-    int most = -1;
-    const Pose* best = nullptr;
-    for (const Pose& a : corrections) {
-      const int votes = static_cast<int>(std::count_if(
-          corrections.begin(), corrections.end(),
-          [&](const Pose& b) { return (a * anywhere - b * anywhere).norm() < kAgreement_m; }));
-      if (votes <= most) continue;
-      most = votes;
-      best = &a;
-    }
-    if (best != nullptr) move_segments(drive, segments, *best);
-  }
-}
-
-std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
-                                               const std::vector<bool>& segments,
-                                               const BackEndConfig& config) {
-  std::vector<AlignmentSample> samples;
-  for (const DriveGnss& gnss : drive.gnss) {
-    if (!segments[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
-    const GnssPosition& p = gnss.position;
-    AlignmentSample sample;
-    sample.p_enu = p.p_enu_antenna;
-    if (!has_altitude(p)) sample.p_enu.z() = std::numeric_limits<double>::quiet_NaN();
-    sample.p_map = drive.nodes[static_cast<std::size_t>(gnss.node)].T_map_base * p.p_base_antenna;
-    sample.stddev_horizontal = horizontal_stddev(p, config);
-    sample.stddev_altitude = altitude_stddev(p, config);
-    samples.push_back(sample);
-  }
-  return samples;
-}
-
-AlignmentLimits alignment_limits(const BackEndConfig& config) {
-  return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * M_PI / 180.0};
-}
-
-/// Over the whole track, or where that has drifted too far to fit, over its beginning.
-std::optional<Alignment> align_track(const std::vector<AlignmentSample>& samples,
-                                     const Eigen::Quaterniond& R_level_map,
-                                     const BackEndConfig& config) {
-  const AlignmentLimits limits = alignment_limits(config);
-  auto alignment = align_to_enu(samples, R_level_map, limits);
-  for (std::size_t count = 16; !alignment && count < samples.size(); count *= 2) {
-    const std::vector<AlignmentSample> beginning(samples.begin(),
-                                                 samples.begin() + static_cast<long>(count));
-    alignment = align_to_enu(beginning, R_level_map, limits);
-  }
-  return alignment;
-}
-
-/// Turns groups of segments to East-North-Up as soon as their tracks allow, or again if `again`.
-/// True if one was turned that was not before.
-bool georeference(DriveGraph& drive, const BackEndConfig& config, bool again,
-                  OptimizationReport& report) {
-  if (!config.use_gnss || drive.gnss.empty()) return false;
-  bool turned = false;
-  const std::vector<int> connected = connected_segments(drive, true);
-  for (int group = 0; group < static_cast<int>(connected.size()); ++group) {
-    const std::vector<bool> segments = members(connected, group);
-    bool already = false;
-    for (std::size_t s = 0; s < segments.size(); ++s) {
-      already = already || (segments[s] && drive.in_enu[s]);
-    }
-    if (already && !again) continue;
-    const auto alignment = align_track(alignment_samples(drive, segments, config),
-                                       levelling(drive, segments, config), config);
-    if (!alignment) continue;
-    move_segments(drive, segments, alignment->T_enu_map);
-    for (std::size_t s = 0; s < segments.size(); ++s) {
-      if (segments[s]) drive.in_enu[s] = true;
-    }
-    turned = turned || !already;
-    report.gnss_rms = alignment->rms_horizontal;
-  }
-  return turned;
-}
-
 /// The states as odometry alone has them, from the first node of each segment.
 void follow_odometry(const DriveGraph& drive, FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     if (!drive.nodes[i].joined) continue;
     const Pose motion = drive.nodes[i - 1].T_odom_base.inverse() * drive.nodes[i].T_odom_base;
     graph.set_pose(static_cast<int>(i), graph.pose(static_cast<int>(i) - 1) * motion);
-  }
-}
-
-/// Moves stretches of the states onto the positions about them: drift over the whole track would
-/// make every far position look false.
-void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
-  constexpr std::size_t kStretch = 100;
-  DriveGraph moved = drive;
-  for (std::size_t i = 0; i < moved.nodes.size(); ++i) {
-    moved.nodes[i].T_map_base = graph.pose(static_cast<int>(i));
-  }
-  const std::vector<bool> everywhere(drive.in_enu.size(), true);
-  const std::vector<AlignmentSample> samples = alignment_samples(moved, everywhere, config);
-  Pose correction;
-  std::size_t node = 0;
-  for (std::size_t begin = 0; begin < samples.size(); begin += kStretch / 2) {
-    const std::size_t end = std::min(begin + kStretch, samples.size());
-    const auto alignment = align_to_enu(
-        {samples.begin() + static_cast<long>(begin), samples.begin() + static_cast<long>(end)},
-        Eigen::Quaterniond::Identity(), alignment_limits(config));
-    if (alignment) correction = alignment->T_enu_map;
-    const std::size_t middle = std::min(begin + 3 * kStretch / 4, samples.size() - 1);
-    const std::size_t until = end == samples.size()
-                                  ? moved.nodes.size()
-                                  : static_cast<std::size_t>(drive.gnss[middle].node);
-    for (; node < until; ++node) {
-      if (!drive.in_enu[static_cast<std::size_t>(drive.segment_of(static_cast<int>(node)))])
-        continue;
-      graph.set_pose(static_cast<int>(node), correction * moved.nodes[node].T_map_base);
-    }
   }
 }
 
@@ -272,13 +115,14 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
     return result;
   }
   if (problem.config.use_loop_close) join_segments(drive);
-  const bool turned = georeference(drive, problem.config, false, result->report);
+  const Georeference placed = georeference(drive, problem.config, false);
+  result->report.gnss_rms = placed.rms_horizontal;
   DriveFactors factors = make_factors(drive, problem.config);
   const RobustSolution solution =
-      solve_factors(drive, problem.config, factors, problem.thorough || turned);
+      solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_turned);
   if (solution.success) take_over(factors, solution, drive);
   if (problem.config.georeference_only) {
-    georeference(drive, problem.config, true, result->report);
+    result->report.gnss_rms = georeference(drive, problem.config, true).rms_horizontal;
   }
   fill(problem, drive, solution, result->report);
   return result;
