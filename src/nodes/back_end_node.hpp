@@ -1,0 +1,98 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nav_msgs/Odometry.h>
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
+
+#include "back_end_node_config.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Subscribed: key_frame, loop, loop_verdict, synced_gnss, synced_imu, floor, gnss_datum,
+/// laser_odom, front_end_status. Published: key_frame_poses (latched, whole), optimized_odom,
+/// graph_verdict (of all loops to who subscribes, then of those that change), tf map -> odom.
+/// Services: optimize_map, get_key_frames. The session's folder stands in the parameter
+/// session_folder beside the node.
+class BackEndNode {
+ public:
+  using Config = BackEndNodeConfig;
+
+  BackEndNode(const Config& config, NodeContext& context);
+  ~BackEndNode();
+
+ private:
+  using Run = pipeline::RecordedBackEnd;
+  using OptimizeAnswer = std::promise<back_end::OptimizationReport>;
+
+  void subscribe_all();
+  void serve();
+  template <typename Message, typename Handle>
+  void listen(const std::string& topic, Handle handle, Numbered numbered = Numbered::kNo);
+
+  void take_key_frame(const KeyFrameMessage& message);
+  void keep_sensor_origin();
+  void take_loop(const LoopMessage& message);
+  void take_gnss(const nav_msgs::Odometry& message);
+  void take_odometry(const nav_msgs::Odometry& message);
+  void measure(std::function<void(Run&)> add);
+
+  void begin_run(const std::string& run_id);
+  void use(session::Session session, const std::string& run_id);
+  std::optional<session::Session> session_of(const std::string& run_id) const;
+  void keep_configuration();
+
+  void optimize_if_due();
+  void start_solving(bool thorough);
+  void take_solution(const back_end::OptimizationSolution& solution, double seconds,
+                     const std::shared_ptr<Run>& solved_run);
+  void take_failure(const std::string& problem);
+  void end_solving(const back_end::OptimizationReport& report);
+  void publish_poses();
+  void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
+  void write_files();
+
+  bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
+  bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
+  GetKeyFrames::Response key_frames_without_clouds(const std::vector<KeyFrameIndex>& wanted);
+
+  Config config_;
+  NodeContext& context_;
+  SensorFrames sensor_frames_;
+  TransformPublisher transforms_;
+  Stamp sent_transform_ = 0;
+  WarningLimiter limiter_;
+  ros::Publisher poses_, optimized_odom_, verdicts_;
+  std::vector<ros::Subscriber> subscribers_;
+
+  // The worker's own: the graph, the session, and what waits for an optimisation.
+  std::shared_ptr<Run> run_;
+  std::string run_id_;
+  std::deque<std::function<void(Run&)>> early_;
+  std::optional<GeodeticDatum> datum_;
+  bool solving_ = false;
+  std::vector<OptimizeAnswer> answers_;  ///< to be given after the optimisation that runs
+  std::vector<OptimizeAnswer> next_answers_;
+  bool files_are_old_ = false;
+
+  Worker::ChannelId requests_, solutions_;
+  Worker solver_;
+  Worker::ChannelId problems_;
+  ros::CallbackQueue service_queue_;
+  std::vector<ros::ServiceServer> services_;
+  ros::AsyncSpinner service_spinner_{2, &service_queue_};
+};
+
+}  // namespace lidar_mapping::ros_border

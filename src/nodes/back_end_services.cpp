@@ -1,0 +1,94 @@
+#include <algorithm>
+
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+
+#include "back_end_node.hpp"
+
+// The services optimize_map and get_key_frames.
+namespace lidar_mapping::ros_border {
+
+/// Services wait for the worker, so they have threads of their own.
+void BackEndNode::serve() {
+  ros::NodeHandle node(context_.node);
+  node.setCallbackQueue(&service_queue_);
+  services_ = {node.advertiseService("optimize_map", &BackEndNode::optimize_map, this),
+               node.advertiseService("get_key_frames", &BackEndNode::get_key_frames, this)};
+  service_spinner_.start();
+}
+
+bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& response) {
+  auto answer = std::make_shared<OptimizeAnswer>();
+  std::future<back_end::OptimizationReport> future = answer->get_future();
+  context_.worker.post(requests_, [this, answer] {
+    if (!run_) {
+      back_end::OptimizationReport report;
+      report.message = "there are no key frames yet; nothing to optimise";
+      return answer->set_value(report);
+    }
+    (solving_ ? next_answers_ : answers_).push_back(std::move(*answer));
+    if (!solving_) start_solving(true);
+  });
+  answer.reset();
+  try {
+    const back_end::OptimizationReport report = future.get();
+    response.success = report.success;
+    response.message = report.message;
+    response.key_frames = static_cast<std::uint32_t>(report.key_frames);
+    response.loops_used = static_cast<std::uint32_t>(report.loops_used);
+    response.loops_refused = static_cast<std::uint32_t>(report.loops_refused);
+    response.gnss_used = static_cast<std::uint32_t>(report.gnss_used);
+    response.gnss_refused = static_cast<std::uint32_t>(report.gnss_refused);
+    response.cost_before = report.cost_before;
+    response.cost_after = report.cost_after;
+    response.seconds = report.seconds;
+  } catch (const std::future_error&) {
+    response.success = false;
+    response.message = "the back end is ending";
+  }
+  return true;
+}
+
+bool BackEndNode::get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
+  struct Answer {
+    GetKeyFrames::Response response;
+    std::shared_ptr<Run> run;  ///< keeps the store of the clouds while they are read
+  };
+  auto answer = std::make_shared<std::promise<Answer>>();
+  std::future<Answer> future = answer->get_future();
+  context_.worker.post(requests_, [this, answer, wanted = request.indices] {
+    answer->set_value({key_frames_without_clouds(wanted), run_});
+  });
+  answer.reset();
+  try {
+    Answer given = future.get();
+    response = std::move(given.response);
+    if (!request.clouds || !given.run) return true;
+    for (KeyFrameMessage& message : response.key_frames) {
+      const PointCloudPtr cloud = given.run->session().clouds().cloud(message.index);
+      if (!cloud) continue;
+      message.cloud = to_message(*cloud, from_ros(message.header.stamp), config_.node.base_frame);
+    }
+    return true;
+  } catch (const std::future_error&) {
+    return false;
+  }
+}
+
+GetKeyFrames::Response BackEndNode::key_frames_without_clouds(
+    const std::vector<KeyFrameIndex>& wanted) {
+  GetKeyFrames::Response response;
+  if (!run_) return response;
+  for (const KeyFrame& key_frame : run_->session().key_frames()) {
+    if (!wanted.empty() &&
+        std::find(wanted.begin(), wanted.end(), key_frame.index) == wanted.end()) {
+      continue;
+    }
+    response.key_frames.push_back(to_message(key_frame, run_id_, config_.node.base_frame));
+  }
+  response.poses = to_message(run_->poses(), run_id_, config_.node.map_frame);
+  return response;
+}
+
+}  // namespace lidar_mapping::ros_border

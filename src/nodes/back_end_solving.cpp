@@ -1,0 +1,94 @@
+#include "lidar_mapping/ros/mapping_conversions.hpp"
+
+#include "back_end_node.hpp"
+
+// When the graph is solved, and what becomes of the solution.
+namespace lidar_mapping::ros_border {
+
+void BackEndNode::optimize_if_due() {
+  if (!solving_ && run_->optimization_due()) start_solving(false);
+}
+
+void BackEndNode::start_solving(bool thorough) {
+  solving_ = true;
+  context_.diagnostics.set_state(Diagnostics::Level::kOk, "optimising");
+  solver_.post(problems_, [this, problem = run_->problem(thorough), run = run_] {
+    const ros::WallTime begin = ros::WallTime::now();
+    std::shared_ptr<const back_end::OptimizationSolution> solution;
+    std::string problem_text;
+    try {
+      solution = back_end::solve(*problem);
+    } catch (const std::exception& error) {
+      problem_text = error.what();
+    }
+    const double seconds = (ros::WallTime::now() - begin).toSec();
+    context_.worker.post(solutions_, [this, solution, seconds, run, problem_text] {
+      solution ? take_solution(*solution, seconds, run) : take_failure(problem_text);
+    });
+  });
+}
+
+void BackEndNode::take_solution(const back_end::OptimizationSolution& solution, double seconds,
+                                const std::shared_ptr<Run>& solved_run) {
+  back_end::OptimizationReport report = back_end::report_of(solution);
+  report.seconds = seconds;
+  if (solved_run == run_) {
+    const pipeline::AppliedSolution applied = run_->apply(solution, seconds);
+    files_are_old_ = true;
+    publish_poses();
+    publish_verdicts(applied.verdicts);
+  }
+  context_.diagnostics.set("loops used", std::to_string(report.loops_used));
+  context_.diagnostics.set("loops refused", std::to_string(report.loops_refused));
+  context_.diagnostics.set("GNSS positions used", std::to_string(report.gnss_used));
+  context_.diagnostics.set("seconds per optimisation", std::to_string(seconds));
+  end_solving(report);
+}
+
+/// The poses stay as they were.
+void BackEndNode::take_failure(const std::string& problem) {
+  back_end::OptimizationReport report;
+  report.message = "the optimisation failed: " + problem;
+  ROS_ERROR_STREAM(report.message);
+  end_solving(report);
+}
+
+/// Gives the answers that waited for this optimisation, and begins the next that was asked for.
+void BackEndNode::end_solving(const back_end::OptimizationReport& report) {
+  solving_ = false;
+  context_.diagnostics.set_state(Diagnostics::Level::kOk, report.message);
+  if (!answers_.empty()) write_files();
+  for (OptimizeAnswer& answer : answers_) answer.set_value(report);
+  answers_ = std::move(next_answers_);
+  next_answers_.clear();
+  if (!answers_.empty()) start_solving(true);
+}
+
+void BackEndNode::publish_poses() {
+  const KeyFramePoses poses = run_->poses();
+  if (poses.poses.empty()) return;
+  context_.diagnostics.count_output(poses.poses.back().stamp);
+  poses_.publish(to_message(poses, run_id_, config_.node.map_frame));
+}
+
+void BackEndNode::publish_verdicts(const std::vector<LoopVerdict>& verdicts) {
+  for (const LoopVerdict& verdict : verdicts) {
+    verdicts_.publish(to_message(verdict, run_id_, config_.node.base_frame));
+  }
+}
+
+void BackEndNode::write_files() {
+  if (!run_ || !files_are_old_) return;
+  keep_configuration();
+  run_->write_files();
+  files_are_old_ = false;
+}
+
+void BackEndNode::keep_configuration() {
+  if (!ros::ok()) return;  // the parameter server may be gone
+  for (const auto& [stage, yaml] : effective_configurations(context_.node)) {
+    run_->session().set_configuration(stage, yaml);
+  }
+}
+
+}  // namespace lidar_mapping::ros_border
