@@ -53,5 +53,20 @@ TEST_P(Convergence, SucceedsNearbyAndSaysSoElsewhere) {
 
 INSTANTIATE_TEST_SUITE_P(All, Convergence, testing::ValuesIn(kAllMethods), method_name);
 
+// F42: 1 cm, not the root of it: no step is longer than 0.1 m, so the first one would be the last.
+TEST(PclNdt, TakesTheEpsilonOfTheArticlesAsALength) {
+  const Scene scene = make_scene(0.05);
+  RegistrationConfig config;
+  config.method = Method::kPclNdt;
+  config.transformation_epsilon = 0.01;
+  config.rotation_epsilon = M_PI;
+  const auto registration = make_registration(config);
+  registration->set_target(scene.target);
+  const RegistrationResult result =
+      registration->align(scene.source, scene.T_target_source * pose_of(0.5, 0, 0, 0, 0, 0));
+  EXPECT_GT(result.iterations, 3);
+  EXPECT_LT(distance_between(result.T_target_source, scene.T_target_source), 0.1);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::registration
