@@ -110,7 +110,7 @@ class FrontEnd::Impl {
   }
 
   PointCloud key_frame_cloud(const PointCloud& cloud, const Vector6d& twist) {
-    if (config_.key_frame_cloud_resolution <= 0.0) return deskewed(cloud, twist);
+    if (config_.key_frame_cloud_resolution <= 0.0) return deskewed(cloud, twist, config_.threads);
     SamplingOptions options;
     options.resolution = config_.key_frame_cloud_resolution;
     const auto& indices = sampler_.sample(cloud, options);
@@ -120,7 +120,7 @@ class FrontEnd::Impl {
     if (!cloud.has_times()) return thinned;
     thinned.times.reserve(indices.size());
     for (const std::uint32_t i : indices) thinned.times.push_back(cloud.times[i]);
-    return deskewed(thinned, twist);
+    return deskewed(thinned, twist, config_.threads);
   }
 
   FrontEndConfig config_;

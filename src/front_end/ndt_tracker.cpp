@@ -101,13 +101,16 @@ class NdtTracker::Impl {
   /// The first scan of a map. Its points are kept until the motion during it is known.
   void begin(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
     start_ = last_good_ = T_odom_base;
+    // The pose is known at the stamp, the filter's time is the middle of the sweep.
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
+    filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
     map_ = LocalMap(voxel_size(), config_.local_map_radius);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
     }
+    status.state = TrackingState::kTracking;
     status.converged = true;
     insert(scan);
     first_ = sampler_.dense(scan);
@@ -150,7 +153,7 @@ class NdtTracker::Impl {
                                         double seconds) {
     const auto& points = sampler_.points();
     SweepMatcher::Found found;
-    std::vector<MotionState> starts = starts_at_speed(start_, seconds);
+    std::vector<MotionState> starts = starts_at_speed(start_, seconds + first_reference_);
     starts.push_back(prediction.state);
     found.match = matcher_.search(points, map_, prediction, starts);
     for (int round = 0; scan.cloud.has_times() && round < kStartRounds; ++round) {

@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr Stamp kScanPeriod = 100'000'000;
+
+simulation::Drive town(std::uint64_t seed = 1) {
+  simulation::DriveOptions options;
+  options.lidar = "vlp16";
+  options.seed = seed;
+  options.duration = 20.0;
+  return simulation::Drive(options);
+}
+
+Pose truth(const simulation::Drive& drive, std::size_t first, std::size_t index) {
+  const auto pose_at = [&](std::size_t i) { return drive.trajectory().pose(drive.scan_stamp(i)); };
+  return pose_at(first).inverse() * pose_at(index);
+}
+
+/// Distance (m) from where the sensor really is.
+double error(const simulation::Drive& drive, std::size_t first, std::size_t index,
+             const FrontEndResult& result) {
+  return (result.T_odom_base.translation - truth(drive, first, index).translation).norm();
+}
+
+Scan empty_scan(const simulation::Drive& drive, std::size_t index) {
+  Scan scan;
+  scan.stamp = drive.scan_stamp(index);
+  return scan;
+}
+
+TEST(FrontEnd, FollowsADrive) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  for (std::size_t i = 0; i < 120; ++i) {
+    const Scan scan = drive.base_scan(i);
+    const FrontEndResult result = front_end.process(scan);
+    ASSERT_EQ(result.stamp, scan.stamp);
+    ASSERT_NE(result.status.state, TrackingState::kLost) << i;
+    ASSERT_LT(error(drive, 0, i, result), 0.08) << i;
+    ASSERT_TRUE(i == 0 || is_valid_covariance(result.covariance)) << i;
+  }
+}
+
+// F40, F41: nothing about the motion is known at first, and scans go missing on the way.
+TEST(FrontEnd, StartsAtSpeedAndBearsLossOfScans) {
+  const simulation::Drive drive = town();
+  constexpr std::size_t kFirst = 100;
+  FrontEnd front_end{FrontEndConfig{}};
+  for (std::size_t i = kFirst; i < 180; ++i) {
+    if (i > kFirst + 5 && (i * 7) % 10 < 3) continue;
+    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    // Sixteen beams, a first map from one scan: a hundredth of the way, most of it the heading.
+    const double way = truth(drive, kFirst, i).translation.norm();
+    ASSERT_LT(error(drive, kFirst, i, result), 0.1 + 0.015 * way) << i;
+  }
+}
+
+TEST(FrontEnd, StandsStillAmongMovingCars) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  Scan scan = drive.base_scan(0);
+  std::size_t key_frames = 0;
+  for (int i = 0; i < 20; ++i) {
+    scan = drive.base_scan(static_cast<std::size_t>(i));  // the drive begins at rest
+    const FrontEndResult result = front_end.process(scan);
+    key_frames += result.key_frame ? 1 : 0;
+    ASSERT_LT(result.T_odom_base.translation.norm(), 0.02) << i;
+  }
+  EXPECT_EQ(key_frames, 1U);
+}
+
+// F37, F38: blindness is told, the pose goes on as predicted with a growing covariance, and the
+// drive is found again.
+TEST(FrontEnd, SaysThatItIsLostAndFindsBack) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult result;
+  double covariance_before = 0.0;
+  for (std::size_t i = 60; i < 110; ++i) {
+    const bool blind = i >= 90 && i < 98;
+    result = front_end.process(blind ? empty_scan(drive, i) : drive.base_scan(i));
+    if (i == 89) covariance_before = result.covariance.trace();
+    if (blind) {
+      EXPECT_EQ(result.status.state, TrackingState::kLost) << i;
+      EXPECT_FALSE(result.key_frame) << i;
+      EXPECT_GT(result.covariance.trace(), covariance_before);
+    }
+  }
+  EXPECT_EQ(result.status.state, TrackingState::kTracking);
+  EXPECT_LT(error(drive, 60, 109, result), 0.25);
+}
+
+TEST(FrontEnd, BeginsANewSegmentWhenLostForLong) {
+  const simulation::Drive drive = town();
+  simulation::DriveOptions options;
+  options.drive = "car_park";
+  options.lidar = "vlp16";
+  const simulation::Drive elsewhere(options);
+  FrontEnd front_end{FrontEndConfig{}};
+  for (std::size_t i = 0; i < 10; ++i) front_end.process(drive.base_scan(i));
+  std::vector<std::uint32_t> segments;
+  for (std::size_t i = 10; i < 60; ++i) {
+    Scan scan = i < 50 ? empty_scan(drive, i) : elsewhere.base_scan(i);
+    scan.stamp = drive.scan_stamp(i);
+    const FrontEndResult result = front_end.process(scan);
+    if (result.key_frame) segments.push_back(result.key_frame->segment);
+  }
+  ASSERT_FALSE(segments.empty());
+  EXPECT_EQ(segments.back(), 1U);
+}
+
+// F49: nothing is kept outside of the object.
+TEST(FrontEnd, TwoInstancesDoNotDisturbEachOther) {
+  const simulation::Drive drive = town();
+  FrontEnd alone{FrontEndConfig{}};
+  FrontEnd one{FrontEndConfig{}};
+  FrontEnd other{FrontEndConfig{}};
+  for (std::size_t i = 0; i < 15; ++i) {
+    const FrontEndResult expected = alone.process(drive.base_scan(i));
+    const FrontEndResult result = one.process(drive.base_scan(i));
+    other.process(drive.base_scan(100 + i));
+    ASSERT_EQ(expected.T_odom_base.matrix(), result.T_odom_base.matrix()) << i;
+  }
+}
+
+TEST(FrontEnd, PosesDoNotDependOnTheNumberOfThreads) {
+  const simulation::Drive drive = town();
+  FrontEndConfig config;
+  FrontEnd one(config);
+  config.threads = 4;
+  FrontEnd four(config);
+  for (std::size_t i = 0; i < 15; ++i) {
+    const FrontEndResult a = one.process(drive.base_scan(i));
+    const FrontEndResult b = four.process(drive.base_scan(i));
+    ASSERT_EQ(a.T_odom_base.matrix(), b.T_odom_base.matrix()) << i;
+    if (a.key_frame) {
+      ASSERT_EQ(a.key_frame->cloud->size(), b.key_frame->cloud->size());
+    }
+  }
+}
+
+TEST(FrontEnd, RefusesStampsThatDoNotIncrease) {
+  FrontEnd front_end{FrontEndConfig{}};
+  Scan scan;
+  scan.stamp = kScanPeriod;
+  front_end.process(scan);
+  EXPECT_THROW(front_end.process(scan), InputError);
+}
+
+TEST(FrontEnd, GoesOnNumberingAfterARestart) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  Pose start;
+  start.translation = {100.0, 50.0, 1.0};
+  front_end.resume(42, 3, start);
+  const FrontEndResult result = front_end.process(drive.base_scan(0));
+  ASSERT_TRUE(result.key_frame);
+  EXPECT_EQ(result.key_frame->index, 42U);
+  EXPECT_EQ(result.key_frame->segment, 3U);
+  EXPECT_EQ(result.T_odom_base.matrix(), start.matrix());
+}
+
+TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {
+  FrontEndConfig config;
+  config.odometry = OdometrySource::kExternal;
+  FrontEnd front_end(config);
+  std::size_t key_frames = 0;
+  for (int i = 0; i < 41; ++i) {
+    Scan scan;
+    scan.stamp = (i + 1) * kScanPeriod;
+    MotionPrior prior;
+    prior.T_external_base = Pose{Eigen::Quaterniond::Identity(), {0.5 * i, 0.0, 0.0}};
+    key_frames += front_end.process(scan, prior).key_frame ? 1 : 0;
+  }
+  EXPECT_EQ(key_frames, 11U);
+  Scan late;
+  late.stamp = 50 * kScanPeriod;
+  EXPECT_THROW(front_end.process(late), InputError);
+}
+
+TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {
+  const simulation::Drive drive = town();
+  FrontEndConfig config;
+  config.key_frame_cloud_resolution = 0.0;
+  const Scan scan = drive.base_scan(0);
+  EXPECT_EQ(FrontEnd(config).process(scan).key_frame->cloud->size(), scan.cloud.size());
+  config.key_frame_cloud_resolution = 0.5;
+  const auto thinned = FrontEnd(config).process(scan).key_frame->cloud;
+  EXPECT_LT(thinned->size(), scan.cloud.size() / 2);
+  EXPECT_FALSE(thinned->has_times());
+}
+
+// The tunnel is told, and wheel speed carries the drive through it.
+TEST(FrontEnd, ReportsATunnelAndUsesTheVelocityThere) {
+  simulation::DriveOptions options;
+  options.drive = "tunnel";
+  options.lidar = "vlp16";
+  const simulation::Drive drive(options);
+  const std::size_t first = drive.scan_count() / 2 - 40;
+  FrontEnd front_end{FrontEndConfig{}};
+  std::size_t degenerate = 0;
+  FrontEndResult result;
+  for (std::size_t i = first; i < first + 80; ++i) {
+    MotionPrior prior;
+    const Pose step = truth(drive, i - 1, i + 1);
+    prior.linear_velocity = step.translation / (2.0 * to_seconds(kScanPeriod));
+    result = front_end.process(drive.base_scan(i), prior);
+    degenerate += result.status.degenerate_directions.empty() ? 0 : 1;
+  }
+  EXPECT_GT(degenerate, 20U);
+  EXPECT_LT(error(drive, first, first + 79, result),
+            0.01 * truth(drive, first, first + 79).translation.norm());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end

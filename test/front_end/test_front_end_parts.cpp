@@ -1,0 +1,168 @@
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/degeneracy.hpp"
+#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/key_frame_rule.hpp"
+#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/scan_sampler.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+Pose turned(double angle) { return {exp_so3({0.0, 0.0, angle}), Eigen::Vector3d::Zero()}; }
+
+// F43: the whole angle counts, whatever the sign of the quaternion.
+TEST(KeyFrameRule, ComparesWholeAngles) {
+  const KeyFrameRule rule{100.0, 1.0, 0.0};
+  for (const double angle : {-3.0, -1.1, -0.9, 0.0, 0.9, 1.1, 3.0}) {
+    Pose pose = turned(angle);
+    EXPECT_EQ(rule.reached(pose, 0), std::abs(angle) > 1.0) << angle;
+    pose.rotation.coeffs() *= -1.0;
+    EXPECT_EQ(rule.reached(pose, 0), std::abs(angle) > 1.0) << angle;
+  }
+}
+
+// F44: the distance is Euclidean, so it does not depend on the direction of the drive.
+TEST(KeyFrameRule, MeasuresTheSameInAllDirections) {
+  const KeyFrameRule rule{2.0, 1.0, 0.0};
+  for (double direction = 0.0; direction < 6.3; direction += 0.1) {
+    const Eigen::Vector3d unit(std::cos(direction), std::sin(direction), 0.0);
+    EXPECT_FALSE(rule.reached({Eigen::Quaterniond::Identity(), 1.99 * unit}, 0));
+    EXPECT_TRUE(rule.reached({Eigen::Quaterniond::Identity(), 2.01 * unit}, 0));
+  }
+}
+
+TEST(KeyFrameRule, IntervalCountsOnlyWhereItIsSet) {
+  EXPECT_FALSE((KeyFrameRule{2.0, 1.0, 0.0}.reached(Pose{}, from_seconds(1e5))));
+  EXPECT_TRUE((KeyFrameRule{2.0, 1.0, 5.0}.reached(Pose{}, from_seconds(5.0))));
+}
+
+TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {
+  Vector6d twist;
+  twist << 20.0, -0.5, 0.1, 0.1, -0.2, 1.2;
+  const Eigen::Vector3d p_world(30.0, -12.0, 2.0);
+  PointCloud cloud;
+  for (const float s : {-0.05F, 0.0F, 0.05F, 0.1F}) {
+    const Pose T_world_sensor = moved(Pose{}, twist, s);
+    const Eigen::Vector3f p = (T_world_sensor.inverse() * p_world).cast<float>();
+    cloud.points.push_back({p.x(), p.y(), p.z(), 7.0F});
+    cloud.times.push_back(s);
+  }
+  const PointCloud result = deskewed(cloud, twist);
+  EXPECT_FALSE(result.has_times());
+  for (const Point& point : result.points) {
+    EXPECT_LT((point.position().cast<double>() - p_world).norm(), 0.02);
+    EXPECT_EQ(point.intensity, 7.0F);
+  }
+}
+
+// F40, F41: the prediction goes on with the velocity for as long as the stamps say.
+TEST(MotionFilter, PredictsWithConstantVelocityOverRealTime) {
+  Vector6d twist;
+  twist << 30.0, 0.0, 0.0, 0.0, 0.0, 0.3;
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 1.0, 1.0);
+  filter.correct({Pose{}, twist}, filter.covariance());
+  filter.predict(0.1);
+  filter.predict(0.25);
+  const Vector6d error = difference(filter.state().T_map_sensor, moved(Pose{}, twist, 0.35));
+  EXPECT_LT(error.norm(), 1e-9);
+}
+
+// F39: a measured speed forward moves the prediction forward.
+TEST(MotionFilter, MeasuredVelocityPointsTheRightWay) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(turned(0.5), 15.0, 1.0);
+  filter.predict(0.1);
+  filter.measure_velocity({10.0, 0.0, 0.0}, 0.1);
+  const Eigen::Vector3d expected(std::cos(0.5), std::sin(0.5), 0.0);
+  EXPECT_LT((filter.state().T_map_sensor.translation - expected).norm(), 0.05);
+  EXPECT_NEAR(filter.state().twist[0], 10.0, 0.1);
+}
+
+TEST(MotionFilter, CovarianceStaysValid) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 15.0, 1.0);
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> step(0.01, 2.0);
+  for (int i = 0; i < 200; ++i) {
+    filter.predict(step(engine));
+    filter.measure_rate({0.1, 0.0, 0.2}, 0.1);
+    filter.measure_velocity_along(Eigen::Vector3d(0.6, 0.8, 0.0), 3.0, 0.1);
+    const Covariance6 covariance =
+        pose_covariance(filter.covariance(), filter.state().twist, -0.05);
+    ASSERT_TRUE(is_valid_covariance(0.5 * (covariance + covariance.transpose()))) << i;
+  }
+}
+
+// F47: long chains of motions stay rotations.
+TEST(Moved, StaysARotationOverAHundredThousandSteps) {
+  Vector6d twist;
+  twist << 10.0, 0.0, 0.0, 0.01, -0.02, 0.3;
+  Pose pose;
+  for (int i = 0; i < 100000; ++i) pose = moved(pose, twist, 0.1);
+  EXPECT_NEAR(pose.rotation_matrix().determinant(), 1.0, 1e-9);
+}
+
+TEST(Degeneracy, FindsTheAxisOfATunnelAndFollowsThePriorAlongIt) {
+  Matrix6d H = Matrix6d::Identity() * 1e6;
+  H(0, 0) = 10.0;
+  const auto directions = degenerate_directions(H);
+  ASSERT_EQ(directions.size(), 1U);
+  EXPECT_NEAR(std::abs(directions[0].x()), 1.0, 1e-6);
+  EXPECT_TRUE(degenerate_directions(Matrix6d::Identity()).empty());
+
+  registration::MotionBelief prior;
+  prior.information = Matrix12d::Identity() * 100.0;
+  registration::NdtMatch match;
+  match.points_information.topLeftCorner<6, 6>() = H;
+  match.information = match.points_information + prior.information;
+  match.state.T_map_sensor.translation = {0.5, 0.0, 0.0};
+  const auto result = without_directions(match, prior, prior, directions);
+  EXPECT_NEAR(result.state.T_map_sensor.translation.x(), 0.0, 1e-9);
+}
+
+PointCloud random_cloud(std::size_t count) {
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<float> coordinate(-40.0F, 40.0F);
+  PointCloud cloud;
+  while (cloud.size() < count) {
+    cloud.points.push_back({coordinate(engine), coordinate(engine), coordinate(engine), 0.0F});
+  }
+  return cloud;
+}
+
+TEST(ScanSampler, TakesAtMostOnePointPerCube) {
+  PointCloud cloud = random_cloud(20000);  // 8000 cubes
+  ScanSampler sampler(17);
+  const auto indices = sampler.sample(cloud, {4.0, 0.0, 1000.0, 1, 0});
+  EXPECT_GT(indices.size(), 4000U);
+  EXPECT_LE(indices.size(), 8000U);
+  EXPECT_EQ(sampler.sample(cloud, {4.0, 0.0, 1000.0, 1, 0}), indices);
+}
+
+TEST(ScanSampler, LeavesOutPointsThatAreNotFiniteOrOutOfRange) {
+  PointCloud cloud;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinite = std::numeric_limits<float>::infinity();
+  cloud.points = {
+      {nan, 0, 0, 0}, {5, infinite, 0, 0}, {0.5F, 0, 0, 0}, {200, 0, 0, 0}, {5, 5, 5, 0}};
+  ScanSampler sampler(10);
+  EXPECT_EQ(sampler.sample(cloud, {1.0, 1.0, 100.0, 1, 0}), std::vector<std::uint32_t>{4});
+}
+
+TEST(ScanSampler, SamplesAlikeAfterTheGenerationNumberHasWrapped) {
+  const PointCloud cloud = random_cloud(500);
+  ScanSampler sampler(14);
+  const auto first = sampler.sample(cloud, {1.0, 0.0, 1000.0, 1, 0});
+  for (int i = 0; i < 600; ++i) {
+    ASSERT_EQ(sampler.sample(cloud, {1.0, 0.0, 1000.0, 1, 0}), first) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,248 @@
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+#include "../../src/registration/ndt_kernels.hpp"
+#include "scenes.hpp"
+
+namespace lidar_mapping::registration {
+namespace {
+
+void insert(const PointCloud& cloud, GaussianVoxelMap& map) {
+  for (const Point& p : cloud.points) map.insert(&p.x, &p.y, &p.z, 1);
+}
+
+/// Points of the scene as a sensor at T_map_sensor sees them, moving with `twist`.
+NdtPoints seen_from(const MotionState& state, const PointCloud& scene) {
+  std::vector<float> x, y, z, s;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const double time = -0.05 + 0.1 * static_cast<double>(i % 100) / 99.0;
+    const Vector6d step = time * state.twist;
+    const Pose T = perturbed(state.T_map_sensor, step);
+    const Eigen::Vector3d p = T.inverse() * scene.points[i].position().cast<double>();
+    x.push_back(static_cast<float>(p.x()));
+    y.push_back(static_cast<float>(p.y()));
+    z.push_back(static_cast<float>(p.z()));
+    s.push_back(static_cast<float>(time));
+  }
+  NdtPoints points;
+  points.assign(x, y, z, s);
+  return points;
+}
+
+GaussianVoxelMap corner_map() {
+  GaussianVoxelMap map(1.0, 1 << 14);
+  insert(test::street_corner(1, 30000, 0.02), map);
+  return map;
+}
+
+TEST(GaussianVoxelMap, GivesMeanAndCovarianceOfItsPoints) {
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+  GaussianVoxelMap map(2.0, 64);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  constexpr int kCount = 500;
+  for (int i = 0; i < kCount; ++i) {
+    const Eigen::Vector3f p(2.0F * unit(engine), unit(engine), 0.2F * unit(engine));
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+    sum += p.cast<double>();
+    products += (p * p.transpose()).cast<double>();
+  }
+  const Gaussian gaussian = map.gaussian({0, 0, 0});
+  const Eigen::Vector3d mean = sum / kCount;
+  EXPECT_EQ(gaussian.count, kCount);
+  EXPECT_LT((gaussian.mean - mean).norm(), 1e-5);
+  EXPECT_LT((gaussian.covariance - (products / kCount - mean * mean.transpose())).norm(), 2e-3);
+}
+
+TEST(GaussianVoxelMap, PlaneIsThinAcrossTheSurface) {
+  GaussianVoxelMap map = corner_map();
+  const WeightedPlane ground = map.plane({2, -12, -2});
+  EXPECT_GT(std::abs(ground.normal.normalized().z()), 0.99F);
+  const Eigen::Vector3f on_the_ground(2.5F, -11.5F, -1.7F);
+  const float deviations = ground.normal.dot(on_the_ground) - ground.offset;
+  EXPECT_LT(std::abs(deviations) / ground.normal.norm(), 0.02F);
+  EXPECT_EQ(map.plane({400, 0, 0}).normal.norm(), 0.0F);
+}
+
+TEST(GaussianVoxelMap, TakesALineForNoPlane) {
+  GaussianVoxelMap map(1.0, 64);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3f p(0.01F * static_cast<float>(i), 0.5F, 0.5F);
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+  EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
+}
+
+// F45: what is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
+TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
+  GaussianVoxelMap map(1.0, 4096);
+  for (int x = 0; x < 1000; ++x) {
+    const Eigen::Vector3f p(static_cast<float>(x) + 0.5F, 0.5F, 0.5F);
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+  for (int step = 0; step < 8; ++step) map.forget_beyond({0.0F, 0.0F, 0.0F}, 100.0F, 0.25);
+  EXPECT_EQ(map.size(), 100U);
+  for (int x = 0; x < 1000; ++x) {
+    ASSERT_EQ(map.gaussian({x, 0, 0}).count, x < 100 ? 1 : 0) << x;
+  }
+}
+
+// F45: a drive of ten kilometres needs no more memory than its beginning.
+TEST(GaussianVoxelMap, StaysOfOneSizeOverALongDrive) {
+  GaussianVoxelMap map(1.0, 4096);
+  std::size_t largest = 0;
+  for (int x = 0; x < 10000; ++x) {
+    map.set_origin_cell({x, 0, 0});
+    for (int y = -10; y < 10; ++y) {
+      const Eigen::Vector3f p(0.5F, static_cast<float>(y) + 0.5F, 0.5F);
+      map.insert(&p.x(), &p.y(), &p.z(), 1);
+    }
+    map.forget_beyond({0.0F, 0.0F, 0.0F}, 50.0F, 1.0 / 16.0);
+    largest = std::max(largest, map.size());
+  }
+  EXPECT_LT(largest, 20U * 70U);
+  EXPECT_EQ(map.dropped_points(), 0U);
+}
+
+TEST(GaussianVoxelMap, MovingTheOriginMovesNothing) {
+  GaussianVoxelMap map = corner_map();
+  const Gaussian before = map.gaussian({2, -12, -2});
+  map.set_origin_cell({-3, 60, 9});
+  const Gaussian after = map.gaussian({5, -72, -11});
+  EXPECT_EQ(after.count, before.count);
+  EXPECT_LT((after.mean + map.origin() - before.mean).norm(), 1e-9);
+}
+
+TEST(NdtMatcher, FindsPoseAndTwistTogether) {
+  GaussianVoxelMap map = corner_map();
+  MotionState truth;
+  truth.T_map_sensor = {exp_so3({0.01, -0.02, 0.1}), {0.4, -0.3, 0.05}};
+  truth.twist << 5.0, 0.0, 0.0, 0.0, 0.0, 0.4;
+  const NdtPoints points = seen_from(truth, test::street_corner(2, 4000, 0.01));
+  MotionBelief nothing;
+  nothing.information = Matrix12d::Identity() * 1e-6;
+  const NdtMatch match = NdtMatcher().match(points, map, nothing, MotionState{}, NdtOptions{});
+  EXPECT_TRUE(match.converged);
+  const Vector12d error = difference(truth, match.state);
+  EXPECT_LT(error.head<3>().norm(), 0.01);
+  EXPECT_LT(error.segment<3>(3).norm(), 0.002);
+  EXPECT_LT(error.segment<3>(6).norm(), 0.4);
+  EXPECT_LT(error.tail<3>().norm(), 0.05);
+}
+
+TEST(NdtMatcher, AllNeighborSearchesAgree) {
+  GaussianVoxelMap map = corner_map();
+  const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 4000, 0.01));
+  MotionBelief weak;
+  weak.information = Matrix12d::Identity();
+  MotionState start;
+  start.T_map_sensor.translation = {0.3, 0.2, -0.1};
+  for (const auto search :
+       {NeighborSearch::kDirect1, NeighborSearch::kDirect7, NeighborSearch::kKdTree}) {
+    NdtOptions options;
+    options.neighbor_search = search;
+    const NdtMatch match = NdtMatcher().match(points, map, weak, start, options);
+    EXPECT_LT(match.state.T_map_sensor.translation.norm(), 0.03);
+  }
+}
+
+TEST(NdtMatcher, SaysThatNothingFits) {
+  GaussianVoxelMap empty(1.0, 64);
+  const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 1000, 0.01));
+  MotionBelief weak;
+  weak.information = Matrix12d::Identity();
+  const NdtMatch match = NdtMatcher().match(points, empty, weak, MotionState{}, NdtOptions{});
+  EXPECT_EQ(match.overlap, 0.0);
+  EXPECT_EQ(match.quality, 0.0);
+}
+
+struct Arrays {
+  std::vector<float> x, y, z, s, nx, ny, nz, d;
+
+  explicit Arrays(std::size_t count) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<float> coordinate(-20.0F, 20.0F);
+    for (auto* array : {&x, &y, &z, &s, &nx, &ny, &nz, &d}) {
+      for (std::size_t i = 0; i < count; ++i) array->push_back(coordinate(engine));
+    }
+    for (float& time : s) time *= 0.002F;
+  }
+};
+
+SweepMotion some_motion() {
+  SweepMotion motion{};
+  const Eigen::Matrix3f R = exp_so3({0.1, 0.2, -0.4}).toRotationMatrix().cast<float>();
+  for (int i = 0; i < 9; ++i) motion.rotation[i] = R(i / 3, i % 3);
+  motion.translation[0] = 1.0F;
+  motion.velocity[0] = 12.0F;
+  motion.angular_velocity[2] = 0.5F;
+  return motion;
+}
+
+// The same poses on machines with and without AVX2.
+TEST(NdtKernels, WiderInstructionsGiveTheSameBits) {
+  if (avx2_ndt_kernels() == nullptr) GTEST_SKIP() << "this processor has no AVX2";
+  constexpr std::size_t kCount = 512;
+  const Arrays in(kCount);
+  const SweepArrays points{in.x.data(), in.y.data(), in.z.data(), in.s.data()};
+  const float* const planes[4] = {in.nx.data(), in.ny.data(), in.nz.data(), in.d.data()};
+  const SweepMotion motion = some_motion();
+  NdtSums sums[2];
+  std::vector<float> q[2][3];
+  std::vector<std::int32_t> cells[2];
+  for (const int k : {0, 1}) {
+    const NdtKernels& kernels = k == 0 ? portable_ndt_kernels() : *avx2_ndt_kernels();
+    for (auto& array : q[k]) array.resize(kCount);
+    cells[k].resize(kCount);
+    kernels.place(motion, 1.0F, points, kCount, q[k][0].data(), q[k][1].data(), q[k][2].data(),
+                  cells[k].data());
+    kernels.accumulate(q[k][0].data(), q[k][1].data(), q[k][2].data(), planes, motion.translation,
+                       1e4F, kCount, &sums[k]);
+  }
+  EXPECT_EQ(cells[0], cells[1]);
+  for (const int axis : {0, 1, 2}) EXPECT_EQ(q[0][axis], q[1][axis]);
+  for (int i = 0; i < 21; ++i) EXPECT_EQ(sums[0].hessian[i], sums[1].hessian[i]) << i;
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(sums[0].gradient[i], sums[1].gradient[i]) << i;
+}
+
+// The gradient of half the squared residual, against central differences.
+TEST(NdtKernels, GradientAgreesWithNumericalDerivatives) {
+  const Eigen::Vector3d p(7.0, -4.0, 2.0);
+  const Eigen::Vector3d normal(0.3, 0.5, -0.2);
+  const double offset = 1.3;
+  const Pose T{exp_so3({0.1, 0.2, -0.4}), {1.0, 2.0, 3.0}};
+  const auto residual = [&](const Vector6d& d) {
+    const Eigen::Vector3d x = exp_so3(d.tail<3>()) * (T.rotation * p) + T.translation + d.head<3>();
+    return normal.dot(x) - offset;
+  };
+  std::vector<float> q[3], planes[4];
+  const Eigen::Vector3d rotated = T.rotation * p;
+  for (int lane = 0; lane < static_cast<int>(kNdtLanes); ++lane) {
+    for (int axis = 0; axis < 3; ++axis) {
+      q[axis].push_back(static_cast<float>(rotated[axis]));
+      planes[axis].push_back(lane == 0 ? static_cast<float>(normal[axis]) : 0.0F);
+    }
+    planes[3].push_back(static_cast<float>(offset));
+  }
+  const float* const arrays[4] = {planes[0].data(), planes[1].data(), planes[2].data(),
+                                  planes[3].data()};
+  const float translation[3] = {1.0F, 2.0F, 3.0F};
+  NdtSums sums{};
+  portable_ndt_kernels().accumulate(q[0].data(), q[1].data(), q[2].data(), arrays, translation,
+                                    1e9F, kNdtLanes, &sums);
+  for (int axis = 0; axis < 6; ++axis) {
+    Vector6d d = Vector6d::Zero();
+    d[axis] = 1e-5;
+    const double numerical = (std::pow(residual(d), 2) - std::pow(residual(-d), 2)) / (4.0 * 1e-5);
+    EXPECT_NEAR(sums.gradient[axis], numerical, 1e-4 * (1.0 + std::abs(numerical))) << axis;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::registration
