@@ -201,8 +201,8 @@ void GaussianVoxelMap::update_plane(Voxel& voxel) const {
       (free * values[0] + prior * model_.prior_sigma * model_.prior_sigma) / (free + prior) +
       model_.sigma * model_.sigma;
   const double roundness = values[2] > 0.0 ? values[1] / values[2] : 0.0;
-  const double trust =
-      std::clamp((roundness - model_.line_floor) / (model_.line_ratio - model_.line_floor), 0.0, 1.0);
+  const double trust = std::clamp(
+      (roundness - model_.line_floor) / (model_.line_ratio - model_.line_floor), 0.0, 1.0);
   const Eigen::Vector3d normal = solver.eigenvectors().col(0) * (trust / std::sqrt(variance));
   const Eigen::Vector3d mean =
       Eigen::Vector3d(voxel.sum[0], voxel.sum[1], voxel.sum[2]) / static_cast<double>(voxel.count);
