@@ -202,6 +202,7 @@ void PreprocessingNode::report() {
   set("scans without transform", counters.scans_without_extrinsic);
   set("scans without points", counters.scans_without_points);
   set("scans out of order", counters.scans_out_of_order);
+  set("scans forgotten when time went back", counters.scans_forgotten);
   set("scans completed early", counters.scans_waiting_too_long);
   set("points not finite", counters.points_not_finite);
   set("samples refused", counters.samples_refused);

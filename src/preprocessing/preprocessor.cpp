@@ -137,6 +137,7 @@ class Preprocessor::Impl {
                               "; all buffers are empty now (a recording that begins anew?)");
     sensors_.clear();
     gnss_.clear();
+    counters_.scans_forgotten += waiting_.size();
     waiting_.clear();
     has_output_ = false;
     newest_ = 0;
