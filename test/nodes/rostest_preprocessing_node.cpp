@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+
+#include "listener.hpp"
+#include "node_process.hpp"
+#include "yard.hpp"
+
+namespace lidar_mapping::test {
+namespace {
+
+using ros_border::from_ros;
+using ros_border::to_ros;
+
+constexpr Stamp kBegin = 1317384506123456789;
+constexpr Stamp kPeriod = 100000000;
+
+Stamp stamp_of(int step) { return kBegin + step * kPeriod; }
+
+class PreprocessingNode : public testing::Test {
+ protected:
+  PreprocessingNode()
+      : node_("preprocessing_node", {"_max_latency:=2.0"}),
+        clouds_(connected_publisher<sensor_msgs::PointCloud2>("points")),
+        imu_(connected_publisher<sensor_msgs::Imu>("imu")),
+        gnss_(connected_publisher<sensor_msgs::NavSatFix>("gnss")) {
+    EXPECT_TRUE(wait_until([&] { return synced_.connected() && synced_gnss_.connected(); }));
+  }
+
+  void send_cloud(int step) {
+    clouds_.publish(
+        ros_border::to_message(yard_seen_from(straight(step), 7U), stamp_of(step), "lidar"));
+  }
+  void send_samples(Stamp stamp) {
+    sensor_msgs::Imu imu;
+    imu.header.stamp = to_ros(stamp);
+    imu.header.frame_id = "/lidar";  // as tf 1 wrote it
+    imu.orientation.w = 1.0;
+    imu.linear_acceleration.z = 9.81;
+    imu_.publish(imu);
+    sensor_msgs::NavSatFix fix;
+    fix.header = imu.header;
+    fix.latitude = 49.0;
+    fix.longitude = 8.4;
+    gnss_.publish(fix);
+  }
+  void send_transform() {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "base_link";
+    transform.child_frame_id = "lidar";
+    transform.transform.translation.z = 2.0;
+    transform.transform.rotation.w = 1.0;
+    transforms_.sendTransform(transform);
+  }
+
+  NodeProcess node_;
+  ros::Publisher clouds_, imu_, gnss_;
+  tf2_ros::StaticTransformBroadcaster transforms_;
+  Listener<sensor_msgs::PointCloud2> synced_{"synced_cloud"};
+  Listener<sensor_msgs::Imu> synced_imu_{"synced_imu"};
+  Listener<nav_msgs::Odometry> synced_gnss_{"synced_gnss"};
+};
+
+// F1, F8, F12, F21: late tf, the LiDAR with and without other sensors, stamps bit for bit.
+TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
+  for (int step = 0; step < 5; ++step) send_cloud(step);
+  EXPECT_FALSE(synced_.wait_for(1, 0.5));
+  send_transform();
+  for (int step = 5; step < 10; ++step) {
+    send_samples(stamp_of(step) - kPeriod / 2);
+    send_cloud(step);
+  }
+  send_samples(stamp_of(9) + kPeriod / 2);
+  ASSERT_TRUE(synced_.wait_for(10));
+  for (int step = 0; step < 10; ++step) {
+    const auto& message = synced_.messages[static_cast<std::size_t>(step)];
+    EXPECT_EQ(from_ros(message.header.stamp), stamp_of(step));
+    EXPECT_EQ(message.header.frame_id, "base_link");
+  }
+  ASSERT_TRUE(synced_imu_.wait_for(5));
+  ASSERT_TRUE(synced_gnss_.wait_for(5));
+  EXPECT_EQ(from_ros(synced_imu_.messages.back().header.stamp), stamp_of(9));
+  EXPECT_EQ(from_ros(synced_gnss_.messages.back().header.stamp), stamp_of(9));
+  EXPECT_TRUE(node_.is_running());
+}
+
+// F5, F20: clouds without points or cut off.
+TEST_F(PreprocessingNode, SurvivesUnusableClouds) {
+  send_transform();
+  sensor_msgs::PointCloud2 empty;
+  empty.header.frame_id = "lidar";
+  empty.header.stamp = to_ros(stamp_of(0));
+  clouds_.publish(empty);
+  auto cut = ros_border::to_message(yard_seen_from(straight(1), 7U), stamp_of(1), "lidar");
+  cut.data.resize(cut.data.size() / 2);
+  clouds_.publish(cut);
+  for (int step = 2; step < 8; ++step) send_cloud(step);
+  ASSERT_TRUE(synced_.wait_for(6));
+  EXPECT_EQ(from_ros(synced_.messages.front().header.stamp), stamp_of(2));
+  EXPECT_TRUE(node_.is_running());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::test
