@@ -17,7 +17,9 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
     return;
   }
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  // TBB complains aloud when an arena asks for more threads than there are cores.
+  const int cores = tbb::this_task_arena::max_concurrency();
+  tbb::task_arena arena(threads > 0 ? std::min(threads, cores) : tbb::task_arena::automatic);
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });
 }
 

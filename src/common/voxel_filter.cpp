@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 
 namespace lidar_mapping {
 
@@ -13,13 +12,39 @@ struct Cell {
   bool operator==(const Cell& other) const { return x == other.x && y == other.y && z == other.z; }
 };
 
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
-    std::uint64_t hash = static_cast<std::uint64_t>(cell.x) * 0x9E3779B97F4A7C15ULL;
-    hash ^= static_cast<std::uint64_t>(cell.y) * 0xC2B2AE3D27D4EB4FULL;
-    hash ^= static_cast<std::uint64_t>(cell.z) * 0x165667B19E3779F9ULL;
-    return static_cast<std::size_t>(hash ^ (hash >> 29));
+std::size_t hash_of(const Cell& cell) {
+  std::uint64_t hash = static_cast<std::uint64_t>(cell.x) * 0x9E3779B97F4A7C15ULL;
+  hash ^= static_cast<std::uint64_t>(cell.y) * 0xC2B2AE3D27D4EB4FULL;
+  hash ^= static_cast<std::uint64_t>(cell.z) * 0x165667B19E3779F9ULL;
+  return static_cast<std::size_t>(hash ^ (hash >> 29));
+}
+
+/// Numbers cells in the order in which they are first seen: a flat table with linear probing, never
+/// more than half full.
+class CellNumbers {
+ public:
+  explicit CellNumbers(std::size_t most_cells) {
+    std::size_t capacity = 16;
+    while (capacity < 2 * most_cells) capacity *= 2;
+    slots_.assign(capacity, kFree);
   }
+
+  /// The number of the cell; the next free one if it is new.
+  std::size_t number_of(const Cell& cell) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = hash_of(cell) & mask;
+    while (slots_[slot] != kFree && !(cells_[slots_[slot]] == cell)) slot = (slot + 1) & mask;
+    if (slots_[slot] == kFree) {
+      slots_[slot] = static_cast<std::uint32_t>(cells_.size());
+      cells_.push_back(cell);
+    }
+    return slots_[slot];
+  }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> slots_;
+  std::vector<Cell> cells_;
 };
 
 /// Offsets are summed relative to the voxel's first point: sums stay small, so double means exact.
@@ -35,8 +60,7 @@ struct Sums {
 
 PointCloud voxel_filtered(const PointCloud& cloud, double resolution) {
   if (resolution <= 0.0) return cloud;
-  std::unordered_map<Cell, std::size_t, CellHash> slots;
-  slots.reserve(cloud.size());
+  CellNumbers numbers(cloud.size());
   std::vector<Sums> voxels;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Point& point = cloud.points[i];
@@ -45,12 +69,12 @@ PointCloud voxel_filtered(const PointCloud& cloud, double resolution) {
     const Eigen::Vector3d scaled = (p / resolution).array().floor();
     const Cell cell{static_cast<std::int64_t>(scaled.x()), static_cast<std::int64_t>(scaled.y()),
                     static_cast<std::int64_t>(scaled.z())};
-    const auto [slot, inserted] = slots.try_emplace(cell, voxels.size());
-    if (inserted) {
+    const std::size_t number = numbers.number_of(cell);
+    if (number == voxels.size()) {
       voxels.emplace_back();
       voxels.back().first = p;
     }
-    Sums& sums = voxels[slot->second];
+    Sums& sums = voxels[number];
     sums.offset += p - sums.first;
     sums.intensity += point.intensity;
     if (cloud.has_times()) sums.time += cloud.times[i];

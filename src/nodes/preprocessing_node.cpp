@@ -61,12 +61,17 @@ class PreprocessingNode {
 };
 
 PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
-    : config_(config), context_(context), stage_(config.stage, [this](const std::string& frame) {
-        return frame.empty() ? std::nullopt : frames_.lookup(config_.node.base_frame, frame);
-      }) {
+    : config_(config),
+      context_(context),
+      doctor_(std::make_unique<preprocessing::InputDoctor>(config.stage)),
+      stage_(config.stage, [this](const std::string& frame) { return T_base(frame); }) {
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
+  constexpr bool kOnce = true;
+  patience_ = context.node.createWallTimer(
+      ros::WallDuration(kPatience), [this](const ros::WallTimerEvent&) { say_if_nothing_came(); },
+      kOnce);
 }
 
 void PreprocessingNode::advertise() {

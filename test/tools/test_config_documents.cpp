@@ -31,6 +31,16 @@ TEST(ConfigDocuments, ShippedFilesAreThoseOfTheSchemas) {
   }
 }
 
+TEST(ConfigDocuments, ManualHasTheTablesOfTheSchemas) {
+  std::ifstream file("../doc/parameters.md", std::ios::binary);
+  const std::string manual{std::istreambuf_iterator<char>(file), {}};
+  for (const ConfigDocument& document : config_documents()) {
+    EXPECT_NE(manual.find(document.markdown), std::string::npos)
+        << "write the table again: rosrun lidar_mapping describe_config --markdown "
+        << document.stage;
+  }
+}
+
 template <typename Config>
 void expect_loads_as_default() {
   const auto loaded = config::load_file<Config>(shipped_path(Config::schema().stage()));
