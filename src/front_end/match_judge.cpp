@@ -12,7 +12,7 @@ constexpr double kDoubtfulQuality = 0.75;
 constexpr double kPoorQuality = 0.6;
 constexpr double kLostQuality = 0.4;
 /// Below this overlap, whatever is usual, a match says nothing.
-constexpr double kMinOverlap = 0.1;
+constexpr double kMinOverlap = 0.05;
 /// A wrong pose lets less than half of the pairs fit.
 constexpr double kMinPairQuality = 0.45;
 // Distance from the prediction in standard deviations.
