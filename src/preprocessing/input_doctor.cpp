@@ -112,7 +112,7 @@ void InputDoctor::see_scan(const CloudSummary& cloud) {
 
 void InputDoctor::see_imu(const ImuSample& sample, const std::string& frame_id) {
   imu_flow_.see(sample.stamp, frame_id);
-  if (!is_finite(sample)) return;
+  if (!is_plausible(sample)) return;
   sum_of_accelerations_ += sample.linear_acceleration;
   fastest_turn_ = std::max(fastest_turn_, sample.angular_velocity.norm());
   has_orientation_ = has_orientation_ || sample.orientation.has_value();
@@ -121,7 +121,7 @@ void InputDoctor::see_imu(const ImuSample& sample, const std::string& frame_id) 
 
 void InputDoctor::see_velocity(const VelocitySample& sample, const std::string& frame_id) {
   velocity_flow_.see(sample.stamp, frame_id);
-  if (is_finite(sample)) keep(velocity_, sample);
+  if (is_plausible(sample)) keep(velocity_, sample);
 }
 
 void InputDoctor::see_gnss(const GnssFix& fix, const std::string& frame_id) {

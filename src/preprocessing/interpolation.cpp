@@ -4,6 +4,10 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
+constexpr double kFastest = 200.0;        // m/s
+constexpr double kFastestTurn = 5000.0;   // rad/s; also as degrees more than any gyro measures
+constexpr double kHardestShock = 5000.0;  // m/s^2
+
 /// Share of the way from a to b, 0 for equal stamps. The difference is taken in integers.
 double fraction(Stamp a, Stamp b, Stamp stamp) {
   return a == b ? 0.0 : static_cast<double>(stamp - a) / static_cast<double>(b - a);
@@ -52,12 +56,14 @@ VelocitySample in_base(const VelocitySample& sample, const Pose& T_base_sensor) 
   return result;
 }
 
-bool is_finite(const ImuSample& sample) {
-  return sample.angular_velocity.allFinite() && sample.linear_acceleration.allFinite();
+// Comparisons with NaN are false.
+bool is_plausible(const ImuSample& sample) {
+  return sample.angular_velocity.norm() < kFastestTurn &&
+         sample.linear_acceleration.norm() < kHardestShock;
 }
 
-bool is_finite(const VelocitySample& sample) {
-  return sample.linear.allFinite() && sample.angular.allFinite();
+bool is_plausible(const VelocitySample& sample) {
+  return sample.linear.norm() < kFastest && sample.angular.norm() < kFastestTurn;
 }
 
 }  // namespace lidar_mapping::preprocessing

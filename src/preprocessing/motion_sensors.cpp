@@ -62,7 +62,7 @@ MotionSensors::MotionSensors(const PreprocessingConfig& config, const Extrinsics
       velocity_("velocity", config.use_velocity, config.velocity_max_gap) {}
 
 Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) {
-  if (!is_finite(sample)) return Insertion::kRefused;
+  if (!is_plausible(sample)) return Insertion::kRefused;
   sample.stamp += imu_offset_;
   sample.linear_acceleration *= acceleration_unit_;
   sample.angular_velocity *= angular_unit_;
@@ -81,7 +81,7 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
 }
 
 Insertion MotionSensors::add_velocity(VelocitySample sample, const std::string& frame_id) {
-  if (!is_finite(sample)) return Insertion::kRefused;
+  if (!is_plausible(sample)) return Insertion::kRefused;
   sample.stamp += velocity_offset_;
   velocity_turns_ = velocity_turns_ || !sample.angular.isZero(0.0);
   return velocity_.insert(sample, frame_id);

@@ -14,8 +14,8 @@ VelocitySample interpolated(const VelocitySample& a, const VelocitySample& b, St
 ImuSample in_base(const ImuSample& sample, const Pose& T_base_sensor);
 VelocitySample in_base(const VelocitySample& sample, const Pose& T_base_sensor);
 
-/// What a sample says about numbers only: finite everywhere.
-bool is_finite(const ImuSample& sample);
-bool is_finite(const VelocitySample& sample);
+/// Finite, and no faster than anything that carries a LiDAR.
+bool is_plausible(const ImuSample& sample);
+bool is_plausible(const VelocitySample& sample);
 
 }  // namespace lidar_mapping::preprocessing
