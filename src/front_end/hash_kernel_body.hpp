@@ -50,15 +50,15 @@ void hash_points(const float* points, std::size_t stride, std::size_t count, con
   const std::size_t step = 4 * stride;
   std::size_t i = 0;
   for (; i + kLanes <= count; i += kLanes) {
-    Floats x, y, z;
-    Words words;
+    Floats x{}, y{}, z{};
+    Words words{};
     gather(points + i * step, step, x, y, z);
     hash_lanes(x, y, z, rule, words);
     for (std::size_t lane = 0; lane < kLanes; ++lane) hashes[i + lane] = words[lane];
   }
   for (; i < count; ++i) {
     const float* point = points + i * step;
-    Words words;
+    Words words{};
     hash_lanes(Floats{} + point[0], Floats{} + point[1], Floats{} + point[2], rule, words);
     hashes[i] = words[0];
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "ndt_kernels.hpp"
 
@@ -54,13 +55,14 @@ void NdtPoints::assign(const std::vector<float>& x, const std::vector<float>& y,
   // A counting sort that keeps the order within a slice.
   std::array<std::size_t, kSlices + 1> begin{};
   for (std::size_t i = 0; i < x.size(); ++i) ++begin[slice_of(i) + 1];
-  for (std::size_t k = 0; k < kSlices; ++k) begin[k + 1] += begin[k];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
   order_.resize(x.size());
   auto next = begin;
   for (std::size_t i = 0; i < x.size(); ++i) order_[next[slice_of(i)]++] = i;
   for (std::size_t k = 0; k < kSlices; ++k) {
     const std::size_t slice_begin = x_.size();
-    for (std::size_t j = begin[k]; j < begin[k + 1]; ++j) {
+    // After the sort next[k] stands at the end of slice k.
+    for (std::size_t j = begin[k]; j < next[k]; ++j) {
       const std::size_t i = order_[j];
       push(x[i], y[i], z[i], s[i]);
     }
