@@ -73,10 +73,9 @@ constexpr const char* kEmptyFile =
 
 PointCloud read_pcd(const std::filesystem::path& path) {
   const std::optional<std::size_t> points = points_in_header(path);
-  // PCL's reader refuses a cloud without points.
   if (points && *points == 0) return {};
   pcl::PCLPointCloud2 raw;
-  if (pcl::PCDReader().read(path.string(), raw) < 0) {
+  if (!points || pcl::PCDReader().read(path.string(), raw) < 0) {
     throw FileError("cannot read " + path.string() + ": missing or damaged PCD file");
   }
   return has_intensity(raw) ? from_pcl<pcl::PointXYZI>(raw) : from_pcl<pcl::PointXYZ>(raw);
