@@ -21,7 +21,7 @@ struct Gaussian {
 struct PlaneModel {
   int min_points = 5;
   double sigma = 0.015;       ///< m: of a point on a perfect plane
-  double prior_points = 0.5;  ///< so many points of an isotropic blob stand for prior doubt,
+  double prior_points = 1.5;  ///< so many points of an isotropic blob stand for prior doubt,
   double prior_sigma = 0.15;  ///< m: of this size
   double line_ratio = 0.2;    ///< below this ratio of the two large eigenvalues it is distrusted,
   double line_floor = 0.01;   ///< and from this on it is a line and no plane
