@@ -3,7 +3,9 @@
 #include <map>
 #include <memory>
 
+#include <XmlRpc.h>
 #include <gtest/gtest.h>
+#include <ros/network.h>
 #include <unistd.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -59,21 +61,46 @@ class Mapping : public testing::Test {
              poses_.connected() && ros::service::exists("save_map", false) &&
              ros::service::exists("optimize_map", false);
     }));
-    ASSERT_TRUE(
-        wait_until([] { return has_both_ends("synced_cloud") && has_both_ends("key_frame"); }));
+    for (const char* topic : {"synced_cloud", "synced_gnss", "synced_imu", "key_frame"}) {
+      ASSERT_TRUE(wait_until([&] { return is_connected(topic); })) << topic;
+    }
   }
-  /// True if the master knows who publishes the topic and who listens.
-  static bool has_both_ends(const std::string& topic) {
+  /// True if the topic's publisher has a connection to every node that listens: on a busy machine
+  /// these come long after the master knows both.
+  static bool is_connected(const std::string& topic) {
     XmlRpc::XmlRpcValue state, lists;
     const XmlRpc::XmlRpcValue caller(ros::this_node::getName());
     if (!ros::master::execute("getSystemState", caller, state, lists, false)) return false;
-    const auto is_in = [&](XmlRpc::XmlRpcValue& list) {
-      for (int i = 0; i < list.size(); ++i) {
-        if (static_cast<std::string>(list[i][0]) == "/" + topic) return true;
-      }
-      return false;
-    };
-    return is_in(lists[0]) && is_in(lists[1]);
+    const std::vector<std::string> publishers = nodes_at(lists[0], topic);
+    const std::vector<std::string> subscribers = nodes_at(lists[1], topic);
+    return publishers.size() == 1 && !subscribers.empty() &&
+           connections_of(publishers.front(), topic) >= subscribers.size();
+  }
+  static std::vector<std::string> nodes_at(XmlRpc::XmlRpcValue& topics, const std::string& topic) {
+    std::vector<std::string> nodes;
+    for (int i = 0; i < topics.size(); ++i) {
+      if (static_cast<std::string>(topics[i][0]) != "/" + topic) continue;
+      for (int k = 0; k < topics[i][1].size(); ++k) nodes.push_back(topics[i][1][k]);
+    }
+    return nodes;
+  }
+  /// How many subscribers the node is connected with, as it says itself (slave API, getBusInfo).
+  static std::size_t connections_of(const std::string& node, const std::string& topic) {
+    XmlRpc::XmlRpcValue request, answer, uri, bus;
+    request[0] = ros::this_node::getName();
+    request[1] = node;
+    if (!ros::master::execute("lookupNode", request, answer, uri, false)) return 0;
+    std::string host;
+    std::uint32_t port = 0;
+    if (!ros::network::splitURI(uri, host, port)) return 0;
+    XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
+    if (!client.execute("getBusInfo", request[0], bus) || bus.size() < 3) return 0;
+    std::size_t count = 0;
+    for (int i = 0; i < bus[2].size(); ++i) {
+      const bool is_output = static_cast<std::string>(bus[2][i][2]) == "o";
+      if (is_output && static_cast<std::string>(bus[2][i][4]) == "/" + topic) ++count;
+    }
+    return count;
   }
 
   /// Sends up to `count` scans; waits for the nodes to follow, three scans behind.
@@ -82,7 +109,7 @@ class Mapping : public testing::Test {
     while (sent < count && player_.send_next_scan()) {
       ++sent;
       ++sent_;
-      if (sent_ > 3) odometry_.wait_for(sent_ - 3, 5.0);
+      if (sent_ > 3 && !odometry_.wait_for(sent_ - 3)) break;
     }
     return sent;
   }
@@ -173,6 +200,7 @@ TEST_F(Mapping, IsCompleteAfterLoopClosingAndViewerWereKilledInMidDrive) {
   drive(25);
   start("loop_closing_node");
   start("map_viewer_node");
+  ASSERT_TRUE(wait_until([] { return is_connected("key_frame"); }));
   drive();
   ASSERT_TRUE(odometry_.wait_for(sent_));
   const OptimizeMap::Response optimized = optimize();
@@ -194,6 +222,9 @@ TEST_F(Mapping, GoesOnInANewSegmentAfterTheFrontEndWasKilled) {
   const std::size_t before = key_frames.messages.size();
   nodes_.at("front_end_node")->kill();
   start("front_end_node");
+  for (const char* topic : {"synced_cloud", "key_frame"}) {
+    ASSERT_TRUE(wait_until([&] { return is_connected(topic); })) << topic;
+  }
   while (key_frames.messages.size() < before + 3 && player_.send_next_scan()) {
     wait_until([&] { return key_frames.messages.size() >= before + 3; }, 0.1);
   }
