@@ -31,7 +31,7 @@ class Mapping : public testing::Test {
   static void SetUpTestSuite() {
     char name[] = "/tmp/lidar_mapping_test_XXXXXX";
     folder() = mkdtemp(name);
-    NodeProcess simulation("simulate_drive", {bag(), "--lidar", "vlp16", "--duration", "8"});
+    NodeProcess simulation("simulate_drive", {bag(), "--lidar", "vlp16", "--duration", "12"});
     ASSERT_EQ(simulation.wait(100.0), 0) << simulation.output();
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
