@@ -33,9 +33,16 @@ class FrontEndNode : public testing::Test {
   void start(std::vector<std::string> arguments) {
     arguments.push_back("_key_frame_distance:=1.9");
     node_.reset();
+    // The links to the node before must be gone, or they would be taken for the new node's.
+    clouds_ = ros::Publisher();
+    ASSERT_TRUE(wait_until([&] { return listeners_connected() == 0; }));
     node_ = std::make_unique<NodeProcess>("front_end_node", arguments);
     clouds_ = connected_publisher<sensor_msgs::PointCloud2>("synced_cloud");
-    ASSERT_TRUE(wait_until([&] { return odometry_.connected() && key_frames_.connected(); }));
+    ASSERT_TRUE(wait_until([&] { return listeners_connected() == 4; }));
+  }
+  int listeners_connected() const {
+    return int{odometry_.connected()} + int{key_frames_.connected()} + int{status_.connected()} +
+           int{tf_.connected()};
   }
   void send(int step) {
     clouds_.publish(

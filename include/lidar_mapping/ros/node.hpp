@@ -39,8 +39,12 @@ class SequenceGaps {
 /// Whether a topic comes from a node of this package, which numbers its messages without gaps.
 enum class Numbered { kNo, kYes };
 
-/// Subscribes `topic`; `handle` gets the messages in the worker's thread. The callback only posts.
-/// Up to `capacity` messages may wait.
+/// Messages that roscpp holds for a callback. The callback only posts, so they go on at once; a
+/// longer queue than any burst leaves all dropping, and its counting, to the worker.
+constexpr std::uint32_t kTransportQueue = 100;
+
+/// Subscribes `topic`; `handle` gets the messages in the worker's thread. Up to `capacity` messages
+/// may wait there.
 template <typename Message>
 ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
@@ -57,8 +61,8 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
         worker.post(channel, [handle, message] { handle(message); });
       };
   ros::SubscribeOptions options;
-  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(
-      topic, static_cast<std::uint32_t>(capacity), callback);
+  options.initByFullCallbackType<const ros::MessageEvent<const Message>&>(topic, kTransportQueue,
+                                                                          callback);
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return context.node.subscribe(options);
 }
