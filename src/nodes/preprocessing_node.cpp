@@ -139,8 +139,8 @@ void PreprocessingNode::say_what_was_found() {
   for (const auto& input : doctor_->report([this](const auto& frame) { return T_base(frame); })) {
     ROS_INFO_STREAM(input.input << ": " << input.found);
     context_.diagnostics.set(input.input, input.found);
-    for (const std::string& fault : input.faults) {
-      ROS_WARN_STREAM(input.input << ": " << fault);
+    for (const preprocessing::Finding& finding : input.findings) {
+      ROS_WARN_STREAM(input.input << ": " << sentence(finding));
     }
   }
 }

@@ -59,7 +59,10 @@ std::string all_faults(const Messages& messages, const PreprocessingConfig& conf
   std::string faults;
   for (const InputReport& report : doctor.report(lookup)) {
     EXPECT_FALSE(report.found.empty());
-    for (const std::string& fault : report.faults) faults += report.input + ": " + fault + "\n";
+    for (const Finding& finding : report.findings) {
+      EXPECT_FALSE(finding.remedy.empty()) << finding.text;
+      faults += report.input + ": " + sentence(finding) + "\n";
+    }
   }
   return faults;
 }

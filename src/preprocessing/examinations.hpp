@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "lidar_mapping/preprocessing/input_doctor.hpp"
+
+#include "sensor_record.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+using ImuRecord = SensorRecord<ImuSample>;
+using VelocityRecord = SensorRecord<VelocitySample>;
+
+struct PointsRecord {
+  TopicFlow flow;
+  CloudSummary cloud;  ///< the last with points
+};
+
+struct GnssRecord {
+  TopicFlow flow;
+  SensorRecord<GnssFix> good;
+  std::map<std::string, std::size_t> refused;  ///< how often, for what
+  bool covariance_known = true;
+};
+
+// What the sensors sent, in a line each, and what is wrong with it. Offsets and units are found by
+// comparison with the velocity, where there is one.
+
+InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                    const PreprocessingConfig& config);
+InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
+                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+InputReport examine(const VelocityRecord& velocity, const ExtrinsicLookup& lookup);
+InputReport examine(const GnssRecord& gnss, const VelocityRecord& velocity,
+                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "lidar_mapping/preprocessing/interpolation.hpp"
+
+#include "examinations.hpp"
+#include "time_offset.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+constexpr double kNoRadians = 12.0;          // rad/s; nobody maps while turning twice a second
+constexpr double kSignificantOffset = 0.02;  // s
+
+/// Turning about the vertical of base_link, or about the sensor's where its place is not known.
+template <typename Sample, typename Rate>
+std::vector<TimedValue> turning(const std::vector<Sample>& samples, Rate Sample::*rate,
+                                const std::optional<Pose>& T_base_sensor) {
+  const Eigen::Quaterniond R =
+      T_base_sensor ? T_base_sensor->rotation : Eigen::Quaterniond::Identity();
+  std::vector<TimedValue> result;
+  for (const Sample& sample : samples) result.push_back({sample.stamp, (R * (sample.*rate)).z()});
+  return result;
+}
+
+/// Slope of the line through the origin that leads from x to y, at equal stamps (interpolated).
+std::optional<double> ratio(const std::vector<TimedValue>& y, const std::vector<TimedValue>& x) {
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  std::size_t i = 0;
+  for (const TimedValue& value : y) {
+    while (i + 1 < x.size() && x[i + 1].stamp < value.stamp) ++i;
+    if (i + 1 >= x.size()) break;
+    xx += x[i].value * x[i].value;
+    xy += x[i].value * value.value;
+    yy += value.value * value.value;
+  }
+  const bool moves = xx > 1e-3 * static_cast<double>(y.size());
+  if (!moves || xy * xy < 0.5 * xx * yy) return std::nullopt;  // not the same course
+  return xy / xx;
+}
+
+void judge_offset(const std::optional<TimeOffset>& offset, InputReport& report) {
+  if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
+      std::abs(offset->seconds) < 4.0 * offset->sigma || offset->sigma > 0.02) {
+    return;
+  }
+  add_fault(report,
+            text("its stamps are %.0f ms %s than those of the velocity for the same motion",
+                 1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
+            text("set imu_time_offset to %.3f", -offset->seconds));
+}
+
+Eigen::Vector3d mean_acceleration(const std::vector<ImuSample>& samples) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ImuSample& sample : samples) sum += sample.linear_acceleration;
+  return sum / static_cast<double>(samples.size());
+}
+
+double fastest_turn(const std::vector<ImuSample>& samples) {
+  double fastest = 0.0;
+  for (const ImuSample& sample : samples) {
+    fastest = std::max(fastest, sample.angular_velocity.norm());
+  }
+  return fastest;
+}
+
+/// `mean` is that of the accelerations as they are sent, `gravity` its length in m/s^2.
+void judge_gravity(const Eigen::Vector3d& mean, double gravity,
+                   const std::optional<Pose>& T_base_imu, InputReport& report) {
+  if (gravity > 0.9 && gravity < 1.1) {
+    add_fault(report, "its accelerations are in g", "set imu_acceleration_unit to G");
+  } else if (gravity < 8.8 || gravity > 10.8) {
+    add_fault(report, text("mean acceleration of %.2f m/s2 is not gravity", gravity),
+              "gravity was taken off, or the unit is another; mend the driver");
+  } else if (T_base_imu && (T_base_imu->rotation * mean).z() < 0.0) {
+    add_fault(report, "gravity has the wrong sign, or the IMU is mounted upside down",
+              "an IMU at rest reports +g upward (REP 145); mend the driver or the transform");
+  }
+}
+
+void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
+                 const ExtrinsicLookup& lookup, AngularUnit unit, InputReport& report) {
+  const auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.flow.frame()));
+  const auto reference =
+      turning(velocity.samples, &VelocitySample::angular, lookup(velocity.flow.frame()));
+  const auto scale = ratio(rates, reference);
+  const bool degrees =
+      (scale && *scale > 0.5 * kDegreesPerRadian) || fastest_turn(imu.samples) > kNoRadians;
+  if (degrees && unit == AngularUnit::kRadians) {
+    add_fault(report, "its rates are in degrees/s", "set imu_angular_unit to DEG_PER_S");
+  } else if (scale && *scale < 0.0) {
+    add_fault(report, "it turns against the velocity's turning", "mend the transform");
+  } else {
+    judge_offset(time_offset(reference, rates), report);
+  }
+}
+
+}  // namespace
+
+InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
+                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
+  InputReport report = examine_headers("imu", imu.flow, lookup);
+  if (imu.samples.empty()) return report;
+  const Eigen::Vector3d mean = mean_acceleration(imu.samples);
+  const bool in_g = config.imu_acceleration_unit == AccelerationUnit::kStandardGravity;
+  const double gravity = mean.norm() * (in_g ? kGravity : 1.0);
+  const bool has_orientation =
+      std::any_of(imu.samples.begin(), imu.samples.end(),
+                  [](const ImuSample& sample) { return sample.orientation.has_value(); });
+  report.found += text(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
+                       fastest_turn(imu.samples), has_orientation ? "with" : "without");
+  judge_gravity(mean, gravity, lookup(imu.flow.frame()), report);
+  judge_rates(imu, velocity, lookup, config.imu_angular_unit, report);
+  return report;
+}
+
+InputReport examine(const VelocityRecord& velocity, const ExtrinsicLookup& lookup) {
+  InputReport report = examine_headers("velocity", velocity.flow, lookup);
+  if (velocity.samples.empty()) return report;
+  const auto T_base_velocity = lookup(velocity.flow.frame());
+  double ahead = 0.0, aside = 0.0, fastest = 0.0;
+  for (const VelocitySample& sample : velocity.samples) {
+    const Eigen::Vector3d v =
+        T_base_velocity ? in_base(sample, *T_base_velocity).linear : sample.linear;
+    ahead += v.x() * v.x();
+    aside += v.y() * v.y();
+    fastest = std::max(fastest, v.norm());
+  }
+  report.found += text(", up to %.1f m/s", fastest);
+  if (aside > 0.25 * ahead && fastest > 2.0) {
+    add_fault(report, "it points aside as much as ahead",
+              "it is not in the axes of its frame (of the map instead?), or the transform is "
+              "wrong; mend one of them");
+  }
+  return report;
+}
+
+}  // namespace lidar_mapping::preprocessing

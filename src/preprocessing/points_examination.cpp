@@ -1,0 +1,57 @@
+#include <algorithm>
+
+#include "examinations.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kShortOfPeriods = 3.5;  // periods without a scan
+
+void judge_times(const CloudSummary& cloud, const PreprocessingConfig& config,
+                 InputReport& report) {
+  if (cloud.time_field.empty()) {
+    report.found += ", no point times";
+    if (config.point_times == PointTimes::kField) {
+      add_warning(report, "the points have no times",
+                  "right if the scans are motion-compensated; for raw ones set point_times to "
+                  "AZIMUTH");
+    }
+    return;
+  }
+  report.found += text(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
+                       cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
+                       cloud.first_time, cloud.last_time);
+  const double span = cloud.last_time - cloud.first_time;
+  if (span < 0.5 * config.scan_period || span > 1.5 * config.scan_period) {
+    add_fault(
+        report,
+        text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period),
+        "mend scan_period or point_time_unit");
+  }
+  if (cloud.foreign_clock) {
+    add_warning(report, "the points' times are of another clock than the stamps",
+                "they are counted from the first point; synchronise the sensor (PTP, PPS)");
+  }
+}
+
+}  // namespace
+
+InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                    const PreprocessingConfig& config) {
+  InputReport report = examine_headers("points", points.flow, lookup);
+  if (points.flow.count == 0) {
+    add_fault(report, "nothing came on the topic of the points", "remap `points`");
+    return report;
+  }
+  report.found += text(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
+  judge_times(points.cloud, config, report);
+  const double gap = to_seconds(points.flow.longest_gap);
+  if (gap > kShortOfPeriods / std::max(points.flow.rate(), 1e-3)) {
+    add_warning(report, text("%.1f s without a scan", gap),
+                "scans were lost when recording: record with a larger buffer (rosbag record -b)");
+  }
+  return report;
+}
+
+}  // namespace lidar_mapping::preprocessing

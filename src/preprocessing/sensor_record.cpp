@@ -1,0 +1,76 @@
+#include "sensor_record.hpp"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace lidar_mapping::preprocessing {
+
+std::string text(const char* format, ...) {
+  char buffer[400];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+std::string without_slash(const std::string& frame_id) {
+  return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
+}
+
+void TopicFlow::see(Stamp stamp, const std::string& frame) {
+  frame_id = frame;
+  if (count++ == 0) {
+    first = newest = stamp;
+    return;
+  }
+  if (stamp <= newest) {
+    ++backward;
+    return;
+  }
+  if (stamp - newest > longest_gap) {
+    longest_gap = stamp - newest;
+    gap_begin = newest;
+  }
+  newest = stamp;
+}
+
+double TopicFlow::rate() const {
+  const double seconds = to_seconds(newest - first);
+  return seconds > 0.0 ? static_cast<double>(count - 1) / seconds : 0.0;
+}
+
+void add_fault(InputReport& report, const std::string& text, const std::string& remedy) {
+  report.findings.push_back({Severity::kFault, text, remedy});
+}
+
+void add_warning(InputReport& report, const std::string& text, const std::string& remedy) {
+  report.findings.push_back({Severity::kWarning, text, remedy});
+}
+
+InputReport examine_headers(const std::string& input, const TopicFlow& flow,
+                            const ExtrinsicLookup& lookup) {
+  InputReport report{input, "nothing came", {}};
+  if (flow.count == 0) return report;
+  report.found = text("%.1f Hz, frame %s", flow.rate(),
+                      flow.frame_id.empty() ? "(none)" : flow.frame_id.c_str());
+  const std::string frame = flow.frame();
+  if (frame.empty()) {
+    add_fault(report, "the messages name no frame", "the driver must set header.frame_id");
+  } else if (!lookup(frame)) {
+    add_fault(report, "no transform from '" + frame + "' to base_link",
+              "publish it on /tf_static (static_transform_publisher)");
+  }
+  if (frame != flow.frame_id) {
+    add_warning(report, "frame '" + flow.frame_id + "' has a leading slash, which tf2 refuses",
+                "it is left out here; mend the driver");
+  }
+  if (flow.newest == 0) add_fault(report, "the stamps are 0", "the driver must stamp its messages");
+  if (flow.backward > 0) {
+    add_fault(report, text("%zu of %zu stamps do not increase", flow.backward, flow.count),
+              "two publishers on one topic, or a recording that begins anew; keep one of them");
+  }
+  return report;
+}
+
+}  // namespace lidar_mapping::preprocessing

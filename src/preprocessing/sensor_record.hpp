@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/finding.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// A sentence as printf makes it.
+__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
+
+/// The frame as tf2 knows it: without a leading slash.
+std::string without_slash(const std::string& frame_id);
+
+/// What the headers of a topic say.
+struct TopicFlow {
+  std::size_t count = 0;
+  std::size_t backward = 0;  ///< stamps that are not later than all before
+  Stamp first = 0;
+  Stamp newest = 0;
+  Stamp longest_gap = 0;
+  Stamp gap_begin = 0;
+  std::string frame_id;
+
+  void see(Stamp stamp, const std::string& frame);
+  double rate() const;  ///< Hz
+  std::string frame() const { return without_slash(frame_id); }
+};
+
+/// Messages of a sensor: their flow and, up to a limit, those whose values can be used.
+template <typename Sample>
+struct SensorRecord {
+  static constexpr std::size_t kMostKept = 50000;
+
+  TopicFlow flow;
+  std::vector<Sample> samples;
+
+  void keep(const Sample& sample) {
+    if (samples.size() < kMostKept) samples.push_back(sample);
+  }
+};
+
+/// The report of an input as far as its headers go: rate, frame, transform, stamps.
+InputReport examine_headers(const std::string& input, const TopicFlow& flow,
+                            const ExtrinsicLookup& lookup);
+
+void add_fault(InputReport& report, const std::string& text, const std::string& remedy);
+void add_warning(InputReport& report, const std::string& text, const std::string& remedy);
+
+}  // namespace lidar_mapping::preprocessing

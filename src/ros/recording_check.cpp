@@ -1,0 +1,169 @@
+#include "lidar_mapping/ros/recording_check.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <geometry_msgs/TwistStamped.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2/buffer_core.h>
+#include <tf2/exceptions.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using preprocessing::Finding;
+using preprocessing::InputReport;
+using preprocessing::Severity;
+using Bags = std::vector<const rosbag::Bag*>;
+
+/// Messages that hold a LiDAR's data, but no cloud, and what makes one of them.
+const std::map<std::string, std::string> kRawScans = {
+    {"livox_ros_driver/CustomMsg", "set xfer_format of the driver to 0 when recording"},
+    {"livox_ros_driver2/CustomMsg", "set xfer_format of the driver to 0 when recording"},
+    {"velodyne_msgs/VelodyneScan", "convert them with velodyne_pointcloud's transform node"},
+    {"ouster_ros/PacketMsg", "convert them with ouster_ros's replay.launch"},
+    {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
+    {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
+
+/// The topic of that type with most messages.
+std::string busiest_topic(const Bags& bags, const std::string& type) {
+  std::map<std::string, std::size_t> sizes;
+  for (const rosbag::Bag* bag : bags) {
+    rosbag::View view(*bag, rosbag::TypeQuery(type));
+    std::set<std::string> topics;
+    for (const auto* connection : view.getConnections()) topics.insert(connection->topic);
+    for (const std::string& topic : topics) {
+      sizes[topic] += rosbag::View(*bag, rosbag::TopicQuery(topic)).size();
+    }
+  }
+  const auto most = std::max_element(
+      sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == sizes.end() ? std::string() : most->first;
+}
+
+/// What to do about a recording without clouds.
+std::optional<Finding> raw_scans_in(const Bags& bags) {
+  for (const rosbag::Bag* bag : bags) {
+    rosbag::View view(*bag);
+    for (const auto* connection : view.getConnections()) {
+      const auto known = kRawScans.find(connection->datatype);
+      if (known == kRawScans.end()) continue;
+      return Finding{Severity::kFault,
+                     connection->topic + " holds " + connection->datatype + ", not PointCloud2",
+                     known->second};
+    }
+  }
+  return std::nullopt;
+}
+
+/// All transforms of a recording.
+class RecordedFrames {
+ public:
+  explicit RecordedFrames(std::string base_frame) : base_frame_(std::move(base_frame)) {}
+
+  void add(const tf2_msgs::TFMessage& message, bool is_static) {
+    for (geometry_msgs::TransformStamped transform : message.transforms) {
+      transform.header.frame_id = frame_name(transform.header.frame_id);
+      transform.child_frame_id = frame_name(transform.child_frame_id);
+      frames_.setTransform(transform, "recording", is_static);
+    }
+  }
+
+  std::optional<Pose> T_base(const std::string& frame) const {
+    if (frame == base_frame_) return Pose::Identity();
+    try {
+      return from_message(frames_.lookupTransform(base_frame_, frame, ros::Time(0)).transform);
+    } catch (const tf2::TransformException&) {
+      return std::nullopt;
+    }
+  }
+
+ private:
+  std::string base_frame_;
+  tf2::BufferCore frames_{ros::Duration(1e6)};
+};
+
+class Examination {
+ public:
+  Examination(const RecordingCheck& recording, const preprocessing::PreprocessingConfig& config)
+      : config_(config), doctor_(config), frames_(recording.base_frame) {}
+
+  void see(const rosbag::MessageInstance& message) {
+    if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
+      see(*cloud);
+    } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
+      doctor_.see_imu(from_message(*imu), imu->header.frame_id);
+    } else if (const auto velocity = message.instantiate<geometry_msgs::TwistStamped>()) {
+      doctor_.see_velocity(from_message(*velocity), velocity->header.frame_id);
+    } else if (const auto fix = message.instantiate<sensor_msgs::NavSatFix>()) {
+      doctor_.see_gnss(from_message(*fix), fix->header.frame_id);
+    } else if (const auto frames = message.instantiate<tf2_msgs::TFMessage>()) {
+      frames_.add(*frames, message.getTopic() == "/tf_static");
+    }
+  }
+
+  std::vector<InputReport> reports() const {
+    auto reports = doctor_.report([this](const auto& frame) { return frames_.T_base(frame); });
+    for (const std::string& problem : unreadable_) {
+      reports.front().findings.push_back({Severity::kFault, problem, "its clouds are dropped"});
+    }
+    return reports;
+  }
+
+ private:
+  void see(const sensor_msgs::PointCloud2& message) try {
+    doctor_.see_scan(summary_of(message, decode(message, config_)));
+  } catch (const InputError& error) {
+    unreadable_.insert(error.what());
+  }
+
+  preprocessing::PreprocessingConfig config_;
+  preprocessing::InputDoctor doctor_;
+  RecordedFrames frames_;
+  std::set<std::string> unreadable_;
+};
+
+}  // namespace
+
+SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted) {
+  const auto fill = [&](std::string& topic, const char* type) {
+    if (topic.empty()) topic = busiest_topic(bags, type);
+  };
+  fill(wanted.points, "sensor_msgs/PointCloud2");
+  fill(wanted.imu, "sensor_msgs/Imu");
+  fill(wanted.velocity, "geometry_msgs/TwistStamped");
+  fill(wanted.gnss, "sensor_msgs/NavSatFix");
+  return wanted;
+}
+
+std::vector<InputReport> check(const RecordingCheck& recording,
+                               const preprocessing::PreprocessingConfig& config) {
+  const SensorTopics& t = recording.topics;
+  rosbag::View view;
+  for (const rosbag::Bag* bag : recording.bags) {
+    view.addQuery(*bag, rosbag::TopicQuery(std::vector<std::string>{t.points, t.imu, t.velocity,
+                                                                    t.gnss, "/tf", "/tf_static"}));
+  }
+  Examination examination(recording, config);
+  for (const rosbag::MessageInstance& message : view) examination.see(message);
+  std::vector<InputReport> reports = examination.reports();
+  if (t.points.empty()) {
+    if (const auto finding = raw_scans_in(recording.bags)) reports.front().findings = {*finding};
+  }
+  return reports;
+}
+
+}  // namespace lidar_mapping::ros_border
