@@ -83,12 +83,14 @@ void RecordedBackEnd::add_floor(const Floor& floor) {
 }
 
 AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& solution,
-                                       double seconds) {
+                                       double seconds, bool keep_poses) {
   back_end_.apply(solution);
   AppliedSolution applied;
   applied.poses = poses();
-  session_.set_poses(applied.poses,
-                     record_of(back_end::report_of(solution), applied.poses.revision, seconds));
+  if (keep_poses) {
+    session_.set_poses(applied.poses,
+                       record_of(back_end::report_of(solution), applied.poses.revision, seconds));
+  }
   const std::vector<LoopVerdict> all = verdicts();
   opinions_.resize(all.size(), Verdict::kUndecided);
   for (std::size_t i = 0; i < all.size(); ++i) {

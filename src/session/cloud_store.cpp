@@ -40,6 +40,12 @@ bool CloudStore::contains(KeyFrameIndex index) const {
   return std::filesystem::is_regular_file(file(index));
 }
 
+bool CloudStore::holds(KeyFrameIndex index, const PointCloudPtr& cloud) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = entries_.find(index);
+  return found != entries_.end() && found->second->cloud == cloud;
+}
+
 std::size_t CloudStore::cached_bytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return bytes_;

@@ -73,6 +73,16 @@ class Session::Impl {
   CloudStore clouds;
 };
 
+class Session::Batch::Impl {
+ public:
+  explicit Impl(Database& database) : transaction(database) {}
+  Transaction transaction;
+};
+
+Session::Batch::Batch(Session& session) : impl_(std::make_unique<Impl>(session.impl_->database)) {}
+Session::Batch::~Batch() = default;
+void Session::Batch::commit() { impl_->transaction.commit(); }
+
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
@@ -113,7 +123,9 @@ void Session::add_key_frame(const KeyFrame& key_frame) {
     throw InputError("key frame " + std::to_string(key_frame.index) +
                      " is in the session already; one run must not use an index twice");
   }
-  if (key_frame.cloud) impl_->clouds.put(key_frame.index, key_frame.cloud);
+  if (key_frame.cloud && !impl_->clouds.holds(key_frame.index, key_frame.cloud)) {
+    impl_->clouds.put(key_frame.index, key_frame.cloud);
+  }
   impl_->insert("INSERT", "key_frames", to_cells(key_frame));
 }
 

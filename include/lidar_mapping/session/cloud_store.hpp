@@ -26,6 +26,8 @@ class CloudStore : public CloudSource {
 
   std::filesystem::path file(KeyFrameIndex index) const;
   bool contains(KeyFrameIndex index) const;
+  /// True if this very cloud was put or given out lately: it need not be written again.
+  bool holds(KeyFrameIndex index, const PointCloudPtr& cloud) const;
   std::size_t cached_bytes() const;
 
  private:

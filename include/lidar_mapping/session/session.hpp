@@ -47,6 +47,19 @@ class Session {
  public:
   enum class Access { kRead, kWrite };
 
+  /// Makes one event of what is added while it lives: after commit() all of it is kept, without it
+  /// nothing. Not for set_poses(), which is an event of its own.
+  class Batch {
+   public:
+    explicit Batch(Session& session);
+    ~Batch();
+    void commit();
+
+   private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+  };
+
   /// A new folder root/2011-10-03_12-55-34 (with -2, -3 ... where that exists), and a link
   /// root/latest to it. Missing parents are made.
   static Session create(const std::filesystem::path& root, std::time_t now);
@@ -62,7 +75,8 @@ class Session {
   const std::filesystem::path& directory() const;
   CloudStore& clouds() const;
 
-  /// Writes the cloud (if it has one) and then the row. Throws InputError if the index is known.
+  /// Writes the cloud (if it has one that clouds() does not hold) and then the row. Throws
+  /// InputError if the index is known.
   void add_key_frame(const KeyFrame& key_frame);
   /// A loop between the same two key frames takes the place of the older one.
   void add_loop(const Loop& loop);

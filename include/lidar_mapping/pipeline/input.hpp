@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// A scan as it was recorded; what is costly about reading it is left to whoever needs it.
+struct RecordedScan {
+  Stamp stamp = 0;
+  /// Throws InputError if the data are damaged, FileError if they cannot be read.
+  std::function<preprocessing::RawScan()> decode;
+};
+
+/// A sample and the frame in whose axes it is.
+template <typename Sample>
+struct FramedSample {
+  Sample sample;
+  std::string frame_id;
+};
+
+/// One datum of a recorded drive.
+using Input = std::variant<RecordedScan, FramedSample<ImuSample>, FramedSample<VelocitySample>,
+                           FramedSample<GnssFix>>;
+
+/// A recorded drive, datum by datum in the order in which they came.
+class InputSource {
+ public:
+  virtual ~InputSource() = default;
+  /// Nothing at the end. Throws FileError.
+  virtual std::optional<Input> next() = 0;
+  /// Of the whole recording.
+  virtual Stamp begin() const = 0;
+  virtual Stamp end() const = 0;
+  /// T_base_frame, as the recording says it.
+  virtual std::optional<Pose> T_base(const std::string& frame_id) const = 0;
+};
+
+}  // namespace lidar_mapping::pipeline

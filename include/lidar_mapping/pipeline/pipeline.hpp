@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lidar_mapping/pipeline/input.hpp"
+#include "lidar_mapping/pipeline/pipeline_config.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/pipeline/thread_time.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// How far it has come.
+struct Progress {
+  Stamp newest = 0;  ///< of the scans that the front end has taken
+  std::size_t scans = 0;
+  std::size_t key_frames = 0;
+  std::size_t loops = 0;
+};
+
+/// What was done, and what it took.
+struct PipelineReport {
+  back_end::OptimizationReport optimization;  ///< the last, of the whole drive
+  preprocessing::PreprocessingCounters counters;
+  Progress progress;
+  std::size_t scans_unreadable = 0;
+  /// Processor time of each stage, s.
+  std::vector<std::pair<std::string, double>> stage_seconds;
+};
+
+/// The stages put together: what sensors sent becomes a session (doc/pipeline.md). Each stage has a
+/// thread and a bounded queue. Results that travel against the stream, as poses to the loop search,
+/// are taken at a fixed number of key frames after they were asked for: the session has the same
+/// bytes for any number of threads. One thread calls it.
+class Pipeline {
+ public:
+  /// A session that has content is gone on with. `T_base` is called from another thread.
+  Pipeline(const PipelineConfig& config, session::Session session,
+           preprocessing::ExtrinsicLookup T_base);
+  ~Pipeline();
+
+  /// Waits while the stages are behind. Throws FileError when the session cannot be written; what
+  /// is in it then stays whole.
+  void add(Input input);
+  /// Works off what waits, solves the whole graph and brings the session's files up to date.
+  PipelineReport finish();
+
+  Progress progress() const;
+  /// Sentences about what was found or went wrong since the last call.
+  std::vector<std::string> take_notices();
+  /// After finish().
+  const session::Session& session() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "lidar_mapping/pipeline/thread_time.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// One stage of a pipeline: a thread behind a queue of bounded length. Whoever is too fast waits,
+/// so nothing is lost and memory is bounded. What a stage does depends on the order of its items
+/// alone, never on how far other stages have come.
+template <typename Item>
+class StageThread {
+ public:
+  using Handle = std::function<void(Item&&)>;
+
+  /// Without a thread of its own, push() does the work before it returns.
+  StageThread(std::size_t capacity, bool own_thread, Handle handle)
+      : capacity_(capacity), handle_(std::move(handle)) {
+    if (own_thread) thread_ = std::thread([this] { run(); });
+  }
+  ~StageThread() {
+    abandon();
+    if (thread_.joinable()) thread_.join();
+  }
+  StageThread(const StageThread&) = delete;
+  StageThread& operator=(const StageThread&) = delete;
+
+  /// Waits while the queue is full. Throws what the stage threw on an earlier item.
+  void push(Item item) {
+    if (!thread_.joinable()) return handle(std::move(item));
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return waiting_.size() < capacity_ || error_; });
+    rethrow();
+    waiting_.push_back(std::move(item));
+    changed_.notify_all();
+  }
+
+  /// Returns when all that was pushed is done. Throws what the stage threw.
+  void finish() {
+    if (thread_.joinable()) {
+      close();
+      thread_.join();
+    }
+    rethrow();
+  }
+
+  /// Processor time of the stage so far, s.
+  double seconds() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return seconds_;
+  }
+
+ private:
+  void handle(Item&& item) {
+    const ThreadTime time;
+    handle_(std::move(item));
+    const std::lock_guard<std::mutex> lock(mutex_);
+    seconds_ += time.seconds();
+  }
+
+  void run() {
+    for (;;) {
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait(lock, [&] { return !waiting_.empty() || closed_; });
+      if (waiting_.empty()) return;
+      Item item = std::move(waiting_.front());
+      waiting_.pop_front();
+      changed_.notify_all();
+      lock.unlock();
+      try {
+        handle(std::move(item));
+      } catch (...) {
+        return fail(std::current_exception());
+      }
+    }
+  }
+
+  void fail(std::exception_ptr error) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    error_ = std::move(error);
+    waiting_.clear();
+    changed_.notify_all();
+  }
+  void close() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+  void abandon() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
+    waiting_.clear();
+    changed_.notify_all();
+  }
+  void rethrow() {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+  const std::size_t capacity_;
+  const Handle handle_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::condition_variable changed_;
+  std::deque<Item> waiting_;
+  std::exception_ptr error_;
+  bool closed_ = false;
+  double seconds_ = 0.0;
+  std::thread thread_;
+};
+
+}  // namespace lidar_mapping::pipeline

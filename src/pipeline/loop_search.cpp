@@ -1,0 +1,24 @@
+#include "loop_search.hpp"
+
+namespace lidar_mapping::pipeline {
+
+void LoopSearch::take(DrivePiece& piece) {
+  if (!piece.key_frame) return;
+  if (piece.p_base_lidar) closer_.set_sensor_origin(*piece.p_base_lidar);
+  if (const auto moved = feedback_.take()) closer_.update_poses(*moved);
+  for (const ScanEntry& scan : piece.scans) {
+    if (scan.gnss) closer_.add_gnss(*scan.gnss);
+  }
+  loop_closing::LoopClosingResult result = closer_.process(*piece.key_frame);
+  piece.loops = std::move(result.loops);
+  piece.verdicts = std::move(result.verdicts);
+}
+
+void LoopSearch::restore(const session::Session& session) {
+  if (const auto origin = session.sensor_origin()) closer_.set_sensor_origin(*origin);
+  for (const KeyFrame& key_frame : session.key_frames()) closer_.restore(key_frame);
+  for (const GnssPosition& position : session.gnss()) closer_.add_gnss(position);
+  for (const Loop& loop : session.loops()) closer_.restore(loop);
+}
+
+}  // namespace lidar_mapping::pipeline

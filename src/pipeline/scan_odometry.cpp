@@ -1,0 +1,58 @@
+#include "scan_odometry.hpp"
+
+#include <utility>
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is_first) {
+  front_end::MotionPrior prior;
+  if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
+  if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
+  if (is_first && synced.gnss && synced.gnss->R_enu_base) {
+    const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;
+    prior.T_odom_base_initial =
+        Pose{R_enu_base, synced.gnss->p_enu_antenna - R_enu_base * synced.gnss->p_base_antenna};
+  }
+  return prior;
+}
+
+/// Times are left out: they would not be the same in each run.
+session::ScanRecord record_of(const front_end::FrontEndResult& result) {
+  session::ScanRecord record;
+  record.stamp = result.stamp;
+  record.state = front_end::to_string(result.status.state);
+  record.fitness = result.status.fitness;
+  record.overlap = result.status.overlap;
+  return record;
+}
+
+}  // namespace
+
+ScanOdometry::ScanOdometry(const front_end::FrontEndConfig& front_end,
+                           const preprocessing::FloorDetectionConfig& floor, Forward forward)
+    : front_end_(front_end), floor_detector_(floor), forward_(std::move(forward)) {}
+
+void ScanOdometry::take(PreparedScan&& prepared) {
+  const preprocessing::SyncedScan& synced = prepared.synced;
+  if (prepared.datum) piece_.datum = prepared.datum;
+  if (prepared.p_base_lidar) piece_.p_base_lidar = prepared.p_base_lidar;
+  keep(synced, front_end_.process(synced.scan, prior_of(synced, !has_begun_)));
+  has_begun_ = true;
+  if (!piece_.key_frame) return;
+  piece_.floor = floor_detector_.process(synced.scan);
+  flush();
+}
+
+void ScanOdometry::keep(const preprocessing::SyncedScan& synced,
+                        const front_end::FrontEndResult& result) {
+  piece_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
+  piece_.key_frame = result.key_frame;
+}
+
+void ScanOdometry::flush() {
+  if (!piece_.scans.empty()) forward_(std::exchange(piece_, {}));
+}
+
+}  // namespace lidar_mapping::pipeline

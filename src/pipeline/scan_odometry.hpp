@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/preprocessing/floor_detector.hpp"
+
+#include "drive_piece.hpp"
+#include "scan_preparation.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// From scans to pieces of the drive. One thread calls it.
+class ScanOdometry {
+ public:
+  using Forward = std::function<void(DrivePiece&&)>;
+
+  ScanOdometry(const front_end::FrontEndConfig& front_end,
+               const preprocessing::FloorDetectionConfig& floor, Forward forward);
+
+  void take(PreparedScan&& prepared);
+  /// Sends on the scans behind the last key frame.
+  void flush();
+
+ private:
+  void keep(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
+
+  front_end::FrontEnd front_end_;
+  preprocessing::FloorDetector floor_detector_;
+  Forward forward_;
+  bool has_begun_ = false;
+  DrivePiece piece_;
+};
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,54 @@
+#include "scan_preparation.hpp"
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::pipeline {
+
+ScanPreparation::ScanPreparation(const preprocessing::PreprocessingConfig& config,
+                                 preprocessing::ExtrinsicLookup T_base, Forward forward, Say say)
+    : T_base_(std::move(T_base)),
+      stage_(config, T_base_),
+      forward_(std::move(forward)),
+      say_(std::move(say)) {}
+
+void ScanPreparation::take(Input&& input) {
+  if (const auto* scan = std::get_if<RecordedScan>(&input)) return take(*scan);
+  if (const auto* imu = std::get_if<FramedSample<ImuSample>>(&input)) {
+    stage_.add_imu(imu->sample, imu->frame_id);
+  } else if (const auto* velocity = std::get_if<FramedSample<VelocitySample>>(&input)) {
+    stage_.add_velocity(velocity->sample, velocity->frame_id);
+  } else if (const auto* fix = std::get_if<FramedSample<GnssFix>>(&input)) {
+    stage_.add_gnss(fix->sample, fix->frame_id);
+  }
+  forward(stage_.take_complete());
+}
+
+void ScanPreparation::take(const RecordedScan& scan) {
+  preprocessing::RawScan raw;
+  try {
+    raw = scan.decode();
+  } catch (const InputError& error) {
+    if (++unreadable_ == 1) say_(std::string("points: a scan was left out: ") + error.what());
+    return;
+  }
+  lidar_frame_ = raw.frame_id;
+  forward(stage_.process(std::move(raw)));
+}
+
+void ScanPreparation::flush() { forward(stage_.flush()); }
+
+void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
+  for (const std::string& notice : stage_.take_notices()) say_(notice);
+  for (preprocessing::SyncedScan& scan : scans) {
+    PreparedScan prepared;
+    prepared.synced = std::move(scan);
+    if (!(stage_.datum() == datum_)) prepared.datum = datum_ = stage_.datum();
+    const std::optional<Pose> T_base_lidar = T_base_(lidar_frame_);
+    if (T_base_lidar && p_base_lidar_ != T_base_lidar->translation) {
+      prepared.p_base_lidar = p_base_lidar_ = T_base_lidar->translation;
+    }
+    forward_(std::move(prepared));
+  }
+}
+
+}  // namespace lidar_mapping::pipeline

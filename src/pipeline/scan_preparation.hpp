@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "lidar_mapping/pipeline/input.hpp"
+
+namespace lidar_mapping::pipeline {
+
+/// A scan on its way to the front end.
+struct PreparedScan {
+  preprocessing::SyncedScan synced;
+  std::optional<GeodeticDatum> datum;           ///< where it is new
+  std::optional<Eigen::Vector3d> p_base_lidar;  ///< where it is new
+};
+
+/// From what sensors sent to scans in base_link. One thread calls it.
+class ScanPreparation {
+ public:
+  using Forward = std::function<void(PreparedScan&&)>;
+  using Say = std::function<void(const std::string&)>;
+
+  ScanPreparation(const preprocessing::PreprocessingConfig& config,
+                  preprocessing::ExtrinsicLookup T_base, Forward forward, Say say);
+
+  void take(Input&& input);
+  /// Sends on what still waits for other sensors.
+  void flush();
+
+  const preprocessing::PreprocessingCounters& counters() const { return stage_.counters(); }
+  std::size_t unreadable() const { return unreadable_; }
+
+ private:
+  void take(const RecordedScan& scan);
+  void forward(std::vector<preprocessing::SyncedScan> scans);
+
+  preprocessing::ExtrinsicLookup T_base_;
+  preprocessing::Preprocessor stage_;
+  Forward forward_;
+  Say say_;
+  std::string lidar_frame_;
+  std::optional<Eigen::Vector3d> p_base_lidar_;  ///< that was sent on
+  std::optional<GeodeticDatum> datum_;           ///< that was sent on
+  std::size_t unreadable_ = 0;
+};
+
+}  // namespace lidar_mapping::pipeline

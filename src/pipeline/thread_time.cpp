@@ -1,0 +1,27 @@
+#include "lidar_mapping/pipeline/thread_time.hpp"
+
+#include <ctime>
+#include <utility>
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+/// Spent in objects that have ended within the innermost that lives.
+thread_local double inner_seconds = 0.0;
+
+double now() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
+
+ThreadTime::ThreadTime() : begin_(now()), outer_(std::exchange(inner_seconds, 0.0)) {}
+
+ThreadTime::~ThreadTime() { inner_seconds = outer_ + (now() - begin_); }
+
+double ThreadTime::seconds() const { return now() - begin_ - inner_seconds; }
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,81 @@
+#include "stage_files.hpp"
+
+#include <filesystem>
+#include <set>
+#include <vector>
+
+#include "lidar_mapping/config/load.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Fields of nodes that mean nothing where there are none.
+const std::set<std::string> kOfNodes = {"map_frame",         "odom_frame", "queue_size",
+                                        "session_directory", "data_path",  "resume",
+                                        "lidar_frame"};
+
+class StageReader {
+ public:
+  StageReader(const std::string& folder, const std::string& overlay) : folder_(folder) {
+    if (!folder.empty() && !fs::is_directory(folder)) {
+      throw FileError("no folder " + folder + "; --config names the folder of <stage>.yaml files");
+    }
+    if (!overlay.empty()) overlay_ = config::read_yaml_file(overlay);
+  }
+
+  template <typename Config>
+  Config read() {
+    const std::string& stage = Config::schema().stage();
+    std::vector<config::Source> sources;
+    const fs::path file = fs::path(folder_) / (stage + ".yaml");
+    if (!folder_.empty() && fs::exists(file)) sources.push_back(config::read_yaml_file(file));
+    if (const auto* part = overlay_part(stage)) sources.push_back({overlay_.origin, *part});
+    for (config::Source& source : sources) pass_over_nodes(source);
+    const Config config = config::load<Config>(sources);
+    result.texts[stage] = config::to_yaml(config);
+    return config;
+  }
+
+  StageFiles result;
+
+ private:
+  const config::Value* overlay_part(const std::string& stage) const {
+    const auto* parts = std::get_if<config::Value::Map>(&overlay_.values.data);
+    if (parts == nullptr) return nullptr;
+    const auto part = parts->find(stage);
+    return part == parts->end() ? nullptr : &part->second;
+  }
+
+  void pass_over_nodes(config::Source& source) {
+    auto* values = std::get_if<config::Value::Map>(&source.values.data);
+    if (values == nullptr) return;
+    for (const std::string& name : kOfNodes) values->erase(name);
+    const auto base = values->find("base_frame");
+    if (base == values->end()) return;
+    result.base_frame = config::to_string(base->second);
+    values->erase(base);
+  }
+
+  std::string folder_;
+  config::Source overlay_;
+};
+
+}  // namespace
+
+StageFiles read_stage_files(const std::string& folder, const std::string& overlay) {
+  StageReader reader(folder, overlay);
+  pipeline::PipelineConfig config;
+  config.preprocessing = reader.read<preprocessing::PreprocessingConfig>();
+  config.floor_detection = reader.read<preprocessing::FloorDetectionConfig>();
+  config.front_end = reader.read<front_end::FrontEndConfig>();
+  config.loop_closing = reader.read<loop_closing::LoopClosingConfig>();
+  config.back_end = reader.read<back_end::BackEndConfig>();
+  reader.result.map = reader.read<map::MapConfig>();
+  reader.result.pipeline = config;
+  return reader.result;
+}
+
+}  // namespace lidar_mapping::tools

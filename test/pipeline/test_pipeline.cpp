@@ -1,0 +1,144 @@
+#include <atomic>
+#include <fstream>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/pipeline.hpp"
+#include "lidar_mapping/pipeline/stage_thread.hpp"
+
+#include "simulated_input.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using session::Session;
+using test::SimulatedInput;
+using test::TemporaryFolder;
+
+/// Every file below a folder with its content.
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    files[fs::relative(entry.path(), folder)] = {std::istreambuf_iterator<char>(file), {}};
+  }
+  return files;
+}
+
+simulation::DriveOptions short_drive() {
+  simulation::DriveOptions options;
+  options.lidar = "vlp16";
+  options.duration = 12.0;
+  return options;
+}
+
+PipelineReport map_drive(const SimulatedInput& recorded, const fs::path& folder, int threads) {
+  SimulatedInput input = recorded;
+  PipelineConfig config;
+  config.threads = threads;
+  Pipeline pipeline(config, Session::create_in(folder),
+                    [&](const std::string& frame) { return input.T_base(frame); });
+  while (auto datum = input.next()) pipeline.add(std::move(*datum));
+  return pipeline.finish();
+}
+
+/// The largest distance of the key frames to the truth, both seen from the first one.
+double error_of(const Session& session, const simulation::Drive& drive) {
+  const KeyFramePoses poses = session.poses();
+  double largest = poses.poses.empty() ? 1e9 : 0.0;
+  const auto truth = [&](const KeyFramePose& pose) { return drive.trajectory().pose(pose.stamp); };
+  for (const KeyFramePose& pose : poses.poses) {
+    const KeyFramePose& first = poses.poses.front();
+    const Pose estimate = first.T_map_base.inverse() * pose.T_map_base;
+    const Pose expected = truth(first).inverse() * truth(pose);
+    largest = std::max(largest, (estimate.translation - expected.translation).norm());
+  }
+  return largest;
+}
+
+TEST(Pipeline, MapsADriveWithTheSameBytesForAnyNumberOfThreads) {
+  const SimulatedInput input(short_drive());
+  const TemporaryFolder one, four;
+  const PipelineReport report = map_drive(input, one.path(), 1);
+  map_drive(input, four.path(), 4);
+  EXPECT_EQ(report.progress.scans, input.drive().scan_count());
+  EXPECT_GT(report.progress.key_frames, 10U);
+  EXPECT_GT(report.optimization.gnss_used, 0U);
+  const auto files = files_in(one.path());
+  const auto others = files_in(four.path());
+  EXPECT_GT(files.size(), report.progress.key_frames);
+  ASSERT_EQ(files.size(), others.size());
+  for (const auto& [name, content] : files) EXPECT_TRUE(content == others.at(name)) << name;
+  const Session session = Session::open(one.path(), Session::Access::kRead);
+  EXPECT_EQ(session.scans().size(), input.drive().scan_count());
+  EXPECT_LT(error_of(session, input.drive()), 0.3);
+}
+
+TEST(Pipeline, SaysThatItHasNothingToSolveWithoutScans) {
+  const TemporaryFolder folder;
+  Pipeline pipeline({}, Session::create_in(folder.path()),
+                    [](const std::string&) { return std::nullopt; });
+  EXPECT_FALSE(pipeline.finish().optimization.success);
+}
+
+TEST(Pipeline, LeavesOutAScanThatCannotBeDecoded) {
+  const TemporaryFolder folder;
+  Pipeline pipeline({}, Session::create_in(folder.path()),
+                    [](const std::string&) { return Pose::Identity(); });
+  pipeline.add(RecordedScan{1, []() -> preprocessing::RawScan { throw InputError("cut off"); }});
+  EXPECT_EQ(pipeline.finish().scans_unreadable, 1U);
+  const std::vector<std::string> notices = pipeline.take_notices();
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("cut off"), std::string::npos);
+}
+
+TEST(Pipeline, EndsWithTheErrorOfTheDisk) {
+  const SimulatedInput recorded(short_drive());
+  SimulatedInput input = recorded;
+  const TemporaryFolder folder;
+  Pipeline pipeline({}, Session::create_in(folder.path()),
+                    [&](const std::string& frame) { return input.T_base(frame); });
+  std::ofstream(folder.path() / "key_frames") << "a file where the folder should be";
+  EXPECT_THROW(
+      {
+        while (auto datum = input.next()) pipeline.add(std::move(*datum));
+        pipeline.finish();
+      },
+      FileError);
+}
+
+TEST(StageThread, KeepsTheOrderAndBoundsWhatWaits) {
+  std::vector<int> seen;
+  std::atomic<int> waiting{0};
+  int most = 0;
+  StageThread<int> stage(3, true, [&](int&& item) {
+    most = std::max(most, waiting--);
+    seen.push_back(item);
+  });
+  for (int i = 0; i < 1000; ++i) {
+    stage.push(i);
+    ++waiting;
+  }
+  stage.finish();
+  ASSERT_EQ(seen.size(), 1000U);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], i);
+  EXPECT_LE(most, 5);  // three in the queue, one in the hand, one counted late
+}
+
+TEST(StageThread, ThrowsToWhoPushesAndToWhoFinishes) {
+  StageThread<int> stage(1, true, [](int&&) { throw InputError("no"); });
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) stage.push(i);
+      },
+      InputError);
+  EXPECT_THROW(stage.finish(), InputError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline
