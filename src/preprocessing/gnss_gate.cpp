@@ -23,6 +23,11 @@ double horizontal_sigma(const LocalFix& fix) {
   return std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1)));
 }
 
+Pose leveled(const Pose& pose) {
+  const Eigen::Vector3d ahead = pose.rotation * Eigen::Vector3d::UnitX();
+  return {exp_so3({0.0, 0.0, std::atan2(ahead.y(), ahead.x())}), pose.translation};
+}
+
 std::string jump_text(const char* what, double distance, double limit) {
   char text[120];
   std::snprintf(text, sizeof(text), "a jump: %.1f m %s, %.1f m allowed", distance, what, limit);
@@ -49,9 +54,20 @@ void GnssGate::follow(const Eigen::Vector3d& p_base_antenna, const std::optional
     return;
   }
   const Eigen::Vector3d before = T_dr_base_ * p_base_antenna;
-  T_dr_base_ = T_dr_base_ * *motion;
+  T_dr_base_ = leveled(T_dr_base_ * *motion);
   way_ += (T_dr_base_ * p_base_antenna - before).norm();
   has_motion_ = true;
+}
+
+std::optional<Pose> GnssGate::dead_reckoning() const {
+  if (!has_motion_) return std::nullopt;
+  return T_dr_base_;
+}
+
+std::optional<Eigen::Matrix2d> GnssGate::R_enu_dr() const {
+  const auto aligned = alignment();
+  if (!aligned) return std::nullopt;
+  return aligned->R_enu_dr;
 }
 
 std::optional<GnssGate::Alignment> GnssGate::alignment() const {

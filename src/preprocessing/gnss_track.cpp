@@ -10,6 +10,23 @@ namespace {
 constexpr Stamp kJumpBack = from_seconds(2.0);
 constexpr std::size_t kMostPending = 200;
 constexpr double kLongestMotion = 10.0;  // s; dead reckoning beyond says little
+constexpr double kUsualDelay = 0.05;     // s; what stamps may be off before anything is known
+constexpr double kArmPrior = 0.03;       // m; tf's lever arm was measured with a ruler
+constexpr double kKnownDelay = 0.008;    // s, standard deviation from which on it counts as known
+constexpr double kSmallestDelay = 0.01;  // s; less is left alone
+constexpr double kLeastSigma = 0.003;    // s
+
+Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
+
+std::string milliseconds(double seconds) {
+  return std::to_string(std::lround(1e3 * std::abs(seconds))) + " ms";
+}
+
+/// Metres with two decimals.
+std::string metres(double value) {
+  const std::string text = std::to_string(std::round(value * 100.0) / 100.0);
+  return text.substr(0, text.find('.') + 3) + " m";
+}
 
 }  // namespace
 
@@ -17,21 +34,31 @@ GnssTrack::GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrin
     : config_(config),
       extrinsics_(extrinsics),
       local_frame_(config),
+      delay_sigma_(kUsualDelay),
       stream_("gnss", config.use_gnss, config.gnss_max_gap) {}
 
 FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   const std::string problem = problem_of(fix, config_);
   if (!problem.empty()) return {Insertion::kRefused, problem};
-  fix.stamp += from_seconds(config_.gnss_time_offset);
-  const Stamp newest = pending_.empty() ? last_judged_ : pending_.back().stamp;
+  fix.stamp += from_seconds(config_.gnss_time_offset - delay_);
+  const Stamp newest = pending_.empty() ? last_judged_ : pending_.back().fix.stamp;
   if (newest != 0 && fix.stamp < newest - kJumpBack) return {Insertion::kTimeWentBack, ""};
-  const auto is_before = [](const LocalFix& a, Stamp stamp) { return a.stamp < stamp; };
+  const auto is_before = [](const PendingFix& a, Stamp stamp) { return a.fix.stamp < stamp; };
   const auto at = std::lower_bound(pending_.begin(), pending_.end(), fix.stamp, is_before);
-  if (fix.stamp <= last_judged_ || (at != pending_.end() && at->stamp == fix.stamp)) {
+  if (fix.stamp <= last_judged_ || (at != pending_.end() && at->fix.stamp == fix.stamp)) {
     return {Insertion::kRefused, "it repeats the time of a fix or is older than a later one"};
   }
   frame_id_ = frame_id;
-  pending_.insert(at, local_frame_.to_local(fix));
+  LocalFix local = local_frame_.to_local(fix);
+  scatter_.add(local);
+  const double factor = scatter_.variance_factor();
+  local.covariance *= factor;
+  if (factor > 1.0 && scatter_.is_known()) {
+    notices_.say("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
+                                ", their covariance says " + metres(scatter_.stated()) +
+                                "; it is raised to what they do");
+  }
+  pending_.insert(at, {local, delay_});
   if (pending_.size() > kMostPending) pending_.pop_front();
   return {Insertion::kTaken, ""};
 }
@@ -40,39 +67,94 @@ std::vector<std::string> GnssTrack::settle(const MotionSensors& sensors, Stamp n
                                            bool all) {
   std::vector<std::string> refused;
   while (!pending_.empty()) {
-    const LocalFix fix = pending_.front();
+    PendingFix pending = pending_.front();
+    LocalFix& fix = pending.fix;
     const bool waits = sensors.velocity().may_still_deliver(fix.stamp, now, latency) ||
                        sensors.imu().may_still_deliver(fix.stamp, now, latency);
     if (waits && !all) break;
     pending_.pop_front();
-    const std::string problem = config_.gnss_gating ? judge(fix, sensors) : "";
+    const std::string problem = judge(pending, sensors);
     last_judged_ = fix.stamp;
-    if (problem.empty()) {
-      stream_.insert(fix, frame_id_);
-    } else {
+    if (!problem.empty() && config_.gnss_gating) {
       refused.push_back(problem);
+      continue;
     }
+    if (const auto v_dr = antenna_velocity(fix.stamp, sensors)) {
+      if (problem.empty()) compare(pending, *v_dr);
+      fix.covariance.topLeftCorner<2, 2>() += timing_covariance(*v_dr);
+    } else {
+      antenna_fit_.begin_window();
+    }
+    stream_.insert(fix, frame_id_);
   }
   return refused;
 }
 
-std::string GnssTrack::judge(const LocalFix& fix, const MotionSensors& sensors) {
-  std::optional<Pose> motion;
-  const double seconds = to_seconds(fix.stamp - last_judged_);
-  if (last_judged_ != 0 && seconds < kLongestMotion) {
-    const MeasuredMotion measured = sensors.motion(last_judged_, {0.0, seconds});
-    const bool drives = measured.source == MotionSource::kImuAndVelocity ||
-                        measured.source == MotionSource::kVelocity;
-    if (drives) motion = measured.motion.at(seconds);
-  }
+std::string GnssTrack::judge(const PendingFix& pending, const MotionSensors& sensors) {
+  return gate_.judge(pending.fix, lever_arm(), motion_until(pending.fix.stamp, sensors));
+}
+
+/// T_previous_now of base_link since the fix before.
+std::optional<Pose> GnssTrack::motion_until(Stamp stamp, const MotionSensors& sensors) const {
+  const double seconds = to_seconds(stamp - last_judged_);
+  if (last_judged_ == 0 || seconds >= kLongestMotion) return std::nullopt;
+  const MeasuredMotion measured = sensors.motion(last_judged_, {0.0, seconds});
+  const bool drives = measured.source == MotionSource::kImuAndVelocity ||
+                      measured.source == MotionSource::kVelocity;
+  if (!drives) return std::nullopt;
+  return measured.motion.at(seconds);
+}
+
+Eigen::Vector3d GnssTrack::lever_arm() const {
   const auto T_base_antenna = extrinsics_.T_base(frame_id_);
-  const Eigen::Vector3d lever =
-      T_base_antenna ? T_base_antenna->translation : Eigen::Vector3d::Zero();
-  return gate_.judge(fix, lever, motion);
+  return T_base_antenna ? T_base_antenna->translation : Eigen::Vector3d(Eigen::Vector3d::Zero());
+}
+
+/// In the axes of dead reckoning; nothing where that does not go on to this fix.
+std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
+                                                           const MotionSensors& sensors) const {
+  const auto T_dr_base = gate_.dead_reckoning();
+  const auto velocity = sensors.velocity_at(stamp);
+  if (!T_dr_base || !velocity) return std::nullopt;
+  return T_dr_base->rotation *
+         Eigen::Vector3d(velocity->linear + velocity->angular.cross(lever_arm()));
+}
+
+void GnssTrack::compare(const PendingFix& pending, const Eigen::Vector3d& v_dr) {
+  if (!config_.estimate_gnss_time_offset) return;
+  const Pose T_dr_base = *gate_.dead_reckoning();
+  const Eigen::Vector3d ahead = T_dr_base.rotation * Eigen::Vector3d::UnitX();
+  antenna_fit_.add({pending.fix.stamp, planar(pending.fix.p_enu), std::atan2(ahead.y(), ahead.x()),
+                    planar(T_dr_base.translation), planar(v_dr), planar(lever_arm()),
+                    pending.applied_delay});
+  learn_delay();
+}
+
+void GnssTrack::learn_delay() {
+  const AntennaFit::Result fit = antenna_fit_.result(kArmPrior);
+  if (fit.delay_sigma > kKnownDelay) return;
+  delay_sigma_ = std::max(kLeastSigma, fit.delay_sigma);
+  const bool is_late = std::abs(fit.delay) > std::max(kSmallestDelay, 4.0 * fit.delay_sigma);
+  if (std::abs(fit.delay - delay_) < kSmallestDelay || (!is_late && delay_ == 0.0)) return;
+  delay_ = fit.delay;
+  notices_.say("delay", "gnss: its stamps are " + milliseconds(delay_) +
+                            (delay_ > 0.0 ? " late" : " early") +
+                            " beside IMU and velocity; they are corrected from now on "
+                            "(gnss_time_offset corrects them from the beginning)");
+}
+
+/// What stamps that are off by delay_sigma_ make of a position, m^2, East and North.
+Eigen::Matrix2d GnssTrack::timing_covariance(const Eigen::Vector3d& v_dr) const {
+  if (!config_.estimate_gnss_time_offset) return Eigen::Matrix2d::Zero();
+  const Eigen::Vector2d off = delay_sigma_ * planar(v_dr);
+  const auto R_enu_dr = gate_.R_enu_dr();
+  if (!R_enu_dr) return off.squaredNorm() * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d off_enu = *R_enu_dr * off;
+  return off_enu * off_enu.transpose();
 }
 
 bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {
-  if (!pending_.empty() && pending_.back().stamp >= stamp) return now < stamp + latency;
+  if (!pending_.empty() && pending_.back().fix.stamp >= stamp) return now < stamp + latency;
   return stream_.may_still_deliver(stamp, now, latency);
 }
 
@@ -106,6 +188,8 @@ void GnssTrack::clear() {
   pending_.clear();
   last_judged_ = 0;
   gate_.clear();
+  scatter_.clear();
+  antenna_fit_.begin_window();
   heading_check_ = {};
 }
 

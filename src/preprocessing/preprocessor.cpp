@@ -94,6 +94,7 @@ class Preprocessor::Impl {
     for (const std::string& problem : gnss_.settle(sensors_, newest_, latency_, all)) {
       refuse_fix(problem);
     }
+    for (const std::string& notice : gnss_.take_notices()) notices_.say(notice, notice);
     while (!waiting_.empty()) {
       const bool full = waiting_.size() > kLongestQueue;
       if (!all && !full && is_incomplete(waiting_.front())) break;

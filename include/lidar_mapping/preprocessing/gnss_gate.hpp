@@ -22,6 +22,11 @@ class GnssGate {
                     const std::optional<Pose>& motion);
   void clear();
 
+  /// base_link by dead reckoning, level, at the last fix; nothing if that motion was not measured.
+  std::optional<Pose> dead_reckoning() const;
+  /// East-North-Up from dead reckoning, about the vertical; nothing on too short a way.
+  std::optional<Eigen::Matrix2d> R_enu_dr() const;
+
  private:
   struct Match {
     Eigen::Vector3d p_dr = Eigen::Vector3d::Zero();   ///< antenna by dead reckoning
@@ -40,7 +45,7 @@ class GnssGate {
   std::string problem_with(const LocalFix& fix, const Eigen::Vector3d& p_dr) const;
   void remember(const LocalFix& fix, const Eigen::Vector3d& p_dr);
 
-  Pose T_dr_base_;
+  Pose T_dr_base_;  ///< level: errors of the gyro's horizontal axes do not add up
   double way_ = 0.0;
   bool has_motion_ = false;
   std::optional<LocalFix> last_good_;

@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/preprocessing/antenna_fit.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/fix_scatter.hpp"
 #include "lidar_mapping/preprocessing/gnss_gate.hpp"
 #include "lidar_mapping/preprocessing/heading_check.hpp"
 #include "lidar_mapping/preprocessing/local_frame.hpp"
 #include "lidar_mapping/preprocessing/motion_sensors.hpp"
+#include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/sensor_stream.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -20,7 +23,9 @@ struct FixVerdict {
   std::string problem;
 };
 
-/// GNSS fixes as a track in the local frame.
+/// GNSS fixes as a track in the local frame. Covariances that are too small for the fixes' scatter
+/// are raised, and stamps that are late (or early) beside the measured motion are corrected once
+/// that is certain; until then the covariance along the way allows for it.
 class GnssTrack {
  public:
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);
@@ -41,7 +46,10 @@ class GnssTrack {
   const SensorStream<LocalFix>& stream() const { return stream_; }
   bool has_fixes() const { return !stream_.buffer().empty() || !pending_.empty(); }
   const HeadingCheck& heading_check() const { return heading_check_; }
+  const AntennaFit& antenna_fit() const { return antenna_fit_; }
+  const FixScatter& scatter() const { return scatter_; }
   std::optional<GeodeticDatum> datum() const { return local_frame_.datum(); }
+  std::vector<std::string> take_notices() { return notices_.take(); }
   void give_up_if_silent() {
     if (pending_.empty()) stream_.give_up_if_silent();
   }
@@ -49,17 +57,33 @@ class GnssTrack {
   void clear();
 
  private:
-  std::string judge(const LocalFix& fix, const MotionSensors& sensors);
+  struct PendingFix {
+    LocalFix fix;
+    double applied_delay = 0.0;  ///< s that were taken off its stamp
+  };
+
+  std::string judge(const PendingFix& pending, const MotionSensors& sensors);
+  std::optional<Pose> motion_until(Stamp stamp, const MotionSensors& sensors) const;
+  Eigen::Vector3d lever_arm() const;
+  std::optional<Eigen::Vector3d> antenna_velocity(Stamp stamp, const MotionSensors& sensors) const;
+  void compare(const PendingFix& pending, const Eigen::Vector3d& v_dr);
+  void learn_delay();
+  Eigen::Matrix2d timing_covariance(const Eigen::Vector3d& v_dr) const;
 
   PreprocessingConfig config_;
   const Extrinsics& extrinsics_;
   LocalFrame local_frame_;
-  std::deque<LocalFix> pending_;  ///< in the order of their stamps
+  std::deque<PendingFix> pending_;  ///< in the order of their stamps
   Stamp last_judged_ = 0;
   GnssGate gate_;
+  FixScatter scatter_;
+  AntennaFit antenna_fit_;
+  double delay_ = 0.0;  ///< s, of the receiver's stamps
+  double delay_sigma_;
   SensorStream<LocalFix> stream_;
   std::string frame_id_;
   HeadingCheck heading_check_;
+  Notices notices_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// A good fix beside the vehicle's motion by dead reckoning; both level.
+struct TrackedFix {
+  Stamp stamp = 0;
+  Eigen::Vector2d p_enu = Eigen::Vector2d::Zero();
+  double yaw_dr = 0.0;                                       ///< heading of base_link, rad
+  Eigen::Vector2d p_dr_base = Eigen::Vector2d::Zero();       ///< m
+  Eigen::Vector2d v_dr = Eigen::Vector2d::Zero();            ///< of the antenna, m/s
+  Eigen::Vector2d p_base_antenna = Eigen::Vector2d::Zero();  ///< as tf has it
+  double applied_delay = 0.0;  ///< s that were taken off the stamp already
+};
+
+/// How late a receiver's stamps are and where its antenna is, from windows in which fixes are laid
+/// over dead reckoning. In a window of 12 s, with heading, origin and gyro bias of its own,
+///   R(yaw)^T p_enu - s = p_dr + R_dr (l + dl) - v_dr d + b q,   q = sum of t J dp_dr,
+/// is linear in all unknowns; what is left of each window after its own ones are eliminated goes
+/// into the normal equations of d (late by, s) and dl (antenna beside tf's, m).
+class AntennaFit {
+ public:
+  void add(const TrackedFix& fix);
+  /// The next fix is not joined to those before by dead reckoning.
+  void begin_window();
+  void clear() { *this = {}; }
+
+  struct Result {
+    double delay = 0.0;  ///< s by which the stamps are late
+    double delay_sigma = 0.0;
+    Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();  ///< m, in base_link
+    double arm_sigma = 0.0;
+  };
+  /// `arm_prior`: standard deviation (m) of tf's lever arm as far as it is known beforehand.
+  Result result(double arm_prior) const;
+
+ private:
+  void finish_window();
+
+  std::vector<TrackedFix> window_;
+  Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();  ///< arm x, arm y, delay
+  Eigen::Vector3d right_side_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,103 @@
+#include "lidar_mapping/preprocessing/antenna_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr double kWindow = 12.0;       // s
+constexpr std::size_t kFewest = 10;    // fixes in a window
+constexpr double kShortestWay = 10.0;  // m; a window that hardly moves says nothing
+constexpr double kNoiseFloor = 0.02;   // m; dead reckoning is no better
+constexpr double kRepetition = 10.0;   // errors of neighbouring fixes are alike
+constexpr double kDelayPrior = 0.3;    // s
+constexpr int kOwn = 5;                // cos, sin, shift x, shift y, gyro bias
+constexpr int kShared = 3;             // arm x, arm y, delay
+
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, kOwn + kShared + 1>;
+
+Eigen::Vector2d turned_left(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
+/// Two rows per fix: the unknowns' factors, and the right side in the last column.
+Rows equations(const std::vector<TrackedFix>& window) {
+  const TrackedFix& first = window.front();
+  Rows rows(2 * window.size(), kOwn + kShared + 1);
+  Eigen::Vector2d bent = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const TrackedFix& fix = window[i];
+    const double time = to_seconds(fix.stamp - first.stamp);
+    if (i > 0) bent += time * turned_left(fix.p_dr_base - window[i - 1].p_dr_base);
+    const Eigen::Matrix2d R_dr_base = Eigen::Rotation2Dd(fix.yaw_dr).toRotationMatrix();
+    const Eigen::Vector2d p_enu = fix.p_enu - first.p_enu;
+    const Eigen::Vector2d p_dr = fix.p_dr_base - first.p_dr_base + R_dr_base * fix.p_base_antenna;
+    auto row = rows.middleRows<2>(static_cast<long>(2 * i));
+    row.col(0) = p_enu;
+    row.col(1) = -turned_left(p_enu);
+    row.block<2, 2>(0, 2) = -Eigen::Matrix2d::Identity();
+    row.col(4) = -bent;
+    row.block<2, 2>(0, 5) = -R_dr_base;
+    row.col(7) = fix.v_dr;
+    row.col(8) = p_dr + fix.applied_delay * fix.v_dr;
+  }
+  return rows;
+}
+
+/// Mean square of what no choice of the unknowns explains, m^2.
+double unexplained(const Rows& rows) {
+  const Eigen::MatrixXd factors = rows.leftCols<kOwn + kShared>();
+  const Eigen::VectorXd right = rows.col(kOwn + kShared);
+  const Eigen::VectorXd solution = factors.completeOrthogonalDecomposition().solve(right);
+  return (factors * solution - right).squaredNorm() / static_cast<double>(rows.rows());
+}
+
+/// The shared unknowns' equations without the part that the window's own unknowns can take.
+Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> without_own(const Rows& rows) {
+  const Eigen::MatrixXd own = rows.leftCols<kOwn>();
+  const Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> rest = rows.rightCols<kShared + 1>();
+  return rest - own * own.completeOrthogonalDecomposition().solve(rest);
+}
+
+}  // namespace
+
+void AntennaFit::add(const TrackedFix& fix) {
+  if (!window_.empty() && to_seconds(fix.stamp - window_.front().stamp) > kWindow) finish_window();
+  window_.push_back(fix);
+}
+
+void AntennaFit::begin_window() { finish_window(); }
+
+void AntennaFit::finish_window() {
+  std::vector<TrackedFix> window;
+  window.swap(window_);
+  if (window.size() < kFewest) return;
+  double way = 0.0;
+  for (std::size_t i = 1; i < window.size(); ++i) {
+    way += (window[i].p_dr_base - window[i - 1].p_dr_base).norm();
+  }
+  if (way < kShortestWay) return;
+  const Rows rows = equations(window);
+  const auto shared = without_own(rows);
+  const double variance = kRepetition * (unexplained(rows) + kNoiseFloor * kNoiseFloor);
+  information_ += shared.leftCols<kShared>().transpose() * shared.leftCols<kShared>() / variance;
+  right_side_ += shared.leftCols<kShared>().transpose() * shared.col(kShared) / variance;
+}
+
+AntennaFit::Result AntennaFit::result(double arm_prior) const {
+  const Eigen::Vector3d prior(arm_prior, arm_prior, kDelayPrior);
+  const Eigen::Matrix3d information =
+      information_ + prior.cwiseAbs2().cwiseInverse().asDiagonal().toDenseMatrix();
+  const Eigen::Matrix3d covariance = information.inverse();
+  const Eigen::Vector3d solution = covariance * right_side_;
+  Result result;
+  result.arm_error = solution.head<2>();
+  result.arm_sigma = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  result.delay = solution(2);
+  result.delay_sigma = std::sqrt(covariance(2, 2));
+  return result;
+}
+
+}  // namespace lidar_mapping::preprocessing
