@@ -11,6 +11,7 @@ BlockCholesky<size>::BlockCholesky(int nodes, const std::vector<std::pair<int, i
   order(nodes, pairs);
   lay_out(nodes, pairs);
   cholmod_.setMode(Eigen::CholmodAuto);
+  cholmod_.cholmod().print = 0;
   cholmod_.cholmod().nmethods = 1;
   cholmod_.cholmod().method[0].ordering = CHOLMOD_NATURAL;
 }
@@ -39,26 +40,26 @@ void BlockCholesky<size>::lay_out(int nodes, const std::vector<std::pair<int, in
     const auto [column, row] = std::minmax({row_of(a), row_of(b)});
     rows[static_cast<std::size_t>(column)].push_back(row);
   }
-  Eigen::VectorXi counts(nodes * size);
-  for (int column = 0; column < nodes; ++column) {
-    auto& list = rows[static_cast<std::size_t>(column)];
+  std::size_t blocks = 0;
+  for (auto& list : rows) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
-    counts.segment<size>(column * size).setConstant(static_cast<int>(list.size()) * size);
+    blocks += list.size();
   }
   lower_.resize(nodes * size, nodes * size);
-  lower_.reserve(counts);
-  for (int column = 0; column < nodes; ++column) {
+  lower_.resizeNonZeros(static_cast<Eigen::Index>(blocks) * size * size);
+  int* inner = lower_.innerIndexPtr();
+  int* outer = lower_.outerIndexPtr();
+  for (const auto& list : rows) {
     for (int k = 0; k < size; ++k) {
-      for (const int row : rows[static_cast<std::size_t>(column)]) {
-        for (int r = 0; r < size; ++r) {
-          // The diagonal block is stored whole: CHOLMOD skips what lies above the diagonal.
-          lower_.insert(row * size + r, column * size + k) = 0.0;
-        }
+      *outer++ = static_cast<int>(inner - lower_.innerIndexPtr());
+      for (const int row : list) {
+        // The diagonal block is stored whole: CHOLMOD skips what lies above the diagonal.
+        for (int r = 0; r < size; ++r) *inner++ = row * size + r;
       }
     }
   }
-  lower_.makeCompressed();
+  *outer = static_cast<int>(inner - lower_.innerIndexPtr());
   for (const auto& [a, b] : pairs) {
     const auto [column, row] = std::minmax({row_of(a), row_of(b)});
     const auto& list = rows[static_cast<std::size_t>(column)];

@@ -7,6 +7,8 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "lidar_mapping/back_end/gauss_newton.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -34,6 +36,8 @@ ceres::Solver::Options solver_options(const MinimizerSettings& settings) {
   options.logging_type = ceres::SILENT;
   return options;
 }
+
+constexpr double kUndamped = 1e10;  // radius of the trust region from which on it does not bind
 
 /// Ends a minimisation one step before Ceres' own test would: near the minimum each gain is to the
 /// one before as the next one will be to it, at most.
@@ -147,12 +151,18 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used) {
 
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings) {
+  MinimizerSummary undamped;
+  if (settings.initial_radius >= kUndamped) {
+    undamped = gauss_newton(graph, used, loss_of, settings);
+    if (undamped.usable) return undamped;
+  }
   const std::vector<StateBlock> before = graph.states;
   GraphProblem problem(graph);
   for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
     if (used[i]) problem.add(graph.constraints[i], loss_of(graph.constraints[i]));
   }
   MinimizerSummary summary = problem.solve(settings);
+  summary.iterations += undamped.iterations;
   if (!summary.usable) graph.states = before;
   return summary;
 }

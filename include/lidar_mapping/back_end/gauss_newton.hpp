@@ -1,0 +1,14 @@
+#pragma once
+
+#include "lidar_mapping/back_end/factor_graph.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// Undamped steps on a graph whose pattern is analysed once. A constraint under a kernel counts
+/// with the kernel's slope at the present residual (iteratively reweighted least squares). Keeps
+/// the states from before a step that does not lower the cost; `usable` is true if the minimum was
+/// reached, false if something better has to go on from there.
+MinimizerSummary gauss_newton(FactorGraph& graph, const std::vector<bool>& used,
+                              const LossOf& loss_of, const MinimizerSettings& settings);
+
+}  // namespace lidar_mapping::back_end
