@@ -194,6 +194,9 @@ def main():
     shutil.copy(variants / 'gnss_loops' / 'trajectory.png', demo / 'trajectory.png')
     rosrun('build_map', session, '--formats', 'png', '--output', demo, stdout=subprocess.DEVNULL)
 
+    say('Judging the map')
+    rosrun('map_quality', session, '--report', '--truth', truth, '--places', 5)
+
     scans = scans_in(bag)
     summary = {f'{name}_ape_rmse': errors[name]['ape']['translation_m']['rmse']
                for name, _, _ in VARIANTS}
@@ -212,7 +215,8 @@ def main():
     print(f"\n{summary['scans']} scans, {summary['scans_dropped']} dropped, "
           f"{summary['key_frames']} key frames, {summary['loop_constraints']} loops, "
           f"{summary['map_points']} points in the map, {summary['seconds']:.0f} s")
-    for title, path in [('session', session), ('trajectory plot', demo / 'trajectory.png'),
+    for title, path in [('session', session), ('report', session / 'report.html'),
+                        ('trajectory plot', demo / 'trajectory.png'),
                         ('view from above', demo / 'top_view.png'), ('figures', demo / 'summary.json')] + [
                             ('map', path) for path in saved['files']]:
         print(f'{title + ":":18}{path}')

@@ -164,17 +164,44 @@ class Places {
 
   std::vector<GhostVector> all() const {
     std::vector<GhostVector> vectors;
-    for (std::size_t begin = 0; begin < poses_.size();) {
-      std::size_t end = begin + 1;
-      while (end < poses_.size() && ways_[end] - ways_[begin] < kPlaceLength) ++end;
-      const std::vector<std::size_t> earlier = earlier_ones(begin, end);
-      if (earlier.size() >= 2) add(vectors, begin, end, earlier);
-      begin = end;
+    for (const Place& place : places()) {
+      const Registration found =
+          registered(points_of(place.earlier, place), points_of(place.later, place));
+      if (found.planes >= kMinPlanes) vectors.push_back(vector_of(place, found));
     }
     return vectors;
   }
 
+  PlacePoints points_at(KeyFrameIndex index) const {
+    for (const Place& place : places()) {
+      if (poses_[place.middle].index != index) continue;
+      return {in_vehicle(points_of(place.earlier, place), place),
+              in_vehicle(points_of(place.later, place), place)};
+    }
+    return {};
+  }
+
  private:
+  /// Key frames of the later pass, and the earlier ones near them.
+  struct Place {
+    std::size_t middle;
+    std::vector<std::size_t> earlier;
+    std::vector<std::size_t> later;
+  };
+
+  std::vector<Place> places() const {
+    std::vector<Place> places;
+    for (std::size_t begin = 0; begin < poses_.size();) {
+      std::size_t end = begin + 1;
+      while (end < poses_.size() && ways_[end] - ways_[begin] < kPlaceLength) ++end;
+      Place place{(begin + end) / 2, earlier_ones(begin, end), {}};
+      for (std::size_t i = begin; i < end; ++i) place.later.push_back(i);
+      if (place.earlier.size() >= 2) places.push_back(place);
+      begin = end;
+    }
+    return places;
+  }
+
   const Eigen::Vector3d& position(std::size_t i) const { return poses_[i].T_map_base.translation; }
 
   std::vector<std::size_t> earlier_ones(std::size_t begin, std::size_t end) const {
@@ -189,7 +216,9 @@ class Places {
     return found;
   }
 
-  Points points_of(const std::vector<std::size_t>& members, const Eigen::Vector3d& centre) const {
+  /// Relative to the place's middle.
+  Points points_of(const std::vector<std::size_t>& members, const Place& place) const {
+    const Eigen::Vector3d centre = position(place.middle);
     Points points;
     for (const std::size_t member : members) {
       const PointCloudPtr cloud = clouds_.cloud(poses_[member].index);
@@ -205,19 +234,27 @@ class Places {
     return points;
   }
 
-  void add(std::vector<GhostVector>& vectors, std::size_t begin, std::size_t end,
-           const std::vector<std::size_t>& earlier) const {
-    const std::size_t middle = (begin + end) / 2;
-    const Eigen::Vector3d centre = position(middle);
-    std::vector<std::size_t> later;
-    for (std::size_t i = begin; i < end; ++i) later.push_back(i);
-    const Registration found = registered(points_of(earlier, centre), points_of(later, centre));
-    if (found.planes < kMinPlanes) return;
-    const double heading = yaw_of(poses_[middle].T_map_base.rotation);
-    const Eigen::Vector3d t =
-        exp_so3({0.0, 0.0, -heading}) * Eigen::Vector3d(found.shift.head<3>());
-    vectors.push_back({poses_[middle].index, centre, t.x(), t.y(), t.z(), found.shift[3],
-                       found.planes, found.residual});
+  Eigen::Quaterniond heading_back(const Place& place) const {
+    return exp_so3({0.0, 0.0, -yaw_of(poses_[place.middle].T_map_base.rotation)});
+  }
+
+  GhostVector vector_of(const Place& place, const Registration& found) const {
+    const Eigen::Vector3d t = heading_back(place) * Eigen::Vector3d(found.shift.head<3>());
+    return {poses_[place.middle].index,
+            position(place.middle),
+            t.x(),
+            t.y(),
+            t.z(),
+            found.shift[3],
+            found.planes,
+            found.residual};
+  }
+
+  std::vector<Eigen::Vector3f> in_vehicle(const Points& points, const Place& place) const {
+    const Eigen::Quaterniond turn = heading_back(place);
+    std::vector<Eigen::Vector3f> turned;
+    for (const Eigen::Vector3d& point : points) turned.push_back((turn * point).cast<float>());
+    return turned;
   }
 
   const std::vector<KeyFramePose>& poses_;
@@ -231,6 +268,11 @@ class Places {
 std::vector<GhostVector> ghost_vectors(const KeyFramePoses& poses, CloudSource& clouds,
                                        const QualityConfig& config) {
   return Places(poses, clouds, config).all();
+}
+
+PlacePoints place_points(const KeyFramePoses& poses, CloudSource& clouds,
+                         const QualityConfig& config, const GhostVector& place) {
+  return Places(poses, clouds, config).points_at(place.key_frame);
 }
 
 }  // namespace lidar_mapping::map

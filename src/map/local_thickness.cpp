@@ -57,6 +57,7 @@ Cells gather(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfi
 struct Sample {
   double thickness;
   double ratio;
+  double within;
 };
 
 /// All groups near the plane count alike: variance within them and between their means.
@@ -78,8 +79,9 @@ Sample measured(const std::vector<Group>& groups, const Plane& plane, double ran
   }
   mean /= groups_used;
   const double between = std::max(0.0, square / groups_used - mean * mean);
-  const double total = std::sqrt(std::max(0.0, within / groups_used) + between);
-  return {total, total / (range_noise * std::sqrt(expected / groups_used))};
+  within = std::max(0.0, within / groups_used);
+  const double total = std::sqrt(within + between);
+  return {total, total / (range_noise * std::sqrt(expected / groups_used)), std::sqrt(within)};
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -93,12 +95,14 @@ double quantile(std::vector<double> values, double share) {
 Thickness summary(const std::vector<Sample>& samples) {
   std::vector<double> thicknesses;
   std::vector<double> ratios;
+  std::vector<double> withins;
   for (const Sample& sample : samples) {
     thicknesses.push_back(sample.thickness);
     ratios.push_back(sample.ratio);
+    withins.push_back(sample.within);
   }
   return {samples.size(), quantile(thicknesses, 0.5), quantile(thicknesses, 0.9),
-          quantile(ratios, 0.5)};
+          quantile(ratios, 0.5), quantile(withins, 0.5)};
 }
 
 }  // namespace

@@ -1,41 +1,41 @@
-// Tells how good the map of a session is, without truth.
+// Tells how good the map of a session is, without truth; as lines, JSON or a report to look at.
 
 #include "lidar_mapping/map/map_quality.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <optional>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/map/key_frame_track.hpp"
-#include "lidar_mapping/session/session.hpp"
+#include "lidar_mapping/map/map_builder.hpp"
+#include "lidar_mapping/map/top_view.hpp"
+
+#include "report_figures.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
-using Json = nlohmann::ordered_json;
 using session::Session;
+using tools::Json;
 
 struct Options {
   std::string session;
   std::string json;
+  std::string truth;
   double range_noise = 0.02;
   std::size_t places = 10;
   std::vector<double> sensor_origin;
+  bool report = false;
 };
 
-constexpr double kDegrees = 180.0 / M_PI;
-
-KeyFramePoses poses_of(const Session& session) {
-  map::KeyFrameTrack track;
-  for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
-  track.update(session.poses());
-  return track.poses();
-}
+constexpr std::size_t kPictures = 6;          // places that are shown
+constexpr double kSlice = 1.5;                // m along the way, either side of a cross-section
+constexpr double kPictureReach = 15.0;        // m to the side and along
+constexpr std::size_t kPicturePoints = 9000;  // of a pass and place
 
 /// From the command line, or else from the session.
 std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Session& session) {
@@ -43,23 +43,19 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Se
   return session.sensor_origin();
 }
 
-/// Without the place of the sensor nobody knows how beams met the surfaces: no ratio then.
-Json to_json(const map::Thickness& thickness, bool has_ratio) {
-  return {{"cells", thickness.cells},
-          {"median_m", thickness.median},
-          {"p90_m", thickness.high},
-          {"median_ratio_to_noise", has_ratio ? Json(thickness.median_ratio) : Json()}};
-}
+struct Judged {
+  map::LocalThickness thickness;
+  std::vector<map::GhostVector> ghosts;  ///< worst first
+  bool has_ratio = false;
+};
 
-Json to_json(const map::GhostVector& ghost) {
-  return {{"key_frame", ghost.key_frame},
-          {"position", {ghost.position.x(), ghost.position.y(), ghost.position.z()}},
-          {"along_m", ghost.along},
-          {"left_m", ghost.left},
-          {"up_m", ghost.up},
-          {"yaw_deg", ghost.yaw * kDegrees},
-          {"planes", ghost.planes},
-          {"left_over_m", ghost.residual}};
+Judged judged(const tools::ReportInput& input, const map::QualityConfig& config, bool has_ratio) {
+  CloudSource& clouds = input.session.clouds();
+  Judged result{map::local_thickness(input.poses, clouds, config),
+                map::ghost_vectors(input.poses, clouds, config), has_ratio};
+  std::stable_sort(result.ghosts.begin(), result.ghosts.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return result;
 }
 
 void print(const char* name, const map::Thickness& thickness, bool has_ratio) {
@@ -80,8 +76,108 @@ void print(const std::vector<map::GhostVector>& ghosts, std::size_t places) {
     const map::GhostVector& ghost = ghosts[i];
     std::printf("  %9u %7.1f %7.1f   %8.1f %8.1f %7.1f  %7.3f  %6zu\n", ghost.key_frame,
                 ghost.position.x(), ghost.position.y(), 1000.0 * ghost.along, 1000.0 * ghost.left,
-                1000.0 * ghost.up, ghost.yaw * kDegrees, ghost.planes);
+                1000.0 * ghost.up, ghost.yaw * 180.0 / M_PI, ghost.planes);
   }
+}
+
+void print(const Judged& found, std::size_t places) {
+  print("ground", found.thickness.ground, found.has_ratio);
+  print("wall", found.thickness.walls, found.has_ratio);
+  std::printf("planar share %.2f\n", found.thickness.planar_share);
+  print(found.ghosts, places);
+}
+
+Json to_json(const Judged& found, const map::QualityConfig& config) {
+  Json figures = {{"range_noise_m", config.range_noise},
+                  {"thickness", tools::to_json(found.thickness, found.has_ratio)},
+                  {"ghosts", Json::array()}};
+  for (const map::GhostVector& ghost : found.ghosts) {
+    figures["ghosts"].push_back(tools::to_json(ghost));
+  }
+  return figures;
+}
+
+/// Everything that is known of the drive and its map.
+Json report_of(const tools::ReportInput& input, const Judged& found,
+               const map::QualityConfig& config) {
+  Json report = {{"format", 1},
+                 {"session", input.session.directory().filename().string()},
+                 {"drive", tools::drive_figures(input)}};
+  report.update(to_json(found, config));
+  report["entropy"] = tools::to_json(map::mean_map_entropy(input.poses, input.session.clouds()));
+  report["trajectory"] = tools::trajectory_figures(input);
+  report["loops"] = tools::loop_figures(input);
+  report["gnss"] = tools::gnss_figures(input);
+  report["scans"] = tools::scan_figures(input);
+  report["hold"] = tools::hold_figures(input);
+  report["truth"] = tools::truth_figures(input);
+  report["verdicts"] = tools::verdicts(report);
+  return report;
+}
+
+/// Points of a slice across the way (left, up) or, seen from above, of a band (along, left).
+Json slice_of(const std::vector<Eigen::Vector3f>& points, bool from_above) {
+  std::vector<Eigen::Vector2f> chosen;
+  for (const Eigen::Vector3f& p : points) {
+    const bool inside = from_above ? std::abs(p.x()) < kPictureReach && p.z() > 0.5F && p.z() < 3.0F
+                                   : std::abs(p.x()) < kSlice && p.z() < 8.0F;
+    if (!inside || std::abs(p.y()) > kPictureReach) continue;
+    chosen.push_back(from_above ? Eigen::Vector2f(p.x(), p.y()) : Eigen::Vector2f(p.y(), p.z()));
+  }
+  Json rows = Json::array();
+  const std::size_t step = chosen.size() / kPicturePoints + 1;
+  const auto millimetres = [](float value) { return std::round(1000.0F * value); };
+  for (std::size_t i = 0; i < chosen.size(); i += step) {
+    rows.push_back({millimetres(chosen[i].x()), millimetres(chosen[i].y())});
+  }
+  return rows;
+}
+
+/// What the pictures of the report need beside its figures: files in `directory`.
+void write_picture_data(const tools::ReportInput& input, const Judged& found,
+                        const map::QualityConfig& config, const std::filesystem::path& directory) {
+  CloudSource& clouds = input.session.clouds();
+  Json places = Json::array();
+  for (std::size_t i = 0; i < std::min(kPictures, found.ghosts.size()); ++i) {
+    const auto points = map::place_points(input.poses, clouds, config, found.ghosts[i]);
+    places.push_back({{"across", {slice_of(points.earlier, false), slice_of(points.later, false)}},
+                      {"above", {slice_of(points.earlier, true), slice_of(points.later, true)}}});
+  }
+  write_text_atomically(directory / "places.json", places.dump());
+  const auto view = map::top_view(map::build_map(input.poses, clouds, {}), 0.25, 1600);
+  map::write_png(directory / "top_view.png", view);
+  const Json frame = {view.x_min, view.x_min + view.width * view.pixel_m,
+                      view.y_max - view.height * view.pixel_m, view.y_max};
+  write_text_atomically(directory / "top_view.json", frame.dump());
+}
+
+/// The page is made by a script beside this program.
+void write_page(const std::filesystem::path& json, const std::filesystem::path& data,
+                const std::filesystem::path& page) {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::string command = "'" + (program / "make_report.py").string() + "' '" + json.string() +
+                              "' '" + data.string() + "' '" + page.string() + "'";
+  if (std::system(command.c_str()) != 0) throw FileError("could not make a page with " + command);
+}
+
+void write_report(const tools::ReportInput& input, const Judged& found,
+                  const map::QualityConfig& config) {
+  const std::filesystem::path directory = input.session.directory();
+  const Json report = report_of(input, found, config);
+  for (const Json& line : report["verdicts"]) {
+    std::printf("%-9s %-26s %s\n",
+                line["good"].is_null() ? ""
+                : line["good"]         ? "good"
+                                       : "look here",
+                line["name"].get<std::string>().c_str(), line["value"].get<std::string>().c_str());
+  }
+  write_text_atomically(directory / "report.json", report.dump() + "\n");
+  const std::filesystem::path data = directory / ".report";
+  std::filesystem::create_directories(data);
+  write_picture_data(input, found, config, data);
+  write_page(directory / "report.json", data, directory / "report.html");
+  std::filesystem::remove_all(data);
+  std::printf("%s\n", (directory / "report.html").c_str());
 }
 
 void judge(const Options& options) {
@@ -94,22 +190,13 @@ void judge(const Options& options) {
     std::cerr << "map_quality: the session does not know where the LiDAR is in base_link; give "
                  "--sensor-origin x y z for the ratio to the noise\n";
   }
-  const KeyFramePoses poses = poses_of(session);
-  const map::LocalThickness thickness = map::local_thickness(poses, session.clouds(), config);
-  auto ghosts = map::ghost_vectors(poses, session.clouds(), config);
-  std::stable_sort(ghosts.begin(), ghosts.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  print("ground", thickness.ground, sensor.has_value());
-  print("wall", thickness.walls, sensor.has_value());
-  std::printf("planar share %.2f\n", thickness.planar_share);
-  print(ghosts, options.places);
-  if (options.json.empty()) return;
-  Json result = {{"ground", to_json(thickness.ground, sensor.has_value())},
-                 {"walls", to_json(thickness.walls, sensor.has_value())},
-                 {"planar_share", thickness.planar_share},
-                 {"ghosts", Json::array()}};
-  for (const map::GhostVector& ghost : ghosts) result["ghosts"].push_back(to_json(ghost));
-  write_text_atomically(options.json, result.dump(2) + "\n");
+  const tools::ReportInput input = tools::report_input(session, options.truth);
+  const Judged found = judged(input, config, sensor.has_value());
+  print(found, options.places);
+  if (!options.json.empty()) {
+    write_text_atomically(options.json, to_json(found, config).dump(2) + "\n");
+  }
+  if (options.report) write_report(input, found, config);
 }
 
 }  // namespace
@@ -125,7 +212,9 @@ int main(int argc, char** argv) {
   app.add_option("--places", options.places, "places to print; 10 if left out");
   app.add_option("--sensor-origin", options.sensor_origin, "the LiDAR in base_link, m; as recorded")
       ->expected(3);
-  app.add_option("--json", options.json, "write all figures to this file");
+  app.add_option("--json", options.json, "write thickness and ghost vectors to this file");
+  app.add_flag("--report", options.report, "write report.html and report.json to the session");
+  app.add_option("--truth", options.truth, "true trajectory (TUM), for the report's errors");
   CLI11_PARSE(app, argc, argv);
   try {
     judge(options);

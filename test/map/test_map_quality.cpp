@@ -124,5 +124,27 @@ TEST(LocalThickness, GrowsWithTheDistanceOfTheLayers) {
   EXPECT_GT(after, 2.0 * before);
 }
 
+TEST(MapEntropy, GrowsWhenPassesLieApart) {
+  TwoPasses good(moved(0.0, 0.0, 0.0));
+  TwoPasses raised(moved(0.0, 0.0, 0.1));
+  const MapEntropy before = mean_map_entropy(good.poses, good);
+  const MapEntropy after = mean_map_entropy(raised.poses, raised);
+  EXPECT_GT(before.points, 1000U);
+  EXPECT_GT(before.neighbours, 5.0);
+  EXPECT_GT(after.mean, before.mean + 0.3);
+}
+
+TEST(PlacePoints, AreThoseOfBothPassesInTheAxesOfTheVehicle) {
+  TwoPasses passes(moved(0.0, 0.0, 0.0));
+  const auto vectors = ghost_vectors(passes.poses, passes, {});
+  ASSERT_FALSE(vectors.empty());
+  const PlacePoints points = place_points(passes.poses, passes, {}, vectors.front());
+  ASSERT_GT(points.later.size(), 1000U);
+  ASSERT_GT(points.earlier.size(), 1000U);
+  double lowest = 0.0;
+  for (const auto& point : points.later) lowest = std::min<double>(lowest, point.z());
+  EXPECT_NEAR(lowest, -1.8, 0.1);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::map

@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::map {
 
-/// How a map is judged without truth (doc/map.md).
+/// How a map is judged without truth (doc/map_quality.md).
 struct QualityConfig {
   double range_noise = 0.02;  ///< m, standard deviation of the sensor's ranges
   Eigen::Vector3d p_base_sensor = Eigen::Vector3d::Zero();  ///< the LiDAR in base_link, m
@@ -17,9 +17,10 @@ struct QualityConfig {
 /// Spread of the points of planar places about their planes.
 struct Thickness {
   std::size_t cells = 0;
-  double median = 0.0;        ///< m
-  double high = 0.0;          ///< m, 90 % lie below
-  double median_ratio = 0.0;  ///< to the spread that range noise alone gives: 1 is perfect
+  double median = 0.0;         ///< m
+  double high = 0.0;           ///< m, 90 % lie below
+  double median_ratio = 0.0;   ///< to the spread that range noise alone gives: 1 is perfect
+  double median_within = 0.0;  ///< m, of single groups: what poses have no part in
 };
 
 struct LocalThickness {
@@ -52,5 +53,27 @@ struct GhostVector {
 /// have none.
 std::vector<GhostVector> ghost_vectors(const KeyFramePoses& poses, CloudSource& clouds,
                                        const QualityConfig& config);
+
+/// The points of a place, for pictures: x along, y left, z up from its key frame, m.
+struct PlacePoints {
+  std::vector<Eigen::Vector3f> earlier;
+  std::vector<Eigen::Vector3f> later;
+};
+
+/// The points from which ghost_vectors() found what it says of a place.
+PlacePoints place_points(const KeyFramePoses& poses, CloudSource& clouds,
+                         const QualityConfig& config, const GhostVector& place);
+
+/// Mean map entropy (Razlaw et al. 2015), natural logarithm: only good for comparing two sets of
+/// poses with the very same points, as it depends on how dense these are.
+struct MapEntropy {
+  double mean = 0.0;
+  double radius = 0.0;      ///< m, of the neighbourhoods
+  std::size_t points = 0;   ///< at which it was taken
+  double neighbours = 0.0;  ///< mean number
+};
+
+/// At some points each of up to 60 places along the way.
+MapEntropy mean_map_entropy(const KeyFramePoses& poses, CloudSource& clouds);
 
 }  // namespace lidar_mapping::map

@@ -1,0 +1,247 @@
+#!/usr/bin/python3
+"""Make the page that shows a session's report.
+
+usage: make_report.py REPORT.json PICTURE_DATA_DIR PAGE.html
+Called by map_quality --report; the page holds all of its pictures.
+"""
+import base64
+import io
+import json
+import math
+import os
+import pathlib
+import sys
+
+import jinja2
+import matplotlib
+
+matplotlib.use('Agg')
+import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.ticker  # noqa: E402
+import numpy as np  # noqa: E402
+
+INK, GREY, FAINT = '#1f2933', '#7b8794', '#e4e7eb'
+BLUE, ORANGE, RED, GREEN = '#1463a5', '#d97706', '#b91c1c', '#2f855a'
+WIDTH = 5.8  # inches of a picture in one of the two columns
+LOOP_COLOURS = {'accepted': GREEN, 'refused': RED, 'undecided': ORANGE}
+
+plt.rcParams.update({
+    'font.size': 9, 'font.family': 'sans-serif', 'text.color': INK, 'axes.edgecolor': '#cbd2d9',
+    'axes.labelcolor': INK, 'axes.grid': True, 'grid.color': FAINT, 'grid.linewidth': 0.8,
+    'xtick.color': GREY, 'ytick.color': GREY, 'axes.spines.top': False,
+    'axes.spines.right': False, 'axes.axisbelow': True, 'legend.frameon': False,
+    'axes.titlesize': 9, 'axes.titleweight': 'bold',
+    'svg.hashsalt': 'report', 'figure.constrained_layout.use': True})
+
+
+def table(part):
+    """The rows of a part of the report as columns by name."""
+    rows = np.array(part['rows'], dtype=float).reshape(-1, len(part['columns']))
+    return {name: rows[:, i] for i, name in enumerate(part['columns'])}
+
+
+def embedded(figure, kind='svg'):
+    """The figure as an image source."""
+    buffer = io.BytesIO()
+    metadata = {'Date': None} if kind == 'svg' else None
+    figure.savefig(buffer, format=kind, dpi=130, metadata=metadata)
+    plt.close(figure)
+    mime = {'svg': 'image/svg+xml', 'png': 'image/png'}[kind]
+    return f'data:{mime};base64,' + base64.b64encode(buffer.getvalue()).decode()
+
+
+def embedded_file(path):
+    return 'data:image/png;base64,' + base64.b64encode(path.read_bytes()).decode()
+
+
+def positions(trajectory):
+    """Position of each key frame by its number."""
+    return {int(k): (x, y) for k, x, y in
+            zip(trajectory['key_frame'], trajectory['x'], trajectory['y'])}
+
+
+def draw_loops(axis, report, at, verdict, label, **style):
+    drawn = False
+    for loop in report['loops']['candidates']:
+        if loop['verdict'] != verdict or loop['from'] not in at or loop['to'] not in at:
+            continue
+        a, b = at[loop['from']], at[loop['to']]
+        axis.plot([a[0], b[0]], [a[1], b[1]], '-o', color=LOOP_COLOURS[verdict], markersize=2.5,
+                  label=None if drawn else label, **style)
+        drawn = True
+
+
+def plan_size(trajectory):
+    """Size of a picture in which the drive fills the width, or the height if it is a tall one."""
+    wide = np.ptp(trajectory['x']) + 20.0
+    tall = np.ptp(trajectory['y']) + 20.0
+    return WIDTH, min(max(WIDTH * tall / wide, 2.4), 5.4) + 0.7
+
+
+def plan(report, trajectory):
+    """Trajectory from above, with loops, GNSS, and odometry alone."""
+    figure, axis = plt.subplots(figsize=plan_size(trajectory))
+    gnss = table(report['gnss'])
+    if len(gnss['x']) and report['gnss']['used_by_graph']:
+        axis.plot(gnss['x'], gnss['y'], '.', color='#9fb3c8', markersize=5, label='GNSS')
+    axis.plot(trajectory['odometry_x'], trajectory['odometry_y'], '--', color=GREY, linewidth=1,
+              label='odometry alone')
+    axis.plot(trajectory['x'], trajectory['y'], color=BLUE, linewidth=1.6, label='map')
+    at = positions(trajectory)
+    draw_loops(axis, report, at, 'refused', 'loop refused', linewidth=1.0, zorder=3)
+    draw_loops(axis, report, at, 'undecided', 'loop undecided', linewidth=1.0, zorder=3)
+    draw_loops(axis, report, at, 'accepted', 'loop accepted', linewidth=1.6, zorder=4)
+    axis.plot(trajectory['x'][:1], trajectory['y'][:1], 's', color=INK, markersize=5, zorder=5,
+              label='start')
+    axis.set(aspect='equal', xlabel='x (m)', ylabel='y (m)')
+    axis.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8)
+    return embedded(figure)
+
+
+def along(series, ylabel, height=1.9, limits=None, legend=False):
+    """Lines along the way: a list of (way, value, colour, label, style)."""
+    figure, axis = plt.subplots(figsize=(WIDTH, height))
+    for way, value, colour, label, style in series:
+        axis.plot(way, value, style, color=colour, linewidth=1.4, markersize=3, label=label)
+    axis.set(xlabel='way (m)', ylabel=ylabel)
+    axis.margins(x=0.01, y=0.12)
+    if limits:
+        axis.set_ylim(*limits)
+    if legend:
+        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8)
+    return embedded(figure)
+
+
+def histogram(values, xlabel, colour=BLUE):
+    figure, axis = plt.subplots(figsize=(0.5 * WIDTH, 1.9))
+    axis.hist(values, bins=24, color=colour, rwidth=0.9)
+    axis.set(xlabel=xlabel, ylabel='number')
+    axis.grid(axis='x', visible=False)
+    axis.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(4))
+    return embedded(figure)
+
+
+def ghost_plan(report, trajectory):
+    """Where the map was driven twice, and how far the passes lie apart."""
+    figure, axis = plt.subplots(figsize=plan_size(trajectory))
+    axis.plot(trajectory['x'], trajectory['y'], color='#cbd2d9', linewidth=1.2)
+    places = np.array([ghost['position'][:2] for ghost in report['ghosts']])
+    sizes = 1000.0 * np.array([ghost['size_m'] for ghost in report['ghosts']])
+    dots = axis.scatter(places[:, 0], places[:, 1], c=sizes, s=42, cmap='viridis_r', vmin=0,
+                        vmax=max(20.0, sizes.max()), edgecolors='white', linewidths=0.6, zorder=3)
+    for number, place in enumerate(places[:6]):
+        axis.annotate(str(number + 1), place, textcoords='offset points', xytext=(6, 5),
+                      fontsize=9, fontweight='bold', color=INK)
+    figure.colorbar(dots, ax=axis, label='distance of the passes (mm)', location='bottom',
+                    aspect=40, pad=0.02)
+    axis.set(aspect='equal', xlabel='x (m)', ylabel='y (m)')
+    return embedded(figure)
+
+
+def draw_passes(axis, points, size):
+    for xy, colour, name in zip(points, (BLUE, ORANGE), ('earlier passes', 'later pass')):
+        axis.plot(xy[:, 0], xy[:, 1], '.', color=colour, markersize=size, alpha=0.6,
+                  markeredgewidth=0, label=name)
+    axis.set_aspect('equal')
+
+
+def telling_corner(points):
+    """Lower corner of the square of 2 m, seen from above, where both passes have most points."""
+    edges = np.arange(-12.0, 12.1, 2.0)
+    counts = [np.histogram2d(xy[:, 0], xy[:, 1], bins=(edges, edges))[0] for xy in points]
+    column, row = np.unravel_index(np.argmax(np.minimum(*counts)), counts[0].shape)
+    return edges[column], edges[row]
+
+
+def place_picture(data):
+    """A place from above, a corner of it enlarged, and across: the passes on top of each other."""
+    above, across = ([np.array(part, dtype=float).reshape(-1, 2) / 1000.0 for part in data[view]]
+                     for view in ('above', 'across'))
+    figure = plt.figure(figsize=(WIDTH, 4.3))
+    grid = figure.add_gridspec(2, 2, height_ratios=[2.2, 1])
+    view, zoom = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
+    cut = figure.add_subplot(grid[1, :])
+    draw_passes(view, above, 1.2)
+    draw_passes(zoom, above, 5.0)
+    draw_passes(cut, across, 1.6)
+    x, y = telling_corner(above)
+    view.add_patch(plt.Rectangle((x, y), 2, 2, fill=False, edgecolor=INK, linewidth=1))
+    view.set(xlabel='along (m)', ylabel='left (m)')
+    view.set_title('From above, 0.5 to 3 m up', loc='left')
+    zoom.set(xlim=(x, x + 2), ylim=(y, y + 2), xlabel='along (m)')
+    zoom.set_title('The square, enlarged', loc='left')
+    cut.set(xlabel='left (m)', ylabel='up (m)')
+    cut.set_title('Across, a slice of 3 m', loc='left')
+    cut.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=2, fontsize=8, markerscale=6)
+    return embedded(figure, 'png')
+
+
+def pictures(report, data_directory):
+    trajectory = table(report['trajectory'])
+    way = trajectory['way']
+    images = {
+        'map': embedded_file(data_directory / 'top_view.png'),
+        'plan': plan(report, trajectory),
+        'height': along([(way, trajectory['odometry_z'], GREY, 'odometry alone', '--'),
+                         (way, trajectory['z'], BLUE, 'map', '-')], 'height (m)', legend=True),
+        'odometry': along(
+            [(way, np.hypot(trajectory['odometry_x'] - trajectory['x'],
+                            trajectory['odometry_y'] - trajectory['y']), BLUE, 'horizontal', '-'),
+             (way, trajectory['odometry_z'] - trajectory['z'], ORANGE, 'vertical', '-')],
+            'odometry − map (m)', legend=True)}
+    residuals = [1000.0 * loop['residual_m'] for loop in report['loops']['candidates']
+                 if loop['verdict'] == 'accepted' and 'residual_m' in loop]
+    if residuals:
+        angles = [loop['residual_deg'] for loop in report['loops']['candidates']
+                  if loop['verdict'] == 'accepted' and 'residual_deg' in loop]
+        images['loop_metres'] = histogram(residuals, 'loop residual (mm)', GREEN)
+        images['loop_degrees'] = histogram(angles, 'loop residual (deg)', GREEN)
+    gnss = table(report['gnss'])
+    if len(gnss['way']):
+        images['gnss'] = along(
+            [(gnss['way'], 1000.0 * gnss['east'], BLUE, 'east', '-'),
+             (gnss['way'], 1000.0 * gnss['north'], ORANGE, 'north', '-'),
+             (gnss['way'], 1000.0 * gnss['up'], GREY, 'up', '-')],
+            'GNSS − map (mm)', height=2.1, legend=True)
+    hold = table(report['hold'])
+    if len(hold['way']):
+        images['hold'] = along([(hold['way'], hold['sigma_m'], BLUE, None, '-o')],
+                               'standard deviation (m)', limits=(0, None))
+    if report['ghosts']:
+        images['ghosts'] = ghost_plan(report, trajectory)
+    if report['truth']:
+        truth = table(report['truth'])
+        images['truth'] = along([(truth['way'], 1000.0 * truth['error_m'], RED, None, '-')],
+                                'error of the position (mm)', limits=(0, None))
+    places = json.loads((data_directory / 'places.json').read_text())
+    images['places'] = [place_picture(place) for place in places]
+    return images
+
+
+def scale_bar(data_directory, share=0.2):
+    """A round length and its share of the map picture's width."""
+    left, right, _, _ = json.loads((data_directory / 'top_view.json').read_text())
+    wanted = share * (right - left)
+    power = 10.0 ** math.floor(math.log10(wanted))
+    length = max(step * power for step in (1, 2, 5) if step * power <= wanted)
+    return {'length': f'{length:g}', 'percent': 100.0 * length / (right - left)}
+
+
+def main(json_path, data_path, page_path):
+    report = json.loads(pathlib.Path(json_path).read_text())
+    data_directory = pathlib.Path(data_path)
+    templates = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(os.path.dirname(os.path.realpath(__file__))),
+        autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    templates.filters['mm'] = lambda metres: f'{1000.0 * metres:.0f}'
+    page = templates.get_template('report.html.j2').render(
+        report=report, images=pictures(report, data_directory), scale=scale_bar(data_directory))
+    temporary = pathlib.Path(page_path + '.part')
+    temporary.write_text(page)
+    temporary.rename(page_path)
+
+
+if __name__ == '__main__':
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/map/map_quality.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+namespace lidar_mapping::tools {
+
+using Json = nlohmann::ordered_json;
+
+/// A session's map, as the figures need it.
+struct ReportInput {
+  const session::Session& session;
+  KeyFramePoses poses;     ///< newest, T_map_base
+  KeyFramePoses odometry;  ///< laid so that the first key frame is where it is in `poses`
+  std::string truth;       ///< file, or empty
+};
+
+/// Optimised poses, with odometry behind the last of them.
+ReportInput report_input(const session::Session& session, const std::string& truth);
+
+// Parts of report.json; lengths in m, angles in deg.
+Json drive_figures(const ReportInput& input);
+/// Way, position and distance from odometry of every key frame.
+Json trajectory_figures(const ReportInput& input);
+/// What loops and GNSS say against the newest poses.
+Json loop_figures(const ReportInput& input);
+Json gnss_figures(const ReportInput& input);
+Json scan_figures(const ReportInput& input);
+/// Standard deviations of poses along the way, and the longest way without a loop or GNSS.
+Json hold_figures(const ReportInput& input);
+/// APE, RPE and KITTI's errors; null without truth. Throws FileError, InputError.
+Json truth_figures(const ReportInput& input);
+
+Json to_json(const map::LocalThickness& thickness, bool has_ratio);
+Json to_json(const map::GhostVector& ghost);
+Json to_json(const map::MapEntropy& entropy);
+
+/// A line per figure: name, value in words, whether it is good, and what it means.
+Json verdicts(const Json& report);
+
+}  // namespace lidar_mapping::tools

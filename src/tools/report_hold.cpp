@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "lidar_mapping/back_end/marginal_covariance.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+#include "report_figures.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+constexpr std::size_t kSamples = 40;  // poses whose covariance is asked for
+constexpr double kDegrees = 180.0 / M_PI;
+
+std::vector<double> ways_of(const KeyFramePoses& poses) {
+  std::vector<double> ways(poses.poses.size(), 0.0);
+  for (std::size_t i = 1; i < ways.size(); ++i) {
+    ways[i] =
+        ways[i - 1] +
+        (poses.poses[i].T_map_base.translation - poses.poses[i - 1].T_map_base.translation).norm();
+  }
+  return ways;
+}
+
+/// Key frames that a believed loop or a GNSS position holds.
+std::set<KeyFrameIndex> held_ones(const ReportInput& input, const back_end::BackEnd& back_end,
+                                  bool use_gnss) {
+  std::set<KeyFrameIndex> held;
+  for (const auto& [loop, used] : back_end.loops()) {
+    if (used) held.insert({loop.from, loop.to});
+  }
+  if (!use_gnss) return held;
+  std::set<Stamp> stamps;
+  for (const GnssPosition& gnss : input.session.gnss()) stamps.insert(gnss.stamp);
+  for (const KeyFramePose& pose : input.poses.poses) {
+    if (stamps.count(pose.stamp) > 0) held.insert(pose.index);
+  }
+  return held;
+}
+
+/// The longest way on odometry alone.
+Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& held) {
+  const auto ways = ways_of(input.poses);
+  double begin = 0.0;
+  double longest = 0.0;
+  double at = 0.0;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (ways[i] - begin > longest) {
+      longest = ways[i] - begin;
+      at = begin;
+    }
+    if (held.count(input.poses.poses[i].index) > 0) begin = ways[i];
+  }
+  return {{"length_m", longest}, {"begin_m", at}};
+}
+
+}  // namespace
+
+Json hold_figures(const ReportInput& input) {
+  const auto config = config::load<back_end::BackEndConfig>(
+      {pipeline::stored_configuration<back_end::BackEndConfig>(input.session)});
+  back_end::BackEnd back_end(config);
+  pipeline::replay(input.session, back_end);
+  back_end.apply(*back_end::solve(*back_end.problem(true)));
+  const auto problem = back_end.problem(true);
+  const auto ways = ways_of(input.poses);
+  Json rows = Json::array();
+  double worst = 0.0;
+  for (std::size_t i = 0; i < ways.size(); i += ways.size() / kSamples + 1) {
+    const auto covariance = back_end::marginal_covariance(*problem, input.poses.poses[i].index);
+    if (!covariance) continue;
+    const double metres = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
+    const double degrees = std::sqrt(covariance->bottomRightCorner<3, 3>().trace()) * kDegrees;
+    rows.push_back({ways[i], metres, degrees});
+    worst = std::max(worst, metres);
+  }
+  return {{"largest_sigma_m", worst},
+          {"longest_without_constraint",
+           longest_gap(input, held_ones(input, back_end, config.use_gnss))},
+          {"columns", {"way", "sigma_m", "sigma_deg"}},
+          {"rows", rows}};
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,143 @@
+#include <cmath>
+#include <cstdio>
+
+#include "report_figures.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+// Beyond these a person should look.
+constexpr double kMaxRatio = 1.5;          // thickness to what the noise gives
+constexpr double kMaxPoseShare = 1.3;      // thickness to that of single groups
+constexpr double kMaxGhostSide = 0.05;     // m, left and up
+constexpr double kMaxGhostAlong = 0.2;     // m
+constexpr double kMaxGhostYaw = 0.2;       // deg
+constexpr double kMaxLoopResidual = 0.15;  // m
+constexpr double kMaxCorrection = 0.01;    // of the way
+constexpr double kMaxSigma = 0.5;          // m
+constexpr double kMaxGnssSigmas = 4.0;     // 95 % of the residuals, against the stated sigma
+constexpr double kMinGnssResidual = 0.1;   // m, never called too much
+
+template <typename... Values>
+std::string text(const char* format, Values... values) {
+  char buffer[240];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+Json line(const char* name, const std::string& value, const Json& good, const std::string& note) {
+  return {{"name", name}, {"value", value}, {"good", good}, {"note", note}};
+}
+
+Json thickness_line(const char* name, const Json& thickness) {
+  if (thickness["cells"] == 0) return line(name, "no planar cells", nullptr, "");
+  const double median = thickness["median_m"];
+  const double within = thickness["median_within_m"];
+  const double from_poses = median / std::max(within, 1e-6);
+  const Json& ratio = thickness["median_ratio_to_noise"];
+  const bool good = from_poses < kMaxPoseShare && (ratio.is_null() || ratio < kMaxRatio);
+  const std::string value = text("%.1f mm", 1000.0 * median);
+  const std::string own = text("single passes of a few metres alone: %.1f mm", 1000.0 * within);
+  if (ratio.is_null()) return line(name, value, good, own);
+  return line(name, value + text(", %.2f of the noise", ratio.get<double>()), good, own);
+}
+
+bool is_alarming(const Json& ghost) {
+  const auto beyond = [&](const char* part, double limit) {
+    return std::abs(ghost[part].get<double>()) > limit;
+  };
+  return beyond("left_m", kMaxGhostSide) || beyond("up_m", kMaxGhostSide) ||
+         beyond("along_m", kMaxGhostAlong) || beyond("yaw_deg", kMaxGhostYaw);
+}
+
+Json ghost_line(const Json& ghosts) {
+  const char* name = "Repeated passes";
+  if (ghosts.empty()) {
+    return line(name, "no place was driven twice", nullptr, "only local quality could be judged");
+  }
+  std::size_t alarming = 0;
+  for (const Json& ghost : ghosts) alarming += is_alarming(ghost) ? 1 : 0;
+  const double worst = ghosts.front()["size_m"];
+  const double median = ghosts[ghosts.size() / 2]["size_m"];
+  return line(name, text("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst),
+              alarming == 0,
+              text("%zu places, %zu with more than 5 cm aside or up, 20 cm along or 0.2 deg",
+                   ghosts.size(), alarming));
+}
+
+Json loop_line(const Json& loops) {
+  const std::size_t used = loops["used"];
+  const std::size_t dropped = loops["dropped_by_graph"];
+  const std::size_t refused = loops["refused_or_undecided"];
+  const double worst = loops["max_residual_m"];
+  const std::string note =
+      text("%zu dropped by the graph, %zu refused or undecided", dropped, refused);
+  if (used + dropped == 0) return line("Loops", "none", nullptr, note);
+  return line("Loops", text("%zu used, residual up to %.0f mm", used, 1000.0 * worst),
+              dropped == 0 && worst < kMaxLoopResidual, note);
+}
+
+Json gnss_line(const Json& gnss) {
+  if (gnss["positions"] == 0) return line("GNSS", "none", nullptr, "the map is not georeferenced");
+  const double residual = gnss["p95_horizontal_m"];
+  const double stated = gnss["median_stated_sigma_m"];
+  return line("GNSS",
+              text("%.0f mm horizontally in the median, 95 %% below %.0f mm",
+                   1000.0 * gnss["median_horizontal_m"].get<double>(), 1000.0 * residual),
+              residual < std::max(kMinGnssResidual, kMaxGnssSigmas * stated),
+              text("stated standard deviation %.0f mm; %s", 1000.0 * stated,
+                   gnss["used_by_graph"] ? "used by the graph" : "not used, aligned to the map"));
+}
+
+Json odometry_line(const Json& report) {
+  const double farthest = report["trajectory"]["odometry_max_m"];
+  const double vertical = report["trajectory"]["odometry_max_vertical_m"];
+  const double length = report["drive"]["length_m"];
+  return line("Odometry against the map", text("up to %.2f m apart", farthest),
+              farthest < std::max(0.5, kMaxCorrection * length),
+              text("up to %.2f m in height, over %.0f m", vertical, length));
+}
+
+Json scan_line(const Json& scans) {
+  const std::size_t all = scans["scans"];
+  const std::size_t dropped = scans["dropped"];
+  const std::size_t tracked = scans["states"].value("tracking", std::size_t{0});
+  return line("Scans", text("%zu, %zu of them tracked", all, tracked),
+              dropped == 0 && tracked == all, text("%zu dropped", dropped));
+}
+
+Json hold_line(const Json& hold) {
+  const double sigma = hold["largest_sigma_m"];
+  const Json& gap = hold["longest_without_constraint"];
+  return line("Poses held", text("standard deviation up to %.2f m", sigma), sigma < kMaxSigma,
+              text("longest way without loop or GNSS: %.0f m, from %.0f m on",
+                   gap["length_m"].get<double>(), gap["begin_m"].get<double>()));
+}
+
+Json truth_line(const Json& truth) {
+  return line("Against the truth",
+              text("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
+                   1000.0 * truth["ape_max_m"].get<double>()),
+              nullptr,
+              text("after rigid alignment; RPE over 10 m %.1f mm, %.3f deg",
+                   1000.0 * truth["rpe_10m_rmse_m"].get<double>(),
+                   truth["rpe_10m_rmse_deg"].get<double>()));
+}
+
+}  // namespace
+
+Json verdicts(const Json& report) {
+  Json lines = {thickness_line("Walls", report["thickness"]["walls"]),
+                thickness_line("Ground", report["thickness"]["ground"]),
+                ghost_line(report["ghosts"]),
+                loop_line(report["loops"]),
+                gnss_line(report["gnss"]),
+                odometry_line(report),
+                scan_line(report["scans"]),
+                hold_line(report["hold"])};
+  if (!report["truth"].is_null()) lines.push_back(truth_line(report["truth"]));
+  return lines;
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
+
+#include "report_figures.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using session::Session;
+
+/// Ten metres straight on, a key frame each; the map is shifted against odometry half way.
+class ReportFigures : public testing::Test {
+ protected:
+  ReportFigures() {
+    for (KeyFrameIndex index = 0; index < 11; ++index) {
+      KeyFrame key_frame;
+      key_frame.index = index;
+      key_frame.stamp = 1'000'000'000LL * (index + 1);
+      key_frame.T_odom_base.translation.x() = index;
+      auto cloud = std::make_shared<PointCloud>();
+      cloud->points.push_back({1.0F, 0.0F, 0.0F, 0.0F});
+      key_frame.cloud = cloud;
+      session_.add_key_frame(key_frame);
+      Pose T_map_base = key_frame.T_odom_base;
+      if (index >= 5) T_map_base.translation.z() = 0.25;
+      poses_.poses.push_back({index, key_frame.stamp, T_map_base});
+    }
+    poses_.revision = 1;
+    session::RevisionRecord record;
+    record.revision = 1;
+    session_.set_poses(poses_, record);
+  }
+
+  Loop loop(KeyFrameIndex from, KeyFrameIndex to, double off) {
+    Loop loop;
+    loop.from = from;
+    loop.to = to;
+    loop.T_from_to = poses_.poses[from].T_map_base.inverse() * poses_.poses[to].T_map_base;
+    loop.T_from_to.translation.y() += off;
+    return loop;
+  }
+
+  test::TemporaryFolder folder_;
+  Session session_ = Session::create_in(folder_.path() / "session");
+  KeyFramePoses poses_;
+};
+
+TEST_F(ReportFigures, TellHowFarOdometryIsFromTheMap) {
+  const Json figures = trajectory_figures(report_input(session_, ""));
+  EXPECT_EQ(figures["rows"].size(), 11U);
+  EXPECT_NEAR(figures["odometry_max_m"], 0.25, 1e-9);
+  EXPECT_NEAR(figures["odometry_max_vertical_m"], 0.25, 1e-9);
+}
+
+TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
+  session_.add_loop(loop(0, 8, 0.03));
+  session_.add_loop(loop(1, 9, 0.01));
+  session_.add_loop(loop(2, 10, 2.0));
+  LoopVerdict refused;
+  refused.from = 2;
+  refused.to = 10;
+  refused.verdict = Verdict::kRefused;
+  refused.reason = "the graph leaves it out";
+  session_.add_verdict(refused);
+  const Json figures = loop_figures(report_input(session_, ""));
+  EXPECT_EQ(figures["used"], 2);
+  EXPECT_EQ(figures["dropped_by_graph"], 1);
+  EXPECT_NEAR(figures["max_residual_m"], 0.03, 1e-9);
+}
+
+TEST_F(ReportFigures, FindTheLongestWayWithoutAConstraint) {
+  session_.add_loop(loop(0, 3, 0.0));
+  const Json figures = hold_figures(report_input(session_, ""));
+  EXPECT_NEAR(figures["longest_without_constraint"]["length_m"], 7.0, 0.1);
+  EXPECT_NEAR(figures["longest_without_constraint"]["begin_m"], 3.0, 0.1);
+  EXPECT_GT(figures["largest_sigma_m"], 0.0);
+}
+
+TEST_F(ReportFigures, NameTheScansThatWereNotTracked) {
+  for (int i = 0; i < 10; ++i) {
+    session::ScanRecord scan;
+    scan.stamp = 100'000'000LL * (i + 1);
+    scan.state = i == 4 || i == 5 ? "lost" : "tracking";
+    scan.scans_dropped = i == 9 ? 3 : 0;
+    session_.add_scan(scan);
+  }
+  const Json figures = scan_figures(report_input(session_, ""));
+  EXPECT_EQ(figures["dropped"], 3);
+  EXPECT_EQ(figures["states"]["lost"], 2);
+  ASSERT_EQ(figures["stretches"].size(), 1U);
+  EXPECT_EQ(figures["stretches"][0]["scans"], 2);
+  EXPECT_NEAR(figures["stretches"][0]["begin_s"], 0.4, 1e-9);
+}
+
+TEST_F(ReportFigures, CompareWithTheTruthAfterAlignment) {
+  Trajectory truth;
+  for (const KeyFramePose& pose : poses_.poses) {
+    Pose moved = pose.T_map_base;
+    moved.translation += Eigen::Vector3d(100.0, 50.0, 1.0);
+    moved.translation.y() += 0.02 * std::sin(1.0 + pose.index);
+    truth.poses.push_back({pose.stamp, moved});
+  }
+  const auto path = folder_.path() / "truth.tum";
+  write_text_atomically(path, to_tum(truth));
+  const Json figures = truth_figures(report_input(session_, path.string()));
+  EXPECT_EQ(figures["poses"], 11);
+  EXPECT_GT(figures["ape_rmse_m"], 0.002);
+  EXPECT_LT(figures["ape_max_m"], 0.03);
+  EXPECT_TRUE(truth_figures(report_input(session_, "")).is_null());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include "report_figures.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+Json thickness(double median, double within, const Json& ratio) {
+  return {{"cells", 100},
+          {"median_m", median},
+          {"median_within_m", within},
+          {"median_ratio_to_noise", ratio}};
+}
+
+Json good_report() {
+  return {{"thickness",
+           {{"walls", thickness(0.014, 0.013, 1.05)}, {"ground", thickness(0.004, 0.004, 1.1)}}},
+          {"ghosts", Json::array({{{"along_m", 0.01},
+                                   {"left_m", 0.01},
+                                   {"up_m", 0.0},
+                                   {"yaw_deg", 0.0},
+                                   {"size_m", 0.014}}})},
+          {"loops",
+           {{"used", 10},
+            {"dropped_by_graph", 0},
+            {"refused_or_undecided", 3},
+            {"max_residual_m", 0.05}}},
+          {"gnss",
+           {{"positions", 5},
+            {"used_by_graph", true},
+            {"median_horizontal_m", 0.02},
+            {"p95_horizontal_m", 0.05},
+            {"median_stated_sigma_m", 0.05}}},
+          {"trajectory", {{"odometry_max_m", 0.3}, {"odometry_max_vertical_m", 0.1}}},
+          {"drive", {{"length_m", 1000.0}}},
+          {"scans", {{"scans", 50}, {"dropped", 0}, {"states", {{"tracking", 50}}}}},
+          {"hold",
+           {{"largest_sigma_m", 0.1},
+            {"longest_without_constraint", {{"length_m", 10.0}, {"begin_m", 0.0}}}}},
+          {"truth", nullptr}};
+}
+
+Json verdict_on(const Json& report, const std::string& name) {
+  for (const Json& line : verdicts(report)) {
+    if (line["name"] == name) return line["good"];
+  }
+  ADD_FAILURE() << "no line " << name;
+  return nullptr;
+}
+
+TEST(ReportVerdicts, AreGoodForAGoodMap) {
+  for (const Json& line : verdicts(good_report())) EXPECT_EQ(line["good"], true) << line.dump();
+}
+
+TEST(ReportVerdicts, SayWhereToLook) {
+  Json report = good_report();
+  report["thickness"]["walls"] = thickness(0.03, 0.013, nullptr);
+  report["ghosts"][0]["up_m"] = -0.06;
+  report["loops"]["dropped_by_graph"] = 1;
+  report["gnss"]["p95_horizontal_m"] = 0.5;
+  report["trajectory"]["odometry_max_m"] = 11.0;
+  report["scans"]["dropped"] = 2;
+  report["hold"]["largest_sigma_m"] = 0.6;
+  for (const char* name : {"Walls", "Repeated passes", "Loops", "GNSS", "Odometry against the map",
+                           "Scans", "Poses held"}) {
+    EXPECT_EQ(verdict_on(report, name), false) << name;
+  }
+  EXPECT_EQ(verdict_on(report, "Ground"), true);
+}
+
+// Nothing measured is neither good nor bad.
+TEST(ReportVerdicts, SayNothingOfWhatIsNotThere) {
+  Json report = good_report();
+  report["ghosts"] = Json::array();
+  report["gnss"]["positions"] = 0;
+  report["loops"] = {
+      {"used", 0}, {"dropped_by_graph", 0}, {"refused_or_undecided", 0}, {"max_residual_m", 0.0}};
+  for (const char* name : {"Repeated passes", "GNSS", "Loops"}) {
+    EXPECT_TRUE(verdict_on(report, name).is_null()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
