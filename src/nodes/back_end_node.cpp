@@ -1,7 +1,9 @@
 #include "back_end_node.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <ctime>
+#include <utility>
 
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
@@ -20,6 +22,8 @@ namespace fs = std::filesystem;
 
 /// Measurements that come before the first key frame, or after the last one that is to come.
 constexpr std::size_t kEarlyMeasurements = 1000;
+/// Loops that come before their key frames: a node that starts is given both again.
+constexpr std::size_t kEarlyLoops = 1000;
 /// Files are brought up to date when nothing has come for so long.
 constexpr std::chrono::milliseconds kIdle{2000};
 
@@ -60,8 +64,12 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
       poses_(context.node.advertise<KeyFramePosesMessage>("key_frame_poses", 1, true)),
       optimized_odom_(
           context.node.advertise<nav_msgs::Odometry>("optimized_odom", kPublisherQueue)),
+      key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },
+                  [this](const RunKeyFrame& received) { take_key_frame(received.key_frame); },
+                  [this](const std::string& run_id) { return go_on_with(run_id); }),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       solutions_(context.worker.add_channel("solutions", kPublisherQueue)),
+      loops_(context.worker.add_channel("early loops", kEarlyLoops)),
       solver_([](const std::string&, const std::string& what) {
         ROS_ERROR_STREAM("optimisation failed: " << what);
       }),
@@ -74,7 +82,10 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
     use(std::move(session), run_id);
   }
   context.worker.set_on_stop(Worker::OnStop::kDrain);
-  context.worker.set_idle_task(kIdle, [this] { write_files(); });
+  context.worker.set_idle_task(kIdle, [this] {
+    settle();
+    write_files();
+  });
   subscribe_all();
   serve();
 }
@@ -85,6 +96,7 @@ BackEndNode::~BackEndNode() {
   service_spinner_.stop();
   solver_.stop();
   try {
+    settle();
     write_files();
   } catch (const Error& error) {
     ROS_ERROR_STREAM(error.what());
@@ -100,7 +112,11 @@ void BackEndNode::listen(const std::string& topic, Handle handle, Numbered numbe
 
 void BackEndNode::subscribe_all() {
   listen<KeyFrameMessage>(
-      "key_frame", [this](const auto& m) { take_key_frame(m); }, Numbered::kYes);
+      "key_frame",
+      [this](const auto& m) {
+        key_frames_.push({m.run_id, from_message(m)});
+      },
+      Numbered::kYes);
   listen<LoopMessage>(
       "loop", [this](const auto& m) { take_loop(m); }, Numbered::kYes);
   listen<LoopVerdictMessage>("loop_verdict", [this](const auto& m) {
@@ -131,15 +147,30 @@ void BackEndNode::subscribe_all() {
                                                           });
 }
 
-void BackEndNode::take_key_frame(const KeyFrameMessage& message) {
-  if (!run_ || message.run_id != run_id_) begin_run(message.run_id);
-  const KeyFrame key_frame = from_message(message);
+/// The first key frame that this run's session lacks.
+KeyFrameIndex BackEndNode::go_on_with(const std::string& run_id) {
+  if (!run_ || run_id != run_id_) begin_run(run_id);
+  return next_index_;
+}
+
+void BackEndNode::take_key_frame(const KeyFrame& key_frame) {
   context_.diagnostics.count_input(key_frame.stamp);
+  next_index_ = key_frame.index + 1;
   run_->add_key_frame(key_frame);
   files_are_old_ = true;
   keep_sensor_origin();
   context_.diagnostics.set("key frames", std::to_string(key_frame.index + 1));
+  take_early_loops();
   optimize_if_due();
+}
+
+/// What waits for a key frame that will not come need wait no longer.
+void BackEndNode::settle() {
+  const std::size_t before = key_frames_.missing();
+  key_frames_.settle();
+  if (key_frames_.missing() > before) {
+    ROS_WARN_STREAM("key frames that never came: " << key_frames_.missing() - before);
+  }
 }
 
 void BackEndNode::keep_sensor_origin() {
@@ -149,16 +180,39 @@ void BackEndNode::keep_sensor_origin() {
 }
 
 void BackEndNode::take_loop(const LoopMessage& message) {
-  if (!run_ || message.run_id != run_id_) {
+  if (!run_ || (message.run_id == run_id_ && std::max(message.from, message.to) >= next_index_)) {
+    early_loops_.push_back(message);
+    if (early_loops_.size() > kEarlyLoops) early_loops_.pop_front();
+    return;
+  }
+  if (message.run_id != run_id_) {
     throw InputError("the loop belongs to run '" + message.run_id + "', this is run '" + run_id_ +
                      "'; start loop_closing_node again if it lasts");
   }
-  if (!run_->add_loop(from_message(message))) {
+  const Loop loop = from_message(message);
+  if (is_known(loop)) return;
+  if (!run_->add_loop(loop)) {
     throw InputError("the loop from key frame " + std::to_string(message.from) + " to " +
                      std::to_string(message.to) + " does not fit the graph");
   }
   files_are_old_ = true;
   optimize_if_due();
+}
+
+/// A loop that loop_closing_node gave again; a better one between the same key frames is another.
+bool BackEndNode::is_known(const Loop& loop) const {
+  const std::vector<Loop> loops = run_->session().loops();
+  return std::any_of(loops.begin(), loops.end(), [&](const Loop& other) {
+    return other.from == loop.from && other.to == loop.to &&
+           difference(other.T_from_to, loop.T_from_to).norm() < 1e-9;
+  });
+}
+
+void BackEndNode::take_early_loops() {
+  const std::deque<LoopMessage> loops = std::exchange(early_loops_, {});
+  for (const LoopMessage& loop : loops) {
+    context_.worker.post(loops_, [this, loop] { take_loop(loop); });
+  }
 }
 
 void BackEndNode::take_gnss(const nav_msgs::Odometry& message) {
@@ -222,6 +276,7 @@ void BackEndNode::use(session::Session session, const std::string& run_id) {
   const std::size_t known = session.key_frame_count();
   run_ = std::make_shared<Run>(std::move(session), config_.stage);
   run_id_ = run_id;
+  next_index_ = known > 0 ? run_->session().key_frames().back().index + 1 : 0;
   run_->session().set_run_id(run_id);
   if (datum_) run_->session().set_datum(*datum_);
   const std::string folder = run_->session().directory().string();

@@ -13,6 +13,7 @@
 #include <ros/spinner.h>
 
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
@@ -42,7 +43,11 @@ class BackEndNode {
   template <typename Message, typename Handle>
   void listen(const std::string& topic, Handle handle, Numbered numbered = Numbered::kNo);
 
-  void take_key_frame(const KeyFrameMessage& message);
+  KeyFrameIndex go_on_with(const std::string& run_id);
+  void take_key_frame(const KeyFrame& key_frame);
+  bool is_known(const Loop& loop) const;
+  void take_early_loops();
+  void settle();
   void keep_sensor_origin();
   void take_loop(const LoopMessage& message);
   void take_gnss(const nav_msgs::Odometry& message);
@@ -80,14 +85,17 @@ class BackEndNode {
   // The worker's own: the graph, the session, and what waits for an optimisation.
   std::shared_ptr<Run> run_;
   std::string run_id_;
+  KeyFrameIndex next_index_ = 0;
+  KeyFrameFeed key_frames_;
   std::deque<std::function<void(Run&)>> early_;
+  std::deque<LoopMessage> early_loops_;
   std::optional<GeodeticDatum> datum_;
   bool solving_ = false;
   std::vector<OptimizeAnswer> answers_;  ///< to be given after the optimisation that runs
   std::vector<OptimizeAnswer> next_answers_;
   bool files_are_old_ = false;
 
-  Worker::ChannelId requests_, solutions_;
+  Worker::ChannelId requests_, solutions_, loops_;
   Worker solver_;
   Worker::ChannelId problems_;
   ros::CallbackQueue service_queue_;

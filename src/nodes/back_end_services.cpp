@@ -27,6 +27,7 @@ bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& res
       report.message = "there are no key frames yet; nothing to optimise";
       return answer->set_value(report);
     }
+    settle();
     (solving_ ? next_answers_ : answers_).push_back(std::move(*answer));
     if (!solving_) start_solving(true);
   });

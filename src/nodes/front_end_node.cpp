@@ -9,6 +9,7 @@
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/repeating_publisher.hpp"
 #include "lidar_mapping/ros/scan_assembler.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
@@ -19,6 +20,8 @@ namespace {
 
 /// A scan that waits for its other sensors is taken as it is when nothing has come for so long.
 constexpr std::chrono::milliseconds kIdle{500};
+/// Key frames that are given again to who comes: those of some seconds, while a node starts.
+constexpr std::uint32_t kRepeatedKeyFrames = 30;
 
 std::string new_run_id() {
   const std::time_t now = ros::WallTime::now().sec;
@@ -63,7 +66,8 @@ class FrontEndNode {
   std::string run_id_;
   Covariance6 covariance_ = Covariance6::Zero();  ///< of T_odom_base, axes of base_link
   std::optional<front_end::FrontEndResult> previous_;
-  ros::Publisher laser_odom_, key_frame_, status_, current_scan_, local_map_;
+  ros::Publisher laser_odom_, status_, current_scan_, local_map_;
+  RepeatingPublisher<KeyFrameMessage> key_frame_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -72,11 +76,11 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
       context_(context),
       back_end_(context.node),
       front_end_(config.stage),
-      assembler_(config.stage.odometry == front_end::OdometrySource::kExternal) {
+      assembler_(config.stage.odometry == front_end::OdometrySource::kExternal),
+      key_frame_(context.node, "key_frame", kRepeatedKeyFrames) {
   const std::string notice = registration::method_notice(config.stage.registration);
   if (!notice.empty()) ROS_INFO_STREAM(notice);
   laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
-  key_frame_ = context.node.advertise<KeyFrameMessage>("key_frame", kPublisherQueue);
   status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);
   current_scan_ = context.node.advertise<sensor_msgs::PointCloud2>("current_scan", 1);
   local_map_ = context.node.advertise<sensor_msgs::PointCloud2>("local_map", 1, true);

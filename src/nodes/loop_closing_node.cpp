@@ -3,12 +3,20 @@
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/repeating_publisher.hpp"
 #include "lidar_mapping/ros/scratch_folder.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
 namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Loops that are given again to a back end that starts again.
+constexpr std::uint32_t kRepeatedLoops = 100;
+
+}  // namespace
 
 /// Parameters of the node and of its stage.
 struct LoopClosingNodeConfig {
@@ -66,7 +74,8 @@ class LoopClosingNode {
   std::unique_ptr<Run> run_;
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
-  ros::Publisher loop_, verdict_;
+  RepeatingPublisher<LoopMessage> loop_;
+  ros::Publisher verdict_;
   KeyFrameSubscription key_frames_;
   std::vector<ros::Subscriber> subscribers_;
 };
@@ -74,7 +83,7 @@ class LoopClosingNode {
 LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
-      loop_(context.node.advertise<LoopMessage>("loop", kPublisherQueue)),
+      loop_(context.node, "loop", kRepeatedLoops),
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
                   [this](const RunKeyFrame& received) { take_key_frame(received); }) {
@@ -108,7 +117,7 @@ void LoopClosingNode::tell_sensor_origin() {
 }
 
 void LoopClosingNode::take_poses(const KeyFramePosesMessage& message) {
-  key_frames_.note(message);
+  key_frames_.note({message.run_id, message.indices});
   if (run_ && message.run_id == run_id_) run_->closer.update_poses(from_message(message));
 }
 

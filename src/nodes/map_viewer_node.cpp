@@ -154,7 +154,7 @@ void MapViewerNode::take_key_frame(const RunKeyFrame& received) {
 }
 
 void MapViewerNode::take_poses(const KeyFramePosesMessage& message) {
-  key_frames_.note(message);
+  key_frames_.note({message.run_id, message.indices});
   if (!run_ || message.run_id != run_id_) return;
   run_->track.update(from_message(message));
   show_graph();
@@ -212,22 +212,24 @@ void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const Key
 }
 
 /// Poses on their way in a topic may be late: a map that is saved after optimize_map has answered
-/// is that of the optimised poses.
+/// is that of the optimised poses, with all their key frames.
 void MapViewerNode::take_newest_poses() {
   const auto state = back_end_.run();
-  if (state && state->run_id == run_id_) run_->track.update(state->poses);
+  if (!state) return;
+  key_frames_.note(state->indices());
+  if (run_ && state->run_id == run_id_) run_->track.update(state->poses);
 }
 
 bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
   auto answer = std::make_shared<std::promise<SaveMap::Response>>();
   std::future<SaveMap::Response> future = answer->get_future();
   context_.worker.post(requests_, [this, answer, request] {
+    take_newest_poses();
     if (!run_) {
       SaveMap::Response nothing;
       nothing.message = "there are no key frames yet; nothing to save";
       return answer->set_value(nothing);
     }
-    take_newest_poses();
     builder_.post(saves_, [this, answer, request, run = run_, poses = run_->track.poses()] {
       answer->set_value(save(run, poses, request));
     });

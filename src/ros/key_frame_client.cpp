@@ -9,8 +9,8 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 const char* const kService = "get_key_frames";
-/// Poses may overtake the key frame that they belong to; a node that far behind missed some.
-constexpr KeyFrameIndex kMissed = 2;
+/// Poses may overtake the key frame that they belong to: that is nothing to tell.
+constexpr KeyFrameIndex kOvertaken = 1;
 
 }  // namespace
 
@@ -70,20 +70,19 @@ KeyFrameSubscription::KeyFrameSubscription(NodeContext& context, int capacity,
   });
 }
 
-void KeyFrameSubscription::note(const KeyFramePosesMessage& message) {
-  if (message.indices.empty()) return;
-  const KeyFrameIndex newest = *std::max_element(message.indices.begin(), message.indices.end());
-  if (feed_.run_id().empty() || newest >= feed_.next_index() + kMissed) catch_up();
-}
-
 void KeyFrameSubscription::catch_up() {
   const auto state = client_.run();
-  if (!state || state->key_frames.empty()) return;
+  if (state) note(state->indices());
+}
+
+void KeyFrameSubscription::note(RunIndices known) {
   // The front end may have begun a run of which the back end has not heard yet.
-  if (!feed_.run_id().empty() && feed_.run_id() != state->run_id) return;
+  const bool other_run = !feed_.run_id().empty() && feed_.run_id() != known.run_id;
+  if (known.indices.empty() || other_run) return;
+  std::sort(known.indices.begin(), known.indices.end());
   const KeyFrameIndex before = feed_.next_index();
-  feed_.catch_up(state->indices());
-  if (feed_.next_index() > before) {
+  feed_.catch_up(known);
+  if (feed_.next_index() > before + kOvertaken) {
     ROS_INFO_STREAM("caught up: key frames " << before << " to " << feed_.next_index() - 1
                                              << " from the back end");
   }

@@ -22,8 +22,8 @@ std::vector<std::vector<KeyFrameIndex>> chunks_of(const std::vector<KeyFrameInde
 
 }  // namespace
 
-KeyFrameFeed::KeyFrameFeed(Fetch fetch, Deliver deliver)
-    : fetch_(std::move(fetch)), deliver_(std::move(deliver)) {}
+KeyFrameFeed::KeyFrameFeed(Fetch fetch, Deliver deliver, Begin begin)
+    : fetch_(std::move(fetch)), deliver_(std::move(deliver)), begin_(std::move(begin)) {}
 
 void KeyFrameFeed::push(RunKeyFrame key_frame) {
   if (key_frame.run_id != run_id_) begin_run(key_frame.run_id);
@@ -32,11 +32,17 @@ void KeyFrameFeed::push(RunKeyFrame key_frame) {
   pending_.emplace(index, std::move(key_frame));
   deliver_pending();
   fetch_gap();
-  while (pending_.size() > kPatience) {
-    missing_ += pending_.begin()->first - next_;
-    deliver_first();
-    deliver_pending();
-  }
+  while (pending_.size() > kPatience) give_up_first();
+}
+
+void KeyFrameFeed::settle() {
+  while (!pending_.empty()) give_up_first();
+}
+
+void KeyFrameFeed::give_up_first() {
+  missing_ += pending_.begin()->first - next_;
+  deliver_first();
+  deliver_pending();
 }
 
 void KeyFrameFeed::catch_up(const RunIndices& known) {
@@ -54,8 +60,8 @@ void KeyFrameFeed::catch_up(const RunIndices& known) {
 }
 
 void KeyFrameFeed::begin_run(const std::string& run_id) {
+  next_ = begin_(run_id);
   run_id_ = run_id;
-  next_ = 0;
   pending_.clear();
 }
 

@@ -45,6 +45,7 @@ NodeContext::NodeContext()
       }) {}
 
 std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequence) {
+  if (sequence == 0) return 0;
   const bool goes_on = publisher == publisher_ && sequence > newest_;
   const std::size_t missing = goes_on ? sequence - newest_ - 1 : 0;
   publisher_ = publisher;

@@ -7,6 +7,8 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include "connections.hpp"
+
 namespace lidar_mapping::test {
 
 /// Lets messages come in until the condition holds, or `seconds` have passed; says whether it
@@ -30,7 +32,9 @@ class Listener {
               messages.push_back(*message);
             })) {}
 
-  bool connected() const { return subscriber_.getNumPublishers() > 0; }
+  /// The publisher sends to this listener; Subscriber::getNumPublishers() counts links that are not
+  /// up yet, and those to a node that was killed.
+  bool connected() const { return is_connected(subscriber_.getTopic()); }
   bool wait_for(std::size_t count, double seconds = 20.0) {
     return wait_until([&] { return messages.size() >= count; }, seconds);
   }

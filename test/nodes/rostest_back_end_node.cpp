@@ -119,6 +119,29 @@ TEST_F(BackEndNode, RefusesLoopsThatDoNotFit) {
   EXPECT_TRUE(node->is_running());
 }
 
+/// As front_end_node and loop_closing_node give them to a back end that starts in mid-drive.
+TEST_F(BackEndNode, PutsInOrderWhatComesAgainAndEarly) {
+  const auto node = start();
+  loops_.publish(round_loop());
+  publish(0, 10);
+  publish(12, 15);
+  publish(5, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  loops_.publish(round_loop());
+  EXPECT_TRUE(wait_until([&] { return optimize().loops_used == 1; })) << node->output();
+  const KeyFramePoses poses = ros_border::from_message(known().poses);
+  for (std::size_t i = 0; i < poses.poses.size(); ++i) EXPECT_EQ(poses.poses[i].index, i);
+}
+
+TEST_F(BackEndNode, GivesUpAKeyFrameThatNeverComes) {
+  const auto node = start();
+  publish(0, 10);
+  publish(11, 13);
+  EXPECT_TRUE(wait_until([&] { return optimize().key_frames == 12; })) << node->output();
+  EXPECT_NE(node->output().find("key frames that never came: 1"), std::string::npos)
+      << node->output();
+}
+
 // F62: killed in mid-drive and started again, it goes on with the session.
 TEST_F(BackEndNode, GoesOnWithItsSessionAfterItWasKilled) {
   auto node = start();

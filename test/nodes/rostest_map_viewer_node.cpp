@@ -93,6 +93,33 @@ TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
   EXPECT_EQ(markers.messages[0].markers.size(), 3U);
 }
 
+/// A key frame that was published while the viewer was connecting, and that none follows.
+TEST_F(MapViewerNode, FetchesTheLastKeyFrameWhenThePosesNameIt) {
+  store(kRound - 1);
+  const NodeProcess node("map_viewer_node");
+  Listener<nav_msgs::Path> path("optimized_path");
+  const auto shows = [&](std::size_t count) {
+    return !path.messages.empty() && path.messages.back().poses.size() == count;
+  };
+  ASSERT_TRUE(wait_until([&] { return shows(kRound - 1); })) << node.output();
+  stored_.push_back(round_message(kRound - 1));
+  const auto poses = connected_publisher<KeyFramePosesMessage>("key_frame_poses");
+  poses.publish(corrected(kRound, 1));
+  EXPECT_TRUE(wait_until([&] { return shows(kRound); })) << node.output();
+}
+
+TEST_F(MapViewerNode, SavesKeyFramesThatOnlyTheBackEndHas) {
+  store(kRound - 1);
+  const NodeProcess node("map_viewer_node");
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound - 1; }));
+  stored_.push_back(round_message(kRound - 1));
+  const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
+  EXPECT_NE(answer.message.find("of " + std::to_string(kRound) + " key frames"), std::string::npos)
+      << answer.message << node.output();
+}
+
 // F84: without anything new the map is sent once.
 TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
   store(kRound);

@@ -3,15 +3,14 @@
 #include <map>
 #include <memory>
 
-#include <XmlRpc.h>
 #include <gtest/gtest.h>
-#include <ros/network.h>
 #include <unistd.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 
 #include "bag_player.hpp"
+#include "connections.hpp"
 #include "listener.hpp"
 #include "node_process.hpp"
 
@@ -61,46 +60,15 @@ class Mapping : public testing::Test {
              poses_.connected() && ros::service::exists("save_map", false) &&
              ros::service::exists("optimize_map", false);
     }));
-    for (const char* topic : {"synced_cloud", "synced_gnss", "synced_imu", "key_frame"}) {
+    wait_for_connections();
+  }
+  static void wait_for_connections() {
+    for (const char* topic :
+         {"synced_cloud", "synced_imu", "synced_velocity", "synced_gnss", "gnss_datum", "floor",
+          "laser_odom", "front_end_status", "key_frame", "loop", "loop_verdict", "key_frame_poses",
+          "graph_verdict", "optimized_odom"}) {
       ASSERT_TRUE(wait_until([&] { return is_connected(topic); })) << topic;
     }
-  }
-  /// True if the topic's publisher has a connection to every node that listens: on a busy machine
-  /// these come long after the master knows both.
-  static bool is_connected(const std::string& topic) {
-    XmlRpc::XmlRpcValue state, lists;
-    const XmlRpc::XmlRpcValue caller(ros::this_node::getName());
-    if (!ros::master::execute("getSystemState", caller, state, lists, false)) return false;
-    const std::vector<std::string> publishers = nodes_at(lists[0], topic);
-    const std::vector<std::string> subscribers = nodes_at(lists[1], topic);
-    return publishers.size() == 1 && !subscribers.empty() &&
-           connections_of(publishers.front(), topic) >= subscribers.size();
-  }
-  static std::vector<std::string> nodes_at(XmlRpc::XmlRpcValue& topics, const std::string& topic) {
-    std::vector<std::string> nodes;
-    for (int i = 0; i < topics.size(); ++i) {
-      if (static_cast<std::string>(topics[i][0]) != "/" + topic) continue;
-      for (int k = 0; k < topics[i][1].size(); ++k) nodes.push_back(topics[i][1][k]);
-    }
-    return nodes;
-  }
-  /// How many subscribers the node is connected with, as it says itself (slave API, getBusInfo).
-  static std::size_t connections_of(const std::string& node, const std::string& topic) {
-    XmlRpc::XmlRpcValue request, answer, uri, bus;
-    request[0] = ros::this_node::getName();
-    request[1] = node;
-    if (!ros::master::execute("lookupNode", request, answer, uri, false)) return 0;
-    std::string host;
-    std::uint32_t port = 0;
-    if (!ros::network::splitURI(uri, host, port)) return 0;
-    XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
-    if (!client.execute("getBusInfo", request[0], bus) || bus.size() < 3) return 0;
-    std::size_t count = 0;
-    for (int i = 0; i < bus[2].size(); ++i) {
-      const bool is_output = static_cast<std::string>(bus[2][i][2]) == "o";
-      if (is_output && static_cast<std::string>(bus[2][i][4]) == "/" + topic) ++count;
-    }
-    return count;
   }
 
   /// Sends up to `count` scans; waits for the nodes to follow, three scans behind.

@@ -140,5 +140,18 @@ TEST(KeyFrameFeed, NeverMixesRuns) {
   EXPECT_TRUE(world.delivered.empty());
 }
 
+TEST(KeyFrameFeed, GoesOnWhereTheRunStandsAndGivesUpWhenTold) {
+  Indices delivered;
+  KeyFrameFeed feed([](const Indices&) { return std::vector<RunKeyFrame>(); },
+                    [&](const RunKeyFrame& k) { delivered.push_back(k.key_frame.index); },
+                    [](const std::string&) { return KeyFrameIndex{25}; });
+  for (const KeyFrameIndex i : {27U, 24U, 25U, 26U, 29U}) feed.push(make(i));
+  EXPECT_EQ(delivered, (Indices{25, 26, 27}));
+  EXPECT_EQ(feed.missing(), 0U);
+  feed.settle();
+  EXPECT_EQ(delivered, (Indices{25, 26, 27, 29}));
+  EXPECT_EQ(feed.missing(), 1U);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::ros_border

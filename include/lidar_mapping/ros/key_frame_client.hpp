@@ -45,9 +45,9 @@ class KeyFrameSubscription {
   /// `deliver` is called in the worker's thread.
   KeyFrameSubscription(NodeContext& context, int capacity, KeyFrameFeed::Deliver deliver);
 
-  /// To be called in the worker's thread with every message of key_frame_poses: the back end may
-  /// know key frames of which this node never heard.
-  void note(const KeyFramePosesMessage& message);
+  /// To be called in the worker's thread with what the back end knows, as key_frame_poses names it:
+  /// key frames of which this node has not heard are fetched.
+  void note(RunIndices known);
   const KeyFrameFeed& feed() const { return feed_; }
 
  private:

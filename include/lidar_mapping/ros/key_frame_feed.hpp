@@ -31,13 +31,18 @@ class KeyFrameFeed {
   /// Key frames with these indices, those that are known; nothing if nobody answers.
   using Fetch = std::function<std::vector<RunKeyFrame>(const std::vector<KeyFrameIndex>& indices)>;
   using Deliver = std::function<void(const RunKeyFrame&)>;
+  /// A run begins; returns the index of its first key frame that is still to be handed on.
+  using Begin = std::function<KeyFrameIndex(const std::string& run_id)>;
 
-  KeyFrameFeed(Fetch fetch, Deliver deliver);
+  KeyFrameFeed(
+      Fetch fetch, Deliver deliver, Begin begin = [](const std::string&) { return 0U; });
 
   /// A key frame has arrived.
   void push(RunKeyFrame key_frame);
   /// These key frames exist; fetches and hands on those that were not yet.
   void catch_up(const RunIndices& known);
+  /// Gives up what is missing, and hands on what waits for it.
+  void settle();
 
   const std::string& run_id() const { return run_id_; }
   /// One more than the newest index that was handed on.
@@ -49,11 +54,13 @@ class KeyFrameFeed {
   void begin_run(const std::string& run_id);
   void fetch(const std::vector<KeyFrameIndex>& indices);
   void fetch_gap();
+  void give_up_first();
   void deliver_pending();
   void deliver_first();
 
   Fetch fetch_;
   Deliver deliver_;
+  Begin begin_;
   std::string run_id_;
   KeyFrameIndex next_ = 0;
   std::map<KeyFrameIndex, RunKeyFrame> pending_;

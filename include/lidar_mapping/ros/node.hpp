@@ -28,7 +28,8 @@ struct NodeContext {
 class SequenceGaps {
  public:
   /// Messages that are missing before this one. A new publisher, or one that starts again, begins
-  /// anew; sources that do not number (always the same number) have no gaps.
+  /// anew; sources that do not number (always the same number) have no gaps, and what a
+  /// RepeatingPublisher gives again (number 0) is none.
   std::size_t check(const std::string& publisher, std::uint32_t sequence);
 
  private:
