@@ -199,12 +199,13 @@ void BackEndNode::take_loop(const LoopMessage& message) {
   optimize_if_due();
 }
 
-/// A loop that loop_closing_node gave again; a better one between the same key frames is another.
+/// A loop that loop_closing_node gave, or found, again; one that a person corrects is another.
 bool BackEndNode::is_known(const Loop& loop) const {
   const std::vector<Loop> loops = run_->session().loops();
   return std::any_of(loops.begin(), loops.end(), [&](const Loop& other) {
     return other.from == loop.from && other.to == loop.to &&
-           difference(other.T_from_to, loop.T_from_to).norm() < 1e-9;
+           (loop.source != LoopSource::kManual ||
+            difference(other.T_from_to, loop.T_from_to).norm() < 1e-9);
   });
 }
 

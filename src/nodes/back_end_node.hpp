@@ -72,6 +72,7 @@ class BackEndNode {
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
   GetKeyFrames::Response key_frames_without_clouds(const std::vector<KeyFrameIndex>& wanted);
+  void add_loops_and_fixes(GetKeyFrames::Response& response) const;
 
   Config config_;
   NodeContext& context_;

@@ -1,13 +1,35 @@
 #include <algorithm>
+#include <set>
 
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "back_end_node.hpp"
 
 // The services optimize_map and get_key_frames.
 namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Loop closing has judged candidates of the key frames below, and nothing there is open: what
+/// waits for a confirmation would be forgotten otherwise.
+KeyFrameIndex searched_key_frames(const std::vector<LoopVerdict>& verdicts) {
+  KeyFrameIndex searched = 0;
+  std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> open;  // by the newer key frame
+  for (const LoopVerdict& verdict : verdicts) {
+    searched = std::max(searched, verdict.to + 1);
+    if (verdict.verdict == Verdict::kUndecided) {
+      open.emplace(verdict.to, verdict.from);
+    } else {
+      open.erase({verdict.to, verdict.from});
+    }
+  }
+  return open.empty() ? searched : open.begin()->first;
+}
+
+}  // namespace
 
 /// Services wait for the worker, so they have threads of their own.
 void BackEndNode::serve() {
@@ -89,7 +111,23 @@ GetKeyFrames::Response BackEndNode::key_frames_without_clouds(
     response.key_frames.push_back(to_message(key_frame, run_id_, config_.node.base_frame));
   }
   response.poses = to_message(run_->poses(), run_id_, config_.node.map_frame);
+  if (wanted.empty()) add_loops_and_fixes(response);
   return response;
+}
+
+void BackEndNode::add_loops_and_fixes(GetKeyFrames::Response& response) const {
+  const session::Session& session = run_->session();
+  for (const Loop& loop : session.loops()) {
+    response.loops.push_back(to_message(loop, run_id_, config_.node.base_frame));
+  }
+  std::set<Stamp> stamps;
+  for (const KeyFrame& key_frame : session.key_frames()) stamps.insert(key_frame.stamp);
+  for (const GnssPosition& position : session.gnss()) {
+    if (stamps.count(position.stamp) == 0) continue;
+    response.gnss.push_back(to_message(position, config_.node.map_frame, ""));
+    response.antennas.push_back(to_message(position.p_base_antenna));
+  }
+  response.searched = searched_key_frames(session.verdicts());
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -58,6 +58,7 @@ class LoopClosingNode {
   };
 
   void begin_run(const std::string& run_id);
+  void recall();
   void take_key_frame(const RunKeyFrame& received);
   void tell_sensor_origin();
   void take_poses(const KeyFramePosesMessage& message);
@@ -72,6 +73,8 @@ class LoopClosingNode {
   std::string run_id_;
   std::size_t runs_ = 0;
   std::unique_ptr<Run> run_;
+  KeyFrameClient back_end_;
+  std::optional<RunState> memory_;  ///< of a run that goes on, until its old key frames are back
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
   RepeatingPublisher<LoopMessage> loop_;
@@ -83,6 +86,7 @@ class LoopClosingNode {
 LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
+      back_end_(context.node),
       loop_(context.node, "loop", kRepeatedLoops),
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
@@ -97,6 +101,20 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
 void LoopClosingNode::begin_run(const std::string& run_id) {
   run_id_ = run_id;
   run_ = std::make_unique<Run>(config_, scratch_.path() / std::to_string(++runs_));
+  memory_ = back_end_.run();
+  if (memory_ && memory_->run_id != run_id) memory_.reset();
+}
+
+/// The old key frames are back, by restore(): so are loops, fixes and poses.
+void LoopClosingNode::recall() {
+  for (const Loop& loop : memory_->loops) run_->closer.restore(loop);
+  for (const GnssPosition& position : memory_->gnss) run_->closer.add_gnss(position);
+  run_->closer.update_poses(memory_->poses);
+  if (memory_->searched > 0) {
+    ROS_INFO_STREAM("going on at key frame " << memory_->searched << " with "
+                                             << memory_->loops.size() << " loops that are known");
+  }
+  memory_.reset();
 }
 
 void LoopClosingNode::take_key_frame(const RunKeyFrame& received) {
@@ -105,7 +123,12 @@ void LoopClosingNode::take_key_frame(const RunKeyFrame& received) {
   context_.diagnostics.count_input(key_frame.stamp);
   tell_sensor_origin();
   if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
-  publish(run_->closer.process(key_frame));
+  if (memory_ && key_frame.index >= memory_->searched) recall();
+  if (memory_) {
+    run_->closer.restore(key_frame);
+  } else {
+    publish(run_->closer.process(key_frame));
+  }
   context_.diagnostics.count_output(key_frame.stamp);
   report();
 }

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -34,6 +37,14 @@ std::optional<RunState> KeyFrameClient::run() {
   }
   std::sort(state.key_frames.begin(), state.key_frames.end(),
             [](const KeyFrame& a, const KeyFrame& b) { return a.index < b.index; });
+  for (const LoopMessage& message : response->loops) state.loops.push_back(from_message(message));
+  if (response->antennas.size() != response->gnss.size()) {
+    throw InputError("get_key_frames: gnss and antennas differ in number");
+  }
+  for (std::size_t i = 0; i < response->gnss.size(); ++i) {
+    state.gnss.push_back(from_message(response->gnss[i], from_message(response->antennas[i])));
+  }
+  state.searched = response->searched;
   return state;
 }
 

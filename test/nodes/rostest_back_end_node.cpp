@@ -105,6 +105,39 @@ TEST_F(BackEndNode, GivesKeyFramesWithAndWithoutClouds) {
   EXPECT_LT(difference(key_frame.T_odom_base, expected.T_odom_base).norm(), 1e-9);
 }
 
+/// What a loop_closing_node that starts again goes on with.
+TEST_F(BackEndNode, GivesLoopsAndPositionsOfKeyFrames) {
+  const auto node = start();
+  const auto gnss = connected_publisher<nav_msgs::Odometry>("synced_gnss");
+  const auto verdicts = connected_publisher<LoopVerdictMessage>("loop_verdict");
+  publish(0, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound));
+  loops_.publish(round_loop());
+  loops_.publish(round_loop());
+  nav_msgs::Odometry fix;
+  fix.child_frame_id = "base_link";
+  fix.pose.pose.orientation.w = 1.0;
+  fix.pose.covariance[0] = fix.pose.covariance[7] = fix.pose.covariance[14] = 1.0;
+  for (const Stamp after_key_frame : {0, 1}) {
+    fix.header.stamp = ros_border::to_ros(round_key_frame(3).stamp + after_key_frame);
+    gnss.publish(fix);
+  }
+  LoopVerdict verdict;
+  for (const KeyFrameIndex to : {20U, 30U, 25U}) {
+    verdict.to = to;
+    verdict.verdict = to == 25U ? Verdict::kUndecided : Verdict::kRefused;
+    verdicts.publish(ros_border::to_message(verdict, "run", "base_link"));
+  }
+  EXPECT_TRUE(wait_until([&] { return known().searched == 25; })) << "25 is open yet";
+  verdict.verdict = Verdict::kAccepted;
+  verdicts.publish(ros_border::to_message(verdict, "run", "base_link"));
+  ASSERT_TRUE(wait_until([&] { return known().searched > 30 && known().gnss.size() == 1; }));
+  const GetKeyFrames::Response answer = known();
+  EXPECT_EQ(answer.loops.size(), 1U) << "it came twice";
+  EXPECT_EQ(ros_border::from_ros(answer.gnss[0].header.stamp), round_key_frame(3).stamp);
+  EXPECT_EQ(answer.antennas.size(), 1U);
+}
+
 // F54: unknown, equal and foreign indices are refused with a message, and nothing ends.
 TEST_F(BackEndNode, RefusesLoopsThatDoNotFit) {
   const auto node = start();

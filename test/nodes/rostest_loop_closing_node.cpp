@@ -43,6 +43,8 @@ class LoopClosingNode : public testing::Test {
 
   bool serve(const GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
     response.poses.run_id = "run";
+    response.loops = loops_that_are_known_;
+    response.searched = searched_;
     for (const KeyFrameMessage& message : stored_) {
       const bool wanted = request.indices.empty() ||
                           std::count(request.indices.begin(), request.indices.end(), message.index);
@@ -58,6 +60,8 @@ class LoopClosingNode : public testing::Test {
   const std::vector<std::string> arguments_ = {"_diff_num:=10", "_loop_step:=1",
                                                "_accum_distance_thresh:=10.0"};
   std::vector<KeyFrameMessage> stored_;
+  std::vector<LoopMessage> loops_that_are_known_;
+  std::uint32_t searched_ = 0;
   std::size_t requests_ = 0;
   ros::ServiceServer service_;
   Listener<LoopMessage> loops_{"loop"};
@@ -85,6 +89,22 @@ TEST_F(LoopClosingNode, GoesOnAfterItWasKilled) {
   loops_.messages.clear();
   node = std::make_unique<NodeProcess>("loop_closing_node", arguments_);
   EXPECT_TRUE(loops_.wait_for(1, 60.0)) << node->output();
+}
+
+/// The old key frames are there again, without another search for what was found before.
+TEST_F(LoopClosingNode, GoesOnAtTheKeyFrameAtWhichItWasKilled) {
+  searched_ = kCount - 5;
+  Loop known;
+  known.from = 19;
+  known.to = 40;
+  known.stamp = key_frame_at(40).stamp;
+  known.covariance = diagonal_covariance(0.02, 0.002);
+  loops_that_are_known_.push_back(ros_border::to_message(known, "run", "base_link"));
+  NodeProcess node("loop_closing_node", arguments_);
+  ASSERT_TRUE(verdicts_.wait_for(1, 60.0)) << node.output();
+  ASSERT_TRUE(loops_.wait_for(1, 60.0)) << node.output();
+  for (const auto& verdict : verdicts_.messages) EXPECT_GE(verdict.to, searched_);
+  for (const auto& loop : loops_.messages) EXPECT_GE(loop.to, searched_);
 }
 
 TEST_F(LoopClosingNode, TakesLiveKeyFramesAndFetchesTheOnesThatWereLost) {

@@ -6,17 +6,22 @@
 
 #include <ros/node_handle.h>
 
+#include "lidar_mapping/common/loop.hpp"
+#include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
 
 namespace lidar_mapping::ros_border {
 
-/// What the back end has of the run: its key frames without clouds, and their poses.
+/// What the back end has of the run.
 struct RunState {
   std::string run_id;                ///< empty if no run has begun
-  std::vector<KeyFrame> key_frames;  ///< by index
+  std::vector<KeyFrame> key_frames;  ///< by index, without clouds
   KeyFramePoses poses;
+  std::vector<Loop> loops;
+  std::vector<GnssPosition> gnss;  ///< at stamps of key frames
+  KeyFrameIndex searched = 0;      ///< loop closing is done with the key frames below this index
 
   RunIndices indices() const;
 };
