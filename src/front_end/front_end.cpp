@@ -113,14 +113,7 @@ class FrontEnd::Impl {
     if (config_.key_frame_cloud_resolution <= 0.0) return deskewed(cloud, twist, config_.threads);
     SamplingOptions options;
     options.resolution = config_.key_frame_cloud_resolution;
-    const auto& indices = sampler_.sample(cloud, options);
-    PointCloud thinned;
-    thinned.points.reserve(indices.size());
-    for (const std::uint32_t i : indices) thinned.points.push_back(cloud.points[i]);
-    if (!cloud.has_times()) return thinned;
-    thinned.times.reserve(indices.size());
-    for (const std::uint32_t i : indices) thinned.times.push_back(cloud.times[i]);
-    return deskewed(thinned, twist, config_.threads);
+    return deskewed(cloud, sampler_.sample(cloud, options), twist);
   }
 
   FrontEndConfig config_;

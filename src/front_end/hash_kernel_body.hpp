@@ -1,5 +1,7 @@
 // The kernel of hash_kernel.hpp; included by one file per instruction set.
 
+#include <cstring>
+
 #include "hash_kernel.hpp"
 
 namespace lidar_mapping::front_end {
@@ -29,6 +31,24 @@ inline __attribute__((always_inline)) void gather(const float* points, std::size
   }
 }
 
+/// Coordinates of eight points of four floats that lie side by side, in the order 0 2 4 6 1 3 5 7.
+inline __attribute__((always_inline)) void load_neighbors(const float* points, Floats& x, Floats& y,
+                                                          Floats& z) {
+  Floats pairs[4];
+  std::memcpy(pairs, points, sizeof(pairs));
+  constexpr Ints kLower = {0, 8, 1, 9, 4, 12, 5, 13};
+  constexpr Ints kUpper = {2, 10, 3, 11, 6, 14, 7, 15};
+  constexpr Ints kFirst = {0, 1, 8, 9, 4, 5, 12, 13};
+  constexpr Ints kSecond = {2, 3, 10, 11, 6, 7, 14, 15};
+  const Floats xy0 = __builtin_shuffle(pairs[0], pairs[1], kLower);
+  const Floats xy1 = __builtin_shuffle(pairs[2], pairs[3], kLower);
+  const Floats zw0 = __builtin_shuffle(pairs[0], pairs[1], kUpper);
+  const Floats zw1 = __builtin_shuffle(pairs[2], pairs[3], kUpper);
+  x = __builtin_shuffle(xy0, xy1, kFirst);
+  y = __builtin_shuffle(xy0, xy1, kSecond);
+  z = __builtin_shuffle(zw0, zw1, kFirst);
+}
+
 inline __attribute__((always_inline)) void hash_lanes(const Floats& x, const Floats& y,
                                                       const Floats& z, const HashRule& rule,
                                                       Words& hashes) {
@@ -49,12 +69,21 @@ void hash_points(const float* points, std::size_t stride, std::size_t count, con
                  std::uint32_t* hashes) {
   const std::size_t step = 4 * stride;
   std::size_t i = 0;
+  for (; stride == 1 && i + kLanes <= count; i += kLanes) {
+    constexpr Ints kInOrder = {0, 4, 1, 5, 2, 6, 3, 7};
+    Floats x, y, z;
+    Words words{};
+    load_neighbors(points + i * step, x, y, z);
+    hash_lanes(x, y, z, rule, words);
+    words = __builtin_shuffle(words, kInOrder);
+    std::memcpy(hashes + i, &words, sizeof(words));
+  }
   for (; i + kLanes <= count; i += kLanes) {
     Floats x{}, y{}, z{};
     Words words{};
     gather(points + i * step, step, x, y, z);
     hash_lanes(x, y, z, rule, words);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) hashes[i + lane] = words[lane];
+    std::memcpy(hashes + i, &words, sizeof(words));
   }
   for (; i < count; ++i) {
     const float* point = points + i * step;

@@ -36,6 +36,10 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
                       squared(options.max_range), shift_,
                       static_cast<std::uint32_t>(taken_.size() - 1)};
   candidates_.resize(std::max(candidates_.size(), cloud.size() / options.stride + 1));
+  // Copies, as the compiler must take a write of bytes for one that may change any member.
+  const std::uint8_t generation = generation_;
+  std::uint8_t* const taken = taken_.data();
+  std::uint32_t* const candidates = candidates_.data();
   std::size_t kept = 0;
   std::array<std::uint32_t, kBlock> hashes;
   for (std::size_t begin = options.phase; begin < cloud.size(); begin += kBlock * options.stride) {
@@ -44,12 +48,12 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
     hash(&cloud.points[begin].x, options.stride, count, rule, hashes.data());
     for (std::size_t i = 0; i < count; ++i) {
       // Without a branch: write always, go on if the cube is new.
-      candidates_[kept] = static_cast<std::uint32_t>(begin + i * options.stride);
-      kept += static_cast<std::size_t>(taken_[hashes[i]] != generation_);
-      taken_[hashes[i]] = generation_;
+      candidates[kept] = static_cast<std::uint32_t>(begin + i * options.stride);
+      kept += static_cast<std::size_t>(taken[hashes[i]] != generation);
+      taken[hashes[i]] = generation;
     }
   }
-  chosen_.assign(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(kept));
+  chosen_.assign(candidates, candidates + kept);
   return chosen_;
 }
 

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <iostream>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +13,7 @@
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/config/load.hpp"
 
+#include "article_odometry.hpp"
 #include "benchmark_figures.hpp"
 #include "recording.hpp"
 
@@ -20,7 +23,7 @@ using namespace lidar_mapping;
 using tools::ScanRecord;
 using Json = nlohmann::ordered_json;
 
-/// The name of no method but of the front end of the articles from which this package descends.
+/// The name of no method but of a whole front end, that of the articles (article_odometry.hpp).
 const std::string kArticles = "LIDAR_LOCALIZATION";
 
 struct Options {
@@ -41,24 +44,11 @@ struct Options {
   std::string json;
 };
 
-/// Parameters of the articles (PCL's NDT, window of 20 key frames); their transformation epsilon in
-/// the meaning that it had when they were written: a length in metres, and no limit for the turn.
-config::Source article_parameters() {
-  return config::parse_yaml(
-      "registration_method: PCL_NDT\nlocal_frame_num: 20\nkey_frame_distance: 2.0\n"
-      "frame_filter_resolution: 1.3\nlocal_map_filter_resolution: 0.6\n"
-      "NDT: {res: 1.0, step_size: 0.1, trans_eps: 0.01, max_iter: 30}\n"
-      "reg_rotation_epsilon: 3.14159\n",
-      kArticles);
-}
-
 /// Defaults, then the file, then the method, then single parameters.
 front_end::FrontEndConfig make_config(const Options& options) {
   std::vector<config::Source> sources;
   if (!options.config.empty()) sources.push_back(config::read_yaml_file(options.config));
-  if (options.method == kArticles) {
-    sources.push_back(article_parameters());
-  } else if (!options.method.empty()) {
+  if (!options.method.empty() && options.method != kArticles) {
     sources.push_back(config::parse_yaml("registration_method: " + options.method, "--method"));
   }
   sources.push_back(config::parse_yaml("threads: " + std::to_string(options.threads), "--threads"));
@@ -68,11 +58,24 @@ front_end::FrontEndConfig make_config(const Options& options) {
   return config::load<front_end::FrontEndConfig>(sources);
 }
 
+using Process = std::function<front_end::FrontEndResult(const Scan&)>;
+
+Process make_process(const Options& options, const front_end::FrontEndConfig& config) {
+  if (options.method == kArticles) {
+    return [odometry = std::make_shared<tools::ArticleOdometry>()](const Scan& scan) {
+      return odometry->process(scan);
+    };
+  }
+  return [front_end = std::make_shared<front_end::FrontEnd>(config)](const Scan& scan) {
+    return front_end->process(scan);
+  };
+}
+
 /// Time counts from the cloud in memory to the pose.
-ScanRecord timed(front_end::FrontEnd& front_end, const Scan& scan) {
+ScanRecord timed(const Process& process, const Scan& scan) {
   const double cpu_before = tools::cpu_time_ms();
   const auto before = std::chrono::steady_clock::now();
-  const front_end::FrontEndResult result = front_end.process(scan);
+  const front_end::FrontEndResult result = process(scan);
   const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - before;
   ScanRecord record;
   record.cpu_ms = tools::cpu_time_ms() - cpu_before;
@@ -131,9 +134,9 @@ void run(const Options& options) {
   const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
   const double memory_before = tools::peak_memory_mb();
-  front_end::FrontEnd front_end(config);
+  const Process process = make_process(options, config);
   std::vector<ScanRecord> records;
-  for (const std::size_t i : scans) records.push_back(timed(front_end, recording.scan(i)));
+  for (const std::size_t i : scans) records.push_back(timed(process, recording.scan(i)));
 
   Json result = {
       {"recording", options.recording},
