@@ -23,8 +23,8 @@ inline __attribute__((always_inline)) void mix(const Floats& u, std::uint32_t fa
 
 inline __attribute__((always_inline)) void gather(const float* points, std::size_t step, Floats& x,
                                                   Floats& y, Floats& z) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const float* point = points + lane * step;
+  const float* point = points;
+  for (std::size_t lane = 0; lane < kLanes; ++lane, point += step) {
     x[lane] = point[0];
     y[lane] = point[1];
     z[lane] = point[2];
@@ -34,16 +34,20 @@ inline __attribute__((always_inline)) void gather(const float* points, std::size
 /// Coordinates of eight points of four floats that lie side by side, in the order 0 2 4 6 1 3 5 7.
 inline __attribute__((always_inline)) void load_neighbors(const float* points, Floats& x, Floats& y,
                                                           Floats& z) {
-  Floats pairs[4];
-  std::memcpy(pairs, points, sizeof(pairs));
+  // One by one: an array of vectors would be copied through the stack.
+  Floats p01, p23, p45, p67;
+  std::memcpy(&p01, points, sizeof(p01));
+  std::memcpy(&p23, points + 8, sizeof(p23));
+  std::memcpy(&p45, points + 16, sizeof(p45));
+  std::memcpy(&p67, points + 24, sizeof(p67));
   constexpr Ints kLower = {0, 8, 1, 9, 4, 12, 5, 13};
   constexpr Ints kUpper = {2, 10, 3, 11, 6, 14, 7, 15};
   constexpr Ints kFirst = {0, 1, 8, 9, 4, 5, 12, 13};
   constexpr Ints kSecond = {2, 3, 10, 11, 6, 7, 14, 15};
-  const Floats xy0 = __builtin_shuffle(pairs[0], pairs[1], kLower);
-  const Floats xy1 = __builtin_shuffle(pairs[2], pairs[3], kLower);
-  const Floats zw0 = __builtin_shuffle(pairs[0], pairs[1], kUpper);
-  const Floats zw1 = __builtin_shuffle(pairs[2], pairs[3], kUpper);
+  const Floats xy0 = __builtin_shuffle(p01, p23, kLower);
+  const Floats xy1 = __builtin_shuffle(p45, p67, kLower);
+  const Floats zw0 = __builtin_shuffle(p01, p23, kUpper);
+  const Floats zw1 = __builtin_shuffle(p45, p67, kUpper);
   x = __builtin_shuffle(xy0, xy1, kFirst);
   y = __builtin_shuffle(xy0, xy1, kSecond);
   z = __builtin_shuffle(zw0, zw1, kFirst);

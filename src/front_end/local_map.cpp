@@ -23,21 +23,36 @@ registration::PlaneModel coarse_model() {
   return model;
 }
 
+/// Where the points were seen: R p(s) + t. Written out, so that the compiler takes several at once.
 void place(const SampledPoints& points, const registration::MotionState& state,
            const Eigen::Vector3d& origin, SampledPoints& placed) {
   const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
   const Eigen::Vector3f t = (state.T_map_sensor.translation - origin).cast<float>();
   const Eigen::Vector3f v = state.twist.head<3>().cast<float>();
   const Eigen::Vector3f w = state.twist.tail<3>().cast<float>();
+  const float wx = w.x(), wy = w.y(), wz = w.z();
   for (auto* array : {&placed.x, &placed.y, &placed.z}) array->resize(points.size());
+  const float* const px = points.x.data();
+  const float* const py = points.y.data();
+  const float* const pz = points.z.data();
+  const float* const ps = points.s.data();
+  float* const qx = placed.x.data();
+  float* const qy = placed.y.data();
+  float* const qz = placed.z.data();
+#pragma GCC ivdep
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f p(points.x[i], points.y[i], points.z[i]);
-    const float s = points.s[i];
-    const Eigen::Vector3f velocity = v + w.cross(p);
-    const Eigen::Vector3f q = R * (p + s * (velocity + (0.5F * s) * w.cross(velocity))) + t;
-    placed.x[i] = q.x();
-    placed.y[i] = q.y();
-    placed.z[i] = q.z();
+    float x = px[i], y = py[i], z = pz[i];
+    const float s = ps[i];
+    const float h = 0.5F * s;
+    const float ax = v.x() + (wy * z - wz * y);
+    const float ay = v.y() + (wz * x - wx * z);
+    const float az = v.z() + (wx * y - wy * x);
+    x += s * (ax + h * (wy * az - wz * ay));
+    y += s * (ay + h * (wz * ax - wx * az));
+    z += s * (az + h * (wx * ay - wy * ax));
+    qx[i] = R(0, 0) * x + R(0, 1) * y + R(0, 2) * z + t.x();
+    qy[i] = R(1, 0) * x + R(1, 1) * y + R(1, 2) * z + t.y();
+    qz[i] = R(2, 0) * x + R(2, 1) * y + R(2, 2) * z + t.z();
   }
 }
 
@@ -58,6 +73,14 @@ LocalMap::LocalMap(double voxel_size, double radius)
     : radius_(radius),
       fine_(voxel_size, kFineCapacity),
       coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, coarse_model()) {}
+
+void LocalMap::begin(double voxel_size) {
+  if (voxel_size == fine_.resolution()) {
+    clear();
+  } else {
+    *this = LocalMap(voxel_size, radius_);
+  }
+}
 
 void LocalMap::clear() {
   fine_.clear();

@@ -105,7 +105,7 @@ class NdtTracker::Impl {
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
-    map_ = LocalMap(voxel_size(), config_.local_map_radius);
+    map_.begin(voxel_size());
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;

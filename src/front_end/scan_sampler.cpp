@@ -37,18 +37,20 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
                       static_cast<std::uint32_t>(taken_.size() - 1)};
   candidates_.resize(std::max(candidates_.size(), cloud.size() / options.stride + 1));
   // Copies, as the compiler must take a write of bytes for one that may change any member.
+  const std::size_t stride = options.stride;
   const std::uint8_t generation = generation_;
   std::uint8_t* const taken = taken_.data();
   std::uint32_t* const candidates = candidates_.data();
   std::size_t kept = 0;
   std::array<std::uint32_t, kBlock> hashes;
-  for (std::size_t begin = options.phase; begin < cloud.size(); begin += kBlock * options.stride) {
-    const std::size_t left = (cloud.size() - begin + options.stride - 1) / options.stride;
+  for (std::size_t begin = options.phase; begin < cloud.size(); begin += kBlock * stride) {
+    const std::size_t left = (cloud.size() - begin + stride - 1) / stride;
     const std::size_t count = std::min(left, kBlock);
-    hash(&cloud.points[begin].x, options.stride, count, rule, hashes.data());
-    for (std::size_t i = 0; i < count; ++i) {
+    hash(&cloud.points[begin].x, stride, count, rule, hashes.data());
+    auto index = static_cast<std::uint32_t>(begin);
+    for (std::size_t i = 0; i < count; ++i, index += static_cast<std::uint32_t>(stride)) {
       // Without a branch: write always, go on if the cube is new.
-      candidates[kept] = static_cast<std::uint32_t>(begin + i * options.stride);
+      candidates[kept] = index;
       kept += static_cast<std::size_t>(taken[hashes[i]] != generation);
       taken[hashes[i]] = generation;
     }

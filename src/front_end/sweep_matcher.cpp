@@ -25,6 +25,8 @@ constexpr std::size_t kScoringThinning = 16;
 constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kImproved = 12;
 constexpr std::size_t kFinalists = 3;
+/// One that has not come to rest by then was no good end of the coarse search.
+constexpr int kFinalIterations = 15;
 /// What many starts found must be that much better than what the prediction found.
 constexpr double kClearlyBetter = 1.1;
 /// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: one
@@ -112,7 +114,12 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
     match = matcher_.evaluate(few_, map.fine(), state, widened(kQuickWidening));
   }
   keep_best(found, kFinalists);
-  for (NdtMatch& match : found) match = refine(points, map, prior, match.state);
+  NdtOptions options;
+  options.neighbor_search = neighbors_;
+  options.max_iterations = kFinalIterations;
+  for (NdtMatch& match : found) {
+    match = matcher_.match(points, map.fine(), prior, match.state, options);
+  }
   keep_best(found, 1);
   return coarse_if_thin(found.front(), points, map, prior);
 }

@@ -14,6 +14,8 @@ class LocalMap {
  public:
   LocalMap(double voxel_size, double radius);
 
+  /// Begins anew with voxels of this edge (m).
+  void begin(double voxel_size);
   void clear();
   bool empty() const { return fine_.size() == 0; }
   /// Adds points where the sensor was when it saw them.

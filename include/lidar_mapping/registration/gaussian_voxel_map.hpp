@@ -87,8 +87,8 @@ class GaussianVoxelMap {
   Eigen::Vector3i cell_of(std::uint64_t key) const;
   std::uint32_t slot_of(std::uint64_t key) const;
   std::optional<std::uint32_t> find(std::uint64_t key, std::uint32_t hint) const;
-  Voxel* find_or_add(std::uint64_t key);
-  void add_point(float x, float y, float z);
+  Voxel* find_or_add(std::uint64_t key, std::uint32_t hint);
+  void add_point(std::uint64_t key, std::uint32_t hint, float px, float py, float pz);
   void erase(std::uint32_t slot);
   void update_plane(Voxel& voxel) const;
   Gaussian gaussian_of(const Voxel& voxel) const;
@@ -99,6 +99,7 @@ class GaussianVoxelMap {
   Eigen::Vector3i origin_cell_ = Eigen::Vector3i::Zero();
   std::vector<Voxel> voxels_;
   std::uint32_t mask_ = 0;
+  std::size_t most_voxels_ = 0;
   int hash_shift_ = 0;
   std::uint32_t hand_ = 0;
   std::size_t size_ = 0;
