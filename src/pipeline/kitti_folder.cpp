@@ -68,6 +68,8 @@ float time_from_azimuth(const Point& point) {
 
 }  // namespace
 
+std::vector<Point> read_points(const std::string& path) { return read_array<Point>(path); }
+
 Point raised(const Point& point, double angle) {
   const double range = std::hypot(point.x, point.y);
   if (range == 0.0) return point;
@@ -89,7 +91,7 @@ Scan KittiFolder::scan(std::size_t index) const {
   Scan scan;
   scan.stamp = stamps_[index];
   PointCloud& cloud = scan.cloud;
-  cloud.points = read_array<Point>(fs::path(path_) / "velodyne" / (name + ".bin"));
+  cloud.points = read_points(fs::path(path_) / "velodyne" / (name + ".bin"));
   const fs::path times = fs::path(path_) / "point_times" / (name + ".f32");
   if (reading_.time_from_azimuth) {
     for (const Point& point : cloud.points) cloud.times.push_back(time_from_azimuth(point));

@@ -14,11 +14,13 @@ void LoopSearch::take(DrivePiece& piece) {
   piece.verdicts = std::move(result.verdicts);
 }
 
-void LoopSearch::restore(const session::Session& session) {
+void LoopSearch::restore(const RecordedBackEnd& run) {
+  const session::Session& session = run.session();
   if (const auto origin = session.sensor_origin()) closer_.set_sensor_origin(*origin);
   for (const KeyFrame& key_frame : session.key_frames()) closer_.restore(key_frame);
   for (const GnssPosition& position : session.gnss()) closer_.add_gnss(position);
   for (const Loop& loop : session.loops()) closer_.restore(loop);
+  closer_.update_poses(run.poses());
 }
 
 }  // namespace lidar_mapping::pipeline

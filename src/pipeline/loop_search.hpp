@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
 #include "drive_piece.hpp"
 #include "pose_feedback.hpp"
@@ -15,8 +16,8 @@ class LoopSearch {
       : closer_(config, clouds), feedback_(feedback) {}
 
   void take(DrivePiece& piece);
-  /// Takes in what a session that is gone on with holds.
-  void restore(const session::Session& session);
+  /// Takes in what is known of a drive that is gone on with.
+  void restore(const RecordedBackEnd& run);
 
  private:
   loop_closing::LoopCloser closer_;

@@ -20,6 +20,21 @@ constexpr std::size_t kInputs = 64;
 constexpr std::size_t kScans = 4;
 constexpr std::size_t kPieces = 8;
 
+/// What a front end has to see again to know its surroundings as before, m.
+constexpr double kStretch = 300.0;
+/// What preprocessing has to see before that.
+constexpr Stamp kLeadIn = from_seconds(20.0);
+
+/// The local frame of a session stays the same when it is gone on with.
+preprocessing::PreprocessingConfig with_datum(preprocessing::PreprocessingConfig config,
+                                              const session::Session& session) {
+  const std::optional<GeodeticDatum> datum = session.datum();
+  if (!datum || config.use_datum) return config;
+  config.use_datum = true;
+  config.datum = {datum->latitude_deg, datum->longitude_deg, datum->altitude_m};
+  return config;
+}
+
 /// Beside the front end the other stages need threads, so it gets half of them.
 front_end::FrontEndConfig with_threads(front_end::FrontEndConfig config, int threads) {
   config.threads = std::max(1, threads / 2);
@@ -35,12 +50,22 @@ class Pipeline::Impl {
       : threaded_(config.threads != 1),
         keeper_(std::move(session), config.back_end, threaded_, feedback_),
         search_(config.loop_closing, keeper_.run().session().clouds(), feedback_),
+        resume_point_(resume_point_of(keeper_.run().session(), kStretch, config.replay_whole)),
         odometry_(with_threads(config.front_end, config.threads), config.floor_detection,
                   [this](DrivePiece&& piece) { writing_.push(std::move(piece)); }),
         preparation_(
-            config.preprocessing, std::move(T_base),
+            with_datum(config.preprocessing, keeper_.run().session()), std::move(T_base),
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },
-            [this](const std::string& notice) { say(notice); }) {}
+            [this](const std::string& notice) { say(notice); }) {
+    if (!resume_point_) return;
+    search_.restore(keeper_.run());
+    odometry_.resume(*resume_point_);
+  }
+
+  std::optional<Stamp> resumes_from() const {
+    if (!resume_point_ || resume_point_->from_beginning()) return std::nullopt;
+    return resume_point_->first.stamp - kLeadIn;
+  }
 
   void add(Input&& input) { preparing_.push(std::move(input)); }
 
@@ -113,6 +138,7 @@ class Pipeline::Impl {
   PoseFeedback feedback_;
   GraphKeeper keeper_;
   LoopSearch search_;
+  const std::optional<ResumePoint> resume_point_;
   ScanOdometry odometry_;
   ScanPreparation preparation_;
   // From the last to the first: a stage ends before those that it sends to.
@@ -133,6 +159,7 @@ Pipeline::Pipeline(const PipelineConfig& config, session::Session session,
     : impl_(std::make_unique<Impl>(config, std::move(session), std::move(T_base))) {}
 Pipeline::~Pipeline() = default;
 
+std::optional<Stamp> Pipeline::resumes_from() const { return impl_->resumes_from(); }
 void Pipeline::add(Input input) { impl_->add(std::move(input)); }
 PipelineReport Pipeline::finish() { return impl_->finish(); }
 Progress Pipeline::progress() const { return impl_->progress(); }

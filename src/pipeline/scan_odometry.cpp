@@ -34,12 +34,22 @@ ScanOdometry::ScanOdometry(const front_end::FrontEndConfig& front_end,
                            const preprocessing::FloorDetectionConfig& floor, Forward forward)
     : front_end_(front_end), floor_detector_(floor), forward_(std::move(forward)) {}
 
+void ScanOdometry::resume(const ResumePoint& point) {
+  resumed_.emplace(point);
+  if (point.from_beginning()) return;
+  front_end_.resume(point.first.index, point.first.segment, point.first.T_odom_base);
+  has_begun_ = true;
+}
+
 void ScanOdometry::take(PreparedScan&& prepared) {
   const preprocessing::SyncedScan& synced = prepared.synced;
+  if (resumed_ && !resumed_->wants(synced.scan.stamp)) return;
   if (prepared.datum) piece_.datum = prepared.datum;
   if (prepared.p_base_lidar) piece_.p_base_lidar = prepared.p_base_lidar;
-  keep(synced, front_end_.process(synced.scan, prior_of(synced, !has_begun_)));
+  front_end::FrontEndResult result = front_end_.process(synced.scan, prior_of(synced, !has_begun_));
   has_begun_ = true;
+  if (resumed_ && !resumed_->takes(result)) return;
+  keep(synced, result);
   if (!piece_.key_frame) return;
   piece_.floor = floor_detector_.process(synced.scan);
   flush();

@@ -6,6 +6,7 @@
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
 
 #include "drive_piece.hpp"
+#include "resume_point.hpp"
 #include "scan_preparation.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -18,6 +19,8 @@ class ScanOdometry {
   ScanOdometry(const front_end::FrontEndConfig& front_end,
                const preprocessing::FloorDetectionConfig& floor, Forward forward);
 
+  /// Goes on with a session.
+  void resume(const ResumePoint& point);
   void take(PreparedScan&& prepared);
   /// Sends on the scans behind the last key frame.
   void flush();
@@ -28,6 +31,7 @@ class ScanOdometry {
   front_end::FrontEnd front_end_;
   preprocessing::FloorDetector floor_detector_;
   Forward forward_;
+  std::optional<ResumedOdometry> resumed_;
   bool has_begun_ = false;
   DrivePiece piece_;
 };

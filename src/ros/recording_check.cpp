@@ -10,14 +10,13 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2/buffer_core.h>
-#include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -69,32 +68,15 @@ std::optional<Finding> raw_scans_in(const Bags& bags) {
   return std::nullopt;
 }
 
-/// All transforms of a recording.
-class RecordedFrames {
- public:
-  explicit RecordedFrames(std::string base_frame) : base_frame_(std::move(base_frame)) {}
-
-  void add(const tf2_msgs::TFMessage& message, bool is_static) {
-    for (geometry_msgs::TransformStamped transform : message.transforms) {
-      transform.header.frame_id = frame_name(transform.header.frame_id);
-      transform.child_frame_id = frame_name(transform.child_frame_id);
-      frames_.setTransform(transform, "recording", is_static);
-    }
+/// Up to where it is looked at.
+ros::Time end_of(const RecordingCheck& recording) {
+  if (recording.seconds <= 0.0) return ros::TIME_MAX;
+  rosbag::View all;
+  for (const rosbag::Bag* bag : recording.bags) {
+    all.addQuery(*bag, rosbag::TopicQuery(recording.topics.points));
   }
-
-  std::optional<Pose> T_base(const std::string& frame) const {
-    if (frame == base_frame_) return Pose::Identity();
-    try {
-      return from_message(frames_.lookupTransform(base_frame_, frame, ros::Time(0)).transform);
-    } catch (const tf2::TransformException&) {
-      return std::nullopt;
-    }
-  }
-
- private:
-  std::string base_frame_;
-  tf2::BufferCore frames_{ros::Duration(1e6)};
-};
+  return all.size() == 0 ? ros::TIME_MAX : all.getBeginTime() + ros::Duration(recording.seconds);
+}
 
 class Examination {
  public:
@@ -152,10 +134,12 @@ SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics
 std::vector<InputReport> check(const RecordingCheck& recording,
                                const preprocessing::PreprocessingConfig& config) {
   const SensorTopics& t = recording.topics;
+  const rosbag::TopicQuery topics(
+      std::vector<std::string>{t.points, t.imu, t.velocity, t.gnss, "/tf", "/tf_static"});
+  const ros::Time end = end_of(recording);
   rosbag::View view;
   for (const rosbag::Bag* bag : recording.bags) {
-    view.addQuery(*bag, rosbag::TopicQuery(std::vector<std::string>{t.points, t.imu, t.velocity,
-                                                                    t.gnss, "/tf", "/tf_static"}));
+    view.addQuery(*bag, topics, ros::TIME_MIN, end);
   }
   Examination examination(recording, config);
   for (const rosbag::MessageInstance& message : view) examination.see(message);

@@ -5,31 +5,30 @@
 #include <vector>
 
 #include "lidar_mapping/pipeline/input.hpp"
+#include "lidar_mapping/ros/recording_check.hpp"
 
 namespace lidar_mapping::tools {
-
-/// Names of topics; empty where the sensor is absent, or not named yet.
-struct SensorTopics {
-  std::string points, imu, velocity, gnss;
-};
 
 /// A drive in one or several bags, which are read as one in the order of their times. Of each
 /// sensor the topic is read that `wanted` names; where it names none, the one of the launch file,
 /// and where the bags lack that one, the topic of the sensor's type with most messages. Frames come
-/// from /tf_static and /tf. Throws FileError for what cannot be read, InputError for a topic that
-/// no bag has.
+/// from /tf_static and the beginning of /tf. Throws FileError for what cannot be read, InputError
+/// for a topic that no bag has.
 class BagInput : public pipeline::InputSource {
  public:
-  BagInput(const std::vector<std::string>& paths, const SensorTopics& wanted,
+  BagInput(const std::vector<std::string>& paths, const ros_border::SensorTopics& wanted,
            const std::string& base_frame, const preprocessing::PreprocessingConfig& config);
   ~BagInput() override;
 
   std::optional<pipeline::Input> next() override;
+  void skip_to(Stamp stamp) override;
   Stamp begin() const override;
   Stamp end() const override;
   std::optional<Pose> T_base(const std::string& frame_id) const override;
 
-  const SensorTopics& topics() const;
+  const ros_border::SensorTopics& topics() const;
+  /// What the first seconds of the recording say about the sensors.
+  std::vector<preprocessing::InputReport> examine(double seconds) const;
 
  private:
   class Impl;

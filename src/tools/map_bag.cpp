@@ -1,17 +1,23 @@
 // Maps a recorded drive without a ROS master, as fast as the processor allows.
 
-#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <thread>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
 
+#include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
+#include "lidar_mapping/pipeline/thread_time.hpp"
 
-#include "bag_input.hpp"
+#include "drive_input.hpp"
 #include "map_output.hpp"
+#include "mapping_progress.hpp"
 #include "stage_files.hpp"
 
 namespace lidar_mapping::tools {
@@ -19,68 +25,202 @@ namespace lidar_mapping::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using session::Session;
+
+constexpr int kFailed = 1;
+constexpr int kStoppedEarly = 3;
+constexpr int kStoppedAtOnce = 130;
 
 struct Options {
-  std::vector<std::string> inputs;
+  DriveSelection drive;
   std::string output;
   std::string config;
   std::string sensor;
-  SensorTopics topics;
+  std::string figures;
   int threads = 0;
+  bool resume = false;
+  bool no_map = false;
   ProductOptions products;
 };
 
+volatile std::sig_atomic_t stop_asked = 0;
+
+extern "C" void ask_to_stop(int) {
+  if (stop_asked != 0) _exit(kStoppedAtOnce);
+  stop_asked = 1;
+}
+
 void add_arguments(CLI::App& app, Options& options) {
-  app.add_option("input", options.inputs, "bags of one drive")->required();
+  app.add_option("input", options.drive.paths,
+                 "bags of one drive, or a folder: KITTI raw, KITTI odometry, *.pcd or *.bin")
+      ->required();
   app.add_option("-o,--output", options.output, "new folder for the session and the map")
       ->required();
   app.add_option("--config", options.config, "folder of <stage>.yaml; defaults if left out");
-  app.add_option("--sensor", options.sensor,
-                 "overlay of parameters, such as those of config/sensors");
-  app.add_option("--points", options.topics.points, "topic (found by its type if left out)");
-  app.add_option("--imu", options.topics.imu, "topic");
-  app.add_option("--velocity", options.topics.velocity, "topic");
-  app.add_option("--gnss", options.topics.gnss, "topic");
+  app.add_option("--sensor", options.sensor, "overlay of parameters, as in config/sensors");
+  app.add_option("--points", options.drive.topics.points, "topic (found by type if left out)");
+  app.add_option("--imu", options.drive.topics.imu, "topic");
+  app.add_option("--velocity", options.drive.topics.velocity, "topic");
+  app.add_option("--gnss", options.drive.topics.gnss, "topic");
+  app.add_option("--sensor-height", options.drive.sensor_height,
+                 "of folders: the LiDAR over base_link, m")
+      ->capture_default_str();
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--formats", options.products.formats, "products of build_map")
+  app.add_flag("--resume", options.resume, "go on with the session in the output folder");
+  app.add_option("--formats", options.products.formats, "of the map, as build_map has them")
       ->delimiter(',')
       ->check(CLI::IsMember(product_formats()));
   app.add_option("--resolution", options.products.resolution, "edge of the map's voxels, m");
   app.add_flag("--keep-moving", options.products.keep_moving,
                "leave points of moving objects in the map");
+  app.add_flag("--no-map", options.no_map, "the session alone; build_map makes a map of it later");
+  app.add_option("--figures", options.figures, "write times and counts to this JSON file");
 }
 
-void run(const Options& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  StageFiles stages = read_stage_files(options.config, options.sensor);
-  stages.pipeline.threads = options.threads;
-  BagInput input(options.inputs, options.topics, stages.base_frame, stages.pipeline.preprocessing);
-  auto session = session::Session::create_in(options.output);
-  for (const auto& [stage, text] : stages.texts) session.set_configuration(stage, text);
-  pipeline::Pipeline pipeline(stages.pipeline, std::move(session),
-                              [&](const std::string& frame) { return input.T_base(frame); });
-  const pipeline::ThreadTime reading_time;
-  while (auto datum = input.next()) pipeline.add(std::move(*datum));
-  const double reading = reading_time.seconds();
-  const auto since = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
-  const double streamed = since();
-  const pipeline::PipelineReport report = pipeline.finish();
-  const double mapped = since();
-  for (const auto& notice : pipeline.take_notices()) std::printf("%s\n", notice.c_str());
-  std::printf("%zu scans, %zu key frames, %zu loops\n", report.progress.scans,
-              report.progress.key_frames, report.progress.loops);
-  write_products(pipeline.session(), options.products);
-  std::printf("reading %.1f s\n", reading);
-  for (const auto& [name, seconds] : report.stage_seconds) {
-    std::printf("%s %.1f s\n", name.c_str(), seconds);
+/// What the folder must be: new or empty, or with --resume a session.
+Session open_session(const Options& options) {
+  if (options.resume && fs::exists(fs::path(options.output) / "session.db")) {
+    return Session::open(options.output, Session::Access::kWrite);
   }
-  const double driven = to_seconds(input.end() - input.begin());
-  std::printf("%.1f s driven; streamed %.1f, optimised %.1f, all %.1f s: %.1f x\n", driven,
-              streamed, mapped, since(), driven / since());
+  if (fs::exists(options.output) && !fs::is_empty(options.output)) {
+    throw FileError(options.output +
+                    " is not empty; name a new folder, or give --resume to go "
+                    "on with a session that was broken off");
+  }
+  return Session::create_in(options.output);
 }
+
+class MappingRun {
+ public:
+  explicit MappingRun(const Options& options)
+      : options_(options), stages_(read_stage_files(options.config, options.sensor)) {
+    stages_.pipeline.threads =
+        options.threads > 0 ? options.threads
+                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    options_.drive.base_frame = stages_.base_frame;
+    options_.products.threads = options.threads;
+  }
+
+  int run() {
+    OpenDrive drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
+    for (const std::string& line : drive.lines) std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+    begin_ = drive.input->begin();
+    end_ = drive.input->end();
+    progress_ = std::make_unique<MappingProgress>(begin_, end_);
+    try {
+      map(*drive.input, false);
+    } catch (const pipeline::ResumeFailure&) {
+      std::printf(
+          "going over the whole recording again: its last stretch alone does not lead to "
+          "where the session ends\n");
+      drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
+      map(*drive.input, true);
+    }
+    return conclude();
+  }
+
+ private:
+  void map(pipeline::InputSource& input, bool whole) {
+    pipeline_.reset();  // lets go of the session
+    Session session = open_session(options_);
+    for (const auto& [stage, text] : stages_.texts) session.set_configuration(stage, text);
+    stages_.pipeline.replay_whole = whole;
+    pipeline_ = std::make_unique<pipeline::Pipeline>(
+        stages_.pipeline, std::move(session),
+        [&input](const std::string& frame) { return input.T_base(frame); });
+    if (const auto stamp = pipeline_->resumes_from()) input.skip_to(*stamp);
+    const pipeline::ThreadTime reading;
+    while (stop_asked == 0) {
+      auto datum = input.next();
+      if (!datum) break;
+      pipeline_->add(std::move(*datum));
+      say();
+      progress_->show(pipeline_->progress());
+    }
+    reading_seconds_ = reading.seconds();
+    streamed_ = progress_->seconds();
+    report_ = pipeline_->finish();
+    progress_->show(pipeline_->progress());
+    say();
+    progress_->end_line();
+  }
+
+  void say() {
+    for (const std::string& notice : pipeline_->take_notices()) {
+      progress_->end_line();
+      std::printf("%s\n", notice.c_str());
+    }
+  }
+
+  int conclude() {
+    const double mapped = progress_->seconds();
+    if (stop_asked != 0) std::printf("stopped early: what follows is the drive so far\n");
+    if (report_.progress.scans == 0 && pipeline_->session().key_frame_count() == 0) {
+      throw InputError("no scan could be used, so there is no map; the lines above say why");
+    }
+    std::printf("%s\n", report_.optimization.message.c_str());
+    double products = 0.0;
+    if (!options_.no_map) {
+      for (const auto& file : write_products(pipeline_->session(), options_.products)) {
+        std::printf("%s\n", file.c_str());
+      }
+      products = progress_->seconds() - mapped;
+    }
+    print_figures(figures(mapped, products));
+    return stop_asked != 0 ? kStoppedEarly : 0;
+  }
+
+  nlohmann::ordered_json figures(double mapped, double products) const {
+    const double driven =
+        to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - begin_));
+    nlohmann::ordered_json json;
+    json["driven_seconds"] = driven;
+    json["scans"] = report_.progress.scans;
+    json["key_frames"] = report_.optimization.key_frames;
+    json["loops_used"] = report_.optimization.loops_used;
+    json["seconds"] = {{"mapping", mapped},
+                       {"of it reading and odometry", streamed_},
+                       {"map", products},
+                       {"whole", progress_->seconds()}};
+    json["times_real_time"] = {{"mapping", driven / mapped},
+                               {"whole", driven / progress_->seconds()}};
+    json["peak_megabytes"] = static_cast<double>(peak_bytes()) * 1e-6;
+    auto& stages = json["processor_seconds"];
+    stages["reading"] = reading_seconds_;
+    for (const auto& [name, seconds] : report_.stage_seconds) stages[name] = seconds;
+    return json;
+  }
+
+  void print_figures(const nlohmann::ordered_json& json) const {
+    const auto& speed = json["times_real_time"];
+    std::printf("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\n",
+                json["scans"].get<std::size_t>(), json["key_frames"].get<std::size_t>(),
+                json["loops_used"].get<std::size_t>(), json["peak_megabytes"].get<double>());
+    std::printf("processor seconds:");
+    for (const auto& [name, seconds] : json["processor_seconds"].items()) {
+      std::printf(" %s %.1f;", name.c_str(), seconds.get<double>());
+    }
+    std::printf(
+        "\n%.0f s of driving mapped in %.1f s (%.1f times real time), with the map %.1f s "
+        "(%.1f times)\n",
+        json["driven_seconds"].get<double>(), json["seconds"]["mapping"].get<double>(),
+        speed["mapping"].get<double>(), json["seconds"]["whole"].get<double>(),
+        speed["whole"].get<double>());
+    if (!options_.figures.empty()) write_text_atomically(options_.figures, json.dump(2) + "\n");
+  }
+
+  Options options_;
+  StageFiles stages_;
+  Stamp begin_ = 0;
+  Stamp end_ = 0;
+  std::unique_ptr<MappingProgress> progress_;
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+  pipeline::PipelineReport report_;
+  double reading_seconds_ = 0.0;
+  double streamed_ = 0.0;
+};
 
 }  // namespace
 
@@ -92,11 +232,12 @@ int main(int argc, char** argv) {
   tools::Options options;
   tools::add_arguments(app, options);
   CLI11_PARSE(app, argc, argv);
+  std::signal(SIGINT, tools::ask_to_stop);
+  std::signal(SIGTERM, tools::ask_to_stop);
   try {
-    tools::run(options);
+    return tools::MappingRun(options).run();
   } catch (const Error& error) {
     std::cerr << "map_bag: " << error.what() << "\n";
-    return 1;
+    return tools::kFailed;
   }
-  return 0;
 }

@@ -27,6 +27,9 @@ class SimulatedInput : public pipeline::InputSource {
     if (next_ == inputs_.size()) return std::nullopt;
     return inputs_[next_++].second;
   }
+  void skip_to(Stamp stamp) override {
+    for (next_ = 0; next_ < inputs_.size() && inputs_[next_].first < stamp;) ++next_;
+  }
   Stamp begin() const override { return inputs_.front().first; }
   Stamp end() const override { return inputs_.back().first; }
   std::optional<Pose> T_base(const std::string& frame_id) const override {

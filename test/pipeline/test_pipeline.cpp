@@ -79,6 +79,54 @@ TEST(Pipeline, MapsADriveWithTheSameBytesForAnyNumberOfThreads) {
   EXPECT_LT(error_of(session, input.drive()), 0.3);
 }
 
+/// Like a killed process: what waits in the stages is lost.
+void break_off(const SimulatedInput& recorded, const fs::path& folder, std::size_t inputs) {
+  SimulatedInput input = recorded;
+  Pipeline pipeline({}, Session::create_in(folder),
+                    [&](const std::string& frame) { return input.T_base(frame); });
+  for (std::size_t i = 0; i < inputs; ++i) pipeline.add(*input.next());
+}
+
+void go_on(const SimulatedInput& recorded, const fs::path& folder, bool whole) {
+  SimulatedInput input = recorded;
+  PipelineConfig config;
+  config.replay_whole = whole;
+  Pipeline pipeline(config, Session::open(folder, Session::Access::kWrite),
+                    [&](const std::string& frame) { return input.T_base(frame); });
+  if (const auto stamp = pipeline.resumes_from()) input.skip_to(*stamp);
+  while (auto datum = input.next()) pipeline.add(std::move(*datum));
+  pipeline.finish();
+}
+
+KeyFramePoses poses_in(const fs::path& folder) {
+  return Session::open(folder, Session::Access::kRead).poses();
+}
+
+TEST(Pipeline, GoesOnWithASessionAsIfItHadNotBeenBrokenOff) {
+  const SimulatedInput input(short_drive());
+  const TemporaryFolder whole, broken;
+  map_drive(input, whole.path(), 2);
+  break_off(input, broken.path(), 1500);
+  ASSERT_GT(Session::open(broken.path(), Session::Access::kRead).key_frame_count(), 0U);
+  go_on(input, broken.path(), false);
+  const KeyFramePoses expected = poses_in(whole.path());
+  const KeyFramePoses poses = poses_in(broken.path());
+  ASSERT_EQ(poses.poses.size(), expected.poses.size());
+  for (std::size_t i = 0; i < poses.poses.size(); ++i) {
+    EXPECT_EQ(poses.poses[i].stamp, expected.poses[i].stamp);
+    EXPECT_LT(difference(poses.poses[i].T_map_base, expected.poses[i].T_map_base).norm(), 0.01);
+  }
+}
+
+TEST(Pipeline, RefusesToGoOnWithAnotherRecording) {
+  const SimulatedInput input(short_drive());
+  const TemporaryFolder folder;
+  break_off(input, folder.path(), 1500);
+  simulation::DriveOptions other = short_drive();
+  other.scan_rate = 9.0;
+  EXPECT_THROW(go_on(SimulatedInput(other), folder.path(), false), InputError);
+}
+
 TEST(Pipeline, SaysThatItHasNothingToSolveWithoutScans) {
   const TemporaryFolder folder;
   Pipeline pipeline({}, Session::create_in(folder.path()),

@@ -34,6 +34,8 @@ class InputSource {
   virtual ~InputSource() = default;
   /// Nothing at the end. Throws FileError.
   virtual std::optional<Input> next() = 0;
+  /// Goes to the first datum at or after `stamp` as deliveries count.
+  virtual void skip_to(Stamp stamp) = 0;
   /// Of the whole recording.
   virtual Stamp begin() const = 0;
   virtual Stamp end() const = 0;

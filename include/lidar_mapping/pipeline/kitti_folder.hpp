@@ -41,6 +41,9 @@ class KittiFolder {
   std::vector<Stamp> stamps_;
 };
 
+/// The points of a .bin file. Throws FileError as KittiFolder::scan() does.
+std::vector<Point> read_points(const std::string& path);
+
 /// The point turned upward by `angle` (rad) about the horizontal axis across its beam.
 Point raised(const Point& point, double angle);
 

@@ -5,12 +5,18 @@
 #include <utility>
 #include <vector>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/input.hpp"
 #include "lidar_mapping/pipeline/pipeline_config.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
-#include "lidar_mapping/pipeline/thread_time.hpp"
 
 namespace lidar_mapping::pipeline {
+
+/// The last stretch of a session, driven once more, did not lead to where the session ends: see
+/// PipelineConfig::replay_whole.
+class ResumeFailure : public Error {
+  using Error::Error;
+};
 
 /// How far it has come.
 struct Progress {
@@ -36,13 +42,17 @@ struct PipelineReport {
 /// bytes for any number of threads. One thread calls it.
 class Pipeline {
  public:
-  /// A session that has content is gone on with. `T_base` is called from another thread.
+  /// A session that has content is gone on with: its recording is to be added again, from
+  /// resumes_from() on. `T_base` is called from another thread.
   Pipeline(const PipelineConfig& config, session::Session session,
            preprocessing::ExtrinsicLookup T_base);
   ~Pipeline();
 
+  /// Earlier data need not be added; nothing if all are needed.
+  std::optional<Stamp> resumes_from() const;
   /// Waits while the stages are behind. Throws FileError when the session cannot be written; what
-  /// is in it then stays whole.
+  /// is in it then stays whole. With a session that is gone on with throws ResumeFailure, and
+  /// InputError for another recording; the session is as it was then.
   void add(Input input);
   /// Works off what waits, solves the whole graph and brings the session's files up to date.
   PipelineReport finish();

@@ -19,6 +19,8 @@ struct PipelineConfig {
   back_end::BackEndConfig back_end;
   /// At most so many threads; 1 does everything in the caller's. The result is the same.
   int threads = 2;
+  /// A session that is gone on with: drive all of it once more, not the last stretch alone.
+  bool replay_whole = false;
 };
 
 }  // namespace lidar_mapping::pipeline

@@ -23,12 +23,13 @@ struct RecordingCheck {
   std::vector<const rosbag::Bag*> bags;  ///< of one drive, open for reading
   SensorTopics topics;
   std::string base_frame = "base_link";
+  double seconds = 0.0;  ///< of the beginning; 0: all of it
 };
 
 /// `wanted`, and of each sensor that it leaves out the topic of its type with most messages.
 SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted = {});
 
-/// Looks at all messages of a recording and says, for points, imu, velocity and gnss in this order,
+/// Looks at the messages of a recording and says, for points, imu, velocity and gnss in this order,
 /// what came and what is wrong with it: see preprocessing::InputDoctor. Transforms are those of /tf
 /// and /tf_static. Throws rosbag::BagException if a bag cannot be read.
 std::vector<preprocessing::InputReport> check(const RecordingCheck& recording,

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "lidar_mapping/common/pose.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// The transforms of a recording, put together.
+class RecordedFrames {
+ public:
+  explicit RecordedFrames(std::string base_frame) : base_frame_(std::move(base_frame)) {}
+
+  /// A message of /tf_static (`is_static`) or /tf.
+  void add(const tf2_msgs::TFMessage& message, bool is_static);
+  /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.
+  std::optional<Pose> T_base(const std::string& frame) const;
+
+ private:
+  std::string base_frame_;
+  tf2::BufferCore frames_{ros::Duration(1e6)};
+};
+
+}  // namespace lidar_mapping::ros_border

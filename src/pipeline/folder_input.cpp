@@ -1,0 +1,183 @@
+#include "lidar_mapping/pipeline/folder_input.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+#include "lidar_mapping/session/cloud_store.hpp"
+
+#include "kitti_raw.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kLidarFrame[] = "velo_link";
+constexpr char kImuFrame[] = "imu_link";
+constexpr double kUsualPeriod = 0.1;              // s, where nothing says otherwise
+constexpr Stamp kHalfTurn = from_seconds(0.05);   // from a scan's stamp to its last point
+constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s; a smaller number in a name counts scans
+
+std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& endings) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string ending = entry.path().extension();
+    if (std::find(endings.begin(), endings.end(), ending) != endings.end()) {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+PointCloud read_scan(const fs::path& path) {
+  if (path.extension() == ".pcd") return session::read_pcd(path);
+  if (path.extension() == ".txt") return read_text_scan(path);
+  return {read_points(path), {}};
+}
+
+void check_count(const fs::path& file, std::size_t times, std::size_t scans) {
+  if (times >= scans) return;
+  throw FileError(file.string() + " has " + std::to_string(times) + " times for " +
+                  std::to_string(scans) + " scans; copy it again");
+}
+
+/// The time that a name like 1317617735.250 holds, to the nanosecond; 0 if it is none.
+Stamp stamp_in(const std::string& name) {
+  const std::size_t point = std::min(name.find('.'), name.size());
+  const Stamp seconds = std::strtoll(name.substr(0, point).c_str(), nullptr, 10);
+  if (seconds < kFirstPlausibleTime || point == name.size()) return 0;
+  std::string fraction = name.substr(point + 1);
+  fraction.resize(9, '0');
+  return seconds * 1'000'000'000 + std::strtoll(fraction.c_str(), nullptr, 10);
+}
+
+/// From times.txt, from the names, or at the usual rate.
+std::vector<Stamp> stamps_of(const std::vector<fs::path>& scans, const FolderOptions& options) {
+  const fs::path file = scans.front().parent_path() / "times.txt";
+  std::vector<Stamp> stamps;
+  const Stamp start = from_seconds(options.start);
+  if (fs::exists(file)) {
+    std::ifstream times(file);
+    for (double seconds = 0.0; times >> seconds;) stamps.push_back(start + from_seconds(seconds));
+    check_count(file, stamps.size(), scans.size());
+    return stamps;
+  }
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const Stamp named = stamp_in(scans[i].stem());
+    stamps.push_back(named > 0 ? named
+                               : start + from_seconds(kUsualPeriod * static_cast<double>(i)));
+  }
+  return stamps;
+}
+
+/// In the folder itself or in the one of the day above it.
+std::optional<Pose> find_imu_to_velo(const fs::path& folder) {
+  const fs::path whole = fs::canonical(folder);
+  for (const fs::path& place : {whole, whole.parent_path()}) {
+    if (const auto found = read_imu_to_velo(place / "calib_imu_to_velo.txt")) return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+FolderInput::FolderInput(const std::string& path, const FolderOptions& options) {
+  frames_["base_link"] = Pose::Identity();
+  frames_[kLidarFrame].translation.z() = options.sensor_height;
+  if (fs::is_directory(fs::path(path) / "velodyne_points")) {
+    read_raw(path, options);
+  } else if (fs::is_directory(fs::path(path) / "velodyne")) {
+    read_odometry(path, options);
+  } else {
+    read_scans(path, options);
+  }
+  std::stable_sort(inputs_.begin(), inputs_.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+void FolderInput::add_scan(Stamp stamp, std::function<PointCloud()> read) {
+  const auto decode = [stamp, read = std::move(read)] {
+    return preprocessing::RawScan{stamp, kLidarFrame, read(), false};
+  };
+  inputs_.emplace_back(stamp + kHalfTurn, RecordedScan{stamp, decode});
+}
+
+void FolderInput::read_raw(const std::string& path, const FolderOptions&) {
+  const fs::path velodyne = fs::path(path) / "velodyne_points";
+  const std::vector<fs::path> scans = files_in(velodyne / "data", {".bin", ".txt"});
+  if (scans.empty()) throw FileError("no *.bin or *.txt in " + (velodyne / "data").string());
+  const std::vector<Stamp> stamps = read_kitti_dates(velodyne / "timestamps.txt");
+  // Some recordings lack scans in the middle: their names tell which dates are theirs.
+  for (const fs::path& scan : scans) {
+    const auto number = static_cast<std::size_t>(std::strtoull(scan.stem().c_str(), nullptr, 10));
+    check_count(velodyne / "timestamps.txt", stamps.size(), number + 1);
+    add_scan(stamps[number], [scan] { return read_scan(scan); });
+  }
+  description_ = "KITTI raw recording, " + std::to_string(scans.size()) + " scans";
+  const fs::path oxts = fs::path(path) / "oxts";
+  if (!fs::is_directory(oxts)) return;
+  const std::optional<Pose> T_velo_imu = find_imu_to_velo(path);
+  if (!T_velo_imu) {
+    description_ += "; GNSS and IMU left out: calib_imu_to_velo.txt is neither there nor above";
+    return;
+  }
+  frames_[kImuFrame] = frames_[kLidarFrame] * *T_velo_imu;
+  for (const OxtsSample& sample : read_oxts(oxts)) {
+    inputs_.emplace_back(sample.imu.stamp, FramedSample<ImuSample>{sample.imu, kImuFrame});
+    inputs_.emplace_back(sample.imu.stamp,
+                         FramedSample<VelocitySample>{sample.velocity, kImuFrame});
+    inputs_.emplace_back(sample.imu.stamp, FramedSample<GnssFix>{sample.fix, kImuFrame});
+  }
+  description_ += ", GNSS, IMU and velocity";
+}
+
+void FolderInput::read_odometry(const std::string& path, const FolderOptions& options) {
+  const auto folder = std::make_shared<const KittiFolder>(path);
+  const Stamp start = from_seconds(options.start);
+  for (std::size_t i = 0; i < folder->size(); ++i) {
+    add_scan(start + folder->stamp(i), [folder, i] { return folder->scan(i).cloud; });
+  }
+  description_ = "KITTI odometry folder, " + std::to_string(folder->size()) + " scans";
+}
+
+void FolderInput::read_scans(const std::string& path, const FolderOptions& options) {
+  const std::vector<fs::path> scans = files_in(path, {".pcd", ".bin"});
+  if (scans.empty()) {
+    throw FileError("no scans in " + path +
+                    ": neither velodyne_points/ nor velodyne/ nor *.pcd nor *.bin");
+  }
+  const std::vector<Stamp> stamps = stamps_of(scans, options);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    add_scan(stamps[i], [scan = scans[i]] { return read_scan(scan); });
+  }
+  description_ = "folder of " + std::to_string(scans.size()) + " scans";
+}
+
+std::optional<Input> FolderInput::next() {
+  if (next_ == inputs_.size()) return std::nullopt;
+  return inputs_[next_++].second;
+}
+
+void FolderInput::skip_to(Stamp stamp) {
+  const auto first = std::lower_bound(inputs_.begin(), inputs_.end(), stamp,
+                                      [](const auto& a, Stamp b) { return a.first < b; });
+  next_ = static_cast<std::size_t>(first - inputs_.begin());
+}
+
+Stamp FolderInput::begin() const { return inputs_.front().first; }
+Stamp FolderInput::end() const { return inputs_.back().first; }
+
+std::optional<Pose> FolderInput::T_base(const std::string& frame_id) const {
+  const auto found = frames_.find(frame_id);
+  if (found == frames_.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace lidar_mapping::pipeline

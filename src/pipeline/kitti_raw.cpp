@@ -1,0 +1,158 @@
+#include "kitti_raw.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Columns of a line of oxts/data, as its dataformat.txt names them.
+enum Column {
+  kLat = 0,
+  kLon = 1,
+  kAlt = 2,
+  kRoll = 3,
+  kPitch = 4,
+  kYaw = 5,
+  kVf = 8,
+  kAx = 11,
+  kWx = 17,
+  kPosAccuracy = 23,
+  kSatellites = 26,
+  kColumns = 30
+};
+
+constexpr int kMinSatellites = 4;
+
+std::ifstream opened(const fs::path& path) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read " + path.string() + "; is it there?");
+  return file;
+}
+
+Stamp date_of(const std::string& line, const fs::path& path, std::size_t number) {
+  std::tm date{};
+  double seconds = 0.0;
+  long long fraction = 0;
+  char digits[10] = "";
+  const int found =
+      std::sscanf(line.c_str(), "%d-%d-%d %d:%d:%d.%9[0-9]", &date.tm_year, &date.tm_mon,
+                  &date.tm_mday, &date.tm_hour, &date.tm_min, &date.tm_sec, digits);
+  if (found < 6) {
+    throw FileError(path.string() + ", line " + std::to_string(number) + ": '" + line +
+                    "' is no date like 2011-09-26 13:02:25.967790592");
+  }
+  date.tm_year -= 1900;
+  date.tm_mon -= 1;
+  std::string padded = digits;
+  padded.resize(9, '0');
+  fraction = std::stoll(padded);
+  seconds = static_cast<double>(timegm(&date));
+  return static_cast<Stamp>(seconds) * 1'000'000'000 + fraction;
+}
+
+std::vector<double> numbers_in(const fs::path& path) {
+  std::ifstream file = opened(path);
+  std::vector<double> values;
+  for (double value = 0.0; file >> value;) values.push_back(value);
+  return values;
+}
+
+Eigen::Vector3d vector_at(const std::vector<double>& values, std::size_t first) {
+  return {values[first], values[first + 1], values[first + 2]};
+}
+
+OxtsSample sample_of(const std::vector<double>& v, Stamp stamp) {
+  OxtsSample sample;
+  sample.fix = {stamp, v[kLat], v[kLon], v[kAlt], v[kSatellites] < kMinSatellites ? -1 : 0, {}};
+  const double sigma = v[kPosAccuracy];
+  if (sigma > 0.0) sample.fix.covariance = Eigen::Matrix3d::Identity() * sigma * sigma;
+  sample.imu.stamp = sample.velocity.stamp = stamp;
+  sample.imu.linear_acceleration = vector_at(v, kAx);
+  sample.imu.angular_velocity = sample.velocity.angular = vector_at(v, kWx);
+  sample.imu.orientation = Eigen::AngleAxisd(v[kYaw], Eigen::Vector3d::UnitZ()) *
+                           Eigen::AngleAxisd(v[kPitch], Eigen::Vector3d::UnitY()) *
+                           Eigen::AngleAxisd(v[kRoll], Eigen::Vector3d::UnitX());
+  sample.velocity.linear = vector_at(v, kVf);
+  return sample;
+}
+
+}  // namespace
+
+std::vector<Stamp> read_kitti_dates(const fs::path& path) {
+  std::ifstream file = opened(path);
+  std::vector<Stamp> stamps;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) stamps.push_back(date_of(line, path, stamps.size() + 1));
+  }
+  return stamps;
+}
+
+std::vector<OxtsSample> read_oxts(const fs::path& folder) {
+  const std::vector<Stamp> stamps = read_kitti_dates(folder / "timestamps.txt");
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder / "data")) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.size() > stamps.size()) {
+    throw FileError((folder / "timestamps.txt").string() + " has " + std::to_string(stamps.size()) +
+                    " dates for " + std::to_string(files.size()) +
+                    " files in data/; copy it again");
+  }
+  std::vector<OxtsSample> samples;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::vector<double> values = numbers_in(files[i]);
+    if (values.size() < kColumns) {
+      throw FileError(files[i].string() + " has " + std::to_string(values.size()) +
+                      " numbers, not " + std::to_string(kColumns) + "; copy it again");
+    }
+    samples.push_back(sample_of(values, stamps[i]));
+  }
+  return samples;
+}
+
+PointCloud read_text_scan(const fs::path& path) {
+  const std::vector<double> values = numbers_in(path);
+  if (values.size() % 4 != 0) {
+    throw FileError(path.string() + " has " + std::to_string(values.size()) +
+                    " numbers, no multiple of four; copy it again");
+  }
+  PointCloud cloud;
+  for (std::size_t i = 0; i < values.size(); i += 4) {
+    cloud.points.push_back({static_cast<float>(values[i]), static_cast<float>(values[i + 1]),
+                            static_cast<float>(values[i + 2]), static_cast<float>(values[i + 3])});
+  }
+  return cloud;
+}
+
+std::optional<Pose> read_imu_to_velo(const fs::path& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  std::ifstream file = opened(path);
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  bool has_rotation = false, has_translation = false;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    if (key == "R:") {
+      for (int i = 0; i < 9; ++i) words >> matrix(i / 3, i % 3);
+      has_rotation = !words.fail();
+    } else if (key == "T:") {
+      for (int i = 0; i < 3; ++i) words >> matrix(i, 3);
+      has_translation = !words.fail();
+    }
+  }
+  if (!has_rotation || !has_translation) {
+    throw FileError(path.string() + " lacks the lines 'R:' or 'T:'; copy it again");
+  }
+  return Pose::from_matrix(matrix);
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,26 @@
+#include "lidar_mapping/ros/recorded_frames.hpp"
+
+#include <tf2/exceptions.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+void RecordedFrames::add(const tf2_msgs::TFMessage& message, bool is_static) {
+  for (geometry_msgs::TransformStamped transform : message.transforms) {
+    transform.header.frame_id = frame_name(transform.header.frame_id);
+    transform.child_frame_id = frame_name(transform.child_frame_id);
+    frames_.setTransform(transform, "recording", is_static);
+  }
+}
+
+std::optional<Pose> RecordedFrames::T_base(const std::string& frame) const {
+  if (frame == base_frame_) return Pose::Identity();
+  try {
+    return from_message(frames_.lookupTransform(base_frame_, frame, ros::Time(0)).transform);
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,71 @@
+#include "drive_input.hpp"
+
+#include <filesystem>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/folder_input.hpp"
+
+#include "bag_input.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+constexpr double kLook = 5.0;  // s that are looked at before mapping begins
+
+OpenDrive open_folder(const DriveSelection& selection) {
+  pipeline::FolderOptions options;
+  options.sensor_height = selection.sensor_height;
+  auto folder = std::make_unique<pipeline::FolderInput>(selection.paths.front(), options);
+  OpenDrive drive;
+  drive.lines.push_back(folder->description());
+  drive.input = std::move(folder);
+  return drive;
+}
+
+/// "points    /topic: what was found", and what is wrong with it.
+std::vector<std::string> lines_about(const BagInput& bags) {
+  const ros_border::SensorTopics& topics = bags.topics();
+  const std::string names[] = {topics.points, topics.imu, topics.velocity, topics.gnss};
+  std::vector<std::string> lines;
+  std::size_t index = 0;
+  for (const preprocessing::InputReport& report : bags.examine(kLook)) {
+    const std::string& topic = names[index++];
+    std::string name = report.input;
+    name.resize(10, ' ');
+    lines.push_back(name + topic + (topic.empty() ? "" : ": ") + report.found);
+    for (const preprocessing::Finding& finding : report.findings) {
+      lines.push_back("  " + std::string(to_string(finding.severity)) + ": " + sentence(finding));
+    }
+  }
+  return lines;
+}
+
+OpenDrive open_bags(const DriveSelection& selection,
+                    const preprocessing::PreprocessingConfig& config) {
+  auto bags =
+      std::make_unique<BagInput>(selection.paths, selection.topics, selection.base_frame, config);
+  OpenDrive drive;
+  drive.lines = lines_about(*bags);
+  if (bags->topics().points.empty()) {
+    std::string text = "there are no scans in " + selection.paths.front();
+    for (const std::string& line : drive.lines) text += "\n" + line;
+    throw InputError(text);
+  }
+  drive.input = std::move(bags);
+  return drive;
+}
+
+}  // namespace
+
+OpenDrive open_drive(const DriveSelection& selection,
+                     const preprocessing::PreprocessingConfig& config) {
+  for (const std::string& path : selection.paths) {
+    if (!std::filesystem::is_directory(path)) continue;
+    if (selection.paths.size() == 1) return open_folder(selection);
+    throw InputError(path + " is a folder; several inputs must all be bags");
+  }
+  return open_bags(selection, config);
+}
+
+}  // namespace lidar_mapping::tools

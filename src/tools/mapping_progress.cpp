@@ -1,0 +1,78 @@
+#include "mapping_progress.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kRefresh{200};
+constexpr double kMegabyte = 1e6;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+std::string bar_of(double share) {
+  constexpr std::size_t kWidth = 24;
+  std::string bar(static_cast<std::size_t>(share * kWidth), '=');
+  bar.resize(kWidth, ' ');
+  return "[" + bar + "]";
+}
+
+}  // namespace
+
+std::size_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t whole = 0, resident = 0;
+  file >> whole >> resident;
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::size_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+MappingProgress::MappingProgress(Stamp begin, Stamp end)
+    : begin_(begin), end_(end), terminal_(isatty(STDERR_FILENO) != 0), shown_(start_) {}
+
+double MappingProgress::seconds() const { return seconds_between(start_, Clock::now()); }
+
+void MappingProgress::show(const pipeline::Progress& progress) {
+  if (progress.scans == 0) return;
+  const double whole = std::max(1e-3, to_seconds(end_ - begin_));
+  const double driven = std::clamp(to_seconds(progress.newest - begin_), 0.0, whole);
+  const double share = driven / whole;
+  const auto now = Clock::now();
+  const int tenth = static_cast<int>(10.0 * share);
+  if (terminal_ ? now - shown_ < kRefresh : tenth == shown_tenth_) return;
+  shown_ = now;
+  shown_tenth_ = tenth;
+  const double spent = seconds();
+  const double left = share > 0.0 ? spent * (1.0 - share) / share : 0.0;
+  std::fprintf(stderr,
+               "%s%s %3.0f %%, %.0f of %.0f s driven, %.1f x real time, %zu key frames, "
+               "%zu loops, %.0f MB, %.0f s left%s",
+               terminal_ ? "\r\033[K" : "",
+               terminal_ ? bar_of(share).c_str() : "mapping:", 100.0 * share, driven, whole,
+               driven / spent, progress.key_frames, progress.loops,
+               static_cast<double>(resident_bytes()) / kMegabyte, left, terminal_ ? "" : "\n");
+  open_line_ = terminal_;
+}
+
+void MappingProgress::end_line() {
+  if (open_line_) std::fputc('\n', stderr);
+  open_line_ = false;
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,219 @@
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using session::Session;
+using test::TemporaryFolder;
+using Words = std::vector<std::string>;
+
+/// A program of this package beside the test.
+class Program {
+ public:
+  Program(const std::string& name, const Words& words, const fs::path& output) : output_(output) {
+    const std::string path = std::string(LIDAR_MAPPING_PROGRAMS) + "/" + name;
+    pid_ = fork();
+    if (pid_ == 0) become(path, words);
+  }
+  ~Program() {
+    if (pid_ > 0) kill(SIGKILL), wait();
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void kill(int signal) const { ::kill(pid_, signal); }
+  /// Its status, or 128 and the signal that ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  bool is_running() const {
+    siginfo_t info{};
+    return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           info.si_pid == 0;
+  }
+  std::string output() const {
+    std::ifstream file(output_);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+ private:
+  [[noreturn]] void become(const std::string& path, const Words& words) const {
+    const int file = open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    dup2(file, STDOUT_FILENO);
+    dup2(file, STDERR_FILENO);
+    std::vector<char*> argv = {const_cast<char*>(path.c_str())};
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    execv(path.c_str(), argv.data());
+    _exit(127);
+  }
+
+  fs::path output_;
+  pid_t pid_ = -1;
+};
+
+/// Short drives through the command itself.
+class MapBag : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    static const TemporaryFolder folder;
+    root() = folder.path();
+    Program simulation("simulate_drive", {bag(), "--lidar", "vlp16", "--duration", "14"},
+                       root() / "log");
+    ASSERT_EQ(simulation.wait(), 0) << simulation.output();
+    ASSERT_EQ(map({"-o", (root() / "whole").string(), "--threads", "2", "--formats", "pcd"}), 0)
+        << said();
+  }
+  static fs::path& root() {
+    static fs::path path;
+    return path;
+  }
+  static std::string bag() { return (root() / "drive.bag").string(); }
+
+  static Words with_bag(Words words) {
+    words.insert(words.begin(), bag());
+    return words;
+  }
+  static int map(const Words& words) {
+    return Program("map_bag", with_bag(words), root() / "log").wait();
+  }
+  static std::string said() {
+    std::ifstream file(root() / "log");
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  static std::size_t files_in(const fs::path& folder) {
+    if (!fs::exists(folder)) return 0;
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+  /// Waits until so many key frames have been written, or the program has ended.
+  static void wait_for_key_frames(const Program& program, const fs::path& folder,
+                                  std::size_t count) {
+    while (program.is_running() && files_in(folder / "key_frames") < count) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  /// The largest distance between key frames of two sessions with the same stamps.
+  static double difference_to_whole(const fs::path& folder) {
+    const auto poses_in = [](const fs::path& path) {
+      return Session::open(path, Session::Access::kRead).poses().poses;
+    };
+    const auto expected = poses_in(root() / "whole");
+    const auto poses = poses_in(folder);
+    if (poses.size() != expected.size() || poses.empty()) return 1e9;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (poses[i].stamp != expected[i].stamp) return 1e9;
+      const Eigen::Vector3d difference =
+          poses[i].T_map_base.translation - expected[i].T_map_base.translation;
+      largest = std::max(largest, difference.norm());
+    }
+    return largest;
+  }
+  static std::size_t unfinished_files(const fs::path& folder) {
+    std::size_t count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      if (entry.path().extension() == ".part") ++count;
+    }
+    return count;
+  }
+};
+
+TEST_F(MapBag, MakesASessionAndItsMap) {
+  for (const char* name : {"session.db", "config.yaml", "trajectory/optimized.tum", "map/map.pcd",
+                           "map/map.yaml", "graph.g2o", "key_frames/000000.pcd"}) {
+    EXPECT_TRUE(fs::exists(root() / "whole" / name)) << name;
+  }
+  EXPECT_GT(Session::open(root() / "whole", Session::Access::kRead).key_frame_count(), 10U);
+}
+
+TEST_F(MapBag, LeavesAFolderAloneThatIsNotEmpty) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "diary.txt") << "mine";
+  EXPECT_EQ(map({"-o", folder.path().string()}), 1);
+  EXPECT_NE(said().find("is not empty"), std::string::npos) << said();
+  EXPECT_NE(said().find("--resume"), std::string::npos);
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST_F(MapBag, GoesOnAfterAKillAtAnyMoment) {
+  for (const std::size_t moment : {1U, 7U, 15U}) {
+    const TemporaryFolder parent;
+    const fs::path folder = parent.path() / "session";
+    {
+      Program program("map_bag", with_bag({"-o", folder.string(), "--no-map"}), root() / "log");
+      wait_for_key_frames(program, folder, moment);
+      program.kill(SIGKILL);
+      program.wait();
+    }
+    EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
+    EXPECT_LT(difference_to_whole(folder), 0.02) << "killed at key frame " << moment;
+    EXPECT_EQ(unfinished_files(folder), 0U);
+  }
+}
+
+TEST_F(MapBag, SavesWhatThereIsWhenItIsStopped) {
+  const TemporaryFolder parent;
+  const fs::path folder = parent.path() / "session";
+  Program program("map_bag", with_bag({"-o", folder.string(), "--formats", "pcd"}), root() / "log");
+  wait_for_key_frames(program, folder, 5);
+  program.kill(SIGINT);
+  EXPECT_EQ(program.wait(), 3) << said();
+  EXPECT_TRUE(fs::exists(folder / "map" / "map.pcd"));
+  EXPECT_TRUE(fs::exists(folder / "trajectory" / "optimized.tum"));
+  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
+  EXPECT_LT(difference_to_whole(folder), 0.02);
+}
+
+TEST_F(MapBag, SaysWhichTopicIsMissing) {
+  const TemporaryFolder parent;
+  EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--points", "/no/such"}), 1);
+  EXPECT_NE(said().find("/no/such"), std::string::npos) << said();
+  EXPECT_FALSE(fs::exists(parent.path() / "s"));
+}
+
+TEST_F(MapBag, KeepsTheSessionWholeOnAFullDisk) {
+  const TemporaryFolder disk;
+  if (mount("tmpfs", disk.path().c_str(), "tmpfs", 0, "size=3m") != 0) {
+    GTEST_SKIP() << "may not mount a small disk";
+  }
+  const fs::path folder = disk.path() / "session";
+  EXPECT_EQ(map({"-o", folder.string(), "--no-map"}), 1);
+  EXPECT_NE(said().find((folder / "key_frames").string()), std::string::npos) << said();
+  {
+    const Session session = Session::open(folder, Session::Access::kRead);
+    EXPECT_GT(session.key_frame_count(), 0U);
+    for (const KeyFrame& key_frame : session.key_frames()) {
+      EXPECT_NE(session.clouds().cloud(key_frame.index), nullptr) << key_frame.index;
+    }
+  }
+  EXPECT_EQ(unfinished_files(folder), 0U);
+  ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT, "size=100m"), 0);
+  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
+  EXPECT_LT(difference_to_whole(folder), 0.02);
+  umount(disk.path().c_str());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
