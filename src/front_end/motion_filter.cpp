@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -15,11 +16,11 @@ namespace {
 /// velocity and position so closely that an error of the one scan returns with the other sign in
 /// the next.
 constexpr double kPositionShare = 0.28;
-/// Standard deviation of the acceleration in units of the one last seen.
-constexpr double kAgilityFactor = 1.0;
 constexpr double kAgilityDecay = 0.1;
 /// Lower limit in units of the upper one.
 constexpr double kMinAgility = 0.025;
+/// Share of the forecast's mean squared error that the covariance of the twist does not know of.
+constexpr double kForecastShare = 0.3;
 
 /// Derivative of the state after `seconds` with respect to the state now.
 Matrix12d transition(const Vector6d& twist, double seconds) {
@@ -44,6 +45,21 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
   return T * Pose{exp_so3(rotation), J * (seconds * twist.head<3>())};
 }
 
+Vector6d twist_between(const Pose& a, const Pose& b, double seconds) {
+  const Pose step = a.inverse() * b;
+  Vector6d turn = Vector6d::Zero();
+  turn.tail<3>() = log_so3(step.rotation);
+  Eigen::Matrix3d J;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector6d unit = turn;
+    unit[axis] = 1.0;
+    J.col(axis) = moved(Pose::Identity(), unit, 1.0).translation;
+  }
+  Vector6d twist = turn;
+  twist.head<3>() = J.inverse() * step.translation;
+  return twist / seconds;
+}
+
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds) {
   const Matrix12d F = transition(twist, seconds);
   const Matrix12d later = F * covariance * F.transpose();
@@ -56,13 +72,16 @@ MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleratio
 
 /// Believes a larger acceleration at once, and forgets it slowly.
 void MotionFilter::Agility::see(double acceleration) {
-  const double wanted =
-      std::clamp(kAgilityFactor * acceleration, kMinAgility * max_sigma, max_sigma);
+  const double wanted = std::clamp(acceleration, kMinAgility * max_sigma, max_sigma);
   sigma = std::max(wanted, sigma + kAgilityDecay * (wanted - sigma));
 }
 
 void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma) {
   state_ = {pose, Vector6d::Zero()};
+  forecast_ = TwistForecast();
+  corrected_ = false;
+  T_map_corrected_ = pose;
+  since_corrected_ = 0.0;
   linear_.sigma = kMinAgility * linear_.max_sigma;
   angular_.sigma = kMinAgility * angular_.max_sigma;
   step_seconds_ = 0.0;
@@ -72,8 +91,17 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
   covariance_.bottomRightCorner<6, 6>() = diagonal_covariance(speed_sigma, rate_sigma);
 }
 
+void MotionFilter::take_forecast() {
+  state_.twist = forecast_.next();
+  const Eigen::Vector2d more = kForecastShare * forecast_.variance();
+  covariance_.diagonal().segment<3>(6).array() += more[0];
+  covariance_.diagonal().segment<3>(9).array() += more[1];
+}
+
 void MotionFilter::predict(double seconds) {
   step_seconds_ = seconds;
+  since_corrected_ += seconds;
+  if (std::exchange(corrected_, false)) take_forecast();
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
   variance.head<3>().setConstant(linear_.sigma * linear_.sigma);
@@ -120,12 +148,25 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
   state_.twist *= std::exp(-seconds / time_constant);
 }
 
+/// An acceleration shows in the twist and in the way; noise does seldom in both.
+void MotionFilter::learn_agility(const MotionState& state) {
+  if (step_seconds_ <= 0.0) return;
+  const Vector6d of_twist = (state.twist - state_.twist) / step_seconds_;
+  const Vector6d of_way =
+      difference(state_.T_map_sensor, state.T_map_sensor) * (2.0 / (step_seconds_ * step_seconds_));
+  linear_.see(std::min(of_twist.head<3>().norm(), of_way.head<3>().norm()));
+  angular_.see(std::min(of_twist.tail<3>().norm(), of_way.tail<3>().norm()));
+}
+
 void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance) {
-  if (step_seconds_ > 0.0) {
-    const Vector6d acceleration = (state.twist - state_.twist) / step_seconds_;
-    linear_.see(acceleration.head<3>().norm());
-    angular_.see(acceleration.tail<3>().norm());
+  learn_agility(state);
+  if (since_corrected_ > 0.0) {
+    forecast_.see(twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_),
+                  state.twist);
+    corrected_ = true;
   }
+  T_map_corrected_ = state.T_map_sensor;
+  since_corrected_ = 0.0;
   state_ = state;
   covariance_ = 0.5 * (covariance + covariance.transpose());
 }

@@ -11,6 +11,7 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/sweep_matcher.hpp"
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
+#include "lidar_mapping/front_end/velocity_trust.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -27,7 +28,7 @@ constexpr std::size_t kMinPoints = 50;
 
 /// Median distance of the points (m) below which a scan is taken in a room, and what that does to
 /// all voxels.
-constexpr double kRoomRange = 5.0;
+constexpr double kRoomRange = 7.0;
 constexpr double kRoomScale = 0.5;
 
 // What is believed of the motion before the second scan.
@@ -37,10 +38,7 @@ constexpr double kInitialRateSigma = 1.0;    // rad/s
 constexpr int kStartRounds = 3;
 
 // Measured twists belong to the stamp, the filter's to the middle of the sweep.
-constexpr double kGyroSigma = 0.1;                 // rad/s
-constexpr double kVelocitySigma = 0.3;             // m/s
-constexpr double kVelocityScaleSigma = 0.03;       // of the speed
-constexpr double kDegenerateVelocitySigma = 0.05;  // m/s, where nothing else is known
+constexpr double kGyroSigma = 0.1;  // rad/s
 
 /// Weight of the points in the covariance that is reported, in units of their weight in the filter.
 constexpr double kReportedWeight = 24.0;
@@ -127,9 +125,8 @@ class NdtTracker::Impl {
     filter_.predict(seconds);
     if (prior.angular_velocity) filter_.measure_rate(*prior.angular_velocity, kGyroSigma);
     if (prior.linear_velocity) {
-      filter_.measure_velocity(
-          *prior.linear_velocity,
-          kVelocitySigma + kVelocityScaleSigma * prior.linear_velocity->norm());
+      filter_.measure_velocity(velocity_trust_.corrected(*prior.linear_velocity),
+                               velocity_trust_.cautious_sigma(prior.linear_velocity->norm()));
     }
   }
 
@@ -182,6 +179,8 @@ class NdtTracker::Impl {
       if (status.state == TrackingState::kTracking) status.state = TrackingState::kDegenerate;
       observed = without_directions(match, prediction, known_otherwise(prior, status),
                                     status.degenerate_directions);
+    } else if (prior.linear_velocity) {
+      velocity_trust_.see(*prior.linear_velocity, match.state.twist.head<3>());
     }
     filter_.correct(observed.state, observed.information.inverse());
     covariance_ = reported_covariance(observed);
@@ -203,9 +202,10 @@ class NdtTracker::Impl {
   MotionBelief known_otherwise(const MotionPrior& prior, const FrontEndStatus& status) const {
     MotionFilter filter = filter_;
     if (prior.linear_velocity) {
+      const Eigen::Vector3d velocity = velocity_trust_.corrected(*prior.linear_velocity);
       for (const Eigen::Vector3d& direction : status.degenerate_directions) {
-        filter.measure_velocity_along(direction, direction.dot(*prior.linear_velocity),
-                                      kDegenerateVelocitySigma);
+        filter.measure_velocity_along(direction, direction.dot(velocity),
+                                      velocity_trust_.usual_sigma());
       }
     }
     return filter.belief();
@@ -252,6 +252,7 @@ class NdtTracker::Impl {
   MotionFilter filter_;
   MatchJudge judge_;
   SweepMatcher matcher_;
+  VelocityTrust velocity_trust_;
   StepTimer timer_;
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported

@@ -34,22 +34,6 @@ constexpr double kSweepSmoothing = 0.4;
 constexpr double kLostSigma = 1.0;       // m
 constexpr double kLostAngleSigma = 0.1;  // rad
 
-/// The constant twist that leads from a to b; inverse of moved().
-Vector6d twist_between(const Pose& a, const Pose& b, double seconds) {
-  const Pose step = a.inverse() * b;
-  Vector6d turn = Vector6d::Zero();
-  turn.tail<3>() = log_so3(step.rotation);
-  Eigen::Matrix3d J;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vector6d unit = turn;
-    unit[axis] = 1.0;
-    J.col(axis) = moved(Pose::Identity(), unit, 1.0).translation;
-  }
-  Vector6d twist = turn;
-  twist.head<3>() = J.inverse() * step.translation;
-  return twist / seconds;
-}
-
 /// The match, but for the directions that it did not observe: there the prediction stays.
 Pose held_back(const Pose& predicted, const Pose& matched,
                const std::vector<Eigen::Vector3d>& directions) {

@@ -9,6 +9,8 @@
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
+#include "lidar_mapping/front_end/twist_forecast.hpp"
+#include "lidar_mapping/front_end/velocity_trust.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -97,6 +99,45 @@ TEST(MotionFilter, CovarianceStaysValid) {
         pose_covariance(filter.covariance(), filter.state().twist, -0.05);
     ASSERT_TRUE(is_valid_covariance(0.5 * (covariance + covariance.transpose()))) << i;
   }
+}
+
+TEST(TwistBetween, IsTheInverseOfMoved) {
+  Vector6d twist;
+  twist << 12.0, -0.5, 0.3, 0.2, -0.4, 1.5;
+  const Pose a = moved(turned(0.7), twist, 3.0);
+  EXPECT_LT((twist_between(a, moved(a, twist, 0.4), 0.4) - twist).norm(), 1e-9);
+}
+
+TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
+  std::mt19937 engine(5);
+  std::normal_distribution<double> jitter(0.0, 1.0);
+  const Vector6d walk = Vector6d::Constant(1.3);
+  TwistForecast of_a_walk;
+  TwistForecast of_a_car;
+  for (int i = 0; i < 200; ++i) {
+    const Vector6d gait = Vector6d::NullaryExpr([&](Eigen::Index) { return jitter(engine); });
+    of_a_walk.see(walk + 0.05 * gait, walk + gait);
+    const Vector6d speeding = Vector6d::Constant(0.1 * i);
+    of_a_car.see(speeding, speeding + Vector6d::Constant(0.05));
+  }
+  EXPECT_LT((of_a_walk.next() - walk).norm(), 0.3);
+  EXPECT_LT((of_a_car.next() - Vector6d::Constant(19.95)).norm(), 0.05);
+}
+
+TEST(VelocityTrust, LearnsTheScaleAndWhatTheVelocityIsWorth) {
+  std::mt19937 engine(5);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  VelocityTrust wheels;
+  VelocityTrust dead;
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d velocity(10.0, 0.0, 0.0);
+    wheels.see(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);
+    dead.see(Eigen::Vector3d::Zero(), velocity);
+  }
+  EXPECT_NEAR(wheels.corrected({10.2, 0.0, 0.0}).x(), 10.0, 0.03);
+  EXPECT_NEAR(wheels.usual_sigma(), 0.08, 0.03);
+  EXPECT_GT(dead.cautious_sigma(0.0), 5.0);
+  EXPECT_GT(dead.usual_sigma(), 3.0);
 }
 
 // F47: long chains of motions stay rotations.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/front_end/twist_forecast.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 namespace lidar_mapping::front_end {
@@ -11,6 +12,9 @@ using registration::Vector12d;
 
 /// The pose after moving for `seconds` with a constant twist (own axes, m/s and rad/s).
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
+
+/// The constant twist that leads from a to b in `seconds`; inverse of moved().
+Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 
 /// Covariance of that pose, for a covariance of the pose and the twist now.
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
@@ -43,6 +47,8 @@ class MotionFilter {
   registration::MotionBelief belief() const;
 
  private:
+  void take_forecast();
+  void learn_agility(const MotionState& state);
   void measure(const Vector12d& row, double innovation, double sigma);
 
   /// Standard deviation of an acceleration, between limits.
@@ -55,6 +61,10 @@ class MotionFilter {
   Agility linear_;
   Agility angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
+  TwistForecast forecast_;
+  Pose T_map_corrected_;          ///< the pose that was last corrected
+  double since_corrected_ = 0.0;  ///< s
+  bool corrected_ = false;        ///< and not moved on since then
   MotionState state_;
   Matrix12d covariance_ = Matrix12d::Identity();
 };

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "lidar_mapping/common/pose.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Forecasts the mean twist of the next step. The twist during the last sweep and the mean twist of
+/// the last step both stand for it; whichever has foretold better has the greater say. A vehicle
+/// goes on as it went during the sweep, a walking person as on the average of the last steps.
+class TwistForecast {
+ public:
+  /// Takes in a step: its mean twist and that during the sweep at its end.
+  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist);
+  const Vector6d& next() const { return next_; }
+  /// Mean squared error per axis of the better one: linear (m/s)^2, angular (rad/s)^2.
+  const Eigen::Vector2d& variance() const { return variance_; }
+
+ private:
+  bool seen_ = false;
+  Vector6d mean_twist_ = Vector6d::Zero();
+  Vector6d sweep_twist_ = Vector6d::Zero();
+  Vector6d next_ = Vector6d::Zero();
+  Eigen::Vector2d mean_error_ = Eigen::Vector2d::Zero();  ///< squared, linear and angular
+  Eigen::Vector2d sweep_error_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d variance_ = Eigen::Vector2d::Zero();
+};
+
+}  // namespace lidar_mapping::front_end
