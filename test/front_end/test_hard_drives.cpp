@@ -78,7 +78,7 @@ class HandHeld : public testing::TestWithParam<Walk> {};
 // Corridors and rooms, turns of 1.5 rad/s, two scans a second: a step of the way, a tenth of it
 // seen.
 TEST_P(HandHeld, IsTrackedAtTwoScansASecond) {
-  const simulation::Drive drive = make_drive("walk", 80.0, GetParam().seed, GetParam().lidar);
+  const simulation::Drive drive = make_drive("walk", 60.0, GetParam().seed, GetParam().lidar);
   Ride ride(drive);
   for (std::size_t i = 0; i < drive.scan_count(); i += 5) {
     MotionPrior prior;
@@ -94,27 +94,27 @@ TEST_P(HandHeld, IsTrackedAtTwoScansASecond) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Walks, HandHeld,
-                         testing::Values(Walk{"vlp16", 1, false}, Walk{"vlp16", 2, false},
-                                         Walk{"vlp16", 3, true}, Walk{"os1_64", 1, false}));
+                         testing::Values(Walk{"vlp16", 1, false}, Walk{"vlp16", 3, true},
+                                         Walk{"os1_64", 1, false}));
 
 // A wheel radius that is off by 1.5 % is found out before the tunnel and corrected inside.
 TEST(Tunnel, IsPassedWithANoisyWheelSpeedOfWrongScale) {
-  const simulation::Drive drive = make_drive("tunnel", 40.0);
+  const simulation::Drive drive = make_drive("tunnel", 36.0);
   std::mt19937 engine(4);
   Ride ride(drive);
   int degenerate = 0;
-  for (std::size_t i = 40; i < drive.scan_count(); ++i) {
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const FrontEndResult& result =
         ride.take(i, wheel_speed(drive, drive.scan_stamp(i), 1.015, 0.1, engine));
     ASSERT_NE(result.status.state, TrackingState::kLost) << i;
     degenerate += result.status.degenerate_directions.empty() ? 0 : 1;
   }
-  EXPECT_GT(degenerate, 80);
+  EXPECT_GT(degenerate, 60);
   EXPECT_LT(ride.error(), 0.005 * ride.way());
 }
 
 TEST(VelocityThatLies, IsFoundOut) {
-  const simulation::Drive drive = make_drive("town", 22.0);
+  const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
     std::mt19937 engine(4);
     Ride ride(drive);
