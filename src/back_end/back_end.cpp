@@ -98,7 +98,8 @@ class BackEnd::Impl {
     const int to = position_of(loop.to);
     if (from < 0 || to < 0 || from == to) return false;
     if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
-    drive_.loops.push_back({loop, from, to, false, false});
+    const bool judged = loop.decision == LoopDecision::kRefuse;
+    drive_.loops.push_back({loop, from, to, false, judged});
     ++since_.loops;
     return true;
   }
@@ -179,6 +180,23 @@ class BackEnd::Impl {
     std::vector<std::pair<Loop, bool>> result;
     for (const DriveLoop& loop : drive_.loops) {
       result.emplace_back(loop.loop, loop.used || !loop.weighed);
+    }
+    return result;
+  }
+
+  std::vector<int> parts() const {
+    std::vector<int> part_of = connected_segments(drive_, false);
+    std::vector<bool> in_enu(part_of.size(), false);
+    for (std::size_t s = 0; s < part_of.size(); ++s) {
+      if (drive_.in_enu[s]) in_enu[static_cast<std::size_t>(part_of[s])] = true;
+    }
+    const auto first = std::find(in_enu.begin(), in_enu.end(), true) - in_enu.begin();
+    for (int& part : part_of) {
+      if (in_enu[static_cast<std::size_t>(part)]) part = static_cast<int>(first);
+    }
+    std::vector<int> result;
+    for (const DriveNode& node : drive_.nodes) {
+      result.push_back(part_of[static_cast<std::size_t>(node.segment)]);
     }
     return result;
   }
@@ -362,6 +380,7 @@ KeyFramePoses BackEnd::apply(const OptimizationSolution& solution) {
 KeyFramePoses BackEnd::poses() const { return impl_->poses(); }
 Pose BackEnd::T_map_odom() const { return impl_->T_map_odom(); }
 std::vector<std::pair<Loop, bool>> BackEnd::loops() const { return impl_->loops(); }
+std::vector<int> BackEnd::parts() const { return impl_->parts(); }
 PoseGraph BackEnd::graph() const { return impl_->graph(); }
 
 }  // namespace lidar_mapping::back_end

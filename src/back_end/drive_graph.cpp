@@ -116,10 +116,14 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
 void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     const DriveLoop& loop = drive.loops[i];
+    if (loop.loop.decision == LoopDecision::kRefuse) continue;
+    // What a person accepted stands as firm as odometry: no kernel, no refusal.
+    const bool open = loop.loop.decision == LoopDecision::kAuto;
     factors.loop_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information = g2o_information(loop_covariance(loop.loop, config));
     factors.graph.add({relative_pose_residual(loop.loop.T_from_to, information), loop.from, loop.to,
-                       true, config.loop_robust_kernel, config.robust_kernel_size});
+                       open, open ? config.loop_robust_kernel : RobustKernel::kNone,
+                       config.robust_kernel_size});
   }
 }
 

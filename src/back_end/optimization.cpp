@@ -55,7 +55,8 @@ void take_over(const DriveFactors& factors, const RobustSolution& solution, Driv
   }
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     drive.loops[i].used = used(solution, factors.loop_of[i]);
-    drive.loops[i].weighed = factors.loop_of[i] >= 0;
+    drive.loops[i].weighed =
+        factors.loop_of[i] >= 0 || drive.loops[i].loop.decision == LoopDecision::kRefuse;
   }
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     drive.gnss[i].horizontal_used = used(solution, factors.horizontal_of[i]);

@@ -26,6 +26,26 @@ LoopSource loop_source_from(const std::string& name) {
   throw InputError("loop source '" + name + "' is not position, gnss, appearance or manual");
 }
 
+const char* to_string(LoopDecision decision) {
+  switch (decision) {
+    case LoopDecision::kAuto:
+      return "auto";
+    case LoopDecision::kAccept:
+      return "accept";
+    case LoopDecision::kRefuse:
+      return "refuse";
+  }
+  return "";
+}
+
+LoopDecision loop_decision_from(const std::string& name) {
+  for (const LoopDecision decision :
+       {LoopDecision::kAuto, LoopDecision::kAccept, LoopDecision::kRefuse}) {
+    if (name == to_string(decision)) return decision;
+  }
+  throw InputError("loop decision '" + name + "' is not auto, accept or refuse");
+}
+
 const char* to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::kAccepted:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lidar_mapping/loop_closing/surface.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -28,6 +30,14 @@ std::vector<std::size_t> best_of(std::vector<Ranked> ranked, std::size_t count) 
 }
 
 }  // namespace
+
+Appearance appearance_of(const PointCloud& cloud) {
+  const auto points = positions(cloud);
+  Appearance appearance;
+  appearance.view = BirdsEye(points, above_ground(points));
+  appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
+  return appearance;
+}
 
 void AppearanceIndex::append(std::optional<Appearance> appearance) {
   const Key key = appearance ? appearance->descriptor.key() : Key::Zero();

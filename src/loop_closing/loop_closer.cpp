@@ -6,7 +6,6 @@
 
 #include "lidar_mapping/loop_closing/segment_joins.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
-#include "lidar_mapping/loop_closing/surface.hpp"
 #include "lidar_mapping/loop_closing/trial.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -14,14 +13,6 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kDistinct = 10.0;  // m of way between two candidates that are both matched
-
-Appearance appearance_of(const PointCloud& cloud) {
-  const auto points = positions(cloud);
-  Appearance appearance;
-  appearance.view = BirdsEye(points, above_ground(points));
-  appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
-  return appearance;
-}
 
 }  // namespace
 

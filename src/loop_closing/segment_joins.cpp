@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lidar_mapping::loop_closing {
 
@@ -46,13 +47,14 @@ bool agree(const Loop& a, const Loop& b, const Trajectory& trajectory) {
 }
 
 /// How far apart the two key frames can be at most: the ways to the ends of their segments and what
-/// the vehicle can have driven between.
+/// the vehicle can have driven between. Segments that overlap in time are of two vehicles.
 double farthest_apart(const Ends& ends, const Trajectory& trajectory) {
   Trajectory::NodeId last = ends.from;
   while (trajectory[last + 1].segment == trajectory[ends.from].segment) ++last;
   Trajectory::NodeId first = ends.to;
   while (trajectory[first - 1].segment == trajectory[ends.to].segment) --first;
   const double gap = to_seconds(trajectory[first].stamp - trajectory[last].stamp);
+  if (gap < 0.0) return std::numeric_limits<double>::infinity();
   return way_between(trajectory, ends.from, last) + kMaxSpeed * gap +
          way_between(trajectory, first, ends.to);
 }

@@ -37,6 +37,7 @@ Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
   early_positions_.erase(early_positions_.begin(), early_positions_.upper_bound(node.stamp));
   nodes_.push_back(node);
   const NodeId id = nodes_.size() - 1;
+  at_stamp_[node.stamp] = id;
   const auto pose = early_poses_.find(node.index);
   nodes_[id].optimised = pose != early_poses_.end();
   nodes_[id].T_map_base = nodes_[id].optimised ? pose->second : predicted(id);
@@ -77,13 +78,10 @@ std::vector<Trajectory::NodeId> Trajectory::update(const KeyFramePoses& poses) {
 }
 
 std::optional<Trajectory::NodeId> Trajectory::add_gnss(const GnssPosition& position) {
-  const auto node =
-      std::lower_bound(nodes_.begin(), nodes_.end(), position.stamp,
-                       [](const TrajectoryNode& n, Stamp stamp) { return n.stamp < stamp; });
-  if (node != nodes_.end()) {
-    if (node->stamp != position.stamp) return std::nullopt;
-    node->gnss = position;
-    return static_cast<NodeId>(node - nodes_.begin());
+  const auto node = at_stamp_.find(position.stamp);
+  if (node != at_stamp_.end()) {
+    nodes_[node->second].gnss = position;
+    return node->second;
   }
   early_positions_[position.stamp] = position;
   if (early_positions_.size() > kMaxEarlyPositions)

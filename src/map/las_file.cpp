@@ -68,6 +68,10 @@ class Projection {
     GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, p.x(), p.y(), zone_);
     return p;
   }
+  /// Whole millimetres reach 2147 km from the offset: it follows the map where no datum gives it.
+  void begin_at(const Eigen::Vector3d& p_map) {
+    if (!local_) offset_ = 1000.0 * (p_map / 1000.0).array().floor();
+  }
   const Eigen::Vector3d& offset() const { return offset_; }
   /// Of WGS 84 / UTM; 0 without a datum.
   std::uint16_t epsg() const {
@@ -117,10 +121,11 @@ std::string header(const Extent& extent, const Projection& projection) {
 
 class Writer {
  public:
-  Writer(std::ofstream& file, const Projection& projection, float max_intensity)
+  Writer(std::ofstream& file, Projection& projection, float max_intensity)
       : file_(file), projection_(projection), intensity_scale_(65535.0F / max_intensity) {}
 
   void add(const MapTile& tile) {
+    if (extent_.points == 0) projection_.begin_at(tile.origin);
     Bytes bytes;
     for (const Point& point : tile.cloud.points) {
       const Eigen::Vector3d p = projection_(tile.origin + point.position().cast<double>());
@@ -142,7 +147,7 @@ class Writer {
 
  private:
   std::ofstream& file_;
-  const Projection& projection_;
+  Projection& projection_;
   float intensity_scale_;
   Extent extent_;
 };
@@ -151,7 +156,7 @@ class Writer {
 
 void write_las(const std::filesystem::path& path, const TileSource& tiles,
                const std::optional<GeodeticDatum>& datum, float max_intensity) {
-  const Projection projection(datum);
+  Projection projection(datum);
   write_atomically(path, [&](const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     file << header({}, projection);  // of the right length; the figures are known at the end

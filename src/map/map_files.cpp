@@ -1,6 +1,7 @@
 #include "lidar_mapping/map/map_files.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <pcl/io/pcd_io.h>
@@ -85,6 +86,7 @@ Files save_map(const PointCloud& map, const MapDescription& description, const f
     refuse_foreign(directory, "map." + format);
   }
   if (map.empty()) throw InputError("the map has no points yet; drive first");
+  check_range(map);
   Files files{directory / "map.yaml"};
   write_text_atomically(files.back(), to_yaml(map, description));
   for (const std::string& format : wanted) {
@@ -92,6 +94,17 @@ Files save_map(const PointCloud& map, const MapDescription& description, const f
     format == "pcd" ? write_pcd(files.back(), map) : write_ply(files.back(), map);
   }
   return files;
+}
+
+void check_range(const PointCloud& cloud) {
+  constexpr float kFarthest = 1e5F;
+  for (const Point& point : cloud.points) {
+    if (point.position().cwiseAbs().maxCoeff() <= kFarthest) continue;
+    throw InputError("the map reaches " +
+                     std::to_string(std::lround(point.position().cwiseAbs().maxCoeff())) +
+                     " m from the origin of its frame, which PCD and PLY files cannot hold to the "
+                     "centimetre; write LAS, or begin the odometry near zero");
+  }
 }
 
 void write_pcd(const fs::path& path, const PointCloud& cloud) {
@@ -104,9 +117,10 @@ void write_ply(const fs::path& path, const PointCloud& cloud) {
   write_atomically(path, [&](const fs::path& temporary) {
     constexpr bool kBinary = true;
     constexpr bool kWithCamera = false;
-    if (pcl::PLYWriter().write(temporary.string(), to_pcl(cloud), kBinary, kWithCamera) != 0) {
-      fail(path);
-    }
+    const int result =
+        pcl::PLYWriter().write(temporary.string(), to_pcl(cloud), kBinary, kWithCamera);
+    // PCL does not notice a full disk.
+    if (result != 0 || fs::file_size(temporary) < 16 * cloud.size()) fail(path);
   });
 }
 

@@ -9,6 +9,8 @@ namespace lidar_mapping::map {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 std::string name_of(const Eigen::Vector3d& origin) {
   char name[64];
   std::snprintf(name, sizeof name, "%lld_%lld.pcd",
@@ -26,29 +28,61 @@ PointCloud in_map_frame(const MapTile& tile) {
   return cloud;
 }
 
-}  // namespace
+constexpr const char* kMetadata = "pointcloud_map_metadata.yaml";
 
-Files save_tiles(const TileSource& tiles, double tile_size,
-                 const std::filesystem::path& directory) {
-  if (std::filesystem::exists(directory)) {
-    throw FileError(directory.string() + " is there already; name another directory");
-  }
-  Files files;
+/// Puts a finished folder in the place of an older one.
+void replace_folder(const fs::path& finished, const fs::path& directory) {
+  const fs::path old = directory.parent_path() / ("." + directory.filename().string() + ".old");
+  fs::remove_all(old);
+  if (fs::exists(directory)) fs::rename(directory, old);
+  fs::rename(finished, directory);
+  fs::remove_all(old);
+}
+
+Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
+  Files names;
   char line[160];
   std::snprintf(line, sizeof line, "x_resolution: %.9g\ny_resolution: %.9g\n", tile_size,
                 tile_size);
   std::string metadata = line;
   tiles([&](const MapTile& tile) {
     if (tile.cloud.empty()) return;
-    const std::string name = name_of(tile.origin);
-    write_pcd(directory / name, in_map_frame(tile));
-    files.push_back(directory / name);
-    std::snprintf(line, sizeof line, "%s: [%.9g, %.9g]\n", name.c_str(), tile.origin.x(),
+    const PointCloud cloud = in_map_frame(tile);
+    check_range(cloud);
+    names.emplace_back(name_of(tile.origin));
+    write_pcd(directory / names.back(), cloud);
+    std::snprintf(line, sizeof line, "%s: [%.9g, %.9g]\n", names.back().c_str(), tile.origin.x(),
                   tile.origin.y());
     metadata += line;
   });
-  files.push_back(directory / "pointcloud_map_metadata.yaml");
-  write_text_atomically(files.back(), metadata);
+  names.emplace_back(kMetadata);
+  write_text_atomically(directory / kMetadata, metadata);
+  return names;
+}
+
+}  // namespace
+
+Files save_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
+  if (fs::exists(directory) && !fs::exists(directory / kMetadata)) {
+    throw FileError(directory.string() +
+                    " is there already and holds no tiles of a map; name another directory");
+  }
+  const fs::path target = fs::absolute(directory / ".").lexically_normal().parent_path();
+  const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
+  Files files;
+  try {
+    fs::remove_all(temporary);
+    for (const fs::path& name : write_tiles(tiles, tile_size, temporary)) {
+      files.push_back(directory / name);
+    }
+    replace_folder(temporary, target);
+  } catch (const fs::filesystem_error& error) {
+    throw FileError("cannot write " + directory.string() + ": " + error.what());
+  } catch (const Error&) {
+    std::error_code ignored;
+    fs::remove_all(temporary, ignored);
+    throw;
+  }
   return files;
 }
 

@@ -131,7 +131,7 @@ void BackEndNode::subscribe_all() {
   });
   listen<sensor_msgs::NavSatFix>("gnss_datum", [this](const auto& m) {
     datum_ = GeodeticDatum{m.latitude, m.longitude, m.altitude};
-    if (run_) run_->session().set_datum(*datum_);
+    if (run_) run_->set_datum(*datum_);
   });
   listen<nav_msgs::Odometry>("laser_odom", [this](const auto& m) { take_odometry(m); });
   listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
@@ -279,7 +279,7 @@ void BackEndNode::use(session::Session session, const std::string& run_id) {
   run_id_ = run_id;
   next_index_ = known > 0 ? run_->session().key_frames().back().index + 1 : 0;
   run_->session().set_run_id(run_id);
-  if (datum_) run_->session().set_datum(*datum_);
+  if (datum_) run_->set_datum(*datum_);
   const std::string folder = run_->session().directory().string();
   context_.node.setParam("session_folder", folder);
   context_.diagnostics.set("session", folder);

@@ -9,13 +9,14 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/map_files.hpp"
+#include "lidar_mapping/map/moving_objects.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/scratch_folder.hpp"
-#include "lidar_mapping/session/cloud_store.hpp"
+#include "lidar_mapping/session/session.hpp"
 
 #include "map_viewer_display.hpp"
 
@@ -64,6 +65,8 @@ class MapViewerNode {
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                          const SaveMap::Request& request);
+  std::unique_ptr<map::StaticClouds> without_moving(CloudSource& clouds, const KeyFramePoses& poses,
+                                                    const map::MapConfig& config);
   std::filesystem::path directory_for(const std::string& asked);
 
   Config config_;
@@ -249,7 +252,9 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   try {
     map::MapConfig config = config_.stage;
     if (request.resolution > 0.0) config.resolution = request.resolution;
-    const PointCloud map = map::build_map(poses, run->clouds, config);
+    const auto fixed = request.keep_moving ? nullptr : without_moving(run->clouds, poses, config);
+    CloudSource& clouds = fixed ? static_cast<CloudSource&>(*fixed) : run->clouds;
+    const PointCloud map = map::build_map(poses, clouds, config);
     const map::MapDescription description{config_.node.map_frame, datum_, config.resolution};
     for (const auto& file :
          map::save_map(map, description, directory_for(request.directory), request.formats)) {
@@ -258,10 +263,31 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
     response.success = true;
     response.message = std::to_string(map.size()) + " points of " +
                        std::to_string(poses.poses.size()) + " key frames";
+    if (!fixed && !request.keep_moving) {
+      response.message += ", with those of moving objects: no session says where the LiDAR is";
+    }
   } catch (const Error& error) {
     response.message = error.what();
   }
   return response;
+}
+
+/// Null where nobody knows from where the LiDAR saw what it saw.
+std::unique_ptr<map::StaticClouds> MapViewerNode::without_moving(CloudSource& clouds,
+                                                                 const KeyFramePoses& poses,
+                                                                 const map::MapConfig& config) {
+  std::string folder;
+  if (!context_.node.getParam("session_folder", folder)) return nullptr;
+  try {
+    using session::Session;
+    const auto origin = Session::open(folder, Session::Access::kRead).sensor_origin();
+    if (!origin) return nullptr;
+    map::MovingObjectsConfig removal;
+    removal.threads = config.threads;
+    return std::make_unique<map::StaticClouds>(clouds, poses, *origin, removal);
+  } catch (const FileError&) {
+    return nullptr;  // the back end is on another machine
+  }
 }
 
 std::filesystem::path MapViewerNode::directory_for(const std::string& asked) {

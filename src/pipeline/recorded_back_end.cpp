@@ -3,6 +3,8 @@
 #include <set>
 
 #include "lidar_mapping/back_end/g2o_file.hpp"
+#include "lidar_mapping/pipeline/datum.hpp"
+#include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -24,6 +26,13 @@ session::RevisionRecord record_of(const back_end::OptimizationReport& report,
   return record;
 }
 
+std::string reason_of(const Loop& loop, bool used) {
+  if (loop.decision == LoopDecision::kRefuse) return "a person refused it";
+  if (loop.decision == LoopDecision::kAccept) return "a person accepted it";
+  return used ? "the graph agrees with it"
+              : "the graph leaves it out: it contradicts the other constraints";
+}
+
 LoopVerdict verdict_on(const Loop& loop, bool used) {
   LoopVerdict verdict;
   verdict.from = loop.from;
@@ -31,8 +40,7 @@ LoopVerdict verdict_on(const Loop& loop, bool used) {
   verdict.stamp = loop.stamp;
   verdict.source = loop.source;
   verdict.verdict = used ? Verdict::kAccepted : Verdict::kRefused;
-  verdict.reason = used ? "the graph agrees with it"
-                        : "the graph leaves it out: it contradicts the other constraints";
+  verdict.reason = reason_of(loop, used);
   verdict.fitness = loop.fitness;
   verdict.overlap = loop.overlap;
   return verdict;
@@ -68,8 +76,15 @@ bool RecordedBackEnd::add_loop(const Loop& loop) {
 }
 
 void RecordedBackEnd::add_gnss(const GnssPosition& position) {
-  session_.add_gnss(position);
-  back_end_.add_gnss(position);
+  const GnssPosition in_session = turned(position, T_session_gnss_);
+  session_.add_gnss(in_session);
+  back_end_.add_gnss(in_session);
+}
+
+void RecordedBackEnd::set_datum(const GeodeticDatum& datum) {
+  const auto known = session_.datum();
+  if (!known) session_.set_datum(datum);
+  T_session_gnss_ = enu_between(known.value_or(datum), datum);
 }
 
 void RecordedBackEnd::add_imu(const ImuSample& sample_base) {
@@ -118,7 +133,8 @@ void RecordedBackEnd::write_files() const {
   write_results(session_, back_end_, poses(), session_.directory());
 }
 
-void replay(const session::Session& session, back_end::BackEnd& back_end) {
+void replay(const session::Session& session, const std::vector<Loop>& loops,
+            back_end::BackEnd& back_end) {
   std::set<Stamp> stamps;
   for (const KeyFrame& key_frame : session.key_frames()) {
     back_end.add_key_frame(key_frame);
@@ -134,13 +150,18 @@ void replay(const session::Session& session, back_end::BackEnd& back_end) {
   for (const Floor& floor : session.floors()) {
     if (belongs(floor)) back_end.add_floor(floor);
   }
-  for (const Loop& loop : session.loops()) back_end.add_loop(loop);
+  for (const Loop& loop : loops) back_end.add_loop(loop);
+}
+
+void replay(const session::Session& session, back_end::BackEnd& back_end) {
+  replay(session, session.loops(), back_end);
 }
 
 void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory) {
   session::write_trajectories(session, poses, directory / "trajectory");
   session::write_loops_csv(session, directory / "loops.csv");
+  session::write_loop_list(session, directory / "loops.txt");
   back_end::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
 }
 

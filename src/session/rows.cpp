@@ -4,226 +4,195 @@ namespace lidar_mapping::session {
 
 namespace {
 
-void append(Cells& cells, const std::optional<Eigen::Quaterniond>& rotation) {
-  if (rotation) {
-    session::append(cells, *rotation);
-  } else {
-    cells.insert(cells.end(), 4, nullptr);
+/// Takes the fields of a value, one after the other, as the cells of a row.
+class Writer {
+ public:
+  void take(std::int64_t value) { cells.emplace_back(value); }
+  void take(std::uint32_t value) { cells.emplace_back(std::int64_t{value}); }
+  void take(std::size_t value) { cells.emplace_back(static_cast<std::int64_t>(value)); }
+  void take(int value) { cells.emplace_back(std::int64_t{value}); }
+  void take(bool value) { cells.emplace_back(std::int64_t{value ? 1 : 0}); }
+  void take(double value) { cells.emplace_back(value); }
+  void take(const std::string& value) { cells.emplace_back(value); }
+  void take(LoopSource value) { cells.emplace_back(std::string(to_string(value))); }
+  void take(Verdict value) { cells.emplace_back(std::string(to_string(value))); }
+  void take(const Eigen::Vector3d& value) { append(cells, value); }
+  void take(const Pose& value) { append(cells, value); }
+  void take(const Covariance6& value) { cells.emplace_back(to_blob(value)); }
+  void take(const Eigen::Matrix3d& value) { cells.emplace_back(to_blob(value)); }
+  void take(const std::optional<Eigen::Quaterniond>& value) {
+    if (value) {
+      append(cells, *value);
+    } else {
+      cells.insert(cells.end(), 4, nullptr);
+    }
   }
+  void take(const std::vector<Eigen::Vector3d>& values) {
+    Blob blob;
+    for (const Eigen::Vector3d& value : values) {
+      blob.insert(blob.end(), value.data(), value.data() + 3);
+    }
+    cells.emplace_back(blob);
+  }
+  /// Of a cloud only its size.
+  void take(const PointCloudPtr& cloud) { take(cloud ? cloud->size() : std::size_t{0}); }
+
+  Cells cells;
+};
+
+/// Fills the fields of a value from the cells of a row.
+class Reader {
+ public:
+  explicit Reader(Statement& row) : row_(row) {}
+
+  void take(std::int64_t& value) { value = row_.take_integer(); }
+  void take(std::uint32_t& value) { take_number(value); }
+  void take(std::size_t& value) { take_number(value); }
+  void take(int& value) { take_number(value); }
+  void take(bool& value) { value = row_.take_integer() != 0; }
+  void take(double& value) { value = row_.take_real(); }
+  void take(std::string& value) { value = row_.take_text(); }
+  void take(LoopSource& value) { value = loop_source_from(row_.take_text()); }
+  void take(Verdict& value) { value = verdict_from(row_.take_text()); }
+  void take(Eigen::Vector3d& value) { value = row_.take_vector(); }
+  void take(Pose& value) { value = row_.take_pose(); }
+  void take(Covariance6& value) { value = to_matrix<Covariance6>(row_.take_blob()); }
+  void take(Eigen::Matrix3d& value) { value = to_matrix<Eigen::Matrix3d>(row_.take_blob()); }
+  void take(std::optional<Eigen::Quaterniond>& value) {
+    value.reset();
+    if (row_.next_is_null()) return row_.skip(4);
+    value = row_.take_quaternion();
+  }
+  void take(std::vector<Eigen::Vector3d>& values) {
+    const Blob blob = row_.take_blob();
+    values.clear();
+    for (std::size_t i = 0; i + 3 <= blob.size(); i += 3) {
+      values.emplace_back(blob[i], blob[i + 1], blob[i + 2]);
+    }
+  }
+  void take(PointCloudPtr&) { row_.skip(1); }
+
+ private:
+  template <typename Integer>
+  void take_number(Integer& value) {
+    value = static_cast<Integer>(row_.take_integer());
+  }
+
+  Statement& row_;
+};
+
+/// Hands fields to a writer or a reader from left to right.
+template <typename Taker>
+struct Each {
+  Taker& taker;
+  template <typename... Fields>
+  void operator()(Fields&... fields) {
+    (taker.take(fields), ...);
+  }
+};
+
+template <typename Value>
+struct Row {};
+
+// The columns of each table, once for both directions: V is const for writing.
+
+template <typename V, typename Each>
+void visit(Row<KeyFrame>, V& v, Each each) {
+  each(v.index, v.segment, v.stamp, v.T_odom_base, v.motion_covariance, v.degenerate_directions,
+       v.cloud);
 }
 
-std::optional<Eigen::Quaterniond> take_optional_quaternion(Statement& row) {
-  if (!row.next_is_null()) return row.take_quaternion();
-  row.skip(4);
-  return std::nullopt;
+template <typename V, typename Each>
+void visit(Row<Loop>, V& v, Each each) {
+  each(v.from, v.to, v.stamp, v.T_from_to, v.covariance, v.fitness, v.overlap, v.source);
 }
 
-KeyFrameIndex take_index(Statement& row) { return static_cast<KeyFrameIndex>(row.take_integer()); }
-std::size_t take_count(Statement& row) { return static_cast<std::size_t>(row.take_integer()); }
-
-Blob to_blob(const std::vector<Eigen::Vector3d>& vectors) {
-  Blob blob;
-  for (const Eigen::Vector3d& vector : vectors) {
-    blob.insert(blob.end(), vector.data(), vector.data() + 3);
-  }
-  return blob;
+template <typename V, typename Each>
+void visit(Row<LoopVerdict>, V& v, Each each) {
+  each(v.from, v.to, v.stamp, v.source, v.verdict, v.reason, v.distance, v.fitness, v.overlap,
+       v.free_space_violation, v.horizontal_eigenvalue, v.innovation);
 }
 
-std::vector<Eigen::Vector3d> to_vectors(const Blob& blob) {
-  std::vector<Eigen::Vector3d> vectors;
-  for (std::size_t i = 0; i + 3 <= blob.size(); i += 3) {
-    vectors.emplace_back(blob[i], blob[i + 1], blob[i + 2]);
-  }
-  return vectors;
+template <typename V, typename Each>
+void visit(Row<GnssPosition>, V& v, Each each) {
+  each(v.stamp, v.p_enu_antenna, v.covariance, v.p_base_antenna, v.R_enu_base);
+}
+
+template <typename V, typename Each>
+void visit(Row<ImuSample>, V& v, Each each) {
+  each(v.stamp, v.angular_velocity, v.linear_acceleration, v.orientation);
+}
+
+template <typename V, typename Each>
+void visit(Row<Floor>, V& v, Each each) {
+  each(v.stamp, v.found, v.normal, v.offset, v.covariance, v.inliers);
+}
+
+template <typename V, typename Each>
+void visit(Row<ScanRecord>, V& v, Each each) {
+  each(v.stamp, v.state, v.fitness, v.overlap, v.seconds, v.scans_dropped);
+}
+
+template <typename V, typename Each>
+void visit(Row<KeyFramePose>, V& v, Each each) {
+  each(v.index, v.stamp, v.T_map_base);
+}
+
+template <typename V, typename Each>
+void visit(Row<RevisionRecord>, V& v, Each each) {
+  each(v.revision, v.key_frames, v.loops_used, v.loops_refused, v.gnss_used, v.gnss_refused,
+       v.cost_before, v.cost_after, v.seconds);
+}
+
+template <typename Value>
+Cells written(const Value& value) {
+  Writer writer;
+  visit(Row<Value>(), value, Each<Writer>{writer});
+  return writer.cells;
+}
+
+template <typename Value>
+Value read(Statement& row) {
+  Reader reader(row);
+  Value value;
+  visit(Row<Value>(), value, Each<Reader>{reader});
+  return value;
 }
 
 }  // namespace
 
-Cells to_cells(const KeyFrame& key_frame) {
-  Cells cells{std::int64_t{key_frame.index}, std::int64_t{key_frame.segment}, key_frame.stamp};
-  session::append(cells, key_frame.T_odom_base);
-  cells.emplace_back(session::to_blob(key_frame.motion_covariance));
-  cells.emplace_back(to_blob(key_frame.degenerate_directions));
-  cells.emplace_back(std::int64_t(key_frame.cloud ? key_frame.cloud->size() : 0));
-  return cells;
-}
+Cells to_cells(const KeyFrame& value) { return written(value); }
+Cells to_cells(const Loop& value) { return written(value); }
+Cells to_cells(const LoopVerdict& value) { return written(value); }
+Cells to_cells(const GnssPosition& value) { return written(value); }
+Cells to_cells(const ImuSample& value) { return written(value); }
+Cells to_cells(const Floor& value) { return written(value); }
+Cells to_cells(const ScanRecord& value) { return written(value); }
+Cells to_cells(const RevisionRecord& value) { return written(value); }
 
-KeyFrame read_key_frame(Statement& row) {
-  KeyFrame key_frame;
-  key_frame.index = take_index(row);
-  key_frame.segment = static_cast<std::uint32_t>(row.take_integer());
-  key_frame.stamp = row.take_integer();
-  key_frame.T_odom_base = row.take_pose();
-  key_frame.motion_covariance = to_matrix<Covariance6>(row.take_blob());
-  key_frame.degenerate_directions = to_vectors(row.take_blob());
-  return key_frame;
-}
-
-Cells to_cells(const Loop& loop) {
-  Cells cells{std::int64_t{loop.from}, std::int64_t{loop.to}, loop.stamp};
-  session::append(cells, loop.T_from_to);
-  cells.emplace_back(session::to_blob(loop.covariance));
-  cells.emplace_back(loop.fitness);
-  cells.emplace_back(loop.overlap);
-  cells.emplace_back(std::string(to_string(loop.source)));
-  return cells;
-}
+KeyFrame read_key_frame(Statement& row) { return read<KeyFrame>(row); }
+GnssPosition read_gnss(Statement& row) { return read<GnssPosition>(row); }
+ImuSample read_imu(Statement& row) { return read<ImuSample>(row); }
+Floor read_floor(Statement& row) { return read<Floor>(row); }
+ScanRecord read_scan(Statement& row) { return read<ScanRecord>(row); }
+KeyFramePose read_pose(Statement& row) { return read<KeyFramePose>(row); }
+RevisionRecord read_revision(Statement& row) { return read<RevisionRecord>(row); }
 
 Loop read_loop(Statement& row) {
   row.skip(1);
-  Loop loop;
-  loop.from = take_index(row);
-  loop.to = take_index(row);
-  loop.stamp = row.take_integer();
-  loop.T_from_to = row.take_pose();
-  loop.covariance = to_matrix<Covariance6>(row.take_blob());
-  loop.fitness = row.take_real();
-  loop.overlap = row.take_real();
-  loop.source = loop_source_from(row.take_text());
+  Loop loop = read<Loop>(row);
+  loop.decision = loop_decision_from(row.take_text());
   return loop;
-}
-
-Cells to_cells(const LoopVerdict& verdict) {
-  return {std::int64_t{verdict.from},
-          std::int64_t{verdict.to},
-          verdict.stamp,
-          std::string(to_string(verdict.source)),
-          std::string(to_string(verdict.verdict)),
-          verdict.reason,
-          verdict.distance,
-          verdict.fitness,
-          verdict.overlap,
-          verdict.free_space_violation,
-          verdict.horizontal_eigenvalue,
-          verdict.innovation};
 }
 
 LoopVerdict read_verdict(Statement& row) {
   row.skip(1);
-  LoopVerdict verdict;
-  verdict.from = take_index(row);
-  verdict.to = take_index(row);
-  verdict.stamp = row.take_integer();
-  verdict.source = loop_source_from(row.take_text());
-  verdict.verdict = verdict_from(row.take_text());
-  verdict.reason = row.take_text();
-  verdict.distance = row.take_real();
-  verdict.fitness = row.take_real();
-  verdict.overlap = row.take_real();
-  verdict.free_space_violation = row.take_real();
-  verdict.horizontal_eigenvalue = row.take_real();
-  verdict.innovation = row.take_real();
-  return verdict;
-}
-
-Cells to_cells(const GnssPosition& position) {
-  Cells cells{position.stamp};
-  session::append(cells, position.p_enu_antenna);
-  cells.emplace_back(session::to_blob(position.covariance));
-  session::append(cells, position.p_base_antenna);
-  append(cells, position.R_enu_base);
-  return cells;
-}
-
-GnssPosition read_gnss(Statement& row) {
-  GnssPosition position;
-  position.stamp = row.take_integer();
-  position.p_enu_antenna = row.take_vector();
-  position.covariance = to_matrix<Eigen::Matrix3d>(row.take_blob());
-  position.p_base_antenna = row.take_vector();
-  position.R_enu_base = take_optional_quaternion(row);
-  return position;
-}
-
-Cells to_cells(const ImuSample& sample) {
-  Cells cells{sample.stamp};
-  session::append(cells, sample.angular_velocity);
-  session::append(cells, sample.linear_acceleration);
-  append(cells, sample.orientation);
-  return cells;
-}
-
-ImuSample read_imu(Statement& row) {
-  ImuSample sample;
-  sample.stamp = row.take_integer();
-  sample.angular_velocity = row.take_vector();
-  sample.linear_acceleration = row.take_vector();
-  sample.orientation = take_optional_quaternion(row);
-  return sample;
-}
-
-Cells to_cells(const Floor& floor) {
-  Cells cells{floor.stamp, std::int64_t{floor.found ? 1 : 0}};
-  session::append(cells, floor.normal);
-  cells.emplace_back(floor.offset);
-  cells.emplace_back(session::to_blob(floor.covariance));
-  cells.emplace_back(std::int64_t{floor.inliers});
-  return cells;
-}
-
-Floor read_floor(Statement& row) {
-  Floor floor;
-  floor.stamp = row.take_integer();
-  floor.found = row.take_integer() != 0;
-  floor.normal = row.take_vector();
-  floor.offset = row.take_real();
-  floor.covariance = to_matrix<Eigen::Matrix3d>(row.take_blob());
-  floor.inliers = static_cast<int>(row.take_integer());
-  return floor;
-}
-
-Cells to_cells(const ScanRecord& scan) {
-  return {scan.stamp, scan.state, scan.fitness, scan.overlap, scan.seconds, scan.scans_dropped};
-}
-
-ScanRecord read_scan(Statement& row) {
-  ScanRecord scan;
-  scan.stamp = row.take_integer();
-  scan.state = row.take_text();
-  scan.fitness = row.take_real();
-  scan.overlap = row.take_real();
-  scan.seconds = row.take_real();
-  scan.scans_dropped = row.take_integer();
-  return scan;
+  return read<LoopVerdict>(row);
 }
 
 std::pair<Stamp, Pose> read_odometry(Statement& row) {
   const Stamp stamp = row.take_integer();
   return {stamp, row.take_pose()};
-}
-
-KeyFramePose read_pose(Statement& row) {
-  KeyFramePose pose;
-  pose.index = take_index(row);
-  pose.stamp = row.take_integer();
-  pose.T_map_base = row.take_pose();
-  return pose;
-}
-
-Cells to_cells(const RevisionRecord& record) {
-  return {std::int64_t{record.revision},
-          std::int64_t(record.key_frames),
-          std::int64_t(record.loops_used),
-          std::int64_t(record.loops_refused),
-          std::int64_t(record.gnss_used),
-          std::int64_t(record.gnss_refused),
-          record.cost_before,
-          record.cost_after,
-          record.seconds};
-}
-
-RevisionRecord read_revision(Statement& row) {
-  RevisionRecord record;
-  record.revision = static_cast<std::uint32_t>(row.take_integer());
-  record.key_frames = take_count(row);
-  record.loops_used = take_count(row);
-  record.loops_refused = take_count(row);
-  record.gnss_used = take_count(row);
-  record.gnss_refused = take_count(row);
-  record.cost_before = row.take_real();
-  record.cost_after = row.take_real();
-  record.seconds = row.take_real();
-  return record;
 }
 
 }  // namespace lidar_mapping::session

@@ -7,7 +7,7 @@
 namespace lidar_mapping::session {
 
 // Values to the cells of a row of their table and back, in the order of the columns. Loops and
-// verdicts have an id before these cells, which reading skips.
+// verdicts have an id before these cells, which reading skips; a person's decision follows a loop.
 Cells to_cells(const KeyFrame& key_frame);
 Cells to_cells(const Loop& loop);
 Cells to_cells(const LoopVerdict& verdict);

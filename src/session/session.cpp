@@ -1,13 +1,10 @@
 #include "lidar_mapping/session/session.hpp"
 
-#include <ctime>
-
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
-#include "database.hpp"
 #include "rows.hpp"
-#include "session_folder.hpp"
+#include "session_impl.hpp"
 #include "session_schema.hpp"
 
 namespace lidar_mapping::session {
@@ -17,13 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kKeptRevisions = 10;
-
-/// "?, ?, ?" for as many cells.
-std::string placeholders(std::size_t count) {
-  std::string text = "?";
-  for (std::size_t i = 1; i < count; ++i) text += ", ?";
-  return text;
-}
 
 std::string indented(const std::string& yaml) {
   std::string text = yaml.empty() ? "" : "  ";
@@ -35,43 +25,6 @@ std::string indented(const std::string& yaml) {
 }
 
 }  // namespace
-
-class Session::Impl {
- public:
-  Impl(fs::path directory_path, Database::Mode mode)
-      : directory(std::move(directory_path)),
-        lock(mode == Database::Mode::kRead ? nullptr : std::make_unique<WriteLock>(directory)),
-        database(directory / "session.db", mode),
-        clouds(directory / "key_frames") {}
-
-  void insert(const std::string& verb, const std::string& table, const Cells& cells) {
-    database.run(verb + " INTO " + table + " VALUES (" + placeholders(cells.size()) + ")", cells);
-  }
-
-  template <typename Value>
-  std::vector<Value> all(const std::string& sql, Value (*read)(Statement&)) const {
-    std::vector<Value> values;
-    for (Statement row = database.query(sql); row.step();) values.push_back(read(row));
-    return values;
-  }
-
-  void set_property(const std::string& name, const Cell& value) {
-    insert("INSERT OR REPLACE", "properties", {name, value});
-  }
-
-  std::optional<Eigen::Vector3d> vector_property(const std::string& name) const {
-    Statement row = database.query("SELECT value FROM properties WHERE name = ?", {name});
-    if (!row.step()) return std::nullopt;
-    const Blob values = row.take_blob();
-    if (values.size() != 3) return std::nullopt;
-    return Eigen::Vector3d(values[0], values[1], values[2]);
-  }
-
-  const fs::path directory;
-  const std::unique_ptr<WriteLock> lock;
-  Database database;
-  CloudStore clouds;
-};
 
 class Session::Batch::Impl {
  public:
@@ -110,6 +63,7 @@ Session Session::open(const fs::path& directory, Access access) {
   const fs::path found = find_session(directory);
   Session session(std::make_unique<Impl>(found, mode));
   check_tables(session.impl_->database, found / "session.db");
+  if (access == Access::kWrite) upgrade_tables(session.impl_->database);
   return session;
 }
 
@@ -133,6 +87,11 @@ void Session::add_loop(const Loop& loop) {
   Cells cells = to_cells(loop);
   cells.insert(cells.begin(), nullptr);
   impl_->insert("INSERT OR REPLACE", "loops", cells);
+}
+
+void Session::set_loop_decision(KeyFrameIndex from, KeyFrameIndex to, LoopDecision decision) {
+  impl_->insert("INSERT OR REPLACE", "loop_decisions",
+                {std::int64_t{from}, std::int64_t{to}, std::string(to_string(decision))});
 }
 
 void Session::add_verdict(const LoopVerdict& verdict) {
@@ -181,14 +140,17 @@ void Session::set_poses(const KeyFramePoses& poses, const RevisionRecord& record
   transaction.commit();
 }
 
-void Session::set_run_id(const std::string& run_id) { impl_->set_property("run_id", run_id); }
+void Session::set_run_id(const std::string& run_id) {
+  impl_->insert("INSERT OR REPLACE", "properties", {"run_id", run_id});
+}
 
 void Session::set_datum(const GeodeticDatum& datum) {
-  impl_->set_property("datum", Blob{datum.latitude_deg, datum.longitude_deg, datum.altitude_m});
+  const Blob values{datum.latitude_deg, datum.longitude_deg, datum.altitude_m};
+  impl_->insert("INSERT OR REPLACE", "properties", {"datum", values});
 }
 
 void Session::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  impl_->set_property("sensor_origin", to_blob(p_base_sensor));
+  impl_->insert("INSERT OR REPLACE", "properties", {"sensor_origin", to_blob(p_base_sensor)});
 }
 
 void Session::set_configuration(const std::string& stage, const std::string& yaml) {
@@ -196,83 +158,6 @@ void Session::set_configuration(const std::string& stage, const std::string& yam
   std::string text;
   for (const auto& [name, fields] : configurations()) text += name + ":\n" + indented(fields);
   write_text_atomically(impl_->directory / "config.yaml", text);
-}
-
-std::vector<KeyFrame> Session::key_frames() const {
-  return impl_->all("SELECT * FROM key_frames ORDER BY key_frame", read_key_frame);
-}
-
-std::size_t Session::key_frame_count() const {
-  Statement row = impl_->database.query("SELECT COUNT(*) FROM key_frames");
-  return row.step() ? static_cast<std::size_t>(row.take_integer()) : 0;
-}
-
-std::vector<Loop> Session::loops() const {
-  return impl_->all("SELECT * FROM loops ORDER BY id", read_loop);
-}
-
-std::vector<LoopVerdict> Session::verdicts() const {
-  return impl_->all("SELECT * FROM loop_verdicts ORDER BY id", read_verdict);
-}
-
-std::vector<GnssPosition> Session::gnss() const {
-  return impl_->all("SELECT * FROM gnss ORDER BY stamp", read_gnss);
-}
-
-std::vector<ImuSample> Session::imu() const {
-  return impl_->all("SELECT * FROM imu ORDER BY stamp", read_imu);
-}
-
-std::vector<Floor> Session::floors() const {
-  return impl_->all("SELECT * FROM floors ORDER BY stamp", read_floor);
-}
-
-std::vector<ScanRecord> Session::scans() const {
-  return impl_->all("SELECT * FROM scans ORDER BY stamp", read_scan);
-}
-
-std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
-  return impl_->all("SELECT * FROM odometry ORDER BY stamp", read_odometry);
-}
-
-KeyFramePoses Session::poses() const {
-  KeyFramePoses poses;
-  poses.poses = impl_->all(
-      "SELECT key_frame, stamp, x, y, z, qx, qy, qz, qw FROM poses "
-      "WHERE revision = (SELECT MAX(revision) FROM revisions) ORDER BY key_frame",
-      read_pose);
-  Statement row = impl_->database.query("SELECT MAX(revision) FROM revisions");
-  if (row.step()) poses.revision = static_cast<std::uint32_t>(row.take_integer());
-  return poses;
-}
-
-std::vector<RevisionRecord> Session::revisions() const {
-  return impl_->all("SELECT * FROM revisions ORDER BY revision", read_revision);
-}
-
-std::string Session::run_id() const {
-  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = 'run_id'");
-  return row.step() ? row.take_text() : std::string();
-}
-
-std::optional<GeodeticDatum> Session::datum() const {
-  const std::optional<Eigen::Vector3d> values = impl_->vector_property("datum");
-  if (!values) return std::nullopt;
-  return GeodeticDatum{values->x(), values->y(), values->z()};
-}
-
-std::optional<Eigen::Vector3d> Session::sensor_origin() const {
-  return impl_->vector_property("sensor_origin");
-}
-
-std::map<std::string, std::string> Session::configurations() const {
-  std::map<std::string, std::string> result;
-  Statement row = impl_->database.query("SELECT stage, yaml FROM configurations");
-  while (row.step()) {
-    const std::string stage = row.take_text();
-    result[stage] = row.take_text();
-  }
-  return result;
 }
 
 }  // namespace lidar_mapping::session

@@ -7,7 +7,9 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kWithoutDecisions =
+    1;  // can be read, and is brought up to date to be written
 
 // Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
 // by row, in the order translation, rotation (axes of the child frame).
@@ -51,9 +53,21 @@ CREATE TABLE revisions (
   gnss_used INTEGER, gnss_refused INTEGER, cost_before REAL, cost_after REAL, seconds REAL);
 )sql";
 
+constexpr const char* kDecisions = R"sql(
+CREATE TABLE loop_decisions (
+  from_key_frame INTEGER, to_key_frame INTEGER, decision TEXT,
+  PRIMARY KEY (from_key_frame, to_key_frame)) WITHOUT ROWID;
+)sql";
+
 std::int64_t pragma(const Database& database, const std::string& name) {
   Statement row = database.query("PRAGMA " + name);
   return row.step() ? row.take_integer() : 0;
+}
+
+/// From version 1 to 2.
+void add_decisions(Database& database) {
+  database.execute(kDecisions);
+  database.execute("PRAGMA user_version = " + std::to_string(kVersion));
 }
 
 }  // namespace
@@ -62,8 +76,19 @@ void create_tables(Database& database) {
   Transaction transaction(database);
   database.execute(kTables);
   database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
-  database.execute("PRAGMA user_version = " + std::to_string(kVersion));
+  add_decisions(database);
   transaction.commit();
+}
+
+void upgrade_tables(Database& database) {
+  if (pragma(database, "user_version") != kWithoutDecisions) return;
+  Transaction transaction(database);
+  add_decisions(database);
+  transaction.commit();
+}
+
+bool has_loop_decisions(const Database& database) {
+  return pragma(database, "user_version") > kWithoutDecisions;
 }
 
 void check_tables(const Database& database, const std::filesystem::path& path) {
@@ -71,7 +96,7 @@ void check_tables(const Database& database, const std::filesystem::path& path) {
     throw FileError(path.string() + " is no session of lidar_mapping");
   }
   const std::int64_t version = pragma(database, "user_version");
-  if (version == kVersion) return;
+  if (version == kVersion || version == kWithoutDecisions) return;
   throw FileError(path.string() + " has version " + std::to_string(version) +
                   " of the session's tables, this program knows version " +
                   std::to_string(kVersion) + "; use the lidar_mapping that made it");

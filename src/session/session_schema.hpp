@@ -7,6 +7,11 @@ namespace lidar_mapping::session {
 /// Makes the tables of an empty database.
 void create_tables(Database& database);
 
+/// Brings a database of an older version up to date.
+void upgrade_tables(Database& database);
+/// False in an older version that was opened for reading.
+bool has_loop_decisions(const Database& database);
+
 /// Throws FileError if the database is no session or one of a newer version of this package.
 void check_tables(const Database& database, const std::filesystem::path& path);
 

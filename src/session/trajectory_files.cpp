@@ -1,9 +1,8 @@
 #include "lidar_mapping/session/trajectory_files.hpp"
 
 #include <algorithm>
-#include <iomanip>
+#include <map>
 #include <set>
-#include <sstream>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 
@@ -30,10 +29,10 @@ Trajectory restricted(const Trajectory& trajectory, const std::set<Stamp>& stamp
   return result;
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + '"';
+/// Drives that were joined can overlap in time.
+void sort_by_stamp(Trajectory& trajectory) {
+  std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(),
+                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
 }
 
 }  // namespace
@@ -51,6 +50,9 @@ KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFra
     if (position == positions.end()) continue;
     result.gnss.poses.push_back(
         {pose.stamp, gnss_pose(position->second, pose.T_map_base.rotation)});
+  }
+  for (Trajectory* trajectory : {&result.laser_odom, &result.optimized, &result.gnss}) {
+    sort_by_stamp(*trajectory);
   }
   return result;
 }
@@ -73,27 +75,6 @@ void write_trajectories(const Session& session, const KeyFramePoses& poses,
   Trajectory scans;
   for (const auto& [stamp, pose] : session.odometry()) scans.poses.push_back({stamp, pose});
   write_text_atomically(directory / "laser_odom_scans.tum", to_tum(scans));
-}
-
-void write_loops_csv(const Session& session, const std::filesystem::path& path) {
-  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> verdicts;
-  for (const LoopVerdict& verdict : session.verdicts()) {
-    verdicts[{verdict.from, verdict.to}] = verdict;
-  }
-  std::ostringstream text;
-  text << std::setprecision(12)
-       << "from,to,stamp_ns,x,y,z,qx,qy,qz,qw,fitness,overlap,source,verdict,reason\n";
-  for (const Loop& loop : session.loops()) {
-    const Eigen::Vector3d& t = loop.T_from_to.translation;
-    const Eigen::Quaterniond& q = loop.T_from_to.rotation;
-    const auto found = verdicts.find({loop.from, loop.to});
-    const LoopVerdict verdict = found == verdicts.end() ? LoopVerdict{} : found->second;
-    text << loop.from << ',' << loop.to << ',' << loop.stamp << ',' << t.x() << ',' << t.y() << ','
-         << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << ','
-         << loop.fitness << ',' << loop.overlap << ',' << to_string(loop.source) << ','
-         << to_string(verdict.verdict) << ',' << quoted(verdict.reason) << '\n';
-  }
-  write_text_atomically(path, text.str());
 }
 
 }  // namespace lidar_mapping::session

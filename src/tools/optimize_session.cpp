@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/loop_edits.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -21,6 +22,7 @@ struct Options {
   std::vector<std::string> parameters;
   std::string use_gnss;
   std::string use_loops;
+  std::string loops;
   std::string output;
 };
 
@@ -38,6 +40,21 @@ BackEndConfig make_config(const Options& options, const Session& session) {
     sources.push_back(config::parse_yaml("use_loop_close: " + options.use_loops, "--use-loops"));
   }
   return config::load<BackEndConfig>(sources);
+}
+
+/// The loops about which the list says something; none without a list.
+std::vector<Loop> decided_loops(const Options& options, const Session& session) {
+  if (options.loops.empty()) return {};
+  using loop_closing::LoopClosingConfig;
+  const auto config =
+      config::load<LoopClosingConfig>({pipeline::stored_configuration<LoopClosingConfig>(session)});
+  const auto decided =
+      pipeline::decided_loops(session, session::read_loop_list(options.loops), config);
+  for (const Loop& loop : decided) {
+    std::printf("loop %u %u: %s%s\n", loop.from, loop.to, to_string(loop.decision),
+                loop.source == LoopSource::kManual ? " (added by hand)" : "");
+  }
+  return decided;
 }
 
 struct Solved {
@@ -68,7 +85,8 @@ void print(const back_end::OptimizationReport& report, const std::filesystem::pa
 bool solve_aside(const Options& options) {
   const Session session = Session::open(options.session, Session::Access::kRead);
   back_end::BackEnd back_end(make_config(options, session));
-  pipeline::replay(session, back_end);
+  pipeline::replay(session, pipeline::replaced(session.loops(), decided_loops(options, session)),
+                   back_end);
   const Solved solved = solve_timed(*back_end.problem(true));
   const KeyFramePoses poses = back_end.apply(*solved.solution);
   pipeline::write_results(session, back_end, poses, options.output);
@@ -80,6 +98,7 @@ bool solve_aside(const Options& options) {
 bool solve_inside(const Options& options) {
   Session session = Session::open(options.session, Session::Access::kWrite);
   const BackEndConfig config = make_config(options, session);
+  pipeline::keep_decisions(session, decided_loops(options, session));
   pipeline::RecordedBackEnd back_end(std::move(session), config);
   const Solved solved = solve_timed(*back_end.problem(true));
   back_end.apply(*solved.solution, solved.report.seconds);
@@ -97,6 +116,8 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--use-gnss", options.use_gnss, "true or false; as in the drive if left out");
   app.add_option("--use-loops", options.use_loops, "true or false; as in the drive if left out");
+  app.add_option("--loops", options.loops,
+                 "list of loops to accept, refuse or add, as loops.txt of the session");
   app.add_option("--config", options.config, "YAML file of the back end's parameters");
   app.add_option("--parameter", options.parameters, "a single one, as 'name: value' (repeatable)");
   app.add_option("--output", options.output,

@@ -71,7 +71,10 @@ TEST(SaveTiles, WritesAutowaresLayout) {
   ASSERT_EQ(pcl::io::loadPCDFile((directory / "10000_-5000.pcd").string(), cloud), 0);
   ASSERT_EQ(cloud.size(), 1U);
   EXPECT_NEAR(cloud[0].x, 10'019.999, 1e-3);
-  EXPECT_THROW(save_tiles(give_tiles, kTileSize, directory), FileError);
+  EXPECT_EQ(save_tiles(give_tiles, kTileSize, directory).size(), 3U) << "one's own are replaced";
+  std::ofstream(folder.path() / "foreign") << "x";
+  EXPECT_THROW(save_tiles(give_tiles, kTileSize, folder.path()), FileError);
+  EXPECT_TRUE(fs::exists(folder.path() / "foreign"));
 }
 
 // F86: coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.

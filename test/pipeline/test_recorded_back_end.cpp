@@ -134,6 +134,27 @@ TEST(RecordedBackEnd, KnowsLoopsAgainAfterARestart) {
   EXPECT_THROW(back_end.add_key_frame(drifting_key_frame(3)), InputError);
 }
 
+// A finished session that a new drive extends keeps its frame.
+TEST(RecordedBackEnd, TurnsPositionsToTheDatumOfTheSession) {
+  const TemporaryFolder folder;
+  const GeodeticDatum old_datum{49.0, 8.4, 110.0};
+  const GeodeticDatum new_datum{49.001, 8.4, 100.0};  // 111 m north, 10 m below
+  {
+    RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+    back_end.set_datum(old_datum);
+    drive(back_end, 0, 5);
+  }
+  RecordedBackEnd back_end(reopened(folder), {});
+  back_end.set_datum(new_datum);
+  GnssPosition position;
+  position.stamp = 1;
+  position.p_enu_antenna = {3.0, 0.0, 1.0};
+  back_end.add_gnss(position);
+  EXPECT_EQ(back_end.session().datum(), old_datum);
+  const Eigen::Vector3d p = back_end.session().gnss().at(0).p_enu_antenna;
+  EXPECT_LT((p - Eigen::Vector3d(3.0, 111.2, -9.0)).norm(), 0.1) << p.transpose();
+}
+
 TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});

@@ -1,4 +1,4 @@
-#include <fstream>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -66,6 +66,16 @@ TEST(TrajectoryFiles, HoldTheSameKeyFramesToAMicrometre) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "trajectory" / "ground_truth.txt"));
 }
 
+TEST(TrajectoryFiles, AreReadByAnIndependentReader) {
+  const TemporaryFolder folder;
+  Session session = example_session(folder.path() / "session");
+  session.add_gnss(example_gnss(2));
+  session.add_odometry(example_key_frame(2).stamp, Pose::Identity());
+  write_trajectories(session, example_poses(), folder.path() / "trajectory");
+  const std::string files = (folder.path() / "trajectory").string();
+  EXPECT_EQ(std::system(("python3 session/read_trajectory_files.py " + files).c_str()), 0);
+}
+
 // F59: the GNSS track is there under its honest name, and lines correspond.
 TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
   const TemporaryFolder folder;
@@ -88,29 +98,6 @@ TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
   const Eigen::Vector3d expected =
       Eigen::Vector3d(5.0, 2.0, 3.0) - rotation * Eigen::Vector3d(0.0, 0.0, 1.5);
   EXPECT_LT((gnss.poses[2].pose.translation - expected).norm(), 1e-6);
-}
-
-TEST(TrajectoryFiles, LoopsTableHasTheNewestVerdict) {
-  const TemporaryFolder folder;
-  Session session = example_session(folder.path());
-  session.add_loop(example_loop(0, 7));
-  LoopVerdict verdict;
-  verdict.to = 7;
-  verdict.verdict = Verdict::kAccepted;
-  session.add_verdict(verdict);
-  verdict.verdict = Verdict::kRefused;
-  verdict.reason = "the graph says \"no\", 9 > 3";
-  session.add_verdict(verdict);
-  write_loops_csv(session, folder.path() / "loops.csv");
-
-  std::ifstream file(folder.path() / "loops.csv");
-  std::string header;
-  std::string line;
-  std::getline(file, header);
-  std::getline(file, line);
-  EXPECT_EQ(line.substr(0, 4), "0,7,");
-  EXPECT_NE(line.find("appearance,refused,\"the graph says \"\"no\"\", 9 > 3\""),
-            std::string::npos);
 }
 
 }  // namespace

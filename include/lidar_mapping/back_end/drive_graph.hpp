@@ -27,7 +27,7 @@ struct DriveLoop {
   int from = 0;  ///< position in DriveGraph::nodes
   int to = 0;
   bool used = false;
-  bool weighed = false;  ///< some solution has judged it
+  bool weighed = false;  ///< some solution, or a person, has judged it
 };
 
 struct DriveGnss {

@@ -9,6 +9,9 @@ namespace lidar_mapping {
 /// Where the suspicion came from that two key frames see the same place.
 enum class LoopSource { kPosition, kGnss, kAppearance, kManual };
 
+/// What a person said of a loop. It stands above what the graph thinks of it.
+enum class LoopDecision { kAuto, kAccept, kRefuse };
+
 /// Two key frames that see the same place, and how they lie to each other.
 struct Loop {
   KeyFrameIndex from = 0;  ///< the older one
@@ -19,6 +22,7 @@ struct Loop {
   double fitness = 0.0;  ///< mean squared distance of paired points, m^2
   double overlap = 0.0;  ///< share of the scan that the submap explains
   LoopSource source = LoopSource::kPosition;
+  LoopDecision decision = LoopDecision::kAuto;
 };
 
 enum class Verdict { kAccepted, kRefused, kUndecided };
@@ -42,6 +46,9 @@ struct LoopVerdict {
 /// "position", "gnss", "appearance", "manual"; and back (throws InputError for another word).
 const char* to_string(LoopSource source);
 LoopSource loop_source_from(const std::string& name);
+/// "auto", "accept", "refuse"; and back.
+const char* to_string(LoopDecision decision);
+LoopDecision loop_decision_from(const std::string& name);
 /// "accepted", "refused", "undecided"; and back.
 const char* to_string(Verdict verdict);
 Verdict verdict_from(const std::string& name);

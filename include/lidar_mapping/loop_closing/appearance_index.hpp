@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/loop_closing/birds_eye.hpp"
 #include "lidar_mapping/loop_closing/spectrum_descriptor.hpp"
 
@@ -14,6 +15,9 @@ struct Appearance {
   BirdsEye view;
   SpectrumDescriptor descriptor;
 };
+
+/// Of a cloud in base_link.
+Appearance appearance_of(const PointCloud& cloud);
 
 /// All appearances of a drive. Grows by one per key frame, is never rebuilt, and is searched by a
 /// linear scan over keys (0.3 ms per 2000 key frames).

@@ -44,6 +44,7 @@ class Trajectory {
   Pose predicted(NodeId id) const;
 
   std::vector<TrajectoryNode> nodes_;
+  std::map<Stamp, NodeId> at_stamp_;               // drives that were joined may overlap in time
   std::map<KeyFrameIndex, Pose> early_poses_;      // of key frames that have not come yet
   std::map<Stamp, GnssPosition> early_positions_;  // of stamps that have not come yet
 };

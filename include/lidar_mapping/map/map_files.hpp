@@ -28,6 +28,10 @@ using Files = std::vector<std::filesystem::path>;
 Files save_map(const PointCloud& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats);
 
+/// Throws InputError if a point lies more than 100 km from the origin: the files' floats would be
+/// off by centimetres there.
+void check_range(const PointCloud& cloud);
+
 /// Fields x y z intensity. Throws FileError.
 void write_pcd(const std::filesystem::path& path, const PointCloud& cloud);
 void write_ply(const std::filesystem::path& path, const PointCloud& cloud);

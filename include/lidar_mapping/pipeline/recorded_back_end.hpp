@@ -30,6 +30,10 @@ class RecordedBackEnd {
   void add_imu(const ImuSample& sample_base);
   void add_floor(const Floor& floor);
 
+  /// Datum of the positions that come from now on. A session that has another one keeps it, and the
+  /// positions are turned to it.
+  void set_datum(const GeodeticDatum& datum);
+
   bool optimization_due() const { return back_end_.optimization_due(); }
   std::shared_ptr<const back_end::OptimizationProblem> problem(bool thorough) const {
     return back_end_.problem(thorough);
@@ -42,6 +46,8 @@ class RecordedBackEnd {
   /// Revisions count on over the whole session.
   KeyFramePoses poses() const;
   Pose T_map_odom() const { return back_end_.T_map_odom(); }
+  /// See BackEnd::parts().
+  std::vector<int> parts() const { return back_end_.parts(); }
   /// The graph's present opinion of every loop.
   std::vector<LoopVerdict> verdicts() const;
 
@@ -49,7 +55,7 @@ class RecordedBackEnd {
   session::Session& session() { return session_; }
   const session::Session& session() const { return session_; }
 
-  /// Brings trajectory/, loops.csv and graph.g2o up to date. Throws FileError.
+  /// Brings trajectory/, loops.csv, loops.txt and graph.g2o up to date. Throws FileError.
   void write_files() const;
 
  private:
@@ -57,14 +63,19 @@ class RecordedBackEnd {
 
   session::Session session_;
   back_end::BackEnd back_end_;
+  Pose T_session_gnss_;  ///< from the frame of the positions to that of the session's datum
   std::uint32_t first_revision_ = 0;
   std::vector<Verdict> opinions_;  ///< of the graph, loop by loop
 };
 
-/// Puts key frames, their measurements and loops of a session into a back end.
+/// Puts key frames and their measurements of a session, and these loops, into a back end.
+void replay(const session::Session& session, const std::vector<Loop>& loops,
+            back_end::BackEnd& back_end);
+/// The same with the session's own loops.
 void replay(const session::Session& session, back_end::BackEnd& back_end);
 
-/// Writes trajectory/, loops.csv and graph.g2o of a session, with these poses, to `directory`.
+/// Writes trajectory/, loops.csv, loops.txt and graph.g2o of a session, with these poses, to
+/// `directory`.
 void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory);
 

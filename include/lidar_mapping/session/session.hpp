@@ -80,6 +80,8 @@ class Session {
   void add_key_frame(const KeyFrame& key_frame);
   /// A loop between the same two key frames takes the place of the older one.
   void add_loop(const Loop& loop);
+  /// What a person said of the loop between the two; it stays when the loop is replaced.
+  void set_loop_decision(KeyFrameIndex from, KeyFrameIndex to, LoopDecision decision);
   void add_verdict(const LoopVerdict& verdict);
   // Of two data with the same stamp the first stays.
   void add_gnss(const GnssPosition& position);

@@ -25,8 +25,4 @@ KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFra
 void write_trajectories(const Session& session, const KeyFramePoses& poses,
                         const std::filesystem::path& directory);
 
-/// All loops with the newest verdict on each: from, to, stamp, pose, fitness, overlap, source,
-/// verdict, reason. Throws FileError.
-void write_loops_csv(const Session& session, const std::filesystem::path& path);
-
 }  // namespace lidar_mapping::session

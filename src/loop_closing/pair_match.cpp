@@ -1,0 +1,127 @@
+#include "lidar_mapping/loop_closing/pair_match.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/loop_closing/appearance_index.hpp"
+#include "lidar_mapping/loop_closing/submaps.hpp"
+#include "lidar_mapping/loop_closing/trial.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// The drive up to `to`, so that its scan is the newest.
+Trajectory drive_until(const std::vector<KeyFrame>& key_frames, KeyFrameIndex to) {
+  Trajectory trajectory;
+  for (const KeyFrame& key_frame : key_frames) {
+    if (key_frame.index <= to) trajectory.append(key_frame);
+  }
+  return trajectory;
+}
+
+Trajectory::NodeId node_of(const Trajectory& trajectory, KeyFrameIndex index) {
+  const auto node = trajectory.find(index);
+  if (node) return *node;
+  throw InputError("there is no key frame " + std::to_string(index));
+}
+
+/// Where the two views from above agree best, for both headings that the descriptors allow.
+std::vector<Pose> starts_by_views(CloudSource& clouds, KeyFrameIndex from, KeyFrameIndex to) {
+  const PointCloudPtr older = clouds.cloud(from);
+  const PointCloudPtr newer = clouds.cloud(to);
+  if (!older || !newer) return {};
+  const Appearance a = appearance_of(*older);
+  const Appearance b = appearance_of(*newer);
+  const double turn = a.descriptor.compare(b.descriptor).yaw;
+  const ViewCorrelator correlator(a.view);
+  std::vector<Pose> starts;
+  for (const double heading : {turn, turn + kPi}) {
+    Pose start;
+    start.translation.head<2>() = correlator.match(b.view.cells(), heading).translation;
+    start.rotation = Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ());
+    starts.push_back(start);
+  }
+  return starts;
+}
+
+std::vector<Pose> starts_for(CloudSource& clouds, KeyFrameIndex from, KeyFrameIndex to,
+                             const std::optional<Pose>& guess) {
+  if (guess) return {*guess};
+  std::vector<Pose> starts = starts_by_views(clouds, from, to);
+  starts.push_back(Pose::Identity());
+  return starts;
+}
+
+/// Only what the clouds say counts.
+LoopClosingConfig trusting(LoopClosingConfig config) {
+  config.max_loop_distance = std::numeric_limits<double>::infinity();
+  return config;
+}
+
+Trial tried(const QueryScan& query, const Submap& submap, Trajectory::NodeId from,
+            const Pose& start, const LoopClosingConfig& config) {
+  Trial trial;
+  trial.candidate.node = from;
+  trial.candidate.source = LoopSource::kManual;
+  trial.candidate.T_from_to = start;
+  trial.candidate.prior.T_from_to = start;
+  trial.match.alignment = align_point_to_plane(query.points, submap.surface, start);
+  trial.match.figures = measure_match(query, submap, trial.match.alignment.T_target_source,
+                                      config.fitness_score_max_range);
+  trial.judgement = judge(trial.match, trial.candidate.prior, config);
+  return trial;
+}
+
+bool is_better(const Trial& a, const Trial& b) {
+  const bool accepted_a = a.judgement.verdict == Verdict::kAccepted;
+  const bool accepted_b = b.judgement.verdict == Verdict::kAccepted;
+  return accepted_a != accepted_b ? accepted_a : a.margin() > b.margin();
+}
+
+}  // namespace
+
+PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
+                     const Eigen::Vector3d& p_base_lidar, const std::vector<KeyFrame>& key_frames,
+                     KeyFrameIndex from, KeyFrameIndex to, const std::optional<Pose>& guess) {
+  const Trajectory trajectory = drive_until(key_frames, to);
+  const Trajectory::NodeId older = node_of(trajectory, from);
+  const Trajectory::NodeId newer = node_of(trajectory, to);
+  const auto least = static_cast<Trajectory::NodeId>(config.extend_frame_num + kQueryKeyFrames);
+  if (older + least > newer) {
+    throw InputError("key frames " + std::to_string(from) + " and " + std::to_string(to) +
+                     " are too near in the drive to be matched; the second must come at least " +
+                     std::to_string(least) + " key frames later");
+  }
+  Submaps submaps(config, clouds);
+  submaps.set_sensor_origin(p_base_lidar);
+  const bool have_scan = submaps.take_newest(key_frames[newer]) != nullptr;
+  const auto query = have_scan ? submaps.query(trajectory) : std::nullopt;
+  const auto submap = submaps.around(trajectory, older);
+  PairMatch result;
+  if (!query || !submap) {
+    result.verdict = {from,
+                      to,
+                      trajectory[newer].stamp,
+                      LoopSource::kManual,
+                      Verdict::kUndecided,
+                      "the cloud of one of the two is not available"};
+    return result;
+  }
+  const LoopClosingConfig rules = trusting(config);
+  std::optional<Trial> best;
+  for (const Pose& start : starts_for(clouds, from, to, guess)) {
+    const Trial trial = tried(*query, *submap, older, start, rules);
+    if (!best || is_better(trial, *best)) best = trial;
+  }
+  result.verdict = to_verdict(*best, trajectory);
+  if (best->judgement.verdict == Verdict::kAccepted) {
+    result.loop = to_loop(*best, trajectory, config);
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,28 @@
+#include "lidar_mapping/pipeline/datum.hpp"
+
+#include <vector>
+
+#include <GeographicLib/LocalCartesian.hpp>
+
+namespace lidar_mapping::pipeline {
+
+Pose enu_between(const GeodeticDatum& to, const GeodeticDatum& from) {
+  if (to == from) return Pose::Identity();
+  const GeographicLib::LocalCartesian local(to.latitude_deg, to.longitude_deg, to.altitude_m);
+  Pose pose;
+  std::vector<double> rotation(9);
+  local.Forward(from.latitude_deg, from.longitude_deg, from.altitude_m, pose.translation.x(),
+                pose.translation.y(), pose.translation.z(), rotation);
+  pose.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data());
+  return pose;
+}
+
+GnssPosition turned(GnssPosition position, const Pose& T_new_old) {
+  const Eigen::Matrix3d R = T_new_old.rotation_matrix();
+  position.p_enu_antenna = T_new_old * position.p_enu_antenna;
+  position.covariance = R * position.covariance * R.transpose();
+  if (position.R_enu_base) position.R_enu_base = T_new_old.rotation * *position.R_enu_base;
+  return position;
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,206 @@
+#include <fstream>
+#include <iomanip>
+#include <map>
+#include <optional>
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
+
+#include "lidar_mapping/back_end/g2o_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/hdl_dump.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAnchorStddev_m = 0.1;
+constexpr double kAnchorStddev_rad = 0.05;
+
+/// A file whose failure is said by its name.
+class File {
+ public:
+  explicit File(const fs::path& path) : path_(path), stream_(path) {
+    stream_ << std::setprecision(17);
+  }
+  std::ostream& stream() { return stream_; }
+  void close() {
+    stream_.close();
+    if (!stream_) {
+      throw FileError("cannot write " + path_.string() +
+                      "; check the free space and the permissions");
+    }
+  }
+
+ private:
+  fs::path path_;
+  std::ofstream stream_;
+};
+
+/// Positions in the UTM zone of a datum, relative to it; as they are where there is none.
+class UtmFrame {
+ public:
+  explicit UtmFrame(const std::optional<GeodeticDatum>& datum) {
+    if (!datum) return;
+    local_.emplace(datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
+    bool north = true;
+    GeographicLib::UTMUPS::Forward(datum->latitude_deg, datum->longitude_deg, zone_, north,
+                                   zero_.x(), zero_.y());
+    zero_.z() = datum->altitude_m;
+  }
+  bool is_known() const { return local_.has_value(); }
+  const Eigen::Vector3d& zero() const { return zero_; }
+
+  Eigen::Vector3d operator()(const Eigen::Vector3d& p_enu) const {
+    if (!local_) return p_enu;
+    double latitude = 0.0;
+    double longitude = 0.0;
+    Eigen::Vector3d p;
+    local_->Reverse(p_enu.x(), p_enu.y(), p_enu.z(), latitude, longitude, p.z());
+    int zone = 0;
+    bool north = true;
+    GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, p.x(), p.y(), zone_);
+    return p - zero_;
+  }
+
+ private:
+  std::optional<GeographicLib::LocalCartesian> local_;
+  int zone_ = 0;
+  Eigen::Vector3d zero_ = Eigen::Vector3d::Zero();
+};
+
+template <typename Value>
+std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
+  std::map<Stamp, Value> result;
+  for (const Value& value : values) result.emplace(value.stamp, value);
+  return result;
+}
+
+class DumpWriter {
+ public:
+  DumpWriter(const session::Session& session, const back_end::PoseGraph& graph,
+             const fs::path& directory)
+      : session_(session),
+        graph_(graph),
+        directory_(directory),
+        utm_(session.datum()),
+        gnss_(by_stamp(session.gnss())),
+        imu_(by_stamp(session.imu())),
+        floors_(by_stamp(session.floors())) {
+    for (const back_end::PoseNode& node : graph.nodes) estimates_[node.id] = node.pose;
+  }
+
+  void write() {
+    fs::create_directories(directory_);
+    write_graph();
+    double travelled = 0.0;
+    std::optional<KeyFrame> before;
+    std::size_t number = 0;
+    for (const KeyFrame& key_frame : session_.key_frames()) {
+      const auto estimate = estimates_.find(key_frame.index);
+      if (estimate == estimates_.end()) continue;
+      if (before && before->segment == key_frame.segment) {
+        travelled += (key_frame.T_odom_base.translation - before->T_odom_base.translation).norm();
+      }
+      write_key_frame(number++, key_frame, estimate->second, travelled);
+      before = key_frame;
+    }
+    if (utm_.is_known()) write_zero();
+  }
+
+ private:
+  /// A fixed vertex where the first key frame lies holds the graph.
+  void write_graph() const {
+    back_end::PoseGraph anchored = graph_;
+    const std::int64_t anchor = graph_.nodes.back().id + 1;
+    anchored.nodes.push_back({anchor, graph_.nodes.front().pose});
+    Vector6d weight;
+    weight << Eigen::Vector3d::Constant(1.0 / (kAnchorStddev_m * kAnchorStddev_m)),
+        Eigen::Vector3d::Constant(4.0 / (kAnchorStddev_rad * kAnchorStddev_rad));
+    anchored.edges.push_back(
+        {anchor, graph_.nodes.front().id, Pose::Identity(), weight.asDiagonal()});
+    File graph(directory_ / "graph.g2o");
+    back_end::write_g2o(anchored, graph.stream());
+    graph.stream() << "FIX " << anchor << "\n";
+    graph.close();
+    File special(directory_ / "special_nodes.csv");
+    special.stream() << "anchor_node " << anchor << "\nanchor_edge -1\nfloor_node -1\n";
+    special.close();
+  }
+
+  void write_key_frame(std::size_t number, const KeyFrame& key_frame, const Pose& T_map_base,
+                       double travelled) const {
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu", number);
+    const fs::path folder = directory_ / name;
+    fs::create_directory(folder);
+    File data(folder / "data");
+    constexpr Stamp kNanoseconds = 1'000'000'000;
+    data.stream() << "stamp " << key_frame.stamp / kNanoseconds << " "
+                  << key_frame.stamp % kNanoseconds << "\nestimate\n"
+                  << T_map_base.matrix() << "\nodom\n"
+                  << key_frame.T_odom_base.matrix() << "\naccum_distance " << travelled << "\n";
+    write_measurements(key_frame.stamp, data.stream());
+    data.stream() << "id " << key_frame.index << "\n";
+    data.close();
+    const PointCloudPtr cloud = session_.clouds().cloud(key_frame.index);
+    session::write_pcd(folder / "cloud.pcd", cloud ? *cloud : PointCloud());
+  }
+
+  void write_measurements(Stamp stamp, std::ostream& data) const {
+    if (const auto floor = floors_.find(stamp); floor != floors_.end() && floor->second.found) {
+      data << "floor_coeffs " << floor->second.normal.transpose() << " " << floor->second.offset
+           << "\n";
+    }
+    if (const auto gnss = gnss_.find(stamp); gnss != gnss_.end()) {
+      data << "utm_coord " << utm_(gnss->second.p_enu_antenna).transpose() << "\n";
+    }
+    const auto imu = imu_.find(stamp);
+    if (imu == imu_.end()) return;
+    data << "acceleration " << imu->second.linear_acceleration.transpose() << "\n";
+    if (!imu->second.orientation) return;
+    const Eigen::Quaterniond& q = *imu->second.orientation;
+    data << "orientation " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\n";
+  }
+
+  void write_zero() const {
+    File zero(directory_ / "zero_utm");
+    zero.stream() << std::fixed << std::setprecision(6) << utm_.zero().x() << " " << utm_.zero().y()
+                  << " " << utm_.zero().z() << "\n";
+    zero.close();
+  }
+
+  const session::Session& session_;
+  const back_end::PoseGraph& graph_;
+  const fs::path directory_;
+  const UtmFrame utm_;
+  const std::map<Stamp, GnssPosition> gnss_;
+  const std::map<Stamp, ImuSample> imu_;
+  const std::map<Stamp, Floor> floors_;
+  std::map<std::int64_t, Pose> estimates_;
+};
+
+}  // namespace
+
+void write_hdl_dump(const session::Session& session, const back_end::PoseGraph& graph,
+                    const fs::path& directory) {
+  if (graph.nodes.empty()) throw InputError("the session has no key frames; nothing to dump");
+  const fs::path target = fs::absolute(directory).lexically_normal();
+  if (fs::exists(target)) {
+    throw FileError(target.string() + " is there already; name another directory");
+  }
+  const fs::path temporary = target.parent_path() / ("." + target.filename().string() + ".part");
+  try {
+    fs::remove_all(temporary);
+    DumpWriter(session, graph, temporary).write();
+    fs::rename(temporary, target);
+  } catch (const std::exception& error) {
+    std::error_code ignored;
+    fs::remove_all(temporary, ignored);
+    throw FileError("cannot write the dump " + target.string() + ": " + error.what());
+  }
+}
+
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,155 @@
+#include "lidar_mapping/session/loop_files.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <map>
+#include <sstream>
+
+#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::session {
+
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180.0;
+
+constexpr const char* kListHead =
+    "# Loops of the session. Edit a copy, then: optimize_session SESSION --loops FILE\n"
+    "#   auto   FROM TO   the graph decides\n"
+    "#   accept FROM TO   holds, whatever the graph thinks\n"
+    "#   refuse FROM TO   is left out\n"
+    "#   add    FROM TO [X Y Z [ROLL PITCH YAW]]   is matched from there (m, degrees) and holds\n";
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + '"';
+}
+
+using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
+
+Verdicts newest_verdicts(const Session& session) {
+  Verdicts verdicts;
+  for (const LoopVerdict& verdict : session.verdicts()) {
+    verdicts[{verdict.from, verdict.to}] = verdict;
+  }
+  return verdicts;
+}
+
+LoopVerdict verdict_on(const Loop& loop, const Verdicts& verdicts) {
+  const auto found = verdicts.find({loop.from, loop.to});
+  return found == verdicts.end() ? LoopVerdict{} : found->second;
+}
+
+Pose pose_of(const std::vector<double>& numbers) {
+  Pose pose;
+  pose.translation = {numbers[0], numbers[1], numbers[2]};
+  if (numbers.size() < 6) return pose;
+  pose.rotation = Eigen::AngleAxisd(numbers[5] * kRadPerDeg, Eigen::Vector3d::UnitZ()) *
+                  Eigen::AngleAxisd(numbers[4] * kRadPerDeg, Eigen::Vector3d::UnitY()) *
+                  Eigen::AngleAxisd(numbers[3] * kRadPerDeg, Eigen::Vector3d::UnitX());
+  return pose;
+}
+
+/// The numbers up to the end of the line; false if there is anything else.
+bool read_numbers(std::istream& stream, std::vector<double>& numbers) {
+  for (std::string word; stream >> word;) {
+    std::size_t used = 0;
+    try {
+      numbers.push_back(std::stod(word, &used));
+    } catch (const std::logic_error&) {
+      return false;
+    }
+    if (used != word.size() || !std::isfinite(numbers.back())) return false;
+  }
+  return true;
+}
+
+bool is_index(double number) {
+  return number >= 0.0 && number <= 4294967295.0 && number == std::floor(number);
+}
+
+[[noreturn]] void refuse_line(const std::string& where, const std::string& line) {
+  throw InputError(where + ": cannot understand '" + line +
+                   "'; wanted auto, accept or refuse FROM TO, or add FROM TO [X Y Z [ROLL PITCH "
+                   "YAW]]");
+}
+
+LoopEdit parse_edit(const std::string& line, const std::string& where) {
+  std::istringstream stream(line);
+  std::string word;
+  std::vector<double> numbers;
+  stream >> word;
+  if (!read_numbers(stream, numbers) || numbers.size() < 2) refuse_line(where, line);
+  if (!is_index(numbers[0]) || !is_index(numbers[1])) refuse_line(where, line);
+  LoopEdit edit;
+  edit.where = where;
+  edit.add = word == "add";
+  if (edit.add) {
+    edit.decision = LoopDecision::kAccept;
+    const std::vector<double> guess(numbers.begin() + 2, numbers.end());
+    if (!guess.empty() && guess.size() != 3 && guess.size() != 6) refuse_line(where, line);
+    if (!guess.empty()) edit.guess = pose_of(guess);
+  } else {
+    if (numbers.size() != 2) refuse_line(where, line);
+    try {
+      edit.decision = loop_decision_from(word);
+    } catch (const InputError&) {
+      refuse_line(where, line);
+    }
+  }
+  edit.from = static_cast<KeyFrameIndex>(std::min(numbers[0], numbers[1]));
+  edit.to = static_cast<KeyFrameIndex>(std::max(numbers[0], numbers[1]));
+  if (edit.guess && numbers[0] > numbers[1]) edit.guess = edit.guess->inverse();
+  return edit;
+}
+
+}  // namespace
+
+void write_loops_csv(const Session& session, const std::filesystem::path& path) {
+  const Verdicts verdicts = newest_verdicts(session);
+  std::ostringstream text;
+  text << std::setprecision(12)
+       << "from,to,stamp_ns,x,y,z,qx,qy,qz,qw,fitness,overlap,source,decision,verdict,reason\n";
+  for (const Loop& loop : session.loops()) {
+    const Eigen::Vector3d& t = loop.T_from_to.translation;
+    const Eigen::Quaterniond& q = loop.T_from_to.rotation;
+    const LoopVerdict verdict = verdict_on(loop, verdicts);
+    text << loop.from << ',' << loop.to << ',' << loop.stamp << ',' << t.x() << ',' << t.y() << ','
+         << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << ','
+         << loop.fitness << ',' << loop.overlap << ',' << to_string(loop.source) << ','
+         << to_string(loop.decision) << ',' << to_string(verdict.verdict) << ','
+         << quoted(verdict.reason) << '\n';
+  }
+  write_text_atomically(path, text.str());
+}
+
+void write_loop_list(const Session& session, const std::filesystem::path& path) {
+  const Verdicts verdicts = newest_verdicts(session);
+  std::ostringstream text;
+  text << kListHead << std::fixed << std::setprecision(2);
+  for (const Loop& loop : session.loops()) {
+    const LoopVerdict verdict = verdict_on(loop, verdicts);
+    text << std::left << std::setw(6) << to_string(loop.decision) << ' ' << loop.from << ' '
+         << loop.to << "  # " << to_string(verdict.verdict) << ", overlap " << loop.overlap
+         << ", found by " << to_string(loop.source) << ": " << verdict.reason << '\n';
+  }
+  write_text_atomically(path, text.str());
+}
+
+std::vector<LoopEdit> read_loop_list(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read the loop list " + path.string());
+  std::vector<LoopEdit> edits;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::string content = line.substr(0, line.find('#'));
+    if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
+    edits.push_back(parse_edit(content, path.string() + ":" + std::to_string(number)));
+  }
+  return edits;
+}
+
+}  // namespace lidar_mapping::session

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "lidar_mapping/session/session.hpp"
+
+#include "database.hpp"
+#include "session_folder.hpp"
+
+namespace lidar_mapping::session {
+
+class Session::Impl {
+ public:
+  Impl(std::filesystem::path directory_path, Database::Mode mode)
+      : directory(std::move(directory_path)),
+        lock(mode == Database::Mode::kRead ? nullptr : std::make_unique<WriteLock>(directory)),
+        database(directory / "session.db", mode),
+        clouds(directory / "key_frames") {}
+
+  /// `verb` is INSERT, perhaps with what to do about a row that is there.
+  void insert(const std::string& verb, const std::string& table, const Cells& cells) {
+    std::string places = "?";
+    for (std::size_t i = 1; i < cells.size(); ++i) places += ", ?";
+    database.run(verb + " INTO " + table + " VALUES (" + places + ")", cells);
+  }
+
+  template <typename Value>
+  std::vector<Value> all(const std::string& sql, Value (*read)(Statement&)) const {
+    std::vector<Value> values;
+    for (Statement row = database.query(sql); row.step();) values.push_back(read(row));
+    return values;
+  }
+
+  const std::filesystem::path directory;
+  const std::unique_ptr<WriteLock> lock;
+  Database database;
+  CloudStore clouds;
+};
+
+}  // namespace lidar_mapping::session

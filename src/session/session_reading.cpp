@@ -1,0 +1,102 @@
+#include "rows.hpp"
+#include "session_impl.hpp"
+#include "session_schema.hpp"
+
+namespace lidar_mapping::session {
+
+namespace {
+
+std::optional<Eigen::Vector3d> vector_property(const Database& database, const std::string& name) {
+  Statement row = database.query("SELECT value FROM properties WHERE name = ?", {name});
+  if (!row.step()) return std::nullopt;
+  const Blob values = row.take_blob();
+  if (values.size() != 3) return std::nullopt;
+  return Eigen::Vector3d(values[0], values[1], values[2]);
+}
+
+}  // namespace
+
+std::vector<KeyFrame> Session::key_frames() const {
+  return impl_->all("SELECT * FROM key_frames ORDER BY key_frame", read_key_frame);
+}
+
+std::size_t Session::key_frame_count() const {
+  Statement row = impl_->database.query("SELECT COUNT(*) FROM key_frames");
+  return row.step() ? static_cast<std::size_t>(row.take_integer()) : 0;
+}
+
+std::vector<Loop> Session::loops() const {
+  if (!has_loop_decisions(impl_->database)) {
+    return impl_->all("SELECT *, 'auto' FROM loops ORDER BY id", read_loop);
+  }
+  return impl_->all(
+      "SELECT loops.*, COALESCE(decision, 'auto') FROM loops "
+      "LEFT JOIN loop_decisions USING (from_key_frame, to_key_frame) ORDER BY id",
+      read_loop);
+}
+
+std::vector<LoopVerdict> Session::verdicts() const {
+  return impl_->all("SELECT * FROM loop_verdicts ORDER BY id", read_verdict);
+}
+
+std::vector<GnssPosition> Session::gnss() const {
+  return impl_->all("SELECT * FROM gnss ORDER BY stamp", read_gnss);
+}
+
+std::vector<ImuSample> Session::imu() const {
+  return impl_->all("SELECT * FROM imu ORDER BY stamp", read_imu);
+}
+
+std::vector<Floor> Session::floors() const {
+  return impl_->all("SELECT * FROM floors ORDER BY stamp", read_floor);
+}
+
+std::vector<ScanRecord> Session::scans() const {
+  return impl_->all("SELECT * FROM scans ORDER BY stamp", read_scan);
+}
+
+std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
+  return impl_->all("SELECT * FROM odometry ORDER BY stamp", read_odometry);
+}
+
+KeyFramePoses Session::poses() const {
+  KeyFramePoses poses;
+  poses.poses = impl_->all(
+      "SELECT key_frame, stamp, x, y, z, qx, qy, qz, qw FROM poses "
+      "WHERE revision = (SELECT MAX(revision) FROM revisions) ORDER BY key_frame",
+      read_pose);
+  Statement row = impl_->database.query("SELECT MAX(revision) FROM revisions");
+  if (row.step()) poses.revision = static_cast<std::uint32_t>(row.take_integer());
+  return poses;
+}
+
+std::vector<RevisionRecord> Session::revisions() const {
+  return impl_->all("SELECT * FROM revisions ORDER BY revision", read_revision);
+}
+
+std::string Session::run_id() const {
+  Statement row = impl_->database.query("SELECT value FROM properties WHERE name = 'run_id'");
+  return row.step() ? row.take_text() : std::string();
+}
+
+std::optional<GeodeticDatum> Session::datum() const {
+  const std::optional<Eigen::Vector3d> values = vector_property(impl_->database, "datum");
+  if (!values) return std::nullopt;
+  return GeodeticDatum{values->x(), values->y(), values->z()};
+}
+
+std::optional<Eigen::Vector3d> Session::sensor_origin() const {
+  return vector_property(impl_->database, "sensor_origin");
+}
+
+std::map<std::string, std::string> Session::configurations() const {
+  std::map<std::string, std::string> result;
+  Statement row = impl_->database.query("SELECT stage, yaml FROM configurations");
+  while (row.step()) {
+    const std::string stage = row.take_text();
+    result[stage] = row.take_text();
+  }
+  return result;
+}
+
+}  // namespace lidar_mapping::session

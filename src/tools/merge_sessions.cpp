@@ -1,0 +1,95 @@
+// Joins sessions to one, by what they saw of the same places or by GNSS.
+
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/merge.hpp"
+#include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+using session::Session;
+
+struct Options {
+  std::vector<std::string> sessions;
+  std::string output;
+  std::string config;
+};
+
+/// What was in force during the first drive, and over it the stage's file in --config.
+template <typename Config>
+Config make_config(const Options& options, const Session& first) {
+  std::vector<config::Source> sources{pipeline::stored_configuration<Config>(first)};
+  const auto file = std::filesystem::path(options.config) / (Config::schema().stage() + ".yaml");
+  if (!options.config.empty() && std::filesystem::exists(file)) {
+    sources.push_back(config::read_yaml_file(file.string()));
+  }
+  return config::load<Config>(sources);
+}
+
+void print(const pipeline::MergedPart& part, const std::string& name) {
+  std::printf("%s: key frames %u to %zu, %zu new loops\n", name.c_str(), part.first,
+              part.first + part.key_frames - 1, part.new_loops);
+  if (part.shift != 0) {
+    std::printf("  its stamps are %lld ns later, as others had the same\n",
+                static_cast<long long>(part.shift));
+  }
+  for (const std::string& notice : part.notices) std::printf("  %s\n", notice.c_str());
+}
+
+/// Throws if there is a session that nothing ties to the first.
+void check_joined(const Options& options, const std::vector<pipeline::MergedPart>& parts) {
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (parts[i].joined) continue;
+    throw InputError("nothing joins " + options.sessions[i] + " to " + options.sessions[0] +
+                     ": no loop between them and no GNSS in both; " + options.output +
+                     " holds them side by side; name a place that both saw in a list ('add " +
+                     std::to_string(parts[0].first) + " " + std::to_string(parts[i].first) +
+                     "' with the key frames' numbers) and run optimize_session " + options.output +
+                     " --loops LIST");
+  }
+}
+
+void merge(const Options& options) {
+  std::vector<Session> sessions;
+  for (const std::string& name : options.sessions) {
+    sessions.push_back(Session::open(name, Session::Access::kRead));
+  }
+  using loop_closing::LoopClosingConfig;
+  pipeline::Merge merge(Session::create_in(options.output),
+                        make_config<back_end::BackEndConfig>(options, sessions.front()),
+                        make_config<LoopClosingConfig>(options, sessions.front()));
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    merge.add(sessions[i]);
+    print(merge.parts().back(), options.sessions[i]);
+    std::fflush(stdout);
+  }
+  merge.finish();
+  check_joined(options, merge.parts());
+  std::printf("one session in %s\n", options.output.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Joins sessions to one, by loops between them or by GNSS; the parts stay as they are"};
+  Options options;
+  app.add_option("sessions", options.sessions, "folders of two or more sessions")
+      ->required()
+      ->expected(2, 1000);
+  app.add_option("-o,--output", options.output, "folder for the new session")->required();
+  app.add_option("--config", options.config,
+                 "folder with back_end.yaml, loop_closing.yaml; as in the first drive if left out");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    merge(options);
+  } catch (const Error& error) {
+    std::cerr << "merge_sessions: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,202 @@
+// What a kill, a full disk and readers that know nothing of the package find in a map's folder.
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <iomanip>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/map_products.hpp"
+#include "lidar_mapping/map/top_view.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::map {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+constexpr double kTileSize = 20.0;
+constexpr int kTiles = 4;
+
+MapTile example_tile(int number, const Eigen::Vector3d& corner, int points) {
+  MapTile tile{{number, 0}, corner + Eigen::Vector3d(kTileSize * number, 0.0, 0.0), {}};
+  for (int i = 0; i < points; ++i) {
+    tile.cloud.points.push_back({0.001F * static_cast<float>(i % 19'000),
+                                 0.01F * static_cast<float>(i % 7),
+                                 0.1F * static_cast<float>(number), static_cast<float>(i % 200)});
+  }
+  return tile;
+}
+
+/// Tiles in a row; `points` in each.
+TileSource row_of_tiles(const Eigen::Vector3d& corner, int points) {
+  return [=](const TileSink& sink) {
+    for (int number = 0; number < kTiles; ++number) sink(example_tile(number, corner, points));
+  };
+}
+
+PointCloud cloud_of(int points) {
+  PointCloud cloud;
+  row_of_tiles(Eigen::Vector3d::Zero(), points / kTiles)([&](const MapTile& tile) {
+    for (Point point : tile.cloud.points) {
+      point.x += static_cast<float>(tile.origin.x());
+      cloud.points.push_back(point);
+    }
+  });
+  return cloud;
+}
+
+void write_all(const fs::path& directory, int points) {
+  const PointCloud cloud = cloud_of(points);
+  const TileSource tiles = row_of_tiles(Eigen::Vector3d::Zero(), points / kTiles);
+  save_map(cloud, {}, directory, {});
+  write_las(directory / "map.las", tiles, std::nullopt, 200.0F);
+  save_tiles(tiles, kTileSize, directory / "pointcloud_map");
+  save_grid(cloud, {}, directory);
+  write_png(directory / "top_view.png", top_view(cloud, 0.5));
+}
+
+// F58: an independent reader finds every product as its format is published, also where the map
+// frame is as far away as UTM coordinates.
+TEST(MapProducts, AreReadByAnIndependentReader) {
+  const TemporaryFolder folder;
+  const Eigen::Vector3d far(432'000.0, 5'412'000.0, 0.0);
+  write_all(folder.path(), 400);
+  const TileSource tiles = row_of_tiles(far, 100);
+  write_las(folder.path() / "map.las", tiles, std::nullopt, 200.0F);
+  std::ofstream points(folder.path() / "points.txt");
+  points << std::fixed << std::setprecision(6);
+  tiles([&](const MapTile& tile) {
+    for (const Point& point : tile.cloud.points) {
+      points << (tile.origin + point.position().cast<double>()).transpose() << "\n";
+    }
+  });
+  points.close();
+  const std::string command = "python3 map/read_map_products.py " + folder.path().string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+// Floats cannot hold such coordinates; better no file than one that looks like noise.
+TEST(MapProducts, CloudsOfFloatsFarFromTheOriginAreRefused) {
+  const TemporaryFolder folder;
+  PointCloud far;
+  far.points = {{432'000.0F, 5'412'000.0F, 0.0F, 0.0F}};
+  EXPECT_THROW(save_map(far, {}, folder.path(), {}), InputError);
+  const Eigen::Vector3d corner(432'000.0, 5'412'000.0, 0.0);
+  EXPECT_THROW(save_tiles(row_of_tiles(corner, 10), kTileSize, folder.path() / "tiles"),
+               InputError);
+  EXPECT_FALSE(fs::exists(folder.path() / "tiles"));
+}
+
+template <typename Number>
+Number number_at(const fs::path& path, std::streamoff position) {
+  Number number{};
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(position);
+  file.read(reinterpret_cast<char*>(&number), sizeof number);
+  return number;
+}
+
+/// Whatever is there under its name is whole.
+void expect_whole(const fs::path& directory, std::size_t points) {
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  if (fs::exists(directory / "map.pcd")) {
+    EXPECT_EQ(pcl::io::loadPCDFile((directory / "map.pcd").string(), cloud), 0);
+    EXPECT_EQ(cloud.size(), points);
+  }
+  if (fs::exists(directory / "map.ply")) {
+    EXPECT_EQ(pcl::io::loadPLYFile((directory / "map.ply").string(), cloud), 0);
+    EXPECT_EQ(cloud.size(), points);
+  }
+  if (fs::exists(directory / "map.las")) {
+    EXPECT_EQ(number_at<std::uint32_t>(directory / "map.las", 107), points);
+    EXPECT_EQ(fs::file_size(directory / "map.las"), 227 + 20 * points);
+  }
+  if (fs::exists(directory / "pointcloud_map")) {
+    std::size_t in_tiles = 0;
+    for (int number = 0; number < kTiles; ++number) {
+      const auto name = std::to_string(20 * number) + "_0.pcd";
+      ASSERT_EQ(pcl::io::loadPCDFile((directory / "pointcloud_map" / name).string(), cloud), 0);
+      in_tiles += cloud.size();
+    }
+    EXPECT_EQ(in_tiles, points);
+  }
+}
+
+// F58: a kill at any moment leaves files that are whole, and the next run goes through.
+TEST(MapProducts, SurviveKillAtAnyMoment) {
+  constexpr int kPoints = 40'000;
+  const TemporaryFolder folder;
+  for (int round = 0; round < 10; ++round) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      while (true) write_all(folder.path(), kPoints);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(3 + 17 * round));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    expect_whole(folder.path(), kPoints);
+  }
+  write_all(folder.path(), kPoints);
+  expect_whole(folder.path(), kPoints);
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+}
+
+/// Exit status 0 if every product says that it could not be written, by name.
+int write_to_a_full_disk(const fs::path& directory) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{20'000, 20'000};  // bytes a file
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  const PointCloud cloud = cloud_of(100'000);
+  const TileSource tiles = row_of_tiles(Eigen::Vector3d::Zero(), 25'000);
+  const std::vector<std::pair<std::string, std::function<void()>>> writes = {
+      {"map.pcd", [&] { write_pcd(directory / "map.pcd", cloud); }},
+      {"map.ply", [&] { write_ply(directory / "map.ply", cloud); }},
+      {"map.las", [&] { write_las(directory / "map.las", tiles, std::nullopt, 200.0F); }},
+      {"0_0.pcd", [&] { save_tiles(tiles, kTileSize, directory / "pointcloud_map"); }},
+      {"grid.pgm", [&] { save_grid(cloud, {0.01}, directory); }}};
+  int silent = 0;
+  for (const auto& [name, write] : writes) {
+    try {
+      write();
+      ++silent;
+    } catch (const FileError& error) {
+      if (std::strstr(error.what(), name.c_str()) == nullptr) ++silent;
+    }
+  }
+  return silent;
+}
+
+// F55: a full disk is an error that names the file; what was there before stays.
+TEST(MapProducts, AFullDiskIsSaidAndLeavesTheOldMap) {
+  const TemporaryFolder folder;
+  write_all(folder.path(), 4000);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(write_to_a_full_disk(folder.path()));
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "products that failed without a word or a name";
+  expect_whole(folder.path(), 4000);
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    EXPECT_NE(entry.path().filename().string()[0], '.') << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::map

@@ -1,0 +1,186 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using session::Session;
+using test::TemporaryFolder;
+
+constexpr KeyFrameIndex kKeyFrames = 12;
+constexpr Stamp kStart = 1'700'000'000'000'000'005;
+
+Pose place(KeyFrameIndex index) {
+  const double angle = 2.0 * M_PI * index / kKeyFrames;
+  return {exp_so3({0.01, 0.0, angle}),
+          {20.0 * std::sin(angle), 20.0 - 20.0 * std::cos(angle), 0.5}};
+}
+
+Stamp stamp_of(KeyFrameIndex index) { return kStart + Stamp{index} * 200'000'000; }
+
+/// Two segments, a loop over both, a floor, an IMU sample and a position.
+Session example_session(const fs::path& folder) {
+  Session session = Session::create_in(folder);
+  session.set_datum({49.0, 8.4, 110.0});
+  for (KeyFrameIndex index = 0; index < kKeyFrames; ++index) {
+    KeyFrame key_frame;
+    key_frame.index = 10 + index;  // need not begin with 0
+    key_frame.segment = index < 7 ? 0 : 1;
+    key_frame.stamp = stamp_of(index);
+    key_frame.T_odom_base = place(index);
+    key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
+    auto cloud = std::make_shared<PointCloud>();
+    cloud->points.assign(3, {1.0F, 2.0F, static_cast<float>(index), 4.0F});
+    key_frame.cloud = cloud;
+    session.add_key_frame(key_frame);
+  }
+  Loop loop;
+  loop.from = 12;
+  loop.to = 20;
+  loop.stamp = stamp_of(10);
+  loop.T_from_to = place(2).inverse() * place(10);
+  loop.covariance = diagonal_covariance(0.05, 0.005);
+  session.add_loop(loop);
+  Floor floor;
+  floor.stamp = stamp_of(3);
+  floor.found = true;
+  floor.offset = 1.73;
+  session.add_floor(floor);
+  ImuSample sample;
+  sample.stamp = stamp_of(4);
+  sample.linear_acceleration = {0.1, 0.2, 9.8};
+  sample.orientation = exp_so3({0.0, 0.0, 0.3});
+  session.add_imu(sample);
+  GnssPosition position;
+  position.stamp = stamp_of(5);
+  position.p_enu_antenna = {100.0, 200.0, 3.0};
+  session.add_gnss(position);
+  return session;
+}
+
+back_end::PoseGraph graph_of(const Session& session) {
+  back_end::BackEnd back_end({});
+  replay(session, back_end);
+  back_end.apply(*back_end::solve(*back_end.problem(true)));
+  return back_end.graph();
+}
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(HdlDump, HasTheFilesThatInteractiveSlamReads) {
+  const TemporaryFolder folder;
+  const Session session = example_session(folder.path() / "session");
+  const fs::path dump = folder.path() / "dump";
+  write_hdl_dump(session, graph_of(session), dump);
+  EXPECT_EQ(content_of(dump / "special_nodes.csv"),
+            "anchor_node 22\nanchor_edge -1\nfloor_node -1\n");
+  const std::string graph = content_of(dump / "graph.g2o");
+  EXPECT_NE(graph.find("VERTEX_SE3:QUAT 22 "), std::string::npos);
+  EXPECT_NE(graph.find("EDGE_SE3:QUAT 22 10 "), std::string::npos);
+  EXPECT_NE(graph.find("\nFIX 22\n"), std::string::npos);
+  EXPECT_NE(graph.find("EDGE_SE3:QUAT 12 20 "), std::string::npos);
+  EXPECT_FALSE(fs::exists(dump / "000012"));
+  const std::string data = content_of(dump / "000003" / "data");
+  EXPECT_EQ(data.substr(0, 27), "stamp 1700000000 600000005\n");
+  for (const char* field : {"\nestimate\n", "\nodom\n", "\naccum_distance ",
+                            "\nfloor_coeffs 0 0 1 1.73", "\nid 13\n"}) {
+    EXPECT_NE(data.find(field), std::string::npos) << field << "\n" << data;
+  }
+  EXPECT_EQ(session::read_pcd(dump / "000003" / "cloud.pcd").points[0].z, 3.0F);
+  EXPECT_NE(content_of(dump / "000005" / "data").find("\nutm_coord "), std::string::npos);
+  EXPECT_NE(content_of(dump / "zero_utm").find(' '), std::string::npos);
+  EXPECT_THROW(write_hdl_dump(session, graph_of(session), dump), FileError) << "is there";
+}
+
+// F62: out and in again loses nothing of what the format has.
+TEST(HdlDump, ComesBackAsItWent) {
+  const TemporaryFolder folder;
+  const Session before = example_session(folder.path() / "session");
+  const back_end::PoseGraph graph = graph_of(before);
+  write_hdl_dump(before, graph, folder.path() / "dump");
+  Session after = Session::create_in(folder.path() / "back");
+  const HdlImport imported = read_hdl_dump(folder.path() / "dump", after);
+  EXPECT_EQ(imported.key_frames, kKeyFrames);
+  EXPECT_EQ(imported.loops, 1U);
+  EXPECT_EQ(imported.segments, 2U);
+  const auto a = before.key_frames();
+  const auto b = after.key_frames();
+  for (std::size_t i = 0; i < kKeyFrames; ++i) {
+    EXPECT_EQ(b[i].stamp, a[i].stamp);
+    EXPECT_EQ(b[i].segment, a[i].segment);
+    EXPECT_LT(difference(a[i].T_odom_base, b[i].T_odom_base).norm(), 1e-9);
+    EXPECT_LT(difference(graph.nodes[i].pose, after.poses().poses[i].T_map_base).norm(), 1e-9);
+    EXPECT_EQ(after.clouds().cloud(b[i].index)->points[0].z, static_cast<float>(i));
+  }
+  const Loop loop = after.loops().at(0);
+  EXPECT_EQ(loop.from, 2U);
+  EXPECT_EQ(loop.to, 10U);
+  EXPECT_LT(difference(before.loops()[0].T_from_to, loop.T_from_to).norm(), 1e-9);
+  EXPECT_TRUE(is_valid_covariance(loop.covariance));
+  EXPECT_NEAR(std::sqrt(loop.covariance(0, 0)), 0.05, 0.01);
+  EXPECT_NEAR(std::sqrt(loop.covariance(5, 5)), 0.005, 0.002);
+  ASSERT_EQ(after.floors().size(), 1U);
+  EXPECT_EQ(after.floors()[0].offset, 1.73);
+  ASSERT_EQ(after.imu().size(), 1U);
+  EXPECT_LT(after.imu()[0].orientation->angularDistance(*before.imu()[0].orientation), 1e-9);
+  ASSERT_EQ(after.gnss().size(), 1U);
+  EXPECT_NEAR(after.gnss()[0].p_enu_antenna.norm(), before.gnss()[0].p_enu_antenna.norm(), 0.2);
+}
+
+/// As hdl_graph_slam itself writes it: edges from the newer key frame, six digits, planes.
+TEST(HdlDump, ReadsEdgesThatPointBackAndLeavesPlanesOut) {
+  const TemporaryFolder folder;
+  const fs::path dump = folder.path();
+  std::ofstream(dump / "graph.g2o")
+      << "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nFIX 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\n"
+         "VERTEX_PLANE 2 0 0 1 0 0 0 0\nVERTEX_SE3:QUAT 3 2 0 0 0 0 0.707107 0.707107\n"
+         "EDGE_SE3:QUAT 0 1 0 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n"
+         "EDGE_SE3:QUAT 3 1 0 2 0 0 0 -0.707107 0.707107 4 0 0 0 0 0 4 0 0 0 0 4 0 0 0 100 0 0 "
+         "100 0 100\n"
+         "EDGE_SE3_PLANE 3 2 0 0 1 0 1 0 0 1 0 1\n";
+  for (int i = 0; i < 2; ++i) {
+    const fs::path frame = dump / ("00000" + std::to_string(i));
+    fs::create_directory(frame);
+    std::ofstream(frame / "data")
+        << "stamp 5 " << 7 + i << "\nestimate\n1 0 0 " << 2 * i
+        << "\n0 1 0 0\n0 0 1 0\n0 0 0 1\nodom\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+           "0 0 0 1\naccum_distance 0\nid "
+        << (i == 0 ? 1 : 3) << "\n";
+    PointCloud cloud;
+    cloud.points = {{1.0F, 2.0F, 3.0F, 4.0F}};
+    session::write_pcd(frame / "cloud.pcd", cloud);
+  }
+  Session session = Session::create_in(folder.path() / "session");
+  const HdlImport imported = read_hdl_dump(dump, session);
+  EXPECT_EQ(imported.key_frames, 2U);
+  EXPECT_EQ(imported.loops, 0U);
+  EXPECT_EQ(imported.segments, 1U);
+  const KeyFrame second = session.key_frames()[1];
+  EXPECT_LT((second.T_odom_base.translation - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 1e-5);
+  EXPECT_NEAR(yaw_of(second.T_odom_base.rotation), M_PI / 2.0, 1e-5);
+  EXPECT_NEAR(second.motion_covariance(3, 3), 0.04, 1e-6);
+  EXPECT_EQ(session.poses().poses[1].T_map_base.translation.x(), 2.0);
+}
+
+TEST(HdlDump, SaysWhatIsMissing) {
+  const TemporaryFolder folder;
+  Session session = Session::create_in(folder.path() / "session");
+  EXPECT_THROW(read_hdl_dump(folder.path() / "none", session), FileError);
+  fs::create_directories(folder.path() / "dump" / "000000");
+  std::ofstream(folder.path() / "dump" / "000000" / "data") << "stamp 1 2\nestimate\n1 0 x";
+  EXPECT_THROW(read_hdl_dump(folder.path() / "dump", session), FileError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline

@@ -1,0 +1,162 @@
+#include <GeographicLib/LocalCartesian.hpp>
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/merge.hpp"
+
+#include "temporary_folder.hpp"
+#include "town_session.hpp"
+
+namespace lidar_mapping::pipeline::test {
+namespace {
+
+using lidar_mapping::test::TemporaryFolder;
+using session::Session;
+
+Merge merge_into(const TemporaryFolder& folder) {
+  return {Session::create_in(folder.path() / "merged"), {}, {}};
+}
+
+Session merged_session(const TemporaryFolder& folder) {
+  return Session::open(folder.path() / "merged", Session::Access::kRead);
+}
+
+/// Largest error of the positions, m, where the first key frame is true.
+double largest_error(const KeyFramePoses& poses, const std::vector<Pose>& truth) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < poses.poses.size(); ++i) {
+    const Pose expected = truth.front().inverse() * truth[i];
+    largest =
+        std::max(largest, (poses.poses[i].T_map_base.translation - expected.translation).norm());
+  }
+  return largest;
+}
+
+/// Two drives through one town that share two streets.
+struct TwoDrives {
+  ToyWorld world = make_town(110.0, 60.0, 4);
+  std::vector<Pose> first = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {10, 0}});
+  std::vector<Pose> second = along({{60, -40}, {60, 60}, {-40, 60}});
+};
+
+TEST(Merge, TwoDrivesThroughOneTownBecomeOneMap) {
+  const TwoDrives drives;
+  const TemporaryFolder folder;
+  Session first = record_drive(folder.path() / "a", drives.world, drives.first,
+                               drifting(drives.first, 1.001, 2e-4));
+  const auto last = static_cast<KeyFrameIndex>(drives.first.size() - 1);
+  Loop closing;
+  closing.from = 1;
+  closing.to = last;
+  closing.T_from_to = drives.first[1].inverse() * drives.first[last];
+  closing.covariance = diagonal_covariance(0.02, 0.002);
+  first.add_loop(closing);
+  first.set_loop_decision(1, last, LoopDecision::kAccept);
+  // The same stamps: two vehicles, or a simulation.
+  const Session second = record_drive(folder.path() / "b", drives.world, drives.second,
+                                      drifting(drives.second, 0.999, -2e-4));
+  {
+    Merge merge = merge_into(folder);
+    merge.add(first);
+    merge.add(second);
+    merge.finish();
+    ASSERT_EQ(merge.parts().size(), 2U);
+    EXPECT_TRUE(merge.parts()[1].joined);
+    EXPECT_GT(merge.parts()[1].new_loops, 5U);
+    EXPECT_EQ(merge.parts()[1].first, last + 1);
+    EXPECT_EQ(merge.parts()[1].shift, 1);
+  }
+  const Session merged = merged_session(folder);
+  std::vector<Pose> truth = drives.first;
+  truth.insert(truth.end(), drives.second.begin(), drives.second.end());
+  const KeyFramePoses poses = merged.poses();
+  ASSERT_EQ(poses.poses.size(), truth.size());
+  EXPECT_LT(largest_error(poses, truth), 0.5) << "metres by odometry alone";
+  EXPECT_EQ(merged.loops().front().decision, LoopDecision::kAccept);
+  EXPECT_EQ(merged.clouds().cloud(last + 3)->size(), second.clouds().cloud(2)->size());
+  EXPECT_TRUE(merged.sensor_origin());
+  EXPECT_GT(std::filesystem::file_size(folder.path() / "merged/trajectory/optimized.tum"), 100U);
+}
+
+TEST(Merge, SaysWhereNothingJoinsTheDrives) {
+  const TemporaryFolder folder;
+  const ToyWorld here = make_town(60.0, 60.0, 4);
+  const ToyWorld elsewhere = make_town(60.0, 60.0, 5);
+  const auto way = along({{-40, 0}, {40, 0}});
+  const Session first = record_drive(folder.path() / "a", here, way, way);
+  const Session second = record_drive(folder.path() / "b", elsewhere, way, way, kStart + 1);
+  Merge merge = merge_into(folder);
+  merge.add(first);
+  merge.add(second);
+  merge.finish();
+  EXPECT_TRUE(merge.parts()[0].joined);
+  EXPECT_FALSE(merge.parts()[1].joined);
+  EXPECT_EQ(merge.parts()[1].new_loops, 0U);
+}
+
+const GeodeticDatum kFirstDatum{49.0, 8.4, 110.0};
+const GeodeticDatum kSecondDatum{49.01, 8.41, 118.0};
+
+/// A drive without clouds that begins 300 m east of the first datum for each `number`.
+Session drive_with_gnss(const std::filesystem::path& folder, int number,
+                        const std::optional<GeodeticDatum>& datum) {
+  using GeographicLib::LocalCartesian;
+  const GeodeticDatum own = datum.value_or(kFirstDatum);
+  const LocalCartesian first(kFirstDatum.latitude_deg, kFirstDatum.longitude_deg,
+                             kFirstDatum.altitude_m);
+  const LocalCartesian local(own.latitude_deg, own.longitude_deg, own.altitude_m);
+  Session session = Session::create_in(folder);
+  if (datum) session.set_datum(*datum);
+  const auto way =
+      along({{300.0 * number, 0.0}, {300.0 * number + 60.0, 0.0}, {300.0 * number + 60.0, 60.0}});
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    KeyFrame key_frame;
+    key_frame.index = static_cast<KeyFrameIndex>(i);
+    key_frame.stamp = kStart + number * 1'000'000'000'000 + static_cast<Stamp>(i) * 200'000'000;
+    key_frame.T_odom_base = way.front().inverse() * way[i];
+    key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
+    session.add_key_frame(key_frame);
+    double latitude, longitude, altitude;
+    const Eigen::Vector3d& p = way[i].translation;
+    first.Reverse(p.x(), p.y(), p.z(), latitude, longitude, altitude);
+    GnssPosition position;
+    position.stamp = key_frame.stamp;
+    local.Forward(latitude, longitude, altitude, position.p_enu_antenna.x(),
+                  position.p_enu_antenna.y(), position.p_enu_antenna.z());
+    position.covariance = 0.01 * Eigen::Matrix3d::Identity();
+    session.add_gnss(position);
+  }
+  return session;
+}
+
+TEST(Merge, GnssJoinsDrivesWithDifferentDatums) {
+  const TemporaryFolder folder;
+  const Session first = drive_with_gnss(folder.path() / "a", 0, kFirstDatum);
+  const Session second = drive_with_gnss(folder.path() / "b", 1, kSecondDatum);
+  Merge merge = merge_into(folder);
+  merge.add(first);
+  merge.add(second);
+  merge.finish();
+  EXPECT_TRUE(merge.parts()[1].joined);
+  const Session merged = merged_session(folder);
+  EXPECT_EQ(merged.datum(), kFirstDatum);
+  const auto poses = merged.poses().poses;
+  const Eigen::Vector3d& begin = poses[merge.parts()[1].first].T_map_base.translation;
+  EXPECT_LT((begin - Eigen::Vector3d(300.0, 0.0, 0.0)).norm(), 0.1) << begin.transpose();
+}
+
+TEST(Merge, PositionsWithoutADatumAreLeftOutAndSaidSo) {
+  const TemporaryFolder folder;
+  const Session first = drive_with_gnss(folder.path() / "a", 0, kFirstDatum);
+  const Session second = drive_with_gnss(folder.path() / "b", 1, std::nullopt);
+  Merge merge = merge_into(folder);
+  merge.add(first);
+  merge.add(second);
+  merge.finish();
+  EXPECT_FALSE(merge.parts()[1].joined);
+  ASSERT_EQ(merge.parts()[1].notices.size(), 1U);
+  EXPECT_NE(merge.parts()[1].notices[0].find("datum"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pipeline::test

@@ -1,0 +1,136 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/session/loop_files.hpp"
+
+#include "example_values.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::session {
+namespace {
+
+using test::TemporaryFolder;
+
+Session session_with_loops(const std::filesystem::path& folder) {
+  Session session = Session::create_in(folder);
+  for (KeyFrameIndex index = 0; index < 8; ++index) {
+    session.add_key_frame(example_key_frame(index));
+  }
+  for (const KeyFrameIndex to : {5U, 6U, 7U}) session.add_loop(example_loop(0, to));
+  return session;
+}
+
+std::vector<LoopEdit> read_text(const TemporaryFolder& folder, const std::string& text) {
+  const std::filesystem::path path = folder.path() / "edited.txt";
+  std::ofstream(path) << text;
+  return read_loop_list(path);
+}
+
+void execute(const std::filesystem::path& folder, const char* sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder / "session.db").c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+}
+
+TEST(LoopFiles, TableHasTheNewestVerdictAndTheDecision) {
+  const TemporaryFolder folder;
+  Session session = session_with_loops(folder.path());
+  session.set_loop_decision(0, 7, LoopDecision::kRefuse);
+  LoopVerdict verdict;
+  verdict.to = 7;
+  verdict.verdict = Verdict::kAccepted;
+  session.add_verdict(verdict);
+  verdict.verdict = Verdict::kRefused;
+  verdict.reason = "the graph says \"no\", 9 > 3";
+  session.add_verdict(verdict);
+  write_loops_csv(session, folder.path() / "loops.csv");
+
+  std::ifstream file(folder.path() / "loops.csv");
+  std::string line;
+  for (int i = 0; i < 4; ++i) std::getline(file, line);
+  EXPECT_EQ(line.substr(0, 4), "0,7,");
+  EXPECT_NE(line.find("appearance,refuse,refused,\"the graph says \"\"no\"\", 9 > 3\""),
+            std::string::npos)
+      << line;
+}
+
+TEST(LoopFiles, ListComesBackAsItWasWritten) {
+  const TemporaryFolder folder;
+  Session session = session_with_loops(folder.path());
+  session.set_loop_decision(0, 6, LoopDecision::kAccept);
+  session.set_loop_decision(0, 7, LoopDecision::kRefuse);
+  write_loop_list(session, folder.path() / "loops.txt");
+  const std::vector<LoopEdit> edits = read_loop_list(folder.path() / "loops.txt");
+  const std::vector<Loop> loops = session.loops();
+  ASSERT_EQ(edits.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(edits[i].from, loops[i].from);
+    EXPECT_EQ(edits[i].to, loops[i].to);
+    EXPECT_EQ(edits[i].decision, loops[i].decision);
+    EXPECT_FALSE(edits[i].add);
+  }
+  EXPECT_EQ(edits[2].decision, LoopDecision::kRefuse);
+}
+
+TEST(LoopFiles, AddedPairsMayHaveAGuessAndAnyOrder) {
+  const TemporaryFolder folder;
+  const auto edits = read_text(folder,
+                               "# by hand\n\nadd 3 7  # same crossing\nadd 3 7 1 -2.5 0.1\n"
+                               "add 7 3 1 0 0 0 0 90\n");
+  ASSERT_EQ(edits.size(), 3U);
+  EXPECT_FALSE(edits[0].guess);
+  EXPECT_TRUE(edits[0].add);
+  EXPECT_EQ(edits[0].decision, LoopDecision::kAccept);
+  ASSERT_TRUE(edits[1].guess);
+  EXPECT_EQ(edits[1].guess->translation, Eigen::Vector3d(1.0, -2.5, 0.1));
+  ASSERT_TRUE(edits[2].guess);
+  EXPECT_EQ(edits[2].from, 3U);
+  const Pose quarter{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::UnitX()};
+  EXPECT_LT(difference(edits[2].guess->inverse(), quarter).norm(), 1e-9);
+}
+
+TEST(LoopFiles, MalformedLinesAreRefusedByFileAndLine) {
+  const TemporaryFolder folder;
+  for (const char* line : {"keep 1 2", "accept 1", "accept 1 2 3", "add 1 2 3", "add 1 x",
+                           "refuse -1 2", "add 1 2 nan 0 0", "accept 1.5 2"}) {
+    try {
+      read_text(folder, std::string("# head\n") + line + "\n");
+      ADD_FAILURE() << line;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("edited.txt:2"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(read_loop_list(folder.path() / "none.txt"), FileError);
+}
+
+TEST(LoopFiles, DecisionsOutliveTheLoopThatIsReplaced) {
+  const TemporaryFolder folder;
+  Session session = session_with_loops(folder.path());
+  session.set_loop_decision(0, 5, LoopDecision::kAccept);
+  session.add_loop(example_loop(0, 5));
+  const std::vector<Loop> loops = session.loops();
+  EXPECT_EQ(loops.back().to, 5U);
+  EXPECT_EQ(loops.back().decision, LoopDecision::kAccept);
+}
+
+// A session of the first version has no decisions; it can be read, and written after an upgrade.
+TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
+  const TemporaryFolder folder;
+  session_with_loops(folder.path());
+  execute(folder.path(), "DROP TABLE loop_decisions; PRAGMA user_version = 1");
+  {
+    const Session old = Session::open(folder.path(), Session::Access::kRead);
+    ASSERT_EQ(old.loops().size(), 3U);
+    EXPECT_EQ(old.loops()[0].decision, LoopDecision::kAuto);
+  }
+  Session session = Session::open(folder.path(), Session::Access::kWrite);
+  session.set_loop_decision(0, 5, LoopDecision::kRefuse);
+  EXPECT_EQ(session.loops()[0].decision, LoopDecision::kRefuse);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::session
