@@ -7,22 +7,31 @@ namespace {
 
 constexpr std::size_t kGrain = 16384;
 
-/// exp(s * twist) to second order: within one turn the third is below a millimetre.
+/// exp(s * twist) to second order: within one turn the third is below a millimetre. Written as
+/// p + s ((v + W p) + s (W v + W^2 p) / 2) with four components, of which the last one, the
+/// intensity, stays: so a point is one vector register.
 class Deskewer {
  public:
-  explicit Deskewer(const Vector6d& twist)
-      : v_(twist.head<3>().cast<float>()), w_(twist.tail<3>().cast<float>()) {}
+  explicit Deskewer(const Vector6d& twist) {
+    const Eigen::Matrix3d W = skew(twist.tail<3>());
+    velocity_.topLeftCorner<3, 3>() = W.cast<float>();
+    velocity_.topRightCorner<3, 1>() = twist.head<3>().cast<float>();
+    acceleration_.topRows<3>() = (0.5 * W).cast<float>() * velocity_.topRows<3>();
+  }
 
   Point operator()(const Point& point, float s) const {
-    const Eigen::Vector3f p = point.position();
-    const Eigen::Vector3f velocity = v_ + w_.cross(p);
-    const Eigen::Vector3f moved = p + s * (velocity + (0.5F * s) * w_.cross(velocity));
-    return {moved.x(), moved.y(), moved.z(), point.intensity};
+    const Eigen::Vector4f p(point.x, point.y, point.z, point.intensity);
+    const Eigen::Vector4f moved = p + s * (at(velocity_, point) + s * at(acceleration_, point));
+    return {moved[0], moved[1], moved[2], moved[3]};
   }
 
  private:
-  Eigen::Vector3f v_;
-  Eigen::Vector3f w_;
+  static Eigen::Vector4f at(const Eigen::Matrix4f& field, const Point& p) {
+    return field.col(3) + field.col(0) * p.x + field.col(1) * p.y + field.col(2) * p.z;
+  }
+
+  Eigen::Matrix4f velocity_ = Eigen::Matrix4f::Zero();
+  Eigen::Matrix4f acceleration_ = Eigen::Matrix4f::Zero();
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "lidar_mapping/front_end/search_starts.hpp"
 
+#include <algorithm>
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -12,6 +14,11 @@ constexpr double kStep = 1.2;
 constexpr double kAside = 1.2;
 constexpr double kTurn = 0.6;
 constexpr double kTurnStep = 0.15;
+
+/// Between the prediction and a pose from which it is far, as after a gap, there are centers at
+/// this distance (m).
+constexpr double kBetween = 6.0;
+constexpr int kMostBetween = 8;
 
 // Of the first motion, m/s and m.
 constexpr double kForwardSpeed = 40.0;
@@ -34,14 +41,26 @@ MotionState moving(const Pose& first, double x, double y, double seconds) {
   return state;
 }
 
+/// The prediction, the anchors, and what lies between them: after a gap the vehicle may have
+/// braked.
+std::vector<Pose> centers_around(const Pose& prediction, const std::vector<Pose>& anchors) {
+  std::vector<Pose> centers = {prediction};
+  for (const Pose& anchor : anchors) {
+    const Vector6d way = difference(anchor, prediction);
+    const int parts = std::min(kMostBetween, static_cast<int>(way.head<3>().norm() / kBetween)) + 1;
+    for (int part = 0; part < parts; ++part) {
+      centers.push_back(perturbed(anchor, Vector6d(part * way / parts)));
+    }
+  }
+  return centers;
+}
+
 }  // namespace
 
 std::vector<MotionState> starts_around(const MotionState& prediction,
                                        const std::vector<Pose>& anchors) {
-  std::vector<Pose> centers = {prediction.T_map_sensor};
-  centers.insert(centers.end(), anchors.begin(), anchors.end());
   std::vector<MotionState> starts;
-  for (const Pose& center : centers) {
+  for (const Pose& center : centers_around(prediction.T_map_sensor, anchors)) {
     for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
       for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
         for (double yaw = -kTurn; yaw <= kTurn + 1e-9; yaw += kTurnStep) {

@@ -6,8 +6,8 @@
 
 namespace lidar_mapping::front_end {
 
-/// Starts for a search around the prediction and around other poses: mostly ahead and turned, since
-/// that is where a vehicle can be.
+/// Starts for a search around the prediction, around other poses and between these and the
+/// prediction: mostly ahead and turned, since that is where a vehicle can be.
 std::vector<registration::MotionState> starts_around(const registration::MotionState& prediction,
                                                      const std::vector<Pose>& anchors);
 

@@ -1,0 +1,166 @@
+// What the ancestors' front ends get wrong, each with a drive on which it would show.
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/registration/registration.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// At speed in the town.
+constexpr std::size_t kFirst = 90;
+constexpr double kPeriod = 0.1;  // s
+
+simulation::Drive drive_of(const std::string& name) {
+  simulation::DriveOptions options;
+  options.drive = name;
+  options.lidar = "vlp16";
+  options.duration = 20.0;
+  return simulation::Drive(options);
+}
+
+Pose truth(const simulation::Drive& drive, std::size_t from, std::size_t to) {
+  const auto pose_at = [&](std::size_t i) { return drive.trajectory().pose(drive.scan_stamp(i)); };
+  return pose_at(from).inverse() * pose_at(to);
+}
+
+PointCloud ground_of(const PointCloud& cloud) {
+  PointCloud ground;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.points[i].z > 0.3F) continue;
+    ground.points.push_back(cloud.points[i]);
+    ground.times.push_back(cloud.times[i]);
+  }
+  return ground;
+}
+
+/// Distance (m) from where `from` and the true motion since then put it.
+double error(const simulation::Drive& drive, std::size_t from, const Pose& T_odom_from,
+             std::size_t to, const Pose& T_odom_to) {
+  return (truth(drive, from, to).inverse() * T_odom_from.inverse() * T_odom_to).translation.norm();
+}
+
+// F37: a sweep of another place is told within three sweeps and never becomes a key frame, and the
+// drive goes on when the view returns.
+TEST(FrontEndFaults, SweepsOfAnotherPlaceAreToldAndKeptOutOfTheMap) {
+  const simulation::Drive drive = drive_of("town");
+  const simulation::Drive elsewhere = drive_of("car_park");
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult result;
+  Pose T_odom_before;
+  for (std::size_t i = kFirst; i < kFirst + 40; ++i) {
+    const bool foreign = i >= kFirst + 25 && i < kFirst + 29;
+    Scan scan = foreign ? elsewhere.base_scan(i) : drive.base_scan(i);
+    scan.stamp = drive.scan_stamp(i);
+    result = front_end.process(scan);
+    if (i == kFirst + 24) T_odom_before = result.T_odom_base;
+    if (!foreign) continue;
+    EXPECT_FALSE(result.key_frame) << i;
+    EXPECT_TRUE(i < kFirst + 27 || result.status.state == TrackingState::kLost) << i;
+  }
+  EXPECT_EQ(result.status.state, TrackingState::kTracking);
+  EXPECT_LT(error(drive, kFirst + 24, T_odom_before, kFirst + 39, result.T_odom_base), 0.1);
+}
+
+// F37: bare ground holds no position. The pose stays at the prediction instead of running after
+// the rings, which travel with the sensor.
+TEST(FrontEndFaults, BareGroundDoesNotDragThePose) {
+  const simulation::Drive drive = drive_of("town");
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult result;
+  Pose T_odom_before;
+  for (std::size_t i = kFirst; i < kFirst + 20; ++i) {
+    Scan scan = drive.base_scan(i);
+    if (i == kFirst + 15) T_odom_before = result.T_odom_base;
+    if (i >= kFirst + 15) scan.cloud = ground_of(scan.cloud);
+    result = front_end.process(scan);
+  }
+  EXPECT_LT(error(drive, kFirst + 14, T_odom_before, kFirst + 19, result.T_odom_base), 0.4);
+}
+
+// F38: two seconds without sweeps: the next one is found where the vehicle is by then.
+TEST(FrontEndFaults, ResumesAfterTwoSecondsWithoutSweeps) {
+  const simulation::Drive drive = drive_of("town");
+  constexpr std::size_t kGap = kFirst + 10;
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult result;
+  Pose T_odom_before;
+  for (std::size_t i = kFirst; i < kGap + 30; ++i) {
+    if (i >= kGap && i < kGap + 20) continue;
+    result = front_end.process(drive.base_scan(i));
+    if (i == kGap - 1) T_odom_before = result.T_odom_base;
+  }
+  ASSERT_GT(truth(drive, kGap, kGap + 20).translation.norm(), 10.0);
+  EXPECT_EQ(result.status.state, TrackingState::kTracking);
+  EXPECT_LT(error(drive, kGap - 1, T_odom_before, kGap + 29, result.T_odom_base), 0.3);
+}
+
+Vector6d true_twist(const simulation::Drive& drive, std::size_t index) {
+  const Pose step = truth(drive, index, index + 1);
+  Vector6d twist;
+  twist << step.translation, log_so3(step.rotation);
+  return twist / kPeriod;
+}
+
+/// The scheme of hdl_graph_slam: each scan against the last key frame alone. It is given the first
+/// step and the true twists to deskew with. Returns T_from_to.
+Pose against_single_key_frames(const simulation::Drive& drive, std::size_t from, std::size_t to) {
+  registration::RegistrationConfig config;
+  config.method = registration::Method::kVgicp;
+  const auto registration = registration::make_registration(config);
+  Pose T_from_key, T_key_last;
+  Pose step = truth(drive, from, from + 1);
+  for (std::size_t i = from; i <= to; ++i) {
+    const PointCloud cloud =
+        voxel_filtered(deskewed(drive.base_scan(i).cloud, true_twist(drive, i)), 0.4);
+    if (i > from) {
+      const Pose matched = registration->align(cloud, T_key_last * step).T_target_source;
+      step = T_key_last.inverse() * matched;
+      T_key_last = matched;
+    }
+    if (i > from && T_key_last.translation.norm() < 2.0) continue;
+    T_from_key = T_from_key * T_key_last;
+    T_key_last = Pose{};
+    registration->set_target(cloud);
+  }
+  return T_from_key * T_key_last;
+}
+
+// F46: scans are matched with all that was seen, not with one key frame.
+TEST(FrontEndFaults, DriftsLessThanScanToKeyFrame) {
+  const simulation::Drive drive = drive_of("town");
+  constexpr std::size_t kFrom = kFirst + 5;
+  constexpr std::size_t kTo = kFrom + 40;
+  FrontEnd front_end{FrontEndConfig{}};
+  FrontEndResult result;
+  Pose T_odom_from;
+  for (std::size_t i = kFirst; i <= kTo; ++i) {
+    result = front_end.process(drive.base_scan(i));
+    if (i == kFrom) T_odom_from = result.T_odom_base;
+  }
+  const double single =
+      error(drive, kFrom, Pose{}, kTo, against_single_key_frames(drive, kFrom, kTo));
+  EXPECT_LT(error(drive, kFrom, T_odom_from, kTo, result.T_odom_base), 0.5 * single) << single;
+}
+
+// F48: each pose comes with a covariance that is one and with the twist of the vehicle.
+TEST(FrontEndFaults, ReportsCovarianceAndTwist) {
+  const simulation::Drive drive = drive_of("town");
+  FrontEnd front_end{FrontEndConfig{}};
+  for (std::size_t i = kFirst; i < kFirst + 30; ++i) {
+    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    if (i < kFirst + 5) continue;
+    ASSERT_TRUE(is_valid_covariance(result.covariance)) << i;
+    EXPECT_GT(result.covariance.diagonal().minCoeff(), 0.0);
+    const Vector6d difference = result.twist - true_twist(drive, i);
+    EXPECT_LT(difference.head<3>().norm(), 0.5) << i;
+    EXPECT_LT(difference.tail<3>().norm(), 0.1) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
