@@ -18,8 +18,9 @@ namespace {
 using Color = std::array<double, 3>;
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr double kHighest = 10.0;    // m above the ground; what is higher has the last colour
-constexpr double kGroundCell = 8.0;  // m, edge of the cells whose lowest point is the ground
+constexpr double kHighest = 10.0;      // m above the ground; what is higher has the last colour
+constexpr double kGroundCell = 8.0;    // m, edge of the cells in which the ground has one height
+constexpr double kGroundShare = 0.03;  // of a cell's points may lie below its ground: mirrored ones
 constexpr Color kBackground = {12.0, 14.0, 20.0};
 constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {60.0, 175.0, 185.0},
@@ -53,6 +54,20 @@ struct Grid {
   int height;
   std::vector<float> values;
 };
+
+/// The ground's height in every cell.
+Grid ground_of(const PointCloud& map, Grid ground) {
+  std::vector<std::vector<float>> heights(ground.values.size());
+  for (const Point& point : map.points) heights[ground.position(point)].push_back(point.z);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    if (heights[i].empty()) continue;
+    const auto rank =
+        static_cast<std::ptrdiff_t>(kGroundShare * static_cast<double>(heights[i].size()));
+    std::nth_element(heights[i].begin(), heights[i].begin() + rank, heights[i].end());
+    ground.values[i] = heights[i][static_cast<std::size_t>(rank)];
+  }
+  return ground;
+}
 
 struct Bounds {
   double x_min, x_max, y_min, y_max;
@@ -95,8 +110,7 @@ TopView top_view(const PointCloud& map, double pixel_m, int max_pixels) {
   const double x_size = b.x_max - b.x_min;
   const double y_size = b.y_max - b.y_min;
   const double pixel = std::max(pixel_m, std::max(x_size, y_size) / (max_pixels - 1));
-  Grid ground(b.x_min, b.y_max, x_size, y_size, kGroundCell, kNone);
-  for (const Point& point : map.points) ground.at(point) = std::min(ground.at(point), point.z);
+  Grid ground = ground_of(map, Grid(b.x_min, b.y_max, x_size, y_size, kGroundCell, kNone));
   Grid top(b.x_min, b.y_max, x_size, y_size, pixel, -kNone);
   Grid counts(b.x_min, b.y_max, x_size, y_size, pixel, 0.0F);
   for (const Point& point : map.points) {

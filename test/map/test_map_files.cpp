@@ -103,6 +103,18 @@ TEST(TopView, ShowsPointsWhereTheyAre) {
   EXPECT_NE(view.rgb[3 * 9], view.rgb[3 * (4 * 10 + 9)]) << "height shows as colour";
 }
 
+TEST(TopView, APointMirroredBelowTheGroundChangesNoOtherPixel) {
+  PointCloud map;
+  for (int i = 0; i < 64; ++i) {
+    map.points.push_back(
+        {0.5F + static_cast<float>(i % 8), 0.5F + static_cast<float>(i / 8), 0.0F, 0.0F});
+  }
+  const TopView clean = top_view(map, 1.0);
+  map.points.push_back({4.5F, 4.5F, -6.0F, 0.0F});
+  const TopView mirrored = top_view(map, 1.0);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(mirrored.rgb[i], clean.rgb[i]);
+}
+
 TEST(TopView, StaysWithinTheLargestPicture) {
   PointCloud map;
   map.points = {{0.0F, 0.0F, 0.0F, 0.0F}, {10'000.0F, 5.0F, 0.0F, 0.0F}};
