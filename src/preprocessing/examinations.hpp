@@ -6,6 +6,7 @@
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 
 #include "sensor_record.hpp"
+#include "sweep_seam.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -15,6 +16,7 @@ using VelocityRecord = SensorRecord<VelocitySample>;
 struct PointsRecord {
   TopicFlow flow;
   CloudSummary cloud;  ///< the last with points
+  SweepSeam seam;
 };
 
 struct GnssRecord {
@@ -32,7 +34,7 @@ InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
 InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
 InputReport examine(const VelocityRecord& velocity, const ExtrinsicLookup& lookup);
-InputReport examine(const GnssRecord& gnss, const VelocityRecord& velocity,
+InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
 
 }  // namespace lidar_mapping::preprocessing

@@ -2,7 +2,9 @@
 #include <cmath>
 #include <optional>
 
+#include "lidar_mapping/preprocessing/gnss_track.hpp"
 #include "lidar_mapping/preprocessing/local_frame.hpp"
+#include "lidar_mapping/preprocessing/motion_sensors.hpp"
 
 #include "examinations.hpp"
 #include "time_offset.hpp"
@@ -15,6 +17,10 @@ constexpr double kOutage = 3.0;              // s
 constexpr double kFastest = 70.0;            // m/s
 constexpr double kLongestStep = 1.5;         // s between fixes that are compared
 constexpr double kSignificantOffset = 0.02;  // s
+constexpr double kUncertainOffset = 0.02;    // s
+constexpr double kAnyArm = 3.0;              // m, standard deviation
+constexpr double kSignificantArm = 0.4;      // m
+constexpr double kSigmas = 5.0;
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
@@ -37,7 +43,9 @@ struct Steps {
   double largest_jump = 0.0;
 };
 
-Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>& measured) {
+/// `scatter` is the fixes' noise as it was measured, m.
+Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>& measured,
+               double scatter) {
   Steps steps;
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     const LocalFix& before = fixes[i - 1];
@@ -45,7 +53,8 @@ Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>
     const double seconds = to_seconds(now.stamp - before.stamp);
     if (seconds <= 0.0 || seconds > kLongestStep) continue;
     const double step = (now.p_enu - before.p_enu).norm();
-    const double sigma = std::sqrt(now.covariance.trace() + before.covariance.trace());
+    const double stated = std::sqrt(now.covariance.trace() + before.covariance.trace());
+    const double sigma = std::max(stated, 2.0 * scatter);
     const Stamp middle = before.stamp + (now.stamp - before.stamp) / 2;
     if (step > value_at(measured, middle, kFastest) * seconds + 4.0 * sigma + 1.0) {
       ++steps.jumps;
@@ -68,44 +77,66 @@ void judge_offset(const std::optional<TimeOffset>& offset, InputReport& report) 
             text("set gnss_time_offset to %.3f", -offset->seconds));
 }
 
-/// Steps that the velocity (or anything that drives) does not explain.
-void judge_steps(const std::vector<LocalFix>& fixes, const VelocityRecord& velocity,
-                 InputReport& report) {
-  std::vector<TimedValue> measured;
+std::vector<TimedValue> speeds_of(const VelocityRecord& velocity) {
+  std::vector<TimedValue> speeds;
   for (const VelocitySample& sample : velocity.samples) {
-    measured.push_back({sample.stamp, sample.linear.norm()});
+    speeds.push_back({sample.stamp, sample.linear.norm()});
   }
-  const Steps steps = steps_of(fixes, measured);
-  if (steps.jumps > 0) {
-    add_warning(report, text("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
-                "reflections or wrong ambiguities; keep gnss_gating on");
-  }
-  judge_offset(time_offset(measured, steps.speeds), report);
+  return speeds;
 }
 
-/// What changes from fix to fix faster than a vehicle can is noise; it must fit the covariance.
-void judge_noise(const std::vector<LocalFix>& fixes, InputReport& report) {
-  std::vector<double> noise;
-  double sigma = 0.0;
-  for (std::size_t i = 2; i < fixes.size(); ++i) {
-    if (to_seconds(fixes[i].stamp - fixes[i - 2].stamp) > 0.5) continue;
-    const Eigen::Vector3d bend = fixes[i].p_enu - 2.0 * fixes[i - 1].p_enu + fixes[i - 2].p_enu;
-    noise.push_back(bend.head<2>().norm() / std::sqrt(6.0));
-    sigma += std::sqrt(fixes[i].covariance.topLeftCorner<2, 2>().trace());
+/// Lets preprocessing judge the fixes.
+void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
+            const Extrinsics& extrinsics, const PreprocessingConfig& config, GnssTrack& track) {
+  MotionSensors sensors(config, extrinsics);
+  const auto add_until = [](Stamp stamp, const auto& record, std::size_t& next, const auto& add) {
+    for (; next < record.samples.size() && record.samples[next].stamp <= stamp; ++next) {
+      add(record.samples[next], record.flow.frame());
+    }
+  };
+  std::size_t next_imu = 0, next_velocity = 0;
+  const Stamp latency = from_seconds(config.max_latency);
+  for (const GnssFix& fix : gnss.good.samples) {
+    add_until(fix.stamp + latency, imu, next_imu,
+              [&](const auto& sample, const auto& frame) { sensors.add_imu(sample, frame); });
+    add_until(fix.stamp + latency, velocity, next_velocity,
+              [&](const auto& sample, const auto& frame) { sensors.add_velocity(sample, frame); });
+    track.add(fix, gnss.flow.frame());
+    track.settle(sensors, fix.stamp, latency, true);
   }
-  if (noise.size() < 50) return;
-  sigma /= static_cast<double>(noise.size());
-  std::nth_element(noise.begin(), noise.begin() + static_cast<long>(noise.size() / 2), noise.end());
-  const double scatter = noise[noise.size() / 2] / 0.83;  // median to root mean square, two axes
-  if (scatter > 3.0 * sigma) {
-    add_fault(report, text("fixes scatter by %.2f m, their covariance says %.2f m", scatter, sigma),
-              text("raise gnss_sigma_floor_xy to %.1f", std::ceil(scatter * 10.0) / 10.0));
+}
+
+void judge_scatter(const FixScatter& scatter, InputReport& report) {
+  if (!scatter.is_known() || scatter.measured() < 3.0 * scatter.stated()) return;
+  add_warning(report,
+              text("fixes scatter by %.2f m, their covariance says %.2f m", scatter.measured(),
+                   scatter.stated()),
+              text("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
+                   "beginning",
+                   std::ceil(scatter.measured() * 10.0) / 10.0));
+}
+
+/// False if too little is known of the antenna to say anything about the stamps.
+bool judge_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
+                   InputReport& report) {
+  const AntennaFit::Result result = fit.result(kAnyArm);
+  if (result.delay_sigma > kUncertainOffset) return false;
+  judge_offset(TimeOffset{result.delay, result.delay_sigma}, report);
+  const double off = result.arm_error.norm();
+  if (off > std::max(kSignificantArm, kSigmas * result.arm_sigma)) {
+    const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
+    add_fault(report,
+              text("the fixes move as those of an antenna at (%.1f, %.1f) m in base_link, tf has "
+                   "it at (%.1f, %.1f)",
+                   arm.x(), arm.y(), p_base_antenna.x(), p_base_antenna.y()),
+              "mend the transform of the frame of GNSS");
   }
+  return true;
 }
 
 }  // namespace
 
-InputReport examine(const GnssRecord& gnss, const VelocityRecord& velocity,
+InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
   InputReport report = examine_headers("gnss", gnss.flow, lookup);
   if (gnss.flow.count == 0) return report;
@@ -127,9 +158,21 @@ InputReport examine(const GnssRecord& gnss, const VelocityRecord& velocity,
     add_warning(report, "fixes without covariance",
                 text("gnss_unknown_sigma_xy (%.1f m) stands in", config.gnss_unknown_sigma_xy));
   }
-  const std::vector<LocalFix> fixes = local_fixes(gnss, config);
-  judge_steps(fixes, velocity, report);
-  if (gnss.covariance_known) judge_noise(fixes, report);
+  const Extrinsics extrinsics(lookup);
+  GnssTrack track(config, extrinsics);
+  replay(gnss, imu, velocity, extrinsics, config, track);
+  const FixScatter& scatter = track.scatter();
+  if (gnss.covariance_known) judge_scatter(scatter, report);
+  const Steps steps = steps_of(local_fixes(gnss, config), speeds_of(velocity),
+                               scatter.is_known() ? scatter.measured() : 0.0);
+  if (steps.jumps > 0) {
+    add_warning(report, text("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
+                "reflections or wrong ambiguities; keep gnss_gating on");
+  }
+  const auto T_base_antenna = extrinsics.T_base(gnss.flow.frame());
+  if (!T_base_antenna || !judge_antenna(track.antenna_fit(), T_base_antenna->translation, report)) {
+    judge_offset(time_offset(speeds_of(velocity), steps.speeds), report);
+  }
   return report;
 }
 

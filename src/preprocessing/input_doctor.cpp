@@ -20,7 +20,9 @@ InputDoctor::~InputDoctor() = default;
 
 void InputDoctor::see_scan(const CloudSummary& cloud) {
   records_->points.flow.see(cloud.stamp, cloud.frame_id);
-  if (cloud.points > 0) records_->points.cloud = cloud;
+  if (cloud.points == 0) return;
+  records_->points.cloud = cloud;
+  records_->points.seam.add(cloud);
 }
 
 void InputDoctor::see_imu(const ImuSample& sample, const std::string& frame_id) {
@@ -49,7 +51,7 @@ void InputDoctor::see_gnss(const GnssFix& fix, const std::string& frame_id) {
 std::vector<InputReport> InputDoctor::report(const ExtrinsicLookup& lookup) const {
   const Records& r = *records_;
   return {examine(r.points, lookup, config_), examine(r.imu, r.velocity, lookup, config_),
-          examine(r.velocity, lookup), examine(r.gnss, r.velocity, lookup, config_)};
+          examine(r.velocity, lookup), examine(r.gnss, r.imu, r.velocity, lookup, config_)};
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -46,6 +46,10 @@ InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
   }
   report.found += text(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
   judge_times(points.cloud, config, report);
+  if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
+    add_fault(report, "the motion during the scans was taken out before, but the points have times",
+              "they would be deskewed twice: set point_times to NONE");
+  }
   const double gap = to_seconds(points.flow.longest_gap);
   if (gap > kShortOfPeriods / std::max(points.flow.rate(), 1e-3)) {
     add_warning(report, text("%.1f s without a scan", gap),

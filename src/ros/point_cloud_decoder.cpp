@@ -30,6 +30,7 @@ const std::array<const char*, 6> kTimeNames = {"time",       "t",           "tim
 constexpr double kShortestShare = 0.1;
 constexpr double kLongestShare = 2.5;
 /// Absolute times lie this near to the stamp.
+constexpr double kSeam = 0.006;     // of a scan's time at each of its ends
 constexpr double kSameClock = 2.0;  // s
 
 struct Unit {
@@ -389,6 +390,20 @@ std::string names_of(const PointCloud2& message) {
   return names;
 }
 
+/// The points that were measured first and last.
+void add_seam(const PointCloud& cloud, preprocessing::CloudSummary& summary) {
+  if (!cloud.has_times()) return;
+  const preprocessing::TimeSpan span = preprocessing::time_span(cloud);
+  const double width = kSeam * (span.end - span.begin);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const bool begins = cloud.times[i] <= span.begin + width;
+    const bool ends = cloud.times[i] >= span.end - width;
+    if (!begins && !ends) continue;
+    const Eigen::Vector3f p = cloud.points[i].position();
+    if (p.allFinite()) (begins ? summary.begin_points : summary.end_points).push_back(p);
+  }
+}
+
 }  // namespace
 
 DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config,
@@ -429,6 +444,7 @@ preprocessing::CloudSummary summary_of(const PointCloud2& message, const Decoded
   summary.foreign_clock = decoded.format.foreign_clock;
   summary.first_time = decoded.format.first_time;
   summary.last_time = decoded.format.last_time;
+  add_seam(decoded.scan.cloud, summary);
   return summary;
 }
 

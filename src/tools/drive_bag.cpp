@@ -8,6 +8,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
@@ -28,6 +29,8 @@ constexpr char kVelocityTopic[] = "/kitti/oxts/gps/vel";
 constexpr char kLidarFrame[] = "velo_link";
 constexpr char kImuFrame[] = "imu_link";
 constexpr char kAntennaFrame[] = "gnss_link";
+constexpr Stamp kGnssDelay = 50'000'000;
+const Eigen::Vector3d kAntennaError(1.2, -0.9, 0.0);  // m
 
 /// Steps of coordinates (m, a fifth of the range noise) and intensities in the bag: lz4 finds the
 /// zeros and repetitions that they leave in the floats.
@@ -65,13 +68,30 @@ sensor_msgs::NavSatFix fix_message(const GnssFix& fix) {
 
 float rounded(float value, float step) { return std::round(value / step) * step; }
 
-sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan) {
+sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagContent& content) {
   PointCloud cloud = scan.cloud;
+  if (content.has(BagFault::kDeskewedTwice)) {
+    preprocessing::set_times_from_azimuth(cloud, preprocessing::PreprocessingConfig());
+  }
+  if (content.has(BagFault::kNoPointTimes)) cloud.times.clear();
   for (Point& point : cloud.points) {
     point = {rounded(point.x, kPointStep), rounded(point.y, kPointStep),
              rounded(point.z, kPointStep), rounded(point.intensity, kIntensityStep)};
   }
-  return ros_border::to_message(cloud, scan.stamp, kLidarFrame);
+  const std::string slash = content.has(BagFault::kLeadingSlash) ? "/" : "";
+  return ros_border::to_message(cloud, scan.stamp, slash + kLidarFrame);
+}
+
+ImuSample spoilt(ImuSample sample, const BagContent& content) {
+  if (content.has(BagFault::kImuInG)) sample.linear_acceleration /= kGravity;
+  if (content.has(BagFault::kGyroInDegrees)) sample.angular_velocity *= 180.0 / M_PI;
+  return sample;
+}
+
+GnssFix spoilt(GnssFix fix, const BagContent& content) {
+  if (content.has(BagFault::kGnssLate)) fix.stamp += kGnssDelay;
+  if (content.has(BagFault::kGnssTooConfident) && fix.covariance) *fix.covariance *= 0.01;
+  return fix;
 }
 
 nav_msgs::Odometry truth_message(const Drive& drive, Stamp stamp) {
@@ -97,14 +117,18 @@ geometry_msgs::TransformStamped transform_message(const Pose& T_base_frame, cons
   return message;
 }
 
-tf2_msgs::TFMessage extrinsics(const Drive& drive) {
-  const SensorMounting& mounting = drive.mounting();
+tf2_msgs::TFMessage extrinsics(const Drive& drive, const BagContent& content) {
+  SensorMounting mounting = drive.mounting();
+  if (content.has(BagFault::kAntennaElsewhere)) mounting.p_base_antenna += kAntennaError;
   const Stamp stamp = drive.trajectory().begin();
   const Pose T_base_antenna{Eigen::Quaterniond::Identity(), mounting.p_base_antenna};
   tf2_msgs::TFMessage message;
   message.transforms = {transform_message(mounting.T_base_lidar, kLidarFrame, stamp),
                         transform_message(mounting.T_base_imu, kImuFrame, stamp),
                         transform_message(T_base_antenna, kAntennaFrame, stamp)};
+  if (content.has(BagFault::kNoImuTransform)) {
+    message.transforms.erase(message.transforms.begin() + 1);
+  }
   return message;
 }
 
@@ -151,7 +175,9 @@ class BagWriter {
 
 void add_samples(BagWriter& writer, const Drive& drive, const BagContent& content) {
   if (content.imu) {
-    for (const ImuSample& s : drive.imu()) writer.add(kImuTopic, s.stamp, imu_message(s));
+    for (const ImuSample& s : drive.imu()) {
+      writer.add(kImuTopic, s.stamp, imu_message(spoilt(s, content)));
+    }
   }
   if (content.velocity) {
     for (const VelocitySample& s : drive.velocity()) {
@@ -159,7 +185,9 @@ void add_samples(BagWriter& writer, const Drive& drive, const BagContent& conten
     }
   }
   if (content.gnss) {
-    for (const GnssFix& fix : drive.gnss()) writer.add(kFixTopic, fix.stamp, fix_message(fix));
+    for (const GnssFix& fix : drive.gnss()) {
+      writer.add(kFixTopic, fix.stamp, fix_message(spoilt(fix, content)));
+    }
   }
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const Stamp stamp = drive.scan_stamp(i);
@@ -169,16 +197,32 @@ void add_samples(BagWriter& writer, const Drive& drive, const BagContent& conten
 
 void fill_bag(const Drive& drive, const std::string& path, const BagContent& content, int threads) {
   BagWriter writer(path);
-  writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive));
+  writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive, content));
   add_samples(writer, drive, content);
-  for_each_scan(drive, threads, [&](std::size_t, const SimulatedScan& scan) {
-    writer.add(kCloudTopic, scan.end, cloud_message(scan));
-    writer.write_until(scan.end);
-  });
+  if (content.lidar) {
+    for_each_scan(drive, threads, [&](std::size_t, const SimulatedScan& scan) {
+      writer.add(kCloudTopic, scan.end, cloud_message(scan, content));
+      writer.write_until(scan.end);
+    });
+  }
   writer.close();
 }
 
 }  // namespace
+
+const std::map<std::string, BagFault>& bag_faults() {
+  static const std::map<std::string, BagFault> faults = {
+      {"imu_in_g", BagFault::kImuInG},
+      {"gyro_in_degrees", BagFault::kGyroInDegrees},
+      {"no_point_times", BagFault::kNoPointTimes},
+      {"deskewed_twice", BagFault::kDeskewedTwice},
+      {"no_imu_transform", BagFault::kNoImuTransform},
+      {"leading_slash", BagFault::kLeadingSlash},
+      {"antenna_elsewhere", BagFault::kAntennaElsewhere},
+      {"gnss_late", BagFault::kGnssLate},
+      {"gnss_too_confident", BagFault::kGnssTooConfident}};
+  return faults;
+}
 
 void write_bag(const Drive& drive, const std::string& path, const BagContent& content,
                int threads) {

@@ -1,17 +1,38 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <set>
 #include <string>
 
 #include "lidar_mapping/simulation/drive.hpp"
 
 namespace lidar_mapping::tools {
 
-/// Which streams besides the LiDAR's go into a bag.
+/// What goes wrong between a sensor and a bag.
+enum class BagFault {
+  kImuInG,            ///< accelerations in g
+  kGyroInDegrees,     ///< rates in degrees/s
+  kNoPointTimes,      ///< clouds without the field `time`
+  kDeskewedTwice,     ///< times with points that are compensated (DriveOptions::undistorted)
+  kNoImuTransform,    ///< imu_link is not in /tf_static
+  kLeadingSlash,      ///< frame /velo_link
+  kAntennaElsewhere,  ///< /tf_static has the antenna 1.5 m beside its place
+  kGnssLate,          ///< fixes stamped 50 ms late
+  kGnssTooConfident   ///< variances a hundredth of what they are
+};
+/// By the names that --fault takes.
+const std::map<std::string, BagFault>& bag_faults();
+
+/// Which streams go into a bag, and what is wrong with them.
 struct BagContent {
+  bool lidar = true;
   bool imu = true;
   bool gnss = true;
   bool velocity = true;
+  std::set<BagFault> faults;
+
+  bool has(BagFault fault) const { return faults.count(fault) > 0; }
 };
 
 /// Calls `take` for every scan of the drive in order; `threads` of them are computed at a time.

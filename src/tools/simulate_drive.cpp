@@ -22,6 +22,7 @@ struct Options {
   std::string truth;
   std::vector<std::string> outages;
   std::vector<std::string> jumps;
+  std::vector<std::string> faults;
   int threads = 0;
 };
 
@@ -53,6 +54,12 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_flag("!--no-movers", drive.movers, "no moving cars and people");
   app.add_flag("--undistorted", drive.undistorted,
                "take each scan in one instant, without time per point");
+  std::vector<std::string> faults;
+  for (const auto& [name, fault] : tools::bag_faults()) faults.push_back(name);
+  app.add_option("--fault", options.faults, "spoil the bag (repeatable)")
+      ->check(CLI::IsMember(faults))
+      ->allow_extra_args(false);
+  app.add_flag("!--no-lidar", options.content.lidar, "leave the clouds out");
   app.add_flag("!--no-imu", options.content.imu, "leave the IMU out");
   app.add_flag("!--no-gnss", options.content.gnss, "leave GNSS out");
   app.add_flag("!--no-velocity", options.content.velocity, "leave the velocity out");
@@ -77,6 +84,10 @@ void run(Options& options) {
     const auto [at, metres] = split(text, "--gnss-jump");
     options.drive.gnss_jumps.push_back({at, metres});
   }
+  for (const std::string& name : options.faults) {
+    options.content.faults.insert(tools::bag_faults().at(name));
+  }
+  if (options.content.has(tools::BagFault::kDeskewedTwice)) options.drive.undistorted = true;
   if (options.bag.empty() && options.folder.empty() && options.truth.empty()) {
     throw ConfigError("nothing to write; name a bag, --kitti FOLDER or --truth FILE");
   }

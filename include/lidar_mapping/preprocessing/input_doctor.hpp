@@ -12,7 +12,7 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// What is told of a cloud, without its points.
+/// What is told of a cloud.
 struct CloudSummary {
   Stamp stamp = 0;
   std::string frame_id;  ///< as the message has it
@@ -24,6 +24,8 @@ struct CloudSummary {
   bool foreign_clock = false;
   double first_time = 0.0;  ///< s
   double last_time = 0.0;
+  /// Points of the first and the last half percent of the scan's time, in the sensor's frame.
+  std::vector<Eigen::Vector3f> begin_points, end_points;
 };
 
 /// Looks at what sensors send before anybody maps with it: rates, frames, units, times, gravity,
