@@ -82,10 +82,9 @@ class Preprocessor::Impl {
     const auto before = [](const WaitingScan& a, Stamp stamp) { return a.raw.stamp < stamp; };
     const auto at = std::lower_bound(waiting_.begin(), waiting_.end(), scan.stamp, before);
     if (at != waiting_.end() && at->raw.stamp == scan.stamp) return refuse_order(scan.stamp);
-    const std::string problem = settle_times(scan.cloud, scan.times_are_absolute, config_);
+    const auto [span, problem] = settle_times(scan.cloud, scan.times_are_absolute, config_);
     if (!problem.empty()) notices_.say("times", "points: " + problem);
     newest_ = std::max(newest_, scan.stamp);
-    const TimeSpan span = time_span(scan.cloud);
     waiting_.insert(at, {std::move(scan), span});
   }
 
@@ -226,12 +225,11 @@ class Preprocessor::Impl {
       if (imu) imu->angular_velocity = omega;
     }
     const bool moves = measured.source != MotionSource::kNone;
+    const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
-        move_to_base(cloud, T_base_lidar, limits_, moves ? &measured.motion : nullptr);
-    if (moves && measured.source != MotionSource::kImu) {
-      cloud.times.clear();
-      ++counters_.scans_deskewed;
-    }
+        move_to_base(cloud, T_base_lidar, limits_, moves ? &measured.motion : nullptr,
+                     compensates ? PointTimesAfter::kDropped : PointTimesAfter::kKept);
+    if (compensates) ++counters_.scans_deskewed;
     return without_outliers(downsampled(std::move(cloud), config_), config_);
   }
 

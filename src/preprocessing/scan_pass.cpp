@@ -82,7 +82,7 @@ bool is_inside(const Eigen::Vector4f& p, const PassLimits& limits) {
 }
 
 /// Writes never overtake reads, so the scan shrinks in place.
-template <bool has_times, typename Motion>
+template <bool has_times, bool keeps_times, typename Motion>
 std::size_t pass(PointCloud& cloud, const PassLimits& limits, const Motion& motion) {
   Point* const points = cloud.points.data();
   float* const times = cloud.times.data();
@@ -107,11 +107,11 @@ std::size_t pass(PointCloud& cloud, const PassLimits& limits, const Motion& moti
     if (has_box && is_inside(p, limits)) continue;
     Eigen::Map<Eigen::Vector4f>(&points[kept].x) = p;  // one store, then the intensity over it
     points[kept].intensity = point.intensity;
-    if constexpr (has_times) times[kept] = times[i];
+    if constexpr (keeps_times) times[kept] = times[i];
     ++kept;
   }
   cloud.points.resize(kept);
-  if (has_times) cloud.times.resize(kept);
+  cloud.times.resize(keeps_times ? kept : 0);
   return not_finite;
 }
 
@@ -130,10 +130,13 @@ PassLimits::PassLimits(const PreprocessingConfig& config)
 }
 
 std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
-                         const ScanMotion* motion) {
-  if (!cloud.has_times()) return pass<false>(cloud, limits, FixedMotion(T_base_sensor));
-  if (motion == nullptr) return pass<true>(cloud, limits, FixedMotion(T_base_sensor));
-  return pass<true>(cloud, limits, TimedMotion(*motion, T_base_sensor, cloud.times));
+                         const ScanMotion* motion, PointTimesAfter times) {
+  const FixedMotion fixed(T_base_sensor);
+  if (!cloud.has_times()) return pass<false, false>(cloud, limits, fixed);
+  if (motion == nullptr) return pass<true, true>(cloud, limits, fixed);
+  const TimedMotion timed(*motion, T_base_sensor, cloud.times);
+  return times == PointTimesAfter::kKept ? pass<true, true>(cloud, limits, timed)
+                                         : pass<true, false>(cloud, limits, timed);
 }
 
 void correct_vertical_angle(PointCloud& cloud, double angle) {

@@ -66,24 +66,23 @@ TimeSpan time_span(const PointCloud& cloud) {
   return {first, last};
 }
 
-std::string settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config) {
+SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config) {
   if (config.point_times == PointTimes::kNone) cloud.times.clear();
   if (config.point_times == PointTimes::kAzimuth && !cloud.has_times()) {
     set_times_from_azimuth(cloud, config);
   }
-  if (!cloud.has_times()) return "";
+  if (!cloud.has_times()) return {};
   const TimeSpan span = time_span(cloud);
   const double longest = std::max(1.5 * config.scan_period, kLongestScan);
   if (span.end - span.begin > longest || span.end > longest || span.begin < -longest) {
     cloud.times.clear();
-    return implausible(span, config);
+    return {{}, implausible(span, config)};
   }
   const bool from_start = !absolute && span.begin >= -kSlack * config.scan_period;
   const auto shift = static_cast<float>(start_to_stamp(config));
-  if (from_start && shift != 0.0F) {
-    for (float& time : cloud.times) time -= shift;
-  }
-  return "";
+  if (!from_start || shift == 0.0F) return {span, ""};
+  for (float& time : cloud.times) time -= shift;
+  return {{span.begin - shift, span.end - shift}, ""};
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -112,7 +112,7 @@ TEST(ScanTimes, FollowTheAzimuthEitherWay) {  // F17
         cloud.points.push_back({static_cast<float>(10.0 * std::cos(azimuth)),
                                 static_cast<float>(10.0 * std::sin(azimuth)), 0.0F, 0.0F});
       }
-      EXPECT_EQ(settle_times(cloud, false, config), "");
+      EXPECT_EQ(settle_times(cloud, false, config).problem, "");
       for (int i = 0; i < 360; ++i) {
         EXPECT_NEAR(cloud.times[static_cast<std::size_t>(i)], 0.1 * (i + 0.5) / 360.0, 1e-6);
       }
@@ -146,7 +146,7 @@ TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
     PointCloud cloud;
     cloud.points.resize(2, {5, 0, 0, 0});
     cloud.times = {0.0F, 0.1F * factor};
-    EXPECT_NE(settle_times(cloud, false, {}), "");
+    EXPECT_NE(settle_times(cloud, false, {}).problem, "");
     EXPECT_FALSE(cloud.has_times());
   }
 }

@@ -18,11 +18,14 @@ struct PassLimits {
   Eigen::Vector3f box_max;
 };
 
+enum class PointTimesAfter { kKept, kDropped };
+
 /// The one pass over a raw scan, in place: drops points that are not finite, at the sensor itself,
 /// out of range or on the vehicle, and moves the others to base_link; with a `motion` to its place
-/// at the scan's stamp as well. Times stay with their points. Returns how many were not finite.
+/// at the scan's stamp as well. Times stay with their points, or are dropped. Returns how many were
+/// not finite.
 std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
-                         const ScanMotion* motion);
+                         const ScanMotion* motion, PointTimesAfter times = PointTimesAfter::kKept);
 
 /// Turns every point by `angle` (rad) upwards about the horizontal axis normal to its beam.
 void correct_vertical_angle(PointCloud& cloud, double angle);

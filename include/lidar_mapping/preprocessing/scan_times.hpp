@@ -14,9 +14,14 @@ struct TimeSpan {
 };
 TimeSpan time_span(const PointCloud& cloud);
 
+struct SettledTimes {
+  TimeSpan span;        ///< of the times that there are now
+  std::string problem;  ///< a sentence where something is wrong
+};
+
 /// Makes the times of a scan what the rest of the stage takes them for: seconds relative to the
-/// stamp (`absolute` ones are that already), or none if the scan counts as compensated. Returns a
-/// sentence where something is wrong: an implausible span leaves the scan without times.
-std::string settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config);
+/// stamp (`absolute` ones are that already), or none if the scan counts as compensated. An
+/// implausible span leaves the scan without times.
+SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config);
 
 }  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include <sensor_msgs/PointCloud2.h>
+
+namespace lidar_mapping::ros_border {
+
+/// Bytes of a number of that type; 0 for an unknown one.
+std::size_t size_of(std::uint8_t datatype);
+
+/// The field of that name, or null. Throws InputError if it lies outside of the point.
+const sensor_msgs::PointField* find_field(const sensor_msgs::PointCloud2& message,
+                                          const std::string& name);
+/// The first of the names that is there, or null.
+template <std::size_t count>
+const sensor_msgs::PointField* find_any_field(const sensor_msgs::PointCloud2& message,
+                                              const std::array<const char*, count>& names) {
+  for (const char* name : names) {
+    if (const sensor_msgs::PointField* field = find_field(message, name)) return field;
+  }
+  return nullptr;
+}
+/// x, y or z. Throws InputError if it is not there or no floating-point number.
+const sensor_msgs::PointField& coordinate_field(const sensor_msgs::PointCloud2& message,
+                                                const std::string& name);
+/// "x y z intensity", in the message's order.
+std::string field_names(const sensor_msgs::PointCloud2& message);
+
+/// Throws InputError for big-endian data and for data that are shorter than the header says.
+void check_size(const sensor_msgs::PointCloud2& message);
+/// No bytes between the rows.
+bool is_contiguous(const sensor_msgs::PointCloud2& message);
+
+/// Calls body(address, index) for every point.
+template <typename Body>
+void for_each_point(const sensor_msgs::PointCloud2& message, const Body& body) {
+  std::size_t index = 0;
+  for (std::size_t row = 0; row < message.height; ++row) {
+    const std::uint8_t* in = message.data.data() + row * message.row_step;
+    for (std::size_t column = 0; column < message.width; ++column, in += message.point_step) {
+      body(in, index++);
+    }
+  }
+}
+
+template <typename Number>
+Number read(const std::uint8_t* address) {
+  Number value;
+  std::memcpy(&value, address, sizeof value);
+  return value;
+}
+
+/// Calls body(read) with the function that reads numbers of this type.
+template <typename Body>
+void with_reader(std::uint8_t datatype, const Body& body) {
+  switch (datatype) {
+    case sensor_msgs::PointField::INT8:
+      return body(&read<std::int8_t>);
+    case sensor_msgs::PointField::UINT8:
+      return body(&read<std::uint8_t>);
+    case sensor_msgs::PointField::INT16:
+      return body(&read<std::int16_t>);
+    case sensor_msgs::PointField::UINT16:
+      return body(&read<std::uint16_t>);
+    case sensor_msgs::PointField::INT32:
+      return body(&read<std::int32_t>);
+    case sensor_msgs::PointField::UINT32:
+      return body(&read<std::uint32_t>);
+    case sensor_msgs::PointField::FLOAT32:
+      return body([](const std::uint8_t* address) { return read<float>(address); });
+    default:
+      return body(&read<double>);
+  }
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,133 @@
+#include "point_times.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "lidar_mapping/preprocessing/scan_times.hpp"
+
+#include "point_fields.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using preprocessing::PointTimeUnit;
+using sensor_msgs::PointCloud2;
+using sensor_msgs::PointField;
+
+const std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
+                                               "time_stamp", "offset_time", "time_offset"};
+
+/// A scan whose times span less or more of its period than this has them in another unit.
+constexpr double kShortestShare = 0.1;
+constexpr double kLongestShare = 2.5;
+/// Absolute times lie this near to the stamp.
+constexpr double kSameClock = 2.0;  // s
+
+struct Unit {
+  const char* name;
+  double seconds;
+};
+constexpr std::array<Unit, 4> kUnits = {{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+
+/// Smallest and largest finite value of a field, as it is written.
+struct Bounds {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+};
+
+Bounds bounds_of(const PointCloud2& message, const PointField& field) {
+  Bounds bounds;
+  with_reader(field.datatype, [&](const auto& number) {
+    for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
+      const auto value = static_cast<double>(number(in + field.offset));
+      if (!std::isfinite(value)) return;
+      bounds.min = value < bounds.min ? value : bounds.min;
+      bounds.max = value > bounds.max ? value : bounds.max;
+    });
+  });
+  return bounds;
+}
+
+Bounds bounds_of(const PointCloud& cloud) {
+  const preprocessing::TimeSpan span = preprocessing::time_span(cloud);
+  return {span.begin, span.end};
+}
+
+std::optional<Unit> configured_unit(PointTimeUnit unit) {
+  if (unit == PointTimeUnit::kAuto) return std::nullopt;
+  return kUnits[static_cast<std::size_t>(unit) - 1];
+}
+
+/// The unit in which the times span about a turn; where none does, the usual one of the type.
+Unit unit_of(const PointField& field, const Bounds& bounds,
+             const preprocessing::PreprocessingConfig& config) {
+  if (const auto unit = configured_unit(config.point_time_unit)) return *unit;
+  for (const Unit& unit : kUnits) {
+    const double share = (bounds.max - bounds.min) * unit.seconds / config.scan_period;
+    if (share > kShortestShare && share < kLongestShare) return unit;
+  }
+  const bool counts = size_of(field.datatype) == 4 && field.datatype != PointField::FLOAT32;
+  return counts ? kUnits[3] : kUnits[0];
+}
+
+/// Differences from a time near to them, so that absolute nanoseconds keep their digits.
+void read_times(const PointCloud2& message, const PointField& field, double origin, double unit,
+                double shift, std::vector<float>& times) {
+  with_reader(field.datatype, [&](const auto& number) {
+    for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
+      const double since_origin = static_cast<double>(number(in + field.offset)) - origin;
+      times[i] = static_cast<float>(since_origin * unit + shift);
+    });
+  });
+}
+
+/// `origin` (in the field's unit) minus the stamp, s. Whole seconds are subtracted first.
+double since_stamp(double origin, double unit, const ros::Time& stamp) {
+  const double per_second = std::round(1.0 / unit);
+  const double whole = std::floor(origin / per_second);
+  const double rest = (origin - whole * per_second) * unit;
+  return (whole - static_cast<double>(stamp.sec)) + (rest - 1e-9 * stamp.nsec);
+}
+
+}  // namespace
+
+const PointField* time_field(const PointCloud2& message) {
+  return find_any_field(message, kTimeNames);
+}
+
+void decode_times(const PointCloud2& message, const PointField& field,
+                  const preprocessing::PreprocessingConfig& config, bool is_read,
+                  DecodedCloud& result) {
+  std::vector<float>& times = result.scan.cloud.times;
+  const Bounds bounds = is_read ? bounds_of(result.scan.cloud) : bounds_of(message, field);
+  if (!(bounds.max > bounds.min)) {  // a field that nobody fills
+    times.clear();
+    return;
+  }
+  const Unit unit = unit_of(field, bounds, config);
+  const double longest = kLongestShare * config.scan_period;
+  const double first = bounds.min * unit.seconds;
+  const double from_stamp = since_stamp(bounds.min, unit.seconds, message.header.stamp);
+  CloudFormat& format = result.format;
+  format.time_field = field.name;
+  format.time_unit = unit.name;
+  const bool is_relative = std::abs(first) < longest;
+  format.absolute_times = !is_relative && std::abs(from_stamp) < kSameClock;
+  format.foreign_clock = !is_relative && !format.absolute_times;
+  const double shift = is_relative ? first : format.absolute_times ? from_stamp : 0.0;
+  result.scan.times_are_absolute = format.absolute_times;
+  format.first_time = shift;
+  format.last_time = shift + (bounds.max - bounds.min) * unit.seconds;
+  if (is_read && is_relative) {
+    if (unit.seconds == 1.0) return;
+    for (float& time : times) time *= static_cast<float>(unit.seconds);
+    return;
+  }
+  times.resize(result.scan.cloud.size());
+  read_times(message, field, bounds.min, unit.seconds, shift, times);
+}
+
+}  // namespace lidar_mapping::ros_border
