@@ -13,8 +13,22 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// An odometry from outside is trusted to this share of the way, and of the angle.
+/// An odometry from outside is trusted to this share of the way and of the angle, and to this much.
 constexpr double kExternalError = 0.02;
+constexpr double kExternalSigma = 0.005;       // m
+constexpr double kExternalAngleSigma = 0.001;  // rad
+
+Covariance6 motion_covariance(const TrackedScan& from, const TrackedScan& to) {
+  const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
+  return compose_covariance(from.covariance, T_from_to, to.covariance);
+}
+
+Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) {
+  const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
+  return diagonal_covariance(
+      kExternalSigma + kExternalError * T_from_to.translation.norm(),
+      kExternalAngleSigma + kExternalError * rotation_angle(T_from_to.rotation));
+}
 
 }  // namespace
 
@@ -35,7 +49,7 @@ class FrontEnd::Impl {
     result.T_odom_base = tracked.T_odom_base;
     result.twist = tracked.twist;
     result.status = tracked.status;
-    if (last_) result.covariance = motion_covariance(*last_, tracked);
+    if (last_) result.covariance = covariance_since(*last_, tracked);
     timer_.start("key frame");
     if (key_frame_due(scan.stamp, tracked)) result.key_frame = make_key_frame(scan, tracked);
     for (auto& step : timer_.take()) result.status.step_seconds.push_back(std::move(step));
@@ -82,9 +96,8 @@ class FrontEnd::Impl {
     return tracked;
   }
 
-  static Covariance6 motion_covariance(const TrackedScan& from, const TrackedScan& to) {
-    const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
-    return compose_covariance(from.covariance, T_from_to, to.covariance);
+  Covariance6 covariance_since(const TrackedScan& from, const TrackedScan& to) const {
+    return tracker_ ? motion_covariance(from, to) : external_covariance(from, to);
   }
 
   bool key_frame_due(Stamp stamp, const TrackedScan& tracked) const {
@@ -100,7 +113,7 @@ class FrontEnd::Impl {
     key_frame.segment = segment_;
     key_frame.stamp = scan.stamp;
     key_frame.T_odom_base = tracked.T_odom_base;
-    if (last_key_frame_) key_frame.motion_covariance = motion_covariance(*last_key_frame_, tracked);
+    if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
     key_frame.cloud =
         std::make_shared<const PointCloud>(key_frame_cloud(scan.cloud, tracked.twist));

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -177,7 +179,13 @@ TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {
     scan.stamp = (i + 1) * kScanPeriod;
     MotionPrior prior;
     prior.T_external_base = Pose{Eigen::Quaterniond::Identity(), {0.5 * i, 0.0, 0.0}};
-    key_frames += front_end.process(scan, prior).key_frame ? 1 : 0;
+    const FrontEndResult result = front_end.process(scan, prior);
+    key_frames += result.key_frame ? 1 : 0;
+    if (i == 0) continue;
+    // Two per cent of half a metre and a little more.
+    EXPECT_GT(std::sqrt(result.covariance(0, 0)), 0.001);
+    EXPECT_LT(std::sqrt(result.covariance(0, 0)), 0.05);
+    EXPECT_TRUE(is_valid_covariance(result.covariance));
   }
   EXPECT_EQ(key_frames, 11U);
   Scan late;
