@@ -13,6 +13,7 @@ constexpr double kGravity = 9.81;
 double sign_of_gravity(const DriveGraph& drive) {
   double votes = 0.0;
   for (const DriveImu& imu : drive.imu) {
+    if (imu.sample.linear_acceleration.isZero(0.0)) continue;  // not measured
     votes += imu.sample.linear_acceleration.z() > 0.0 ? 1.0 : -1.0;
   }
   return votes < 0.0 ? -1.0 : 1.0;

@@ -20,6 +20,8 @@ namespace {
 
 /// A scan that waits for its other sensors is taken as it is when nothing has come for so long.
 constexpr std::chrono::milliseconds kIdle{500};
+/// Scans come late or twice by less than this.
+constexpr Stamp kPlayedAgain = from_seconds(0.5);
 /// Key frames that are given again to who comes: those of some seconds, while a node starts.
 constexpr std::uint32_t kRepeatedKeyFrames = 30;
 
@@ -46,6 +48,7 @@ class FrontEndNode {
  private:
   void subscribe_sensors();
   void take_cloud(const sensor_msgs::PointCloud2& message);
+  bool is_played_again(Stamp stamp);
   void take_gnss(const nav_msgs::Odometry& message);
   void process(std::vector<AssembledScan> scans);
   void process(const AssembledScan& assembled);
@@ -66,6 +69,7 @@ class FrontEndNode {
   std::string run_id_;
   Covariance6 covariance_ = Covariance6::Zero();  ///< of T_odom_base, axes of base_link
   std::optional<front_end::FrontEndResult> previous_;
+  std::size_t scans_played_again_ = 0;
   ros::Publisher laser_odom_, status_, current_scan_, local_map_;
   RepeatingPublisher<KeyFrameMessage> key_frame_;
   std::vector<ros::Subscriber> subscribers_;
@@ -117,6 +121,7 @@ void FrontEndNode::subscribe_sensors() {
 void FrontEndNode::take_cloud(const sensor_msgs::PointCloud2& message) {
   Scan scan{from_ros(message.header.stamp), from_message(message)};
   context_.diagnostics.count_input(scan.stamp);
+  if (is_played_again(scan.stamp)) return;
   if (scan.cloud.empty()) throw InputError("the scan has no point with finite coordinates");
   const auto T_base_scan = sensor_frames_.lookup(config_.node.base_frame, message.header.frame_id);
   if (!T_base_scan) {
@@ -127,6 +132,24 @@ void FrontEndNode::take_cloud(const sensor_msgs::PointCloud2& message) {
     scan.cloud = transformed(scan.cloud, *T_base_scan);
   }
   assembler_.add_scan(std::move(scan));
+}
+
+/// Time that goes far back means a recording that begins anew: said once, not scan by scan.
+bool FrontEndNode::is_played_again(Stamp stamp) {
+  if (!previous_ || stamp > previous_->stamp - kPlayedAgain) {
+    scans_played_again_ = 0;
+    return false;
+  }
+  const std::string advice =
+      "time went back: one start of the nodes maps one drive; start them again for another one, or "
+      "for the same bag";
+  if (scans_played_again_++ == 0) {
+    ROS_ERROR_STREAM(advice << " (by " << to_seconds(previous_->stamp - stamp)
+                            << " s; scans are left out until it is past the last one)");
+  }
+  context_.diagnostics.set_state(Diagnostics::Level::kError, advice);
+  context_.diagnostics.set("scans played again", std::to_string(scans_played_again_));
+  return true;
 }
 
 void FrontEndNode::take_gnss(const nav_msgs::Odometry& message) {

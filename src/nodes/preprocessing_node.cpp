@@ -1,4 +1,5 @@
 #include <atomic>
+#include <sstream>
 
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
@@ -22,6 +23,30 @@ constexpr int kSamplesPerScan = 20;
 /// nothing came.
 constexpr double kLook = 5.0;
 constexpr double kPatience = 10.0;
+/// Parameter with the datum of the run, for a node that was killed and starts again.
+const char* const kDatum = "run_state/gnss_datum";
+
+/// Whole: a master may round numbers.
+std::string to_text(const GeodeticDatum& datum) {
+  std::ostringstream text;
+  text.precision(17);
+  text << datum.latitude_deg << ' ' << datum.longitude_deg << ' ' << datum.altitude_m;
+  return text.str();
+}
+
+/// The map's frame must stay where it is when this node starts again in mid-drive.
+preprocessing::PreprocessingConfig with_datum_of_the_run(preprocessing::PreprocessingConfig config,
+                                                         const ros::NodeHandle& node) {
+  std::string text;
+  if (config.use_datum || !node.getParam(kDatum, text)) return config;
+  std::istringstream numbers(text);
+  std::vector<double> datum(3);
+  if (!(numbers >> datum[0] >> datum[1] >> datum[2])) return config;
+  config.use_datum = true;
+  config.datum = datum;
+  ROS_WARN_STREAM("going on with the GNSS datum " << text << " of before");
+  return config;
+}
 
 }  // namespace
 
@@ -32,6 +57,7 @@ class PreprocessingNode {
   using Config = NodeConfig<preprocessing::PreprocessingConfig>;
 
   PreprocessingNode(const Config& config, NodeContext& context);
+  ~PreprocessingNode();
 
  private:
   void advertise();
@@ -64,7 +90,8 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
       doctor_(std::make_unique<preprocessing::InputDoctor>(config.stage)),
-      stage_(config.stage, [this](const std::string& frame) { return T_base(frame); }) {
+      stage_(with_datum_of_the_run(config.stage, context.node),
+             [this](const std::string& frame) { return T_base(frame); }) {
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
@@ -73,6 +100,9 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
       ros::WallDuration(kPatience), [this](const ros::WallTimerEvent&) { say_if_nothing_came(); },
       kOnce);
 }
+
+/// Who ends as asked ends the run; who was killed goes on with it.
+PreprocessingNode::~PreprocessingNode() { context_.node.deleteParam(kDatum); }
 
 void PreprocessingNode::advertise() {
   ros::NodeHandle& node = context_.node;
@@ -161,7 +191,11 @@ void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
     publish(scan);
     spare_ = std::move(scan.scan.cloud);
   }
-  for (const std::string& notice : stage_.take_notices()) ROS_WARN_STREAM(notice);
+  for (const preprocessing::Notice& notice : stage_.take_notices()) {
+    const bool is_info = notice.level == preprocessing::Notice::Level::kInfo;
+    ROS_LOG_STREAM(is_info ? ros::console::levels::Info : ros::console::levels::Warn,
+                   ROSCONSOLE_DEFAULT_NAME, notice.text);
+  }
   if (!scans.empty()) report();
 }
 
@@ -189,6 +223,7 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
   message.longitude = datum->longitude_deg;
   message.altitude = datum->altitude_m;
   gnss_datum_.publish(message);
+  context_.node.setParam(kDatum, to_text(*datum));
 }
 
 void PreprocessingNode::report() {

@@ -38,7 +38,7 @@ void ScanPreparation::take(const RecordedScan& scan) {
 void ScanPreparation::flush() { forward(stage_.flush()); }
 
 void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
-  for (const std::string& notice : stage_.take_notices()) say_(notice);
+  for (const preprocessing::Notice& notice : stage_.take_notices()) say_(notice.text);
   for (preprocessing::SyncedScan& scan : scans) {
     PreparedScan prepared;
     prepared.synced = std::move(scan);

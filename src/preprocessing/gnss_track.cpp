@@ -54,9 +54,9 @@ FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   const double factor = scatter_.variance_factor();
   local.covariance *= factor;
   if (factor > 1.0 && scatter_.is_known()) {
-    notices_.say("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
-                                ", their covariance says " + metres(scatter_.stated()) +
-                                "; it is raised to what they do");
+    notices_.warn("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
+                                 ", their covariance says " + metres(scatter_.stated()) +
+                                 "; it is raised to what they do");
   }
   pending_.insert(at, {local, delay_});
   if (pending_.size() > kMostPending) pending_.pop_front();
@@ -137,10 +137,10 @@ void GnssTrack::learn_delay() {
   const bool is_late = std::abs(fit.delay) > std::max(kSmallestDelay, 4.0 * fit.delay_sigma);
   if (std::abs(fit.delay - delay_) < kSmallestDelay || (!is_late && delay_ == 0.0)) return;
   delay_ = fit.delay;
-  notices_.say("delay", "gnss: its stamps are " + milliseconds(delay_) +
-                            (delay_ > 0.0 ? " late" : " early") +
-                            " beside IMU and velocity; they are corrected from now on "
-                            "(gnss_time_offset corrects them from the beginning)");
+  notices_.warn("delay", "gnss: its stamps are " + milliseconds(delay_) +
+                             (delay_ > 0.0 ? " late" : " early") +
+                             " beside IMU and velocity; they are corrected from now on "
+                             "(gnss_time_offset corrects them from the beginning)");
 }
 
 /// What stamps that are off by delay_sigma_ make of a position, m^2, East and North.

@@ -25,6 +25,8 @@ ImuSample interpolated(const ImuSample& a, const ImuSample& b, Stamp stamp) {
   result.stamp = stamp;
   result.angular_velocity = between(a.angular_velocity, b.angular_velocity, f);
   result.linear_acceleration = between(a.linear_acceleration, b.linear_acceleration, f);
+  result.has_angular_velocity = a.has_angular_velocity && b.has_angular_velocity;
+  result.has_linear_acceleration = a.has_linear_acceleration && b.has_linear_acceleration;
   if (a.orientation && b.orientation) {
     result.orientation = a.orientation->slerp(f, *b.orientation).normalized();
   }

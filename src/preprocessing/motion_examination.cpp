@@ -105,6 +105,9 @@ InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
   InputReport report = examine_headers("imu", imu.flow, lookup);
   if (imu.samples.empty()) return report;
+  const bool has_acceleration =
+      std::any_of(imu.samples.begin(), imu.samples.end(),
+                  [](const ImuSample& sample) { return sample.has_linear_acceleration; });
   const Eigen::Vector3d mean = mean_acceleration(imu.samples);
   const bool in_g = config.imu_acceleration_unit == AccelerationUnit::kStandardGravity;
   const double gravity = mean.norm() * (in_g ? kGravity : 1.0);
@@ -113,7 +116,7 @@ InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
                   [](const ImuSample& sample) { return sample.orientation.has_value(); });
   report.found += text(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
                        fastest_turn(imu.samples), has_orientation ? "with" : "without");
-  judge_gravity(mean, gravity, lookup(imu.flow.frame()), report);
+  if (has_acceleration) judge_gravity(mean, gravity, lookup(imu.flow.frame()), report);
   judge_rates(imu, velocity, lookup, config.imu_angular_unit, report);
   return report;
 }

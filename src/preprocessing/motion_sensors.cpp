@@ -74,7 +74,8 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
     }
   }
   const Insertion insertion = imu_.insert(sample, frame_id);
-  if (insertion == Insertion::kTaken && estimate_bias_) {
+  const bool shows_rest = sample.has_angular_velocity && sample.has_linear_acceleration;
+  if (insertion == Insertion::kTaken && estimate_bias_ && shows_rest) {
     gyro_bias_.add(sample, is_standing(sample.stamp));
   }
   return insertion;
@@ -101,7 +102,7 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   if (!T_base_imu) return std::nullopt;
   ImuSample sample = interpolated(*pair->first, *pair->second, stamp);
-  sample.angular_velocity -= gyro_bias_.bias();
+  if (sample.has_angular_velocity) sample.angular_velocity -= gyro_bias_.bias();
   return in_base(sample, *T_base_imu);
 }
 
@@ -113,7 +114,7 @@ std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
   VelocitySample sample = interpolated(*pair->first, *pair->second, stamp);
   if (!velocity_turns_) {
     // Only the speed was measured; the lever arm needs the turning, which the gyro knows.
-    if (const auto imu = imu_at(stamp)) {
+    if (const auto imu = imu_at(stamp); imu && imu->has_angular_velocity) {
       sample.angular = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
     }
   }
@@ -125,7 +126,7 @@ MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
   const VectorAtTime gyro = [&](double time) -> std::optional<Eigen::Vector3d> {
     const auto sample = value_near(imu_, stamp + from_seconds(time));
-    if (!sample) return std::nullopt;
+    if (!sample || !sample->has_angular_velocity) return std::nullopt;
     return T_base_imu->rotation * (sample->angular_velocity - gyro_bias_.bias());
   };
   const VectorAtTime turning = [&](double time) -> std::optional<Eigen::Vector3d> {

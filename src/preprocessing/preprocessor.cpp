@@ -7,7 +7,6 @@
 
 #include "lidar_mapping/preprocessing/gnss_track.hpp"
 #include "lidar_mapping/preprocessing/motion_sensors.hpp"
-#include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 #include "lidar_mapping/preprocessing/thinning.hpp"
@@ -83,7 +82,7 @@ class Preprocessor::Impl {
     const auto at = std::lower_bound(waiting_.begin(), waiting_.end(), scan.stamp, before);
     if (at != waiting_.end() && at->raw.stamp == scan.stamp) return refuse_order(scan.stamp);
     const auto [span, problem] = settle_times(scan.cloud, scan.times_are_absolute, config_);
-    if (!problem.empty()) notices_.say("times", "points: " + problem);
+    if (!problem.empty()) notices_.warn("times", "points: " + problem);
     newest_ = std::max(newest_, scan.stamp);
     waiting_.insert(at, {std::move(scan), span});
   }
@@ -93,7 +92,7 @@ class Preprocessor::Impl {
     for (const std::string& problem : gnss_.settle(sensors_, newest_, latency_, all)) {
       refuse_fix(problem);
     }
-    for (const std::string& notice : gnss_.take_notices()) notices_.say(notice, notice);
+    for (const Notice& notice : gnss_.take_notices()) notices_.say(notice.text, notice);
     while (!waiting_.empty()) {
       const bool full = waiting_.size() > kLongestQueue;
       if (!all && !full && is_incomplete(waiting_.front())) break;
@@ -109,7 +108,7 @@ class Preprocessor::Impl {
 
   std::optional<GeodeticDatum> datum() const { return gnss_.datum(); }
   const PreprocessingCounters& counters() const { return counters_; }
-  std::vector<std::string> take_notices() { return notices_.take(); }
+  std::vector<Notice> take_notices() { return notices_.take(); }
 
  private:
   /// Inserts a sample; where time has gone back, after everything before was forgotten.
@@ -133,8 +132,8 @@ class Preprocessor::Impl {
     ++counters_.resets;
     const std::string by = jump > 0 ? " by " + seconds_text(jump) : "";
     notices_.forget("reset");
-    notices_.say("reset", name + ": time went back" + by +
-                              "; all buffers are empty now (a recording that begins anew?)");
+    notices_.warn("reset", name + ": time went back" + by +
+                               "; all buffers are empty now (a recording that begins anew?)");
     sensors_.clear();
     gnss_.clear();
     counters_.scans_forgotten += waiting_.size();
@@ -145,14 +144,14 @@ class Preprocessor::Impl {
 
   void refuse_fix(const std::string& problem) {
     ++counters_.gnss_refused;
-    notices_.say("gnss " + problem.substr(0, 12), "gnss: fix refused: " + problem);
+    notices_.warn("gnss " + problem.substr(0, 12), "gnss: fix refused: " + problem);
   }
 
   void refuse_order(Stamp stamp) {
     ++counters_.scans_out_of_order;
-    notices_.say("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
-                                     : "points: a scan came with the stamp of an earlier one or "
-                                       "after a later one; it was dropped");
+    notices_.warn("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
+                                      : "points: a scan came with the stamp of an earlier one or "
+                                        "after a later one; it was dropped");
   }
 
   bool is_incomplete(const WaitingScan& scan) const {
@@ -168,7 +167,7 @@ class Preprocessor::Impl {
     const auto T_base_lidar = extrinsics_.T_base(raw.frame_id);
     if (!T_base_lidar) {
       ++counters_.scans_without_extrinsic;
-      notices_.say("tf " + raw.frame_id, missing_transform("points", raw.frame_id));
+      notices_.warn("tf " + raw.frame_id, missing_transform("points", raw.frame_id));
       return std::nullopt;
     }
     sensors_.give_up_silent_sensors();
@@ -184,9 +183,9 @@ class Preprocessor::Impl {
     result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result.imu);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
-      notices_.say("empty",
-                   "points: a scan had fewer than min_points points after the filters; "
-                   "check distance_near_thresh, distance_far_thresh and vehicle_box");
+      notices_.warn("empty",
+                    "points: a scan had fewer than min_points points after the filters; "
+                    "check distance_near_thresh, distance_far_thresh and vehicle_box");
       return std::nullopt;
     }
     ++counters_.scans_out;
@@ -200,9 +199,9 @@ class Preprocessor::Impl {
     if (gnss_.trusts_heading(*position, *synced.imu->orientation, backwards)) {
       position->R_enu_base = synced.imu->orientation;
     } else if (gnss_.heading_check().verdict().has_value()) {
-      notices_.say("heading",
-                   "imu: its heading does not agree with the course over ground; it is "
-                   "not used (set imu_orientation to ENU if it is true nevertheless)");
+      notices_.warn("heading",
+                    "imu: its heading does not agree with the course over ground; it is "
+                    "not used (set imu_orientation to ENU if it is true nevertheless)");
     }
     return position;
   }
@@ -222,7 +221,10 @@ class Preprocessor::Impl {
       // The front end knows the way of the vehicle, but takes its turning as uniform: leave it so.
       const Eigen::Vector3d omega = mean_angular_velocity(measured.motion);
       measured.motion = without_uniform_turning(measured.motion, omega);
-      if (imu) imu->angular_velocity = omega;
+      if (imu) {
+        imu->angular_velocity = omega;
+        imu->has_angular_velocity = true;
+      }
     }
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
@@ -235,15 +237,15 @@ class Preprocessor::Impl {
 
   void note_motion(MotionSource source, bool has_times) {
     if (!has_times) {
-      notices_.say("motion none",
-                   "points: no point times; the scans are taken as compensated "
-                   "(raw ones need point_times: AZIMUTH)");
+      notices_.inform("motion none",
+                      "points: no point times; the scans are taken as compensated "
+                      "(raw ones need point_times: AZIMUTH)");
     } else if (source == MotionSource::kNone) {
-      notices_.say("motion later",
-                   "points: neither IMU nor velocity over the scan; the points keep "
-                   "their times and the front end compensates");
+      notices_.inform("motion later",
+                      "points: neither IMU nor velocity over the scan; the points keep "
+                      "their times and the front end compensates");
     } else {
-      notices_.say(
+      notices_.inform(
           std::string("motion ") + to_string(source),
           std::string("points: motion during the scan compensated by ") + to_string(source));
     }
@@ -254,18 +256,18 @@ class Preprocessor::Impl {
   void note_sensor(const SensorStream<Sample>& stream, Stamp stamp, bool has_value) {
     if (has_value || stream.buffer().empty()) return;
     if (!extrinsics_.T_base(stream.frame_id())) {
-      notices_.say("tf " + stream.name(), missing_transform(stream.name(), stream.frame_id()));
+      notices_.warn("tf " + stream.name(), missing_transform(stream.name(), stream.frame_id()));
       return;
     }
     const Stamp ahead = stream.buffer().oldest().stamp - stamp;
     const Stamp behind = stamp - stream.buffer().newest().stamp;
     if (ahead > kOtherClock || behind > kOtherClock) {
-      notices_.say("clock " + stream.name(), stream.name() + ": its stamps are " +
-                                                 seconds_text(std::max(ahead, behind)) +
-                                                 (ahead > 0 ? " ahead of" : " behind") +
-                                                 " those of the scans; is it another "
-                                                 "clock? (" +
-                                                 stream.name() + "_time_offset)");
+      notices_.warn("clock " + stream.name(), stream.name() + ": its stamps are " +
+                                                  seconds_text(std::max(ahead, behind)) +
+                                                  (ahead > 0 ? " ahead of" : " behind") +
+                                                  " those of the scans; is it another "
+                                                  "clock? (" +
+                                                  stream.name() + "_time_offset)");
     }
   }
 
@@ -309,6 +311,6 @@ std::vector<SyncedScan> Preprocessor::take_complete() { return impl_->take(false
 std::vector<SyncedScan> Preprocessor::flush() { return impl_->take(true); }
 std::optional<GeodeticDatum> Preprocessor::datum() const { return impl_->datum(); }
 const PreprocessingCounters& Preprocessor::counters() const { return impl_->counters(); }
-std::vector<std::string> Preprocessor::take_notices() { return impl_->take_notices(); }
+std::vector<Notice> Preprocessor::take_notices() { return impl_->take_notices(); }
 
 }  // namespace lidar_mapping::preprocessing

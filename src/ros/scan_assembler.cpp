@@ -105,7 +105,8 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   const Stamp stamp = waiting_.front().stamp;
   AssembledScan assembled{std::move(waiting_.front()), {}};
   waiting_.pop_front();
-  if (const auto imu = imu_.take(stamp)) assembled.prior.angular_velocity = imu->angular_velocity;
+  const auto imu = imu_.take(stamp);
+  if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;
   if (const auto velocity = velocity_.take(stamp)) {
     assembled.prior.linear_velocity = velocity->linear;
   }

@@ -10,11 +10,16 @@ namespace {
 constexpr double kNone = -1.0;
 constexpr std::size_t kRollRoll = 21;
 
+/// By sensor_msgs/Imu's definition.
+bool is_provided(const sensor_msgs::Imu::_angular_velocity_covariance_type& covariance) {
+  return covariance[0] != kNone;
+}
+
 std::optional<Eigen::Quaterniond> orientation_of(const sensor_msgs::Imu& message) {
   const auto& q = message.orientation;
   const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
   const double length = rotation.norm();
-  if (message.orientation_covariance[0] == kNone || !(length > 0.9 && length < 1.1)) return {};
+  if (!is_provided(message.orientation_covariance) || !(length > 0.9 && length < 1.1)) return {};
   return rotation.normalized();
 }
 
@@ -28,8 +33,18 @@ std_msgs::Header header_of(Stamp stamp, const std::string& frame_id) {
 }  // namespace
 
 ImuSample from_message(const sensor_msgs::Imu& message) {
-  return {from_ros(message.header.stamp), from_message(message.angular_velocity),
-          from_message(message.linear_acceleration), orientation_of(message)};
+  ImuSample sample;
+  sample.stamp = from_ros(message.header.stamp);
+  sample.has_angular_velocity = is_provided(message.angular_velocity_covariance);
+  sample.has_linear_acceleration = is_provided(message.linear_acceleration_covariance);
+  if (sample.has_angular_velocity) {
+    sample.angular_velocity = from_message(message.angular_velocity);
+  }
+  if (sample.has_linear_acceleration) {
+    sample.linear_acceleration = from_message(message.linear_acceleration);
+  }
+  sample.orientation = orientation_of(message);
+  return sample;
 }
 
 sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id) {
@@ -40,6 +55,8 @@ sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id
   const Pose turn{sample.orientation.value_or(Eigen::Quaterniond::Identity()), {0.0, 0.0, 0.0}};
   message.orientation = to_message(turn).orientation;
   message.orientation_covariance[0] = sample.orientation ? 0.0 : kNone;
+  message.angular_velocity_covariance[0] = sample.has_angular_velocity ? 0.0 : kNone;
+  message.linear_acceleration_covariance[0] = sample.has_linear_acceleration ? 0.0 : kNone;
   return message;
 }
 

@@ -135,6 +135,20 @@ TEST_F(FrontEndNode, LeavesOutScansThatCannotBeUsedAndSaysWhy) {
   EXPECT_NE(output.find("stamp of a scan goes back by 0.1"), std::string::npos) << output;
 }
 
+TEST_F(FrontEndNode, SaysOnceThatABagIsPlayedAgain) {
+  drive(0, 12);
+  ASSERT_TRUE(odometry_.wait_for(12));
+  for (int step = 0; step < 5; ++step) send(step);
+  drive(12, 13);
+  ASSERT_TRUE(odometry_.wait_for(13));
+  EXPECT_EQ(from_ros(odometry_.messages.back().header.stamp), stamp_of(12));
+  const std::string output = node_->output();
+  const std::size_t first = output.find("time went back: one start of the nodes maps one drive");
+  ASSERT_NE(first, std::string::npos) << output;
+  EXPECT_EQ(output.find("time went back", first + 1), std::string::npos) << output;
+  EXPECT_EQ(output.find("message left out"), std::string::npos) << output;
+}
+
 // F9, F10: queues without bound, and losses in silence.
 TEST_F(FrontEndNode, CountsEveryScanThatItCannotKeepUpWith) {
   start({"_queue_size:=3"});

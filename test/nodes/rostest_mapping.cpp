@@ -1,7 +1,9 @@
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -160,28 +162,6 @@ TEST_F(Mapping, GivesAMapOfTheLidarAlone) {
   EXPECT_TRUE(save().success);
 }
 
-TEST_F(Mapping, IsCompleteAfterLoopClosingAndViewerWereKilledInMidDrive) {
-  connect(kAllTopics);
-  drive(25);
-  nodes_.at("loop_closing_node")->kill();
-  nodes_.at("map_viewer_node")->kill();
-  drive(25);
-  start("loop_closing_node");
-  start("map_viewer_node");
-  ASSERT_TRUE(wait_until([] { return is_connected("key_frame"); }));
-  drive();
-  ASSERT_TRUE(odometry_.wait_for(sent_));
-  const OptimizeMap::Response optimized = optimize();
-  ASSERT_TRUE(wait_until([] { return ros::service::exists("save_map", false); }));
-  SaveMap::Response saved;
-  const std::string all = "of " + std::to_string(optimized.key_frames) + " key frames";
-  EXPECT_TRUE(wait_until([&] {
-    saved = save();
-    return saved.message.find(all) != std::string::npos;
-  })) << saved.message
-      << ", not " << all;
-}
-
 TEST_F(Mapping, GoesOnInANewSegmentAfterTheFrontEndWasKilled) {
   Listener<KeyFrameMessage> key_frames("key_frame");
   connect(kAllTopics);
@@ -221,6 +201,66 @@ TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
   EXPECT_FALSE(call.response.success);
   EXPECT_FALSE(call.response.message.empty());
   EXPECT_FALSE(save().success);
+}
+
+/// The nodes as users start them.
+class LaunchedMapping : public Mapping {
+ protected:
+  void SetUp() override {
+    nodes_["roslaunch"] = std::make_unique<NodeProcess>(
+        "/usr/bin/env",
+        std::vector<std::string>{"roslaunch", "lidar_mapping", "mapping.launch", "rviz:=false",
+                                 "use_sim_time:=false", "points:=/points", "imu:=/imu",
+                                 "velocity:=/velocity", "gnss:=/gnss",
+                                 "session_directory:=" + (folder() / "launched").string()});
+  }
+
+  /// Returns when roslaunch has started it again.
+  void kill(const std::string& name) {
+    const int process = process_of(name);
+    ASSERT_GT(process, 0) << name;
+    ::kill(process, SIGKILL);
+    ASSERT_TRUE(wait_until([&] {
+      const int now = process_of(name);
+      return now > 0 && now != process;
+    })) << name
+        << " did not come back: " << output_of("roslaunch");
+    wait_for_connections();
+  }
+  std::size_t sessions() const {
+    const fs::directory_iterator entries(folder() / "launched");
+    return static_cast<std::size_t>(std::count_if(
+        begin(entries), end(entries), [](const auto& entry) { return !entry.is_symlink(); }));
+  }
+};
+
+// F61, F62: what was killed lost the drive.
+TEST_F(LaunchedMapping, IsCompleteAfterEveryNodeWasKilledInMidDrive) {
+  Listener<KeyFrameMessage> key_frames("key_frame");
+  connect(kAllTopics);
+  drive(20);
+  for (const std::string& name : kNodes) {
+    ASSERT_TRUE(odometry_.wait_for(sent_)) << "before " << name << " is killed";
+    kill(name);
+    drive(12);
+  }
+  drive();
+  ASSERT_TRUE(odometry_.wait_for(sent_));
+  std::set<std::pair<std::uint32_t, std::uint32_t>> indices;  // some come again
+  for (const KeyFrameMessage& message : key_frames.messages) {
+    indices.emplace(message.index, message.segment);
+  }
+  EXPECT_EQ(indices.rbegin()->first + 1, indices.size()) << "none twice, none left out";
+  EXPECT_EQ(indices.rbegin()->second, 1U) << "one more segment for the front end that was killed";
+  EXPECT_TRUE(wait_until([&] { return optimize().key_frames == indices.size(); }));
+  EXPECT_EQ(sessions(), 1U);
+  const std::string all = "of " + std::to_string(indices.size()) + " key frames";
+  const SaveMap::Response saved = save();
+  EXPECT_NE(saved.message.find(all), std::string::npos) << saved.message << ", not " << all;
+  ASSERT_TRUE(wait_until([&] {
+    return !poses_.messages.empty() && poses_.messages.back().indices.size() == indices.size();
+  }));
+  EXPECT_LT(error_of(poses_.messages.back()), 0.5) << "both segments lie in one map";
 }
 
 }  // namespace

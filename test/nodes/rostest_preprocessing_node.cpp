@@ -27,11 +27,31 @@ Stamp stamp_of(int step) { return kBegin + step * kPeriod; }
 class PreprocessingNode : public testing::Test {
  protected:
   PreprocessingNode()
-      : node_("preprocessing_node", {"_max_latency:=2.0"}),
+      : node_(start()),
         clouds_(connected_publisher<sensor_msgs::PointCloud2>("points")),
         imu_(connected_publisher<sensor_msgs::Imu>("imu")),
         gnss_(connected_publisher<sensor_msgs::NavSatFix>("gnss")) {
-    EXPECT_TRUE(wait_until([&] { return synced_.connected() && synced_gnss_.connected(); }));
+    EXPECT_TRUE(wait_until([&] { return connected(); }));
+  }
+
+  static std::unique_ptr<NodeProcess> start() {
+    return std::make_unique<NodeProcess>("preprocessing_node",
+                                         std::vector<std::string>{"_max_latency:=2.0"});
+  }
+  bool connected() const {
+    for (const char* topic : {"points", "imu", "gnss", "tf_static", "synced_cloud", "synced_imu",
+                              "synced_gnss", "gnss_datum"}) {
+      if (!is_connected(topic)) return false;
+    }
+    return true;
+  }
+  /// Scans with an IMU and a fix before and after each.
+  void drive(int begin, int end) {
+    for (int step = begin; step < end; ++step) {
+      send_samples(stamp_of(step) - kPeriod / 2);
+      send_cloud(step);
+    }
+    send_samples(stamp_of(end - 1) + kPeriod / 2);
   }
 
   void send_cloud(int step) {
@@ -47,7 +67,7 @@ class PreprocessingNode : public testing::Test {
     imu_.publish(imu);
     sensor_msgs::NavSatFix fix;
     fix.header = imu.header;
-    fix.latitude = 49.0;
+    fix.latitude = latitude_;
     fix.longitude = 8.4;
     gnss_.publish(fix);
   }
@@ -60,24 +80,22 @@ class PreprocessingNode : public testing::Test {
     transforms_.sendTransform(transform);
   }
 
-  NodeProcess node_;
+  double latitude_ = 49.0;
+  std::unique_ptr<NodeProcess> node_;
   ros::Publisher clouds_, imu_, gnss_;
   tf2_ros::StaticTransformBroadcaster transforms_;
   Listener<sensor_msgs::PointCloud2> synced_{"synced_cloud"};
   Listener<sensor_msgs::Imu> synced_imu_{"synced_imu"};
   Listener<nav_msgs::Odometry> synced_gnss_{"synced_gnss"};
+  Listener<sensor_msgs::NavSatFix> datum_{"gnss_datum"};
 };
 
 // F1, F8, F12, F21: late tf, the LiDAR with and without other sensors, stamps bit for bit.
 TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   for (int step = 0; step < 5; ++step) send_cloud(step);
-  EXPECT_FALSE(synced_.wait_for(1, 0.5));
+  EXPECT_FALSE(synced_.wait_for(1, 0.1));
   send_transform();
-  for (int step = 5; step < 10; ++step) {
-    send_samples(stamp_of(step) - kPeriod / 2);
-    send_cloud(step);
-  }
-  send_samples(stamp_of(9) + kPeriod / 2);
+  drive(5, 10);
   ASSERT_TRUE(synced_.wait_for(10));
   for (int step = 0; step < 10; ++step) {
     const auto& message = synced_.messages[static_cast<std::size_t>(step)];
@@ -88,7 +106,24 @@ TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   ASSERT_TRUE(synced_gnss_.wait_for(5));
   EXPECT_EQ(from_ros(synced_imu_.messages.back().header.stamp), stamp_of(9));
   EXPECT_EQ(from_ros(synced_gnss_.messages.back().header.stamp), stamp_of(9));
-  EXPECT_TRUE(node_.is_running());
+  EXPECT_TRUE(node_->is_running());
+}
+
+/// The map's frame would jump otherwise.
+TEST_F(PreprocessingNode, KeepsTheDatumWhenItWasKilled) {
+  send_transform();
+  drive(0, 5);
+  ASSERT_TRUE(datum_.wait_for(1));
+  node_->kill();
+  node_ = start();
+  ASSERT_TRUE(wait_until([&] { return node_->is_running() && connected(); }));
+  synced_gnss_.messages.clear();
+  latitude_ = 49.001;
+  drive(20, 25);
+  ASSERT_TRUE(synced_gnss_.wait_for(5)) << node_->output();
+  ASSERT_TRUE(datum_.wait_for(2));
+  EXPECT_NEAR(datum_.messages.back().latitude, 49.0, 1e-12);
+  EXPECT_NEAR(synced_gnss_.messages.back().pose.pose.position.y, 111.2, 0.2);
 }
 
 // F5, F20: clouds without points or cut off.
@@ -104,7 +139,7 @@ TEST_F(PreprocessingNode, SurvivesUnusableClouds) {
   for (int step = 2; step < 8; ++step) send_cloud(step);
   ASSERT_TRUE(synced_.wait_for(6));
   EXPECT_EQ(from_ros(synced_.messages.front().header.stamp), stamp_of(2));
-  EXPECT_TRUE(node_.is_running());
+  EXPECT_TRUE(node_->is_running());
 }
 
 }  // namespace

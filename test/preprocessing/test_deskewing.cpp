@@ -77,6 +77,7 @@ double residual(const PointCloud& cloud) {
 struct Rig {
   Motion motion;
   bool imu = true;
+  bool gyro = true;
   bool velocity = true;
   bool velocity_turns = true;
   double begin = -0.05;
@@ -97,7 +98,9 @@ SyncedScan deskewed(const Rig& rig) {
     const Eigen::Vector3d omega(0.0, 0.0, rig.motion.rate(t));
     const Eigen::Vector3d v =
         Eigen::Vector3d(rig.motion.speed, 0.0, 0.0) + omega.cross(rig.T_base_imu.translation);
-    if (rig.imu) stage.add_imu(test::imu(at(t), to_imu * omega), "imu");
+    ImuSample sample = test::imu(at(t), rig.gyro ? to_imu * omega : Eigen::Vector3d::Zero());
+    sample.has_angular_velocity = rig.gyro;
+    if (rig.imu) stage.add_imu(sample, "imu");
     if (rig.velocity) {
       const Eigen::Vector3d turning =
           rig.velocity_turns ? (to_imu * omega).eval() : Eigen::Vector3d::Zero().eval();
@@ -159,6 +162,13 @@ TEST(Deskewing, WorksByVelocityAlone) {
   const SyncedScan scan = deskewed(rig);
   EXPECT_FALSE(scan.scan.cloud.has_times());
   EXPECT_LT(residual(scan.scan.cloud), 0.001);
+}
+
+/// An IMU may give an attitude alone: that it does not turn must not be concluded.
+TEST(Deskewing, TakesNoTurningFromAnImuWithoutGyro) {
+  Rig rig;
+  rig.gyro = false;
+  EXPECT_LT(residual(deskewed(rig).scan.cloud), 0.001) << "the velocity turns";
 }
 
 TEST(Deskewing, LeavesTimesWhereItCannotBeDone) {

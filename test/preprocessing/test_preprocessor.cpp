@@ -168,8 +168,8 @@ TEST(Preprocessor, BeginsAnewWhenTimeGoesBack) {  // F7
   append(again, stage.flush());
   EXPECT_GE(stage.counters().resets, 1U);
   const auto notices = stage.take_notices();
-  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const std::string& notice) {
-    return notice.find("time went back") != std::string::npos;
+  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
+    return notice.text.find("time went back") != std::string::npos;
   }));
   ASSERT_EQ(again.size(), expected.size());
   for (std::size_t i = 0; i < again.size(); ++i) {
@@ -237,7 +237,8 @@ TEST(Preprocessor, WaitsForTheTransformOfTheScan) {  // F21
   EXPECT_EQ(stage.counters().scans_without_extrinsic, 10U);  // the queue holds 30
   const auto notices = stage.take_notices();
   ASSERT_EQ(notices.size(), 1U);
-  EXPECT_NE(notices[0].find("'lidar' to base_link"), std::string::npos);
+  EXPECT_NE(notices[0].text.find("'lidar' to base_link"), std::string::npos);
+  EXPECT_EQ(notices[0].level, Notice::Level::kWarning);
   known = true;
   append(scans, stage.process(ring_scan(at(4.0))));
   append(scans, stage.flush());
@@ -252,7 +253,10 @@ TEST(Preprocessor, UsesNoSensorWithoutATransform) {
   append(scans, stage.flush());
   ASSERT_EQ(scans.size(), 20U);
   for (const SyncedScan& scan : scans) EXPECT_FALSE(scan.imu || scan.velocity || scan.gnss);
-  EXPECT_EQ(stage.take_notices().size(), 4U);  // imu, velocity, gnss; and no point times
+  const auto notices = stage.take_notices();
+  EXPECT_EQ(notices.size(), 4U);  // imu, velocity, gnss; and no point times
+  const auto is_info = [](const Notice& notice) { return notice.level == Notice::Level::kInfo; };
+  EXPECT_EQ(std::count_if(notices.begin(), notices.end(), is_info), 1) << "no point times";
 }
 
 TEST(Preprocessor, AppliesTimeOffsets) {

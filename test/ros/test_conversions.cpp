@@ -235,6 +235,23 @@ TEST(ImuConversion, TakesAQuaternionWithoutLengthForNone) {
   EXPECT_FALSE(from_message(sensor_msgs::Imu()).orientation);
 }
 
+TEST(ImuConversion, TakesACovarianceOfMinusOneForNoValue) {
+  sensor_msgs::Imu message;
+  message.angular_velocity.z = 5.0;
+  message.linear_acceleration.x = std::numeric_limits<double>::quiet_NaN();
+  message.orientation.w = 1.0;
+  EXPECT_TRUE(from_message(message).has_angular_velocity);
+  EXPECT_TRUE(from_message(message).has_linear_acceleration);
+  message.angular_velocity_covariance[0] = message.linear_acceleration_covariance[0] =
+      message.orientation_covariance[0] = -1.0;
+  const ImuSample sample = from_message(message);
+  EXPECT_FALSE(sample.has_angular_velocity || sample.has_linear_acceleration || sample.orientation);
+  EXPECT_TRUE(sample.angular_velocity.isZero(0.0) && sample.linear_acceleration.isZero(0.0));
+  const sensor_msgs::Imu again = to_message(sample, "base_link");
+  EXPECT_EQ(again.angular_velocity_covariance[0], -1.0);
+  EXPECT_EQ(again.linear_acceleration_covariance[0], -1.0);
+}
+
 TEST(VelocityConversion, ComesBackTheSame) {
   const VelocitySample sample{kStamp, {10.0, 0.1, 0.0}, {0.0, 0.0, 0.2}};
   const VelocitySample again = from_message(to_message(sample, "base_link"));

@@ -52,6 +52,17 @@ TEST(ScanAssembler, PairsByStampWhateverArrivesFirst) {
   EXPECT_EQ(ready[0].prior.linear_velocity->x(), static_cast<double>(kPeriod));
 }
 
+TEST(ScanAssembler, TakesNoTurningFromAnImuWithoutGyro) {
+  ScanAssembler assembler(false);
+  assembler.add_scan(scan_at(kPeriod));
+  ImuSample imu = imu_at(kPeriod);
+  imu.has_angular_velocity = false;
+  assembler.add_imu(imu);
+  const auto out = assembler.flush();
+  ASSERT_EQ(out.size(), 1U);
+  EXPECT_FALSE(out[0].prior.angular_velocity);
+}
+
 // F13: pairing by nearness; here a sample of another stamp must never be taken.
 TEST(ScanAssembler, NeverTakesASampleOfAnotherStamp) {
   ScanAssembler assembler(false);

@@ -14,6 +14,9 @@ struct ImuSample {
   Eigen::Vector3d linear_acceleration =
       Eigen::Vector3d::Zero();                    ///< m/s^2, +g upward at rest (REP 145)
   std::optional<Eigen::Quaterniond> orientation;  ///< R_world_sensor, East-North-Up
+  // What the sensor does not measure is zero here, and nobody may take it for rest.
+  bool has_angular_velocity = true;
+  bool has_linear_acceleration = true;
 };
 
 /// Velocity of a frame in its own axes.

@@ -49,7 +49,7 @@ class GnssTrack {
   const AntennaFit& antenna_fit() const { return antenna_fit_; }
   const FixScatter& scatter() const { return scatter_; }
   std::optional<GeodeticDatum> datum() const { return local_frame_.datum(); }
-  std::vector<std::string> take_notices() { return notices_.take(); }
+  std::vector<Notice> take_notices() { return notices_.take(); }
   void give_up_if_silent() {
     if (pending_.empty()) stream_.give_up_if_silent();
   }

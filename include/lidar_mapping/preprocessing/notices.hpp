@@ -2,27 +2,41 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lidar_mapping::preprocessing {
 
+/// A sentence for a person: what was found, or what is wrong.
+struct Notice {
+  enum class Level { kInfo, kWarning };
+  Level level = Level::kWarning;
+  std::string text;
+};
+
 /// Sentences for a person, each subject once until it is forgotten.
 class Notices {
  public:
-  void say(const std::string& subject, const std::string& sentence) {
-    if (said_.insert(subject).second) pending_.push_back(sentence);
+  void say(const std::string& subject, Notice notice) {
+    if (said_.insert(subject).second) pending_.push_back(std::move(notice));
+  }
+  void warn(const std::string& subject, const std::string& sentence) {
+    say(subject, {Notice::Level::kWarning, sentence});
+  }
+  void inform(const std::string& subject, const std::string& sentence) {
+    say(subject, {Notice::Level::kInfo, sentence});
   }
   /// The next sentence about that subject is news again.
   void forget(const std::string& subject) { said_.erase(subject); }
-  std::vector<std::string> take() {
-    std::vector<std::string> result;
+  std::vector<Notice> take() {
+    std::vector<Notice> result;
     result.swap(pending_);
     return result;
   }
 
  private:
   std::set<std::string> said_;
-  std::vector<std::string> pending_;
+  std::vector<Notice> pending_;
 };
 
 }  // namespace lidar_mapping::preprocessing

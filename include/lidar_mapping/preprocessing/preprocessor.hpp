@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -76,7 +77,7 @@ class Preprocessor {
   std::optional<GeodeticDatum> datum() const;
   const PreprocessingCounters& counters() const;
   /// Sentences about what was found or went wrong since the last call, each said once.
-  std::vector<std::string> take_notices();
+  std::vector<Notice> take_notices();
 
  private:
   class Impl;

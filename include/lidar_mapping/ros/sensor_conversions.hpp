@@ -11,8 +11,8 @@
 
 namespace lidar_mapping::ros_border {
 
-/// An orientation is 'none' where orientation_covariance[0] is -1 (sensor_msgs/Imu) or the
-/// quaternion has no length.
+/// What has -1 in the first element of its covariance is not provided (sensor_msgs/Imu); an
+/// orientation also where the quaternion has no length.
 ImuSample from_message(const sensor_msgs::Imu& message);
 sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id);
 
