@@ -212,7 +212,7 @@ class BackEnd::Impl {
 
   /// A map that is not in East-North-Up yet should be soon.
   int gnss_step() const {
-    constexpr int kFirstStep = 20;
+    constexpr int kFirstStep = 5;
     return drive_.in_enu.back() ? config_.optimize_step_with_gnss
                                 : std::min(kFirstStep, config_.optimize_step_with_gnss);
   }

@@ -42,8 +42,8 @@ struct BackEndConfig {
   double gnss_min_stddev_altitude_m = 0.1;
   double gnss_max_stddev_m = 10.0;
   double gnss_correlation_distance = 10.0;
-  double gnss_alignment_distance = 20.0;
-  double gnss_alignment_stddev_deg = 1.0;
+  double gnss_alignment_distance = 5.0;
+  double gnss_alignment_stddev_deg = 3.0;
 
   bool enable_imu_orientation = true;
   bool enable_imu_heading = false;
@@ -52,7 +52,7 @@ struct BackEndConfig {
   double imu_heading_stddev_deg = 2.0;
   double imu_acceleration_stddev_deg = 5.0;
 
-  FloorConstraint floor_constraint = FloorConstraint::kNone;
+  FloorConstraint floor_constraint = FloorConstraint::kNeighbours;
   double floor_stddev_deg = 0.2;
   double floor_stddev_m = 0.02;
 
