@@ -1,6 +1,9 @@
 #include "lidar_mapping/back_end/optimization.hpp"
 
+#include <sstream>
+
 #include "lidar_mapping/back_end/drive_placement.hpp"
+#include "lidar_mapping/back_end/marginal_covariance.hpp"
 #include "lidar_mapping/back_end/robust_solver.hpp"
 
 namespace lidar_mapping::back_end {
@@ -9,6 +12,8 @@ namespace {
 
 // Poses are then within a fraction of a millimetre of the minimum.
 constexpr double kTolerance = 1e-5;
+// Below it some motion of the whole map by metres costs next to nothing.
+constexpr double kWeaklyHeld = 1e-8;
 
 /// The states as odometry alone has them, from the first node of each segment.
 void follow_odometry(const DriveGraph& drive, FactorGraph& graph) {
@@ -85,10 +90,6 @@ void fill(const OptimizationProblem& problem, const DriveGraph& solved,
                        : "the solver failed, poses are as before: " + solution.message;
 }
 
-}  // namespace
-
-namespace {
-
 /// Only what is new and its surroundings; where that does not settle everything nothing moves.
 void solve_window(const OptimizationProblem& problem, OptimizationSolution& result) {
   DriveFactors factors = make_factors(result.drive, problem.config);
@@ -97,6 +98,17 @@ void solve_window(const OptimizationProblem& problem, OptimizationSolution& resu
   solution.success = solution.success && !result.whole_needed;
   if (solution.success) take_over(factors, solution, result.drive);
   fill(problem, result.drive, solution, result.report);
+}
+
+/// How firmly the least known motion is held: a map that nothing ties down shows here.
+void tell_firmness(const DriveFactors& factors, const RobustSolution& solution,
+                   OptimizationReport& report) {
+  report.least_eigenvalue = least_eigenvalue(factors.graph, solution.used);
+  std::ostringstream text;
+  text.precision(3);
+  text << "; smallest eigenvalue of the information matrix " << report.least_eigenvalue;
+  if (report.least_eigenvalue < kWeaklyHeld) text << ": the constraints hardly hold the map";
+  report.message += text.str();
 }
 
 }  // namespace
@@ -126,6 +138,7 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
     result->report.gnss_rms = georeference(drive, problem.config, true).rms_horizontal;
   }
   fill(problem, drive, solution, result->report);
+  if (problem.thorough && solution.success) tell_firmness(factors, solution, result->report);
   return result;
 }
 

@@ -108,6 +108,34 @@ TEST(MarginalCovariance, GrowsAlongTheChainAndShrinksWithALoop) {
   EXPECT_FALSE(marginal_covariance(*back_end.problem(), 100000));
 }
 
+// F53
+TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
+  FactorGraph graph;
+  for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
+  for (int i = 1; i < 4; ++i) {
+    const Pose motion = graph.pose(i - 1).inverse() * graph.pose(i);
+    graph.add({relative_pose_residual(motion, 100.0 * Matrix6d::Identity()), i - 1, i});
+  }
+  EXPECT_LT(least_eigenvalue(graph, {true, true, true}), 1e-9);
+  graph.add({prior_residual(graph.pose(0), 4.0 * Matrix6d::Identity()), 0});
+  const double held = least_eigenvalue(graph, {true, true, true, true});
+  EXPECT_GT(held, 0.01);
+  EXPECT_LT(held, 4.0);
+  // A tie at the other end makes it firmer.
+  graph.add({prior_residual(graph.pose(3), 400.0 * Matrix6d::Identity()), 3});
+  EXPECT_GT(least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * held);
+}
+
+// F53
+TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {
+  const SyntheticDrive drive = test::make_drive();
+  BackEnd back_end(BackEndConfig{});
+  test::feed(back_end, drive);
+  const auto report = report_of(*solve(*back_end.problem(true)));
+  EXPECT_GT(report.least_eigenvalue, 0.0);
+  EXPECT_NE(report.message.find("smallest eigenvalue"), std::string::npos) << report.message;
+}
+
 TEST(MarginalCovariance, OfOneMotionIsTheMotionsOwn) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});
