@@ -75,11 +75,10 @@ LocalMap::LocalMap(double voxel_size, double radius)
       coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, coarse_model()) {}
 
 void LocalMap::begin(double voxel_size) {
-  if (voxel_size == fine_.resolution()) {
-    clear();
-  } else {
-    *this = LocalMap(voxel_size, radius_);
-  }
+  const Eigen::Vector3d origin = fine_.origin();
+  fine_.restart(voxel_size);
+  coarse_.restart(kCoarseFactor * voxel_size);
+  move_origin(origin);
 }
 
 void LocalMap::clear() {

@@ -36,6 +36,9 @@ constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 /// Rounds of deskewing the first scan and matching the second one with it.
 constexpr int kStartRounds = 3;
+// Twists that differ by less move no point by more than the sensor's noise.
+constexpr double kSameSpeed = 0.02;  // m/s
+constexpr double kSameRate = 1e-3;   // rad/s
 
 // Measured twists belong to the stamp, the filter's to the middle of the sweep.
 constexpr double kGyroSigma = 0.1;  // rad/s
@@ -45,6 +48,11 @@ constexpr double kReportedWeight = 24.0;
 
 /// While lost, the speed falls by 1/e in this time.
 constexpr double kHoldTime = 1.0;  // s
+
+bool is_same_motion(const Vector6d& a, const Vector6d& b) {
+  const Vector6d d = a - b;
+  return d.head<3>().norm() < kSameSpeed && d.tail<3>().norm() < kSameRate;
+}
 
 }  // namespace
 
@@ -153,8 +161,11 @@ class NdtTracker::Impl {
     std::vector<MotionState> starts = starts_at_speed(start_, seconds + first_reference_);
     starts.push_back(prediction.state);
     found.match = matcher_.search(points, map_, prediction, starts);
+    Vector6d deskewed_with = Vector6d::Zero();
     for (int round = 0; scan.cloud.has_times() && round < kStartRounds; ++round) {
       const Vector6d twist = found.match.state.twist;
+      if (is_same_motion(twist, deskewed_with)) break;
+      deskewed_with = twist;
       map_.clear();
       map_.insert(first_, {moved(start_, twist, first_reference_), twist});
       found.match = matcher_.refine(points, map_, prediction, found.match.state);

@@ -63,6 +63,13 @@ void GaussianVoxelMap::clear() {
   dropped_points_ = 0;
 }
 
+void GaussianVoxelMap::restart(double resolution) {
+  clear();
+  resolution_ = resolution;
+  inverse_resolution_ = static_cast<float>(1.0 / resolution);
+  origin_cell_.setZero();
+}
+
 std::uint64_t GaussianVoxelMap::key_of(const Eigen::Vector3i& cell) const {
   const auto part = [&](int axis) {
     return static_cast<std::uint64_t>(cell[axis] + origin_cell_[axis] + kCoordinateOffset) &

@@ -53,6 +53,9 @@ class GaussianVoxelMap {
   void set_origin_cell(const Eigen::Vector3i& cell) { origin_cell_ = cell; }
 
   void clear();
+  /// Empties the map and goes on with voxels of another edge, in the same memory; the origin is to
+  /// be set anew.
+  void restart(double resolution);
   /// Adds points; those that find the table full are dropped and counted.
   void insert(const float* x, const float* y, const float* z, std::size_t count);
   /// Lets the hand pass over `share` (0 to 1) of the table and deletes what is farther than
