@@ -1,0 +1,208 @@
+// R6, F79: a street that was driven twice is one street in the map, and a wrong pass is found.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/loop_closing/loop_closer.hpp"
+#include "lidar_mapping/map/map_quality.hpp"
+
+#include "simulated_key_frames.hpp"
+
+namespace lidar_mapping {
+namespace {
+
+constexpr double kBegin = 6.0;       // s; first pass of the street
+constexpr double kFirstEnd = 11.5;   // s
+constexpr double kSecond = 56.0;     // s; the same street again, after a turn round the block
+constexpr double kEnd = 61.0;        // s
+constexpr double kGnssError = 0.12;  // m, standard deviation; independent after 50 m of way
+
+/// A drive round a block, its odometry and what GNSS says of it.
+class StreetTwice {
+ public:
+  StreetTwice() : drive_(options()), frames_(drive_, kBegin, kEnd, 2.0, 4) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    const auto noise = [&](double sigma) { return sigma * normal(random); };
+    Pose T_odom_base;
+    Eigen::Vector3d gnss_error(noise(kGnssError), noise(kGnssError), noise(kGnssError));
+    for (std::size_t i = 0; i < truth().size(); ++i) {
+      if (i > 0) {
+        const Pose motion = truth()[i - 1].T_map_base.inverse() * truth()[i].T_map_base;
+        Vector6d slip;
+        slip << noise(0.004), noise(0.004), noise(0.002), noise(1e-4), noise(1e-4), noise(2e-4);
+        T_odom_base = T_odom_base * perturbed(motion, slip);
+        const double kept = std::exp(-motion.translation.norm() / 50.0);
+        const double fresh = kGnssError * std::sqrt(1.0 - kept * kept);
+        gnss_error = kept * gnss_error + Eigen::Vector3d(noise(fresh), noise(fresh), noise(fresh));
+      }
+      add(truth()[i], T_odom_base, gnss_error);
+    }
+  }
+
+  struct Mapped {
+    KeyFramePoses poses;
+    std::size_t loops = 0;
+  };
+
+  Mapped mapped(bool with_gnss, bool with_loops) {
+    back_end::BackEndConfig config;
+    config.use_gnss = with_gnss;
+    config.use_loop_close = with_loops;
+    back_end::BackEnd back_end(config);
+    loop_closing::LoopCloser closer({}, frames_);
+    closer.set_sensor_origin(sensor());
+    Mapped result;
+    for (std::size_t i = 0; i < key_frames_.size(); ++i) {
+      back_end.add_key_frame(key_frames_[i]);
+      if (with_gnss) back_end.add_gnss(gnss_[i]);
+      if (!with_loops) continue;
+      KeyFrame key_frame = key_frames_[i];
+      key_frame.cloud = frames_.cloud(key_frame.index);
+      for (const Loop& loop : closer.process(key_frame).loops) {
+        back_end.add_loop(loop);
+        ++result.loops;
+      }
+    }
+    result.poses = back_end.apply(*back_end::solve(*back_end.problem(true)));
+    return result;
+  }
+
+  /// Spread that 90 % of the walls of the street stay below.
+  double wall_thickness(const KeyFramePoses& poses, bool second_pass) {
+    return map::local_thickness(in_street(poses, second_pass), frames_, config()).walls.high;
+  }
+
+  double error(const KeyFramePoses& poses) const {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < poses.poses.size(); ++i) {
+      squares +=
+          (poses.poses[i].T_map_base.translation - truth()[i].T_map_base.translation).squaredNorm();
+    }
+    return std::sqrt(squares / static_cast<double>(poses.poses.size()));
+  }
+
+  map::LocalThickness true_thickness() {
+    return map::local_thickness(in_street(frames_.poses, true), frames_, config());
+  }
+
+  /// How the second pass lies where it is moved like this in its own axes, place by place.
+  std::vector<map::GhostVector> ghosts_of(const Pose& displacement) {
+    KeyFramePoses poses = frames_.poses;
+    for (KeyFramePose& pose : poses.poses) {
+      if (seconds(pose) < kSecond) continue;
+      const Eigen::Quaterniond heading = exp_so3({0.0, 0.0, yaw_of(pose.T_map_base.rotation)});
+      pose.T_map_base.translation += heading * displacement.translation;
+      pose.T_map_base.rotation = displacement.rotation * pose.T_map_base.rotation;
+    }
+    std::vector<map::GhostVector> in_second_pass;
+    for (const map::GhostVector& ghost : map::ghost_vectors(poses, frames_, config())) {
+      if (seconds(truth()[ghost.key_frame]) > kSecond + 1.0) in_second_pass.push_back(ghost);
+    }
+    return in_second_pass;
+  }
+
+ private:
+  static simulation::DriveOptions options() {
+    simulation::DriveOptions options;
+    options.undistorted = true;
+    options.duration = kEnd + 1.0;
+    return options;
+  }
+
+  const std::vector<KeyFramePose>& truth() const { return frames_.poses.poses; }
+  Eigen::Vector3d sensor() const { return drive_.mounting().T_base_lidar.translation; }
+  map::QualityConfig config() const {
+    map::QualityConfig config;
+    config.p_base_sensor = sensor();
+    return config;
+  }
+  double seconds(const KeyFramePose& pose) const {
+    return to_seconds(pose.stamp - drive_.trajectory().begin());
+  }
+
+  void add(const KeyFramePose& pose, const Pose& T_odom_base, const Eigen::Vector3d& gnss_error) {
+    KeyFrame key_frame;
+    key_frame.index = pose.index;
+    key_frame.stamp = pose.stamp;
+    key_frame.T_odom_base = T_odom_base;
+    key_frame.motion_covariance = diagonal_covariance(0.005, 2e-4);
+    key_frames_.push_back(key_frame);
+    GnssPosition gnss;
+    gnss.stamp = pose.stamp;
+    gnss.p_base_antenna = drive_.mounting().p_base_antenna;
+    gnss.p_enu_antenna = pose.T_map_base * gnss.p_base_antenna + gnss_error;
+    gnss.covariance = kGnssError * kGnssError * Eigen::Matrix3d::Identity();
+    gnss_.push_back(gnss);
+  }
+
+  KeyFramePoses in_street(const KeyFramePoses& poses, bool second_pass) const {
+    KeyFramePoses chosen;
+    for (const KeyFramePose& pose : poses.poses) {
+      const bool first = seconds(pose) < kFirstEnd;
+      if (first || (second_pass && seconds(pose) > kSecond)) chosen.poses.push_back(pose);
+    }
+    return chosen;
+  }
+
+  simulation::Drive drive_;
+  test::SimulatedKeyFrames frames_;
+  std::vector<KeyFrame> key_frames_;
+  std::vector<GnssPosition> gnss_;
+};
+
+/// One drive for all tests: its scans take seconds.
+StreetTwice& street() {
+  static StreetTwice street;
+  return street;
+}
+
+TEST(Ghosting, LoopsMakeOneStreetOfTwoPassesUnderGnssErrors) {
+  const auto without = street().mapped(true, false);
+  const auto with = street().mapped(true, true);
+  ASSERT_GT(with.loops, 3U);
+  const double once = street().wall_thickness(with.poses, false);
+  EXPECT_GT(street().wall_thickness(without.poses, true), 1.5 * once);
+  EXPECT_LT(street().wall_thickness(with.poses, true), 1.3 * once);
+  EXPECT_NEAR(street().error(with.poses), street().error(without.poses), 0.05);
+}
+
+TEST(Ghosting, LoopsMakeOneStreetOfTwoPassesWithoutGnss) {
+  const auto with = street().mapped(false, true);
+  ASSERT_GT(with.loops, 3U);
+  EXPECT_LT(street().wall_thickness(with.poses, true),
+            1.3 * street().wall_thickness(with.poses, false));
+}
+
+TEST(Ghosting, ATrueMapIsAsThickAsTheNoise) {
+  const map::LocalThickness thickness = street().true_thickness();
+  EXPECT_GT(thickness.walls.cells, 300U);
+  EXPECT_GT(thickness.ground.cells, 1000U);
+  EXPECT_NEAR(thickness.ground.median_ratio, 1.0, 0.1);
+  EXPECT_NEAR(thickness.walls.median_ratio, 1.0, 0.1);
+}
+
+TEST(Ghosting, ADisplacedPassIsFoundWithItsSize) {
+  const auto expect = [&](const Pose& displacement, double yaw_deg) {
+    const auto ghosts = street().ghosts_of(displacement);
+    ASSERT_GE(ghosts.size(), 3U);
+    for (const map::GhostVector& ghost : ghosts) {
+      EXPECT_NEAR(ghost.left, displacement.translation.y(), 0.01) << ghost.key_frame;
+      EXPECT_NEAR(ghost.up, displacement.translation.z(), 0.01) << ghost.key_frame;
+      EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, yaw_deg, 0.05) << ghost.key_frame;
+    }
+  };
+  Pose displacement;
+  expect(displacement, 0.0);
+  displacement.translation.y() = 0.05;
+  expect(displacement, 0.0);
+  displacement.translation = Eigen::Vector3d(0.0, 0.0, 0.05);
+  expect(displacement, 0.0);
+  displacement.translation.setZero();
+  displacement.rotation = exp_so3({0.0, 0.0, 0.2 * M_PI / 180.0});
+  expect(displacement, 0.2);
+}
+
+}  // namespace
+}  // namespace lidar_mapping

@@ -1,0 +1,59 @@
+// On a recorded drive the measure tells better poses from worse ones without being told which.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/map/map_quality.hpp"
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+
+#include "test_data.hpp"
+
+namespace lidar_mapping {
+namespace {
+
+/// The scans of a folder around a revisit, in the LiDAR's frame.
+class FolderClouds : public CloudSource {
+ public:
+  explicit FolderClouds(const std::filesystem::path& folder) : folder_(folder.string()) {}
+  PointCloudPtr cloud(KeyFrameIndex index) override {
+    return std::make_shared<PointCloud>(folder_.scan(index).cloud);
+  }
+
+ private:
+  pipeline::KittiFolder folder_;
+};
+
+/// Key frames 40 to 90 and, much later, 610 to 660: the first street that is driven twice.
+KeyFramePoses street(const std::filesystem::path& file) {
+  const Trajectory trajectory = read_trajectory(file.string());
+  KeyFramePoses poses;
+  for (KeyFrameIndex index = 40; index < 660; ++index) {
+    if (index >= 90 && index < 610) continue;
+    poses.poses.push_back({index, Stamp{index}, trajectory.poses.at(index).pose});
+  }
+  return poses;
+}
+
+double median_distance(const KeyFramePoses& poses, CloudSource& clouds) {
+  std::vector<double> sizes;
+  for (const map::GhostVector& ghost : map::ghost_vectors(poses, clouds, {})) {
+    sizes.push_back(ghost.size());
+  }
+  EXPECT_GE(sizes.size(), 3U);
+  std::sort(sizes.begin(), sizes.end());
+  return sizes.empty() ? 0.0 : sizes[sizes.size() / 2];
+}
+
+TEST(RecordedQuality, RanksRegisteredPosesAboveThoseOfSatellites) {
+  REQUIRE_RECORDED(folder, "kitti00_keyframes");
+  FolderClouds clouds(folder);
+  const KeyFramePoses registered = street(folder / "poses.txt");
+  const KeyFramePoses satellites = street(folder / "poses_gnss_ins.txt");
+  EXPECT_LT(3.0 * median_distance(registered, clouds), median_distance(satellites, clouds));
+  EXPECT_LT(map::mean_map_entropy(registered, clouds).mean,
+            map::mean_map_entropy(satellites, clouds).mean);
+}
+
+}  // namespace
+}  // namespace lidar_mapping
