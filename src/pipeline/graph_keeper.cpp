@@ -39,7 +39,7 @@ void GraphKeeper::take(const DrivePiece& piece) try {
 void GraphKeeper::keep(const DrivePiece& piece) {
   session::Session& session = run_.session();
   session::Session::Batch batch(session);
-  if (piece.datum) session.set_datum(*piece.datum);
+  if (piece.datum) run_.set_datum(*piece.datum);
   if (piece.p_base_lidar) session.set_sensor_origin(*piece.p_base_lidar);
   for (const ScanEntry& scan : piece.scans) {
     session.add_scan(scan.record);

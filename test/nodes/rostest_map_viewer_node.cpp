@@ -4,6 +4,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/session/session.hpp"
 
 #include "listener.hpp"
 #include "node_process.hpp"
@@ -14,6 +15,41 @@ namespace lidar_mapping::test {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Ground and a wall all round, seen from one place; key frame 3 sees a box before the wall as
+/// well.
+KeyFrameMessage standing_message(int index) {
+  auto cloud = std::make_shared<PointCloud>();
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = -40; j <= 40; ++j) {
+      cloud->points.push_back({0.25F * static_cast<float>(i), 0.25F * static_cast<float>(j), 0, 1});
+    }
+  }
+  for (int i = 0; i < 1800; ++i) {
+    const float azimuth = static_cast<float>(i) * 3.14159265F / 900.0F;
+    for (float z = 0.0F; z < 4.0F; z += 0.1F) {
+      cloud->points.push_back({15.0F * std::cos(azimuth), 15.0F * std::sin(azimuth), z, 1});
+    }
+  }
+  for (int i = 0; index == 3 && i < 100; ++i) {
+    const auto column = static_cast<float>(i % 10);
+    const auto row = static_cast<float>(i / 10);
+    cloud->points.push_back({5.0F, 0.1F * column, 0.7F + 0.1F * row, 1});
+  }
+  KeyFrame key_frame;
+  key_frame.index = static_cast<KeyFrameIndex>(index);
+  key_frame.stamp = round_key_frame(index).stamp;
+  key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
+  key_frame.cloud = cloud;
+  return ros_border::to_message(key_frame, "run", "base_link");
+}
+
+/// Points of the box that only one key frame saw.
+std::ptrdiff_t points_of_box(const fs::path& pcd) {
+  const PointCloud map = session::read_pcd(pcd);
+  return std::count_if(map.points.begin(), map.points.end(),
+                       [](const Point& p) { return p.z > 0.5F && std::hypot(p.x, p.y) < 8.0F; });
+}
 
 /// A back end that has some key frames.
 class MapViewerNode : public testing::Test {
@@ -52,12 +88,14 @@ class MapViewerNode : public testing::Test {
   }
 
   /// Calls the service while the services and topics of this process go on.
-  SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {}) {
+  SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {},
+                         bool keep_moving = false) {
     ros::AsyncSpinner spinner(1);
     spinner.start();
     SaveMap request;
     request.request.directory = directory.string();
     request.request.formats = std::move(formats);
+    request.request.keep_moving = keep_moving;
     ros::service::waitForService("save_map", ros::Duration(20.0));
     ros::service::call("save_map", request);
     return request.response;
@@ -137,6 +175,28 @@ TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
     poses.publish(corrected(kRound, revision));
   }
   EXPECT_FALSE(map.wait_for(3, 1.0)) << "they did not move again";
+}
+
+// What moved while it was seen is not in the map, unless it is wanted or nobody knows whence.
+TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
+  constexpr int kStanding = 8;
+  for (int i = 0; i < kStanding; ++i) stored_.push_back(standing_message(i));
+  const NodeProcess node("map_viewer_node");
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kStanding; }));
+  const SaveMap::Response unknown = save(folder_.path() / "unknown", {"pcd"});
+  EXPECT_NE(unknown.message.find("moving objects"), std::string::npos) << unknown.message;
+  EXPECT_GT(points_of_box(folder_.path() / "unknown/map.pcd"), 10);
+  session::Session::create_in(folder_.path() / "session").set_sensor_origin({0.0, 0.0, 1.8});
+  ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
+  const SaveMap::Response removed = save(folder_.path() / "removed", {"pcd"});
+  const SaveMap::Response kept = save(folder_.path() / "kept", {"pcd"}, true);
+  ros::NodeHandle().deleteParam("session_folder");
+  EXPECT_TRUE(removed.success) << removed.message << node.output();
+  EXPECT_EQ(removed.message.find("moving objects"), std::string::npos) << removed.message;
+  EXPECT_EQ(points_of_box(folder_.path() / "removed/map.pcd"), 0);
+  EXPECT_GT(points_of_box(folder_.path() / "kept/map.pcd"), 10);
 }
 
 // F55: saving works without an optimisation, and says what it wrote.
