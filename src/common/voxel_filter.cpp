@@ -29,8 +29,16 @@ class CellNumbers {
     slots_.assign(capacity, kFree);
   }
 
-  /// The number of the cell; the next free one if it is new.
+  /// The number of the cell; the next free one if it is new. Neighbours in a cloud often share one.
   std::size_t number_of(const Cell& cell) {
+    if (!cells_.empty() && cells_[last_] == cell) return last_;
+    return last_ = find_or_add(cell);
+  }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;
+
+  std::size_t find_or_add(const Cell& cell) {
     const std::size_t mask = slots_.size() - 1;
     std::size_t slot = hash_of(cell) & mask;
     while (slots_[slot] != kFree && !(cells_[slots_[slot]] == cell)) slot = (slot + 1) & mask;
@@ -41,10 +49,9 @@ class CellNumbers {
     return slots_[slot];
   }
 
- private:
-  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;
   std::vector<std::uint32_t> slots_;
   std::vector<Cell> cells_;
+  std::size_t last_ = 0;
 };
 
 /// Offsets are summed relative to the voxel's first point: sums stay small, so double means exact.

@@ -45,10 +45,12 @@ Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceClo
   for (std::size_t i = 0; i < source.size(); i += stride) {
     const Eigen::Vector3d p_source = source[i].cast<double>();
     const Eigen::Vector3d p_target = R * p_source + T.translation;
-    const auto pair = target.tree.nearest(p_target.cast<float>(), level.pair_distance);
-    if (!pair || target.normals[pair->index].isZero()) continue;
-    const Eigen::Vector3d normal = target.normals[pair->index].cast<double>();
-    const double residual = normal.dot(p_target - target.tree.points()[pair->index].cast<double>());
+    const auto pair = target.tree().nearest(p_target.cast<float>(), level.pair_distance);
+    if (!pair) continue;
+    const Eigen::Vector3d normal = target.normal(pair->index).cast<double>();
+    if (normal.isZero()) continue;
+    const double residual =
+        normal.dot(p_target - target.tree().points()[pair->index].cast<double>());
     const Eigen::Vector3d normal_source = R.transpose() * normal;
     Vector6d jacobian;
     jacobian << normal_source, p_source.cross(normal_source);

@@ -114,10 +114,9 @@ std::shared_ptr<const Submap> Submaps::around(const Trajectory& trajectory,
   const auto others = joined(trajectory, node, extent, extent).points;
   cloud.points.insert(cloud.points.end(), others.begin(), others.end());
   auto submap = std::make_shared<Submap>();
-  submap->surface.tree =
-      KdTree(positions(voxel_filtered(cloud, leaf(config_.map_filter, config_.map_leaf_size))));
-  submap->surface.normals = planar_normals(submap->surface.tree);
-  submap->above_ground = above_ground(submap->surface.tree.points());
+  submap->surface = SurfaceCloud(
+      positions(voxel_filtered(cloud, leaf(config_.map_filter, config_.map_leaf_size))));
+  submap->above_ground = above_ground(submap->surface.tree().points());
   submap->image = RangeImage(positions(*own), p_base_lidar_);
   remember(kept_submaps_, index, std::shared_ptr<const Submap>(submap), kMaxSubmaps);
   return submap;

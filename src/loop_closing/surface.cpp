@@ -79,14 +79,17 @@ std::vector<Eigen::Vector3f> positions(const PointCloud& cloud) {
   return result;
 }
 
-std::vector<Eigen::Vector3f> planar_normals(const KdTree& tree) {
-  const auto& points = tree.points();
-  std::vector<Eigen::Vector3f> normals(points.size(), Eigen::Vector3f::Zero());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto neighbours = tree.nearest(points[i], kNeighbours);
-    if (neighbours.size() == kNeighbours) normals[i] = planar_normal(points, neighbours);
-  }
-  return normals;
+SurfaceCloud::SurfaceCloud(std::vector<Eigen::Vector3f> points)
+    : tree_(std::move(points)),
+      normals_(tree_.points().size(), Eigen::Vector3f::Zero()),
+      is_known_(tree_.points().size(), false) {}
+
+const Eigen::Vector3f& SurfaceCloud::normal(std::size_t index) const {
+  if (is_known_[index]) return normals_[index];
+  is_known_[index] = true;
+  const auto neighbours = tree_.nearest(tree_.points()[index], kNeighbours);
+  if (neighbours.size() == kNeighbours) normals_[index] = planar_normal(tree_.points(), neighbours);
+  return normals_[index];
 }
 
 std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points) {

@@ -36,7 +36,7 @@ double smaller_eigenvalue(const Eigen::Matrix2d& scatter, int count) {
 /// Overlap, tested points and horizontal eigenvalue.
 void measure_overlap(const QueryScan& query, const Submap& submap,
                      const Eigen::Isometry3f& T_submap_query, MatchFigures& figures) {
-  const KdTree& tree = submap.surface.tree;
+  const KdTree& tree = submap.surface.tree();
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   int pairs = 0;
   int explained = 0;
@@ -47,7 +47,7 @@ void measure_overlap(const QueryScan& query, const Submap& submap,
     const auto pair = tree.nearest(p, kPairSearch);
     if (!pair) continue;
     if (pair->squared_distance < kPairDistance * kPairDistance) ++explained;
-    const Eigen::Vector3f& normal = submap.surface.normals[pair->index];
+    const Eigen::Vector3f& normal = submap.surface.normal(pair->index);
     if (normal.isZero()) continue;
     if (std::abs(normal.dot(p - tree.points()[pair->index])) > kPairDistance) continue;
     const Eigen::Vector2d horizontal = normal.head<2>().cast<double>();
@@ -74,7 +74,7 @@ double violation_of_query(const QueryScan& query, const Submap& submap,
 double violation_of_submap(const QueryScan& query, const Submap& submap,
                            const Eigen::Isometry3f& T_query_submap) {
   SightTally tally;
-  const auto& points = submap.surface.tree.points();
+  const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!submap.above_ground[i]) continue;
     const Eigen::Vector3f p = T_query_submap * points[i];
@@ -88,7 +88,7 @@ double fitness_of(const QueryScan& query, const Submap& submap,
   double sum = 0.0;
   int pairs = 0;
   for (const auto& p : query.points) {
-    const auto pair = submap.surface.tree.nearest(T_submap_query * p, range);
+    const auto pair = submap.surface.tree().nearest(T_submap_query * p, range);
     if (!pair) continue;
     sum += pair->squared_distance;
     ++pairs;

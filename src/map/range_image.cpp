@@ -49,12 +49,13 @@ Sight RangeImage::sight_of(const Eigen::Vector3f& p_sensor) const {
   if (pixels_[centre].nearest == kNothing) return Sight::kUnknown;
   const float margin = kMargin + kMarginPerRange * direction.range;
   if (nearest_around_[centre] > direction.range + margin) return Sight::kSeenThrough;
+  const auto is_hit = [&](const Pixel& pixel) {
+    return pixel.nearest <= direction.range + margin && pixel.farthest >= direction.range - margin;
+  };
+  if (is_hit(pixels_[centre])) return Sight::kHit;  // mostly, and cheaper than its neighbours
   for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
     for (int c = -1; c <= 1; ++c) {
-      const Pixel& pixel = pixels_[at(wrapped(direction.column + c), r + first_row_)];
-      if (pixel.nearest <= direction.range + margin && pixel.farthest >= direction.range - margin) {
-        return Sight::kHit;
-      }
+      if (is_hit(pixels_[at(wrapped(direction.column + c), r + first_row_)])) return Sight::kHit;
     }
   }
   return Sight::kUnknown;

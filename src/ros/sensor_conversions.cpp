@@ -1,5 +1,7 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
+#include <algorithm>
+
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
@@ -80,6 +82,21 @@ GnssFix from_message(const sensor_msgs::NavSatFix& message) {
     fix.covariance = Eigen::Map<const Eigen::Matrix3d>(message.position_covariance.data());
   }
   return fix;
+}
+
+sensor_msgs::NavSatFix to_message(const GnssFix& fix, const std::string& frame_id) {
+  sensor_msgs::NavSatFix message;
+  message.header = header_of(fix.stamp, frame_id);
+  message.status.status = static_cast<std::int8_t>(fix.status);
+  message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
+  message.latitude = fix.latitude_deg;
+  message.longitude = fix.longitude_deg;
+  message.altitude = fix.altitude_m;
+  if (fix.covariance) {
+    std::copy_n(fix.covariance->data(), 9, message.position_covariance.begin());
+    message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_KNOWN;
+  }
+  return message;
 }
 
 nav_msgs::Odometry to_message(const GnssPosition& position, const std::string& map_frame,

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -47,22 +46,6 @@ sensor_msgs::Imu imu_message(const ImuSample& sample) {
   fill_diagonal(message.orientation_covariance, kOrientationNoise);
   fill_diagonal(message.angular_velocity_covariance, kGyroNoise);
   fill_diagonal(message.linear_acceleration_covariance, kAccelerometerNoise);
-  return message;
-}
-
-sensor_msgs::NavSatFix fix_message(const GnssFix& fix) {
-  sensor_msgs::NavSatFix message;
-  message.header.stamp = ros_border::to_ros(fix.stamp);
-  message.header.frame_id = kAntennaFrame;
-  message.status.status = static_cast<std::int8_t>(fix.status);
-  message.status.service = sensor_msgs::NavSatStatus::SERVICE_GPS;
-  message.latitude = fix.latitude_deg;
-  message.longitude = fix.longitude_deg;
-  message.altitude = fix.altitude_m;
-  if (fix.covariance) {
-    std::copy_n(fix.covariance->data(), 9, message.position_covariance.begin());
-    message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_KNOWN;
-  }
   return message;
 }
 
@@ -186,7 +169,7 @@ void add_samples(BagWriter& writer, const Drive& drive, const BagContent& conten
   }
   if (content.gnss) {
     for (const GnssFix& fix : drive.gnss()) {
-      writer.add(kFixTopic, fix.stamp, fix_message(spoilt(fix, content)));
+      writer.add(kFixTopic, fix.stamp, ros_border::to_message(spoilt(fix, content), kAntennaFrame));
     }
   }
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {

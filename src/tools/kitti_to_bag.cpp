@@ -1,6 +1,7 @@
-// Writes a folder of scans, as KITTI's odometry benchmark lays it out, as a bag with the topics
-// that mapping.launch expects.
+// Writes a raw recording of KITTI, or a folder as its odometry benchmark lays it out, as a bag with
+// the topics that mapping.launch expects.
 
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/pipeline/folder_input.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -97,7 +99,62 @@ std::optional<Trajectory> enu_poses(const Options& options, std::size_t scans) {
   return poses;
 }
 
-void convert(const Options& options) {
+/// Writes data of a raw recording as messages, in their order.
+class RawWriter {
+ public:
+  RawWriter(rosbag::Bag& bag, const pipeline::FolderInput& input) : bag_(bag) {
+    tf2_msgs::TFMessage frames;
+    for (const auto& [name, T_base] : input.frames()) {
+      if (name != "base_link") {
+        frames.transforms.push_back(fixed("base_link", name.c_str(), T_base, input.begin()));
+      }
+    }
+    bag_.write("/tf_static", ros_border::to_ros(input.begin()), frames);
+  }
+
+  void operator()(const pipeline::RecordedScan& scan) {
+    const preprocessing::RawScan raw = scan.decode();
+    write("/kitti/velo/pointcloud", scan.stamp,
+          ros_border::to_message(raw.cloud, scan.stamp, raw.frame_id));
+  }
+  void operator()(const pipeline::FramedSample<ImuSample>& imu) {
+    write("/kitti/oxts/imu", imu.sample.stamp, ros_border::to_message(imu.sample, imu.frame_id));
+  }
+  void operator()(const pipeline::FramedSample<VelocitySample>& velocity) {
+    write("/kitti/oxts/gps/vel", velocity.sample.stamp,
+          ros_border::to_message(velocity.sample, velocity.frame_id));
+  }
+  void operator()(const pipeline::FramedSample<GnssFix>& fix) {
+    write("/kitti/oxts/gps/fix", fix.sample.stamp,
+          ros_border::to_message(fix.sample, fix.frame_id));
+  }
+
+ private:
+  template <typename Message>
+  void write(const char* topic, Stamp stamp, const Message& message) {
+    bag_.write(topic, ros_border::to_ros(stamp), message);
+  }
+
+  rosbag::Bag& bag_;
+};
+
+void convert_raw(const Options& options) {
+  pipeline::FolderOptions folder;
+  folder.sensor_height = options.sensor_height;
+  pipeline::FolderInput input(options.folder, folder);
+  std::cout << input.description() << "\n";
+  rosbag::Bag bag(options.bag, rosbag::bagmode::Write);
+  bag.setCompression(rosbag::compression::LZ4);
+  RawWriter write(bag, input);
+  tools::ProgressBar progress("writing messages", input.size());
+  for (std::size_t done = 0; auto datum = input.next();) {
+    std::visit(write, *datum);
+    progress.show(++done);
+  }
+  bag.close();
+}
+
+void convert_odometry(const Options& options) {
   const pipeline::KittiFolder folder(options.folder);
   const auto poses = enu_poses(options, folder.size());
   rosbag::Bag bag(options.bag, rosbag::bagmode::Write);
@@ -124,9 +181,10 @@ void convert(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Writes a folder of scans in KITTI's layout as a bag for mapping.launch"};
+  CLI::App app{"Writes a raw or odometry folder of KITTI as a bag for mapping.launch"};
   Options options;
-  app.add_option("folder", options.folder, "folder with velodyne/NNNNNN.bin and times.txt")
+  app.add_option("folder", options.folder,
+                 "folder with velodyne_points/ and oxts/, or with velodyne/ and times.txt")
       ->required();
   app.add_option("bag", options.bag, "bag to write")->required();
   app.add_option("--poses-enu", options.poses_enu,
@@ -143,7 +201,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    convert(options);
+    const bool is_raw = std::filesystem::is_directory(options.folder + "/velodyne_points");
+    is_raw ? convert_raw(options) : convert_odometry(options);
   } catch (const std::exception& error) {
     std::cerr << "kitti_to_bag: " << error.what() << "\n";
     return 1;

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <thread>
@@ -40,6 +41,7 @@ struct Options {
   int threads = 0;
   bool resume = false;
   bool no_map = false;
+  bool report = false;
   ProductOptions products;
 };
 
@@ -75,6 +77,8 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_flag("--keep-moving", options.products.keep_moving,
                "leave points of moving objects in the map");
   app.add_flag("--no-map", options.no_map, "the session alone; build_map makes a map of it later");
+  app.add_flag("--report", options.report,
+               "judge the map and write report.html, as map_quality does");
   app.add_option("--figures", options.figures, "write times and counts to this JSON file");
 }
 
@@ -89,6 +93,13 @@ Session open_session(const Options& options) {
                     "on with a session that was broken off");
   }
   return Session::create_in(options.output);
+}
+
+/// Another program of this package, which lies beside this one.
+void run_beside(const std::string& program, const std::string& words) {
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  const std::string command = "'" + (folder / program).string() + "' " + words;
+  if (std::system(command.c_str()) != 0) throw FileError("this failed: " + command);
 }
 
 class MappingRun {
@@ -169,6 +180,7 @@ class MappingRun {
       products = progress_->seconds() - mapped;
     }
     print_figures(figures(mapped, products));
+    if (options_.report) run_beside("map_quality", "'" + options_.output + "' --report");
     return stop_asked != 0 ? kStoppedEarly : 0;
   }
 

@@ -9,7 +9,7 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-TEST(PlanarNormals, StandOnWallsAndAreMissingInFoliage) {
+TEST(SurfaceCloud, HasNormalsOnWallsAndNoneInFoliage) {
   std::vector<Eigen::Vector3f> points;
   std::mt19937 generator(1);
   std::uniform_real_distribution<float> coordinate(0.0F, 5.0F);
@@ -18,14 +18,14 @@ TEST(PlanarNormals, StandOnWallsAndAreMissingInFoliage) {
     points.emplace_back(coordinate(generator), 20.0F + coordinate(generator),
                         coordinate(generator));
   }
-  const KdTree tree(points);
-  const auto normals = planar_normals(tree);
+  const SurfaceCloud surface(points);
+  const auto& placed = surface.tree().points();
   int on_wall = 0;
   int in_foliage = 0;
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const bool wall = tree.points()[i].y() < 10.0F;
-    if (wall) on_wall += std::abs(normals[i].y()) > 0.999F;
-    if (!wall) in_foliage += !normals[i].isZero();
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const bool wall = placed[i].y() < 10.0F;
+    if (wall) on_wall += std::abs(surface.normal(i).y()) > 0.999F;
+    if (!wall) in_foliage += !surface.normal(i).isZero();
   }
   EXPECT_EQ(on_wall, 2000);
   EXPECT_LT(in_foliage, 300);

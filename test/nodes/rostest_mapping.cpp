@@ -10,6 +10,7 @@
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/session/session.hpp"
 
 #include "bag_player.hpp"
 #include "connections.hpp"
@@ -104,6 +105,23 @@ class Mapping : public testing::Test {
     return largest;
   }
 
+  /// The largest distance between the nodes' key frames and those of map_bag from the same bag.
+  double difference_to_map_bag(const KeyFramePosesMessage& message) const {
+    const fs::path output = folder() / "map_bag";
+    NodeProcess program("map_bag", {bag(), "-o", output.string(), "--no-map"});
+    EXPECT_EQ(program.wait(100.0), 0) << program.output();
+    const auto session = session::Session::open(output, session::Session::Access::kRead);
+    const std::vector<KeyFramePose> poses = session.poses().poses;
+    EXPECT_EQ(poses.size(), message.poses.size());
+    double largest = poses.empty() ? 1e9 : 0.0;
+    for (std::size_t i = 0; i < std::min(poses.size(), message.poses.size()); ++i) {
+      EXPECT_EQ(poses[i].stamp, ros_border::from_ros(message.stamps[i]));
+      const Pose live = ros_border::from_message(message.poses[i]);
+      largest = std::max(largest, (poses[i].T_map_base.translation - live.translation).norm());
+    }
+    return largest;
+  }
+
   OptimizeMap::Response optimize() {
     OptimizeMap call;
     EXPECT_TRUE(ros::service::call("optimize_map", call));
@@ -142,6 +160,7 @@ TEST_F(Mapping, GivesAMapAndLosesNoScan) {
            poses_.messages.back().indices.size() == optimized.key_frames;
   }));
   EXPECT_LT(error_of(poses_.messages.back()), 0.3);
+  EXPECT_LT(difference_to_map_bag(poses_.messages.back()), 0.02);
   const SaveMap::Response saved = save();
   ASSERT_TRUE(saved.success) << saved.message;
   for (const std::string& file : saved.files) EXPECT_GT(fs::file_size(file), 0U) << file;

@@ -10,7 +10,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 #include "temporary_folder.hpp"
@@ -184,6 +183,32 @@ TEST_F(MapBag, SavesWhatThereIsWhenItIsStopped) {
   EXPECT_TRUE(fs::exists(folder / "trajectory" / "optimized.tum"));
   EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
   EXPECT_LT(difference_to_whole(folder), 0.02);
+}
+
+TEST_F(MapBag, ReadsFoldersOfKittiAndKittiToBagWritesThem) {
+  const TemporaryFolder parent;
+  const fs::path odometry = parent.path() / "odometry";
+  const fs::path raw = parent.path() / "raw";
+  const auto run = [&](const std::string& program, const Words& words) {
+    return Program(program, words, root() / "log").wait();
+  };
+  ASSERT_EQ(run("simulate_drive", {"--kitti", odometry, "--lidar", "vlp16", "--duration", "4"}), 0);
+  EXPECT_EQ(run("map_bag", {odometry, "-o", parent.path() / "a", "--no-map"}), 0) << said();
+  fs::create_directories(raw / "velodyne_points");
+  fs::rename(odometry / "velodyne", raw / "velodyne_points" / "data");
+  std::ofstream dates(raw / "velodyne_points" / "timestamps.txt");
+  for (int i = 0; i < 60; ++i) dates << "2011-09-26 13:02:2" << i / 10 << "." << i % 10 << "\n";
+  dates.close();
+  const fs::path written = parent.path() / "raw.bag";
+  ASSERT_EQ(run("kitti_to_bag", {raw, written}), 0) << said();
+  const auto count = [&](const std::string& input, const std::string& output) {
+    EXPECT_EQ(run("map_bag", {input, "-o", parent.path() / output, "--no-map"}), 0) << said();
+    return Session::open(parent.path() / output, Session::Access::kRead).scans().size();
+  };
+  const std::size_t scans = files_in(raw / "velodyne_points" / "data");
+  EXPECT_GT(scans, 20U);
+  EXPECT_EQ(count(raw, "b"), scans);
+  EXPECT_EQ(count(written, "c"), scans);
 }
 
 TEST_F(MapBag, SaysWhichTopicIsMissing) {

@@ -3,15 +3,9 @@
 #include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
-#include "lidar_mapping/loop_closing/kd_tree.hpp"
+#include "lidar_mapping/loop_closing/surface.hpp"
 
 namespace lidar_mapping::loop_closing {
-
-/// Points with a search tree and the normals of its planes.
-struct SurfaceCloud {
-  KdTree tree;
-  std::vector<Eigen::Vector3f> normals;  ///< of tree.points(); zero where there is no plane
-};
 
 /// Where a cloud came to lie.
 struct Alignment {

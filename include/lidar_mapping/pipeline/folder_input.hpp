@@ -34,6 +34,7 @@ class FolderInput : public InputSource {
 
   /// "KITTI raw recording, 108 scans, GNSS and IMU"
   const std::string& description() const { return description_; }
+  std::size_t size() const { return inputs_.size(); }
   /// T_base_frame of all frames.
   const std::map<std::string, Pose>& frames() const { return frames_; }
 

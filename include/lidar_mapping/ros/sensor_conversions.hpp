@@ -21,6 +21,7 @@ geometry_msgs::TwistStamped to_message(const VelocitySample& sample, const std::
 
 /// A covariance of unknown type is 'none'.
 GnssFix from_message(const sensor_msgs::NavSatFix& message);
+sensor_msgs::NavSatFix to_message(const GnssFix& fix, const std::string& frame_id);
 
 /// synced_gnss: position of the antenna (child_frame_id) in East-North-Up (frame_id), its 3x3
 /// covariance, and the orientation of base_link in East-North-Up. Where that is not known the
