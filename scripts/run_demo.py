@@ -210,6 +210,7 @@ def main():
 
     say('Judging the map')
     rosrun('map_quality', session, '--report', '--truth', truth, '--places', 5)
+    run(ROOT / 'scripts' / 'plot_loops.py', session / 'report.json', demo / 'loops.png')
 
     scans = scans_in(bag)
     summary = {f'{name}_ape_rmse': errors[name]['ape']['translation_m']['rmse']
@@ -233,6 +234,7 @@ def main():
           f"{summary['map_points']} points in the map, {summary['seconds']:.0f} s")
     for title, path in [('session', session), ('report', session / 'report.html'),
                         ('trajectory plot', demo / 'trajectory.png'),
+                        ('loops plot', demo / 'loops.png'),
                         ('view from above', demo / 'top_view.png'), ('figures', demo / 'summary.json')] + [
                             ('map', path) for path in saved['files']]:
         print(f'{title + ":":18}{path}')

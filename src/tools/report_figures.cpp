@@ -80,6 +80,17 @@ Json stretches(const std::vector<session::ScanRecord>& scans) {
   return found;
 }
 
+/// Poses beside the truth, moved rigidly onto it.
+std::vector<evaluation::PosePair> aligned_pairs(const Trajectory& truth,
+                                                const KeyFramePoses& poses) {
+  Trajectory estimate;
+  for (const KeyFramePose& pose : poses.poses) {
+    estimate.poses.push_back({pose.stamp, pose.T_map_base});
+  }
+  const auto pairs = evaluation::associate(truth, estimate);
+  return evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+}
+
 }  // namespace
 
 ReportInput report_input(const session::Session& session, const std::string& truth) {
@@ -130,6 +141,7 @@ Json trajectory_figures(const ReportInput& input) {
 
 Json loop_figures(const ReportInput& input) {
   const PoseOf poses = by_index(input.poses);
+  const PoseOf odometry = by_index(input.odometry);
   auto verdicts = newest_verdicts(input.session);
   Json rows = Json::array();
   std::vector<double> metres;
@@ -149,6 +161,9 @@ Json loop_figures(const ReportInput& input) {
     }
     Json row = loop_row(verdict);
     row["residual_m"] = left_over.translation.norm();
+    row["odometry_residual_m"] =
+        (loop.T_from_to.inverse() * (odometry.at(loop.from).inverse() * odometry.at(loop.to)))
+            .translation.norm();
     row["residual_deg"] = rotation_angle(left_over.rotation) * kDegrees;
     if (verdict.verdict == Verdict::kAccepted) {
       metres.push_back(row["residual_m"]);
@@ -237,12 +252,9 @@ Json scan_figures(const ReportInput& input) {
 
 Json truth_figures(const ReportInput& input) {
   if (input.truth.empty()) return nullptr;
-  Trajectory estimate;
-  for (const KeyFramePose& pose : input.poses.poses) {
-    estimate.poses.push_back({pose.stamp, pose.T_map_base});
-  }
-  auto pairs = evaluation::associate(read_trajectory(input.truth), estimate);
-  pairs = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+  const Trajectory truth = read_trajectory(input.truth);
+  const auto pairs = aligned_pairs(truth, input.poses);
+  const auto of_odometry = aligned_pairs(truth, input.odometry);
   const auto ape = evaluation::absolute_pose_error(pairs);
   const auto rpe = evaluation::relative_pose_error(pairs, 10.0);
   const auto kitti = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
@@ -250,7 +262,9 @@ Json truth_figures(const ReportInput& input) {
   Json rows = Json::array();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pose error = pairs[i].truth.inverse() * pairs[i].estimate;
-    rows.push_back({ways[i], error.translation.norm(), rotation_angle(error.rotation) * kDegrees});
+    const Pose before = of_odometry[i].truth.inverse() * of_odometry[i].estimate;
+    rows.push_back({ways[i], error.translation.norm(), rotation_angle(error.rotation) * kDegrees,
+                    before.translation.norm()});
   }
   return {{"poses", pairs.size()},
           {"ape_rmse_m", ape.translation_m.rmse},
@@ -260,7 +274,7 @@ Json truth_figures(const ReportInput& input) {
           {"rpe_10m_rmse_deg", rpe.rotation_deg.rmse},
           {"kitti_translation_percent", kitti.translation_percent},
           {"kitti_rotation_deg_per_100m", kitti.rotation_deg_per_100m},
-          {"columns", {"way", "error_m", "error_deg"}},
+          {"columns", {"way", "error_m", "error_deg", "odometry_error_m"}},
           {"rows", rows}};
 }
 

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -69,6 +71,8 @@ TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
   EXPECT_EQ(figures["used"], 2);
   EXPECT_EQ(figures["dropped_by_graph"], 1);
   EXPECT_NEAR(figures["max_residual_m"], 0.03, 1e-9);
+  // Odometry knows nothing of the step in height.
+  EXPECT_NEAR(figures["candidates"][0]["odometry_residual_m"], std::hypot(0.25, 0.03), 1e-9);
 }
 
 TEST_F(ReportFigures, FindTheLongestWayWithoutAConstraint) {
