@@ -43,6 +43,11 @@ void split(const float* values, std::size_t count, float inverse_resolution, flo
   }
 }
 
+/// From 0 at `none` to 1 at `all`.
+double ramp(double value, double none, double all) {
+  return std::clamp((value - none) / (all - none), 0.0, 1.0);
+}
+
 }  // namespace
 
 GaussianVoxelMap::GaussianVoxelMap(double resolution, std::size_t capacity, const PlaneModel& model)
@@ -233,8 +238,8 @@ void GaussianVoxelMap::update_plane(Voxel& voxel) const {
       (free * values[0] + prior * model_.prior_sigma * model_.prior_sigma) / (free + prior) +
       model_.sigma * model_.sigma;
   const double roundness = values[2] > 0.0 ? values[1] / values[2] : 0.0;
-  const double trust = std::clamp(
-      (roundness - model_.line_floor) / (model_.line_ratio - model_.line_floor), 0.0, 1.0);
+  const double trust = ramp(roundness, model_.line_floor, model_.line_ratio) *
+                       ramp(std::sqrt(values[1]), model_.least_breadth, model_.sure_breadth);
   const Eigen::Vector3d normal = solver.eigenvectors().col(0) * (trust / std::sqrt(variance));
   const Eigen::Vector3d mean =
       Eigen::Vector3d(voxel.sum[0], voxel.sum[1], voxel.sum[2]) / static_cast<double>(voxel.count);

@@ -79,6 +79,21 @@ TEST(GaussianVoxelMap, TakesALineForNoPlane) {
   EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
 }
 
+// The noise of the ranges widens a piece of a ring along the beams; a plane through it would lean
+// towards the sensor and hold the sensor where it is.
+TEST(GaussianVoxelMap, TakesAPieceOfARingOnTheGroundForNoPlane) {
+  std::mt19937 engine(1);
+  std::normal_distribution<float> noise(0.0F, 0.02F);
+  const Eigen::Vector3f beam(std::cos(-0.26F), 0.0F, std::sin(-0.26F));
+  GaussianVoxelMap map(1.0, 64);
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3f on_ground(0.5F, 0.3F + 0.01F * static_cast<float>(i), 0.5F);
+    const Eigen::Vector3f p = on_ground + noise(engine) * beam;
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+  EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
+}
+
 // F45: what is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
 TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
   GaussianVoxelMap map(1.0, 4096);

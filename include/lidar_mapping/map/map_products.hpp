@@ -16,8 +16,8 @@ using TileSource = std::function<void(const TileSink&)>;
 /// Autoware's layout: a PCD file per tile and pointcloud_map_metadata.yaml, which names the lower
 /// corner of each. `tile_size` (m) is that of the source. Points are in the map frame. Only a tile
 /// at a time is in memory. The folder appears whole or not at all; an older one with tiles is
-/// replaced. Throws FileError, also where the folder holds something else, and InputError for points
-/// too far from the origin (check_range()).
+/// replaced. Throws FileError, also where the folder holds something else, and InputError for
+/// points too far from the origin (check_range()).
 Files save_tiles(const TileSource& tiles, double tile_size, const std::filesystem::path& directory);
 
 /// A LAS 1.2 file (point format 0). Coordinates are whole millimetres and never pass through float:

@@ -25,6 +25,9 @@ struct PlaneModel {
   double prior_sigma = 0.15;  ///< m: of this size
   double line_ratio = 0.2;    ///< below this ratio of the two large eigenvalues it is distrusted,
   double line_floor = 0.01;   ///< and from this on it is a line and no plane
+  double least_breadth =
+      0.03;  ///< m: standard deviation along the middle axis that noise alone may have,
+  double sure_breadth = 0.05;  ///< and from which on it is the surface's
 };
 
 /// Plane of a voxel, scaled so that normal . p - offset is the distance of p in standard
