@@ -25,6 +25,8 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kNodes = {"preprocessing_node", "floor_detection_node",
                                          "front_end_node",     "loop_closing_node",
                                          "back_end_node",      "map_viewer_node"};
+/// Six nodes that start at once on a busy machine take their time.
+constexpr double kStartSeconds = 60.0;
 const std::vector<std::string> kAllTopics = {"points", "imu", "velocity", "gnss", "tf_static"};
 
 /// All nodes on a few seconds of a simulated drive.
@@ -58,11 +60,13 @@ class Mapping : public testing::Test {
 
   void connect(const std::vector<std::string>& topics) {
     player_.advertise(topics);
-    ASSERT_TRUE(wait_until([&] {
-      return player_.has_subscribers() && odometry_.connected() && status_.connected() &&
-             poses_.connected() && ros::service::exists("save_map", false) &&
-             ros::service::exists("optimize_map", false);
-    }));
+    ASSERT_TRUE(wait_until(
+        [&] {
+          return player_.has_subscribers() && odometry_.connected() && status_.connected() &&
+                 poses_.connected() && ros::service::exists("save_map", false) &&
+                 ros::service::exists("optimize_map", false);
+        },
+        kStartSeconds));
     wait_for_connections();
   }
   static void wait_for_connections() {
@@ -70,7 +74,7 @@ class Mapping : public testing::Test {
          {"synced_cloud", "synced_imu", "synced_velocity", "synced_gnss", "gnss_datum", "floor",
           "laser_odom", "front_end_status", "key_frame", "loop", "loop_verdict", "key_frame_poses",
           "graph_verdict", "optimized_odom"}) {
-      ASSERT_TRUE(wait_until([&] { return is_connected(topic); })) << topic;
+      ASSERT_TRUE(wait_until([&] { return is_connected(topic); }, kStartSeconds)) << topic;
     }
   }
 
@@ -239,11 +243,13 @@ class LaunchedMapping : public Mapping {
     const int process = process_of(name);
     ASSERT_GT(process, 0) << name;
     ::kill(process, SIGKILL);
-    ASSERT_TRUE(wait_until([&] {
-      const int now = process_of(name);
-      return now > 0 && now != process;
-    })) << name
-        << " did not come back: " << output_of("roslaunch");
+    ASSERT_TRUE(wait_until(
+        [&] {
+          const int now = process_of(name);
+          return now > 0 && now != process;
+        },
+        kStartSeconds))
+        << name << " did not come back: " << output_of("roslaunch");
     wait_for_connections();
   }
   std::size_t sessions() const {
