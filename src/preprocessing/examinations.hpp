@@ -1,12 +1,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 
 #include "sensor_record.hpp"
 #include "sweep_seam.hpp"
+#include "time_offset.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -36,5 +38,9 @@ InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
 InputReport examine(const VelocityRecord& velocity, const ExtrinsicLookup& lookup);
 InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+
+/// A fault if the offset is large and well known; `parameter` takes it away.
+void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
+                  InputReport& report);
 
 }  // namespace lidar_mapping::preprocessing

@@ -13,13 +13,12 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kOutage = 3.0;              // s
-constexpr double kFastest = 70.0;            // m/s
-constexpr double kLongestStep = 1.5;         // s between fixes that are compared
-constexpr double kSignificantOffset = 0.02;  // s
-constexpr double kUncertainOffset = 0.02;    // s
-constexpr double kAnyArm = 3.0;              // m, standard deviation
-constexpr double kSignificantArm = 0.4;      // m
+constexpr double kOutage = 3.0;            // s
+constexpr double kFastest = 70.0;          // m/s
+constexpr double kLongestStep = 1.5;       // s between fixes that are compared
+constexpr double kUncertainOffset = 0.02;  // s
+constexpr double kAnyArm = 3.0;            // m, standard deviation
+constexpr double kSignificantArm = 0.4;    // m
 constexpr double kSigmas = 5.0;
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
@@ -66,17 +65,6 @@ Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>
   return steps;
 }
 
-void judge_offset(const std::optional<TimeOffset>& offset, InputReport& report) {
-  if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
-      std::abs(offset->seconds) < 4.0 * offset->sigma || offset->sigma > 0.02) {
-    return;
-  }
-  add_fault(report,
-            text("its stamps are %.0f ms %s than those of the velocity for the same motion",
-                 1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
-            text("set gnss_time_offset to %.3f", -offset->seconds));
-}
-
 std::vector<TimedValue> speeds_of(const VelocityRecord& velocity) {
   std::vector<TimedValue> speeds;
   for (const VelocitySample& sample : velocity.samples) {
@@ -121,7 +109,7 @@ bool judge_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
                    InputReport& report) {
   const AntennaFit::Result result = fit.result(kAnyArm);
   if (result.delay_sigma > kUncertainOffset) return false;
-  judge_offset(TimeOffset{result.delay, result.delay_sigma}, report);
+  judge_offset(TimeOffset{result.delay, result.delay_sigma}, "gnss_time_offset", report);
   const double off = result.arm_error.norm();
   if (off > std::max(kSignificantArm, kSigmas * result.arm_sigma)) {
     const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
@@ -171,7 +159,7 @@ InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const Velocity
   }
   const auto T_base_antenna = extrinsics.T_base(gnss.flow.frame());
   if (!T_base_antenna || !judge_antenna(track.antenna_fit(), T_base_antenna->translation, report)) {
-    judge_offset(time_offset(speeds_of(velocity), steps.speeds), report);
+    judge_offset(time_offset(speeds_of(velocity), steps.speeds), "gnss_time_offset", report);
   }
   return report;
 }

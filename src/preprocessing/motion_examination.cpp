@@ -13,8 +13,7 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
-constexpr double kNoRadians = 12.0;          // rad/s; nobody maps while turning twice a second
-constexpr double kSignificantOffset = 0.02;  // s
+constexpr double kNoRadians = 12.0;  // rad/s; nobody maps while turning twice a second
 
 /// Turning about the vertical of base_link, or about the sensor's where its place is not known.
 template <typename Sample, typename Rate>
@@ -41,17 +40,6 @@ std::optional<double> ratio(const std::vector<TimedValue>& y, const std::vector<
   const bool moves = xx > 1e-3 * static_cast<double>(y.size());
   if (!moves || xy * xy < 0.5 * xx * yy) return std::nullopt;  // not the same course
   return xy / xx;
-}
-
-void judge_offset(const std::optional<TimeOffset>& offset, InputReport& report) {
-  if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
-      std::abs(offset->seconds) < 4.0 * offset->sigma || offset->sigma > 0.02) {
-    return;
-  }
-  add_fault(report,
-            text("its stamps are %.0f ms %s than those of the velocity for the same motion",
-                 1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
-            text("set imu_time_offset to %.3f", -offset->seconds));
 }
 
 Eigen::Vector3d mean_acceleration(const std::vector<ImuSample>& samples) {
@@ -95,11 +83,24 @@ void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   } else if (scale && *scale < 0.0) {
     add_fault(report, "it turns against the velocity's turning", "mend the transform");
   } else {
-    judge_offset(time_offset(reference, rates), report);
+    judge_offset(time_offset(reference, rates), "imu_time_offset", report);
   }
 }
 
 }  // namespace
+
+void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
+                  InputReport& report) {
+  constexpr double kSignificantOffset = 0.02;  // s
+  if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
+      std::abs(offset->seconds) < 4.0 * offset->sigma || offset->sigma > 0.02) {
+    return;
+  }
+  add_fault(report,
+            text("its stamps are %.0f ms %s than those of the velocity for the same motion",
+                 1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
+            text("set %s to %.3f", parameter.c_str(), -offset->seconds));
+}
 
 InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
