@@ -15,11 +15,12 @@ namespace lidar_mapping::test {
 /// holds.
 inline bool wait_until(const std::function<bool()>& condition, double seconds = 20.0) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::ok() && !condition()) {
+  while (ros::ok()) {
+    if (condition()) return true;
     if (ros::WallTime::now() >= end) return false;
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   }
-  return condition();
+  return false;
 }
 
 /// Keeps all messages of a topic.
