@@ -23,7 +23,7 @@ import numpy as np  # noqa: E402
 INK, GREY, FAINT = '#1f2933', '#7b8794', '#e4e7eb'
 BLUE, ORANGE, RED, GREEN = '#1463a5', '#d97706', '#b91c1c', '#2f855a'
 WIDTH = 5.8  # inches of a picture in one of the two columns
-LOOP_COLOURS = {'accepted': GREEN, 'refused': RED, 'undecided': ORANGE}
+LOOP_COLOURS = {'accepted': GREEN, 'refused': GREY, 'undecided': ORANGE}
 
 plt.rcParams.update({
     'font.size': 9, 'font.family': 'sans-serif', 'text.color': INK, 'axes.edgecolor': '#cbd2d9',
@@ -88,8 +88,8 @@ def plan(report, trajectory):
               label='odometry alone')
     axis.plot(trajectory['x'], trajectory['y'], color=BLUE, linewidth=1.6, label='map')
     at = positions(trajectory)
-    draw_loops(axis, report, at, 'refused', 'loop refused', linewidth=1.0, zorder=3)
-    draw_loops(axis, report, at, 'undecided', 'loop undecided', linewidth=1.0, zorder=3)
+    draw_loops(axis, report, at, 'refused', 'candidate refused', linewidth=0.8, zorder=3)
+    draw_loops(axis, report, at, 'undecided', 'candidate undecided', linewidth=0.8, zorder=3)
     draw_loops(axis, report, at, 'accepted', 'loop accepted', linewidth=1.6, zorder=4)
     axis.plot(trajectory['x'][:1], trajectory['y'][:1], 's', color=INK, markersize=5, zorder=5,
               label='start')

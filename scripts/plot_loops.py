@@ -13,7 +13,9 @@ matplotlib.use('Agg')
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-BEFORE, AFTER, TAKEN, REFUSED = '#d97706', '#1463a5', '#2f855a', '#b91c1c'
+from plot_trajectories import plan_height  # noqa: E402
+
+BEFORE, AFTER, TAKEN, REFUSED = '#d97706', '#1463a5', '#2f855a', '#9aa5b1'
 
 
 def table(part):
@@ -28,15 +30,15 @@ def draw_plan(axis, report):
     axis.plot(way['x'], way['y'], color=AFTER, linewidth=1.6, label='after optimisation')
     at = {int(k): (x, y) for k, x, y in zip(way['key_frame'], way['x'], way['y'])}
     for verdict, colour in (('refused', REFUSED), ('accepted', TAKEN)):
-        label = f'loop {verdict}'
+        label = 'loop' if verdict == 'accepted' else f'candidate {verdict}'
         for loop in report['loops']['candidates']:
             if loop['verdict'] == verdict and loop['from'] in at and loop['to'] in at:
                 a, b = at[loop['from']], at[loop['to']]
                 axis.plot([a[0], b[0]], [a[1], b[1]], '-o', color=colour, markersize=2.5,
-                          linewidth=1.4, label=label)
+                          linewidth=1.4 if verdict == 'accepted' else 0.8, label=label)
                 label = None
     axis.set(aspect='equal', xlabel='x (m)', ylabel='y (m)')
-    axis.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=2, frameon=False)
+    axis.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=4, frameon=False)
 
 
 def draw_residuals(axis, report):
@@ -65,9 +67,11 @@ def draw_errors(axis, report):
 def main(report_path, picture_path):
     with open(report_path) as file:
         report = json.load(file)
-    figure = plt.figure(figsize=(12, 6), constrained_layout=True)
-    grid = figure.add_gridspec(2, 2, width_ratios=[3, 2])
-    axes = [figure.add_subplot(cell) for cell in (grid[:, 0], grid[0, 1], grid[1, 1])]
+    way = table(report['trajectory'])
+    plan = plan_height(np.column_stack([way['x'], way['y']]))
+    figure = plt.figure(figsize=(12, plan + 3), constrained_layout=True)
+    grid = figure.add_gridspec(2, 2, height_ratios=[plan, 3])
+    axes = [figure.add_subplot(cell) for cell in (grid[0, :], grid[1, 0], grid[1, 1])]
     for axis, draw in zip(axes, (draw_plan, draw_errors, draw_residuals)):
         draw(axis, report)
         axis.grid(color='0.9')

@@ -16,27 +16,36 @@ import numpy as np  # noqa: E402
 TRUTH, ESTIMATE, ERROR = '0.55', '#0b6fb8', '#c2410c'
 
 
+def plan_height(points):
+    """Height in inches of a plan that is 11 inches wide, within what a page bears."""
+    width, depth = np.ptp(points[:, :2], axis=0)
+    return float(np.clip(11.0 * depth / max(width, 1.0), 2.5, 8.0))
+
+
 def main(data_path, picture_path):
     with open(data_path) as file:
         poses = np.array(json.load(file))
     way, truth, estimate, metres, degrees = (
         poses[:, 0], poses[:, 1:4], poses[:, 4:7], poses[:, 7], poses[:, 8])
-    figure = plt.figure(figsize=(12, 7), constrained_layout=True)
-    grid = figure.add_gridspec(3, 2, width_ratios=[3, 2])
-    view = figure.add_subplot(grid[:, 0])
-    height, distance, angle = (figure.add_subplot(grid[row, 1]) for row in range(3))
+    plan = plan_height(truth)
+    figure = plt.figure(figsize=(12, plan + 3), constrained_layout=True)
+    grid = figure.add_gridspec(2, 3, height_ratios=[plan, 3])
+    view = figure.add_subplot(grid[0, :])
+    height, distance, angle = (figure.add_subplot(grid[1, column]) for column in range(3))
     view.plot(truth[:, 0], truth[:, 1], color=TRUTH, linewidth=4, label='truth')
     view.plot(estimate[:, 0], estimate[:, 1], color=ESTIMATE, linewidth=1.4, label='estimate')
     view.plot(*truth[0, :2], 'o', color='black', markersize=6, label='start')
-    view.set(aspect='equal', xlabel='x (m)', ylabel='y (m)', title='Seen from above')
-    view.legend(frameon=False)
+    view.set(aspect='equal', xlabel='x (m)', ylabel='y (m)')
+    view.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=3, frameon=False)
     height.plot(way, truth[:, 2], color=TRUTH, linewidth=4)
     height.plot(way, estimate[:, 2], color=ESTIMATE, linewidth=1.4)
-    height.set(ylabel='height (m)', title='Along the way')
-    distance.plot(way, metres, color=ERROR)
-    distance.set(ylabel='position error (m)', ylim=(0, None))
-    angle.plot(way, degrees, color=ERROR)
-    angle.set(ylabel='angle error (deg)', xlabel='way (m)', ylim=(0, None))
+    height.set(ylabel='height (m)')
+    distance.plot(way, 1000.0 * metres, color=ERROR, linewidth=0.9)
+    distance.set(ylabel='position error (mm)', ylim=(0, None))
+    angle.plot(way, degrees, color=ERROR, linewidth=0.9)
+    angle.set(ylabel='angle error (deg)', ylim=(0, None))
+    for axis in (height, distance, angle):
+        axis.set(xlabel='way (m)')
     for axis in (view, height, distance, angle):
         axis.grid(color='0.9')
         axis.spines[['top', 'right']].set_visible(False)
