@@ -127,6 +127,7 @@ Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool a
     }
     result.newly_turned = result.newly_turned || !already;
     result.rms_horizontal = alignment->rms_horizontal;
+    result.fitting += static_cast<std::size_t>(alignment->inliers);
   }
   return result;
 }

@@ -100,6 +100,23 @@ void solve_window(const OptimizationProblem& problem, OptimizationSolution& resu
   fill(problem, result.drive, solution, result.report);
 }
 
+/// Positions that only place the map are no constraints; used are those that the place rests on.
+void tell_placement(const DriveGraph& drive, const Georeference& placed,
+                    OptimizationReport& report) {
+  report.gnss_rms = placed.rms_horizontal;
+  report.gnss_used = placed.fitting;
+  report.gnss_refused = drive.unusable_gnss + drive.gnss.size() - placed.fitting;
+  std::ostringstream text;
+  text.precision(3);
+  if (placed.fitting > 0) {
+    text << "; placed in East-North-Up without bending it, " << placed.rms_horizontal
+         << " m rms from " << placed.fitting << " positions";
+  } else {
+    text << "; not placed in East-North-Up, the positions do not show how the map lies";
+  }
+  report.message += text.str();
+}
+
 /// How firmly the least known motion is held: a map that nothing ties down shows here.
 void tell_firmness(const DriveFactors& factors, const RobustSolution& solution,
                    OptimizationReport& report) {
@@ -134,10 +151,10 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   const RobustSolution solution =
       solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_turned);
   if (solution.success) take_over(factors, solution, drive);
-  if (problem.config.georeference_only) {
-    result->report.gnss_rms = georeference(drive, problem.config, true).rms_horizontal;
-  }
+  const bool place_only = problem.config.georeference_only;
+  const Georeference replaced = place_only ? georeference(drive, problem.config, true) : placed;
   fill(problem, drive, solution, result->report);
+  if (place_only) tell_placement(drive, replaced, result->report);
   if (problem.thorough && solution.success) tell_firmness(factors, solution, result->report);
   return result;
 }

@@ -72,12 +72,17 @@ Solved solve_timed(const back_end::OptimizationProblem& problem) {
   return solved;
 }
 
-void print(const back_end::OptimizationReport& report, const std::filesystem::path& directory) {
+void print(const back_end::OptimizationReport& report, const Session& session,
+           const std::filesystem::path& directory) {
   std::printf("%s\n", report.message.c_str());
   std::printf("key frames %zu, loops used %zu, refused %zu, GNSS used %zu, refused %zu\n",
               report.key_frames, report.loops_used, report.loops_refused, report.gnss_used,
               report.gnss_refused);
   std::printf("cost %.6g -> %.6g, %.2f s\n", report.cost_before, report.cost_after, report.seconds);
+  if (const auto datum = session.datum(); datum && report.gnss_rms > 0.0) {
+    std::printf("datum %.9f %.9f deg, %.3f m\n", datum->latitude_deg, datum->longitude_deg,
+                datum->altitude_m);
+  }
   std::printf("trajectories in %s\n", (directory / "trajectory").c_str());
 }
 
@@ -90,7 +95,7 @@ bool solve_aside(const Options& options) {
   const Solved solved = solve_timed(*back_end.problem(true));
   const KeyFramePoses poses = back_end.apply(*solved.solution);
   pipeline::write_results(session, back_end, poses, options.output);
-  print(solved.report, options.output);
+  print(solved.report, session, options.output);
   return solved.report.success;
 }
 
@@ -103,7 +108,7 @@ bool solve_inside(const Options& options) {
   const Solved solved = solve_timed(*back_end.problem(true));
   back_end.apply(*solved.solution, solved.report.seconds);
   back_end.write_files();
-  print(solved.report, back_end.session().directory());
+  print(solved.report, back_end.session(), back_end.session().directory());
   return solved.report.success;
 }
 

@@ -1,3 +1,4 @@
+#include <future>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -44,6 +45,41 @@ TEST(BackEnd, LoopsRemoveDriftWithoutAnyOtherSensor) {
   EXPECT_LT(after, 0.3);
   EXPECT_LT(after, 0.3 * before);
   EXPECT_FALSE(back_end.optimization_due());
+}
+
+/// The first half of a drive, a solution of it, the second half, and the solution taken in: with
+/// the solver in a thread of its own while the graph grows, or one after the other.
+KeyFramePoses solved_while_growing(const SyntheticDrive& drive, std::launch policy) {
+  BackEnd back_end(BackEndConfig{});
+  std::mt19937 engine(5);
+  const std::size_t half = drive.truth.size() / 2 + 100;
+  std::future<std::shared_ptr<const OptimizationSolution>> solution;
+  for (std::size_t i = 0; i < drive.truth.size(); ++i) {
+    if (i == half) {
+      solution = std::async(policy, [problem = back_end.problem(true)] { return solve(*problem); });
+      if (policy == std::launch::deferred) solution.wait();
+    }
+    back_end.add_key_frame(drive.key_frames[i]);
+    back_end.add_gnss(test::make_gnss(drive, static_cast<int>(i), engine, 0.05));
+    if (i >= 400 && i % 5 == 0) {
+      back_end.add_loop(
+          test::make_loop(drive, static_cast<int>(i) - 400, static_cast<int>(i), engine));
+    }
+    EXPECT_EQ(back_end.poses().poses.size(), i + 1);
+  }
+  return back_end.apply(*solution.get());
+}
+
+// F63: a solver in another thread and sensor data share nothing that changes.
+TEST(BackEnd, SolvesInAnotherThreadWhileTheGraphGrows) {
+  const SyntheticDrive drive = test::make_drive();
+  const KeyFramePoses one_after_the_other = solved_while_growing(drive, std::launch::deferred);
+  const KeyFramePoses at_once = solved_while_growing(drive, std::launch::async);
+  ASSERT_EQ(at_once.poses.size(), one_after_the_other.poses.size());
+  for (std::size_t i = 0; i < at_once.poses.size(); ++i) {
+    EXPECT_EQ(difference(at_once.poses[i].T_map_base, one_after_the_other.poses[i].T_map_base),
+              Vector6d::Zero());
+  }
 }
 
 TEST(BackEnd, GnssGivesTheMapItsPlaceAndHeading) {

@@ -227,12 +227,16 @@ TEST(Gnss, GeoreferencingMovesTheMapAndDoesNotBendIt) {
   off.use_gnss = false;
   BackEnd without(off);
   feed(without, run.drive);
-  for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i, 0.5));
+  for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i, i == 300 ? 50.0 : 0.5));
   add_lap_loops(run.back_end, run.drive, 400, 10, run.engine);
   for (const auto& [loop, used] : run.back_end.loops()) without.add_loop(loop);
   const OptimizationReport report = optimize(run.back_end);
   optimize(without);
   EXPECT_GT(report.gnss_rms, 0.1);
+  EXPECT_NE(report.message.find("without bending it"), std::string::npos) << report.message;
+  EXPECT_GT(report.gnss_used, 790U);
+  EXPECT_GE(report.gnss_refused, 1U);
+  EXPECT_EQ(report.gnss_used + report.gnss_refused, static_cast<std::size_t>(run.size()));
   EXPECT_LT(true_rmse(run.back_end, run.drive), aligned_rmse(run.back_end, run.drive) + 0.3);
   const auto a = run.back_end.poses().poses;
   const auto b = without.poses().poses;
@@ -240,6 +244,21 @@ TEST(Gnss, GeoreferencingMovesTheMapAndDoesNotBendIt) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_LT((moved * b[i].T_map_base.translation - a[i].T_map_base.translation).norm(), 1e-3);
   }
+}
+
+TEST(Gnss, TooShortATrackIsSaidNotToBePlaced) {
+  BackEndConfig config;
+  config.georeference_only = true;
+  MappedDrive run;
+  BackEnd back_end(config);
+  for (int i = 0; i < 3; ++i) {
+    back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
+    back_end.add_gnss(run.gnss(i));
+  }
+  const OptimizationReport report = optimize(back_end);
+  EXPECT_NE(report.message.find("not placed"), std::string::npos) << report.message;
+  EXPECT_EQ(report.gnss_used, 0U);
+  EXPECT_EQ(report.gnss_refused, 3U);
 }
 
 TEST(Gnss, IsNeverWorseThanWithoutIt) {

@@ -13,6 +13,7 @@ void join_segments(DriveGraph& drive);
 struct Georeference {
   bool newly_turned = false;    ///< a part of the drive came to East-North-Up that was not there
   double rms_horizontal = 0.0;  ///< m, of the newest alignment; 0: there was none
+  std::size_t fitting = 0;      ///< positions that the alignments rest on
 };
 
 /// Turns groups of segments to East-North-Up as soon as their tracks allow, or again if `again`.
