@@ -71,8 +71,9 @@ Marker odometry_lines(const KeyFramePoses& poses, const std::vector<std::uint32_
   return marker;
 }
 
-Marker loop_lines(const KeyFramePoses& poses, const std::vector<LoopVerdict>& loops) {
-  Marker marker = empty_marker("loops", Marker::LINE_LIST, 0.8);
+Marker loop_lines(const KeyFramePoses& poses, const std::vector<LoopVerdict>& loops,
+                  const std::string& name, double width) {
+  Marker marker = empty_marker(name, Marker::LINE_LIST, width);
   std::map<KeyFrameIndex, Eigen::Vector3d> places;
   for (const KeyFramePose& pose : poses.poses) places[pose.index] = pose.T_map_base.translation;
   for (const LoopVerdict& loop : loops) {
@@ -104,12 +105,14 @@ nav_msgs::Path to_path(const KeyFramePoses& poses, const std::string& frame) {
 
 visualization_msgs::MarkerArray to_markers(const map::KeyFrameTrack& track,
                                            const std::vector<LoopVerdict>& loops,
+                                           const std::vector<LoopVerdict>& candidates,
                                            const std::string& frame) {
   const KeyFramePoses poses = track.poses();
   visualization_msgs::MarkerArray array;
   if (poses.poses.empty()) return array;
   array.markers = {key_frame_dots(poses), odometry_lines(poses, track.segments()),
-                   loop_lines(poses, loops)};
+                   loop_lines(poses, loops, "loops", 0.8),
+                   loop_lines(poses, candidates, "candidates", 0.2)};
   for (Marker& marker : array.markers) {
     marker.header.frame_id = frame;
     marker.header.stamp = to_ros(poses.poses.back().stamp);

@@ -29,9 +29,9 @@ constexpr KeyFrameIndex kKeyFramesPerStep = 20;
 
 }  // namespace
 
-/// Subscribed: key_frame, key_frame_poses, loop, graph_verdict, gnss_datum. Published, all latched:
-/// global_map, odom_path, optimized_path, graph_markers. Service: save_map. Asks get_key_frames for
-/// what it missed; a restart loses nothing.
+/// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, gnss_datum.
+/// Published, all latched: global_map, odom_path, optimized_path, graph_markers. Service: save_map.
+/// Asks get_key_frames for what it missed; a restart loses nothing.
 class MapViewerNode {
  public:
   using Config = NodeConfig<map::MapConfig>;
@@ -40,6 +40,8 @@ class MapViewerNode {
   ~MapViewerNode();
 
  private:
+  using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
+
   /// What is known of one run. The clouds and the builder belong to the thread that builds.
   struct Run {
     Run(const map::MapConfig& config, const std::filesystem::path& folder)
@@ -47,7 +49,8 @@ class MapViewerNode {
     session::CloudStore clouds;
     map::MapBuilder builder;
     map::KeyFrameTrack track;
-    std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> loops;
+    Verdicts loops;       ///< with what the graph thinks of them
+    Verdicts candidates;  ///< that matching did not accept
   };
 
   template <typename Message>
@@ -57,6 +60,7 @@ class MapViewerNode {
   void take_key_frame(const RunKeyFrame& received);
   void take_poses(const KeyFramePosesMessage& message);
   void take_loop(const LoopMessage& message);
+  void take_candidate(const LoopVerdictMessage& message);
   void take_verdict(const LoopVerdictMessage& message);
   void show_graph();
   void show_map(bool always);
@@ -134,6 +138,8 @@ void MapViewerNode::subscribe_all() {
       subscribe<KeyFramePosesMessage>(context_, "key_frame_poses", capacity,
                                       [this](const auto& m) { take_poses(*m); }),
       subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { take_loop(*m); }),
+      subscribe<LoopVerdictMessage>(context_, "loop_verdict", 10 * capacity,
+                                    [this](const auto& m) { take_candidate(*m); }),
       subscribe<LoopVerdictMessage>(context_, "graph_verdict", 10 * capacity,
                                     [this](const auto& m) { take_verdict(*m); }),
       subscribe<sensor_msgs::NavSatFix>(context_, "gnss_datum", 1, [this](const auto& m) {
@@ -172,6 +178,17 @@ void MapViewerNode::take_loop(const LoopMessage& message) {
   run_->loops.try_emplace({message.from, message.to}, verdict);
 }
 
+void MapViewerNode::take_candidate(const LoopVerdictMessage& message) {
+  if (!run_ || message.run_id != run_id_) return;
+  const LoopVerdict verdict = from_message(message);
+  if (verdict.verdict == Verdict::kAccepted) {
+    run_->candidates.erase({message.from, message.to});
+  } else {
+    run_->candidates[{message.from, message.to}] = verdict;
+  }
+  show_graph();
+}
+
 void MapViewerNode::take_verdict(const LoopVerdictMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
   run_->loops[{message.from, message.to}] = from_message(message);
@@ -187,9 +204,13 @@ void MapViewerNode::show_graph() {
     optimized_path_.publish(to_path(run_->track.poses(), frame));
   }
   if (graph_markers_.getNumSubscribers() == 0) return;
-  std::vector<LoopVerdict> loops;
-  for (const auto& [pair, verdict] : run_->loops) loops.push_back(verdict);
-  graph_markers_.publish(to_markers(run_->track, loops, frame));
+  const auto listed = [](const Verdicts& verdicts) {
+    std::vector<LoopVerdict> list;
+    for (const auto& [pair, verdict] : verdicts) list.push_back(verdict);
+    return list;
+  };
+  graph_markers_.publish(
+      to_markers(run_->track, listed(run_->loops), listed(run_->candidates), frame));
 }
 
 /// A map that waits to be built is replaced by a newer one.

@@ -161,6 +161,7 @@ void write_results(const session::Session& session, const back_end::BackEnd& bac
                    const KeyFramePoses& poses, const std::filesystem::path& directory) {
   session::write_trajectories(session, poses, directory / "trajectory");
   session::write_loops_csv(session, directory / "loops.csv");
+  session::write_candidates_csv(session, directory / "candidates.csv");
   session::write_loop_list(session, directory / "loops.txt");
   back_end::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
 }

@@ -38,6 +38,30 @@ Verdicts newest_verdicts(const Session& session) {
   return verdicts;
 }
 
+/// What the graph says of a loop later has no figures of matching.
+bool has_figures(const LoopVerdict& verdict) {
+  return verdict.horizontal_eigenvalue > 0.0 || verdict.innovation > 0.0;
+}
+
+/// Every candidate once, in the order in which they came: the figures of its matching and what
+/// became of it in the end.
+std::vector<LoopVerdict> candidates(const Session& session) {
+  std::vector<LoopVerdict> result;
+  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, std::size_t> known;
+  for (const LoopVerdict& verdict : session.verdicts()) {
+    const auto [place, is_new] = known.try_emplace({verdict.from, verdict.to}, result.size());
+    if (is_new) {
+      result.push_back(verdict);
+    } else if (LoopVerdict& earlier = result[place->second]; has_figures(verdict)) {
+      earlier = verdict;
+    } else {
+      earlier.verdict = verdict.verdict;
+      earlier.reason = verdict.reason;
+    }
+  }
+  return result;
+}
+
 LoopVerdict verdict_on(const Loop& loop, const Verdicts& verdicts) {
   const auto found = verdicts.find({loop.from, loop.to});
   return found == verdicts.end() ? LoopVerdict{} : found->second;
@@ -122,6 +146,20 @@ void write_loops_csv(const Session& session, const std::filesystem::path& path) 
          << loop.fitness << ',' << loop.overlap << ',' << to_string(loop.source) << ','
          << to_string(loop.decision) << ',' << to_string(verdict.verdict) << ','
          << quoted(verdict.reason) << '\n';
+  }
+  write_text_atomically(path, text.str());
+}
+
+void write_candidates_csv(const Session& session, const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::setprecision(6)
+       << "from,to,stamp_ns,source,verdict,distance,fitness,overlap,free_space_violation,"
+          "horizontal_eigenvalue,innovation,reason\n";
+  for (const LoopVerdict& v : candidates(session)) {
+    text << v.from << ',' << v.to << ',' << v.stamp << ',' << to_string(v.source) << ','
+         << to_string(v.verdict) << ',' << v.distance << ',' << v.fitness << ',' << v.overlap << ','
+         << v.free_space_violation << ',' << v.horizontal_eigenvalue << ',' << v.innovation << ','
+         << quoted(v.reason) << '\n';
   }
   write_text_atomically(path, text.str());
 }

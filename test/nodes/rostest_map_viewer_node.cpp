@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -128,7 +130,29 @@ TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
   EXPECT_EQ(ros_border::from_ros(map.messages[0].header.stamp), round_key_frame(kRound - 1).stamp);
   EXPECT_GT(map.messages[0].width * map.messages[0].height, 500U);
   EXPECT_EQ(odometry.messages[0].poses.size(), static_cast<std::size_t>(kRound));
-  EXPECT_EQ(markers.messages[0].markers.size(), 3U);
+  EXPECT_EQ(markers.messages[0].markers.size(), 4U);
+}
+
+TEST_F(MapViewerNode, ShowsCandidatesThatMatchingDidNotAccept) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  ASSERT_TRUE(markers.wait_for(1)) << node.output();
+  const auto verdicts = connected_publisher<LoopVerdictMessage>("loop_verdict");
+  LoopVerdict verdict;
+  for (const Verdict fate : {Verdict::kRefused, Verdict::kUndecided, Verdict::kAccepted}) {
+    ++verdict.to;
+    verdict.verdict = fate;
+    verdicts.publish(ros_border::to_message(verdict, "run", "base_link"));
+  }
+  const auto candidates = [&] {
+    const auto& shown = markers.messages.back().markers;
+    return std::find_if(shown.begin(), shown.end(),
+                        [](const auto& marker) { return marker.ns == "candidates"; });
+  };
+  ASSERT_TRUE(wait_until([&] { return candidates()->points.size() == 4; })) << node.output();
+  EXPECT_LT(candidates()->colors[0].g, 0.5F) << "refused: red";
+  EXPECT_GT(candidates()->colors[2].g, 0.5F) << "undecided: yellow";
 }
 
 /// A key frame that was published while the viewer was connecting, and that none follows.

@@ -162,8 +162,8 @@ TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {
   back_end.add_loop(closing_loop());
   optimize(back_end);
   back_end.write_files();
-  for (const char* name :
-       {"trajectory/optimized.txt", "trajectory/laser_odom.tum", "loops.csv", "graph.g2o"}) {
+  for (const char* name : {"trajectory/optimized.txt", "trajectory/laser_odom.tum", "loops.csv",
+                           "candidates.csv", "graph.g2o"}) {
     EXPECT_GT(std::filesystem::file_size(folder.path() / name), 100U) << name;
   }
 }

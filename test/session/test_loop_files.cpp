@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -56,6 +57,46 @@ TEST(LoopFiles, TableHasTheNewestVerdictAndTheDecision) {
   EXPECT_NE(line.find("appearance,refuse,refused,\"the graph says \"\"no\"\", 9 > 3\""),
             std::string::npos)
       << line;
+}
+
+TEST(LoopFiles, EveryCandidateIsExplainedOnceByItsFiguresAndItsFate) {
+  const TemporaryFolder folder;
+  Session session = session_with_loops(folder.path());
+  LoopVerdict refused;
+  refused.to = 3;
+  refused.source = LoopSource::kAppearance;
+  refused.verdict = Verdict::kRefused;
+  refused.overlap = 0.25;
+  refused.free_space_violation = 0.125;
+  refused.horizontal_eigenvalue = 0.5;
+  refused.innovation = 7.5;
+  refused.distance = 30.0;
+  refused.fitness = 1.5;
+  refused.reason = "overlap 0.25, \"too little\"";
+  session.add_verdict(refused);
+  LoopVerdict taken = refused;
+  taken.to = 5;
+  taken.verdict = Verdict::kAccepted;
+  session.add_verdict(taken);
+  LoopVerdict by_graph;
+  by_graph.to = 5;
+  by_graph.verdict = Verdict::kRefused;
+  by_graph.reason = "the graph leaves it out";
+  session.add_verdict(by_graph);
+  write_candidates_csv(session, folder.path() / "candidates.csv");
+
+  std::ifstream file(folder.path() / "candidates.csv");
+  std::string head, first, second, more;
+  std::getline(file, head);
+  std::getline(file, first);
+  std::getline(file, second);
+  EXPECT_EQ(std::count(head.begin(), head.end(), ','), 11);
+  EXPECT_EQ(first,
+            "0,3,0,appearance,refused,30,1.5,0.25,0.125,0.5,7.5,"
+            "\"overlap 0.25, \"\"too little\"\"\"");
+  EXPECT_EQ(second,
+            "0,5,0,appearance,refused,30,1.5,0.25,0.125,0.5,7.5,\"the graph leaves it out\"");
+  EXPECT_FALSE(std::getline(file, more)) << more;
 }
 
 TEST(LoopFiles, ListComesBackAsItWasWritten) {

@@ -55,7 +55,7 @@ class RecordedBackEnd {
   session::Session& session() { return session_; }
   const session::Session& session() const { return session_; }
 
-  /// Brings trajectory/, loops.csv, loops.txt and graph.g2o up to date. Throws FileError.
+  /// Brings trajectory/, the files about loops and graph.g2o up to date. Throws FileError.
   void write_files() const;
 
  private:
@@ -74,8 +74,8 @@ void replay(const session::Session& session, const std::vector<Loop>& loops,
 /// The same with the session's own loops.
 void replay(const session::Session& session, back_end::BackEnd& back_end);
 
-/// Writes trajectory/, loops.csv, loops.txt and graph.g2o of a session, with these poses, to
-/// `directory`.
+/// Writes trajectory/, loops.csv, candidates.csv, loops.txt and graph.g2o of a session, with these
+/// poses, to `directory`.
 void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory);
 

@@ -12,7 +12,11 @@ namespace lidar_mapping::session {
 /// decision, verdict, reason. Throws FileError.
 void write_loops_csv(const Session& session, const std::filesystem::path& path);
 
-/// The same as a list that a person edits (doc/session.md): a line per loop with what was decided
+/// Every candidate that was ever matched, taken or not: from, to, stamp, source, what became of it
+/// in the end, the figures of its matching, and the reason. Throws FileError.
+void write_candidates_csv(const Session& session, const std::filesystem::path& path);
+
+/// All loops as a list that a person edits (doc/session.md): a line per loop with what was decided
 /// about it and, as a comment, what the graph thinks. Throws FileError.
 void write_loop_list(const Session& session, const std::filesystem::path& path);
 
