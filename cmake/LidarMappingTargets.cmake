@@ -47,7 +47,7 @@ function(lidar_mapping_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   set(main ${PROJECT_SOURCE_DIR}/test/support/gtest_main.cpp)
   if(catkin_FOUND)
-    catkin_add_gtest(${name} ${ARG_SOURCES} ${main} TIMEOUT 300
+    catkin_add_gtest(${name} ${ARG_SOURCES} ${main}
                      WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
     target_link_libraries(${name} ${ARG_LIBRARIES} lidar_mapping_warnings)

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <geometry_msgs/TwistStamped.h>
@@ -13,6 +16,8 @@
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
+
+#include "connections.hpp"
 
 namespace lidar_mapping::test {
 
@@ -36,21 +41,21 @@ class BagPlayer {
   void advertise(const std::vector<std::string>& topics) {
     for (const std::string& topic : topics) publishers_[topic] = advertisers_.at(topic)();
   }
-  bool has_subscribers() const {
-    for (const auto& [topic, publisher] : publishers_) {
-      if (publisher.getNumSubscribers() == 0) return false;
-    }
-    return true;
+  bool connected() const {
+    return std::all_of(publishers_.begin(), publishers_.end(),
+                       [](const auto& entry) { return is_connected(entry.first); });
   }
-  /// Sends everything up to and with the next scan; false at the end.
+  /// Sends everything up to the scan after the next one, so that no scan waits for a later sample;
+  /// false at the end.
   bool send_next_scan() {
-    while (next_ < messages_.size()) {
-      const Entry& entry = messages_[next_++];
+    bool has_sent = false;
+    for (; next_ < messages_.size(); ++next_) {
+      const Entry& entry = messages_[next_];
+      if (entry.topic == "points" && std::exchange(has_sent, true)) break;
       const auto publisher = publishers_.find(entry.topic);
       if (publisher != publishers_.end()) entry.publish(publisher->second);
-      if (entry.topic == "points") return true;
     }
-    return false;
+    return has_sent;
   }
   const std::vector<nav_msgs::Odometry>& truth() const { return truth_; }
 

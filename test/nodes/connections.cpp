@@ -1,5 +1,6 @@
 #include "connections.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <XmlRpc.h>
@@ -39,13 +40,15 @@ bool ask(const std::string& node, const std::string& function, XmlRpc::XmlRpcVal
   return true;
 }
 
-std::size_t connections_of(const std::string& node, const std::string& topic) {
+/// Links of a node on a topic; direction "i" or "o".
+std::size_t links_of(const std::string& node, const std::string& topic,
+                     const std::string& direction) {
   XmlRpc::XmlRpcValue links;
   if (!ask(node, "getBusInfo", links)) return 0;
   std::size_t count = 0;
   for (int i = 0; i < links.size(); ++i) {
-    const bool is_output = static_cast<std::string>(links[i][2]) == "o";
-    if (is_output && static_cast<std::string>(links[i][4]) == topic) ++count;
+    const bool is_wanted = static_cast<std::string>(links[i][2]) == direction;
+    if (is_wanted && static_cast<std::string>(links[i][4]) == topic) ++count;
   }
   return count;
 }
@@ -60,7 +63,9 @@ bool is_connected(const std::string& topic) {
   const std::vector<std::string> publishers = nodes_at(lists[0], name);
   const std::vector<std::string> subscribers = nodes_at(lists[1], name);
   return publishers.size() == 1 && !subscribers.empty() &&
-         connections_of(publishers.front(), name) >= subscribers.size();
+         std::all_of(subscribers.begin(), subscribers.end(),
+                     [&](const auto& node) { return links_of(node, name, "i") > 0; }) &&
+         links_of(publishers.front(), name, "o") >= subscribers.size();
 }
 
 int process_of(const std::string& node) {

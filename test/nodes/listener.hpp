@@ -4,16 +4,18 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include "connections.hpp"
+#include "node_process.hpp"
 
 namespace lidar_mapping::test {
 
 /// Lets messages come in until the condition holds, or `seconds` have passed; says whether it
 /// holds.
-inline bool wait_until(const std::function<bool()>& condition, double seconds = 20.0) {
+inline bool wait_until(const std::function<bool()>& condition, double seconds = kPatience) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
   while (ros::ok()) {
     if (condition()) return true;
@@ -36,7 +38,7 @@ class Listener {
   /// The publisher sends to this listener; Subscriber::getNumPublishers() counts links that are not
   /// up yet, and those to a node that was killed.
   bool connected() const { return is_connected(subscriber_.getTopic()); }
-  bool wait_for(std::size_t count, double seconds = 20.0) {
+  bool wait_for(std::size_t count, double seconds = kPatience) {
     return wait_until([&] { return messages.size() >= count; }, seconds);
   }
 
@@ -50,7 +52,7 @@ class Listener {
 template <typename Message>
 ros::Publisher connected_publisher(const std::string& topic) {
   ros::Publisher publisher = ros::NodeHandle().advertise<Message>(topic, 1000);
-  wait_until([&] { return publisher.getNumSubscribers() > 0; });
+  EXPECT_TRUE(wait_until([&] { return publisher.getNumSubscribers() > 0; })) << topic;
   return publisher;
 }
 

@@ -22,15 +22,12 @@ std::string temporary_file() {
   return name;
 }
 
-[[noreturn]] void become(const std::string& path, const std::vector<std::string>& arguments,
-                         const std::string& output_file) {
-  const int file = open(output_file.c_str(), O_WRONLY | O_APPEND);
+/// The child of a process with threads may call little but this: no memory, no C++ library.
+[[noreturn]] void become(char* const* words, const char* output_file) {
+  const int file = open(output_file, O_WRONLY | O_APPEND);
   dup2(file, STDOUT_FILENO);
   dup2(file, STDERR_FILENO);
-  std::vector<char*> words = {const_cast<char*>(path.c_str())};
-  for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
-  execvp(path.c_str(), words.data());
+  execvp(words[0], words);
   _exit(127);
 }
 
@@ -44,8 +41,11 @@ NodeProcess::NodeProcess(const std::string& program, const std::vector<std::stri
                                : program;
   // What an earlier node of this name was told must not reach this one.
   if (ros::param::has("/" + program)) ros::param::del("/" + program);
+  std::vector<char*> words = {const_cast<char*>(path.c_str())};
+  for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
   pid_ = fork();
-  if (pid_ == 0) become(path, arguments, output_file_);
+  if (pid_ == 0) become(words.data(), output_file_.c_str());
 }
 
 NodeProcess::~NodeProcess() {
@@ -62,9 +62,9 @@ void NodeProcess::kill() { end(SIGKILL); }
 void NodeProcess::end(int signal) {
   if (!is_running()) return;
   ::kill(pid_, signal);
-  if (wait(30.0) != -1 || !is_running()) return;
+  if (wait() != -1 || !is_running()) return;
   ::kill(pid_, SIGKILL);
-  wait(10.0);
+  wait();
 }
 
 int NodeProcess::wait(double seconds) {

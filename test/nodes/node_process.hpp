@@ -7,6 +7,10 @@
 
 namespace lidar_mapping::test {
 
+/// Wall time after which something that ought to happen has not: long, as a machine may be busy
+/// with other things, and no test waits so long that passes.
+constexpr double kPatience = 60.0;  // s
+
 /// A program of this package that runs beside the test and ends with this object.
 class NodeProcess {
  public:
@@ -22,7 +26,7 @@ class NodeProcess {
   /// Ends it without a chance to tidy up.
   void kill();
   /// Exit status; waits at most `seconds` and is -1 if it has not ended by itself.
-  int wait(double seconds);
+  int wait(double seconds = kPatience);
   /// All that it has written to both streams so far.
   std::string output() const;
 

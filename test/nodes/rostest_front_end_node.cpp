@@ -162,6 +162,7 @@ TEST_F(FrontEndNode, CountsEveryScanThatItCannotKeepUpWith) {
   };
   EXPECT_TRUE(wait_until([&] { return accounted() == 40; }))
       << status_.messages.size() << " scans handled, " << accounted() << " accounted for";
+  EXPECT_TRUE(odometry_.wait_for(status_.messages.size()));
   EXPECT_EQ(odometry_.messages.size(), status_.messages.size());
 }
 
