@@ -12,13 +12,7 @@ namespace {
 constexpr double kColumn = 0.5;  // m
 constexpr float kDeeper = 0.3F;  // m; the surroundings are then believed instead
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr std::int64_t kStride = std::int64_t{1} << 32;
-
-std::int64_t cell(double coordinate) {
-  return static_cast<std::int64_t>(std::floor(coordinate / kColumn));
-}
-
-std::int64_t key_of(std::int64_t x, std::int64_t y) { return x * kStride + y; }
+constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
 
 /// Takes a height into the two lowest.
 void lower(float z, float& first, float& second) {
@@ -28,50 +22,61 @@ void lower(float z, float& first, float& second) {
 
 }  // namespace
 
-std::vector<GroundColumn> ground_columns(const std::vector<Eigen::Vector3d>& points_map) {
-  std::unordered_map<std::int64_t, std::size_t> positions;
+std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
+  constexpr std::uint32_t kNew = 0;
+  CellGrid<std::uint32_t> numbers(points, kColumn, kNew, farthest);
   std::vector<GroundColumn> columns;
-  for (const Eigen::Vector3d& point : points_map) {
-    const std::int64_t key = key_of(cell(point.x()), cell(point.y()));
-    const auto [position, is_new] = positions.try_emplace(key, columns.size());
-    if (is_new) columns.push_back({key, kNone, kNone});
-    GroundColumn& column = columns[position->second];
-    lower(static_cast<float>(point.z()), column.lowest, column.second);
+  for (const Eigen::Vector3f& point : points.points) {
+    const CellIndex cell = numbers.cell_of(point);
+    std::uint32_t* number = numbers.find(cell);
+    if (number == nullptr) continue;
+    if (*number == kNew) {
+      columns.push_back({cell, kNone, kNone});
+      *number = static_cast<std::uint32_t>(columns.size());
+    }
+    GroundColumn& column = columns[*number - 1];
+    lower(static_cast<float>(points.origin.z()) + point.z(), column.lowest, column.second);
   }
   return columns;
 }
 
+LocalGround::LocalGround(const PlacedPoints& points, float farthest)
+    : columns_(points, kColumn, {kNone, kNone, kNotAsked}, farthest) {}
+
 void LocalGround::add(const std::vector<GroundColumn>& columns) {
   for (const GroundColumn& column : columns) {
-    Lowest& known = columns_.try_emplace(column.key, Lowest{kNone, kNone}).first->second;
-    lower(column.lowest, known.first, known.second);
-    lower(column.second, known.first, known.second);
+    Column* known = columns_.find(column.cell);
+    if (known == nullptr) continue;
+    lower(column.lowest, known->first, known->second);
+    lower(column.second, known->first, known->second);
+    known->ground = kNotAsked;
   }
 }
 
-float LocalGround::height_above(const Eigen::Vector3d& p_map) const {
-  const std::int64_t x = cell(p_map.x());
-  const std::int64_t y = cell(p_map.y());
+float LocalGround::height_above(const PlacedPoints& points, std::size_t i) {
+  const CellIndex cell = columns_.cell_of(points.points[i]);
+  Column* column = columns_.find(cell);
+  if (column == nullptr) return 0.0F;
+  if (std::isnan(column->ground)) column->ground = ground_at(cell);
+  if (column->ground == kNone) return kNone;
+  return static_cast<float>(points.origin.z()) + points.points[i].z() - column->ground;
+}
+
+float LocalGround::ground_at(const CellIndex& cell) const {
   std::array<float, 24> around{};
   std::size_t count = 0;
-  float own = kNone;
-  for (std::int64_t dx = -2; dx <= 2; ++dx) {
-    for (std::int64_t dy = -2; dy <= 2; ++dy) {
-      const auto column = columns_.find(key_of(x + dx, y + dy));
-      if (column == columns_.end() || column->second.second == kNone) continue;
-      if (dx == 0 && dy == 0) {
-        own = column->second.second;
-      } else {
-        around[count++] = column->second.second;
-      }
+  for (int dx = -2; dx <= 2; ++dx) {
+    for (int dy = -2; dy <= 2; ++dy) {
+      if (dx == 0 && dy == 0) continue;
+      const Column* column = columns_.find({cell.x + dx, cell.y + dy});
+      if (column != nullptr && column->second != kNone) around[count++] = column->second;
     }
   }
-  if (count > 0) {
-    const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(count / 4);
-    std::nth_element(around.begin(), quartile, around.begin() + static_cast<std::ptrdiff_t>(count));
-    if (own == kNone || *quartile < own - kDeeper) own = *quartile;
-  }
-  return own == kNone ? kNone : static_cast<float>(p_map.z()) - own;
+  const float own = columns_.find(cell)->second;
+  if (count == 0) return own;
+  const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(count / 4);
+  std::nth_element(around.begin(), quartile, around.begin() + static_cast<std::ptrdiff_t>(count));
+  return own == kNone || *quartile < own - kDeeper ? *quartile : own;
 }
 
 }  // namespace lidar_mapping::map

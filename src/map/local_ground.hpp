@@ -1,37 +1,42 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
-#include "lidar_mapping/common/point_cloud.hpp"
+#include "placed_points.hpp"
 
 namespace lidar_mapping::map {
 
 /// The two lowest points of a column of 0.5 m by 0.5 m.
 struct GroundColumn {
-  std::int64_t key = 0;
-  float lowest = 0.0F;
+  CellIndex cell;
+  float lowest = 0.0F;  ///< m, in the map frame
   float second = 0.0F;
 };
 
-/// The columns of some points in the map frame.
-std::vector<GroundColumn> ground_columns(const std::vector<Eigen::Vector3d>& points_map);
+/// The columns of the points that are no further than `farthest` from their origin, m.
+std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest = kFarthest);
 
-/// Height of the ground below a point. A column that holds nothing but the roof of a car takes its
-/// ground from the columns around.
+/// Height of the ground below points. A column that holds nothing but the roof of a car takes its
+/// ground from the columns around. One thread uses it.
 class LocalGround {
  public:
+  /// For these points, as far as they are no further than `farthest` from their origin, m.
+  explicit LocalGround(const PlacedPoints& points, float farthest = kFarthest);
+
   void add(const std::vector<GroundColumn>& columns);
-  /// Infinity where nothing is known.
-  float height_above(const Eigen::Vector3d& p_map) const;
+  /// Of the i-th of the points; infinity where no ground is known, 0 for what is out of reach.
+  float height_above(const PlacedPoints& points, std::size_t i);
 
  private:
-  struct Lowest {
+  struct Column {
     float first;
     float second;
+    float ground;  ///< NaN if not asked for yet
   };
-  std::unordered_map<std::int64_t, Lowest> columns_;
+  float ground_at(const CellIndex& cell) const;
+
+  CellGrid<Column> columns_;
 };
 
 }  // namespace lidar_mapping::map

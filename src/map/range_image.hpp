@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
@@ -15,29 +14,27 @@ enum class Sight { kUnknown, kSeenThrough, kHit };
 /// free: a beam one step aside may touch a pole, one step lower the ground in front.
 class RangeImage {
  public:
-  /// Points in the frame of the sensor.
-  explicit RangeImage(const std::vector<Eigen::Vector3f>& points);
+  /// Points in a frame that is parallel to the sensor's, and where the sensor is in it.
+  RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor);
 
   Sight sight_of(const Eigen::Vector3f& p_sensor) const;
 
  private:
-  struct Pixel {
+  struct Interval {
     float nearest;
     float farthest;
   };
-  struct Direction {
-    int column = 0;
-    int row = 0;  ///< may lie outside of the image
-    float range = 0.0F;
+  struct Pixel {
+    Interval own;
+    Interval around;  ///< of the 3x3 window
   };
-  static Direction direction_of(const Eigen::Vector3f& p_sensor);
+  bool is_hit_around(int column, int row, float nearest, float farthest) const;
   std::size_t at(int column, int row) const;
   void close_window();
 
   int first_row_ = 0;
   int rows_ = 0;
   std::vector<Pixel> pixels_;
-  std::vector<float> nearest_around_;  ///< minimum over the 3x3 window
 };
 
 }  // namespace lidar_mapping::map

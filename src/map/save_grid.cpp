@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -84,14 +85,13 @@ class Cells {
 Files save_grid(const PointCloud& map, const GridOptions& options,
                 const std::filesystem::path& directory) {
   if (map.empty()) throw InputError("the map has no points; there is no grid to make");
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(map.size());
-  for (const Point& point : map.points) points.push_back(point.position().cast<double>());
-  LocalGround ground;
-  ground.add(ground_columns(points));
+  const PlacedPoints points(map, Pose());
+  constexpr float kAll = std::numeric_limits<float>::infinity();
+  LocalGround ground(points, kAll);
+  ground.add(ground_columns(points, kAll));
   Cells cells(map, options.cell);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    cells.add(map.points[i], ground.height_above(points[i]), options);
+    cells.add(map.points[i], ground.height_above(points, i), options);
   }
   const Files files = {directory / "grid.pgm", directory / "grid.yaml"};
   write_text_atomically(files[0], cells.pgm(options));

@@ -1,0 +1,183 @@
+#include "moving_things.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <unordered_map>
+
+namespace lidar_mapping::map {
+
+namespace {
+
+constexpr float kGroundHeight = 0.12F;  // m; what is below has no vote
+constexpr float kBodyHeight = 2.5F;     // m; above are branches that join things
+constexpr float kFootHeight = 0.04F;    // m; nothing below goes
+constexpr float kRoof = 0.3F;           // m; own ground so much above that of all is none
+constexpr int kFewVoters = 3;           // too few of them to take a foot away
+constexpr float kBlockVoxel = 0.4F;     // m; neighbours decide in blocks of 3x3x3
+constexpr double kThingCell = 0.3;      // m; cells that touch belong to one thing
+constexpr double kMajority = 0.5;       // of a block: all go, else none
+
+Layer layer_of(float above_own, float above_all) {
+  if (above_all < kFootHeight) return Layer::kGround;
+  const float height = above_own < above_all - kRoof ? above_all : std::min(above_own, above_all);
+  if (height < kGroundHeight) return Layer::kFoot;
+  return height < kBodyHeight ? Layer::kBody : Layer::kHigh;
+}
+
+/// Voters in some place, and those of them that say that it moves.
+struct Poll {
+  int voters = 0;
+  int moving = 0;
+
+  void add(const Poll& other) {
+    voters += other.voters;
+    moving += other.moving;
+  }
+  bool moves() const { return static_cast<double>(moving) > kMajority * voters; }
+};
+
+Poll poll_of(Vote vote) { return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0}; }
+
+/// Voxels by key; a step to a neighbour is a sum.
+class Blocks {
+ public:
+  Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : points_(points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (votes[i] != Vote::kUnseen) voxels_[key_of(i)].add(poll_of(votes[i]));
+    }
+    for (const auto& [key, voxel] : voxels_) {
+      if (voxel.moving > 0) visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
+    }
+    for (auto& [key, block] : blocks_) {
+      Poll& poll = block;
+      visit_around(key, [&](Key near) {
+        const auto voxel = voxels_.find(near);
+        if (voxel != voxels_.end()) poll.add(voxel->second);
+      });
+    }
+  }
+
+  bool empty() const { return blocks_.empty(); }
+
+  /// The 3x3x3 voxels around the i-th point together; nobody where none of them moves.
+  Poll around(std::size_t i) const {
+    const auto block = blocks_.find(key_of(i));
+    return block == blocks_.end() ? Poll{} : block->second;
+  }
+
+ private:
+  using Key = std::int64_t;
+  static constexpr Key kStepX = Key{1} << 40;
+  static constexpr Key kStepY = Key{1} << 20;
+
+  Key key_of(std::size_t i) const {
+    const auto cell = [](float value) {
+      return static_cast<Key>(std::floor(value * (1.0F / kBlockVoxel)));
+    };
+    const Eigen::Vector3f& p = points_.points[i];
+    return cell(p.x()) * kStepX + cell(p.y()) * kStepY + cell(p.z());
+  }
+
+  template <typename Visitor>
+  static void visit_around(Key key, const Visitor& visit) {
+    for (Key dx = -1; dx <= 1; ++dx) {
+      for (Key dy = -1; dy <= 1; ++dy) {
+        for (Key dz = -1; dz <= 1; ++dz) visit(key + dx * kStepX + dy * kStepY + dz);
+      }
+    }
+  }
+
+  const PlacedPoints& points_;
+  std::unordered_map<Key, Poll> voxels_;
+  std::unordered_map<Key, Poll> blocks_;
+};
+
+/// Things that stand alone, seen from above: cells with something on them that touch, also at
+/// corners. Only those are found of which something moves.
+class Things {
+ public:
+  Things(const PlacedPoints& points, const std::vector<Vote>& votes,
+         const std::vector<Layer>& layers)
+      : points_(points), cells_(points, kThingCell, Cell{}) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (layers[i] != Layer::kBody) continue;
+      Cell* cell = cells_.find(cells_.cell_of(points.points[i]));
+      if (cell == nullptr) continue;
+      cell->is_taken = true;
+      cell->poll.add(poll_of(votes[i]));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (layers[i] != Layer::kBody || votes[i] != Vote::kMoves) continue;
+      const CellIndex index = cells_.cell_of(points.points[i]);
+      const Cell* cell = cells_.find(index);
+      if (cell != nullptr && cell->thing == kNone) gather(index);
+    }
+  }
+
+  /// Whether the thing on which the i-th point is goes as a whole.
+  bool moves(std::size_t i) const {
+    const Cell* cell = cells_.find(cells_.cell_of(points_.points[i]));
+    if (cell == nullptr || cell->thing == kNone) return false;
+    const Poll& poll = polls_[static_cast<std::size_t>(cell->thing)];
+    return poll.voters >= kFewVoters && poll.moves();
+  }
+
+ private:
+  static constexpr int kNone = -1;
+
+  struct Cell {
+    bool is_taken = false;
+    int thing = kNone;
+    Poll poll;
+  };
+
+  void gather(const CellIndex& first) {
+    const auto thing = static_cast<int>(polls_.size());
+    polls_.emplace_back();
+    std::vector<CellIndex> open = {first};
+    cells_.find(first)->thing = thing;
+    while (!open.empty()) {
+      const CellIndex at = open.back();
+      open.pop_back();
+      polls_.back().add(cells_.find(at)->poll);
+      for (int n = 0; n < 9; ++n) {
+        const CellIndex next = {at.x + n % 3 - 1, at.y + n / 3 - 1};
+        Cell* cell = cells_.find(next);
+        if (cell == nullptr || !cell->is_taken || cell->thing != kNone) continue;
+        cell->thing = thing;
+        open.push_back(next);
+      }
+    }
+  }
+
+  const PlacedPoints& points_;
+  CellGrid<Cell> cells_;
+  std::vector<Poll> polls_;
+};
+
+}  // namespace
+
+std::vector<Layer> layers_of(const PlacedPoints& points, LocalGround& own, LocalGround& all) {
+  std::vector<Layer> layers(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    layers[i] = layer_of(own.height_above(points, i), all.height_above(points, i));
+  }
+  return layers;
+}
+
+std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,
+                                const std::vector<Layer>& layers) {
+  std::vector<bool> marks(points.size(), false);
+  const Blocks blocks(points, votes);
+  if (blocks.empty()) return marks;
+  const Things things(points, votes, layers);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (layers[i] == Layer::kGround) continue;
+    const Poll around = blocks.around(i);
+    const bool enough = layers[i] != Layer::kFoot || around.voters >= kFewVoters;
+    marks[i] = (enough && around.moves()) || (layers[i] != Layer::kHigh && things.moves(i));
+  }
+  return marks;
+}
+
+}  // namespace lidar_mapping::map

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/map/moving_objects.hpp"
+
+#include "local_ground.hpp"
+#include "range_image.hpp"
+
+namespace lidar_mapping::map {
+
+/// A key frame as a witness: what it saw, from where.
+struct Witness {
+  Pose T_sensor_map;
+  RangeImage image;
+  std::vector<GroundColumn> ground;
+};
+
+/// What the witnesses say of a point.
+enum class Vote : char { kStands, kMoves, kUnseen };
+
+/// The witnesses' verdict on the points of a key frame that are `asked` for; the others are unseen.
+/// Who is asked first does not matter: a witness is left out only where it could change nothing.
+std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
+                           const std::vector<bool>& asked,
+                           const std::vector<const Witness*>& witnesses,
+                           const MovingObjectsConfig& config);
+
+}  // namespace lidar_mapping::map
