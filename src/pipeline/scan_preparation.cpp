@@ -1,5 +1,8 @@
 #include "scan_preparation.hpp"
 
+#include <cstdio>
+#include <utility>
+
 #include "lidar_mapping/common/errors.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -40,6 +43,11 @@ void ScanPreparation::flush() { forward(stage_.flush()); }
 void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
   for (const preprocessing::Notice& notice : stage_.take_notices()) say_(notice.text);
   for (preprocessing::SyncedScan& scan : scans) {
+    if (last_ && scan.scan.stamp <= *last_) {
+      leave_out(scan.scan.stamp);
+      continue;
+    }
+    last_ = scan.scan.stamp;
     PreparedScan prepared;
     prepared.synced = std::move(scan);
     if (!(stage_.datum() == datum_)) prepared.datum = datum_ = stage_.datum();
@@ -49,6 +57,18 @@ void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
     }
     forward_(std::move(prepared));
   }
+}
+
+/// One session maps one drive, whose time does not go back.
+void ScanPreparation::leave_out(Stamp stamp) {
+  if (std::exchange(left_out_, true)) return;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "points: time went back to %.1f s before the newest scan; scans are left out until "
+                "it has passed that again (map another drive by itself and join them with "
+                "merge_sessions)",
+                to_seconds(*last_ - stamp));
+  say_(text);
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -34,6 +34,7 @@ class ScanPreparation {
  private:
   void take(const RecordedScan& scan);
   void forward(std::vector<preprocessing::SyncedScan> scans);
+  void leave_out(Stamp stamp);
 
   preprocessing::ExtrinsicLookup T_base_;
   preprocessing::Preprocessor stage_;
@@ -42,7 +43,9 @@ class ScanPreparation {
   std::string lidar_frame_;
   std::optional<Eigen::Vector3d> p_base_lidar_;  ///< that was sent on
   std::optional<GeodeticDatum> datum_;           ///< that was sent on
+  std::optional<Stamp> last_;                    ///< stamp of the newest scan that was sent on
   std::size_t unreadable_ = 0;
+  bool left_out_ = false;  ///< scans whose stamps were not after it
 };
 
 }  // namespace lidar_mapping::pipeline

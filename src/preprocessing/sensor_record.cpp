@@ -58,8 +58,8 @@ InputReport examine_headers(const std::string& input, const TopicFlow& flow,
   if (frame.empty()) {
     add_fault(report, "the messages name no frame", "the driver must set header.frame_id");
   } else if (!lookup(frame)) {
-    add_fault(report, "no transform from '" + frame + "' to base_link",
-              "publish it on /tf_static (static_transform_publisher)");
+    add_fault(report, "no transform from '" + frame + "' to the vehicle's frame",
+              "publish it on /tf_static (static_transform_publisher), or set base_frame");
   }
   if (frame != flow.frame_id) {
     add_warning(report, "frame '" + flow.frame_id + "' has a leading slash, which tf2 refuses",

@@ -44,7 +44,7 @@ class BagInput::Impl {
  public:
   Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
        const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
-      : config_(config), base_frame_(base_frame), frames_(base_frame) {
+      : config_(config), frames_(base_frame) {
     for (const std::string& path : paths) open(path);
     topics_ = ros_border::topics_in(
         all_bags(), {chosen(wanted.points, "/kitti/velo/pointcloud", "sensor_msgs/PointCloud2"),
@@ -52,6 +52,7 @@ class BagInput::Impl {
                      chosen(wanted.velocity, "/kitti/oxts/gps/vel", "geometry_msgs/TwistStamped"),
                      chosen(wanted.gnss, "/kitti/oxts/gps/fix", "sensor_msgs/NavSatFix")});
     read_frames();
+    settle_base_frame();
     add_query(view_, {topics_.points, topics_.imu, topics_.velocity, topics_.gnss});
     position_ = view_.begin();
   }
@@ -68,7 +69,7 @@ class BagInput::Impl {
   }
 
   std::vector<preprocessing::InputReport> examine(double seconds) const try {
-    return ros_border::check({all_bags(), topics_, base_frame_, seconds}, config_);
+    return ros_border::check({all_bags(), topics_, frames_.base_frame(), seconds}, config_);
   } catch (const rosbag::BagException& error) {
     throw unreadable(bags_.front()->getFileName(), error);
   }
@@ -82,6 +83,7 @@ class BagInput::Impl {
   Stamp begin() { return ros_border::from_ros(view_.getBeginTime()); }
   Stamp end() { return ros_border::from_ros(view_.getEndTime()); }
   const SensorTopics& topics() const { return topics_; }
+  const std::string& frames_notice() const { return frames_notice_; }
   std::optional<Pose> T_base(const std::string& frame) const { return frames_.T_base(frame); }
 
  private:
@@ -130,6 +132,30 @@ class BagInput::Impl {
     for (const rosbag::MessageInstance& message : moving) add_frames(message);
   }
 
+  /// Where nothing says where the LiDAR is on the vehicle, its frame stands for the vehicle's.
+  void settle_base_frame() {
+    rosbag::View scans;
+    add_query(scans, {topics_.points});
+    if (scans.size() == 0) return;
+    const auto cloud = scans.begin()->instantiate<sensor_msgs::PointCloud2>();
+    if (!cloud) return;
+    const std::string lidar_frame = ros_border::frame_name(cloud->header.frame_id);
+    if (frames_.T_base(lidar_frame)) return;
+    frames_notice_ = lidar_frame.empty() ? "the scans name no frame"
+                                         : "nothing in the recording leads from '" + lidar_frame +
+                                               "' to '" + frames_.base_frame() + "'";
+    frames_notice_ +=
+        ": the frame of the scans stands for that of the vehicle (x forward, z up), and sensors in "
+        "frames without a transform to it are not used";
+    if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
+  }
+
+  preprocessing::RawScan decoded(const sensor_msgs::PointCloud2& cloud) const {
+    preprocessing::RawScan scan = ros_border::decode(cloud, config_).scan;
+    if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
+    return scan;
+  }
+
   ros::Time begin_of(const std::string& topic) const {
     rosbag::View view;
     add_query(view, {topic});
@@ -144,9 +170,8 @@ class BagInput::Impl {
 
   std::optional<Input> read(const rosbag::MessageInstance& message) const {
     if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
-      return pipeline::RecordedScan{ros_border::from_ros(cloud->header.stamp), [cloud, this] {
-                                      return ros_border::decode(*cloud, config_).scan;
-                                    }};
+      return pipeline::RecordedScan{ros_border::from_ros(cloud->header.stamp),
+                                    [cloud, this] { return decoded(*cloud); }};
     }
     if (const auto imu = message.instantiate<sensor_msgs::Imu>()) return framed(*imu);
     if (const auto twist = message.instantiate<geometry_msgs::TwistStamped>()) {
@@ -157,10 +182,10 @@ class BagInput::Impl {
   }
 
   preprocessing::PreprocessingConfig config_;
-  std::string base_frame_;
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
+  std::string frames_notice_;
   rosbag::View view_;
   rosbag::View::iterator position_;
 };
@@ -178,6 +203,7 @@ std::optional<Pose> BagInput::T_base(const std::string& frame_id) const {
   return impl_->T_base(frame_id);
 }
 const SensorTopics& BagInput::topics() const { return impl_->topics(); }
+const std::string& BagInput::frames_notice() const { return impl_->frames_notice(); }
 std::vector<preprocessing::InputReport> BagInput::examine(double seconds) const {
   return impl_->examine(seconds);
 }

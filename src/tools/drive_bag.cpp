@@ -180,7 +180,9 @@ void add_samples(BagWriter& writer, const Drive& drive, const BagContent& conten
 
 void fill_bag(const Drive& drive, const std::string& path, const BagContent& content, int threads) {
   BagWriter writer(path);
-  writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive, content));
+  if (!content.has(BagFault::kNoTransforms)) {
+    writer.write_latched("/tf_static", drive.trajectory().begin(), extrinsics(drive, content));
+  }
   add_samples(writer, drive, content);
   if (content.lidar) {
     for_each_scan(drive, threads, [&](std::size_t, const SimulatedScan& scan) {
@@ -200,6 +202,7 @@ const std::map<std::string, BagFault>& bag_faults() {
       {"no_point_times", BagFault::kNoPointTimes},
       {"deskewed_twice", BagFault::kDeskewedTwice},
       {"no_imu_transform", BagFault::kNoImuTransform},
+      {"no_transforms", BagFault::kNoTransforms},
       {"leading_slash", BagFault::kLeadingSlash},
       {"antenna_elsewhere", BagFault::kAntennaElsewhere},
       {"gnss_late", BagFault::kGnssLate},

@@ -28,6 +28,7 @@ std::vector<std::string> lines_about(const BagInput& bags) {
   const ros_border::SensorTopics& topics = bags.topics();
   const std::string names[] = {topics.points, topics.imu, topics.velocity, topics.gnss};
   std::vector<std::string> lines;
+  if (!bags.frames_notice().empty()) lines.push_back("frames    " + bags.frames_notice());
   std::size_t index = 0;
   for (const preprocessing::InputReport& report : bags.examine(kLook)) {
     const std::string& topic = names[index++];

@@ -16,6 +16,7 @@ enum class BagFault {
   kNoPointTimes,      ///< clouds without the field `time`
   kDeskewedTwice,     ///< times with points that are compensated (DriveOptions::undistorted)
   kNoImuTransform,    ///< imu_link is not in /tf_static
+  kNoTransforms,      ///< there is no /tf_static
   kLeadingSlash,      ///< frame /velo_link
   kAntennaElsewhere,  ///< /tf_static has the antenna 1.5 m beside its place
   kGnssLate,          ///< fixes stamped 50 ms late

@@ -147,6 +147,23 @@ TEST_F(MapBag, MakesASessionAndItsMap) {
   EXPECT_GT(Session::open(root() / "whole", Session::Access::kRead).key_frame_count(), 10U);
 }
 
+TEST_F(MapBag, MapsInTheFrameOfTheScansWhereNothingTellsOfAnother) {
+  const TemporaryFolder folder;
+  const std::string bag = folder.path() / "plain.bag";
+  ASSERT_EQ(Program("simulate_drive",
+                    {bag, "--lidar", "vlp16", "--duration", "4", "--fault", "no_transforms"},
+                    root() / "log")
+                .wait(),
+            0)
+      << said();
+  const std::string session = folder.path() / "session";
+  EXPECT_EQ(Program("map_bag", {bag, "-o", session, "--no-map"}, root() / "log").wait(), 0);
+  EXPECT_NE(said().find("nothing in the recording leads from 'velo_link' to 'base_link'"),
+            std::string::npos)
+      << said();
+  EXPECT_GT(Session::open(session, Session::Access::kRead).key_frame_count(), 0U);
+}
+
 TEST_F(MapBag, LeavesAFolderAloneThatIsNotEmpty) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "diary.txt") << "mine";

@@ -15,6 +15,10 @@ class RecordedFrames {
  public:
   explicit RecordedFrames(std::string base_frame) : base_frame_(std::move(base_frame)) {}
 
+  const std::string& base_frame() const { return base_frame_; }
+  /// From now on this frame stands for the vehicle.
+  void set_base_frame(std::string frame) { base_frame_ = std::move(frame); }
+
   /// A message of /tf_static (`is_static`) or /tf.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.

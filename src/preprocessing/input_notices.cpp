@@ -1,0 +1,84 @@
+#include "input_notices.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sensor_record.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+namespace {
+
+constexpr Stamp kOtherClock = from_seconds(10.0);  // no sensor is as late as that
+
+}  // namespace
+
+void InputNotices::motion(MotionSource source, bool has_times) {
+  if (!has_times) {
+    return inform("motion none",
+                  "points: no point times; the scans are taken as compensated (raw ones need "
+                  "point_times: AZIMUTH)");
+  }
+  if (source == MotionSource::kNone) {
+    return inform("motion later",
+                  "points: neither IMU nor velocity over the scan; the points keep their times and "
+                  "the front end compensates");
+  }
+  const std::string name = to_string(source);
+  inform("motion " + name, "points: motion during the scan compensated by " + name);
+}
+
+void InputNotices::time_went_back(const std::string& input, Stamp jump) {
+  forget("reset");
+  warn("reset", input + text(": time went back by %.1f s", to_seconds(jump)) +
+                    "; all buffers are empty now (a recording that begins anew?)");
+}
+
+void InputNotices::stray_stamp(const std::string& input, Stamp jump) {
+  warn("stray " + input,
+       input + text(": a stamp %.1f s %s all before was dropped (if the next ones agree with it, "
+                    "they are taken)",
+                    std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
+}
+
+void InputNotices::refused_fix(const std::string& problem) {
+  warn("gnss " + problem.substr(0, 12), "gnss: fix refused: " + problem);
+}
+
+void InputNotices::refused_scan(Stamp stamp) {
+  warn("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
+                           : "points: a scan came with the stamp of an earlier one or after a "
+                             "later one; it was dropped");
+}
+
+void InputNotices::too_few_points() {
+  warn("empty",
+       "points: a scan had fewer than min_points points after the filters; check "
+       "distance_near_thresh, distance_far_thresh and vehicle_box");
+}
+
+void InputNotices::useless_heading() {
+  warn("heading",
+       "imu: its heading does not agree with the course over ground; it is not used (set "
+       "imu_orientation to ENU if it is true nevertheless)");
+}
+
+void InputNotices::missing_transform(const std::string& input, const std::string& frame_id) {
+  const std::string what = frame_id.empty()
+                               ? "the messages name no frame; set header.frame_id"
+                               : "no transform from '" + frame_id +
+                                     "' to the vehicle's frame; publish it on /tf_static (or set "
+                                     "base_frame to it)";
+  warn("tf " + input + frame_id, input + ": " + what);
+}
+
+void InputNotices::other_clock(const std::string& input, Stamp ahead, Stamp behind) {
+  const Stamp most = std::max(ahead, behind);
+  if (most <= kOtherClock) return;
+  warn("clock " + input, input +
+                             text(": its stamps are %.1f s %s those of the scans", to_seconds(most),
+                                  ahead > 0 ? "ahead of" : "behind") +
+                             "; is it another clock? (" + input + "_time_offset)");
+}
+
+}  // namespace lidar_mapping::preprocessing

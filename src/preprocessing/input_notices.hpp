@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/motion_sensors.hpp"
+#include "lidar_mapping/preprocessing/notices.hpp"
+#include "lidar_mapping/preprocessing/sensor_stream.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// What is to be said of the inputs while they are brought together, each subject once.
+class InputNotices : public Notices {
+ public:
+  /// How the motion during the scans is taken out.
+  void motion(MotionSource source, bool has_times);
+  void time_went_back(const std::string& input, Stamp jump);
+  void stray_stamp(const std::string& input, Stamp jump);
+  void refused_fix(const std::string& problem);
+  void refused_scan(Stamp stamp);
+  void too_few_points();
+  void useless_heading();
+  void missing_transform(const std::string& input, const std::string& frame_id);
+  /// Of a sensor that is there, but gives no value at `stamp`: why, where that is not a mere gap.
+  template <typename Sample>
+  void no_value(const SensorStream<Sample>& stream, Stamp stamp, const Extrinsics& extrinsics) {
+    if (stream.buffer().empty()) return;
+    if (!extrinsics.T_base(stream.frame_id())) {
+      return missing_transform(stream.name(), stream.frame_id());
+    }
+    other_clock(stream.name(), stream.buffer().oldest().stamp - stamp,
+                stamp - stream.buffer().newest().stamp);
+  }
+
+ private:
+  void other_clock(const std::string& input, Stamp ahead, Stamp behind);
+};
+
+}  // namespace lidar_mapping::preprocessing

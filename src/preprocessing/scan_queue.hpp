@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
+#include "lidar_mapping/preprocessing/sensor_stream.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+struct WaitingScan {
+  RawScan raw;
+  TimeSpan span;
+};
+
+/// Scans that wait for the other sensors, in the order of their stamps.
+class ScanQueue {
+ public:
+  /// Refuses a stamp that is there already and one that is not after all that have left; says when
+  /// time has gone back so far that the recording must have begun anew (nothing is inserted then).
+  Insertion insert(WaitingScan&& scan);
+
+  bool empty() const { return waiting_.empty(); }
+  std::size_t size() const { return waiting_.size(); }
+  /// More than should wait: the oldest has to leave.
+  bool is_too_long() const;
+  const WaitingScan& oldest() const { return waiting_.front(); }
+  WaitingScan take_oldest();
+  void clear();
+
+ private:
+  std::deque<WaitingScan> waiting_;
+  std::optional<Stamp> last_out_;
+};
+
+}  // namespace lidar_mapping::preprocessing

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// Tells a stray stamp from a time that has jumped: a jump counts when the next stamp confirms it.
+class StampGuard {
+ public:
+  /// `now` is the time that all inputs together have reached. False for a stamp that is far from it
+  /// and from all before, until the next one confirms it.
+  bool accepts(Stamp stamp, Stamp now) {
+    if (!newest_ || follows(*newest_, stamp) || (stamp > *newest_ && follows(now, stamp))) {
+      newest_ = std::max(newest_.value_or(stamp), stamp);
+    } else if (stray_ && follows(*stray_, stamp)) {
+      newest_ = stamp;
+    } else {
+      stray_ = stamp;
+      return false;
+    }
+    stray_.reset();
+    return true;
+  }
+
+ private:
+  static bool follows(Stamp before, Stamp stamp) {
+    constexpr Stamp kMostBack = from_seconds(2.0);  // later than any network
+    constexpr Stamp kMostAhead = from_seconds(10.0);
+    return stamp >= before - kMostBack && stamp <= before + kMostAhead;
+  }
+
+  std::optional<Stamp> newest_;
+  std::optional<Stamp> stray_;
+};
+
+}  // namespace lidar_mapping::preprocessing
