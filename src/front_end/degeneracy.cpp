@@ -1,13 +1,9 @@
 #include "lidar_mapping/front_end/degeneracy.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace lidar_mapping::front_end {
 namespace {
-
-using registration::Matrix12d;
-using registration::Vector12d;
 
 /// A share of the trace: a smooth tunnel has less than 0.0006, an open field more than 0.004.
 constexpr double kMinShare = 0.0015;
@@ -25,27 +21,10 @@ std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& pose_hessian)
   return directions;
 }
 
-registration::NdtMatch without_directions(const registration::NdtMatch& match,
-                                          const registration::MotionBelief& matched_with,
-                                          const registration::MotionBelief& instead,
-                                          const std::vector<Eigen::Vector3d>& directions) {
-  Matrix12d keep = Matrix12d::Identity();
-  for (const Eigen::Vector3d& direction : directions) {
-    const Eigen::Matrix3d along = direction * direction.transpose();
-    keep.block<3, 3>(0, 0) -= along;
-    keep.block<3, 3>(6, 6) -= along;
-  }
-  // At the match the points' gradient balances that of the prior. With less of the one and more of
-  // the other, one step of Gauss-Newton finds the new balance.
-  const Vector12d points_gradient =
-      -matched_with.information * difference(matched_with.state, match.state);
-  const Vector12d prior_gradient = instead.information * difference(instead.state, match.state);
-  registration::NdtMatch result = match;
-  result.points_information = keep * match.points_information * keep;
-  result.information = result.points_information + instead.information;
-  const Vector12d step = -result.information.ldlt().solve(keep * points_gradient + prior_gradient);
-  result.state = perturbed(match.state, step);
-  return result;
+Eigen::Matrix3d projection_beside(const std::vector<Eigen::Vector3d>& directions) {
+  Eigen::Matrix3d projection = Eigen::Matrix3d::Identity();
+  for (const Eigen::Vector3d& d : directions) projection -= d * d.transpose();
+  return projection;
 }
 
 }  // namespace lidar_mapping::front_end

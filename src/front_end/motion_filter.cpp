@@ -22,6 +22,9 @@ constexpr double kMinAgility = 0.025;
 /// Share of the forecast's mean squared error that the covariance of the twist does not know of.
 constexpr double kForecastShare = 0.3;
 
+/// Of a pose against the part of the map that was just put in with it.
+constexpr double kAnchorSigma = 0.01;  // m
+
 /// Derivative of the state after `seconds` with respect to the state now.
 Matrix12d transition(const Vector6d& twist, double seconds) {
   Matrix12d F = Matrix12d::Identity();
@@ -149,26 +152,39 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
 }
 
 /// An acceleration shows in the twist and in the way; noise does seldom in both.
-void MotionFilter::learn_agility(const MotionState& state) {
+void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d& observed) {
   if (step_seconds_ <= 0.0) return;
   const Vector6d of_twist = (state.twist - state_.twist) / step_seconds_;
   const Vector6d of_way =
       difference(state_.T_map_sensor, state.T_map_sensor) * (2.0 / (step_seconds_ * step_seconds_));
-  linear_.see(std::min(of_twist.head<3>().norm(), of_way.head<3>().norm()));
+  linear_.see(
+      std::min((observed * of_twist.head<3>()).norm(), (observed * of_way.head<3>()).norm()));
   angular_.see(std::min(of_twist.tail<3>().norm(), of_way.tail<3>().norm()));
 }
 
-void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance) {
-  learn_agility(state);
+void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance,
+                           const Eigen::Matrix3d& observed) {
+  learn_agility(state, observed);
   if (since_corrected_ > 0.0) {
     forecast_.see(twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_),
-                  state.twist);
+                  state.twist, observed);
     corrected_ = true;
   }
   T_map_corrected_ = state.T_map_sensor;
   since_corrected_ = 0.0;
   state_ = state;
   covariance_ = 0.5 * (covariance + covariance.transpose());
+}
+
+void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {
+  if (directions.empty()) return;
+  Matrix12d rest = Matrix12d::Identity();
+  Matrix12d known = Matrix12d::Zero();
+  for (const Eigen::Vector3d& d : directions) {
+    rest.topLeftCorner<3, 3>() -= d * d.transpose();
+    known.topLeftCorner<3, 3>() += kAnchorSigma * kAnchorSigma * d * d.transpose();
+  }
+  covariance_ = rest * covariance_ * rest.transpose() + known;
 }
 
 registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }

@@ -139,18 +139,18 @@ class NdtTracker::Impl {
   }
 
   void follow(const Scan& scan, double seconds, const MotionPrior& prior, TrackedScan& result) {
-    const MotionBelief prediction = filter_.belief();
+    const Prediction prediction{filter_.belief(), trusting_velocity(prior)};
     const SweepMatcher::Found found =
         motion_known_ ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
-                      : find_first_motion(scan, prediction, seconds);
+                      : find_first_motion(scan, prediction.usual, seconds);
     describe(found, result.status);
-    result.status.state = judge_.judge(found.match, prediction);
+    result.status.state = judge_.judge(found.match, prediction.usual);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;
     }
-    accept(found.match, prediction, prior, result.status);
-    if (result.status.state != TrackingState::kDegraded) keep(scan);
+    accept(found, prior, result.status);
+    if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
   }
 
   /// The second scan: the speed may be anything, and the first scan is still as skewed as it came.
@@ -170,6 +170,7 @@ class NdtTracker::Impl {
       map_.insert(first_, {moved(start_, twist, first_reference_), twist});
       found.match = matcher_.refine(points, map_, prediction, found.match.state);
     }
+    found.degenerate_directions = degenerate_directions(found.match.pose_hessian);
     return found;
   }
 
@@ -180,23 +181,21 @@ class NdtTracker::Impl {
     status.inlier_fraction = found.match.inlier_fraction;
     status.overlap = found.match.overlap;
     status.rescued = found.rescued;
+    status.degenerate_directions = found.degenerate_directions;
   }
 
-  void accept(const NdtMatch& match, const MotionBelief& prediction, const MotionPrior& prior,
-              FrontEndStatus& status) {
-    NdtMatch observed = match;
-    status.degenerate_directions = degenerate_directions(match.pose_hessian);
-    if (!status.degenerate_directions.empty()) {
+  void accept(const SweepMatcher::Found& found, const MotionPrior& prior, FrontEndStatus& status) {
+    const NdtMatch& match = found.match;
+    if (!found.degenerate_directions.empty()) {
       if (status.state == TrackingState::kTracking) status.state = TrackingState::kDegenerate;
-      observed = without_directions(match, prediction, known_otherwise(prior, status),
-                                    status.degenerate_directions);
     } else if (prior.linear_velocity) {
       velocity_trust_.see(*prior.linear_velocity, match.state.twist.head<3>());
     }
-    filter_.correct(observed.state, observed.information.inverse());
-    covariance_ = reported_covariance(observed);
+    filter_.correct(match.state, match.information.inverse(),
+                    projection_beside(found.degenerate_directions));
+    covariance_ = reported_covariance(match);
     judge_.learn(match);
-    last_good_ = observed.state.T_map_sensor;
+    last_good_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
     motion_known_ = true;
   }
@@ -209,15 +208,12 @@ class NdtTracker::Impl {
     return information.inverse();
   }
 
-  /// The prediction, held to the measured velocity along the directions that the points leave open.
-  MotionBelief known_otherwise(const MotionPrior& prior, const FrontEndStatus& status) const {
+  /// The prediction, held to a measured velocity as firmly as it has deserved so far.
+  MotionBelief trusting_velocity(const MotionPrior& prior) const {
     MotionFilter filter = filter_;
     if (prior.linear_velocity) {
-      const Eigen::Vector3d velocity = velocity_trust_.corrected(*prior.linear_velocity);
-      for (const Eigen::Vector3d& direction : status.degenerate_directions) {
-        filter.measure_velocity_along(direction, direction.dot(velocity),
-                                      velocity_trust_.usual_sigma());
-      }
+      filter.measure_velocity(velocity_trust_.corrected(*prior.linear_velocity),
+                              velocity_trust_.usual_sigma());
     }
     return filter.belief();
   }
@@ -235,9 +231,11 @@ class NdtTracker::Impl {
     result.new_segment = true;
   }
 
-  void keep(const Scan& scan) {
+  void keep(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
     const Pose T_inserted_now = inserted_.inverse() * filter_.state().T_map_sensor;
-    if (inserted_scans_ < kFirstScans || kInsertionRule.reached(T_inserted_now, 0)) insert(scan);
+    if (inserted_scans_ >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0)) return;
+    insert(scan);
+    filter_.anchor(degenerate_directions);
   }
 
   void insert(const Scan& scan) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/search_starts.hpp"
 
 namespace lidar_mapping::front_end {
@@ -59,14 +60,28 @@ void keep_best(std::vector<NdtMatch>& matches, std::size_t count) {
 }  // namespace
 
 SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
-                                       const MatchJudge& judge, const MotionBelief& prediction,
+                                       const MatchJudge& judge, const Prediction& prediction,
                                        const std::vector<Pose>& anchors) {
-  Found found;
-  found.match = refine(points, map, prediction, start_for(points, map, prediction));
-  if (!judge.in_doubt(found.match, prediction)) return found;
+  const MotionBelief& usual = prediction.usual;
+  const NdtMatch first = refine(points, map, usual, start_for(points, map, usual));
+  Found found = observed(first, points, map, prediction.where_blind);
+  if (!judge.in_doubt(found.match, usual)) return found;
+  const NdtMatch other = search(points, map, usual, starts_around(usual.state, anchors));
+  if (other.quality > kClearlyBetter * found.match.quality) {
+    found = observed(other, points, map, prediction.where_blind);
+  }
   found.rescued = true;
-  const NdtMatch other = search(points, map, prediction, starts_around(prediction.state, anchors));
-  if (other.quality > kClearlyBetter * found.match.quality) found.match = other;
+  return found;
+}
+
+SweepMatcher::Found SweepMatcher::observed(const NdtMatch& match, const NdtPoints& points,
+                                           LocalMap& map, const MotionBelief& where_blind) {
+  Found found{match, degenerate_directions(match.pose_hessian), false};
+  if (found.degenerate_directions.empty()) return found;
+  NdtOptions options;
+  options.neighbor_search = neighbors_;
+  options.blind_directions = found.degenerate_directions;
+  found.match = matcher_.match(points, map.fine(), where_blind, match.state, options);
   return found;
 }
 

@@ -8,24 +8,32 @@ namespace {
 constexpr double kLearningRate = 0.1;
 
 /// Mean squared difference per axis, linear and angular.
-Eigen::Vector2d squared_difference(const Vector6d& a, const Vector6d& b) {
+Eigen::Vector2d squared_difference(const Vector6d& a, const Vector6d& b,
+                                   const Eigen::Matrix3d& observed) {
   const Vector6d d = a - b;
-  return {d.head<3>().squaredNorm() / 3.0, d.tail<3>().squaredNorm() / 3.0};
+  const double axes = std::max(1.0, observed.trace());
+  return {(observed * d.head<3>()).squaredNorm() / axes, d.tail<3>().squaredNorm() / 3.0};
 }
 
 }  // namespace
 
-void TwistForecast::see(const Vector6d& mean_twist, const Vector6d& sweep_twist) {
+double TwistForecast::mean_share(int part) const {
+  const double both = mean_error_[part] + sweep_error_[part];
+  return both > 0.0 ? sweep_error_[part] / both : 0.0;
+}
+
+void TwistForecast::see(const Vector6d& mean_twist, const Vector6d& sweep_twist,
+                        const Eigen::Matrix3d& observed) {
   if (seen_) {
-    mean_error_ += kLearningRate * (squared_difference(mean_twist_, mean_twist) - mean_error_);
-    sweep_error_ += kLearningRate * (squared_difference(sweep_twist_, mean_twist) - sweep_error_);
+    const auto learn = [&](const Vector6d& forecast, Eigen::Vector2d& error) {
+      error += kLearningRate * (squared_difference(forecast, mean_twist, observed) - error);
+    };
+    learn(mean_twist_, mean_error_);
+    learn(sweep_twist_, sweep_error_);
   }
-  for (int part = 0; part < 2; ++part) {
-    const double both = mean_error_[part] + sweep_error_[part];
-    const double share = both > 0.0 ? mean_error_[part] / both : 1.0;
-    next_.segment<3>(3 * part) =
-        share * sweep_twist.segment<3>(3 * part) + (1.0 - share) * mean_twist.segment<3>(3 * part);
-  }
+  const Vector6d to_mean = mean_twist - sweep_twist;
+  next_.head<3>() = sweep_twist.head<3>() + mean_share(0) * (observed * to_mean.head<3>());
+  next_.tail<3>() = sweep_twist.tail<3>() + mean_share(1) * to_mean.tail<3>();
   variance_ = mean_error_.cwiseMin(sweep_error_);
   mean_twist_ = mean_twist;
   sweep_twist_ = sweep_twist;

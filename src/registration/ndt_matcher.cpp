@@ -4,12 +4,15 @@
 #include <array>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "ndt_kernels.hpp"
 #include "ndt_neighbors.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
+
+constexpr double kTinyShare = 1e-12;
 
 /// Normal equations of all points: hessian * d = -gradient, perturbations in the sensor's axes.
 struct NormalEquations {
@@ -69,6 +72,30 @@ SweepMotion sweep_motion(const MotionState& state, const Eigen::Vector3d& origin
   return motion;
 }
 
+/// A column per direction for the pose, and one for the twist.
+Eigen::MatrixXd motions_along(const std::vector<Eigen::Vector3d>& directions) {
+  const auto count = static_cast<Eigen::Index>(directions.size());
+  Eigen::MatrixXd along = Eigen::MatrixXd::Zero(12, 2 * count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector3d& direction = directions[static_cast<std::size_t>(i)];
+    along.block<3, 1>(0, i) = along.block<3, 1>(6, count + i) = direction;
+  }
+  return along;
+}
+
+/// Takes out what the points say about moving along the directions while all else adapts, and no
+/// more: in a bend of a tunnel the heading still goes with the place.
+void leave_out(const std::vector<Eigen::Vector3d>& directions, NormalEquations& sum) {
+  if (directions.empty()) return;
+  // Points without times say nothing about the twist: a trace of it makes that invertible.
+  const Matrix12d H = sum.hessian + kTinyShare * sum.hessian.trace() * Matrix12d::Identity();
+  const Eigen::MatrixXd along = motions_along(directions);
+  const Eigen::MatrixXd response = H.ldlt().solve(along);
+  const Eigen::MatrixXd marginal = (along.transpose() * response).inverse();
+  sum.gradient -= along * (marginal * (response.transpose() * sum.gradient));
+  sum.hessian -= along * marginal * along.transpose();
+}
+
 void judge(const NormalEquations& sum, std::size_t points, NdtMatch& match) {
   const double count = std::max<double>(1.0, static_cast<double>(points));
   match.pose_hessian = sum.pose_hessian;
@@ -103,6 +130,7 @@ class NdtMatcher::Impl {
     while (match.iterations < options.max_iterations && !match.converged) {
       ++match.iterations;
       sum = normal_equations(points, map, match.state, kernel);
+      leave_out(options.blind_directions, sum);
       match.points_information = options.data_weight * sum.hessian;
       match.information = match.points_information + prior.information;
       const Vector12d gradient = options.data_weight * sum.gradient +

@@ -167,6 +167,47 @@ TEST(NdtMatcher, AllNeighborSearchesAgree) {
   }
 }
 
+/// Points on the walls and the floor of a corridor that bends around (0, radius).
+PointCloud bent_corridor(unsigned seed, double radius) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> angle(-0.6, 0.6);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  PointCloud cloud;
+  for (int i = 0; i < 30000; ++i) {
+    const double a = angle(engine);
+    const double across = i % 3 == 0 ? 4.0 * uniform(engine) : (i % 2 == 0 ? 4.0 : -4.0);
+    const double up = i % 3 == 0 ? -1.7 : 2.0 * uniform(engine);
+    const double r = radius + across + noise(engine);
+    cloud.points.push_back({static_cast<float>(r * std::sin(a)),
+                            static_cast<float>(radius - r * std::cos(a)),
+                            static_cast<float>(up + noise(engine)), 0.0F});
+  }
+  return cloud;
+}
+
+// Where the points do not say how far the sensor went, the prior says it, and they say the rest: on
+// in a bend means turned as well.
+TEST(NdtMatcher, FollowsThePriorAlongBlindDirectionsAndThePointsElsewhere) {
+  constexpr double kRadius = 60.0;
+  constexpr double kOn = 0.6;
+  GaussianVoxelMap map(1.0, 1 << 14);
+  insert(bent_corridor(1, kRadius), map);
+  MotionBelief prior;
+  prior.state.T_map_sensor.translation = {kOn, 0.1, 0.05};
+  prior.information = 100.0 * Matrix12d::Identity();
+  NdtOptions options;
+  options.blind_directions = {Eigen::Vector3d::UnitX()};
+  const NdtPoints points = seen_from(MotionState{}, bent_corridor(2, kRadius));
+  const NdtMatch match = NdtMatcher().match(points, map, prior, prior.state, options);
+  const Vector6d error =
+      difference(Pose{exp_so3({0.0, 0.0, kOn / kRadius}), {kOn, 0.5 * kOn * kOn / kRadius, 0.0}},
+                 match.state.T_map_sensor);
+  EXPECT_LT(std::abs(error[0]), 0.02);
+  EXPECT_LT(error.segment<2>(1).norm(), 0.003);
+  EXPECT_LT(error.tail<3>().norm(), 5e-4);
+}
+
 TEST(NdtMatcher, SaysThatNothingFits) {
   GaussianVoxelMap empty(1.0, 64);
   const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 1000, 0.01));

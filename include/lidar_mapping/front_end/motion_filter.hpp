@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/front_end/twist_forecast.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
@@ -39,8 +41,15 @@ class MotionFilter {
   void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
   /// Lets the twist fall exponentially: nobody has seen it lately.
   void slow_down(double seconds, double time_constant);
-  /// Replaces the predicted state by a matched one, and learns how far off the prediction was.
-  void correct(const MotionState& state, const Matrix12d& covariance);
+  /// Replaces the predicted state by a matched one, and learns how far off the prediction was. Of
+  /// the translation only what `observed` (a projection, the sensor's axes) lets through teaches
+  /// anything: along other directions the match is the prediction.
+  void correct(const MotionState& state, const Matrix12d& covariance,
+               const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
+
+  /// The map grew at this pose. Along directions in which the pose was only predicted, the new part
+  /// of the map shares its error: against it the pose is known.
+  void anchor(const std::vector<Eigen::Vector3d>& directions);
 
   const MotionState& state() const { return state_; }
   const Matrix12d& covariance() const { return covariance_; }
@@ -48,7 +57,7 @@ class MotionFilter {
 
  private:
   void take_forecast();
-  void learn_agility(const MotionState& state);
+  void learn_agility(const MotionState& state, const Eigen::Matrix3d& observed);
   void measure(const Vector12d& row, double innovation, double sigma);
 
   /// Standard deviation of an acceleration, between limits.

@@ -8,12 +8,20 @@
 
 namespace lidar_mapping::front_end {
 
+/// What is known of the motion before the match. The second belief trusts other sensors more; it
+/// counts where the points say nothing (Zhang, Kaess, Singh 2016).
+struct Prediction {
+  registration::MotionBelief usual;
+  registration::MotionBelief where_blind;
+};
+
 /// Finds where a sweep was taken: finely from the prediction, coarsely first where a quick test
 /// distrusts the prediction, and from many starts where the match is in doubt.
 class SweepMatcher {
  public:
   struct Found {
     registration::NdtMatch match;
+    std::vector<Eigen::Vector3d> degenerate_directions;  ///< follow the prediction
     bool rescued = false;
   };
 
@@ -22,7 +30,7 @@ class SweepMatcher {
 
   /// `anchors` are poses around which to search if the match from the prediction is in doubt.
   Found find(const registration::NdtPoints& points, LocalMap& map, const MatchJudge& judge,
-             const registration::MotionBelief& prediction, const std::vector<Pose>& anchors);
+             const Prediction& prediction, const std::vector<Pose>& anchors);
   /// The best match from any of the starts.
   registration::NdtMatch search(const registration::NdtPoints& points, LocalMap& map,
                                 const registration::MotionBelief& prior,
@@ -33,6 +41,9 @@ class SweepMatcher {
                                 const registration::MotionState& start);
 
  private:
+  /// The match, or the one without what the points do not observe.
+  Found observed(const registration::NdtMatch& match, const registration::NdtPoints& points,
+                 LocalMap& map, const registration::MotionBelief& where_blind);
   /// The match, or a coarse one from the prior as long as the fine map is too thin to match with.
   registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
                                         const registration::NdtPoints& points, LocalMap& map,

@@ -9,13 +9,19 @@ namespace lidar_mapping::front_end {
 /// goes on as it went during the sweep, a walking person as on the average of the last steps.
 class TwistForecast {
  public:
-  /// Takes in a step: its mean twist and that during the sweep at its end.
-  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist);
+  /// Takes in a step: its mean twist and that during the sweep at its end. Only velocities that
+  /// `observed`, a projection, lets through were seen. Along others the twist stays what the
+  /// sweep's has been: a pose that is off by a little would drive the mean twist away.
+  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist,
+           const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
   const Vector6d& next() const { return next_; }
   /// Mean squared error per axis of the better one: linear (m/s)^2, angular (rad/s)^2.
   const Eigen::Vector2d& variance() const { return variance_; }
 
  private:
+  /// Say of the last step's mean twist; 0: linear, 1: angular.
+  double mean_share(int part) const;
+
   bool seen_ = false;
   Vector6d mean_twist_ = Vector6d::Zero();
   Vector6d sweep_twist_ = Vector6d::Zero();

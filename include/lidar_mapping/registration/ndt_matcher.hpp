@@ -43,6 +43,9 @@ struct NdtOptions {
   double rotation_epsilon = 5e-5;     ///< rad
   /// Weight of a residual against the prior: below one because neighbouring points err together.
   double data_weight = 0.3;
+  /// Unit vectors in the sensor's axes: what the points say about moving along them, while all else
+  /// adapts, is left out. There the prior decides.
+  std::vector<Eigen::Vector3d> blind_directions;
 };
 
 /// Where the points fit best, and how well.
