@@ -25,14 +25,20 @@ std::string without_digits(std::string text) {
   return text;
 }
 
-/// Runs until the end; false if there was nothing to run.
-bool run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
+void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
   NodeContext context;
   const std::shared_ptr<void> node = make(context);
-  if (!node) return false;
+  if (!node) return;
   ros::spin();
   context.worker.stop();
-  return true;
+}
+
+/// What is wrong stays wrong, however often the node is started.
+void stay(const std::string& problem) {
+  ROS_FATAL("this node does nothing: mend what stands above, end the launch and start it again");
+  NodeContext context;
+  context.diagnostics.set_state(Diagnostics::Level::kError, "did not start: " + problem);
+  ros::spin();
 }
 
 }  // namespace
@@ -53,7 +59,7 @@ std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequ
   return missing;
 }
 
-int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
+int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error) {
   // Without a node handle roscpp shuts down, and its log with it.
   const ros::NodeHandle keeps_log;
   try {
@@ -61,6 +67,7 @@ int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
     return 0;
   } catch (const Error& error) {
     say_fatal(error.what());
+    if (on_error == OnError::kStay) stay(error.what());
   } catch (const std::exception& error) {
     say_fatal(std::string("unexpected error: ") + error.what());
   }

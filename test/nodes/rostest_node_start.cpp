@@ -1,3 +1,4 @@
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 
@@ -55,10 +56,46 @@ TEST_P(EveryNode, StartsInTwoNamespacesAtOnceAndEndsWhenAsked) {
   EXPECT_EQ(two.wait(0.0), 0) << two.output();
 }
 
+/// Started again it would say the same once a second.
+TEST_P(EveryNode, StaysAndDoesNothingWhereItWouldBeStartedAgain) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  NodeProcess node(name(), {"--stay-on-error", "_queue_size:=0"});
+  const auto reported = [&] {
+    return std::any_of(
+        diagnostics.messages.begin(), diagnostics.messages.end(), [](const auto& message) {
+          return message.status.at(0).level == diagnostic_msgs::DiagnosticStatus::ERROR &&
+                 message.status.at(0).message.find("queue_size: 0") != std::string::npos;
+        });
+  };
+  EXPECT_TRUE(wait_until(reported)) << node.output();
+  EXPECT_NE(node.output().find("mend what stands above"), std::string::npos) << node.output();
+  node.stop();
+  EXPECT_EQ(node.wait(0.0), 1);
+}
+
 INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode,
                          testing::Values("preprocessing_node", "floor_detection_node",
                                          "front_end_node", "loop_closing_node", "back_end_node",
                                          "map_viewer_node"));
+
+TEST(Launch, AWrongParameterIsSaidOnceByEachNodeAndNoneIsStartedAgain) {
+  NodeProcess launch("/usr/bin/env", {"roslaunch", "lidar_mapping", "mapping.launch", "rviz:=false",
+                                      "map_frame:=/map"});
+  const auto count = [&](const std::string& text) {
+    const std::string output = launch.output();
+    std::size_t found = 0;
+    for (auto at = output.find(text); at != std::string::npos; at = output.find(text, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_TRUE(wait_until([&] { return count("this node does nothing") == 6; })) << launch.output();
+  EXPECT_EQ(count("map_frame: '/map' starts with a slash"), 6U) << launch.output();
+  EXPECT_EQ(count("has died"), 0U) << launch.output();
+  launch.stop();
+  ros::param::del("/nodes");
+  ros::param::del("/use_sim_time");
+}
 
 TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
   ros::param::set("/front_end/key_frame_distance", 7.5);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <ros/ros.h>
 
@@ -71,19 +73,28 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
 /// Queue of a publisher: subscribers take messages in at once, so few ever wait.
 constexpr std::uint32_t kPublisherQueue = 100;
 
+/// What a node does that cannot start: end, or, where something would only start it again, stay and
+/// do nothing until it is asked to end.
+enum class OnError { kEnd, kStay };
+
 /// Makes the node, spins until the end and stops the worker before the node goes. Errors of
-/// configuration and files are said a line each. Returns the program's exit status.
-int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make);
+/// configuration and files are said once, a line each. Returns the program's exit status.
+int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error);
 
 /// The body of a node's main. `Node` has a type `Config` with a schema and the constructor
 /// Node(const Config&, NodeContext&); `stage` is the name of its group of parameters. The node has
-/// the program's name. With --print-config the configuration in force is printed instead.
+/// the program's name. With --print-config the configuration in force is printed instead;
+/// --stay-on-error is for launch files that start a node again that has ended.
 template <typename Node>
 int run_node(int argc, char** argv, const std::string& stage) {
   using Config = typename Node::Config;
   ros::init(argc, argv, std::filesystem::path(argv[0]).filename().string());
-  const bool print = argc > 1 && std::string(argv[1]) == "--print-config";
-  return run([&](NodeContext& context) -> std::shared_ptr<void> {
+  const auto has_option = [words =
+                               std::vector<std::string>(argv, argv + argc)](const auto& option) {
+    return std::find(words.begin(), words.end(), option) != words.end();
+  };
+  const bool print = has_option("--print-config");
+  const auto make = [&](NodeContext& context) -> std::shared_ptr<void> {
     const auto config =
         config::load<Config>(parameter_sources(context.node, context.private_node, stage));
     const std::string yaml = config::to_yaml(config);
@@ -93,7 +104,8 @@ int run_node(int argc, char** argv, const std::string& stage) {
     }
     publish_effective_configuration(context.node, stage, yaml);
     return std::make_shared<Node>(config, context);
-  });
+  };
+  return run(make, has_option("--stay-on-error") ? OnError::kStay : OnError::kEnd);
 }
 
 }  // namespace lidar_mapping::ros_border
