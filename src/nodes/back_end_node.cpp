@@ -11,6 +11,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 // What comes in, the run that it belongs to, and its session.
@@ -74,13 +75,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
         ROS_ERROR_STREAM("optimisation failed: " << what);
       }),
       problems_(solver_.add_channel("problems", 1)) {
-  if (!config.resume.empty()) {
-    const fs::path root = expanded(config.session_directory);
-    const fs::path path = config.resume == "latest" ? root / "latest" : expanded(config.resume);
-    auto session = session::Session::open(path, session::Session::Access::kWrite);
-    const std::string run_id = session.run_id();
-    use(std::move(session), run_id);
-  }
+  resume();
   context.worker.set_on_stop(Worker::OnStop::kDrain);
   context.worker.set_idle_task(kIdle, [this] {
     settle();
@@ -90,7 +85,22 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
   serve();
 }
 
+/// The session of before this node was killed, or else the one that was asked for.
+void BackEndNode::resume() {
+  std::string folder;
+  const bool was_killed =
+      context_.node.getParam(kRunSession, folder) && fs::exists(fs::path(folder) / "session.db");
+  if (!was_killed && config_.resume.empty()) return;
+  const fs::path asked = config_.resume == "latest" ? expanded(config_.session_directory) / "latest"
+                                                    : expanded(config_.resume);
+  auto session = session::Session::open(was_killed ? fs::path(folder) : asked,
+                                        session::Session::Access::kWrite);
+  const std::string run_id = session.run_id();
+  use(std::move(session), run_id);
+}
+
 BackEndNode::~BackEndNode() {
+  context_.node.deleteParam(kRunSession);
   answers_.clear();  // who waits for an answer learns that there will be none
   next_answers_.clear();
   service_spinner_.stop();
@@ -282,6 +292,7 @@ void BackEndNode::use(session::Session session, const std::string& run_id) {
   if (datum_) run_->set_datum(*datum_);
   const std::string folder = run_->session().directory().string();
   context_.node.setParam("session_folder", folder);
+  context_.node.setParam(kRunSession, folder);
   context_.diagnostics.set("session", folder);
   ROS_INFO_STREAM((known > 0 ? "going on with session " : "session ") << folder);
   if (known == 0) return;

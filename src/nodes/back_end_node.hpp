@@ -38,6 +38,7 @@ class BackEndNode {
   using Run = pipeline::RecordedBackEnd;
   using OptimizeAnswer = std::promise<back_end::OptimizationReport>;
 
+  void resume();
   void subscribe_all();
   void serve();
   template <typename Message, typename Handle>

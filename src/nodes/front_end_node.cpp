@@ -181,7 +181,7 @@ void FrontEndNode::process(const AssembledScan& assembled) {
 /// Indices of different runs never mix: a front end that comes back goes on with the run that the
 /// back end has; otherwise it begins a new one.
 void FrontEndNode::begin_run() {
-  const auto state = back_end_.run();
+  const auto state = back_end_.run_that_goes_on();
   run_id_ = state && !state->run_id.empty() ? state->run_id : new_run_id();
   if (!state || state->key_frames.empty()) return;
   const KeyFrame& last = state->key_frames.back();

@@ -8,6 +8,7 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
@@ -23,8 +24,6 @@ constexpr int kSamplesPerScan = 20;
 /// nothing came.
 constexpr double kLook = 5.0;
 constexpr double kPatience = 10.0;
-/// Parameter with the datum of the run, for a node that was killed and starts again.
-const char* const kDatum = "run_state/gnss_datum";
 
 /// Whole: a master may round numbers.
 std::string to_text(const GeodeticDatum& datum) {
@@ -38,7 +37,7 @@ std::string to_text(const GeodeticDatum& datum) {
 preprocessing::PreprocessingConfig with_datum_of_the_run(preprocessing::PreprocessingConfig config,
                                                          const ros::NodeHandle& node) {
   std::string text;
-  if (config.use_datum || !node.getParam(kDatum, text)) return config;
+  if (config.use_datum || !node.getParam(kRunDatum, text)) return config;
   std::istringstream numbers(text);
   std::vector<double> datum(3);
   if (!(numbers >> datum[0] >> datum[1] >> datum[2])) return config;
@@ -102,7 +101,7 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
 }
 
 /// Who ends as asked ends the run; who was killed goes on with it.
-PreprocessingNode::~PreprocessingNode() { context_.node.deleteParam(kDatum); }
+PreprocessingNode::~PreprocessingNode() { context_.node.deleteParam(kRunDatum); }
 
 void PreprocessingNode::advertise() {
   ros::NodeHandle& node = context_.node;
@@ -223,7 +222,7 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
   message.longitude = datum->longitude_deg;
   message.altitude = datum->altitude_m;
   gnss_datum_.publish(message);
-  context_.node.setParam(kDatum, to_text(*datum));
+  context_.node.setParam(kRunDatum, to_text(*datum));
 }
 
 void PreprocessingNode::report() {

@@ -5,6 +5,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -14,6 +15,8 @@ namespace {
 const char* const kService = "get_key_frames";
 /// Poses may overtake the key frame that they belong to: that is nothing to tell.
 constexpr KeyFrameIndex kOvertaken = 1;
+/// A back end that was killed is there again in this time, if it comes back.
+constexpr double kComesBack = 15.0;  // s
 
 }  // namespace
 
@@ -46,6 +49,16 @@ std::optional<RunState> KeyFrameClient::run() {
   }
   state.searched = response->searched;
   return state;
+}
+
+std::optional<RunState> KeyFrameClient::run_that_goes_on() {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kComesBack);
+  const std::string service = node_.resolveName(kService);
+  while (ros::ok() && node_.hasParam(kRunSession) && !ros::service::exists(service, false)) {
+    if (ros::WallTime::now() > end) break;
+    ros::WallDuration(0.1).sleep();
+  }
+  return run();
 }
 
 std::vector<RunKeyFrame> KeyFrameClient::fetch(const std::vector<KeyFrameIndex>& indices) {

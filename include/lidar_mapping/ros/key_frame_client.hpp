@@ -34,6 +34,8 @@ class KeyFrameClient {
 
   /// Nothing if there is no back end.
   std::optional<RunState> run();
+  /// As run(); waits for a back end that was killed in mid-drive and is about to start again.
+  std::optional<RunState> run_that_goes_on();
   /// These key frames with their clouds; empty if there is no back end.
   std::vector<RunKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
 
