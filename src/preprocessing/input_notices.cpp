@@ -42,7 +42,8 @@ void InputNotices::stray_stamp(const std::string& input, Stamp jump) {
 }
 
 void InputNotices::refused_fix(const std::string& problem) {
-  warn("gnss " + problem.substr(0, 12), "gnss: fix refused: " + problem);
+  const std::string kind = problem.substr(0, problem.find_first_of("0123456789(:"));
+  warn("gnss " + kind, "gnss: fix refused: " + problem);
 }
 
 void InputNotices::refused_scan(Stamp stamp) {

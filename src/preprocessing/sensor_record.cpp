@@ -65,8 +65,10 @@ InputReport examine_headers(const std::string& input, const TopicFlow& flow,
     add_warning(report, "frame '" + flow.frame_id + "' has a leading slash, which tf2 refuses",
                 "it is left out here; mend the driver");
   }
-  if (flow.newest == 0) add_fault(report, "the stamps are 0", "the driver must stamp its messages");
-  if (flow.backward > 0) {
+  if (flow.newest == 0) {
+    add_fault(report, "the stamps are 0",
+              "the driver must stamp its messages; map_bag takes the times of their recording");
+  } else if (flow.backward > 0) {
     add_fault(report, text("%zu of %zu stamps do not increase", flow.backward, flow.count),
               "two publishers on one topic, or a recording that begins anew; keep one of them");
   }

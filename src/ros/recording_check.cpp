@@ -99,8 +99,11 @@ class Examination {
 
   std::vector<InputReport> reports() const {
     auto reports = doctor_.report([this](const auto& frame) { return frames_.T_base(frame); });
-    for (const std::string& problem : unreadable_) {
-      reports.front().findings.push_back({Severity::kFault, problem, "its clouds are dropped"});
+    if (unreadable_ > 0) {
+      reports.front().findings.push_back(
+          {Severity::kFault,
+           std::to_string(unreadable_) + " clouds cannot be read, first " + problem_,
+           "they are dropped"});
     }
     return reports;
   }
@@ -109,13 +112,14 @@ class Examination {
   void see(const sensor_msgs::PointCloud2& message) try {
     doctor_.see_scan(summary_of(message, decode(message, config_)));
   } catch (const InputError& error) {
-    unreadable_.insert(error.what());
+    if (unreadable_++ == 0) problem_ = error.what();
   }
 
   preprocessing::PreprocessingConfig config_;
   preprocessing::InputDoctor doctor_;
   RecordedFrames frames_;
-  std::set<std::string> unreadable_;
+  std::size_t unreadable_ = 0;
+  std::string problem_;  ///< of the first of them
 };
 
 }  // namespace

@@ -28,9 +28,15 @@ using ros_border::SensorTopics;
 /// Sensors are bolted on: what /tf says of them at the beginning stays.
 const ros::Duration kFramesLook(20.0);
 
+/// The stamp, or where the driver sets none the time of recording.
+Stamp stamp_of(const std_msgs::Header& header, const ros::Time& recorded) {
+  return ros_border::from_ros(header.stamp.isZero() ? recorded : header.stamp);
+}
+
 template <typename Message>
-Input framed(const Message& message) {
+Input framed(const Message& message, const ros::Time& recorded) {
   auto sample = ros_border::from_message(message);
+  sample.stamp = stamp_of(message.header, recorded);
   return FramedSample<decltype(sample)>{sample, ros_border::frame_name(message.header.frame_id)};
 }
 
@@ -150,8 +156,9 @@ class BagInput::Impl {
     if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
   }
 
-  preprocessing::RawScan decoded(const sensor_msgs::PointCloud2& cloud) const {
+  preprocessing::RawScan decoded(const sensor_msgs::PointCloud2& cloud, Stamp stamp) const {
     preprocessing::RawScan scan = ros_border::decode(cloud, config_).scan;
+    scan.stamp = stamp;
     if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
     return scan;
   }
@@ -169,15 +176,18 @@ class BagInput::Impl {
   }
 
   std::optional<Input> read(const rosbag::MessageInstance& message) const {
+    const ros::Time recorded = message.getTime();
     if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
-      return pipeline::RecordedScan{ros_border::from_ros(cloud->header.stamp),
-                                    [cloud, this] { return decoded(*cloud); }};
+      const Stamp stamp = stamp_of(cloud->header, recorded);
+      return pipeline::RecordedScan{stamp, [cloud, stamp, this] { return decoded(*cloud, stamp); }};
     }
-    if (const auto imu = message.instantiate<sensor_msgs::Imu>()) return framed(*imu);
+    if (const auto imu = message.instantiate<sensor_msgs::Imu>()) return framed(*imu, recorded);
     if (const auto twist = message.instantiate<geometry_msgs::TwistStamped>()) {
-      return framed(*twist);
+      return framed(*twist, recorded);
     }
-    if (const auto fix = message.instantiate<sensor_msgs::NavSatFix>()) return framed(*fix);
+    if (const auto fix = message.instantiate<sensor_msgs::NavSatFix>()) {
+      return framed(*fix, recorded);
+    }
     return std::nullopt;
   }
 

@@ -210,6 +210,18 @@ TEST(Preprocessor, IsNotMisledByOneStrayStamp) {
   }
 }
 
+TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
+  Preprocessor stage({}, identity_lookup);
+  for (int i = 0; i < 100; ++i) {
+    GnssFix poor = fix(at(0.1 * i));
+    poor.covariance = (400.0 + i) * Eigen::Matrix3d::Identity();
+    stage.add_gnss(poor, "gps");
+    stage.add_gnss(fix(at(0.1 * i + 0.05), 49.0, 8.4, 50001.0 + i), "gps");
+  }
+  EXPECT_EQ(stage.counters().gnss_refused, 200U);
+  EXPECT_EQ(stage.take_notices().size(), 2U);
+}
+
 TEST(Preprocessor, GoesOnAfterALongPauseOfOneSensor) {
   Preprocessor stage({}, identity_lookup);
   const auto pause = [](const std::string& name, double t) {
