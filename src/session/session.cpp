@@ -62,6 +62,9 @@ Session Session::open(const fs::path& directory, Access access) {
   const auto mode = access == Access::kRead ? Database::Mode::kRead : Database::Mode::kWrite;
   const fs::path found = find_session(directory);
   Session session(std::make_unique<Impl>(found, mode));
+  if (access == Access::kWrite && is_empty(session.impl_->database)) {
+    create_tables(session.impl_->database);
+  }
   check_tables(session.impl_->database, found / "session.db");
   if (access == Access::kWrite) upgrade_tables(session.impl_->database);
   return session;

@@ -80,6 +80,10 @@ void create_tables(Database& database) {
   transaction.commit();
 }
 
+bool is_empty(const Database& database) {
+  return !database.query("SELECT 1 FROM sqlite_master").step();
+}
+
 void upgrade_tables(Database& database) {
   if (pragma(database, "user_version") != kWithoutDecisions) return;
   Transaction transaction(database);

@@ -6,6 +6,8 @@ namespace lidar_mapping::session {
 
 /// Makes the tables of an empty database.
 void create_tables(Database& database);
+/// True for one whose maker was killed before it had tables.
+bool is_empty(const Database& database);
 
 /// Brings a database of an older version up to date.
 void upgrade_tables(Database& database);

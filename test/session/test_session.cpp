@@ -239,6 +239,14 @@ TEST(Session, GoesOnAfterItWasOpenedAgain) {
   EXPECT_EQ(Session::open(folder.path(), Session::Access::kRead).key_frame_count(), 2U);
 }
 
+// A process that is killed in its first milliseconds leaves a database without tables.
+TEST(Session, BeginsWhereItsMakerWasKilledBeforeThereWereTables) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "session.db").close();
+  Session::open(folder.path(), Session::Access::kWrite).add_key_frame(example_key_frame(0));
+  EXPECT_EQ(Session::open(folder.path(), Session::Access::kRead).key_frame_count(), 1U);
+}
+
 // F62: files with missing parts fail cleanly.
 TEST(Session, SaysWhatIsWrongWithAFolderThatIsNoSession) {
   const TemporaryFolder folder;
