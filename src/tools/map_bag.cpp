@@ -1,5 +1,6 @@
 // Maps a recorded drive without a ROS master, as fast as the processor allows.
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -59,7 +60,8 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("-o,--output", options.output, "new folder for the session and the map")
       ->required();
   app.add_option("--config", options.config, "folder of <stage>.yaml; defaults if left out");
-  app.add_option("--sensor", options.sensor, "overlay of parameters, as in config/sensors");
+  app.add_option("--sensor", options.sensor,
+                 "overlay of parameters: a name in config/sensors, or the path of a file");
   app.add_option("--points", options.drive.topics.points, "topic (found by type if left out)");
   app.add_option("--imu", options.drive.topics.imu, "topic");
   app.add_option("--velocity", options.drive.topics.velocity, "topic");
@@ -82,12 +84,19 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--figures", options.figures, "write times and counts to this JSON file");
 }
 
+/// A process that was killed at once leaves the lock alone.
+bool holds_more_than_lock(const fs::path& folder) {
+  const fs::directory_iterator entries(folder);
+  return std::any_of(begin(entries), end(entries),
+                     [](const auto& entry) { return entry.path().filename() != "lock"; });
+}
+
 /// What the folder must be: new or empty, or with --resume a session.
 Session open_session(const Options& options) {
   if (options.resume && fs::exists(fs::path(options.output) / "session.db")) {
     return Session::open(options.output, Session::Access::kWrite);
   }
-  if (fs::exists(options.output) && !fs::is_empty(options.output)) {
+  if (fs::exists(options.output) && holds_more_than_lock(options.output)) {
     throw FileError(options.output +
                     " is not empty; name a new folder, or give --resume to go "
                     "on with a session that was broken off");

@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
 
 namespace lidar_mapping::tools {
@@ -17,13 +18,41 @@ const std::set<std::string> kOfNodes = {"map_frame",         "odom_frame", "queu
                                         "session_directory", "data_path",  "resume",
                                         "lidar_frame"};
 
+/// config/sensors of the package: installed beside this program, or where it was built.
+fs::path sensor_folder() {
+  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path installed = programs / "../../share/lidar_mapping/config/sensors";
+  return fs::is_directory(installed) ? installed.lexically_normal()
+                                     : fs::path(LIDAR_MAPPING_CONFIG) / "sensors";
+}
+
+std::string names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (entry.path().extension() == ".yaml") names.insert(entry.path().stem());
+  }
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string overlay_file(const std::string& name_or_path) {
+  const bool is_path = name_or_path.find('/') != std::string::npos;
+  if (is_path || fs::exists(name_or_path)) return name_or_path;
+  const fs::path file = sensor_folder() / (name_or_path + ".yaml");
+  if (fs::exists(file)) return file;
+  throw ConfigError("no sensor " + name_or_path + " in " + sensor_folder().string() +
+                    "; there are " + names_in(sensor_folder()) + "; or name a file");
+}
+
 class StageReader {
  public:
   StageReader(const std::string& folder, const std::string& overlay) : folder_(folder) {
     if (!folder.empty() && !fs::is_directory(folder)) {
       throw FileError("no folder " + folder + "; --config names the folder of <stage>.yaml files");
     }
-    if (!overlay.empty()) overlay_ = config::read_yaml_file(overlay);
+    if (!overlay.empty()) overlay_ = config::read_yaml_file(overlay_file(overlay));
   }
 
   template <typename Config>
