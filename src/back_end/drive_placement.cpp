@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lidar_mapping/back_end/gnss_alignment.hpp"
+#include "lidar_mapping/back_end/gnss_weights.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lidar_mapping/back_end/block_cholesky.hpp"
+#include "lidar_mapping/back_end/drive_factors.hpp"
 #include "lidar_mapping/back_end/optimization.hpp"
 
 namespace lidar_mapping::back_end {

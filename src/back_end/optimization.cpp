@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "lidar_mapping/back_end/drive_factors.hpp"
 #include "lidar_mapping/back_end/drive_placement.hpp"
 #include "lidar_mapping/back_end/marginal_covariance.hpp"
 #include "lidar_mapping/back_end/robust_solver.hpp"

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
-#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/common/floor.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
@@ -60,6 +60,11 @@ struct DriveGraph {
   std::vector<bool> in_enu;         ///< per segment: lies in East-North-Up
   std::vector<int> segment_starts;  ///< position of each segment's first node; none in a window
 
+  /// The correction between odometry and map at the newest node.
+  Pose T_map_odom() const {
+    if (nodes.empty()) return Pose::Identity();
+    return nodes.back().T_map_base * nodes.back().T_odom_base.inverse();
+  }
   int segment_of(int node) const { return nodes[static_cast<std::size_t>(node)].segment; }
 };
 
@@ -76,24 +81,9 @@ struct Judgements {
 };
 Judgements count_judgements(const DriveGraph& drive);
 
-/// The factor graph of a drive, and what each of its constraints came from.
-struct DriveFactors {
-  FactorGraph graph;
-  std::vector<bool> marked;        ///< per constraint: believed so far, or not judged yet
-  std::vector<int> loop_of;        ///< constraint of each loop; -1: none
-  std::vector<int> horizontal_of;  ///< constraint of each GNSS position; -1: none
-  std::vector<int> altitude_of;
-};
-DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config);
-
 /// The rotation that makes the map's z axis vertical, as the IMU saw it from all nodes of the
 /// marked segments; the identity where no IMU is in use.
 Eigen::Quaterniond levelling(const DriveGraph& drive, const std::vector<bool>& segments,
                              const BackEndConfig& config);
-
-/// Standard deviations of a position as the graph believes them, horizontal and altitude.
-double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config);
-double altitude_stddev(const GnssPosition& position, const BackEndConfig& config);
-bool has_altitude(const GnssPosition& position);
 
 }  // namespace lidar_mapping::back_end

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lidar_mapping/back_end/drive_graph.hpp"
+#include "lidar_mapping/back_end/factor_graph.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,0 +1,143 @@
+#include "drive_intake.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "lidar_mapping/back_end/gnss_weights.hpp"
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+/// Keeps `list` ordered by node; false if the node has its value already.
+template <typename Value>
+bool insert_by_node(const Value& value, std::vector<Value>& list) {
+  const auto after =
+      std::lower_bound(list.begin(), list.end(), value.node,
+                       [](const Value& entry, int node) { return entry.node < node; });
+  if (after != list.end() && after->node == value.node) return false;
+  list.insert(after, value);
+  return true;
+}
+
+bool usable(const GnssPosition& position, const BackEndConfig& config) {
+  const Eigen::Matrix2d covariance = position.covariance.topLeftCorner<2, 2>();
+  if (!position.p_enu_antenna.head<2>().allFinite() || !position.p_base_antenna.allFinite()) {
+    return false;
+  }
+  if (!covariance.allFinite() || covariance(0, 0) <= 0.0 || covariance.determinant() <= 0.0) {
+    return false;
+  }
+  return horizontal_stddev(position, config) <= config.gnss_max_stddev_m;
+}
+
+void check(const KeyFrame& key_frame, const DriveGraph& drive) {
+  if (!is_finite(key_frame.T_odom_base)) {
+    throw InputError("key frame " + std::to_string(key_frame.index) +
+                     " has a pose that is not finite; the front end must not send it");
+  }
+  if (drive.nodes.empty() || key_frame.index > drive.nodes.back().index) return;
+  throw InputError("key frame " + std::to_string(key_frame.index) + " follows key frame " +
+                   std::to_string(drive.nodes.back().index) + "; indices must increase over a run");
+}
+
+int position_of(KeyFrameIndex index, const DriveGraph& drive) {
+  const auto found = std::lower_bound(
+      drive.nodes.begin(), drive.nodes.end(), index,
+      [](const DriveNode& node, KeyFrameIndex wanted) { return node.index < wanted; });
+  if (found == drive.nodes.end() || found->index != index) return -1;
+  return static_cast<int>(found - drive.nodes.begin());
+}
+
+}  // namespace
+
+template <typename Value>
+void DriveIntake::attach_or_wait(const Value& value, Waiting<Value>& waiting, DriveGraph& drive) {
+  const auto found = at_stamp_.find(value.stamp);
+  if (found == at_stamp_.end()) {
+    waiting.add(value.stamp, value);
+  } else {
+    attach(value, found->second, drive);
+  }
+}
+
+template <typename Value>
+void DriveIntake::attach_waiting(Stamp stamp, Waiting<Value>& waiting, DriveGraph& drive) {
+  if (const auto value = waiting.take(stamp)) attach(*value, at_stamp_.at(stamp), drive);
+}
+
+void DriveIntake::attach(const GnssPosition& position, int node, DriveGraph& drive) {
+  if (insert_by_node(DriveGnss{position, node, false, false, false}, drive.gnss)) ++news.gnss;
+}
+void DriveIntake::attach(const ImuSample& sample, int node, DriveGraph& drive) {
+  insert_by_node(DriveImu{sample, node}, drive.imu);
+}
+void DriveIntake::attach(const Floor& floor, int node, DriveGraph& drive) {
+  insert_by_node(DriveFloor{floor, node}, drive.floors);
+}
+
+void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
+  check(key_frame, drive);
+  const int position = static_cast<int>(drive.nodes.size());
+  DriveNode node;
+  node.index = key_frame.index;
+  node.stamp = key_frame.stamp;
+  node.T_odom_base = key_frame.T_odom_base;
+  node.T_map_base =
+      drive.nodes.empty() ? key_frame.T_odom_base : drive.T_map_odom() * key_frame.T_odom_base;
+  if (drive.nodes.empty()) drive.T_map_first = node.T_map_base;
+  if (!drive.nodes.empty()) {
+    const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
+    node.motion_covariance = odometry_covariance(key_frame.motion_covariance, motion,
+                                                 key_frame.degenerate_directions, config_);
+  }
+  node.joined = !drive.nodes.empty() && key_frame.segment == newest_segment_;
+  if (!node.joined) {
+    drive.segment_starts.push_back(position);
+    drive.in_enu.push_back(false);
+  }
+  node.segment = static_cast<int>(drive.segment_starts.size()) - 1;
+  newest_segment_ = key_frame.segment;
+  drive.nodes.push_back(node);
+  at_stamp_[node.stamp] = position;
+  attach_waiting(node.stamp, waiting_gnss_, drive);
+  attach_waiting(node.stamp, waiting_imu_, drive);
+  attach_waiting(node.stamp, waiting_floors_, drive);
+  ++news.key_frames;
+}
+
+bool DriveIntake::add_loop(const Loop& loop, DriveGraph& drive) {
+  const int from = position_of(loop.from, drive);
+  const int to = position_of(loop.to, drive);
+  if (from < 0 || to < 0 || from == to) return false;
+  if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
+  const bool judged = loop.decision == LoopDecision::kRefuse;
+  drive.loops.push_back({loop, from, to, false, judged});
+  ++news.loops;
+  return true;
+}
+
+void DriveIntake::add_gnss(const GnssPosition& position, DriveGraph& drive) {
+  if (!usable(position, config_)) {
+    ++drive.unusable_gnss;
+    return;
+  }
+  attach_or_wait(position, waiting_gnss_, drive);
+}
+
+void DriveIntake::add_imu(const ImuSample& sample, DriveGraph& drive) {
+  const bool known = sample.linear_acceleration.allFinite() &&
+                     (!sample.orientation || sample.orientation->coeffs().allFinite());
+  if (known) attach_or_wait(sample, waiting_imu_, drive);
+}
+
+void DriveIntake::add_floor(const Floor& floor, DriveGraph& drive) {
+  const bool known =
+      floor.normal.allFinite() && std::isfinite(floor.offset) && floor.covariance.allFinite();
+  if (floor.found && known) attach_or_wait(floor, waiting_floors_, drive);
+}
+
+}  // namespace lidar_mapping::back_end

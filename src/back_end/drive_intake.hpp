@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "lidar_mapping/back_end/drive_graph.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// Measurements whose key frame has not come yet, bounded.
+template <typename Value>
+class Waiting {
+ public:
+  void add(Stamp stamp, const Value& value) {
+    values_[stamp] = value;
+    if (values_.size() > kLimit) values_.erase(values_.begin());
+  }
+
+  std::optional<Value> take(Stamp stamp) {
+    const auto found = values_.find(stamp);
+    if (found == values_.end()) return std::nullopt;
+    std::optional<Value> value = found->second;
+    values_.erase(found);
+    return value;
+  }
+
+ private:
+  static constexpr std::size_t kLimit = 1000;
+
+  std::map<Stamp, Value> values_;
+};
+
+/// What came since the last solution.
+struct News {
+  int key_frames = 0;
+  int loops = 0;
+  int gnss = 0;
+};
+
+/// Takes key frames, loops and measurements into a drive: checks them, and brings measurements
+/// together with the key frame of their stamp, whichever comes first.
+class DriveIntake {
+ public:
+  explicit DriveIntake(const BackEndConfig& config) : config_(config) {}
+
+  void add_key_frame(const KeyFrame& key_frame, DriveGraph& drive);
+  bool add_loop(const Loop& loop, DriveGraph& drive);
+  void add_gnss(const GnssPosition& position, DriveGraph& drive);
+  void add_imu(const ImuSample& sample, DriveGraph& drive);
+  void add_floor(const Floor& floor, DriveGraph& drive);
+
+  News news;
+
+ private:
+  template <typename Value>
+  void attach_or_wait(const Value& value, Waiting<Value>& waiting, DriveGraph& drive);
+  template <typename Value>
+  void attach_waiting(Stamp stamp, Waiting<Value>& waiting, DriveGraph& drive);
+  void attach(const GnssPosition& position, int node, DriveGraph& drive);
+  void attach(const ImuSample& sample, int node, DriveGraph& drive);
+  void attach(const Floor& floor, int node, DriveGraph& drive);
+
+  BackEndConfig config_;
+  std::map<Stamp, int> at_stamp_;
+  Waiting<GnssPosition> waiting_gnss_;
+  Waiting<ImuSample> waiting_imu_;
+  Waiting<Floor> waiting_floors_;
+  std::uint32_t newest_segment_ = 0;  ///< as the front end numbers them
+};
+
+}  // namespace lidar_mapping::back_end

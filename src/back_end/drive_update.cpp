@@ -1,0 +1,56 @@
+#include "drive_update.hpp"
+
+#include <algorithm>
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+/// Lets the nodes that came during a solution follow odometry from those before.
+void follow_from(std::size_t first, DriveGraph& drive) {
+  for (std::size_t i = first; i < drive.nodes.size(); ++i) {
+    const DriveNode& previous = drive.nodes[i - 1];
+    drive.nodes[i].T_map_base =
+        previous.T_map_base * previous.T_odom_base.inverse() * drive.nodes[i].T_odom_base;
+  }
+}
+
+void take_judgement(const DriveGnss& judged, int node, DriveGraph& drive) {
+  const auto found =
+      std::lower_bound(drive.gnss.begin(), drive.gnss.end(), node,
+                       [](const DriveGnss& gnss, int wanted) { return gnss.node < wanted; });
+  found->horizontal_used = judged.horizontal_used;
+  found->altitude_used = judged.altitude_used;
+  found->weighed = judged.weighed;
+}
+
+}  // namespace
+
+void take_whole(const DriveGraph& solved, DriveGraph& drive) {
+  drive.T_map_first = solved.T_map_first;
+  std::copy(solved.in_enu.begin(), solved.in_enu.end(), drive.in_enu.begin());
+  for (std::size_t i = 0; i < solved.nodes.size(); ++i) {
+    drive.nodes[i].T_map_base = solved.nodes[i].T_map_base;
+  }
+  follow_from(solved.nodes.size(), drive);
+  std::copy(solved.loops.begin(), solved.loops.end(), drive.loops.begin());
+  for (const DriveGnss& gnss : solved.gnss) take_judgement(gnss, gnss.node, drive);
+}
+
+void take_window(const DriveGraph& solved, const DriveWindow& window, std::size_t key_frames,
+                 DriveGraph& drive) {
+  for (std::size_t i = 0; i < window.nodes.size(); ++i) {
+    drive.nodes[static_cast<std::size_t>(window.nodes[i])].T_map_base = solved.nodes[i].T_map_base;
+  }
+  follow_from(key_frames, drive);
+  for (std::size_t i = 0; i < window.loops.size(); ++i) {
+    DriveLoop& loop = drive.loops[static_cast<std::size_t>(window.loops[i])];
+    loop.used = solved.loops[i].used;
+    loop.weighed = solved.loops[i].weighed;
+  }
+  for (const DriveGnss& gnss : solved.gnss) {
+    take_judgement(gnss, window.nodes[static_cast<std::size_t>(gnss.node)], drive);
+  }
+}
+
+}  // namespace lidar_mapping::back_end

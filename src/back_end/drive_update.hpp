@@ -1,0 +1,14 @@
+#pragma once
+
+#include "lidar_mapping/back_end/drive_window.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// Takes the poses and judgements of a solved drive over. Nodes that came during the solution
+/// follow by odometry.
+void take_whole(const DriveGraph& solved, DriveGraph& drive);
+/// The same of a window; the drive had `key_frames` nodes when the solution began.
+void take_window(const DriveGraph& solved, const DriveWindow& window, std::size_t key_frames,
+                 DriveGraph& drive);
+
+}  // namespace lidar_mapping::back_end

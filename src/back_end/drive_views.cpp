@@ -1,0 +1,63 @@
+#include "drive_views.hpp"
+
+#include <algorithm>
+
+#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "lidar_mapping/back_end/residuals.hpp"
+
+namespace lidar_mapping::back_end {
+
+KeyFramePoses poses_of(const DriveGraph& drive, std::uint32_t revision) {
+  KeyFramePoses result;
+  result.revision = revision;
+  result.poses.reserve(drive.nodes.size());
+  for (const DriveNode& node : drive.nodes) {
+    result.poses.push_back({node.index, node.stamp, node.T_map_base});
+  }
+  return result;
+}
+
+std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive) {
+  std::vector<std::pair<Loop, bool>> result;
+  for (const DriveLoop& loop : drive.loops) {
+    result.emplace_back(loop.loop, loop.used || !loop.weighed);
+  }
+  return result;
+}
+
+std::vector<int> parts_of(const DriveGraph& drive) {
+  std::vector<int> part_of = connected_segments(drive, false);
+  std::vector<bool> in_enu(part_of.size(), false);
+  for (std::size_t s = 0; s < part_of.size(); ++s) {
+    if (drive.in_enu[s]) in_enu[static_cast<std::size_t>(part_of[s])] = true;
+  }
+  const auto first = std::find(in_enu.begin(), in_enu.end(), true) - in_enu.begin();
+  for (int& part : part_of) {
+    if (in_enu[static_cast<std::size_t>(part)]) part = static_cast<int>(first);
+  }
+  std::vector<int> result;
+  for (const DriveNode& node : drive.nodes) {
+    result.push_back(part_of[static_cast<std::size_t>(node.segment)]);
+  }
+  return result;
+}
+
+PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config) {
+  PoseGraph graph;
+  for (const DriveNode& node : drive.nodes) graph.nodes.push_back({node.index, node.T_map_base});
+  for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
+    const DriveNode& a = drive.nodes[i - 1];
+    const DriveNode& b = drive.nodes[i];
+    if (!b.joined) continue;
+    graph.edges.push_back({a.index, b.index, a.T_odom_base.inverse() * b.T_odom_base,
+                           g2o_information(b.motion_covariance)});
+  }
+  for (const DriveLoop& loop : drive.loops) {
+    if (!loop.used) continue;
+    graph.edges.push_back({loop.loop.from, loop.loop.to, loop.loop.T_from_to,
+                           g2o_information(loop_covariance(loop.loop, config))});
+  }
+  return graph;
+}
+
+}  // namespace lidar_mapping::back_end

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "lidar_mapping/back_end/drive_graph.hpp"
+#include "lidar_mapping/back_end/pose_graph.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// A drive as others want to see it; see BackEnd.
+KeyFramePoses poses_of(const DriveGraph& drive, std::uint32_t revision);
+std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive);
+std::vector<int> parts_of(const DriveGraph& drive);
+PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config);
+
+}  // namespace lidar_mapping::back_end

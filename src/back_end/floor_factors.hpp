@@ -1,0 +1,11 @@
+#pragma once
+
+#include "lidar_mapping/back_end/drive_graph.hpp"
+#include "lidar_mapping/back_end/factor_graph.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// Ties nodes by the floors below them, as `floor_constraint` says.
+void add_floors(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph);
+
+}  // namespace lidar_mapping::back_end

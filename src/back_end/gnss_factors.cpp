@@ -1,0 +1,77 @@
+#include "gnss_factors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/back_end/gnss_weights.hpp"
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180.0;
+
+/// By how much each position's covariance grows because its neighbours share its error.
+std::vector<double> shared_errors(const DriveGraph& drive, const BackEndConfig& config) {
+  std::vector<double> factors(drive.gnss.size(), 1.0);
+  const auto place = [&](std::size_t i) {
+    return drive.nodes[static_cast<std::size_t>(drive.gnss[i].node)].T_odom_base.translation;
+  };
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const std::size_t before = i == 0 ? i : i - 1;
+    const std::size_t after = std::min(i + 1, factors.size() - 1);
+    if (after == before) continue;
+    const double spacing = ((place(i) - place(before)).norm() + (place(after) - place(i)).norm()) /
+                           static_cast<double>(after - before);
+    factors[i] = std::max(1.0, config.gnss_correlation_distance / std::max(spacing, 0.1));
+  }
+  return factors;
+}
+
+/// The segments that hang together with one that lies in East-North-Up.
+std::vector<bool> segments_in_enu(const DriveGraph& drive) {
+  const std::vector<int> connected = connected_segments(drive, true);
+  std::vector<bool> group(connected.size(), false);
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    if (drive.in_enu[s]) group[static_cast<std::size_t>(connected[s])] = true;
+  }
+  std::vector<bool> result(connected.size());
+  for (std::size_t s = 0; s < connected.size(); ++s) {
+    result[s] = group[static_cast<std::size_t>(connected[s])];
+  }
+  return result;
+}
+
+}  // namespace
+
+void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
+  const std::vector<bool> in_enu = segments_in_enu(drive);
+  const std::vector<double> growth = shared_errors(drive, config);
+  for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
+    const DriveGnss& gnss = drive.gnss[i];
+    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    const GnssPosition& p = gnss.position;
+    factors.horizontal_of[i] = static_cast<int>(factors.graph.constraints.size());
+    factors.graph.add({antenna_horizontal_residual(p.p_enu_antenna, p.p_base_antenna,
+                                                   growth[i] * horizontal_covariance(p, config)),
+                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    if (!has_altitude(p)) continue;
+    factors.altitude_of[i] = static_cast<int>(factors.graph.constraints.size());
+    factors.graph.add({antenna_altitude_residual(p.p_enu_antenna.z(), p.p_base_antenna,
+                                                 std::sqrt(growth[i]) * altitude_stddev(p, config)),
+                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+void add_headings(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+  const std::vector<bool> in_enu = segments_in_enu(drive);
+  for (const DriveGnss& gnss : drive.gnss) {
+    if (!gnss.position.R_enu_base) continue;
+    if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
+    graph.add({heading_residual(yaw_of(*gnss.position.R_enu_base),
+                                config.imu_heading_stddev_deg * kRadPerDeg),
+               gnss.node, -1, false, config.imu_robust_kernel, config.robust_kernel_size});
+  }
+}
+
+}  // namespace lidar_mapping::back_end
