@@ -6,30 +6,20 @@
 
 #include "lidar_mapping/loop_closing/submaps.hpp"
 
+#include "starting_pose.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr std::size_t kMaxPerSource = 10;
-constexpr double kSpread = 8.0;        // m of way between candidates of one pass
-constexpr double kFollowed = 1.0;      // m; the map follows a loop that it meets that well
-constexpr double kTrusted = 0.7;       // m; the estimate is a better start than the views
-constexpr double kYawTrusted = 0.35;   // rad
-constexpr std::size_t kMinCells = 30;  // occupied cells for a view to say anything
-constexpr double kGnssReach = 30.0;    // m that a fix may be off and still find its place
-constexpr double kPassReach = 25.0;    // m of way from a candidate to its neighbours
-constexpr double kStartError = 3.0;    // m that a start may be wrong
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kSpread = 8.0;      // m of way between candidates of one pass
+constexpr double kFollowed = 1.0;    // m; the map follows a loop that it meets that well
+constexpr double kGnssReach = 30.0;  // m that a fix may be off and still find its place
+constexpr double kPassReach = 25.0;  // m of way from a candidate to its neighbours
+constexpr double kStartError = 3.0;  // m that a start may be wrong
 
 Eigen::Vector2d horizontal(const Pose& pose) { return pose.translation.head<2>(); }
-
-/// A start on the same ground plane: roll, pitch and height differences are left to the matching.
-Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
-  Pose pose;
-  pose.translation << translation, 0.0;
-  pose.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
-  return pose;
-}
 
 bool is_followed(const Loop& loop, const TrajectoryNode& from, const TrajectoryNode& to) {
   if (!from.optimised || !to.optimised) return false;
@@ -173,29 +163,6 @@ void Places::move_to_nearest(Candidate& candidate) const {
   candidate.T_from_to = trajectory_[best].T_odom_base.inverse() * T_odom_newest;
 }
 
-/// Tries the headings that the estimate and the descriptors suggest and keeps the one from which
-/// the two views agree best.
-void Places::find_start(Candidate& candidate, const std::vector<Eigen::Vector2f>& cells) const {
-  const Prior& prior = candidate.prior;
-  candidate.T_from_to = planar_pose(horizontal(prior.T_from_to), yaw_of(prior.T_from_to.rotation));
-  const auto& older = appearances_[candidate.node];
-  const auto& newest = appearances_[trajectory_.size() - 1];
-  if (!older || !newest || std::min(older->view.count(), cells.size()) < kMinCells) return;
-  const double turn = older->descriptor.compare(newest->descriptor).yaw;
-  std::vector<double> headings = {turn, turn + kPi};
-  if (prior.anchored && prior.sigma_rotation < kYawTrusted) {
-    headings.push_back(yaw_of(prior.T_from_to.rotation));
-  }
-  const ViewCorrelator correlator(older->view);
-  for (const double heading : headings) {
-    const ViewMatch match = correlator.match(cells, heading);
-    if (match.score <= candidate.score) continue;
-    candidate.score = match.score;
-    if (prior.anchored && prior.sigma_horizontal < kTrusted) continue;
-    candidate.T_from_to = planar_pose(match.translation, heading);
-  }
-}
-
 /// From all sources; a key frame that several name belongs to the first.
 std::vector<Candidate> Places::suspects() const {
   std::vector<Candidate> result;
@@ -218,7 +185,10 @@ std::vector<Candidate> Places::candidates() const {
   const auto cells = appearance ? appearance->view.cells() : std::vector<Eigen::Vector2f>();
   std::vector<Candidate> result;
   for (Candidate& candidate : suspects()) {
-    find_start(candidate, cells);
+    const Start start =
+        start_by_views(candidate.prior, appearances_[candidate.node], appearance, cells);
+    candidate.T_from_to = start.T_from_to;
+    candidate.score = start.score;
     move_to_nearest(candidate);
     const double distance = candidate.T_from_to.translation.norm();
     if (distance <= config_.max_loop_distance + kStartError) result.push_back(candidate);

@@ -52,7 +52,6 @@ class Places {
   std::vector<NodeId> by_appearance() const;
   std::vector<Candidate> suspects() const;
   void move_to_nearest(Candidate& candidate) const;
-  void find_start(Candidate& candidate, const std::vector<Eigen::Vector2f>& cells) const;
 
   LoopClosingConfig config_;
   Trajectory trajectory_;
