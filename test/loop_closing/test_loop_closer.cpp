@@ -25,6 +25,56 @@ TEST(LoopCloser, ClosesASquareOnItsFirstKeyFrames) {
   EXPECT_LE(std::min_element(outcome.loops.begin(), outcome.loops.end(), is_older)->from, 5U);
 }
 
+/// A square whose odometry slips on the far side and ends `metres` beside the start.
+DriveOutcome square_off_by(double metres, bool appearance) {
+  const ToyWorld world = make_town(120.0, 60.0, 1);
+  const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}});
+  auto odometry = truth;
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    odometry[i].translation.x() +=
+        metres * std::clamp(static_cast<double>(i) / 40.0 - 1.0, 0.0, 1.0);
+  }
+  LoopClosingConfig config;
+  config.horizontal_drift = 0.002 * metres;
+  config.appearance_candidates = appearance;
+  return drive(world, truth, odometry, config);
+}
+
+// F68: odometry so bad that what lies nearest in the estimate is another place.
+TEST(LoopCloser, AppearanceFindsWhatPositionMisses) {
+  const DriveOutcome by_position = square_off_by(90.0, false);
+  EXPECT_TRUE(by_position.loops.empty());
+  const DriveOutcome by_appearance = square_off_by(90.0, true);
+  EXPECT_EQ(by_appearance.false_loops, 0);
+  ASSERT_FALSE(by_appearance.loops.empty());
+  for (const Loop& loop : by_appearance.loops) EXPECT_EQ(loop.source, LoopSource::kAppearance);
+}
+
+/// There and back along x; the odometry is too short by a twentieth.
+DriveOutcome there_and_back(const ToyWorld& world) {
+  const auto truth = along({{-60, 0}, {60, 0}, {60, 2}, {-60, 2}});
+  return drive(world, truth, drifting(truth, 0.95, 0.0));
+}
+
+// In a smooth tunnel everything fits everywhere along the axis.
+TEST(LoopCloser, TakesNothingInATunnel) {
+  ToyWorld tunnel;
+  tunnel.boxes = {{{-300, -6, 0}, {300, -5, 7}}, {{-300, 5, 0}, {300, 6, 7}}};
+  const DriveOutcome outcome = there_and_back(tunnel);
+  EXPECT_TRUE(outcome.loops.empty());
+  EXPECT_FALSE(outcome.verdicts.empty());
+}
+
+// Where nothing stands there is nothing to decide by.
+TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
+  const DriveOutcome outcome = there_and_back(ToyWorld());
+  EXPECT_TRUE(outcome.loops.empty());
+  ASSERT_FALSE(outcome.verdicts.empty());
+  for (const LoopVerdict& verdict : outcome.verdicts) {
+    EXPECT_NE(verdict.verdict, Verdict::kAccepted) << verdict.reason;
+  }
+}
+
 // F74: the way back through the same street, without an absolute heading.
 // F79: a loop at least every ten metres of it.
 TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
