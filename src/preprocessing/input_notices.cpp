@@ -64,6 +64,12 @@ void InputNotices::useless_heading() {
        "imu_orientation to ENU if it is true nevertheless)");
 }
 
+void InputNotices::absurd_gyro() {
+  warn("gyro",
+       "imu: its rates are beyond 12 rad/s, as if they were in degrees/s; they are not used (set "
+       "imu_angular_unit to DEG_PER_S)");
+}
+
 void InputNotices::missing_transform(const std::string& input, const std::string& frame_id) {
   const std::string what = frame_id.empty()
                                ? "the messages name no frame; set header.frame_id"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
@@ -20,16 +21,19 @@ class InputNotices : public Notices {
   void refused_scan(Stamp stamp);
   void too_few_points();
   void useless_heading();
+  void absurd_gyro();
   void missing_transform(const std::string& input, const std::string& frame_id);
-  /// Of a sensor that is there, but gives no value at `stamp`: why, where that is not a mere gap.
+  /// Of a sensor that is there (`newest` is what it sent last), but gives no value at `stamp`: why,
+  /// where that is not a mere gap.
   template <typename Sample>
-  void no_value(const SensorStream<Sample>& stream, Stamp stamp, const Extrinsics& extrinsics) {
+  void no_value(const SensorStream<Sample>& stream, Stamp newest, Stamp stamp,
+                const Extrinsics& extrinsics) {
     if (stream.buffer().empty()) return;
     if (!extrinsics.T_base(stream.frame_id())) {
       return missing_transform(stream.name(), stream.frame_id());
     }
     other_clock(stream.name(), stream.buffer().oldest().stamp - stamp,
-                stamp - stream.buffer().newest().stamp);
+                stamp - std::max(newest, stream.buffer().newest().stamp));
   }
 
  private:

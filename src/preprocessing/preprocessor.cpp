@@ -161,10 +161,17 @@ class Preprocessor::Impl {
     result.imu = sensors_.imu_at(stamp);
     result.velocity = sensors_.velocity_at(stamp);
     result.gnss = gnss_at(stamp, result);
-    if (!result.imu) notices_.no_value(sensors_.imu(), stamp, extrinsics_);
-    if (!result.velocity) notices_.no_value(sensors_.velocity(), stamp, extrinsics_);
-    if (!result.gnss) notices_.no_value(gnss_.stream(), stamp, extrinsics_);
+    note_missing(sensors_.imu(), imu_guard_, stamp, result.imu.has_value());
+    note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
+    note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
+    if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
     return result;
+  }
+
+  template <typename Sample>
+  void note_missing(const SensorStream<Sample>& stream, const StampGuard& guard, Stamp stamp,
+                    bool is_there) {
+    if (!is_there) notices_.no_value(stream, guard.newest(), stamp, extrinsics_);
   }
 
   std::optional<GnssPosition> gnss_at(Stamp stamp, const SyncedScan& synced) {

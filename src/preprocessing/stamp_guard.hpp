@@ -25,6 +25,9 @@ class StampGuard {
     return true;
   }
 
+  /// The newest one that was accepted, 0 if there was none.
+  Stamp newest() const { return newest_.value_or(0); }
+
  private:
   static bool follows(Stamp before, Stamp stamp) {
     constexpr Stamp kMostBack = from_seconds(2.0);  // later than any network

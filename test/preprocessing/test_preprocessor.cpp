@@ -222,6 +222,25 @@ TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
   EXPECT_EQ(stage.take_notices().size(), 2U);
 }
 
+TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
+  Preprocessor stage({}, identity_lookup);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 300; ++i) {
+    const double degrees_per_s = i < 150 ? 1.0 : 20.0;  // where rad/s are expected
+    const bool shock = i >= 50 && i < 55;
+    stage.add_imu(imu(at(0.01 * i), {0.0, 0.0, shock ? 30.0 : degrees_per_s}), "imu");
+    if (i % 10 == 5) append(scans, stage.process(ring_scan(at(0.01 * i))));
+  }
+  append(scans, stage.flush());
+  ASSERT_EQ(scans.size(), 30U);
+  EXPECT_TRUE(scans[12].imu->has_angular_velocity);  // a shock is none
+  EXPECT_FALSE(scans[20].imu->has_angular_velocity);
+  const auto notices = stage.take_notices();
+  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
+    return notice.text.find("imu_angular_unit") != std::string::npos;
+  }));
+}
+
 TEST(Preprocessor, GoesOnAfterALongPauseOfOneSensor) {
   Preprocessor stage({}, identity_lookup);
   const auto pause = [](const std::string& name, double t) {

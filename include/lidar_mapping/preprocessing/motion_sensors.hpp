@@ -40,6 +40,8 @@ class MotionSensors {
 
   const SensorStream<ImuSample>& imu() const { return imu_; }
   const SensorStream<VelocitySample>& velocity() const { return velocity_; }
+  /// It turned as nobody drives, so its rates are not used any more: they are in degrees/s.
+  bool gyro_is_absurd() const { return gyro_is_absurd_; }
   void give_up_silent_sensors();
   void clear();
 
@@ -55,6 +57,8 @@ class MotionSensors {
   SensorStream<ImuSample> imu_;
   SensorStream<VelocitySample> velocity_;
   GyroBias gyro_bias_;
+  int fast_samples_ = 0;  ///< in a row
+  bool gyro_is_absurd_ = false;
   bool velocity_turns_ = false;  ///< its angular part has been something else than zero
 };
 
