@@ -10,7 +10,7 @@ namespace lidar_mapping::map {
 namespace {
 
 constexpr double kColumn = 0.5;  // m
-constexpr float kDeeper = 0.3F;  // m; the surroundings are then believed instead
+constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instead
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
 

@@ -12,7 +12,7 @@ constexpr float kGroundHeight = 0.12F;  // m; what is below has no vote
 constexpr float kBodyHeight = 2.5F;     // m; above are branches that join things
 constexpr float kFootHeight = 0.04F;    // m; nothing below goes
 constexpr float kRoof = 0.3F;           // m; own ground so much above that of all is none
-constexpr int kFewVoters = 3;           // too few of them to take a foot away
+constexpr int kFewVoters = 6;           // too few of them to take a whole thing away
 constexpr float kBlockVoxel = 0.4F;     // m; neighbours decide in blocks of 3x3x3
 constexpr double kThingCell = 0.3;      // m; cells that touch belong to one thing
 constexpr double kMajority = 0.5;       // of a block: all go, else none
@@ -59,10 +59,10 @@ class Blocks {
 
   bool empty() const { return blocks_.empty(); }
 
-  /// The 3x3x3 voxels around the i-th point together; nobody where none of them moves.
-  Poll around(std::size_t i) const {
+  /// Whether the 3x3x3 voxels around the i-th point together go.
+  bool move_around(std::size_t i) const {
     const auto block = blocks_.find(key_of(i));
-    return block == blocks_.end() ? Poll{} : block->second;
+    return block != blocks_.end() && block->second.moves();
   }
 
  private:
@@ -115,11 +115,15 @@ class Things {
   }
 
   /// Whether the thing on which the i-th point is goes as a whole.
-  bool moves(std::size_t i) const {
-    const Cell* cell = cells_.find(cells_.cell_of(points_.points[i]));
-    if (cell == nullptr || cell->thing == kNone) return false;
-    const Poll& poll = polls_[static_cast<std::size_t>(cell->thing)];
-    return poll.voters >= kFewVoters && poll.moves();
+  bool moves(std::size_t i) const { return moves_at(cells_.cell_of(points_.points[i])); }
+
+  /// Whether a thing that goes stands where the i-th point is or in a cell beside.
+  bool moves_beside(std::size_t i) const {
+    const CellIndex at = cells_.cell_of(points_.points[i]);
+    for (int n = 0; n < 9; ++n) {
+      if (moves_at({at.x + n % 3 - 1, at.y + n / 3 - 1})) return true;
+    }
+    return false;
   }
 
  private:
@@ -130,6 +134,13 @@ class Things {
     int thing = kNone;
     Poll poll;
   };
+
+  bool moves_at(const CellIndex& index) const {
+    const Cell* cell = cells_.find(index);
+    if (cell == nullptr || cell->thing == kNone) return false;
+    const Poll& poll = polls_[static_cast<std::size_t>(cell->thing)];
+    return poll.voters >= kFewVoters && poll.moves();
+  }
 
   void gather(const CellIndex& first) {
     const auto thing = static_cast<int>(polls_.size());
@@ -172,10 +183,11 @@ std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vo
   if (blocks.empty()) return marks;
   const Things things(points, votes, layers);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (layers[i] == Layer::kGround) continue;
-    const Poll around = blocks.around(i);
-    const bool enough = layers[i] != Layer::kFoot || around.voters >= kFewVoters;
-    marks[i] = (enough && around.moves()) || (layers[i] != Layer::kHigh && things.moves(i));
+    if (layers[i] == Layer::kFoot) {
+      marks[i] = things.moves_beside(i);
+    } else if (layers[i] != Layer::kGround) {
+      marks[i] = blocks.move_around(i) || (layers[i] == Layer::kBody && things.moves(i));
+    }
   }
   return marks;
 }

@@ -16,7 +16,7 @@ enum class Layer : char { kGround, kFoot, kBody, kHigh };
 std::vector<Layer> layers_of(const PlacedPoints& points, LocalGround& own, LocalGround& all);
 
 /// Which points go, after the votes on those above the foot (doc/map.md). Neighbours decide: what
-/// nobody saw, and the foot of things, follow those around; things that stand alone go as a whole.
+/// nobody saw follows those around; things that stand alone go as a whole, with their foot.
 std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,
                                 const std::vector<Layer>& layers);
 

@@ -66,10 +66,10 @@ RangeImage::RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
   if (directions.empty()) return;
   first_row_ = low;
   rows_ = high - low + 1;
-  constexpr Interval kEmpty = {kNothing, 0.0F};
+  constexpr Seen kEmpty = {kNothing, 0.0F};
   pixels_.assign(static_cast<std::size_t>(rows_) * kColumns, {kEmpty, kEmpty});
   for (const Direction& direction : directions) {
-    Interval& own = pixels_[at(direction.column, direction.row - first_row_)].own;
+    Seen& own = pixels_[at(direction.column, direction.row - first_row_)].own;
     own.nearest = std::min(own.nearest, direction.range);
     own.farthest = std::max(own.farthest, direction.range);
   }
@@ -87,16 +87,22 @@ Sight RangeImage::sight_of(const Eigen::Vector3f& p_sensor) const {
   const float farthest = direction.range + margin;
   if (pixel.around.nearest > farthest) return Sight::kSeenThrough;
   if (pixel.around.farthest < nearest) return Sight::kUnknown;
-  const bool is_hit = pixel.own.nearest <= farthest && pixel.own.farthest >= nearest;
-  if (is_hit || is_hit_around(direction.column, row, nearest, farthest)) return Sight::kHit;
+  if (is_within(pixel.own, nearest, farthest) ||
+      is_hit_around(direction.column, row, nearest, farthest))
+    return Sight::kHit;
   return Sight::kUnknown;
+}
+
+/// What lies between the two was not hit: a pixel on an edge sees a thing and a wall behind it.
+bool RangeImage::is_within(const Seen& seen, float nearest, float farthest) {
+  return (seen.nearest >= nearest && seen.nearest <= farthest) ||
+         (seen.farthest >= nearest && seen.farthest <= farthest);
 }
 
 bool RangeImage::is_hit_around(int column, int row, float nearest, float farthest) const {
   for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
     for (int c = -1; c <= 1; ++c) {
-      const Interval& seen = pixels_[at(wrapped(column + c), r)].own;
-      if (seen.nearest <= farthest && seen.farthest >= nearest) return true;
+      if (is_within(pixels_[at(wrapped(column + c), r)].own, nearest, farthest)) return true;
     }
   }
   return false;
@@ -107,14 +113,14 @@ std::size_t RangeImage::at(int column, int row) const {
 }
 
 void RangeImage::close_window() {
-  const auto join = [](Interval& to, const Interval& from) {
+  const auto join = [](Seen& to, const Seen& from) {
     to.nearest = std::min(to.nearest, from.nearest);
     to.farthest = std::max(to.farthest, from.farthest);
   };
-  std::vector<Interval> columns(kColumns);  // of three rows
+  std::vector<Seen> columns(kColumns);  // of three rows
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < kColumns; ++column) {
-      Interval& joined = columns[static_cast<std::size_t>(column)] = {kNothing, 0.0F};
+      Seen& joined = columns[static_cast<std::size_t>(column)] = {kNothing, 0.0F};
       for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
         join(joined, pixels_[at(column, r)].own);
       }

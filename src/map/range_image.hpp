@@ -20,14 +20,15 @@ class RangeImage {
   Sight sight_of(const Eigen::Vector3f& p_sensor) const;
 
  private:
-  struct Interval {
+  struct Seen {
     float nearest;
     float farthest;
   };
   struct Pixel {
-    Interval own;
-    Interval around;  ///< of the 3x3 window
+    Seen own;
+    Seen around;  ///< of the 3x3 window
   };
+  static bool is_within(const Seen& seen, float nearest, float farthest);
   bool is_hit_around(int column, int row, float nearest, float farthest) const;
   std::size_t at(int column, int row) const;
   void close_window();
