@@ -1,6 +1,7 @@
 #include "lidar_mapping/loop_closing/judgement.hpp"
 
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 
@@ -9,6 +10,7 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kHeightQuantile = 10.8;  // 99.9 %, one degree of freedom
+constexpr double kRoofed = 0.2;           // share; less is a tree or a sign
 constexpr double kGnssQuantile = 3.3;     // standard deviations, the same
 
 using Objection = std::optional<Judgement>;
@@ -67,6 +69,17 @@ Objection object_to_estimate(const Match& match, const Prior& prior, const Confi
   return std::nullopt;
 }
 
+/// Storeys of one house look alike, and an odometry that jumped in height may be on either.
+Objection object_to_storey(const MatchFigures& figures, const Prior& prior) {
+  if (!prior.anchored || prior.jumped == 0.0 || figures.roofed <= kRoofed) return std::nullopt;
+  std::ostringstream between;
+  between << "odometry jumped " << std::setprecision(3) << prior.jumped
+          << " m in height between the two: the storey is unknown";
+  return Judgement{Verdict::kUndecided,
+                   figure_sentence("share of the place under a roof", figures.roofed, "above",
+                                   kRoofed, between.str())};
+}
+
 Objection object_to_gnss(const Match& match, const Prior& prior) {
   if (!gnss_decides(prior)) return std::nullopt;
   const double distance = match.alignment.T_target_source.translation.head<2>().norm();
@@ -98,6 +111,7 @@ Judgement judge(const Match& match, const Prior& prior, const LoopClosingConfig&
   if (const auto objection = object_to_figures(match.figures, config)) return *objection;
   if (const auto objection = object_to_distance(match, config)) return *objection;
   if (const auto objection = object_to_estimate(match, prior, config)) return *objection;
+  if (const auto objection = object_to_storey(match.figures, prior)) return *objection;
   if (const auto objection = object_to_gnss(match, prior)) return *objection;
   return {Verdict::kAccepted,
           figure_sentence("overlap minus twice the free-space violation", margin_of(match.figures),

@@ -96,6 +96,7 @@ Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<Qu
   trial.match.alignment = align_point_to_plane(query->points, submap->surface, candidate.T_from_to);
   trial.match.figures = measure_match(*query, *submap, trial.match.alignment.T_target_source,
                                       config_.fitness_score_max_range);
+  if (candidate.prior.jumped > 0.0) trial.match.figures.roofed = roofed_share(*submap);
   trial.judgement = judge(trial.match, candidate.prior, config_);
   return trial;
 }

@@ -59,6 +59,7 @@ Prior prior_between(const Trajectory& trajectory, const Separation& separation,
     prior.sigma_vertical = config.vertical_drift * way * std::sqrt(way / kVerticalDriftWay);
     prior.sigma_rotation = std::min(degrees_per_100m(config.rotation_drift_deg) * way, kPi);
   }
+  prior.jumped = trajectory[to].jumped - trajectory[from].jumped;
   const auto& a = trajectory[from].gnss;
   const auto& b = trajectory[to].gnss;
   if (config.gnss_candidates && a && b) prior.gnss = gnss_distance(*a, *b);

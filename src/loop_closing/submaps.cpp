@@ -118,6 +118,7 @@ std::shared_ptr<const Submap> Submaps::around(const Trajectory& trajectory,
       positions(voxel_filtered(cloud, leaf(config_.map_filter, config_.map_leaf_size))));
   submap->above_ground = above_ground(submap->surface.tree().points());
   submap->image = RangeImage(positions(*own), p_base_lidar_);
+  submap->p_base_lidar = p_base_lidar_;
   remember(kept_submaps_, index, std::shared_ptr<const Submap>(submap), kMaxSubmaps);
   return submap;
 }

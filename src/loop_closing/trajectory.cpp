@@ -1,6 +1,7 @@
 #include "lidar_mapping/loop_closing/trajectory.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -10,6 +11,18 @@ namespace {
 
 /// Fixes wait for their key frame; most scans are none, so the oldest are given up.
 constexpr std::size_t kMaxEarlyPositions = 2000;
+
+constexpr double kJump = 1.5;  // m that the height changes at once, as no ramp or stair does
+
+/// How far the height of a step is from that which the direction of the step before leads to, if
+/// that is no motion but an error: a match on another storey, say.
+double height_jump(const Pose& T_odom_first, const Pose& T_odom_second, const Pose& T_odom_third) {
+  const Eigen::Vector3d before = (T_odom_first.inverse() * T_odom_second).translation;
+  const Eigen::Vector3d step = (T_odom_second.inverse() * T_odom_third).translation;
+  const double slope = before.norm() > 0.1 ? before.z() / before.norm() : 0.0;
+  const double jump = std::abs(step.z() - slope * step.head<2>().norm());
+  return jump > kJump ? jump : 0.0;
+}
 
 }  // namespace
 
@@ -27,8 +40,13 @@ Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
     const TrajectoryNode& last = nodes_.back();
     const bool continues = last.segment == node.segment;
     node.travelled = last.travelled;
+    node.jumped = last.jumped;
     if (continues) {
       node.travelled += (node.T_odom_base.translation - last.T_odom_base.translation).norm();
+    }
+    if (continues && nodes_.size() > 1 && nodes_[nodes_.size() - 2].segment == node.segment) {
+      node.jumped +=
+          height_jump(nodes_[nodes_.size() - 2].T_odom_base, last.T_odom_base, node.T_odom_base);
     }
   }
   if (const auto position = early_positions_.find(node.stamp); position != early_positions_.end()) {

@@ -1,6 +1,7 @@
 #include "lidar_mapping/loop_closing/verification.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -97,6 +98,29 @@ double fitness_of(const QueryScan& query, const Submap& submap,
 }
 
 }  // namespace
+
+double roofed_share(const Submap& submap) {
+  constexpr int kPlaces = 15;        // along each axis
+  constexpr float kPlace = 2.0F;     // m
+  constexpr float kOverhead = 0.5F;  // m above the LiDAR
+  constexpr float kLevel = 0.95F;    // cosine
+  std::array<bool, kPlaces * kPlaces> seen{}, roofed{};
+  const auto& points = submap.surface.tree().points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = points[i] - submap.p_base_lidar;
+    const int x = static_cast<int>(std::floor(p.x() / kPlace + 0.5F * kPlaces));
+    const int y = static_cast<int>(std::floor(p.y() / kPlace + 0.5F * kPlaces));
+    if (x < 0 || y < 0 || x >= kPlaces || y >= kPlaces) continue;
+    const auto place = static_cast<std::size_t>(y * kPlaces + x);
+    seen[place] = true;
+    if (p.z() < kOverhead || roofed[place]) continue;
+    roofed[place] = std::abs(submap.surface.normal(i).z()) > kLevel;
+  }
+  const auto count = [](const auto& places) {
+    return std::count(places.begin(), places.end(), true);
+  };
+  return static_cast<double>(count(roofed)) / static_cast<double>(std::max<long>(count(seen), 1));
+}
 
 MatchFigures measure_match(const QueryScan& query, const Submap& submap, const Pose& T_submap_query,
                            double fitness_score_max_range) {

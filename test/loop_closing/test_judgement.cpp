@@ -41,6 +41,18 @@ TEST(Judge, AcceptsWhatNothingSpeaksAgainst) {
   expect(judged(good_match()), Verdict::kAccepted, "overlap_margin_limit");
 }
 
+// F77: storeys look alike, and the estimate does not know on which of them the vehicle is.
+TEST(Judge, AfterAJumpOfTheHeightARoofLeavesItUndecided) {
+  Match match = good_match();
+  match.figures.roofed = 0.6;
+  Prior prior = certain_prior();
+  EXPECT_EQ(judged(match, prior).verdict, Verdict::kAccepted);
+  prior.jumped = 2.5;
+  expect(judged(match, prior), Verdict::kUndecided, "storey");
+  match.figures.roofed = 0.05;
+  EXPECT_EQ(judged(match, prior).verdict, Verdict::kAccepted) << "under the open sky";
+}
+
 // F75: every figure has its say, none alone decides.
 TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
   Match match = good_match();

@@ -169,6 +169,19 @@ TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
   EXPECT_GE(outcome.loops.size(), 6U);
 }
 
+// F77: an odometry that falls back by a storey at the end of each ramp.
+TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
+  const ToyWorld world = make_car_park();
+  const auto truth = car_park_drive();
+  auto odometry = truth;
+  for (Pose& pose : odometry) pose.translation.z() = std::fmod(pose.translation.z(), 3.0);
+  const DriveOutcome outcome = drive(world, truth, odometry);
+  EXPECT_EQ(outcome.false_loops, 0);
+  EXPECT_GE(outcome.loops.size(), 3U) << "one on each storey";
+  const auto is_undecided = [](const LoopVerdict& v) { return v.verdict == Verdict::kUndecided; };
+  EXPECT_GT(std::count_if(outcome.verdicts.begin(), outcome.verdicts.end(), is_undecided), 0);
+}
+
 // F77: a height that drifted by 15 m hides nothing.
 TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
   const ToyWorld world = make_town(120.0, 60.0, 1);

@@ -8,6 +8,22 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
+TEST(Matching, ARoofIsALevelSurfaceOverhead) {
+  const auto share = [](const ToyWorld& world) {
+    const auto truth = along({{-20, 0}, {20, 0}});
+    DriveClouds clouds(world, truth);
+    Trajectory trajectory;
+    for (std::size_t i = 0; i < truth.size(); ++i) trajectory.append(key_frame(i, truth[i]));
+    Submaps submaps({}, clouds);
+    submaps.set_sensor_origin(ToyWorld::sensor());
+    return roofed_share(*submaps.around(trajectory, truth.size() / 2));
+  };
+  ToyWorld world = make_town(60.0, 100.0, 3);
+  EXPECT_LT(share(world), 0.1);
+  world.floors.push_back(3.5);
+  EXPECT_GT(share(world), 0.3);
+}
+
 /// A street with a submap around its middle and the scan of another place in it.
 struct Street {
   explicit Street(const ToyWorld& world, const Pose& newest)

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -31,6 +32,20 @@ TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
   trajectory.append(key_frame(5, planar(10.0, 0.0, 0.0)));
   EXPECT_NEAR(trajectory[5].T_map_base.translation.y(), 16.0, 1e-9);
   EXPECT_NEAR(trajectory[1].T_map_base.translation.x(), 2.0, 1e-9);
+}
+
+TEST(Trajectory, TellsJumpsOfTheHeightFromRampsAndStairs) {
+  for (const double slope : {0.0, 0.15, -0.15, 0.6}) {
+    Trajectory trajectory;
+    for (std::size_t i = 0; i < 20; ++i) {
+      const double climbed = slope * std::clamp(2.0 * (static_cast<double>(i) - 5.0), 0.0, 10.0);
+      Pose pose = planar(2.0 * static_cast<double>(i), 0.0, 0.0, climbed);
+      trajectory.append(key_frame(i, pose));
+    }
+    EXPECT_EQ(trajectory[19].jumped, 0.0) << slope;
+    trajectory.append(key_frame(20, planar(40.0, 0.0, 0.0, 10.0 * slope - 2.6)));
+    EXPECT_NEAR(trajectory[20].jumped, 2.6, 1e-9) << slope;
+  }
 }
 
 TEST(Trajectory, KeepsPosesAndPositionsThatComeBeforeTheirKeyFrame) {

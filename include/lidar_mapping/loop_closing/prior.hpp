@@ -22,6 +22,7 @@ struct Prior {
   double sigma_horizontal = std::numeric_limits<double>::infinity();  ///< m
   double sigma_vertical = std::numeric_limits<double>::infinity();    ///< m
   double sigma_rotation = std::numeric_limits<double>::infinity();    ///< rad
+  double jumped = 0.0;           ///< heights that odometry jumped between the two, m
   std::optional<Distance> gnss;  ///< where both have a position
 };
 

@@ -19,6 +19,7 @@ struct TrajectoryNode {
   Pose T_map_base;         ///< newest estimate
   bool optimised = false;  ///< the estimate came from the back end, not from odometry behind it
   double travelled = 0.0;  ///< way from the first key frame, m
+  double jumped = 0.0;     ///< sum of the heights that odometry has jumped so far, m
   std::optional<GnssPosition> gnss;
 };
 

@@ -19,6 +19,8 @@ struct Submap {
   SurfaceCloud surface;
   std::vector<bool> above_ground;  ///< of surface.tree.points()
   RangeImage image;                ///< of the middle key frame alone
+  /// Of the LiDAR in base_link.
+  Eigen::Vector3f p_base_lidar = Eigen::Vector3f::Zero();
 };
 
 /// What speaks for or against a pose of a key frame in a submap (doc/loop_closing.md).
@@ -33,7 +35,11 @@ struct MatchFigures {
   /// Mean squared distance of the points with a partner within the range, m^2; the squared range if
   /// none has one.
   double fitness = 0.0;
+  double roofed = 0.0;  ///< roofed_share() of the submap, where it matters
 };
+
+/// Share of the places within 15 m that have a level surface overhead, 0 to 1.
+double roofed_share(const Submap& submap);
 
 MatchFigures measure_match(const QueryScan& query, const Submap& submap, const Pose& T_submap_query,
                            double fitness_score_max_range);
