@@ -4,6 +4,8 @@
 
 #include <Eigen/OrderingMethods>
 
+#include "openmp_silence.hpp"
+
 namespace lidar_mapping::back_end {
 
 template <int size>
@@ -101,6 +103,7 @@ void BlockCholesky<size>::add_pair(std::size_t pair, const Block& block) {
 
 template <int size>
 bool BlockCholesky<size>::factorize() {
+  const OpenMpSilence silence;
   if (!analysed_) cholmod_.analyzePattern(lower_);
   analysed_ = true;
   cholmod_.factorize(lower_);

@@ -9,6 +9,8 @@
 
 #include "lidar_mapping/back_end/gauss_newton.hpp"
 
+#include "openmp_silence.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -79,6 +81,7 @@ class GraphProblem {
     ceres::Solver::Options options = solver_options(settings);
     options.callbacks.push_back(&enough);
     ceres::Solver::Summary summary;
+    const OpenMpSilence silence;
     ceres::Solve(options, &problem_, &summary);
     MinimizerSummary result;
     result.initial_cost = 2.0 * summary.initial_cost;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -162,6 +163,28 @@ TEST(BlockCholesky, SolvesWhatADenseSolverSolves) {
     ASSERT_TRUE(sparse.factorize());
     EXPECT_LT((dense * sparse.solve(rhs) - rhs).norm(), 1e-10);
   }
+}
+
+std::ptrdiff_t threads_of_this_process() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"),
+                       std::filesystem::directory_iterator());
+}
+
+// Threads that spin between the parts of a factorisation cost a third more processor time.
+TEST(Solving, StartsNoThreadsOfItsOwn) {
+  const test::SyntheticDrive drive = test::make_drive({1});
+  PoseGraph graph = lap_graph(false, drive);
+  std::mt19937 engine(3);
+  const int count = static_cast<int>(graph.nodes.size());
+  for (int i = 0; i < count; ++i) {
+    const int other = (i * 37 + 11) % count;  // all over, so that the factor is thick
+    if (std::abs(i - other) < 2) continue;
+    const Pose T = test::make_loop(drive, i, other, engine).T_from_to;
+    graph.edges.push_back({i, other, T, Matrix6d::Identity()});
+  }
+  const std::ptrdiff_t before = threads_of_this_process();
+  EXPECT_TRUE(optimize(graph, {}).success);
+  EXPECT_LE(threads_of_this_process(), before);
 }
 
 }  // namespace
