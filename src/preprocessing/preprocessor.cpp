@@ -28,7 +28,8 @@ class Preprocessor::Impl {
   void add_imu(const ImuSample& sample, const std::string& frame_id) {
     if (!config_.use_imu) return;
     const auto insert = [&] { return sensors_.add_imu(sample, frame_id); };
-    if (is_stray("imu", imu_guard_, sample.stamp) || !takes("imu", sample.stamp, insert)) {
+    const Stamp stamp = sample.stamp + from_seconds(config_.imu_time_offset);
+    if (is_stray("imu", imu_guard_, stamp) || !takes("imu", stamp, insert)) {
       ++counters_.samples_refused;
     }
   }
@@ -36,15 +37,16 @@ class Preprocessor::Impl {
   void add_velocity(const VelocitySample& sample, const std::string& frame_id) {
     if (!config_.use_velocity) return;
     const auto insert = [&] { return sensors_.add_velocity(sample, frame_id); };
-    if (is_stray("velocity", velocity_guard_, sample.stamp) ||
-        !takes("velocity", sample.stamp, insert)) {
+    const Stamp stamp = sample.stamp + from_seconds(config_.velocity_time_offset);
+    if (is_stray("velocity", velocity_guard_, stamp) || !takes("velocity", stamp, insert)) {
       ++counters_.samples_refused;
     }
   }
 
   void add_gnss(const GnssFix& fix, const std::string& frame_id) {
     if (!config_.use_gnss) return;
-    if (is_stray("gnss", gnss_guard_, fix.stamp)) {
+    const Stamp stamp = fix.stamp + from_seconds(config_.gnss_time_offset);
+    if (is_stray("gnss", gnss_guard_, stamp)) {
       ++counters_.gnss_refused;
       return;
     }
@@ -53,7 +55,7 @@ class Preprocessor::Impl {
       verdict = gnss_.add(fix, frame_id);
       return verdict.insertion;
     };
-    if (!takes("gnss", fix.stamp, insert)) refuse_fix(verdict.problem);
+    if (!takes("gnss", stamp, insert)) refuse_fix(verdict.problem);
   }
 
   void enqueue(RawScan raw) {

@@ -222,6 +222,20 @@ TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
   EXPECT_EQ(stage.take_notices().size(), 2U);
 }
 
+TEST(Preprocessor, WaitsForAnImuWhoseOtherClockIsTakenAway) {
+  PreprocessingConfig config;
+  config.imu_time_offset = -3600.0;
+  Preprocessor stage(config, identity_lookup);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 20; ++i) {
+    append(scans, stage.process(ring_scan(at(0.1 * i + 0.05))));
+    for (int k = 0; k < 10; ++k) stage.add_imu(imu(at(3600.0 + 0.1 * i + 0.01 * k)), "imu");
+    append(scans, stage.take_complete());
+  }
+  ASSERT_EQ(scans.size(), 20U);
+  for (const SyncedScan& scan : scans) EXPECT_TRUE(scan.imu.has_value());
+}
+
 TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
   Preprocessor stage({}, identity_lookup);
   std::vector<SyncedScan> scans;
