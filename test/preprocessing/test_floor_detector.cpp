@@ -122,15 +122,16 @@ Eigen::Vector3d street_below(const simulation::RayCaster& caster, const Pose& T_
   return normal.llt().solve(right);
 }
 
-TEST(FloorDetector, FindsTheStreetBelowASimulatedDrive) {
+/// Every so many scans of the town drive.
+void expect_street(const std::string& lidar, std::size_t every) {
   simulation::DriveOptions options;
-  options.lidar = "vlp16";
+  options.lidar = lidar;
   const simulation::Drive drive(options);
   const simulation::RayCaster caster(drive.world());
   const FloorDetector detector({});
   int good = 0;
   int all = 0;
-  for (std::size_t i = 0; i < drive.scan_count(); i += 40) {
+  for (std::size_t i = 0; i < drive.scan_count(); i += every) {
     const Scan scan = drive.base_scan(i);
     const Floor floor = detector.process(scan);
     const Eigen::Vector3d truth = street_below(caster, drive.trajectory().pose(scan.stamp),
@@ -140,7 +141,13 @@ TEST(FloorDetector, FindsTheStreetBelowASimulatedDrive) {
     ++all;
     if (floor.found && lean < 0.5 * kDegree && std::abs(floor.offset + truth.z()) < 0.03) ++good;
   }
-  EXPECT_GE(good, 0.99 * all);
+  EXPECT_GE(good, 0.99 * all) << lidar;
+}
+
+TEST(FloorDetector, FindsTheStreetBelowASimulatedDrive) {
+  expect_street("vlp16", 40);
+  expect_street("os1_64", 120);
+  expect_street("hdl64", 160);
 }
 
 }  // namespace
