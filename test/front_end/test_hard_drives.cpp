@@ -150,6 +150,57 @@ TEST(Tunnel, IsPassedWithANoisyWheelSpeedOfWrongScale) {
   EXPECT_LT(ride.error(), 0.005 * ride.way());
 }
 
+/// Mean of squared errors in units of their covariance, per degree of freedom.
+class NormalisedError {
+ public:
+  void add(const Pose& motion, const Pose& true_motion, const Covariance6& covariance) {
+    const Vector6d error = difference(true_motion, motion);
+    sum_ += error.dot(covariance.ldlt().solve(error)) / 6.0;
+    ++count_;
+  }
+  double mean() const { return sum_ / count_; }
+
+ private:
+  double sum_ = 0.0;
+  int count_ = 0;
+};
+
+class SizeOfCovariance : public testing::TestWithParam<const char*> {};
+
+// The back end weighs the way from key frame to key frame with it.
+TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
+  const simulation::Drive drive = make_drive(GetParam(), 45.0);
+  FrontEnd front_end{FrontEndConfig{}};
+  NormalisedError of_scans;
+  NormalisedError of_key_frames;
+  std::optional<FrontEndResult> last;
+  std::optional<KeyFrame> last_key_frame;
+  const auto way = [&](Stamp from, Stamp to) {
+    return drive.trajectory().pose(from).inverse() * drive.trajectory().pose(to);
+  };
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    if (last) {
+      of_scans.add(last->T_odom_base.inverse() * result.T_odom_base, way(last->stamp, result.stamp),
+                   result.covariance);
+    }
+    last = result;
+    if (!result.key_frame) continue;
+    if (last_key_frame) {
+      of_key_frames.add(last_key_frame->T_odom_base.inverse() * result.T_odom_base,
+                        way(last_key_frame->stamp, result.stamp),
+                        result.key_frame->motion_covariance);
+    }
+    last_key_frame = result.key_frame;
+  }
+  EXPECT_GT(of_scans.mean(), 0.5);
+  EXPECT_LT(of_scans.mean(), 2.5);
+  EXPECT_GT(of_key_frames.mean(), 0.5);
+  EXPECT_LT(of_key_frames.mean(), 2.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Drives, SizeOfCovariance, testing::Values("town", "figure_eight"));
+
 TEST(VelocityThatLies, IsFoundOut) {
   const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
