@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
@@ -126,14 +127,22 @@ class FrontEnd::Impl {
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
-    key_frame.cloud =
-        std::make_shared<const PointCloud>(key_frame_cloud(scan.cloud, tracked.twist));
+    PointCloud cloud = key_frame_cloud(scan.cloud, tracked);
+    key_frame.cloud = std::make_shared<const PointCloud>(std::move(cloud));
     last_key_frame_ = tracked;
     key_frame_stamp_ = scan.stamp;
     return key_frame;
   }
 
-  PointCloud key_frame_cloud(const PointCloud& cloud, const Vector6d& twist) {
+  PointCloud key_frame_cloud(const PointCloud& cloud, const TrackedScan& tracked) {
+    if (tracked.elevation_shift == 0.0) return thinned_and_deskewed(cloud, tracked.twist);
+    PointCloud shifted = cloud;
+    const ElevationShift shift(tracked.elevation_shift);
+    for (Point& p : shifted.points) shift(p.x, p.y, p.z);
+    return thinned_and_deskewed(shifted, tracked.twist);
+  }
+
+  PointCloud thinned_and_deskewed(const PointCloud& cloud, const Vector6d& twist) {
     if (config_.key_frame_cloud_resolution <= 0.0) return deskewed(cloud, twist, config_.threads);
     SamplingOptions options;
     options.resolution = config_.key_frame_cloud_resolution;

@@ -36,7 +36,10 @@ void describe_sequential_ndt(config::Schema<Config>& schema) {
       .real("max_speed", &Config::max_speed, {0.1, 1000.0}, "m/s",
             "A faster motion is taken for a failed match.")
       .real("max_lost_time", &Config::max_lost_time, {0.0, 60.0}, "s",
-            "After being lost for this long a new local map and a new segment are begun.");
+            "After being lost for this long a new local map and a new segment are begun.")
+      .boolean("calibrate_elevation", &Config::calibrate_elevation,
+               "Find out whether all elevations of the sensor are off by the same angle, and turn "
+               "its points by that once it is sure.");
 }
 
 config::Schema<Config> make_schema() {

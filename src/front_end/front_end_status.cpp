@@ -1,5 +1,8 @@
 #include "lidar_mapping/front_end/front_end_status.hpp"
 
+#include <cmath>
+#include <cstdio>
+
 namespace lidar_mapping::front_end {
 
 const char* to_string(TrackingState state) {
@@ -14,6 +17,14 @@ const char* to_string(TrackingState state) {
       return "lost";
   }
   return "";
+}
+
+std::string elevation_notice(double elevation_shift) {
+  char degrees[32];
+  std::snprintf(degrees, sizeof(degrees), "%.2f", elevation_shift * 180.0 / M_PI);
+  return std::string("the sensor's elevations were found to lack ") + degrees +
+         " deg: points are turned upwards by that from here on; add it to " +
+         "vertical_angle_correction_deg to have it from the start";
 }
 
 }  // namespace lidar_mapping::front_end

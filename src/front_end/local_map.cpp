@@ -23,7 +23,9 @@ registration::PlaneModel coarse_model() {
   return model;
 }
 
-/// Where the points were seen: R p(s) + t. Written out, so that the compiler takes several at once.
+}  // namespace
+
+// Written out, so that the compiler takes several at once.
 void place(const SampledPoints& points, const registration::MotionState& state,
            const Eigen::Vector3d& origin, SampledPoints& placed) {
   const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
@@ -55,6 +57,8 @@ void place(const SampledPoints& points, const registration::MotionState& state,
     qz[i] = R(2, 0) * x + R(2, 1) * y + R(2, 2) * z + t.z();
   }
 }
+
+namespace {
 
 /// Large voxels have points enough with a part of them.
 void insert_thinned(SampledPoints& points, registration::GaussianVoxelMap& map) {

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
+#include "lidar_mapping/front_end/elevation_calibration.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
 #include "lidar_mapping/front_end/match_judge.hpp"
@@ -71,6 +72,8 @@ class NdtTracker::Impl {
     const double last_reference = sampler_.reference();
     sampler_.take(scan, scans_++);
     TrackedScan result;
+    result.status.elevation_shift = elevation_.found();
+    result.elevation_shift = elevation_.applied();
     if (map_.empty()) {
       if (prior.T_odom_base_initial) start_ = *prior.T_odom_base_initial;
       begin(scan, start_, result.status);
@@ -99,6 +102,7 @@ class NdtTracker::Impl {
   void forget() {
     map_.clear();
     judge_.reset();
+    elevation_.interrupt();
     inserted_scans_ = 0;
     lost_time_ = 0.0;
     motion_known_ = false;
@@ -245,6 +249,13 @@ class NdtTracker::Impl {
     map_.insert(dense, filter_.state());
     inserted_ = filter_.state().T_map_sensor;
     ++inserted_scans_;
+    if (config_.calibrate_elevation && inserted_scans_ > kFirstScans) calibrate(dense);
+  }
+
+  void calibrate(const SampledPoints& dense) {
+    timer_.start("calibration");
+    elevation_.see(dense, filter_.state(), map_.fine().resolution());
+    sampler_.set_elevation_shift(elevation_.applied());
   }
 
   void report(TrackedScan& result) {
@@ -262,6 +273,7 @@ class NdtTracker::Impl {
   MatchJudge judge_;
   SweepMatcher matcher_;
   VelocityTrust velocity_trust_;
+  ElevationCalibration elevation_;
   StepTimer timer_;
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
+
 #include "hash_kernel.hpp"
 
 namespace lidar_mapping::front_end {
@@ -70,6 +72,12 @@ void SampledPoints::assign(const PointCloud& cloud, const std::vector<std::uint3
     z[k] = point.z;
     s[k] = cloud.has_times() ? cloud.times[indices[k]] - offset : 0.0F;
   }
+}
+
+void raise(SampledPoints& points, double angle) {
+  if (angle == 0.0) return;
+  const ElevationShift shift(angle);
+  for (std::size_t i = 0; i < points.size(); ++i) shift(points.x[i], points.y[i], points.z[i]);
 }
 
 }  // namespace lidar_mapping::front_end

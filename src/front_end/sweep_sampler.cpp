@@ -54,6 +54,7 @@ void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
       scan.cloud, {sparse_cell_.edge(), kMinRange, max_range_, stride, turn % stride});
   reference_ = middle_time(scan.cloud, indices);
   sparse_.assign(scan.cloud, indices, reference_);
+  raise(sparse_, elevation_shift_);
   sparse_cell_.adapt(indices.size());
 }
 
@@ -67,6 +68,7 @@ void SweepSampler::sample_dense(const Scan& scan) {
   const auto& indices =
       dense_sampler_.sample(scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0});
   dense_.assign(scan.cloud, indices, reference_);
+  raise(dense_, elevation_shift_);
   dense_cell_.adapt(indices.size());
 }
 

@@ -232,6 +232,10 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   context_.diagnostics.set_state(poor ? Diagnostics::Level::kWarning : Diagnostics::Level::kOk,
                                  front_end::to_string(state));
   context_.diagnostics.set("seconds per scan", std::to_string(result.status.seconds));
+  const double shift = result.status.elevation_shift;
+  if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
+    ROS_INFO_STREAM(front_end::elevation_notice(shift));
+  }
   if (poor && limiter_.due(front_end::to_string(state))) {
     ROS_WARN_STREAM("odometry is " << front_end::to_string(state) << ": overlap "
                                    << result.status.overlap << ", fitness " << result.status.fitness

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -71,13 +72,9 @@ float time_from_azimuth(const Point& point) {
 std::vector<Point> read_points(const std::string& path) { return read_array<Point>(path); }
 
 Point raised(const Point& point, double angle) {
-  const double range = std::hypot(point.x, point.y);
-  if (range == 0.0) return point;
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
-  const double scale = (c * range - s * point.z) / range;
-  return {static_cast<float>(scale * point.x), static_cast<float>(scale * point.y),
-          static_cast<float>(s * range + c * point.z), point.intensity};
+  Point result = point;
+  ElevationShift{angle}(result.x, result.y, result.z);
+  return result;
 }
 
 KittiFolder::KittiFolder(const std::string& path, const KittiReading& reading)

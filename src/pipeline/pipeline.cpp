@@ -51,8 +51,10 @@ class Pipeline::Impl {
         keeper_(std::move(session), config.back_end, threaded_, feedback_),
         search_(config.loop_closing, keeper_.run().session().clouds(), feedback_),
         resume_point_(resume_point_of(keeper_.run().session(), kStretch, config.replay_whole)),
-        odometry_(with_threads(config.front_end, config.threads), config.floor_detection,
-                  [this](DrivePiece&& piece) { writing_.push(std::move(piece)); }),
+        odometry_(
+            with_threads(config.front_end, config.threads), config.floor_detection,
+            [this](DrivePiece&& piece) { writing_.push(std::move(piece)); },
+            [this](const std::string& notice) { say(notice); }),
         preparation_(
             with_datum(config.preprocessing, keeper_.run().session()), std::move(T_base),
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },

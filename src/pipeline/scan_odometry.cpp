@@ -31,8 +31,12 @@ session::ScanRecord record_of(const front_end::FrontEndResult& result) {
 }  // namespace
 
 ScanOdometry::ScanOdometry(const front_end::FrontEndConfig& front_end,
-                           const preprocessing::FloorDetectionConfig& floor, Forward forward)
-    : front_end_(front_end), floor_detector_(floor), forward_(std::move(forward)) {}
+                           const preprocessing::FloorDetectionConfig& floor, Forward forward,
+                           Say say)
+    : front_end_(front_end),
+      floor_detector_(floor),
+      forward_(std::move(forward)),
+      say_(std::move(say)) {}
 
 void ScanOdometry::resume(const ResumePoint& point) {
   resumed_.emplace(point);
@@ -48,11 +52,18 @@ void ScanOdometry::take(PreparedScan&& prepared) {
   if (prepared.p_base_lidar) piece_.p_base_lidar = prepared.p_base_lidar;
   front_end::FrontEndResult result = front_end_.process(synced.scan, prior_of(synced, !has_begun_));
   has_begun_ = true;
+  mention(result.status);
   if (resumed_ && !resumed_->takes(result)) return;
   keep(synced, result);
   if (!piece_.key_frame) return;
   piece_.floor = floor_detector_.process(synced.scan);
   flush();
+}
+
+void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
+  if (status.elevation_shift == elevation_shift_) return;
+  elevation_shift_ = status.elevation_shift;
+  say_(front_end::elevation_notice(elevation_shift_));
 }
 
 void ScanOdometry::keep(const preprocessing::SyncedScan& synced,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
@@ -16,8 +17,10 @@ class ScanOdometry {
  public:
   using Forward = std::function<void(DrivePiece&&)>;
 
+  using Say = std::function<void(const std::string&)>;
+
   ScanOdometry(const front_end::FrontEndConfig& front_end,
-               const preprocessing::FloorDetectionConfig& floor, Forward forward);
+               const preprocessing::FloorDetectionConfig& floor, Forward forward, Say say);
 
   /// Goes on with a session.
   void resume(const ResumePoint& point);
@@ -26,13 +29,16 @@ class ScanOdometry {
   void flush();
 
  private:
+  void mention(const front_end::FrontEndStatus& status);
   void keep(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
 
   front_end::FrontEnd front_end_;
   preprocessing::FloorDetector floor_detector_;
   Forward forward_;
+  Say say_;
   std::optional<ResumedOdometry> resumed_;
   bool has_begun_ = false;
+  double elevation_shift_ = 0.0;  ///< that was last spoken of
   DrivePiece piece_;
 };
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -140,15 +142,8 @@ std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const Pas
 }
 
 void correct_vertical_angle(PointCloud& cloud, double angle) {
-  const auto cosine = static_cast<float>(std::cos(angle));
-  const auto sine = static_cast<float>(std::sin(angle));
-  for (Point& p : cloud.points) {
-    const float horizontal = std::sqrt(p.x * p.x + p.y * p.y);
-    const float scale = horizontal > 0.0F ? (horizontal * cosine - p.z * sine) / horizontal : 1.0F;
-    p.z = p.z * cosine + horizontal * sine;
-    p.x *= scale;
-    p.y *= scale;
-  }
+  const ElevationShift shift(angle);
+  for (Point& p : cloud.points) shift(p.x, p.y, p.z);
 }
 
 void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config) {

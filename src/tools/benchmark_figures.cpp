@@ -86,7 +86,9 @@ Json figures_of(const std::vector<ScanRecord>& records) {
           {"degenerate", count_of(records, TrackingState::kDegenerate)},
           {"degraded", count_of(records, TrackingState::kDegraded)},
           {"lost", count_of(records, TrackingState::kLost)},
-          {"rescued", flagged([](const ScanRecord& r) { return r.status.rescued; })}};
+          {"rescued", flagged([](const ScanRecord& r) { return r.status.rescued; })},
+          {"elevation_shift_deg",
+           records.empty() ? 0.0 : records.back().status.elevation_shift * 180.0 / M_PI}};
 }
 
 Json errors_of(const std::vector<evaluation::PosePair>& pairs) {

@@ -27,6 +27,7 @@ struct FrontEndConfig {
   double angular_acceleration_sigma = 5.0;
   double max_speed = 50.0;
   double max_lost_time = 3.0;
+  bool calibrate_elevation = true;
 
   // The sliding window of the other methods.
   int local_frame_num = 20;

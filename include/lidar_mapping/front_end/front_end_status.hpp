@@ -27,9 +27,15 @@ struct FrontEndStatus {
   double overlap = 0.0;          ///< 0 to 1
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
   bool rescued = false;                                ///< more than one start was needed
+  /// What the sensor's elevations were found to lack, rad: points are turned upwards by that, in
+  /// steps that no match feels.
+  double elevation_shift = 0.0;
   /// For whole scan and for its steps: the only figures that are not the same in each run.
   double seconds = 0.0;
   std::vector<std::pair<std::string, double>> step_seconds;
 };
+
+/// Says that points are turned upwards by `elevation_shift` (rad) from now on.
+std::string elevation_notice(double elevation_shift);
 
 }  // namespace lidar_mapping::front_end

@@ -9,6 +9,10 @@
 
 namespace lidar_mapping::front_end {
 
+/// Where the points were seen, relative to `origin`: R p(s) + t. `placed` gets no times.
+void place(const SampledPoints& points, const registration::MotionState& state,
+           const Eigen::Vector3d& origin, SampledPoints& placed);
+
 /// What the sensor has seen around it: a fine map for matching and a coarse one for finding back.
 class LocalMap {
  public:

@@ -47,4 +47,7 @@ struct SampledPoints {
   void assign(const PointCloud& cloud, const std::vector<std::uint32_t>& indices, double reference);
 };
 
+/// Turns all points upwards by `angle` (rad), see ElevationShift.
+void raise(SampledPoints& points, double angle);
+
 }  // namespace lidar_mapping::front_end

@@ -30,6 +30,8 @@ class SweepSampler {
  public:
   explicit SweepSampler(const FrontEndConfig& config);
 
+  /// From now on all points are turned upwards by this angle, rad.
+  void set_elevation_shift(double angle) { elevation_shift_ = angle; }
   /// Samples the points to be matched; `turn` makes each scan begin with another point.
   void take(const Scan& scan, std::size_t turn);
   const registration::NdtPoints& points() const { return points_; }
@@ -55,6 +57,7 @@ class SweepSampler {
   SampledPoints dense_;
   registration::NdtPoints points_;
   double reference_ = 0.0;
+  double elevation_shift_ = 0.0;
 };
 
 }  // namespace lidar_mapping::front_end

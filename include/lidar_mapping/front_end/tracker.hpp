@@ -17,6 +17,7 @@ struct TrackedScan {
   Covariance6 covariance = Covariance6::Identity();
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes: m/s, rad/s
   FrontEndStatus status;
+  double elevation_shift = 0.0;  ///< by which the scan's points were turned upwards, rad
   /// The local map was given up and begun anew: this pose does not hang together with earlier ones.
   bool new_segment = false;
 };

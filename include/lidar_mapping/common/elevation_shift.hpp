@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cmath>
+
+namespace lidar_mapping {
+
+/// Turns points upwards by an angle (rad) about the horizontal axis that is normal to their beam,
+/// as a sensor with wrong elevations wants it. Points are in the sensor's axes.
+class ElevationShift {
+ public:
+  explicit ElevationShift(double angle)
+      : cosine_(static_cast<float>(std::cos(angle))), sine_(static_cast<float>(std::sin(angle))) {}
+
+  void operator()(float& x, float& y, float& z) const {
+    const float horizontal = std::sqrt(x * x + y * y);
+    const float scale = horizontal > 0.0F ? (horizontal * cosine_ - z * sine_) / horizontal : 1.0F;
+    z = z * cosine_ + horizontal * sine_;
+    x *= scale;
+    y *= scale;
+  }
+
+ private:
+  float cosine_;
+  float sine_;
+};
+
+}  // namespace lidar_mapping

@@ -1,0 +1,125 @@
+#include "lidar_mapping/front_end/elevation_calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lidar_mapping/front_end/local_map.hpp"
+
+#include "elevation_pair.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+// In edges of voxels. Planes are bent a little by the rings of the scan that they come from; in
+// scans that are closer together that passes for an angle of some hundredths of a degree.
+constexpr double kPairDistance = 20.0;
+constexpr double kStep = 3.0;
+/// After so many pairs they become rarer.
+constexpr double kEagerPairs = 30.0;
+/// A sensor that goes to and fro never has two scans that are far enough apart.
+constexpr std::size_t kMostFrames = 12;
+constexpr std::size_t kMapCapacity = std::size_t{1} << 14;
+
+/// A pair is worth no more than that, however many points it has.
+constexpr double kPairSigma = 0.03 * kDegree;
+/// Better than that nobody needs to know it.
+constexpr double kGoodSigma = 0.012 * kDegree;
+// What is believed: from so many pairs, so large an angle, so many standard deviations from zero.
+constexpr int kLeastPairs = 8;
+constexpr double kLeastAngle = 0.05 * kDegree;
+constexpr double kSure = 6.0;
+/// Smaller changes are noise.
+constexpr double kLeastChange = 0.02 * kDegree;
+/// So much more per scan in the map moves the ground by a centimetre. All at once the pose would jump.
+constexpr double kAppliedStep = 0.05 * kDegree;
+
+/// One ring on the ground makes no plane.
+registration::PlaneModel broad_planes() {
+  registration::PlaneModel model;
+  model.least_breadth = 0.08;
+  model.sure_breadth = 0.16;
+  return model;
+}
+
+double distance(const Pose& a, const Pose& b) { return (a.translation - b.translation).norm(); }
+
+double square(double value) { return value * value; }
+
+}  // namespace
+
+void ElevationMean::add(const ElevationEstimate& estimate) {
+  const double w = 1.0 / (square(estimate.sigma) + square(kPairSigma));
+  const double x = estimate.angle;
+  ++count_;
+  w_ += w;
+  wx_ += w * x;
+  ww_ += w * w;
+  wwx_ += w * w * x;
+  wwxx_ += w * w * x * x;
+}
+
+ElevationEstimate ElevationMean::value() const {
+  if (count_ == 0) return {};
+  const double mean = wx_ / w_;
+  const double scatter = wwxx_ - 2.0 * mean * wwx_ + mean * mean * ww_;
+  return {mean, std::sqrt(std::max(w_, scatter)) / w_};
+}
+
+ElevationCalibration::ElevationCalibration() : map_(1.0, kMapCapacity, broad_planes()) {}
+
+void ElevationCalibration::see(const SampledPoints& points, const registration::MotionState& state,
+                               double voxel_size) {
+  if (is_settled()) {
+    frames_.clear();
+  } else if (frames_.empty() ||
+             distance(frames_.back().T_map_sensor, state.T_map_sensor) >= step() * voxel_size) {
+    Frame frame;
+    frame.T_map_sensor = state.T_map_sensor;
+    place(points, {Pose{}, state.twist}, Eigen::Vector3d::Zero(), frame.points);
+    raise(frame.points, -applied_);
+    take(std::move(frame), voxel_size);
+  }
+  applied_ += std::clamp(found_ - applied_, -kAppliedStep, kAppliedStep);
+}
+
+/// Of the scans that are far enough away the newest one has seen most of the same.
+void ElevationCalibration::take(Frame frame, double voxel_size) {
+  const auto other = std::find_if(frames_.rbegin(), frames_.rend(), [&](const Frame& earlier) {
+    return distance(earlier.T_map_sensor, frame.T_map_sensor) >= kPairDistance * voxel_size;
+  });
+  if (other != frames_.rend()) {
+    map_.restart(voxel_size);
+    compare(*other, frame);
+  }
+  if (frames_.size() == kMostFrames) frames_.pop_front();
+  frames_.push_back(std::move(frame));
+}
+
+bool ElevationCalibration::is_settled() const {
+  return mean_.count() >= kLeastPairs && mean_.value().sigma < kGoodSigma;
+}
+
+/// Distance between the scans that are looked at, in edges of voxels.
+double ElevationCalibration::step() const {
+  return kStep * std::max(1.0, mean_.count() / kEagerPairs);
+}
+
+void ElevationCalibration::compare(const Frame& a, const Frame& b) {
+  map_.insert(a.points.x.data(), a.points.y.data(), a.points.z.data(), a.points.size());
+  const auto found = estimate_elevation(b.points, map_, a.T_map_sensor.inverse() * b.T_map_sensor);
+  if (!found) return;
+  mean_.add(*found);
+  decide();
+}
+
+void ElevationCalibration::decide() {
+  const ElevationEstimate mean = mean_.value();
+  const bool sure = mean_.count() >= kLeastPairs && std::abs(mean.angle) > kLeastAngle &&
+                    std::abs(mean.angle) > kSure * mean.sigma;
+  if (sure && std::abs(mean.angle - found_) > kLeastChange) found_ = mean.angle;
+}
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,109 @@
+// A sensor whose elevations are all off by the same angle is found out from the drive itself.
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/elevation_shift.hpp"
+#include "lidar_mapping/front_end/elevation_calibration.hpp"
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/sweep_sampler.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+simulation::Drive make_drive(double duration) {
+  simulation::DriveOptions options;
+  options.drive = "town";
+  options.lidar = "hdl64";
+  options.seed = 3;
+  options.duration = duration;
+  return simulation::Drive(options);
+}
+
+/// In base_link, of a sensor that reports all elevations too low by `angle`.
+Scan lowered_scan(const simulation::Drive& drive, std::size_t index, double angle) {
+  simulation::SimulatedScan scan = drive.scan(index);
+  const ElevationShift shift(-angle);
+  for (Point& p : scan.cloud.points) shift(p.x, p.y, p.z);
+  return {scan.stamp, transformed(scan.cloud, drive.mounting().T_base_lidar)};
+}
+
+double mean_elevation(const PointCloud& cloud) {
+  double sum = 0.0;
+  for (const Point& p : cloud.points) sum += std::atan2(p.z, std::hypot(p.x, p.y));
+  return sum / static_cast<double>(cloud.size());
+}
+
+}  // namespace
+
+TEST(ElevationMean, KnowsHowFarItsEstimatesScatter) {
+  ElevationMean mean;
+  EXPECT_EQ(mean.value().angle, 0.0);
+  for (const double angle : {0.01, 0.03, 0.01, 0.03}) mean.add({angle, 1e-4});
+  EXPECT_NEAR(mean.value().angle, 0.02, 1e-12);
+  EXPECT_NEAR(mean.value().sigma, 0.01 / std::sqrt(4.0), 1e-6);
+}
+
+TEST(ElevationMean, TrustsAnEstimateByItsSigma) {
+  ElevationMean mean;
+  mean.add({0.0, 0.1});
+  mean.add({0.01, 0.001});
+  EXPECT_NEAR(mean.value().angle, 0.01, 1e-4);
+}
+
+class ElevationCalibrationTest : public testing::TestWithParam<double> {};
+
+TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
+  const double angle = GetParam() * kDegree;
+  const simulation::Drive drive = make_drive(22.0);
+  SweepSampler sampler{FrontEndConfig{}};
+  ElevationCalibration calibration;
+  for (std::size_t i = 20; i < drive.scan_count(); i += 3) {
+    const Scan scan = lowered_scan(drive, i, angle);
+    sampler.set_elevation_shift(calibration.applied());
+    sampler.take(scan, i);
+    const double middle = to_seconds(scan.stamp) + sampler.reference();
+    const Pose T_map_base = drive.trajectory().pose(from_seconds(middle));
+    const Pose soon = drive.trajectory().pose(from_seconds(middle + 0.02));
+    calibration.see(sampler.dense(scan), {T_map_base, twist_between(T_map_base, soon, 0.02)}, 1.0);
+  }
+  const ElevationEstimate found = calibration.estimate();
+  EXPECT_LT(found.sigma, 0.03 * kDegree);
+  EXPECT_NEAR(found.angle, angle, 3.0 * found.sigma);
+  // Nothing is corrected that is right, and most of what is wrong.
+  EXPECT_NEAR(calibration.found(), angle, angle == 0.0 ? 0.0 : 0.08 * kDegree);
+}
+
+INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
+
+TEST(FrontEnd, TurnsThePointsOfASensorWithWrongElevations) {
+  const double angle = 0.3 * kDegree;
+  const simulation::Drive drive = make_drive(20.0);
+  FrontEndConfig config;
+  config.key_frame_cloud_resolution = 0.0;
+  FrontEnd front_end(config);
+  config.calibrate_elevation = false;
+  FrontEnd plain(config);
+  double shift = 0.0;
+  double last_rise = 0.0;
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    const Scan scan = lowered_scan(drive, i, angle);
+    const FrontEndResult turned = front_end.process(scan);
+    const FrontEndResult untouched = plain.process(scan);
+    EXPECT_EQ(untouched.status.elevation_shift, 0.0);
+    shift = turned.status.elevation_shift;
+    if (!turned.key_frame || !untouched.key_frame) continue;
+    const double rise =
+        mean_elevation(*turned.key_frame->cloud) - mean_elevation(*untouched.key_frame->cloud);
+    // Not at once: the map that the scan is matched with has still the fault.
+    EXPECT_NEAR(rise, last_rise, 0.12 * kDegree);
+    last_rise = rise;
+  }
+  EXPECT_NEAR(last_rise, shift, 0.03 * kDegree);
+  EXPECT_NEAR(shift, angle, 0.1 * kDegree);
+}
+
+}  // namespace lidar_mapping::front_end
