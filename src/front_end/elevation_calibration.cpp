@@ -33,7 +33,8 @@ constexpr double kLeastAngle = 0.05 * kDegree;
 constexpr double kSure = 6.0;
 /// Smaller changes are noise.
 constexpr double kLeastChange = 0.02 * kDegree;
-/// So much more per scan in the map moves the ground by a centimetre. All at once the pose would jump.
+/// So much more per scan in the map moves the ground by a centimetre. All at once the pose would
+/// jump.
 constexpr double kAppliedStep = 0.05 * kDegree;
 
 /// One ring on the ground makes no plane.
