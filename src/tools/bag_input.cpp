@@ -28,9 +28,13 @@ using ros_border::SensorTopics;
 /// Sensors are bolted on: what /tf says of them at the beginning stays.
 const ros::Duration kFramesLook(20.0);
 
+/// Simulators begin at 0, where a stamp of 0 is one.
+const ros::Time kSimulatedUntil(1e6);
+
 /// The stamp, or where the driver sets none the time of recording.
 Stamp stamp_of(const std_msgs::Header& header, const ros::Time& recorded) {
-  return ros_border::from_ros(header.stamp.isZero() ? recorded : header.stamp);
+  const bool is_missing = header.stamp.isZero() && recorded > kSimulatedUntil;
+  return ros_border::from_ros(is_missing ? recorded : header.stamp);
 }
 
 template <typename Message>

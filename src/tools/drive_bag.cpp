@@ -62,7 +62,8 @@ sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagConte
              rounded(point.z, kPointStep), rounded(point.intensity, kIntensityStep)};
   }
   const std::string slash = content.has(BagFault::kLeadingSlash) ? "/" : "";
-  return ros_border::to_message(cloud, scan.stamp, slash + kLidarFrame);
+  const Stamp stamp = content.has(BagFault::kNoStamps) ? 0 : scan.stamp;
+  return ros_border::to_message(cloud, stamp, slash + kLidarFrame);
 }
 
 ImuSample spoilt(ImuSample sample, const BagContent& content) {
@@ -203,6 +204,7 @@ const std::map<std::string, BagFault>& bag_faults() {
       {"deskewed_twice", BagFault::kDeskewedTwice},
       {"no_imu_transform", BagFault::kNoImuTransform},
       {"no_transforms", BagFault::kNoTransforms},
+      {"no_stamps", BagFault::kNoStamps},
       {"leading_slash", BagFault::kLeadingSlash},
       {"antenna_elsewhere", BagFault::kAntennaElsewhere},
       {"gnss_late", BagFault::kGnssLate},

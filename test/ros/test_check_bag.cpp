@@ -76,6 +76,7 @@ TEST(CheckBag, FindsFaultsOfClouds) {
   expect_only(findings_in(short_drive(), with(BagFault::kNoPointTimes)),
               "points: the points have no times");
   expect_only(findings_in(short_drive(), with(BagFault::kLeadingSlash)), "leading slash");
+  expect_only(findings_in(short_drive(), with(BagFault::kNoStamps)), "the stamps are 0");
   simulation::DriveOptions undistorted = short_drive();
   undistorted.undistorted = true;
   expect_only(findings_in(undistorted, with(BagFault::kDeskewedTwice)), "set point_times to NONE");
