@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
+#include <Eigen/Geometry>
 #include <pcl/io/pcd_io.h>
-#include <pcl/io/ply_io.h>
 #include <pcl/point_types.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -17,15 +18,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-pcl::PointCloud<pcl::PointXYZI> to_pcl(const PointCloud& cloud) {
+constexpr std::uint64_t kMostCompressed = 2'000'000;  // points; they need 64 bytes each for it
+
+struct Extent {
+  std::uint64_t points = 0;
+  Eigen::AlignedBox3f bounds;
+};
+
+Extent extent_of(const CloudParts& map) {
+  Extent extent;
+  map.each([&](const PointCloud& part) {
+    extent.points += part.size();
+    for (const Point& point : part.points) extent.bounds.extend(point.position());
+  });
+  return extent;
+}
+
+pcl::PointCloud<pcl::PointXYZI> to_pcl(const CloudParts& map, std::size_t points) {
   pcl::PointCloud<pcl::PointXYZI> result;
-  result.reserve(cloud.size());
-  for (const Point& point : cloud.points) {
-    pcl::PointXYZI converted;
-    converted.getVector3fMap() = point.position();
-    converted.intensity = point.intensity;
-    result.push_back(converted);
-  }
+  result.reserve(points);
+  map.each([&](const PointCloud& part) {
+    for (const Point& point : part.points) {
+      pcl::PointXYZI converted;
+      converted.getVector3fMap() = point.position();
+      converted.intensity = point.intensity;
+      result.push_back(converted);
+    }
+  });
   return result;
 }
 
@@ -35,13 +54,7 @@ std::string line(const char* format, double a, double b, double c) {
   return text;
 }
 
-std::string to_yaml(const PointCloud& map, const MapDescription& description) {
-  Eigen::Vector3f low = map.points.front().position();
-  Eigen::Vector3f high = low;
-  for (const Point& point : map.points) {
-    low = low.cwiseMin(point.position());
-    high = high.cwiseMax(point.position());
-  }
+std::string to_yaml(const Extent& extent, const MapDescription& description) {
   const auto bound = [](const char* format, const Eigen::Vector3f& p) {
     return line(format, static_cast<double>(p.x()), static_cast<double>(p.y()),
                 static_cast<double>(p.z()));
@@ -56,14 +69,29 @@ std::string to_yaml(const PointCloud& map, const MapDescription& description) {
     text += "datum: null\n";
   }
   text += line("resolution: %.6g\n", description.resolution, 0.0, 0.0);
-  text += "points: " + std::to_string(map.size()) + "\n";
-  text += bound("min: [%.4f, %.4f, %.4f]\n", low);
-  text += bound("max: [%.4f, %.4f, %.4f]\n", high);
+  text += "points: " + std::to_string(extent.points) + "\n";
+  text += bound("min: [%.4f, %.4f, %.4f]\n", extent.bounds.min());
+  text += bound("max: [%.4f, %.4f, %.4f]\n", extent.bounds.max());
   return text;
 }
 
 [[noreturn]] void fail(const fs::path& path) {
   throw FileError("cannot write " + path.string() + "; check the free space and the permissions");
+}
+
+/// A header, and behind it the points as they are in memory.
+void write_points(const fs::path& path, const std::string& header, const CloudParts& map) {
+  static_assert(sizeof(Point) == 16);
+  write_atomically(path, [&](const fs::path& temporary) {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file << header;
+    map.each([&](const PointCloud& part) {
+      file.write(reinterpret_cast<const char*>(part.points.data()),
+                 static_cast<std::streamsize>(part.size() * sizeof(Point)));
+    });
+    file.close();
+    if (!file) fail(path);
+  });
 }
 
 void refuse_foreign(const fs::path& directory, const fs::path& file) {
@@ -75,7 +103,7 @@ void refuse_foreign(const fs::path& directory, const fs::path& file) {
 
 }  // namespace
 
-Files save_map(const PointCloud& map, const MapDescription& description, const fs::path& directory,
+Files save_map(const CloudParts& map, const MapDescription& description, const fs::path& directory,
                const std::vector<std::string>& formats) {
   const std::vector<std::string> wanted =
       formats.empty() ? std::vector<std::string>{"pcd", "ply"} : formats;
@@ -85,10 +113,11 @@ Files save_map(const PointCloud& map, const MapDescription& description, const f
     }
     refuse_foreign(directory, "map." + format);
   }
-  if (map.empty()) throw InputError("the map has no points yet; drive first");
-  check_range(map);
+  const Extent extent = extent_of(map);
+  if (extent.points == 0) throw InputError("the map has no points yet; drive first");
+  map.each(check_range);
   Files files{directory / "map.yaml"};
-  write_text_atomically(files.back(), to_yaml(map, description));
+  write_text_atomically(files.back(), to_yaml(extent, description));
   for (const std::string& format : wanted) {
     files.push_back(directory / ("map." + format));
     format == "pcd" ? write_pcd(files.back(), map) : write_ply(files.back(), map);
@@ -107,21 +136,41 @@ void check_range(const PointCloud& cloud) {
   }
 }
 
-void write_pcd(const fs::path& path, const PointCloud& cloud) {
-  write_atomically(path, [&](const fs::path& temporary) {
-    if (pcl::PCDWriter().writeBinaryCompressed(temporary.string(), to_pcl(cloud)) < 0) fail(path);
-  });
+void write_pcd(const fs::path& path, const CloudParts& map) {
+  const std::uint64_t points = extent_of(map).points;
+  if (points <= kMostCompressed) {
+    write_atomically(path, [&](const fs::path& temporary) {
+      const auto cloud = to_pcl(map, points);
+      if (pcl::PCDWriter().writeBinaryCompressed(temporary.string(), cloud) < 0) fail(path);
+    });
+    return;
+  }
+  const std::string count = std::to_string(points);
+  write_points(path,
+               "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+               "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " +
+                   count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count +
+                   "\nDATA binary\n",
+               map);
 }
 
-void write_ply(const fs::path& path, const PointCloud& cloud) {
-  write_atomically(path, [&](const fs::path& temporary) {
-    constexpr bool kBinary = true;
-    constexpr bool kWithCamera = false;
-    const int result =
-        pcl::PLYWriter().write(temporary.string(), to_pcl(cloud), kBinary, kWithCamera);
-    // PCL does not notice a full disk.
-    if (result != 0 || fs::file_size(temporary) < 16 * cloud.size()) fail(path);
-  });
+void write_ply(const fs::path& path, const CloudParts& map) {
+  write_points(path,
+               "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                   std::to_string(extent_of(map).points) +
+                   "\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property float intensity\nend_header\n",
+               map);
+}
+
+PointCloud in_map_frame(const MapTile& tile) {
+  PointCloud cloud = tile.cloud;
+  for (Point& point : cloud.points) {
+    point.x = static_cast<float>(static_cast<double>(point.x) + tile.origin.x());
+    point.y = static_cast<float>(static_cast<double>(point.y) + tile.origin.y());
+  }
+  check_range(cloud);
+  return cloud;
 }
 
 }  // namespace lidar_mapping::map

@@ -19,15 +19,6 @@ std::string name_of(const Eigen::Vector3d& origin) {
   return name;
 }
 
-PointCloud in_map_frame(const MapTile& tile) {
-  PointCloud cloud = tile.cloud;
-  for (Point& point : cloud.points) {
-    point.x = static_cast<float>(static_cast<double>(point.x) + tile.origin.x());
-    point.y = static_cast<float>(static_cast<double>(point.y) + tile.origin.y());
-  }
-  return cloud;
-}
-
 constexpr const char* kMetadata = "pointcloud_map_metadata.yaml";
 
 /// Puts a finished folder in the place of an older one.
@@ -47,10 +38,8 @@ Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& dir
   std::string metadata = line;
   tiles([&](const MapTile& tile) {
     if (tile.cloud.empty()) return;
-    const PointCloud cloud = in_map_frame(tile);
-    check_range(cloud);
     names.emplace_back(name_of(tile.origin));
-    write_pcd(directory / names.back(), cloud);
+    write_pcd(directory / names.back(), in_map_frame(tile));
     std::snprintf(line, sizeof line, "%s: [%.9g, %.9g]\n", names.back().c_str(), tile.origin.x(),
                   tile.origin.y());
     metadata += line;

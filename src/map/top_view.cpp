@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include <Eigen/Geometry>
 #include <png.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -21,6 +22,7 @@ constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr double kHighest = 10.0;      // m above the ground; what is higher has the last colour
 constexpr double kGroundCell = 8.0;    // m, edge of the cells in which the ground has one height
 constexpr double kGroundShare = 0.03;  // of a cell's points may lie below its ground: mirrored ones
+constexpr std::size_t kMostHeights = 4'000'000;  // that tell the ground
 constexpr Color kBackground = {12.0, 14.0, 20.0};
 constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {60.0, 175.0, 185.0},
@@ -55,10 +57,21 @@ struct Grid {
   std::vector<float> values;
 };
 
+struct Extent {
+  std::size_t points = 0;
+  Eigen::AlignedBox2f bounds;
+};
+
 /// The ground's height in every cell.
-Grid ground_of(const PointCloud& map, Grid ground) {
+Grid ground_of(const CloudParts& map, const Extent& extent, Grid ground) {
   std::vector<std::vector<float>> heights(ground.values.size());
-  for (const Point& point : map.points) heights[ground.position(point)].push_back(point.z);
+  const std::size_t step = 1 + extent.points / kMostHeights;
+  std::size_t number = 0;
+  map.each([&](const PointCloud& part) {
+    for (const Point& point : part.points) {
+      if (number++ % step == 0) heights[ground.position(point)].push_back(point.z);
+    }
+  });
   for (std::size_t i = 0; i < heights.size(); ++i) {
     if (heights[i].empty()) continue;
     const auto rank =
@@ -69,18 +82,14 @@ Grid ground_of(const PointCloud& map, Grid ground) {
   return ground;
 }
 
-struct Bounds {
-  double x_min, x_max, y_min, y_max;
-};
-
-Bounds bounds_of(const PointCloud& map) {
-  if (map.empty()) throw InputError("the map has no points; there is nothing to draw");
-  const auto by_x = [](const Point& a, const Point& b) { return a.x < b.x; };
-  const auto by_y = [](const Point& a, const Point& b) { return a.y < b.y; };
-  const auto x = std::minmax_element(map.points.begin(), map.points.end(), by_x);
-  const auto y = std::minmax_element(map.points.begin(), map.points.end(), by_y);
-  return {static_cast<double>(x.first->x), static_cast<double>(x.second->x),
-          static_cast<double>(y.first->y), static_cast<double>(y.second->y)};
+Extent extent_of(const CloudParts& map) {
+  Extent extent;
+  map.each([&](const PointCloud& part) {
+    extent.points += part.size();
+    for (const Point& point : part.points) extent.bounds.extend(point.position().head<2>());
+  });
+  if (extent.points == 0) throw InputError("the map has no points; there is nothing to draw");
+  return extent;
 }
 
 Color color_of(double height, double density) {
@@ -105,19 +114,23 @@ std::string world_file(const TopView& view) {
 
 }  // namespace
 
-TopView top_view(const PointCloud& map, double pixel_m, int max_pixels) {
-  const Bounds b = bounds_of(map);
-  const double x_size = b.x_max - b.x_min;
-  const double y_size = b.y_max - b.y_min;
+TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
+  const Extent extent = extent_of(map);
+  const double x_min = static_cast<double>(extent.bounds.min().x());
+  const double y_max = static_cast<double>(extent.bounds.max().y());
+  const double x_size = static_cast<double>(extent.bounds.max().x()) - x_min;
+  const double y_size = y_max - static_cast<double>(extent.bounds.min().y());
   const double pixel = std::max(pixel_m, std::max(x_size, y_size) / (max_pixels - 1));
-  Grid ground = ground_of(map, Grid(b.x_min, b.y_max, x_size, y_size, kGroundCell, kNone));
-  Grid top(b.x_min, b.y_max, x_size, y_size, pixel, -kNone);
-  Grid counts(b.x_min, b.y_max, x_size, y_size, pixel, 0.0F);
-  for (const Point& point : map.points) {
-    top.at(point) = std::max(top.at(point), point.z - ground.at(point));
-    counts.at(point) += 1.0F;
-  }
-  TopView view{top.width, top.height, pixel, b.x_min, b.y_max, {}};
+  Grid ground = ground_of(map, extent, Grid(x_min, y_max, x_size, y_size, kGroundCell, kNone));
+  Grid top(x_min, y_max, x_size, y_size, pixel, -kNone);
+  Grid counts(x_min, y_max, x_size, y_size, pixel, 0.0F);
+  map.each([&](const PointCloud& part) {
+    for (const Point& point : part.points) {
+      top.at(point) = std::max(top.at(point), point.z - ground.at(point));
+      counts.at(point) += 1.0F;
+    }
+  });
+  TopView view{top.width, top.height, pixel, x_min, y_max, {}};
   view.rgb.reserve(3 * top.values.size());
   for (std::size_t i = 0; i < top.values.size(); ++i) {
     const double count = static_cast<double>(counts.values[i]);

@@ -88,30 +88,33 @@ class Products {
       if (wants(options_, format)) formats.emplace_back(format);
     }
     if (formats.empty() && !wants(options_, "png") && !wants(options_, "grid")) return;
-    const PointCloud cloud = map::build_map(poses_, clouds(), config_);
-    std::printf("%zu points of %zu key frames\n", cloud.size(), poses_.poses.size());
+    const map::CloudParts points = map::stored_parts(tiles(), directory_);
+    std::size_t count = 0;
+    points.each([&](const PointCloud& part) { count += part.size(); });
+    std::printf("%zu points of %zu key frames\n", count, poses_.poses.size());
     if (!formats.empty()) {
-      add(map::save_map(cloud, {"map", session_.datum(), config_.resolution}, directory_, formats));
+      add(map::save_map(points, {"map", session_.datum(), config_.resolution}, directory_,
+                        formats));
     }
     if (wants(options_, "png")) {
-      map::write_png(directory_ / "top_view.png", map::top_view(cloud, options_.pixel));
+      map::write_png(directory_ / "top_view.png", map::top_view(points, options_.pixel));
       add({directory_ / "top_view.png"});
     }
-    if (wants(options_, "grid")) add(map::save_grid(cloud, {}, directory_));
+    if (wants(options_, "grid")) add(map::save_grid(points, {}, directory_));
   }
 
-  /// Products that need no more memory than some tiles.
+  map::TileSource tiles() {
+    return [this](const map::TileSink& sink) { map::build_tiles(poses_, clouds(), config_, sink); };
+  }
+
   void make_tiled() {
-    const map::TileSource tiles = [this](const map::TileSink& sink) {
-      map::build_tiles(poses_, clouds(), config_, sink);
-    };
     if (wants(options_, "tiles")) {
       const auto folder = directory_ / "pointcloud_map";
-      map::save_tiles(tiles, map::true_tile_size(config_), folder);
+      map::save_tiles(tiles(), map::true_tile_size(config_), folder);
       add({folder});
     }
     if (wants(options_, "las")) {
-      map::write_las(directory_ / "map.las", tiles, session_.datum(), max_intensity());
+      map::write_las(directory_ / "map.las", tiles(), session_.datum(), max_intensity());
       add({directory_ / "map.las"});
     }
   }

@@ -50,6 +50,32 @@ TEST(SaveMap, WritesFilesThatPclReadsBack) {
   expect_example(cloud);
 }
 
+// Larger maps are not compressed, so that they need not be in memory.
+TEST(SaveMap, WritesLargeMapsPartByPart) {
+  constexpr std::size_t kPart = 300'000;
+  constexpr std::size_t kParts = 8;
+  const CloudParts parts([](const CloudParts::Sink& sink) {
+    PointCloud part;
+    for (std::size_t i = 0; i < kParts; ++i) {
+      part.points.assign(kPart, {static_cast<float>(i), 2.0F, 3.0F, 4.0F});
+      sink(part);
+    }
+  });
+  const TemporaryFolder folder;
+  save_map(parts, {}, folder.path(), {});
+  const auto expect_whole = [&](const pcl::PointCloud<pcl::PointXYZI>& cloud) {
+    ASSERT_EQ(cloud.size(), kParts * kPart);
+    EXPECT_EQ(cloud[kPart - 1].x, 0.0F);
+    EXPECT_EQ(cloud[7 * kPart].x, 7.0F);
+    EXPECT_EQ(cloud.back().intensity, 4.0F);
+  };
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((folder.path() / "map.pcd").string(), cloud), 0);
+  expect_whole(cloud);
+  ASSERT_EQ(pcl::io::loadPLYFile((folder.path() / "map.ply").string(), cloud), 0);
+  expect_whole(cloud);
+}
+
 // F90: frame, origin, leaf size and bounds stand beside the map and fit it.
 TEST(SaveMap, DescribesTheMapBesideIt) {
   const TemporaryFolder folder;

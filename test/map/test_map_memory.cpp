@@ -9,6 +9,9 @@
 #include <malloc.h>
 
 #include "lidar_mapping/map/map_builder.hpp"
+#include "lidar_mapping/map/map_files.hpp"
+
+#include "temporary_folder.hpp"
 
 namespace {
 
@@ -72,8 +75,10 @@ KeyFramePoses drive(double length) {
   return poses;
 }
 
-/// Bytes held at the worst moment while the tiles of a drive are built.
-std::size_t peak_of(double length) {
+using Use = std::function<void(const TileSource& tiles)>;
+
+/// Bytes held at the worst moment while something is made of the tiles of a drive.
+std::size_t peak_of(double length, const Use& use) {
   Street street;
   const KeyFramePoses poses = drive(length);
   MapConfig config;
@@ -81,21 +86,35 @@ std::size_t peak_of(double length) {
   most_held = held.load();
   const std::size_t before = held;
   std::size_t points = 0;
-  build_tiles(poses, street, config, [&](const MapTile& tile) { points += tile.cloud.size(); });
+  use([&](const TileSink& sink) {
+    build_tiles(poses, street, config, [&](const MapTile& tile) {
+      points += tile.cloud.size();
+      sink(tile);
+    });
+  });
   EXPECT_GT(points, 50U * poses.poses.size());
   return most_held - before;
+}
+
+void expect_no_more_for_a_longer_drive(const Use& use) {
+  peak_of(1000.0, use);  // what is allocated once
+  const double shorter = static_cast<double>(peak_of(5000.0, use));
+  const double longer = static_cast<double>(peak_of(20000.0, use));
+  EXPECT_LT((longer - shorter) / (15000.0 / kStep), 600.0) << "bytes for each further key frame";
+  EXPECT_LT(longer, 1.25 * shorter);
 }
 
 // The memory of a map that is built by tiles is that of a block of tiles, and of a few entries for
 // each key frame.
 TEST(BuildTiles, NeedsNoMoreMemoryForAFourTimesLongerDrive) {
-  peak_of(1000.0);  // what is allocated once
-  const double shorter = static_cast<double>(peak_of(5000.0));
-  const double longer = static_cast<double>(peak_of(20000.0));
-  EXPECT_LT((longer - shorter) / (15000.0 / kStep), 600.0) << "bytes for each further key frame";
-  EXPECT_LT(longer, 1.25 * shorter);
-  RecordProperty("peak_MB_5km", static_cast<int>(shorter / 1e6));
-  RecordProperty("peak_MB_20km", static_cast<int>(longer / 1e6));
+  expect_no_more_for_a_longer_drive([](const TileSource& tiles) { tiles([](const MapTile&) {}); });
+}
+
+TEST(SaveMap, NeedsNoMoreMemoryForAFourTimesLongerDrive) {
+  const test::TemporaryFolder folder;
+  expect_no_more_for_a_longer_drive([&](const TileSource& tiles) {
+    save_map(stored_parts(tiles, folder.path()), {}, folder.path(), {"ply"});
+  });
 }
 
 }  // namespace

@@ -144,5 +144,29 @@ TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
   EXPECT_NEAR(yaml["origin"][0].as<double>(), 0.0, 1e-6);
 }
 
+// 25 million cells are more than are in memory at a time.
+TEST(SaveGrid, IsTheSameInBands) {
+  const TemporaryFolder folder;
+  PointCloud map;
+  for (int i = 0; i < 100 * 100; ++i) {
+    const float x = 0.5F * static_cast<float>(i % 100) + 0.25F;
+    const float y = 0.5F * static_cast<float>(i / 100) + 0.25F;
+    map.points.push_back({x, y, 0.0F, 0.0F});
+    map.points.push_back({x, y, 0.01F, 0.0F});
+    map.points.push_back({x, y, 1.0F, 0.0F});
+    map.points.push_back({x, y, 1.1F, 0.0F});
+  }
+  const CloudParts halves([&](const CloudParts::Sink& sink) {
+    const auto middle = map.points.begin() + 20'000;
+    sink({{map.points.begin(), middle}, {}});
+    sink({{middle, map.points.end()}, {}});
+  });
+  save_grid(halves, {0.01}, folder.path());
+  const std::string pgm = content_of(folder.path() / "grid.pgm");
+  const std::string pixels = pgm.substr(pgm.find("255\n") + 4);
+  EXPECT_EQ(std::count(pixels.begin(), pixels.end(), '\0'), 100 * 100);
+  EXPECT_EQ(std::count(pixels.begin(), pixels.end(), '\xfe'), 0);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::map

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/map/cloud_parts.hpp"
 
 namespace lidar_mapping::map {
 
@@ -20,20 +20,24 @@ struct MapDescription {
 /// Names of files that were written.
 using Files = std::vector<std::filesystem::path>;
 
-/// Writes map.pcd (binary, compressed) and map.ply (binary), as `formats` ("pcd", "ply"; empty:
+/// Writes map.pcd (write_pcd()) and map.ply (binary), as `formats` ("pcd", "ply"; empty:
 /// both) says, and map.yaml (frame, datum, resolution, number of points, bounds) beside them. Files
 /// appear whole or not at all. Points stay in the local frame: nothing is added to them. Throws
 /// InputError for another format or an empty map, FileError for the disk, and where the folder
 /// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it).
-Files save_map(const PointCloud& map, const MapDescription& description,
+Files save_map(const CloudParts& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats);
 
 /// Throws InputError if a point lies more than 100 km from the origin: the files' floats would be
 /// off by centimetres there.
 void check_range(const PointCloud& cloud);
 
-/// Fields x y z intensity. Throws FileError.
-void write_pcd(const std::filesystem::path& path, const PointCloud& cloud);
-void write_ply(const std::filesystem::path& path, const PointCloud& cloud);
+/// Fields x y z intensity, binary; PCD compressed up to two million points, as only what is in
+/// memory as a whole can be compressed. Throws FileError.
+void write_pcd(const std::filesystem::path& path, const CloudParts& map);
+void write_ply(const std::filesystem::path& path, const CloudParts& map);
+
+/// A tile's points in the map frame. Throws InputError as check_range().
+PointCloud in_map_frame(const MapTile& tile);
 
 }  // namespace lidar_mapping::map

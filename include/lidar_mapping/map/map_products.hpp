@@ -10,9 +10,6 @@
 
 namespace lidar_mapping::map {
 
-/// Something that hands all tiles of a map to a sink, such as build_tiles() with its arguments.
-using TileSource = std::function<void(const TileSink&)>;
-
 /// Autoware's layout: a PCD file per tile and pointcloud_map_metadata.yaml, which names the lower
 /// corner of each. `tile_size` (m) is that of the source. Points are in the map frame. Only a tile
 /// at a time is in memory. The folder appears whole or not at all; an older one with tiles is
@@ -36,8 +33,9 @@ struct GridOptions {
   int min_points = 2;    ///< in a cell, to be occupied
 };
 
-/// grid.pgm and grid.yaml for map_server. Throws InputError for a map without points, FileError.
-Files save_grid(const PointCloud& map, const GridOptions& options,
+/// grid.pgm and grid.yaml for map_server, made band by band. Throws InputError for a map without
+/// points, FileError.
+Files save_grid(const CloudParts& map, const GridOptions& options,
                 const std::filesystem::path& directory);
 
 }  // namespace lidar_mapping::map

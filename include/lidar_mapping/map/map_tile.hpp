@@ -27,5 +27,7 @@ struct MapTile {
 };
 
 using TileSink = std::function<void(const MapTile&)>;
+/// Something that hands all tiles of a map to a sink, such as build_tiles() with its arguments.
+using TileSource = std::function<void(const TileSink&)>;
 
 }  // namespace lidar_mapping::map

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/map/cloud_parts.hpp"
 
 namespace lidar_mapping::map {
 
@@ -22,7 +22,7 @@ struct TopView {
 /// 10 m and more; brightness follows the number of points. Pixels are `pixel_m` wide, or wider
 /// where the picture would be more than `max_pixels` on a side. Throws InputError for a map without
 /// points.
-TopView top_view(const PointCloud& map, double pixel_m, int max_pixels = 4000);
+TopView top_view(const CloudParts& map, double pixel_m, int max_pixels = 4000);
 
 /// Writes a PNG file and a world file (.pgw: pixel size and the centre of the upper left pixel)
 /// beside it. Throws FileError.
