@@ -1,5 +1,7 @@
 #include <atomic>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
@@ -10,6 +12,7 @@
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/silent_topic.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -20,10 +23,10 @@ namespace {
 constexpr std::chrono::milliseconds kIdle{1000};
 /// IMUs send ten times as often as LiDARs and more.
 constexpr int kSamplesPerScan = 20;
-/// Data after which the input doctor says what it found, and wall time after which it says that
-/// nothing came.
+/// Data after which the input doctor says what it found.
 constexpr double kLook = 5.0;
-constexpr double kPatience = 10.0;
+/// Wall time after which it says why nothing came; again when the reason is another one.
+constexpr double kPatience = 5.0;
 
 /// Whole: a master may round numbers.
 std::string to_text(const GeodeticDatum& datum) {
@@ -69,6 +72,7 @@ class PreprocessingNode {
   void look_at(const sensor_msgs::PointCloud2& message, const DecodedCloud& decoded);
   void say_what_was_found();
   void say_if_nothing_came();
+  std::string why_silent_here(const std::string& input, const std::string& type) const;
 
   Config config_;
   NodeContext& context_;
@@ -77,6 +81,7 @@ class PreprocessingNode {
   std::optional<Stamp> first_scan_;
   std::atomic<bool> has_scans_{false};
   ros::WallTimer patience_;
+  std::string said_;  ///< why there are no scans
   preprocessing::Preprocessor stage_;
   PointCloud spare_;  ///< memory of a cloud that has been sent, for the next one
   std::string antenna_frame_;
@@ -94,10 +99,8 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
-  constexpr bool kOnce = true;
   patience_ = context.node.createWallTimer(
-      ros::WallDuration(kPatience), [this](const ros::WallTimerEvent&) { say_if_nothing_came(); },
-      kOnce);
+      ros::WallDuration(kPatience), [this](const ros::WallTimerEvent&) { say_if_nothing_came(); });
 }
 
 /// Who ends as asked ends the run; who was killed goes on with it.
@@ -174,15 +177,26 @@ void PreprocessingNode::say_what_was_found() {
   }
 }
 
+std::string PreprocessingNode::why_silent_here(const std::string& input,
+                                               const std::string& type) const {
+  std::set<std::string> own;
+  for (const char* name : {"synced_cloud", "current_scan", "local_map", "global_map", "synced_imu",
+                           "synced_velocity", "gnss_datum"}) {
+    own.insert(context_.node.resolveName(name));
+  }
+  return why_silent(context_.node.resolveName(input), type, published_topics(), own, input);
+}
+
 /// In roscpp's thread: nothing has arrived, so nothing else is running.
 void PreprocessingNode::say_if_nothing_came() {
-  if (has_scans_) return;
-  const std::string topic = context_.node.resolveName("points");
-  ROS_WARN_STREAM("nothing came on " << topic << " for " << kPatience
-                                     << " s: is it published? (rostopic hz; remap `points`)");
+  if (has_scans_) return patience_.stop();
+  std::string reason = why_silent_here("points", "sensor_msgs/PointCloud2");
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
-    ROS_WARN("use_sim_time is set, but nobody publishes /clock: play the bag with --clock");
+    reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";
   }
+  if (std::exchange(said_, reason) == reason) return;
+  ROS_WARN_STREAM("no scans yet: " << reason);
+  context_.diagnostics.set_state(Diagnostics::Level::kWarning, reason);
 }
 
 void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
@@ -221,8 +235,9 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
   message.latitude = datum->latitude_deg;
   message.longitude = datum->longitude_deg;
   message.altitude = datum->altitude_m;
-  gnss_datum_.publish(message);
+  // First: who has heard of the datum relies on it, even if this node is killed now.
   context_.node.setParam(kRunDatum, to_text(*datum));
+  gnss_datum_.publish(message);
 }
 
 void PreprocessingNode::report() {

@@ -109,6 +109,18 @@ TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   EXPECT_TRUE(node_->is_running());
 }
 
+/// The most frequent fault of all: a topic of another name.
+TEST_F(PreprocessingNode, NamesTheTopicsThatCouldBeMeantWhereNothingComes) {
+  clouds_.shutdown();
+  const auto other = ros::NodeHandle().advertise<sensor_msgs::PointCloud2>("velodyne_points", 1);
+  EXPECT_TRUE(wait_until([&] {
+    return node_->output().find(
+               "nobody publishes /points; topics of sensor_msgs/PointCloud2 that "
+               "are published: /velodyne_points (choose one with "
+               "points:=TOPIC)") != std::string::npos;
+  })) << node_->output();
+}
+
 /// The map's frame would jump otherwise.
 TEST_F(PreprocessingNode, KeepsTheDatumWhenItWasKilled) {
   send_transform();

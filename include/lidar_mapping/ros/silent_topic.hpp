@@ -1,0 +1,25 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace lidar_mapping::ros_border {
+
+/// A topic that somebody publishes, and the type of its messages.
+struct PublishedTopic {
+  std::string name;
+  std::string type;
+};
+
+/// One line for a user whose `topic` is silent: whether it is published at all, and which topics of
+/// its type are, but for those that this package publishes itself. `remedy` names the argument that
+/// chooses the topic.
+std::string why_silent(const std::string& topic, const std::string& type,
+                       const std::vector<PublishedTopic>& published,
+                       const std::set<std::string>& own, const std::string& remedy);
+
+/// As the master knows them now.
+std::vector<PublishedTopic> published_topics();
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,41 @@
+#include "lidar_mapping/ros/silent_topic.hpp"
+
+#include <algorithm>
+
+#include <ros/master.h>
+
+namespace lidar_mapping::ros_border {
+
+std::string why_silent(const std::string& topic, const std::string& type,
+                       const std::vector<PublishedTopic>& published,
+                       const std::set<std::string>& own, const std::string& remedy) {
+  std::string others;
+  for (const PublishedTopic& other : published) {
+    if (other.name == topic && other.type == type) {
+      return "nothing has come on " + topic + " yet, which is published";
+    }
+    if (other.name == topic) {
+      return topic + " is published as " + other.type + ", not as " + type;
+    }
+    if (other.type != type || own.count(other.name) > 0) continue;
+    others += (others.empty() ? "" : ", ") + other.name;
+  }
+  const std::string problem = "nobody publishes " + topic;
+  if (others.empty()) {
+    return problem + ", nor another topic of " + type + ": play a bag or start the driver";
+  }
+  return problem + "; topics of " + type + " that are published: " + others + " (choose one with " +
+         remedy + ":=TOPIC)";
+}
+
+std::vector<PublishedTopic> published_topics() {
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  std::vector<PublishedTopic> result;
+  for (const auto& topic : topics) result.push_back({topic.name, topic.datatype});
+  std::sort(result.begin(), result.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return result;
+}
+
+}  // namespace lidar_mapping::ros_border

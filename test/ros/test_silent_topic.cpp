@@ -1,0 +1,37 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/ros/silent_topic.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+const std::string kType = "sensor_msgs/Imu";
+
+std::string why(const std::vector<PublishedTopic>& published) {
+  return why_silent("/imu", kType, published, {"/synced_imu"}, "imu");
+}
+
+TEST(WhySilent, NamesTopicsOfTheSameTypeButNotOurOwn) {
+  EXPECT_EQ(why({{"/synced_imu", kType},
+                 {"/scan", "sensor_msgs/LaserScan"},
+                 {"/a", kType},
+                 {"/b", kType}}),
+            "nobody publishes /imu; topics of sensor_msgs/Imu that are published: /a, /b (choose "
+            "one with imu:=TOPIC)");
+}
+
+TEST(WhySilent, SaysThatThereIsNone) {
+  EXPECT_EQ(why({{"/synced_imu", kType}}),
+            "nobody publishes /imu, nor another topic of sensor_msgs/Imu: play a bag or start the "
+            "driver");
+}
+
+TEST(WhySilent, TellsAPublisherThatIsSilentFromOneOfAnotherType) {
+  EXPECT_EQ(why({{"/a", kType}, {"/imu", kType}}),
+            "nothing has come on /imu yet, which is published");
+  EXPECT_EQ(why({{"/imu", "std_msgs/String"}}),
+            "/imu is published as std_msgs/String, not as sensor_msgs/Imu");
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
