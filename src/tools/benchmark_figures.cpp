@@ -47,6 +47,20 @@ Json step_times(const std::vector<ScanRecord>& records) {
   return steps;
 }
 
+/// "dense sampling" -> "dense_sampling_ms".
+std::string column_name(std::string step) {
+  std::replace(step.begin(), step.end(), ' ', '_');
+  return step + "_ms";
+}
+
+double step_ms(const ScanRecord& record, const std::string& step) {
+  double sum = 0.0;
+  for (const auto& [name, seconds] : record.status.step_seconds) {
+    if (name == step) sum += 1e3 * seconds;
+  }
+  return sum;
+}
+
 }  // namespace
 
 double cpu_time_ms() {
@@ -101,14 +115,20 @@ Json errors_of(const std::vector<evaluation::PosePair>& pairs) {
 }
 
 std::string to_csv(const std::vector<ScanRecord>& records) {
+  // Each step that any scan took has a column; a scan that did without it took no time.
+  const Json steps = step_times(records);
   std::ostringstream text;
-  text << "scan,stamp,wall_ms,cpu_ms,state,iterations,inlier_fraction,overlap,key_frame,rescued\n";
+  text << "scan,stamp,wall_ms,cpu_ms,state,iterations,inlier_fraction,overlap,key_frame,rescued";
+  for (const auto& step : steps.items()) text << ',' << column_name(step.key());
+  text << '\n';
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ScanRecord& r = records[i];
     text << i << ',' << r.stamp << ',' << r.wall_ms << ',' << r.cpu_ms << ','
          << front_end::to_string(r.status.state) << ',' << r.status.iterations << ','
          << r.status.inlier_fraction << ',' << r.status.overlap << ',' << r.key_frame << ','
-         << r.status.rescued << '\n';
+         << r.status.rescued;
+    for (const auto& step : steps.items()) text << ',' << step_ms(r, step.key());
+    text << '\n';
   }
   return text.str();
 }

@@ -77,5 +77,14 @@ TEST(BenchmarkFigures, CsvHasALinePerScan) {
   EXPECT_NE(csv.find("2,200000000,3,6,tracking"), std::string::npos);
 }
 
+TEST(BenchmarkFigures, CsvHasAColumnPerStep) {
+  std::vector<ScanRecord> scans = records(2);
+  scans[1].status.step_seconds = {{"matching", 0.002}, {"dense sampling", 0.004}};
+  const std::string csv = to_csv(scans);
+  EXPECT_NE(csv.find(",rescued,matching_ms,dense_sampling_ms\n"), std::string::npos) << csv;
+  EXPECT_NE(csv.find(",0,0,0\n1,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find(",0,2,4\n"), std::string::npos) << csv;
+}
+
 }  // namespace
 }  // namespace lidar_mapping::tools
