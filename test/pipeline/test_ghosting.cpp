@@ -87,8 +87,46 @@ class StreetTwice {
     return map::local_thickness(in_street(frames_.poses, true), frames_, config());
   }
 
+  /// The drive's clouds, and in those of the first pass a car parked at the kerb.
+  class WithParkedCar : public CloudSource {
+   public:
+    explicit WithParkedCar(StreetTwice& street) : street_(street) {
+      const std::size_t middle = street.key_frames_of_first_pass() / 2;
+      T_map_car_ = street.truth()[middle].T_map_base;
+    }
+    PointCloudPtr cloud(KeyFrameIndex index) override {
+      const KeyFramePose& pose = street_.truth()[index];
+      auto cloud = std::make_shared<PointCloud>(*street_.frames_.cloud(index));
+      if (street_.seconds(pose) > kFirstEnd) return cloud;
+      const Pose T_base_car = pose.T_map_base.inverse() * T_map_car_;
+      for (int i = 0; i < 2000; ++i) {  // its side and its back, 3 m to the right
+        const double along = 0.05 * (i % 80);
+        const double up = 0.2 + 0.05 * (i / 80);
+        for (const Eigen::Vector3d& p :
+             {Eigen::Vector3d(along, -3.0, up), Eigen::Vector3d(0.0, -3.0 - 0.45 * along, up)}) {
+          const Eigen::Vector3f in_base = (T_base_car * p).cast<float>();
+          cloud->points.push_back({in_base.x(), in_base.y(), in_base.z(), 0.0F});
+        }
+      }
+      return cloud;
+    }
+
+   private:
+    StreetTwice& street_;
+    Pose T_map_car_;
+  };
+
+  std::size_t key_frames_of_first_pass() const {
+    std::size_t count = 0;
+    while (seconds(truth()[count]) < kFirstEnd) ++count;
+    return count;
+  }
+
   /// How the second pass lies where it is moved like this in its own axes, place by place.
   std::vector<map::GhostVector> ghosts_of(const Pose& displacement) {
+    return ghosts_of(displacement, frames_);
+  }
+  std::vector<map::GhostVector> ghosts_of(const Pose& displacement, CloudSource& clouds) {
     KeyFramePoses poses = frames_.poses;
     for (KeyFramePose& pose : poses.poses) {
       if (seconds(pose) < kSecond) continue;
@@ -97,7 +135,7 @@ class StreetTwice {
       pose.T_map_base.rotation = displacement.rotation * pose.T_map_base.rotation;
     }
     std::vector<map::GhostVector> in_second_pass;
-    for (const map::GhostVector& ghost : map::ghost_vectors(poses, frames_, config())) {
+    for (const map::GhostVector& ghost : map::ghost_vectors(poses, clouds, config())) {
       if (seconds(truth()[ghost.key_frame]) > kSecond + 1.0) in_second_pass.push_back(ghost);
     }
     return in_second_pass;
@@ -202,6 +240,17 @@ TEST(Ghosting, ADisplacedPassIsFoundWithItsSize) {
   displacement.translation.setZero();
   displacement.rotation = exp_so3({0.0, 0.0, 0.2 * M_PI / 180.0});
   expect(displacement, 0.2);
+}
+
+TEST(Ghosting, AParkedCarThatLeftIsNoDisplacedPass) {
+  StreetTwice::WithParkedCar clouds(street());
+  const auto ghosts = street().ghosts_of({}, clouds);
+  ASSERT_GE(ghosts.size(), 3U);
+  for (const map::GhostVector& ghost : ghosts) {
+    EXPECT_NEAR(ghost.left, 0.0, 0.01) << ghost.key_frame;
+    EXPECT_NEAR(ghost.up, 0.0, 0.01) << ghost.key_frame;
+    EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, 0.0, 0.05) << ghost.key_frame;
+  }
 }
 
 }  // namespace
