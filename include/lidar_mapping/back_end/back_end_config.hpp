@@ -52,7 +52,7 @@ struct BackEndConfig {
   double imu_heading_stddev_deg = 2.0;
   double imu_acceleration_stddev_deg = 5.0;
 
-  FloorConstraint floor_constraint = FloorConstraint::kNeighbours;
+  FloorConstraint floor_constraint = FloorConstraint::kNone;
   double floor_stddev_deg = 0.2;
   double floor_stddev_m = 0.02;
 
