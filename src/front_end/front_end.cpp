@@ -63,7 +63,7 @@ class FrontEnd::Impl {
     result.status = tracked.status;
     if (last_) result.covariance = covariance_since(*last_, tracked);
     timer_.start("key frame");
-    if (key_frame_due(scan.stamp, tracked)) result.key_frame = make_key_frame(scan, tracked);
+    if (key_frame_due(scan, tracked)) result.key_frame = make_key_frame(scan, tracked);
     for (auto& step : timer_.take()) result.status.step_seconds.push_back(std::move(step));
     for (const auto& step : result.status.step_seconds) result.status.seconds += step.second;
     last_ = tracked;
@@ -112,11 +112,13 @@ class FrontEnd::Impl {
     return tracker_ ? motion_covariance(from, to) : external_covariance(from, to);
   }
 
-  bool key_frame_due(Stamp stamp, const TrackedScan& tracked) const {
+  bool key_frame_due(const Scan& scan, const TrackedScan& tracked) const {
     if (tracked.status.state == TrackingState::kLost) return false;
+    // Skewed for good, it would skew what later closes on it.
+    if (scan.cloud.has_times() && !tracked.motion_known) return false;
     return !last_key_frame_ ||
            rule_.reached(last_key_frame_->T_odom_base.inverse() * tracked.T_odom_base,
-                         stamp - key_frame_stamp_);
+                         scan.stamp - key_frame_stamp_);
   }
 
   KeyFrame make_key_frame(const Scan& scan, const TrackedScan& tracked) {

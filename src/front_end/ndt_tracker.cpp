@@ -124,6 +124,7 @@ class NdtTracker::Impl {
     status.converged = true;
     insert(scan);
     first_ = sampler_.dense(scan);
+    first_has_times_ = scan.cloud.has_times();
     first_reference_ = sampler_.reference();
   }
 
@@ -146,7 +147,7 @@ class NdtTracker::Impl {
     const Prediction prediction{filter_.belief(), trusting_velocity(prior)};
     const SweepMatcher::Found found =
         motion_known_ ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
-                      : find_first_motion(scan, prediction.usual, seconds);
+                      : find_first_motion(prediction.usual, seconds);
     describe(found, result.status);
     result.status.state = judge_.judge(found.match, prediction.usual);
     if (result.status.state == TrackingState::kLost) {
@@ -157,16 +158,15 @@ class NdtTracker::Impl {
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
   }
 
-  /// The second scan: the speed may be anything, and the first scan is still as skewed as it came.
-  SweepMatcher::Found find_first_motion(const Scan& scan, const MotionBelief& prediction,
-                                        double seconds) {
+  /// The second scan: the speed may be anything, and the first one is still as skewed as it came.
+  SweepMatcher::Found find_first_motion(const MotionBelief& prediction, double seconds) {
     const auto& points = sampler_.points();
     SweepMatcher::Found found;
     std::vector<MotionState> starts = starts_at_speed(start_, seconds + first_reference_);
     starts.push_back(prediction.state);
     found.match = matcher_.search(points, map_, prediction, starts);
     Vector6d deskewed_with = Vector6d::Zero();
-    for (int round = 0; scan.cloud.has_times() && round < kStartRounds; ++round) {
+    for (int round = 0; first_has_times_ && round < kStartRounds; ++round) {
       const Vector6d twist = found.match.state.twist;
       if (is_same_motion(twist, deskewed_with)) break;
       deskewed_with = twist;
@@ -263,6 +263,7 @@ class NdtTracker::Impl {
     result.T_odom_base = moved(filter_.state().T_map_sensor, filter_.state().twist, to_stamp);
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp);
     result.twist = filter_.state().twist;
+    result.motion_known = motion_known_;
     result.status.step_seconds = timer_.take();
   }
 
@@ -286,6 +287,7 @@ class NdtTracker::Impl {
   double lost_time_ = 0.0;  ///< s since the last match
   bool motion_known_ = false;
   SampledPoints first_;
+  bool first_has_times_ = false;
   double first_reference_ = 0.0;
 };
 

@@ -80,6 +80,7 @@ class SlidingWindowTracker::Impl {
     }
     if (key_frame_due(tracked)) keep(cloud);
     tracked.twist = twist_;
+    tracked.motion_known = speed_known_;
     tracked.status.step_seconds = timer_.take();
     return tracked;
   }
@@ -110,6 +111,7 @@ class SlidingWindowTracker::Impl {
     tracked.T_odom_base = T_odom_base_;
     tracked.covariance = diagonal_covariance(1e-4, 1e-5);
     tracked.twist = twist_;
+    tracked.motion_known = speed_known_;
     tracked.status.converged = true;
     tracked.status.inlier_fraction = tracked.status.overlap = 1.0;
     return tracked;

@@ -162,11 +162,22 @@ TEST(FrontEnd, GoesOnNumberingAfterARestart) {
   Pose start;
   start.translation = {100.0, 50.0, 1.0};
   front_end.resume(42, 3, start);
-  const FrontEndResult result = front_end.process(drive.base_scan(0));
+  EXPECT_EQ(front_end.process(drive.base_scan(0)).T_odom_base.matrix(), start.matrix());
+  const FrontEndResult result = front_end.process(drive.base_scan(1));
   ASSERT_TRUE(result.key_frame);
   EXPECT_EQ(result.key_frame->index, 42U);
   EXPECT_EQ(result.key_frame->segment, 3U);
-  EXPECT_EQ(result.T_odom_base.matrix(), start.matrix());
+}
+
+TEST(FrontEnd, MakesNoKeyFrameOfAScanThatItCannotDeskew) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  EXPECT_FALSE(front_end.process(drive.base_scan(0)).key_frame) << "the motion is not known yet";
+  EXPECT_TRUE(front_end.process(drive.base_scan(1)).key_frame);
+
+  Scan without_times = drive.base_scan(0);
+  without_times.cloud.times.clear();
+  EXPECT_TRUE(FrontEnd(FrontEndConfig{}).process(without_times).key_frame);
 }
 
 TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {
@@ -197,10 +208,15 @@ TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {
   const simulation::Drive drive = town();
   FrontEndConfig config;
   config.key_frame_cloud_resolution = 0.0;
-  const Scan scan = drive.base_scan(0);
-  EXPECT_EQ(FrontEnd(config).process(scan).key_frame->cloud->size(), scan.cloud.size());
+  const Scan scan = drive.base_scan(1);
+  const auto first_cloud = [&] {
+    FrontEnd front_end(config);
+    front_end.process(drive.base_scan(0));
+    return front_end.process(scan).key_frame->cloud;
+  };
+  EXPECT_EQ(first_cloud()->size(), scan.cloud.size());
   config.key_frame_cloud_resolution = 0.5;
-  const auto thinned = FrontEnd(config).process(scan).key_frame->cloud;
+  const auto thinned = first_cloud();
   EXPECT_LT(thinned->size(), scan.cloud.size() / 2);
   EXPECT_FALSE(thinned->has_times());
 }

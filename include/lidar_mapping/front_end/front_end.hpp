@@ -18,7 +18,9 @@ struct FrontEndResult {
   /// Of base_link in its own axes: m/s, rad/s. deskewed(scan.cloud, twist) is the scan as it would
   /// have been seen at its stamp (deskew.hpp); the pose does not need it, so who shows it makes it.
   Vector6d twist = Vector6d::Zero();
-  std::optional<KeyFrame> key_frame;  ///< if this scan was chosen
+  /// If this scan was chosen. The first one is as soon as its points are deskewed or can be: where
+  /// they have times, that is once the motion is known.
+  std::optional<KeyFrame> key_frame;
   FrontEndStatus status;
 };
 
@@ -33,8 +35,8 @@ class FrontEnd {
   /// Throws InputError if the stamp does not increase. A poor match is no error: see the status.
   FrontEndResult process(const Scan& scan, const MotionPrior& prior = {});
 
-  /// Goes on after a restart: the next scan begins a new segment, at this pose, and becomes the key
-  /// frame `next_index`.
+  /// Goes on after a restart: the next scan begins a new segment, at this pose; the next key frame
+  /// is `next_index`.
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base);
 
   /// The clouds of the sliding window in odom, one point per voxel: for display.

@@ -18,6 +18,8 @@ struct TrackedScan {
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes: m/s, rad/s
   FrontEndStatus status;
   double elevation_shift = 0.0;  ///< by which the scan's points were turned upwards, rad
+  /// False while the twist is a guess, as at the first scan of a drive: a sweep cannot be deskewed.
+  bool motion_known = true;
   /// The local map was given up and begun anew: this pose does not hang together with earlier ones.
   bool new_segment = false;
 };
