@@ -164,14 +164,17 @@ class NdtTracker::Impl {
     SweepMatcher::Found found;
     std::vector<MotionState> starts = starts_at_speed(start_, seconds + first_reference_);
     starts.push_back(prediction.state);
-    found.match = matcher_.search(points, map_, prediction, starts);
     Vector6d deskewed_with = Vector6d::Zero();
-    for (int round = 0; first_has_times_ && round < kStartRounds; ++round) {
-      const Vector6d twist = found.match.state.twist;
-      if (is_same_motion(twist, deskewed_with)) break;
+    const auto deskew_first = [&](const Vector6d& twist) {
+      if (!first_has_times_ || is_same_motion(twist, deskewed_with)) return false;
       deskewed_with = twist;
       map_.clear();
       map_.insert(first_, {moved(start_, twist, first_reference_), twist});
+      return true;
+    };
+    deskew_first(prediction.state.twist);
+    found.match = matcher_.search(points, map_, prediction, starts);
+    for (int round = 0; round < kStartRounds && deskew_first(found.match.state.twist); ++round) {
       found.match = matcher_.refine(points, map_, prediction, found.match.state);
     }
     found.degenerate_directions = degenerate_directions(found.match.pose_hessian);
