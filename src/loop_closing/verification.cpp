@@ -1,7 +1,7 @@
 #include "lidar_mapping/loop_closing/verification.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bitset>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -104,7 +104,7 @@ double roofed_share(const Submap& submap) {
   constexpr float kPlace = 2.0F;     // m
   constexpr float kOverhead = 0.5F;  // m above the LiDAR
   constexpr float kLevel = 0.95F;    // cosine
-  std::array<bool, kPlaces * kPlaces> seen{}, roofed{};
+  std::bitset<kPlaces * kPlaces> seen, roofed;
   const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = points[i] - submap.p_base_lidar;
@@ -116,10 +116,7 @@ double roofed_share(const Submap& submap) {
     if (p.z() < kOverhead || roofed[place]) continue;
     roofed[place] = std::abs(submap.surface.normal(i).z()) > kLevel;
   }
-  const auto count = [](const auto& places) {
-    return std::count(places.begin(), places.end(), true);
-  };
-  return static_cast<double>(count(roofed)) / static_cast<double>(std::max<long>(count(seen), 1));
+  return static_cast<double>(roofed.count()) / std::max(1.0, static_cast<double>(seen.count()));
 }
 
 MatchFigures measure_match(const QueryScan& query, const Submap& submap, const Pose& T_submap_query,

@@ -27,8 +27,8 @@ class BagInput : public pipeline::InputSource {
   std::optional<Pose> T_base(const std::string& frame_id) const override;
 
   const ros_border::SensorTopics& topics() const;
-  /// What is to be said where no transform leads from the scans to `base_frame`, so that their frame
-  /// stands for it; else empty.
+  /// What is to be said where no transform leads from the scans to `base_frame`, so that their
+  /// frame stands for it; else empty.
   const std::string& frames_notice() const;
   /// What the first seconds of the recording say about the sensors.
   std::vector<preprocessing::InputReport> examine(double seconds) const;

@@ -17,8 +17,8 @@ struct StageFiles {
 };
 
 /// Reads <stage>.yaml of `folder` (empty, or a file that is not there: defaults), then the parts of
-/// `overlay` (empty: none) as the launch file does: a name in config/sensors, or the path of a file.
-/// What only nodes need is passed over. Throws ConfigError and FileError.
+/// `overlay` (empty: none) as the launch file does: a name in config/sensors, or the path of a
+/// file. What only nodes need is passed over. Throws ConfigError and FileError.
 StageFiles read_stage_files(const std::string& folder, const std::string& overlay);
 
 }  // namespace lidar_mapping::tools
