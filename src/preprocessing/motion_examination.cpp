@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
-constexpr double kNoRadians = 12.0;  // rad/s; nobody maps while turning twice a second
 
 /// Turning about the vertical of base_link, or about the sensor's where its place is not known.
 template <typename Sample, typename Rate>
@@ -76,8 +75,8 @@ void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   const auto reference =
       turning(velocity.samples, &VelocitySample::angular, lookup(velocity.flow.frame()));
   const auto scale = ratio(rates, reference);
-  const bool degrees =
-      (scale && *scale > 0.5 * kDegreesPerRadian) || fastest_turn(imu.samples) > kNoRadians;
+  const bool degrees = (scale && *scale > 0.5 * kDegreesPerRadian) ||
+                       fastest_turn(imu.samples) > kFastestVehicleTurn;
   if (degrees && unit == AngularUnit::kRadians) {
     add_fault(report, "its rates are in degrees/s", "set imu_angular_unit to DEG_PER_S");
   } else if (scale && *scale < 0.0) {

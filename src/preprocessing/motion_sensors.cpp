@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;  // m/s^2
 constexpr double kStanding = 0.05;            // m/s
-/// Nobody turns twice a second for so many samples; in degrees/s it is a usual turn.
-constexpr double kNoTurn = 12.0;  // rad/s
+/// A shock is shorter than so many samples.
 constexpr int kNoShock = 20;
 /// At the ends of a scan the nearest sample may stand in for this long.
 constexpr Stamp kHold = from_seconds(0.02);
@@ -69,7 +68,7 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
   sample.stamp += imu_offset_;
   sample.linear_acceleration *= acceleration_unit_;
   sample.angular_velocity *= angular_unit_;
-  fast_samples_ = sample.angular_velocity.norm() > kNoTurn ? fast_samples_ + 1 : 0;
+  fast_samples_ = sample.angular_velocity.norm() > kFastestVehicleTurn ? fast_samples_ + 1 : 0;
   gyro_is_absurd_ = gyro_is_absurd_ || fast_samples_ >= kNoShock;
   if (gyro_is_absurd_) sample.has_angular_velocity = false;
   if (sample.orientation) {

@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "straight_drive.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+using test::append;
+using test::at;
+using test::drive;
+using test::fix;
+using test::identity_lookup;
+using test::imu;
+using test::kNothingMissing;
+using test::ring_scan;
+using test::velocity;
+
+TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
+  Preprocessor stage({}, identity_lookup);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 300; ++i) {
+    const double degrees_per_s = i < 150 ? 1.0 : 20.0;  // where rad/s are expected
+    const bool shock = i >= 50 && i < 55;
+    stage.add_imu(imu(at(0.01 * i), {0.0, 0.0, shock ? 30.0 : degrees_per_s}), "imu");
+    if (i % 10 == 5) append(scans, stage.process(ring_scan(at(0.01 * i))));
+  }
+  append(scans, stage.flush());
+  ASSERT_EQ(scans.size(), 30U);
+  EXPECT_TRUE(scans[12].imu->has_angular_velocity);  // a shock is none
+  EXPECT_FALSE(scans[20].imu->has_angular_velocity);
+  const auto notices = stage.take_notices();
+  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
+    return notice.text.find("imu_angular_unit") != std::string::npos;
+  }));
+}
+
+TEST(Preprocessor, WaitsForTheTransformOfTheScan) {  // F21
+  bool known = false;
+  Preprocessor stage({}, [&](const std::string&) {
+    return known ? std::optional<Pose>(Pose::Identity()) : std::nullopt;
+  });
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 40; ++i) append(scans, stage.process(ring_scan(at(0.1 * i))));
+  EXPECT_TRUE(scans.empty());
+  EXPECT_EQ(stage.counters().scans_without_extrinsic, 10U);  // the queue holds 30
+  const auto notices = stage.take_notices();
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].text.find("no transform from 'lidar'"), std::string::npos);
+  EXPECT_EQ(notices[0].level, Notice::Level::kWarning);
+  known = true;
+  append(scans, stage.process(ring_scan(at(4.0))));
+  append(scans, stage.flush());
+  EXPECT_EQ(scans.size(), 31U);
+}
+
+TEST(Preprocessor, UsesNoSensorWithoutATransform) {
+  Preprocessor stage({}, [](const std::string& frame) {
+    return frame == "lidar" ? std::optional<Pose>(Pose::Identity()) : std::nullopt;
+  });
+  auto scans = drive(stage, 2.0, kNothingMissing);
+  append(scans, stage.flush());
+  ASSERT_EQ(scans.size(), 20U);
+  for (const SyncedScan& scan : scans) EXPECT_FALSE(scan.imu || scan.velocity || scan.gnss);
+  const auto notices = stage.take_notices();
+  EXPECT_EQ(notices.size(), 4U);  // imu, velocity, gnss; and no point times
+  const auto is_info = [](const Notice& notice) { return notice.level == Notice::Level::kInfo; };
+  EXPECT_EQ(std::count_if(notices.begin(), notices.end(), is_info), 1) << "no point times";
+}
+
+TEST(Preprocessor, ConvertsTheUnitsOfTheImu) {
+  PreprocessingConfig config;
+  config.imu_acceleration_unit = AccelerationUnit::kStandardGravity;
+  config.imu_angular_unit = AngularUnit::kDegrees;
+  Preprocessor stage(config, identity_lookup);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 100; ++i) {
+    ImuSample sample = imu(at(0.01 * i), {0.0, 0.0, 90.0});
+    sample.linear_acceleration = {0.0, 0.0, 1.0};
+    stage.add_imu(sample, "imu");
+    if (i == 50) append(scans, stage.process(ring_scan(at(0.5))));
+  }
+  append(scans, stage.take_complete());
+  ASSERT_EQ(scans.size(), 1U);
+  EXPECT_NEAR(scans[0].imu->angular_velocity.z(), M_PI / 2.0, 1e-9);
+  EXPECT_NEAR(scans[0].imu->linear_acceleration.z(), 9.80665, 1e-9);
+}
+
+TEST(Preprocessor, LearnsTheGyroBiasWhileStanding) {
+  Preprocessor stage({}, identity_lookup);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 500; ++i) {
+    const double t = 0.01 * i;
+    const bool drives = t > 3.0;
+    stage.add_imu(imu(at(t), {0.01, -0.02, drives ? 0.53 : 0.03}), "imu");
+    stage.add_velocity(velocity(at(t), {drives ? 5.0 : 0.0, 0.0, 0.0}), "imu");
+    if (i % 10 == 5) append(scans, stage.process(ring_scan(at(t))));
+  }
+  append(scans, stage.flush());
+  const Eigen::Vector3d rate = scans[45].imu->angular_velocity;
+  EXPECT_LT((rate - Eigen::Vector3d(0.0, 0.0, 0.5)).norm(), 1e-6);
+}
+
+/// Drives `metres` to the north-east with an IMU whose heading is off by `error`.
+SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double metres) {
+  PreprocessingConfig config;
+  config.imu_orientation = mode;
+  Preprocessor stage(config, identity_lookup);
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < static_cast<int>(metres * 10.0); ++i) {
+    const double t = 0.01 * i;
+    ImuSample sample = imu(at(t));
+    sample.orientation = exp_so3({0.0, 0.0, M_PI / 4.0 + error});
+    stage.add_imu(sample, "imu");
+    const double along = 10.0 * t / std::sqrt(2.0);
+    if (i % 10 == 0) {
+      stage.add_gnss(fix(at(t), 49.0 + along / 111211.0, 8.4 + along / 73172.0), "gps");
+    }
+    if (i % 10 == 5) append(scans, stage.process(ring_scan(at(t))));
+  }
+  append(scans, stage.take_complete());
+  return scans.back();
+}
+
+TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {  // F27
+  EXPECT_TRUE(last_of_drive_with_heading(0.1, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
+  EXPECT_FALSE(last_of_drive_with_heading(1.0, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
+  EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 8.0).gnss->R_enu_base);
+  EXPECT_TRUE(last_of_drive_with_heading(1.0, ImuOrientation::kEnu, 40.0).gnss->R_enu_base);
+  EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kNone, 40.0).gnss->R_enu_base);
+}
+
+TEST(Preprocessor, HandsTheLeverArmOn) {  // F26
+  Preprocessor stage({}, [](const std::string& frame) {
+    return std::optional<Pose>(
+        Pose{Eigen::Quaterniond::Identity(), {frame == "gps" ? 1.5 : 0.0, 0.0, 0.3}});
+  });
+  auto scans = drive(stage, 2.0, kNothingMissing);
+  EXPECT_LT((scans.back().gnss->p_base_antenna - Eigen::Vector3d(1.5, 0.0, 0.3)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
