@@ -8,8 +8,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
-#include "lidar_mapping/map/map_files.hpp"
-#include "lidar_mapping/map/moving_objects.hpp"
+#include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
@@ -69,8 +68,7 @@ class MapViewerNode {
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                          const SaveMap::Request& request);
-  std::unique_ptr<map::StaticClouds> without_moving(CloudSource& clouds, const KeyFramePoses& poses,
-                                                    const map::MapConfig& config);
+  std::optional<Eigen::Vector3d> sensor_origin() const;
   std::filesystem::path directory_for(const std::string& asked);
 
   Config config_;
@@ -269,22 +267,22 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
 
 SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                                       const SaveMap::Request& request) {
+  map::MapConfig config = config_.stage;
+  if (request.resolution > 0.0) config.resolution = request.resolution;
+  map::ProductOptions options;
+  if (!request.formats.empty()) options.formats = request.formats;
+  options.frame = config_.node.map_frame;
+  options.datum = datum_;
+  if (!request.keep_moving) options.p_base_sensor = sensor_origin();
   SaveMap::Response response;
   try {
-    map::MapConfig config = config_.stage;
-    if (request.resolution > 0.0) config.resolution = request.resolution;
-    const auto fixed = request.keep_moving ? nullptr : without_moving(run->clouds, poses, config);
-    CloudSource& clouds = fixed ? static_cast<CloudSource&>(*fixed) : run->clouds;
-    const PointCloud map = map::build_map(poses, clouds, config);
-    const map::MapDescription description{config_.node.map_frame, datum_, config.resolution};
-    for (const auto& file :
-         map::save_map(map, description, directory_for(request.directory), request.formats)) {
-      response.files.push_back(file.string());
-    }
+    const map::Products products =
+        map::write_products(poses, run->clouds, config, options, directory_for(request.directory));
+    for (const auto& file : products.files) response.files.push_back(file.string());
     response.success = true;
-    response.message = std::to_string(map.size()) + " points of " +
+    response.message = std::to_string(products.points) + " points of " +
                        std::to_string(poses.poses.size()) + " key frames";
-    if (!fixed && !request.keep_moving) {
+    if (!options.p_base_sensor && !request.keep_moving) {
       response.message += ", with those of moving objects: no session says where the LiDAR is";
     }
   } catch (const Error& error) {
@@ -293,21 +291,14 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   return response;
 }
 
-/// Null where nobody knows from where the LiDAR saw what it saw.
-std::unique_ptr<map::StaticClouds> MapViewerNode::without_moving(CloudSource& clouds,
-                                                                 const KeyFramePoses& poses,
-                                                                 const map::MapConfig& config) {
+/// None where nobody knows from where the LiDAR saw what it saw.
+std::optional<Eigen::Vector3d> MapViewerNode::sensor_origin() const {
   std::string folder;
-  if (!context_.node.getParam("session_folder", folder)) return nullptr;
+  if (!context_.node.getParam("session_folder", folder)) return std::nullopt;
   try {
-    using session::Session;
-    const auto origin = Session::open(folder, Session::Access::kRead).sensor_origin();
-    if (!origin) return nullptr;
-    map::MovingObjectsConfig removal;
-    removal.threads = config.threads;
-    return std::make_unique<map::StaticClouds>(clouds, poses, *origin, removal);
+    return session::Session::open(folder, session::Session::Access::kRead).sensor_origin();
   } catch (const FileError&) {
-    return nullptr;  // the back end is on another machine
+    return std::nullopt;  // the back end is on another machine
   }
 }
 

@@ -13,27 +13,26 @@ int main(int argc, char** argv) {
   CLI::App app{"Builds the map of a session from its newest poses"};
   using namespace lidar_mapping;
   std::string folder;
-  tools::ProductOptions options;
+  tools::MapOutput output;
   app.add_option("session", folder, "folder of the session, or a folder with `latest`")->required();
-  app.add_option("-o,--output", options.output, "folder for the files; map/ of the session");
-  app.add_option("--resolution", options.resolution, "edge of the voxels, m; as in the drive");
-  app.add_option("--pixel", options.pixel, "size of the picture's pixels, m")
+  app.add_option("-o,--output", output.folder, "folder for the files; map/ of the session");
+  app.add_option("--resolution", output.resolution, "edge of the voxels, m; as in the drive");
+  app.add_option("--pixel", output.products.pixel, "size of the picture's pixels, m")
       ->check(CLI::PositiveNumber);
-  app.add_option("--tile-size", options.tile_size, "edge of the tiles, m; as in the drive");
-  app.add_option("--formats", options.formats,
+  app.add_option("--tile-size", output.tile_size, "edge of the tiles, m; as in the drive");
+  app.add_option("--formats", output.products.formats,
                  "pcd, ply, png (view from above), las, tiles (Autoware), grid (map_server); "
                  "pcd,ply,png if left out")
       ->delimiter(',')
-      ->check(CLI::IsMember(tools::product_formats()));
-  app.add_flag("--keep-moving", options.keep_moving, "leave points of moving objects in");
-  app.add_flag("--save-removed", options.save_removed, "write what was removed, too");
-  app.add_option("--sensor-origin", options.sensor_origin, "the LiDAR in base_link, m")
-      ->expected(3);
-  app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
+      ->check(CLI::IsMember(map::product_formats()));
+  app.add_flag("--keep-moving", output.keep_moving, "leave points of moving objects in");
+  app.add_flag("--save-removed", output.products.save_removed, "write what was removed, too");
+  app.add_option("--sensor-origin", output.sensor_origin, "the LiDAR in base_link, m")->expected(3);
+  app.add_option("--threads", output.threads, "at most so many threads; 0: all cores");
   CLI11_PARSE(app, argc, argv);
   try {
     const auto session = session::Session::open(folder, session::Session::Access::kRead);
-    for (const auto& file : tools::write_products(session, options)) {
+    for (const auto& file : tools::write_map(session, output)) {
       std::printf("%s\n", file.c_str());
     }
   } catch (const Error& error) {

@@ -43,7 +43,7 @@ struct Options {
   bool resume = false;
   bool no_map = false;
   bool report = false;
-  ProductOptions products;
+  MapOutput map;
 };
 
 volatile std::sig_atomic_t stop_asked = 0;
@@ -72,11 +72,11 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--resume", options.resume, "go on with the session in the output folder");
-  app.add_option("--formats", options.products.formats, "of the map, as build_map has them")
+  app.add_option("--formats", options.map.products.formats, "of the map, as build_map has them")
       ->delimiter(',')
-      ->check(CLI::IsMember(product_formats()));
-  app.add_option("--resolution", options.products.resolution, "edge of the map's voxels, m");
-  app.add_flag("--keep-moving", options.products.keep_moving,
+      ->check(CLI::IsMember(map::product_formats()));
+  app.add_option("--resolution", options.map.resolution, "edge of the map's voxels, m");
+  app.add_flag("--keep-moving", options.map.keep_moving,
                "leave points of moving objects in the map");
   app.add_flag("--no-map", options.no_map, "the session alone; build_map makes a map of it later");
   app.add_flag("--report", options.report,
@@ -119,7 +119,7 @@ class MappingRun {
         options.threads > 0 ? options.threads
                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     options_.drive.base_frame = stages_.base_frame;
-    options_.products.threads = options.threads;
+    options_.map.threads = options.threads;
   }
 
   int run() {
@@ -183,7 +183,7 @@ class MappingRun {
     std::printf("%s\n", report_.optimization.message.c_str());
     double products = 0.0;
     if (!options_.no_map) {
-      for (const auto& file : write_products(pipeline_->session(), options_.products)) {
+      for (const auto& file : write_map(pipeline_->session(), options_.map)) {
         std::printf("%s\n", file.c_str());
       }
       products = progress_->seconds() - mapped;

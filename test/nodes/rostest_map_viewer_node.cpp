@@ -5,6 +5,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -234,6 +235,21 @@ TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
   EXPECT_TRUE(answer.success) << answer.message << node.output();
   ASSERT_EQ(answer.files.size(), 2U);
   for (const std::string& file : answer.files) EXPECT_TRUE(fs::exists(file)) << file;
+}
+
+// The same products as build_map makes of the session.
+TEST_F(MapViewerNode, SavesEveryFormat) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  const SaveMap::Response answer = save(folder_.path() / "map", map::product_formats());
+  EXPECT_TRUE(answer.success) << answer.message << node.output();
+  for (const char* file : {"map.yaml", "map.pcd", "map.ply", "top_view.png", "map.las",
+                           "pointcloud_map/pointcloud_map_metadata.yaml", "grid.pgm"}) {
+    EXPECT_TRUE(fs::exists(folder_.path() / "map" / file)) << file;
+  }
 }
 
 // F55: each thing that cannot be done has its own message.

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/map/map_config.hpp"
+#include "lidar_mapping/map/map_files.hpp"
+
+namespace lidar_mapping::map {
+
+/// What ProductOptions::formats may hold: pcd, ply, png (view from above), las, tiles (Autoware),
+/// grid (map_server).
+const std::vector<std::string>& product_formats();
+
+/// What is made of a map, and how.
+struct ProductOptions {
+  std::vector<std::string> formats = {"pcd", "ply", "png"};
+  double pixel = 0.2;  ///< of the view from above, m
+  std::string frame = "map";
+  std::optional<GeodeticDatum> datum;
+  /// The LiDAR in base_link, m; points of moving objects are left out if it is known.
+  std::optional<Eigen::Vector3d> p_base_sensor;
+  bool save_removed = false;  ///< writes the points left out to moving_objects.pcd
+};
+
+struct Products {
+  Files files;
+  std::size_t points = 0;   ///< of the map
+  std::size_t removed = 0;  ///< counted if they are saved
+};
+
+/// Builds the map of the poses tile by tile and writes it into the folder (map_files.hpp,
+/// map_products.hpp, top_view.hpp). Throws FileError, and InputError for a format that is not
+/// known or a map without points.
+Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
+                        const ProductOptions& options, const std::filesystem::path& directory);
+
+}  // namespace lidar_mapping::map
