@@ -64,7 +64,8 @@ class Preprocessor::Impl {
       ++counters_.scans_out_of_order;
       return;
     }
-    const auto [span, problem] = settle_times(raw.cloud, raw.times_are_absolute, config_);
+    const auto [span, problem] =
+        settle_times(raw.cloud, raw.times_are_absolute, config_, raw.time_span);
     if (!problem.empty()) notices_.warn("times", "points: " + problem);
     const Stamp stamp = raw.stamp;
     WaitingScan scan{std::move(raw), span};

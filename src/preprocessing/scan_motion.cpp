@@ -7,7 +7,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kLongestStep = 0.004;  // s: turning at 10 rad/s^2 stays below 1e-4 rad in a step
+constexpr double kLongestStep = 0.002;  // s: turning at 10 rad/s^2 stays below 1e-4 rad in a step
 
 /// Moves on from the pose at `time` by `step` (of either sign).
 std::optional<Pose> advanced(const Pose& pose, double time, double step,

@@ -1,8 +1,8 @@
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
@@ -38,41 +38,71 @@ double start_to_stamp(const PreprocessingConfig& config) {
   return 0.0;
 }
 
+constexpr std::size_t kLanes = 4;
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+
+/// Lane by lane; comparisons are false for NaN.
+class Extremes {
+ public:
+  Extremes(float first, float last) : first_(Floats{} + first), last_(Floats{} + last) {}
+
+  void see(const float* times) {
+    Floats time;
+    std::memcpy(&time, times, sizeof(time));
+    see_lanes(time);
+  }
+  void see(float time) { see_lanes(Floats{} + time); }
+
+  float least() const {
+    return std::min(std::min(first_[0], first_[1]), std::min(first_[2], first_[3]));
+  }
+  float greatest() const {
+    return std::max(std::max(last_[0], last_[1]), std::max(last_[2], last_[3]));
+  }
+
+ private:
+  void see_lanes(const Floats& time) {
+    first_ = time < first_ ? time : first_;
+    last_ = time > last_ ? time : last_;
+  }
+
+  Floats first_, last_;
+};
+
 }  // namespace
 
-TimeSpan time_span(const PointCloud& cloud) {
-  // Lanes of their own let the compiler use wide instructions; comparisons are false for NaN.
-  constexpr std::size_t kLanes = 8;
-  std::array<float, kLanes> begin;
-  std::array<float, kLanes> end;
-  begin.fill(std::numeric_limits<float>::max());
-  end.fill(std::numeric_limits<float>::lowest());
-  const float* const times = cloud.times.data();
-  const std::size_t count = cloud.times.size();
-  for (std::size_t i = 0; i + kLanes <= count; i += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const float time = times[i + lane];
-      begin[lane] = time < begin[lane] ? time : begin[lane];
-      end[lane] = time > end[lane] ? time : end[lane];
-    }
+void TimeSpanFinder::add(const float* times, std::size_t count) {
+  // Two at a time hide how long a comparison takes.
+  Extremes even{first_, last_}, odd{first_, last_};
+  std::size_t i = 0;
+  for (; i + 2 * kLanes <= count; i += 2 * kLanes) {
+    even.see(times + i);
+    odd.see(times + i + kLanes);
   }
-  for (std::size_t i = count - count % kLanes; i < count; ++i) {
-    begin[0] = times[i] < begin[0] ? times[i] : begin[0];
-    end[0] = times[i] > end[0] ? times[i] : end[0];
-  }
-  const float first = *std::min_element(begin.begin(), begin.end());
-  const float last = *std::max_element(end.begin(), end.end());
-  if (first > last) return {};
-  return {first, last};
+  for (; i < count; ++i) even.see(times[i]);
+  first_ = std::min(even.least(), odd.least());
+  last_ = std::max(even.greatest(), odd.greatest());
 }
 
-SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config) {
+TimeSpan TimeSpanFinder::span() const {
+  if (first_ > last_) return {};
+  return {first_, last_};
+}
+
+TimeSpan time_span(const PointCloud& cloud) {
+  TimeSpanFinder finder;
+  finder.add(cloud.times.data(), cloud.times.size());
+  return finder.span();
+}
+
+SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
+                          const std::optional<TimeSpan>& known) {
   if (config.point_times == PointTimes::kNone) cloud.times.clear();
   if (config.point_times == PointTimes::kAzimuth && !cloud.has_times()) {
     set_times_from_azimuth(cloud, config);
   }
   if (!cloud.has_times()) return {};
-  const TimeSpan span = time_span(cloud);
+  const TimeSpan span = known ? *known : time_span(cloud);
   const double longest = std::max(1.5 * config.scan_period, kLongestScan);
   if (span.end - span.begin > longest || span.end > longest || span.begin < -longest) {
     cloud.times.clear();

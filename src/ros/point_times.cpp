@@ -51,11 +51,6 @@ Bounds bounds_of(const PointCloud2& message, const PointField& field) {
   return bounds;
 }
 
-Bounds bounds_of(const PointCloud& cloud) {
-  const preprocessing::TimeSpan span = preprocessing::time_span(cloud);
-  return {span.begin, span.end};
-}
-
 std::optional<Unit> configured_unit(PointTimeUnit unit) {
   if (unit == PointTimeUnit::kAuto) return std::nullopt;
   return kUnits[static_cast<std::size_t>(unit) - 1];
@@ -99,10 +94,10 @@ const PointField* time_field(const PointCloud2& message) {
 }
 
 void decode_times(const PointCloud2& message, const PointField& field,
-                  const preprocessing::PreprocessingConfig& config, bool is_read,
-                  DecodedCloud& result) {
+                  const preprocessing::PreprocessingConfig& config,
+                  const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result) {
   std::vector<float>& times = result.scan.cloud.times;
-  const Bounds bounds = is_read ? bounds_of(result.scan.cloud) : bounds_of(message, field);
+  const Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, field);
   if (!(bounds.max > bounds.min)) {  // a field that nobody fills
     times.clear();
     return;
@@ -121,7 +116,8 @@ void decode_times(const PointCloud2& message, const PointField& field,
   result.scan.times_are_absolute = format.absolute_times;
   format.first_time = shift;
   format.last_time = shift + (bounds.max - bounds.min) * unit.seconds;
-  if (is_read && is_relative) {
+  if (read && is_relative) {
+    result.scan.time_span = {format.first_time, format.last_time};
     if (unit.seconds == 1.0) return;
     for (float& time : times) time *= static_cast<float>(unit.seconds);
     return;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -9,10 +12,10 @@ namespace lidar_mapping::ros_border {
 const sensor_msgs::PointField* time_field(const sensor_msgs::PointCloud2& message);
 
 /// Makes seconds of the points' times, finds their unit and says what they are relative to. With
-/// `is_read` scan.cloud.times hold them as they are written, else they are read here. No times if
-/// nobody filled the field.
+/// the span `read` scan.cloud.times hold them as they are written, else they are read here. No
+/// times if nobody filled the field.
 void decode_times(const sensor_msgs::PointCloud2& message, const sensor_msgs::PointField& field,
-                  const preprocessing::PreprocessingConfig& config, bool is_read,
-                  DecodedCloud& result);
+                  const preprocessing::PreprocessingConfig& config,
+                  const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result);
 
 }  // namespace lidar_mapping::ros_border

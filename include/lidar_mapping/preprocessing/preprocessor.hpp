@@ -10,6 +10,7 @@
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -20,6 +21,8 @@ struct RawScan {
   PointCloud cloud;
   /// The times came from absolute ones: they refer to `stamp` whatever `scan_stamp` says.
   bool times_are_absolute = false;
+  /// Of the cloud's times, where who read them knows it.
+  std::optional<TimeSpan> time_span = std::nullopt;
 };
 
 /// A scan in base_link and what the other sensors measured at its stamp. No value where a sensor is

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "lidar_mapping/common/point_cloud.hpp"
@@ -14,6 +17,17 @@ struct TimeSpan {
 };
 TimeSpan time_span(const PointCloud& cloud);
 
+/// The span of times that come bit by bit; no finite one leaves both ends 0.
+class TimeSpanFinder {
+ public:
+  void add(const float* times, std::size_t count);
+  TimeSpan span() const;
+
+ private:
+  float first_ = std::numeric_limits<float>::max();
+  float last_ = std::numeric_limits<float>::lowest();
+};
+
 struct SettledTimes {
   TimeSpan span;        ///< of the times that there are now
   std::string problem;  ///< a sentence where something is wrong
@@ -21,7 +35,8 @@ struct SettledTimes {
 
 /// Makes the times of a scan what the rest of the stage takes them for: seconds relative to the
 /// stamp (`absolute` ones are that already), or none if the scan counts as compensated. An
-/// implausible span leaves the scan without times.
-SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config);
+/// implausible span leaves the scan without times. `known` is the span, where it is known already.
+SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
+                          const std::optional<TimeSpan>& known = std::nullopt);
 
 }  // namespace lidar_mapping::preprocessing

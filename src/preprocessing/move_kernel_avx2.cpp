@@ -1,0 +1,18 @@
+// Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+#include "move_kernel.hpp"
+
+#ifdef __AVX2__
+#include "move_kernel_body.hpp"
+#endif
+
+namespace lidar_mapping::preprocessing {
+
+MoveKernel avx2_move_kernel() {
+#ifdef __AVX2__
+  return __builtin_cpu_supports("avx2") ? move_points : nullptr;
+#else
+  return nullptr;
+#endif
+}
+
+}  // namespace lidar_mapping::preprocessing

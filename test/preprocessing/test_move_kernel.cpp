@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/scan_pass.hpp"
+
+#include "../../src/preprocessing/move_kernel.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+/// 30 m/s and 1 rad/s, as fast as a vehicle drives and turns at once, over [-0.05, 0.06] s.
+ScanMotion fast_motion() {
+  const auto turning = [](double) { return Eigen::Vector3d(0.1, -0.1, 1.0); };
+  const auto driving = [](double) { return Eigen::Vector3d(30.0, 0.5, 0.1); };
+  return *integrated(-0.05, 0.06, turning, driving);
+}
+
+enum class Order { kByTime, kByBeam, kShuffled };
+
+/// Points out to 100 m; a beam of 500 points after the other, or as they were measured.
+PointCloud cloud_in(Order order, std::size_t count) {
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<float> axis(-57.0F, 57.0F);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = order == Order::kByTime
+                             ? static_cast<double>(i) / static_cast<double>(count)
+                             : static_cast<double>(i % 500) / 500.0;
+    cloud.points.push_back({axis(engine), axis(engine), axis(engine), static_cast<float>(i)});
+    cloud.times.push_back(static_cast<float>(-0.05 + 0.11 * share));
+  }
+  if (order == Order::kShuffled) std::shuffle(cloud.times.begin(), cloud.times.end(), engine);
+  return cloud;
+}
+
+TEST(MoveKernel, IsOffByLessThanATenthOfAMillimetre) {
+  const ScanMotion motion = fast_motion();
+  const Pose T_base_sensor{exp_so3({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0}};
+  for (const Order order : {Order::kByTime, Order::kByBeam, Order::kShuffled}) {
+    const PointCloud raw = cloud_in(order, 5003);
+    PointCloud moved = raw;
+    move_to_base(moved, T_base_sensor, PassLimits({}), &motion);
+    ASSERT_GT(moved.size(), 4900U);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const auto source = static_cast<std::size_t>(moved.points[i].intensity);
+      EXPECT_EQ(moved.times[i], raw.times[source]);
+      const Eigen::Vector3d exact = motion.at(raw.times[source]) *
+                                    (T_base_sensor * raw.points[source].position().cast<double>());
+      worst = std::max(worst, (moved.points[i].position().cast<double>() - exact).norm());
+    }
+    EXPECT_LT(worst, 1e-4) << static_cast<int>(order);
+  }
+}
+
+TEST(MoveKernel, HoldsTheMotionBeyondItsEnds) {
+  const ScanMotion motion = fast_motion();
+  PointCloud cloud = cloud_in(Order::kByTime, 16);
+  std::fill(cloud.times.begin(), cloud.times.begin() + 8, -1.0F);
+  std::fill(cloud.times.begin() + 8, cloud.times.end(), 1.0F);
+  const PointCloud raw = cloud;
+  move_to_base(cloud, Pose::Identity(), PassLimits({}), &motion);
+  ASSERT_EQ(cloud.size(), 16U);
+  for (std::size_t i = 0; i < 16; ++i) {
+    const Pose& T_stamp_end = i < 8 ? motion.T_stamp_knot.front() : motion.T_stamp_knot.back();
+    const Eigen::Vector3d exact = T_stamp_end * raw.points[i].position().cast<double>();
+    EXPECT_LT((cloud.points[i].position().cast<double>() - exact).norm(), 1e-4) << i;
+  }
+}
+
+/// What a kernel makes of a cloud, of a rest after whole blocks and of points that do not stay.
+struct Outcome {
+  std::vector<float> points, times;
+  std::size_t kept, not_finite;
+};
+
+Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count) {
+  const MotionSlot slots[2] = {{{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3}, {0, 1e-3F, 0, 0.5F}},
+                               {{1, 1e-3F, 0, 1.5F, 0, 1, 0, 2, 0, 0, 1, 3}, {0, 0, 1e-3F, 0.25F}}};
+  const KeepRule rule{4.0F, 4000.0F, true, {-9.0F, -9.0F, -9.0F}, {9.0F, 9.0F, 90.0F}};
+  PointCloud cloud = cloud_in(order, count);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t i = 0; i < count; i += 11) cloud.points[i].x = nan;
+  for (std::size_t i = 5; i < count; i += 22) cloud.times[i] = nan;
+  const MoveResult result = kernel(&cloud.points.data()->x, cloud.times.data(), count, rule,
+                                   {slots, 2, -0.05F, 2.0F / 0.11F}, true);
+  const float* const first = &cloud.points.data()->x;
+  return {{first, first + 4 * result.kept},
+          {cloud.times.data(), cloud.times.data() + result.kept},
+          result.kept,
+          result.not_finite};
+}
+
+TEST(MoveKernel, KeepsWhatStaysInItsOrderAndCountsWhatIsNotFinite) {
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 1001U}) {
+    const Outcome outcome = outcome_of(portable_move_kernel(), Order::kByTime, count);
+    EXPECT_EQ(outcome.not_finite, (count + 10) / 11 + (count + 16) / 22) << count;
+    EXPECT_LE(outcome.kept + outcome.not_finite, count);
+    for (std::size_t i = 1; i < outcome.kept; ++i) {
+      EXPECT_LT(outcome.points[4 * i - 1], outcome.points[4 * i + 3]);
+      EXPECT_LT(outcome.times[i - 1], outcome.times[i]);
+    }
+  }
+}
+
+TEST(MoveKernel, WiderInstructionsGiveTheSameBits) {
+  if (avx2_move_kernel() == nullptr) GTEST_SKIP() << "no AVX2 here";
+  for (const Order order : {Order::kByTime, Order::kByBeam, Order::kShuffled}) {
+    const Outcome portable = outcome_of(portable_move_kernel(), order, 1003);
+    const Outcome wide = outcome_of(avx2_move_kernel(), order, 1003);
+    EXPECT_GT(portable.kept, 300U);
+    EXPECT_EQ(portable.points, wide.points);
+    EXPECT_EQ(portable.times, wide.times);
+    EXPECT_EQ(portable.not_finite, wide.not_finite);
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
