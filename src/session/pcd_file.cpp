@@ -13,18 +13,6 @@ namespace lidar_mapping::session {
 
 namespace {
 
-pcl::PointCloud<pcl::PointXYZI> to_pcl(const PointCloud& cloud) {
-  pcl::PointCloud<pcl::PointXYZI> result;
-  result.reserve(cloud.size());
-  for (const Point& point : cloud.points) {
-    pcl::PointXYZI converted;
-    converted.getVector3fMap() = point.position();
-    converted.intensity = point.intensity;
-    result.push_back(converted);
-  }
-  return result;
-}
-
 /// PCL warns on the console about fields that a type has and the file lacks, so the type follows
 /// the file.
 template <typename PclPoint>
@@ -48,48 +36,73 @@ bool has_intensity(const pcl::PCLPointCloud2& cloud) {
   return false;
 }
 
-/// The number of points that the header gives; nothing if the header does not end, as in a file
-/// that was cut, on which PCL's reader crashes.
-std::optional<std::size_t> points_in_header(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+/// Of the files that this package writes, behind which points lie as they are in memory.
+std::string own_header(std::size_t points) {
+  const std::string count = std::to_string(points);
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\n"
+         "SIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+}
+
+struct Header {
+  std::string text;
+  std::size_t points = 0;
+};
+
+/// Nothing if the header does not end, as in a file that was cut, on which PCL's reader crashes.
+std::optional<Header> read_header(std::istream& file) {
+  Header header;
   std::optional<std::size_t> points;
   for (std::string line; std::getline(file, line);) {
+    header.text += line + "\n";
     std::istringstream words(line);
     std::string key;
     words >> key;
     if (std::size_t count = 0; key == "POINTS" && words >> count) points = count;
-    if (key == "DATA") return points;
+    if (key != "DATA") continue;
+    if (!points) return std::nullopt;
+    header.points = *points;
+    return header;
   }
   return std::nullopt;
 }
 
-// PCL neither writes nor reads clouds without points.
-constexpr const char* kEmptyFile =
-    "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\n"
-    "SIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 0\nHEIGHT 1\n"
-    "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 0\nDATA binary\n";
+[[noreturn]] void refuse(const std::filesystem::path& path) {
+  throw FileError("cannot read " + path.string() + ": missing or damaged PCD file");
+}
 
 }  // namespace
 
 PointCloud read_pcd(const std::filesystem::path& path) {
-  const std::optional<std::size_t> points = points_in_header(path);
-  if (points && *points == 0) return {};
-  pcl::PCLPointCloud2 raw;
-  if (!points || pcl::PCDReader().read(path.string(), raw) < 0) {
-    throw FileError("cannot read " + path.string() + ": missing or damaged PCD file");
+  std::ifstream file(path, std::ios::binary);
+  const std::optional<Header> header = read_header(file);
+  if (!header) refuse(path);
+  if (header->points == 0) return {};  // PCL does not read it
+  if (header->text == own_header(header->points)) {
+    const auto bytes = header->points * sizeof(Point);
+    if (std::filesystem::file_size(path) < header->text.size() + bytes) refuse(path);
+    PointCloud cloud;
+    cloud.points.resize(header->points);
+    file.read(reinterpret_cast<char*>(cloud.points.data()), static_cast<std::streamsize>(bytes));
+    if (!file) refuse(path);
+    return cloud;
   }
+  pcl::PCLPointCloud2 raw;
+  if (pcl::PCDReader().read(path.string(), raw) < 0) refuse(path);
   return has_intensity(raw) ? from_pcl<pcl::PointXYZI>(raw) : from_pcl<pcl::PointXYZ>(raw);
 }
 
 void write_pcd(const std::filesystem::path& path, const PointCloud& cloud) {
-  if (cloud.empty()) return write_text_atomically(path, kEmptyFile);
+  static_assert(sizeof(Point) == 16);
   write_atomically(path, [&](const std::filesystem::path& temporary) {
-    const FileError problem("cannot write " + path.string() +
-                            "; check the free space and the permissions");
-    try {
-      if (pcl::PCDWriter().writeBinary(temporary.string(), to_pcl(cloud)) < 0) throw problem;
-    } catch (const pcl::IOException&) {
-      throw problem;
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file << own_header(cloud.size());
+    file.write(reinterpret_cast<const char*>(cloud.points.data()),
+               static_cast<std::streamsize>(cloud.size() * sizeof(Point)));
+    file.close();
+    if (!file) {
+      throw FileError("cannot write " + path.string() +
+                      "; check the free space and the permissions");
     }
   });
 }

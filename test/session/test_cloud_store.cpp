@@ -99,5 +99,16 @@ TEST(PcdFile, ReadsFilesWithoutIntensity) {
   EXPECT_EQ(cloud.points[0].intensity, 0.0F);
 }
 
+TEST(PcdFile, ReadsOtherLayoutsThanItsOwn) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "turned.pcd")
+      << "VERSION 0.7\nFIELDS intensity z y x\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
+         "WIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n4 3 2 1\n";
+  const PointCloud cloud = read_pcd(folder.path() / "turned.pcd");
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud.points[0].position(), Eigen::Vector3f(1.0F, 2.0F, 3.0F));
+  EXPECT_EQ(cloud.points[0].intensity, 4.0F);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::session
