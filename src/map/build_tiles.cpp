@@ -1,72 +1,72 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "lidar_mapping/map/map_builder.hpp"
 
+#include "tile_pages.hpp"
 #include "tile_store.hpp"
 
 namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kBlockSize = 200.0;  // m; larger blocks take more memory, smaller ones read more
-constexpr std::size_t kBatch = 16;    // clouds in memory at a time
+constexpr std::size_t kBatch = 16;                // clouds in memory at a time
+constexpr std::size_t kVoxelsInMemory = 500'000;  // beyond those that a batch touches
 
-/// A block of tiles, and the key frames that touch it.
-struct Block {
-  std::set<TileIndex> tiles;
-  std::vector<KeyFramePose> key_frames;
-};
-
+/// Tiles that are filled in the order of the drive. Those that were touched longest ago wait on the
+/// disk, and come back as they went.
 class TileRun {
  public:
-  TileRun(CloudSource& clouds, const MapConfig& config)
-      : clouds_(clouds),
-        store_(config.resolution, config.tile_size, config.threads),
-        tiles_per_block_(std::max(1.0, std::ceil(kBlockSize / config.tile_size))) {}
+  TileRun(const MapConfig& config, const std::filesystem::path& directory)
+      : store_(config.resolution, config.tile_size, config.threads), pages_(directory) {}
 
-  std::map<TileIndex, Block> blocks_of(const KeyFramePoses& poses) {
-    std::map<TileIndex, Block> blocks;
-    for (const KeyFramePose& pose : poses.poses) {
-      const PointCloudPtr cloud = clouds_.cloud(pose.index);
-      if (!cloud) continue;
-      for (const TileIndex& tile : store_.tiles_of({cloud, pose.T_map_base})) {
-        Block& block = blocks[block_of(tile)];
-        block.tiles.insert(tile);
-        if (block.key_frames.empty() || block.key_frames.back().index != pose.index) {
-          block.key_frames.push_back(pose);
-        }
-      }
+  void add(const std::vector<PlacedCloud>& batch) {
+    const std::vector<TileStore::Sorted> parts = store_.sorted(batch, nullptr);
+    ++batches_;
+    for (const TileStore::Sorted& part : parts) {
+      for (const auto& [index, points] : part) fetch(index);
     }
-    return blocks;
+    store_.insert(parts);
+    put_away(kVoxelsInMemory);
   }
 
-  void build(const Block& block, const TileSink& sink) {
-    std::vector<PlacedCloud> batch;
-    for (const KeyFramePose& pose : block.key_frames) {
-      if (PointCloudPtr cloud = clouds_.cloud(pose.index))
-        batch.push_back({cloud, pose.T_map_base});
-      if (batch.size() < kBatch) continue;
-      store_.add(batch, &block.tiles);
-      batch.clear();
+  /// Tile by tile, in the order of their indices.
+  void finish(const TileSink& sink) {
+    ++batches_;
+    for (const auto& [index, batch] : last_use_) {
+      if (!store_.contains(index)) store_.put(index, pages_.get(index));
+      sink(store_.tile(index));
+      store_.take(index);
     }
-    store_.add(batch, &block.tiles);
-    for (const TileIndex& tile : block.tiles) sink(store_.tile(tile));
-    store_.clear();
   }
 
  private:
-  TileIndex block_of(const TileIndex& tile) const {
-    const auto divided = [this](std::int64_t value) {
-      return static_cast<std::int64_t>(std::floor(static_cast<double>(value) / tiles_per_block_));
-    };
-    return {divided(tile.x), divided(tile.y)};
+  void fetch(const TileIndex& index) {
+    if (!store_.contains(index) && pages_.contains(index)) store_.put(index, pages_.get(index));
+    last_use_[index] = batches_;
   }
 
-  CloudSource& clouds_;
+  void put_away(std::size_t limit) {
+    std::size_t voxels = 0;
+    std::vector<std::pair<std::size_t, TileIndex>> oldest;
+    for (const auto& [index, batch] : last_use_) {
+      if (!store_.contains(index)) continue;
+      voxels += store_.voxels(index);
+      if (batch != batches_) oldest.emplace_back(batch, index);
+    }
+    std::sort(oldest.begin(), oldest.end());
+    for (const auto& [batch, index] : oldest) {
+      if (voxels <= limit) return;
+      const VoxelTile tile = store_.take(index);
+      voxels -= tile.size();
+      pages_.put(index, tile);
+    }
+  }
+
   TileStore store_;
-  double tiles_per_block_;
+  TilePages pages_;
+  std::map<TileIndex, std::size_t> last_use_;  ///< number of the batch
+  std::size_t batches_ = 0;
 };
 
 }  // namespace
@@ -76,9 +76,17 @@ double true_tile_size(const MapConfig& config) {
 }
 
 void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
-                 const TileSink& sink) {
-  TileRun run(clouds, config);
-  for (const auto& [index, block] : run.blocks_of(poses)) run.build(block, sink);
+                 const std::filesystem::path& directory, const TileSink& sink) {
+  TileRun run(config, directory);
+  std::vector<PlacedCloud> batch;
+  for (const KeyFramePose& pose : poses.poses) {
+    if (PointCloudPtr cloud = clouds.cloud(pose.index)) batch.push_back({cloud, pose.T_map_base});
+    if (batch.size() < kBatch) continue;
+    run.add(batch);
+    batch.clear();
+  }
+  run.add(batch);
+  run.finish(sink);
 }
 
 }  // namespace lidar_mapping::map

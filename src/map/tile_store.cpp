@@ -15,30 +15,38 @@ TileStore::TileStore(double resolution, double tile_size, int threads)
 
 std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<PlacedCloud>& clouds,
                                                    const std::set<TileIndex>* only) {
-  std::vector<Sorted> sorted(clouds.size());
-  parallel_chunks(clouds.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) sorted[i] = sorted_into_tiles(clouds[i], only);
-  });
+  const std::vector<Sorted> parts = sorted(clouds, only);
+  insert(parts);
   std::vector<std::vector<TileIndex>> touched(clouds.size());
-  std::set<TileIndex> all;
   for (std::size_t i = 0; i < clouds.size(); ++i) {
-    for (const auto& [index, points] : sorted[i]) {
-      touched[i].push_back(index);
-      all.insert(index);
-    }
+    for (const auto& [index, points] : parts[i]) touched[i].push_back(index);
   }
-  std::vector<std::pair<TileIndex, VoxelTile*>> targets;
-  for (const TileIndex& index : all) targets.emplace_back(index, &tiles_[index]);
-  parallel_chunks(targets.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
+  return touched;
+}
+
+std::vector<TileStore::Sorted> TileStore::sorted(const std::vector<PlacedCloud>& clouds,
+                                                 const std::set<TileIndex>* only) const {
+  std::vector<Sorted> parts(clouds.size());
+  parallel_chunks(clouds.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) parts[i] = sorted_into_tiles(clouds[i], only);
+  });
+  return parts;
+}
+
+void TileStore::insert(const std::vector<Sorted>& clouds) {
+  std::map<TileIndex, std::vector<const std::vector<TilePoint>*>> by_tile;
+  for (const Sorted& cloud : clouds) {
+    for (const auto& [index, points] : cloud) by_tile[index].push_back(&points);
+  }
+  std::vector<std::pair<VoxelTile*, std::vector<const std::vector<TilePoint>*>>> work;
+  for (auto& [index, parts] : by_tile) work.emplace_back(&tiles_[index], std::move(parts));
+  parallel_chunks(work.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (const Sorted& cloud : sorted) {
-        const auto points = cloud.find(targets[i].first);
-        if (points == cloud.end()) continue;
-        for (const TilePoint& point : points->second) targets[i].second->insert(point);
+      for (const auto* points : work[i].second) {
+        for (const TilePoint& point : *points) work[i].first->insert(point);
       }
     }
   });
-  return touched;
 }
 
 std::vector<TileIndex> TileStore::tiles_of(const PlacedCloud& cloud) const {
@@ -54,14 +62,18 @@ TileStore::Sorted TileStore::sorted_into_tiles(const PlacedCloud& cloud,
                                                const std::set<TileIndex>* only) const {
   Sorted sorted;
   const Eigen::Matrix3d rotation = cloud.T_map_base.rotation_matrix();
+  Sorted::iterator last = sorted.end();  // mostly the next point's, too
   for (const Point& point : cloud.cloud->points) {
     if (!is_finite(point)) continue;
     const Eigen::Vector3d p_map =
         rotation * point.position().cast<double>() + cloud.T_map_base.translation;
     const TileGrid::Cell cell = grid_.cell_of(p_map);
-    if (only != nullptr && only->count(cell.tile) == 0) continue;
+    if (last == sorted.end() || !(last->first == cell.tile)) {
+      if (only != nullptr && only->count(cell.tile) == 0) continue;
+      last = sorted.try_emplace(cell.tile).first;
+    }
     const Eigen::Vector3f local = (p_map - grid_.origin_of(cell.tile)).cast<float>();
-    sorted[cell.tile].push_back({cell.voxel, {local.x(), local.y(), local.z(), point.intensity}});
+    last->second.push_back({cell.voxel, {local.x(), local.y(), local.z(), point.intensity}});
   }
   return sorted;
 }
@@ -83,12 +95,6 @@ MapTile TileStore::tile(const TileIndex& index) const {
   const auto found = tiles_.find(index);
   if (found != tiles_.end()) found->second.append_to(result.cloud, Eigen::Vector3d::Zero());
   return result;
-}
-
-std::vector<TileIndex> TileStore::indices() const {
-  std::vector<TileIndex> indices;
-  for (const auto& [index, tile] : tiles_) indices.push_back(index);
-  return indices;
 }
 
 }  // namespace lidar_mapping::map

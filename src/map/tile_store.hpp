@@ -22,21 +22,32 @@ class TileStore {
  public:
   TileStore(double resolution, double tile_size, int threads);
 
+  using Sorted = std::map<TileIndex, std::vector<TilePoint>>;
+
   /// Adds the points that fall into tiles of `only` (null: all). Gives the tiles of each cloud.
   std::vector<std::vector<TileIndex>> add(const std::vector<PlacedCloud>& clouds,
                                           const std::set<TileIndex>* only);
+  /// The two steps of add().
+  std::vector<Sorted> sorted(const std::vector<PlacedCloud>& clouds,
+                             const std::set<TileIndex>* only) const;
+  void insert(const std::vector<Sorted>& clouds);
+
   /// The tiles that a cloud touches.
   std::vector<TileIndex> tiles_of(const PlacedCloud& cloud) const;
   void clear(const std::set<TileIndex>& tiles);
   void clear() { tiles_.clear(); }
 
+  bool contains(const TileIndex& index) const { return tiles_.count(index) > 0; }
+  void put(const TileIndex& index, VoxelTile tile) { tiles_[index] = std::move(tile); }
+  /// A tile that is there leaves the store.
+  VoxelTile take(const TileIndex& index) { return std::move(tiles_.extract(index).mapped()); }
+  std::size_t voxels(const TileIndex& index) const { return tiles_.at(index).size(); }
+
   /// All points in the map frame, tile by tile.
   PointCloud joined() const;
   MapTile tile(const TileIndex& index) const;
-  std::vector<TileIndex> indices() const;
 
  private:
-  using Sorted = std::map<TileIndex, std::vector<TilePoint>>;
   Sorted sorted_into_tiles(const PlacedCloud& cloud, const std::set<TileIndex>* only) const;
 
   TileGrid grid_;

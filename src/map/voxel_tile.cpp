@@ -10,6 +10,11 @@ namespace {
 constexpr std::size_t kFirstSlots = 1024;
 constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15U;
 
+std::int64_t floored(double value) {  // cheaper than std::floor
+  const auto truncated = static_cast<std::int64_t>(value);
+  return truncated - (value < static_cast<double>(truncated) ? 1 : 0);
+}
+
 std::int64_t floor_divided(std::int64_t value, std::int64_t divisor) {
   return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor);
 }
@@ -22,9 +27,9 @@ TileGrid::TileGrid(double resolution, double tile_size)
           std::clamp<std::int64_t>(std::llround(tile_size / resolution), 1, (1 << 16) - 1)) {}
 
 TileGrid::Cell TileGrid::cell_of(const Eigen::Vector3d& p_map) const {
-  const auto x = static_cast<std::int64_t>(std::floor(p_map.x() / resolution_));
-  const auto y = static_cast<std::int64_t>(std::floor(p_map.y() / resolution_));
-  const auto z = static_cast<std::int64_t>(std::floor(p_map.z() / resolution_));
+  const auto x = floored(p_map.x() / resolution_);
+  const auto y = floored(p_map.y() / resolution_);
+  const auto z = floored(p_map.z() / resolution_);
   Cell cell;
   cell.tile = {floor_divided(x, voxels_per_tile_), floor_divided(y, voxels_per_tile_)};
   const auto local_x = static_cast<std::uint64_t>(x - cell.tile.x * voxels_per_tile_);
@@ -39,8 +44,15 @@ Eigen::Vector3d TileGrid::origin_of(const TileIndex& tile) const {
   return {static_cast<double>(tile.x) * edge, static_cast<double>(tile.y) * edge, 0.0};
 }
 
+VoxelTile::VoxelTile(std::vector<Voxel> voxels) : voxels_(std::move(voxels)) {
+  std::size_t slots = kFirstSlots;
+  while (slots < 2 * voxels_.size()) slots *= 2;
+  make_slots(slots);
+}
+
 void VoxelTile::insert(const TilePoint& point) {
-  if (2 * (voxels_.size() + 1) > slots_.size()) grow();
+  if (2 * (voxels_.size() + 1) > slots_.size())
+    make_slots(std::max(kFirstSlots, 2 * slots_.size()));
   std::uint32_t& slot = slots_[slot_of(point.voxel)];
   if (slot == 0) {
     voxels_.push_back({point.voxel});
@@ -54,11 +66,6 @@ void VoxelTile::insert(const TilePoint& point) {
   ++voxel.count;
 }
 
-void VoxelTile::clear() {
-  voxels_.clear();
-  std::fill(slots_.begin(), slots_.end(), 0U);
-}
-
 void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const {
   cloud.points.reserve(cloud.points.size() + voxels_.size());
   for (const Voxel& voxel : voxels_) {
@@ -70,8 +77,8 @@ void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) cons
   }
 }
 
-void VoxelTile::grow() {
-  slots_.assign(std::max(kFirstSlots, 2 * slots_.size()), 0);
+void VoxelTile::make_slots(std::size_t count) {
+  slots_.assign(count, 0);
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     slots_[slot_of(voxels_[i].key)] = static_cast<std::uint32_t>(i + 1);
   }

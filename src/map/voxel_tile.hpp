@@ -31,26 +31,32 @@ struct TilePoint {
   Point point;  ///< relative to the tile's origin
 };
 
+/// Sums over the points of a voxel, relative to the tile's origin.
+struct Voxel {
+  std::uint64_t key = 0;
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  double intensity = 0.0;
+  std::uint32_t count = 0;
+};
+
 /// Centroid and mean intensity of each occupied voxel of a tile, in the order in which voxels were
 /// hit first. Open addressing over a dense list: one cache line per hit.
 class VoxelTile {
  public:
+  VoxelTile() = default;
+  /// A tile that was taken apart into voxels().
+  explicit VoxelTile(std::vector<Voxel> voxels);
+
   void insert(const TilePoint& point);
-  void clear();
   std::size_t size() const { return voxels_.size(); }
+  const std::vector<Voxel>& voxels() const { return voxels_; }
   /// Appends the centroids, moved by `offset`.
   void append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const;
 
  private:
-  struct Voxel {
-    std::uint64_t key = 0;
-    double x = 0.0;
-    double y = 0.0;
-    double z = 0.0;
-    double intensity = 0.0;
-    std::uint32_t count = 0;
-  };
-  void grow();
+  void make_slots(std::size_t count);
   std::size_t slot_of(std::uint64_t key) const;
 
   std::vector<Voxel> voxels_;

@@ -50,7 +50,8 @@ class Writer {
   TileSource tiles() {
     return [this](const TileSink& sink) {
       products_.points = 0;
-      build_tiles(poses_, fixed_ ? *fixed_ : clouds_, config_, [&](const MapTile& tile) {
+      CloudSource& clouds = fixed_ ? *fixed_ : clouds_;
+      build_tiles(poses_, clouds, config_, directory_, [&](const MapTile& tile) {
         products_.points += tile.cloud.size();
         sink(tile);
       });

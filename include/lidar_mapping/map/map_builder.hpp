@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 
 #include "lidar_mapping/common/cloud_source.hpp"
@@ -39,11 +40,11 @@ class MapBuilder {
 /// The whole map at once, from the poses given.
 PointCloud build_map(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config);
 
-/// The same tile by tile: tiles put together are the map. Memory is that of a block of tiles (about
-/// 200 m by 200 m) and of a list of tiles per key frame, however large the map is. Each cloud is
-/// read once for every block that it touches.
+/// The same tile by tile, in the order of their indices: tiles put together are the map. Memory is
+/// that of the tiles around the vehicle, however large the map is: others wait in a file without a
+/// name in `directory`. Each cloud is read once. Throws FileError.
 void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
-                 const TileSink& sink);
+                 const std::filesystem::path& directory, const TileSink& sink);
 
 /// Edge of the tiles: the whole number of voxels that is nearest to the configured size, m.
 double true_tile_size(const MapConfig& config);

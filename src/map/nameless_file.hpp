@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace lidar_mapping::map {
+
+/// A file without a name in some folder, which is gone with the process, however it ends. Any
+/// thread may read. Throws FileError.
+class NamelessFile {
+ public:
+  /// Makes the folder, too.
+  explicit NamelessFile(const std::filesystem::path& directory);
+  ~NamelessFile();
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
+
+  void write(std::uint64_t offset, const void* data, std::size_t bytes);
+  void read(std::uint64_t offset, void* data, std::size_t bytes) const;
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path directory_;
+  int descriptor_ = -1;
+};
+
+}  // namespace lidar_mapping::map
