@@ -74,9 +74,14 @@ float LocalGround::ground_at(const CellIndex& cell) const {
   }
   const float own = columns_.find(cell)->second;
   if (count == 0) return own;
+  const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
   const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(count / 4);
-  std::nth_element(around.begin(), quartile, around.begin() + static_cast<std::ptrdiff_t>(count));
-  return own == kNone || *quartile < own - kDeeper ? *quartile : own;
+  if (own != kNone) {
+    const auto is_deeper = [own](float z) { return z < own - kDeeper; };
+    if (std::count_if(around.begin(), end, is_deeper) <= quartile - around.begin()) return own;
+  }
+  std::nth_element(around.begin(), quartile, end);
+  return *quartile;
 }
 
 }  // namespace lidar_mapping::map

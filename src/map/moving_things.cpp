@@ -1,6 +1,7 @@
 #include "moving_things.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <cstdint>
 #include <unordered_map>
 
@@ -18,7 +19,6 @@ constexpr double kThingCell = 0.3;      // m; cells that touch belong to one thi
 constexpr double kMajority = 0.5;       // of a block: all go, else none
 
 Layer layer_of(float above_own, float above_all) {
-  if (above_all < kFootHeight) return Layer::kGround;
   const float height = above_own < above_all - kRoof ? above_all : std::min(above_own, above_all);
   if (height < kGroundHeight) return Layer::kFoot;
   return height < kBodyHeight ? Layer::kBody : Layer::kHigh;
@@ -38,22 +38,24 @@ struct Poll {
 
 Poll poll_of(Vote vote) { return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0}; }
 
-/// Voxels by key; a step to a neighbour is a sum.
+/// Voxels by key; a step to a neighbour is a sum. Only those near a candidate are counted.
 class Blocks {
  public:
   Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : points_(points) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (votes[i] != Vote::kUnseen) voxels_[key_of(i)].add(poll_of(votes[i]));
+      if (votes[i] == Vote::kMoves) voxels_.try_emplace(key_of(i));
     }
+    if (voxels_.empty()) return;
     for (const auto& [key, voxel] : voxels_) {
-      if (voxel.moving > 0) visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
+      visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
     }
+    for (const auto& [key, block] : blocks_) {
+      visit_around(key, [&](Key near) { voxels_.try_emplace(near); });
+    }
+    count(votes);
     for (auto& [key, block] : blocks_) {
       Poll& poll = block;
-      visit_around(key, [&](Key near) {
-        const auto voxel = voxels_.find(near);
-        if (voxel != voxels_.end()) poll.add(voxel->second);
-      });
+      visit_around(key, [&](Key near) { poll.add(voxels_.at(near)); });
     }
   }
 
@@ -61,7 +63,9 @@ class Blocks {
 
   /// Whether the 3x3x3 voxels around the i-th point together go.
   bool move_around(std::size_t i) const {
-    const auto block = blocks_.find(key_of(i));
+    const Key key = key_of(i);
+    if (!near_[column_of(key)]) return false;
+    const auto block = blocks_.find(key);
     return block != blocks_.end() && block->second.moves();
   }
 
@@ -69,6 +73,23 @@ class Blocks {
   using Key = std::int64_t;
   static constexpr Key kStepX = Key{1} << 40;
   static constexpr Key kStepY = Key{1} << 20;
+  static constexpr std::size_t kColumns = 256 * 256;
+
+  void count(const std::vector<Vote>& votes) {
+    for (const auto& [key, voxel] : voxels_) near_.set(column_of(key));
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (votes[i] == Vote::kUnseen) continue;
+      const Key key = key_of(i);
+      if (!near_[column_of(key)]) continue;
+      const auto voxel = voxels_.find(key);
+      if (voxel != voxels_.end()) voxel->second.add(poll_of(votes[i]));
+    }
+  }
+
+  static std::size_t column_of(Key key) {
+    const auto cells = static_cast<std::uint64_t>(key);
+    return (cells / kStepX % 256 * 256 + cells / kStepY % 256) % kColumns;
+  }
 
   Key key_of(std::size_t i) const {
     const auto cell = [](float value) {
@@ -90,6 +111,7 @@ class Blocks {
   const PlacedPoints& points_;
   std::unordered_map<Key, Poll> voxels_;
   std::unordered_map<Key, Poll> blocks_;
+  std::bitset<kColumns> near_;  ///< columns with voxels, to look few up in vain
 };
 
 /// Things that stand alone, seen from above: cells with something on them that touch, also at
@@ -98,13 +120,16 @@ class Things {
  public:
   Things(const PlacedPoints& points, const std::vector<Vote>& votes,
          const std::vector<Layer>& layers)
-      : points_(points), cells_(points, kThingCell, Cell{}) {
+      : points_(points), cells_(points, kThingCell, Cell{}, kFarthest, [&layers](std::size_t i) {
+          return layers[i] == Layer::kBody;
+        }) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (layers[i] != Layer::kBody) continue;
       Cell* cell = cells_.find(cells_.cell_of(points.points[i]));
       if (cell == nullptr) continue;
-      cell->is_taken = true;
-      cell->poll.add(poll_of(votes[i]));
+      if (cell->thing == kFree) cell->thing = kNone;
+      cell->voters = static_cast<std::uint16_t>(cell->voters + (votes[i] != Vote::kUnseen));
+      cell->moving = static_cast<std::uint16_t>(cell->moving + (votes[i] == Vote::kMoves));
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (layers[i] != Layer::kBody || votes[i] != Vote::kMoves) continue;
@@ -127,17 +152,18 @@ class Things {
   }
 
  private:
+  static constexpr int kFree = -2;  // nothing is there
   static constexpr int kNone = -1;
 
-  struct Cell {
-    bool is_taken = false;
-    int thing = kNone;
-    Poll poll;
+  struct Cell {  // small, as there are many
+    int thing = kFree;
+    std::uint16_t voters = 0;
+    std::uint16_t moving = 0;
   };
 
   bool moves_at(const CellIndex& index) const {
     const Cell* cell = cells_.find(index);
-    if (cell == nullptr || cell->thing == kNone) return false;
+    if (cell == nullptr || cell->thing < 0) return false;
     const Poll& poll = polls_[static_cast<std::size_t>(cell->thing)];
     return poll.voters >= kFewVoters && poll.moves();
   }
@@ -150,11 +176,12 @@ class Things {
     while (!open.empty()) {
       const CellIndex at = open.back();
       open.pop_back();
-      polls_.back().add(cells_.find(at)->poll);
+      const Cell& here = *cells_.find(at);
+      polls_.back().add({here.voters, here.moving});
       for (int n = 0; n < 9; ++n) {
         const CellIndex next = {at.x + n % 3 - 1, at.y + n / 3 - 1};
         Cell* cell = cells_.find(next);
-        if (cell == nullptr || !cell->is_taken || cell->thing != kNone) continue;
+        if (cell == nullptr || cell->thing != kNone) continue;
         cell->thing = thing;
         open.push_back(next);
       }
@@ -171,7 +198,9 @@ class Things {
 std::vector<Layer> layers_of(const PlacedPoints& points, LocalGround& own, LocalGround& all) {
   std::vector<Layer> layers(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    layers[i] = layer_of(own.height_above(points, i), all.height_above(points, i));
+    const float above_all = all.height_above(points, i);
+    layers[i] =
+        above_all < kFootHeight ? Layer::kGround : layer_of(own.height_above(points, i), above_all);
   }
   return layers;
 }

@@ -42,13 +42,20 @@ class CellGrid {
  public:
   /// Points further than `farthest` from the origin have no cell, m.
   CellGrid(const PlacedPoints& points, double cell, const Value& value, float farthest = kFarthest)
+      : CellGrid(points, cell, value, farthest, [](std::size_t) { return true; }) {}
+
+  /// Over those points that are `taken`, by their number.
+  template <typename Taken>
+  CellGrid(const PlacedPoints& points, double cell, const Value& value, float farthest,
+           const Taken& taken)
       : scale_(static_cast<float>(1.0 / cell)),
         farthest_(farthest),
         origin_{static_cast<int>(std::lround(points.origin.x() / cell)),
                 static_cast<int>(std::lround(points.origin.y() / cell))} {
     CellIndex last = kNoCell;
-    for (const Eigen::Vector3f& point : points.points) {
-      const CellIndex cell_index = cell_of(point);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!taken(i)) continue;
+      const CellIndex cell_index = cell_of(points.points[i]);
       if (cell_index.x == kNoCell.x) continue;
       if (last.x == kNoCell.x) first_ = last = cell_index;
       first_ = {std::min(first_.x, cell_index.x), std::min(first_.y, cell_index.y)};

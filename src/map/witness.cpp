@@ -15,13 +15,36 @@ struct Place {
   Eigen::Vector3f p_base_sensor;
 };
 
-/// A point, and what was said of it.
-struct Case {
-  Eigen::Vector3f p_base;
-  std::uint32_t point = 0;
-  int left = 0;  ///< witnesses in reach that were not asked yet
-  int through = 0;
-  int hits = 0;
+/// Points that are asked about, and what was said of each.
+struct Cases {
+  SensorPoints p_base;
+  std::vector<std::uint32_t> points;
+  std::vector<int> left;  ///< witnesses in reach that were not asked yet
+  std::vector<int> through;
+  std::vector<int> hits;
+
+  std::size_t size() const { return points.size(); }
+
+  void add(std::uint32_t number, const Eigen::Vector3f& position) {
+    resize(size() + 1);
+    p_base.x.back() = position.x();
+    p_base.y.back() = position.y();
+    p_base.z.back() = position.z();
+    points.back() = number;
+  }
+
+  void resize(std::size_t count) {
+    p_base.resize(count);
+    points.resize(count);
+    for (std::vector<int>* counts : {&left, &through, &hits}) counts->resize(count);
+  }
+
+  void move(std::size_t from, std::size_t to) {
+    for (std::vector<float>* values : {&p_base.x, &p_base.y, &p_base.z})
+      (*values)[to] = (*values)[from];
+    for (std::vector<int>* counts : {&left, &through, &hits}) (*counts)[to] = (*counts)[from];
+    points[to] = points[from];
+  }
 };
 
 class Court {
@@ -29,44 +52,76 @@ class Court {
   Court(std::vector<Place> places, const MovingObjectsConfig& config)
       : places_(std::move(places)), config_(config) {}
 
-  void judge(std::vector<Case>& cases, std::vector<Vote>& votes) const {
-    count_reach(cases);
+  /// Leaves no case behind.
+  void judge(Cases& cases, std::vector<Vote>& votes) {
+    for (const Place& place : places_) count_reach(place, cases);
     for (const Place& place : places_) {
+      settle(cases, votes);
       ask(place, cases);
-      const auto is_settled = [&](const Case& one) {
-        const bool settled = is_certain(one);
-        if (settled) votes[one.point] = verdict(one);
-        return settled;
-      };
-      cases.erase(std::remove_if(cases.begin(), cases.end(), is_settled), cases.end());
     }
-    for (const Case& one : cases) votes[one.point] = verdict(one);
-    cases.clear();
+    settle(cases, votes);
   }
 
  private:
-  bool is_in_reach(const Eigen::Vector3f& from_sensor) const {
-    const auto reach = static_cast<float>(config_.reach);
-    return from_sensor.squaredNorm() <= reach * reach;
+  float squared_reach() const { return static_cast<float>(config_.reach * config_.reach); }
+
+  void count_reach(const Place& place, Cases& cases) const {
+    const float* x = cases.p_base.x.data();
+    const float* y = cases.p_base.y.data();
+    const float* z = cases.p_base.z.data();
+    int* left = cases.left.data();
+    const Eigen::Vector3f c = place.p_base_sensor;
+    const float reach = squared_reach();
+    for (std::size_t i = 0; i < cases.size(); ++i) left[i] += squared(x[i], y[i], z[i], c) <= reach;
   }
 
-  void count_reach(std::vector<Case>& cases) const {
-    for (const Place& place : places_) {
-      for (Case& one : cases) {
-        one.left += is_in_reach(one.p_base - place.p_base_sensor) ? 1 : 0;
+  static float squared(float x, float y, float z, const Eigen::Vector3f& c) {
+    return (x - c.x()) * (x - c.x()) + (y - c.y()) * (y - c.y()) + (z - c.z()) * (z - c.z());
+  }
+
+  void ask(const Place& place, Cases& cases) {
+    gather(place, cases);
+    directions_.project(seen_);
+    place.image->look(directions_, sights_);
+    for (std::size_t k = 0; k < asked_.size(); ++k) {
+      const std::size_t i = asked_[k];
+      const Sight sight = sights_[k];
+      --cases.left[i];
+      cases.through[i] += sight == Sight::kSeenThrough ? 1 : 0;
+      cases.hits[i] += sight == Sight::kHit ? 1 : 0;
+    }
+  }
+
+  /// The cases in reach of a place, as they are seen from there.
+  void gather(const Place& place, const Cases& cases) {
+    const float reach = squared_reach();
+    asked_.clear();
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const SensorPoints& p = cases.p_base;
+      if (squared(p.x[i], p.y[i], p.z[i], place.p_base_sensor) <= reach) asked_.push_back(i);
+    }
+    seen_.resize(asked_.size());
+    for (std::size_t k = 0; k < asked_.size(); ++k) {
+      const std::size_t i = asked_[k];
+      const Eigen::Vector3f p_base(cases.p_base.x[i], cases.p_base.y[i], cases.p_base.z[i]);
+      const Eigen::Vector3f p_sensor = place.R_sensor_base * (p_base - place.p_base_sensor);
+      seen_.x[k] = p_sensor.x();
+      seen_.y[k] = p_sensor.y();
+      seen_.z[k] = p_sensor.z();
+    }
+  }
+
+  /// Takes away the cases that are certain.
+  void settle(Cases& cases, std::vector<Vote>& votes) const {
+    std::size_t open = 0;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      if (is_certain(cases.left[i], cases.through[i], cases.hits[i])) {
+        votes[cases.points[i]] = verdict(cases.through[i], cases.hits[i]);
+      } else {
+        cases.move(i, open++);
       }
     }
-  }
-
-  void ask(const Place& place, std::vector<Case>& cases) const {
-    for (Case& one : cases) {
-      const Eigen::Vector3f from_sensor = one.p_base - place.p_base_sensor;
-      if (!is_in_reach(from_sensor)) continue;
-      --one.left;
-      const Sight sight = place.image->sight_of(place.R_sensor_base * from_sensor);
-      one.through += sight == Sight::kSeenThrough ? 1 : 0;
-      one.hits += sight == Sight::kHit ? 1 : 0;
-    }
+    cases.resize(open);
   }
 
   bool moves(int through, int hits) const {
@@ -74,19 +129,23 @@ class Court {
   }
 
   /// Whether the verdict is the same if all that were not asked say one thing or the other.
-  bool is_certain(const Case& one) const {
-    if (one.left == 0) return true;
-    if (one.hits > 0 && !moves(one.through + one.left, one.hits)) return true;
-    return moves(one.through, one.hits + one.left);
+  bool is_certain(int left, int through, int hits) const {
+    if (left == 0) return true;
+    if (hits > 0 && !moves(through + left, hits)) return true;
+    return moves(through, hits + left);
   }
 
-  Vote verdict(const Case& one) const {
-    if (one.through + one.hits == 0) return Vote::kUnseen;
-    return moves(one.through, one.hits) ? Vote::kMoves : Vote::kStands;
+  Vote verdict(int through, int hits) const {
+    if (through + hits == 0) return Vote::kUnseen;
+    return moves(through, hits) ? Vote::kMoves : Vote::kStands;
   }
 
   const std::vector<Place> places_;
   const MovingObjectsConfig& config_;
+  std::vector<std::size_t> asked_;  ///< what follows is that of one place
+  SensorPoints seen_;
+  Directions directions_;
+  std::vector<Sight> sights_;
 };
 
 std::vector<Place> places_of(const std::vector<const Witness*>& witnesses, const Pose& T_map_base) {
@@ -106,10 +165,10 @@ std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
                            const std::vector<const Witness*>& witnesses,
                            const MovingObjectsConfig& config) {
   std::vector<Vote> votes(cloud.size(), Vote::kUnseen);
-  const Court court(places_of(witnesses, T_map_base), config);
-  std::vector<Case> cases;
+  Court court(places_of(witnesses, T_map_base), config);
+  Cases cases;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (asked[i]) cases.push_back({cloud.points[i].position(), static_cast<std::uint32_t>(i)});
+    if (asked[i]) cases.add(static_cast<std::uint32_t>(i), cloud.points[i].position());
     if (cases.size() == kChunk) court.judge(cases, votes);
   }
   court.judge(cases, votes);
