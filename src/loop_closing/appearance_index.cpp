@@ -31,8 +31,7 @@ std::vector<std::size_t> best_of(std::vector<Ranked> ranked, std::size_t count) 
 
 }  // namespace
 
-Appearance appearance_of(const PointCloud& cloud) {
-  const auto points = positions(cloud);
+Appearance appearance_of(const std::vector<Eigen::Vector3f>& points) {
   Appearance appearance;
   appearance.view = BirdsEye(points, above_ground(points));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());

@@ -7,7 +7,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::uint32_t kLeafSize = 8;
+constexpr std::uint32_t kLeafSize = 12;
 
 using Iterator = std::vector<Eigen::Vector3f>::iterator;
 
@@ -45,11 +45,12 @@ struct NearestSeveral {
 
   void operator()(std::uint32_t candidate, float squared_distance) {
     if (squared_distance >= bound) return;
-    if (kept.size() == count) kept.pop_back();
-    const auto place = std::upper_bound(
-        kept.begin(), kept.end(), squared_distance,
-        [](float value, const KdTree::Neighbour& n) { return value < n.squared_distance; });
-    kept.insert(place, {candidate, squared_distance});
+    if (kept.size() < count) kept.emplace_back();
+    auto place = kept.end() - 1;
+    for (; place != kept.begin() && squared_distance < (place - 1)->squared_distance; --place) {
+      *place = *(place - 1);
+    }
+    *place = {candidate, squared_distance};
     if (kept.size() == count) bound = kept.back().squared_distance;
   }
 };
@@ -110,7 +111,7 @@ std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float
 std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, std::size_t count) const {
   if (nodes_.empty() || count == 0) return {};
   NearestSeveral visit{count};
-  visit.kept.reserve(count + 1);
+  visit.kept.reserve(count);
   Eigen::Vector3f offset = Eigen::Vector3f::Zero();
   search(0, p, offset, visit);
   return std::move(visit.kept);

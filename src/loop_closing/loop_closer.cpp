@@ -53,7 +53,7 @@ class LoopCloser::Impl {
 };
 
 void LoopCloser::Impl::take_in(const KeyFrame& key_frame) {
-  const PointCloudPtr scan = submaps_.take_newest(key_frame);
+  const PointsPtr scan = submaps_.take_newest(key_frame);
   places_.append(key_frame, scan ? std::optional(appearance_of(*scan)) : std::nullopt);
   ++key_frames_since_search_;
 }

@@ -34,8 +34,8 @@ std::vector<Pose> starts_by_views(CloudSource& clouds, KeyFrameIndex from, KeyFr
   const PointCloudPtr older = clouds.cloud(from);
   const PointCloudPtr newer = clouds.cloud(to);
   if (!older || !newer) return {};
-  const Appearance a = appearance_of(*older);
-  const Appearance b = appearance_of(*newer);
+  const Appearance a = appearance_of(positions(*older));
+  const Appearance b = appearance_of(positions(*newer));
   const double turn = a.descriptor.compare(b.descriptor).yaw;
   const ViewCorrelator correlator(a.view);
   std::vector<Pose> starts;

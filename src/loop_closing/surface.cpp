@@ -59,9 +59,10 @@ class LowestHeights {
   static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
 
   static int cell_of(const Eigen::Vector3f& p) {
-    const double x = std::floor(p.x() / kGroundCell) + kWidth / 2;
-    const double y = std::floor(p.y() / kGroundCell) + kWidth / 2;
-    if (x < 1 || y < 1 || x > kWidth - 2 || y > kWidth - 2) return -1;
+    constexpr double kMiddle = kWidth / 2;  // added first, so that casting rounds down
+    const double x = p.x() / kGroundCell + kMiddle;
+    const double y = p.y() / kGroundCell + kMiddle;
+    if (!(x >= 1.0 && y >= 1.0 && x < kWidth - 1 && y < kWidth - 1)) return -1;
     return static_cast<int>(y) * kWidth + static_cast<int>(x);
   }
 

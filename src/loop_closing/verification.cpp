@@ -34,31 +34,66 @@ double smaller_eigenvalue(const Eigen::Matrix2d& scatter, int count) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter / count).eigenvalues()[0];
 }
 
-/// Overlap, tested points and horizontal eigenvalue.
-void measure_overlap(const QueryScan& query, const Submap& submap,
-                     const Eigen::Isometry3f& T_submap_query, MatchFigures& figures) {
-  const KdTree& tree = submap.surface.tree();
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  int pairs = 0;
-  int explained = 0;
-  for (std::size_t i = 0; i < query.points.size(); ++i) {
-    if (!query.above_ground[i] || query.points[i].norm() > kTestRange) continue;
-    ++figures.tested_points;
-    const Eigen::Vector3f p = T_submap_query * query.points[i];
-    const auto pair = tree.nearest(p, kPairSearch);
-    if (!pair) continue;
-    if (pair->squared_distance < kPairDistance * kPairDistance) ++explained;
-    const Eigen::Vector3f& normal = submap.surface.normal(pair->index);
-    if (normal.isZero()) continue;
-    if (std::abs(normal.dot(p - tree.points()[pair->index])) > kPairDistance) continue;
+/// What the query's points and their nearest points in the submap say, a pair at a time.
+class PairTally {
+ public:
+  PairTally(const Submap& submap, float fitness_range)
+      : submap_(submap), fitness_range_(fitness_range) {}
+
+  /// `p`: a point of the query in the submap's frame; `pair`: the nearest point there, if any is
+  /// near; `tested`: the point is above ground and not far.
+  void add(const Eigen::Vector3f& p, const std::optional<KdTree::Neighbour>& pair, bool tested) {
+    if (tested) ++tested_;
+    if (!pair) return;
+    if (pair->squared_distance < fitness_range_ * fitness_range_) {
+      sum_of_squares_ += pair->squared_distance;
+      ++near_;
+    }
+    if (!tested || pair->squared_distance >= kPairSearch * kPairSearch) return;
+    if (pair->squared_distance < kPairDistance * kPairDistance) ++explained_;
+    add_normal(p, pair->index);
+  }
+
+  void report(MatchFigures& figures) const {
+    figures.tested_points = tested_;
+    if (tested_ > 0) figures.overlap = static_cast<double>(explained_) / tested_;
+    figures.horizontal_eigenvalue = smaller_eigenvalue(scatter_, normals_);
+    figures.fitness =
+        near_ == 0 ? static_cast<double>(fitness_range_) * fitness_range_ : sum_of_squares_ / near_;
+  }
+
+ private:
+  void add_normal(const Eigen::Vector3f& p, std::size_t index) {
+    const Eigen::Vector3f& normal = submap_.surface.normal(index);
+    if (normal.isZero()) return;
+    if (std::abs(normal.dot(p - submap_.surface.tree().points()[index])) > kPairDistance) return;
     const Eigen::Vector2d horizontal = normal.head<2>().cast<double>();
-    scatter += horizontal * horizontal.transpose();
-    ++pairs;
+    scatter_ += horizontal * horizontal.transpose();
+    ++normals_;
   }
-  if (figures.tested_points > 0) {
-    figures.overlap = static_cast<double>(explained) / figures.tested_points;
+
+  const Submap& submap_;
+  float fitness_range_;
+  int tested_ = 0;
+  int explained_ = 0;
+  int near_ = 0;
+  double sum_of_squares_ = 0.0;
+  int normals_ = 0;
+  Eigen::Matrix2d scatter_ = Eigen::Matrix2d::Zero();
+};
+
+/// Overlap, tested points, horizontal eigenvalue and fitness.
+void measure_pairs(const QueryScan& query, const Submap& submap,
+                   const Eigen::Isometry3f& T_submap_query, float fitness_range,
+                   MatchFigures& figures) {
+  const float range = std::max(kPairSearch, fitness_range);
+  PairTally tally(submap, fitness_range);
+  for (std::size_t i = 0; i < query.points.size(); ++i) {
+    const Eigen::Vector3f p = T_submap_query * query.points[i];
+    const bool tested = query.above_ground[i] && query.points[i].norm() <= kTestRange;
+    tally.add(p, submap.surface.tree().nearest(p, range), tested);
   }
-  figures.horizontal_eigenvalue = smaller_eigenvalue(scatter, pairs);
+  tally.report(figures);
 }
 
 double violation_of_query(const QueryScan& query, const Submap& submap,
@@ -82,19 +117,6 @@ double violation_of_submap(const QueryScan& query, const Submap& submap,
     if (p.norm() < kTestRange) tally.add(query.image.sight(p));
   }
   return tally.share();
-}
-
-double fitness_of(const QueryScan& query, const Submap& submap,
-                  const Eigen::Isometry3f& T_submap_query, float range) {
-  double sum = 0.0;
-  int pairs = 0;
-  for (const auto& p : query.points) {
-    const auto pair = submap.surface.tree().nearest(T_submap_query * p, range);
-    if (!pair) continue;
-    sum += pair->squared_distance;
-    ++pairs;
-  }
-  return pairs == 0 ? static_cast<double>(range) * range : sum / pairs;
 }
 
 }  // namespace
@@ -125,10 +147,9 @@ MatchFigures measure_match(const QueryScan& query, const Submap& submap, const P
   T.linear() = T_submap_query.rotation_matrix().cast<float>();
   T.translation() = T_submap_query.translation.cast<float>();
   MatchFigures figures;
-  measure_overlap(query, submap, T, figures);
+  measure_pairs(query, submap, T, static_cast<float>(fitness_score_max_range), figures);
   figures.free_space_violation = std::max(violation_of_query(query, submap, T),
                                           violation_of_submap(query, submap, T.inverse()));
-  figures.fitness = fitness_of(query, submap, T, static_cast<float>(fitness_score_max_range));
   return figures;
 }
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/loop_closing/birds_eye.hpp"
 #include "lidar_mapping/loop_closing/spectrum_descriptor.hpp"
 
@@ -16,8 +15,8 @@ struct Appearance {
   SpectrumDescriptor descriptor;
 };
 
-/// Of a cloud in base_link.
-Appearance appearance_of(const PointCloud& cloud);
+/// Of the points of a key frame in base_link.
+Appearance appearance_of(const std::vector<Eigen::Vector3f>& points);
 
 /// All appearances of a drive. Grows by one per key frame, is never rebuilt, and is searched by a
 /// linear scan over keys (0.3 ms per 2000 key frames).

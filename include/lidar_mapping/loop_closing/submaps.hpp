@@ -1,30 +1,34 @@
 #pragma once
 
-#include <list>
 #include <memory>
 #include <optional>
 
 #include "lidar_mapping/common/cloud_source.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
+#include "lidar_mapping/loop_closing/recent.hpp"
 #include "lidar_mapping/loop_closing/trajectory.hpp"
 #include "lidar_mapping/loop_closing/verification.hpp"
+#include "lidar_mapping/loop_closing/voxel_means.hpp"
 
 namespace lidar_mapping::loop_closing {
 
 /// Key frames that the scan to be matched is made of.
 constexpr int kQueryKeyFrames = 3;
 
+using Points = std::vector<Eigen::Vector3f>;
+using PointsPtr = std::shared_ptr<const Points>;
+
 /// Makes what is matched: the scan of a key frame and the submap around another. Keeps a few
-/// filtered clouds and submaps, so that memory does not grow with the drive.
+/// thinned clouds and submaps, so that memory does not grow with the drive.
 class Submaps {
  public:
   /// Both must outlive this object.
   Submaps(const LoopClosingConfig& config, CloudSource& clouds);
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
 
-  /// Keeps the cloud of a new key frame and returns it filtered, in base_link; null if it is not to
+  /// Keeps the cloud of a new key frame and returns it thinned, in base_link; null if it is not to
   /// be had.
-  PointCloudPtr take_newest(const KeyFrame& key_frame);
+  PointsPtr take_newest(const KeyFrame& key_frame);
   /// The newest scan with those of the two nodes before, which a sensor of few beams needs.
   std::optional<QueryScan> query(const Trajectory& trajectory);
   /// The key frames within extend_frame_num of the node, as far as there are any on either side;
@@ -32,23 +36,22 @@ class Submaps {
   std::shared_ptr<const Submap> around(const Trajectory& trajectory, Trajectory::NodeId node);
 
  private:
-  template <typename Value>
-  struct Kept {
-    KeyFrameIndex index;
-    Value value;
-  };
-  PointCloudPtr map_cloud(KeyFrameIndex index);
-  PointCloudPtr keep(KeyFrameIndex index, const PointCloud& cloud);
-  PointCloud newest_scan(KeyFrameIndex index);
-  PointCloud joined(const Trajectory& trajectory, Trajectory::NodeId middle, std::size_t before,
-                    std::size_t after);
+  double map_leaf() const;
+  double scan_leaf() const;
+  Points thinned(const PointCloud& cloud, double leaf);
+  PointsPtr map_points(KeyFrameIndex index);
+  PointsPtr keep(KeyFrameIndex index, const PointCloud& cloud);
+  Points newest_scan(KeyFrameIndex index);
+  Points joined(const Trajectory& trajectory, Trajectory::NodeId middle, const Points& own,
+                std::size_t before, std::size_t after, double leaf);
 
   LoopClosingConfig config_;
   CloudSource& clouds_;
   Eigen::Vector3f p_base_lidar_ = Eigen::Vector3f::Zero();
   PointCloudPtr newest_;
-  std::list<Kept<PointCloudPtr>> kept_clouds_;                   // newest first
-  std::list<Kept<std::shared_ptr<const Submap>>> kept_submaps_;  // newest first
+  VoxelMeans voxels_;
+  Recent<PointsPtr> kept_points_;
+  Recent<std::shared_ptr<const Submap>> kept_submaps_;
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <unordered_map>
+#include <utility>
+
+#include "lidar_mapping/common/key_frame.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+/// What belongs to the key frames that were asked for last, up to a total weight.
+template <typename Value>
+class Recent {
+ public:
+  explicit Recent(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Null if it is not kept (any more).
+  const Value* find(KeyFrameIndex index) {
+    const auto found = at_index_.find(index);
+    if (found == at_index_.end()) return nullptr;
+    newest_first_.splice(newest_first_.begin(), newest_first_, found->second);
+    return &found->second->value;
+  }
+
+  /// Keeps the value of a key frame that find() does not know, and forgets the oldest ones.
+  const Value& keep(KeyFrameIndex index, Value value, std::size_t weight) {
+    newest_first_.push_front({index, std::move(value), weight});
+    at_index_[index] = newest_first_.begin();
+    weight_ += weight;
+    while (weight_ > capacity_ && newest_first_.size() > 1) forget_oldest();
+    return newest_first_.front().value;
+  }
+
+  void clear() {
+    newest_first_.clear();
+    at_index_.clear();
+    weight_ = 0;
+  }
+
+ private:
+  struct Entry {
+    KeyFrameIndex index;
+    Value value;
+    std::size_t weight;
+  };
+
+  void forget_oldest() {
+    weight_ -= newest_first_.back().weight;
+    at_index_.erase(newest_first_.back().index);
+    newest_first_.pop_back();
+  }
+
+  std::size_t capacity_;
+  std::size_t weight_ = 0;
+  std::list<Entry> newest_first_;
+  std::unordered_map<KeyFrameIndex, typename std::list<Entry>::iterator> at_index_;
+};
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,77 @@
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/loop_closing/recent.hpp"
+#include "lidar_mapping/loop_closing/voxel_means.hpp"
+
+namespace lidar_mapping::loop_closing {
+namespace {
+
+/// More voxels than the table holds at first, on both sides of the axes.
+PointCloud scattered() {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-30.0F, 30.0F);
+  PointCloud cloud;
+  for (int i = 0; i < 60000; ++i) {
+    cloud.points.push_back({place(random), place(random), 0.1F * place(random), 0.0F});
+  }
+  return cloud;
+}
+
+TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
+  const PointCloud cloud = scattered();
+  const PointCloud expected = voxel_filtered(cloud, 0.5);
+  VoxelMeans voxels;
+  voxels.restart(0.5);
+  for (const Point& point : cloud.points) voxels.add(point.position());
+  const auto points = voxels.points();
+  ASSERT_GT(points.size(), 20000U);
+  ASSERT_EQ(points.size(), expected.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_LT((points[i] - expected.points[i].position()).norm(), 2e-5F) << i;
+  }
+}
+
+TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
+  VoxelMeans voxels;
+  for (int round = 0; round < 2; ++round) {
+    voxels.restart(1.0);
+    voxels.add({0.1F, 0.1F, 0.1F});
+    voxels.add({-0.1F, 0.1F, 0.1F});
+    voxels.add({0.3F, 0.3F, 0.3F});
+    const auto points = voxels.points();
+    ASSERT_EQ(points.size(), 2U);
+    EXPECT_TRUE(points[0].isApprox(Eigen::Vector3f::Constant(0.2F)));
+  }
+}
+
+TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
+  VoxelMeans voxels;
+  voxels.restart(0.0);
+  voxels.add({1.0F, 2.0F, 3.0F});
+  voxels.add({1.0F, 2.0F, 3.0F});
+  voxels.add({std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F});
+  voxels.add({0.0F, std::numeric_limits<float>::infinity(), 0.0F});
+  voxels.add({0.0F, 0.0F, -1e30F});
+  EXPECT_EQ(voxels.points(), std::vector<Eigen::Vector3f>(2, {1.0F, 2.0F, 3.0F}));
+}
+
+TEST(Recent, ForgetsWhatWasNotAskedForTheLongest) {
+  Recent<char> recent(10);
+  recent.keep(1, 'a', 4);
+  recent.keep(2, 'b', 4);
+  ASSERT_NE(recent.find(1), nullptr);
+  recent.keep(3, 'c', 4);
+  EXPECT_EQ(recent.find(2), nullptr);
+  EXPECT_EQ(*recent.find(1), 'a');
+  EXPECT_EQ(recent.keep(4, 'd', 100), 'd') << "the newest stays, however heavy";
+  EXPECT_EQ(recent.find(1), nullptr);
+  recent.clear();
+  EXPECT_EQ(recent.find(4), nullptr);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::loop_closing
