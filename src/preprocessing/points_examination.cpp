@@ -8,7 +8,22 @@ namespace {
 
 constexpr double kShortOfPeriods = 3.5;  // periods without a scan
 
-void judge_times(const CloudSummary& cloud, const PreprocessingConfig& config,
+/// About a turn.
+bool fits(double span, double period) { return span >= 0.5 * period && span <= 1.5 * period; }
+
+/// The span is a turn if it is what the parameter says or what passes from scan to scan.
+void judge_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
+  if (fits(span, config.scan_period)) return;
+  const std::string problem =
+      text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
+  if (rate <= 0.0 || !fits(span, 1.0 / rate)) {
+    add_fault(report, problem, "mend scan_period or point_time_unit");
+  } else if (config.scan_stamp != ScanStamp::kStart) {
+    add_fault(report, problem, "set scan_period, from which scan_stamp counts");
+  }
+}
+
+void judge_times(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
                  InputReport& report) {
   if (cloud.time_field.empty()) {
     report.found += ", no point times";
@@ -22,13 +37,7 @@ void judge_times(const CloudSummary& cloud, const PreprocessingConfig& config,
   report.found += text(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
                        cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
                        cloud.first_time, cloud.last_time);
-  const double span = cloud.last_time - cloud.first_time;
-  if (span < 0.5 * config.scan_period || span > 1.5 * config.scan_period) {
-    add_fault(
-        report,
-        text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period),
-        "mend scan_period or point_time_unit");
-  }
+  judge_span(cloud.last_time - cloud.first_time, rate, config, report);
   if (cloud.foreign_clock) {
     add_warning(report, "the points' times are of another clock than the stamps",
                 "they are counted from the first point; synchronise the sensor (PTP, PPS)");
@@ -45,7 +54,7 @@ InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
     return report;
   }
   report.found += text(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
-  judge_times(points.cloud, config, report);
+  judge_times(points.cloud, points.flow.rate(), config, report);
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");

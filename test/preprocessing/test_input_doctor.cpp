@@ -123,6 +123,22 @@ TEST(InputDoctor, FindsMissingAndWrongPointTimes) {
   expect_fault(messages, "nothing came");
 }
 
+/// Five or twenty turns a second: the span is what passes from scan to scan, whatever scan_period.
+TEST(InputDoctor, TakesTheTimesOfSlowAndFastSensors) {
+  const Stamp start = clean().clouds.front().stamp;
+  for (const double period : {0.2, 0.05}) {
+    Messages messages = clean();
+    for (CloudSummary& cloud : messages.clouds) {
+      cloud.stamp = start + from_seconds(period / 0.1 * to_seconds(cloud.stamp - start));
+      cloud.last_time = 0.999 * period;
+    }
+    EXPECT_EQ(all_faults(messages), "") << period;
+    PreprocessingConfig at_end;
+    at_end.scan_stamp = ScanStamp::kEnd;
+    EXPECT_NE(all_faults(messages, at_end).find("set scan_period"), std::string::npos) << period;
+  }
+}
+
 TEST(InputDoctor, FindsLostScansAndStampsThatGoBack) {
   Messages messages = clean();
   messages.clouds.erase(messages.clouds.begin() + 100, messages.clouds.begin() + 120);
