@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kBatch = 16;    // key frames that are judged together, one a thread
 constexpr int kGroundNeighbours = 5;  // key frames whose points tell the ground
+constexpr int kGroundStep = 3;        // every so many of the further ones do, too
 
 using Marks = std::vector<std::uint32_t>;  // points that move, in ascending order
 
@@ -123,15 +124,17 @@ class StaticClouds::Impl {
   }
 
   std::vector<Layer> layers_of(Position position, const PlacedPoints& points) const {
-    LocalGround own(points);
-    LocalGround all(points);
-    own.add(witnesses_.at(position)->ground);
-    for (Position i = first_of(position, kGroundNeighbours);
-         i < end_of(position, kGroundNeighbours); ++i) {
+    Grounds grounds(points);
+    grounds.own.add(witnesses_.at(position)->ground);
+    for (Position i = first_of(position, config_.neighbours);
+         i < end_of(position, config_.neighbours); ++i) {
       const auto witness = witnesses_.find(i);
-      if (witness != witnesses_.end()) all.add(witness->second->ground);
+      if (witness == witnesses_.end()) continue;
+      const Position distance = i > position ? i - position : position - i;
+      if (distance <= kGroundNeighbours) grounds.near.add(witness->second->ground);
+      if (distance % kGroundStep == 0) grounds.wide.add(witness->second->ground);
     }
-    return map::layers_of(points, own, all);
+    return map::layers_of(points, grounds);
   }
 
   /// The others around; those near by mostly settle a case.

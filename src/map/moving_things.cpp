@@ -12,16 +12,24 @@ namespace {
 constexpr float kGroundHeight = 0.12F;  // m; what is below has no vote
 constexpr float kBodyHeight = 2.5F;     // m; above are branches that join things
 constexpr float kFootHeight = 0.04F;    // m; nothing below goes
-constexpr float kRoof = 0.3F;           // m; own ground so much above that of all is none
+constexpr float kRoof = 0.3F;           // m; ground so much above that of more key frames is none
 constexpr int kFewVoters = 6;           // too few of them to take a whole thing away
 constexpr float kBlockVoxel = 0.4F;     // m; neighbours decide in blocks of 3x3x3
 constexpr double kThingCell = 0.3;      // m; cells that touch belong to one thing
-constexpr double kMajority = 0.5;       // of a block: all go, else none
+constexpr double kBlockShare = 0.7;     // of a block's voters have to say that it moves
+constexpr double kThingShare = 0.3;     // of a thing's: of one that stands next to nobody does
 
 Layer layer_of(float above_own, float above_all) {
   const float height = above_own < above_all - kRoof ? above_all : std::min(above_own, above_all);
   if (height < kGroundHeight) return Layer::kFoot;
   return height < kBodyHeight ? Layer::kBody : Layer::kHigh;
+}
+
+float height_above_all(const PlacedPoints& points, std::size_t i, Grounds& grounds) {
+  const float near = grounds.near.height_above(points, i);
+  if (near >= kGroundHeight) return near;
+  const float wide = grounds.wide.height_above(points, i);
+  return wide > near + kRoof ? wide : near;
 }
 
 /// Voters in some place, and those of them that say that it moves.
@@ -33,7 +41,7 @@ struct Poll {
     voters += other.voters;
     moving += other.moving;
   }
-  bool moves() const { return static_cast<double>(moving) > kMajority * voters; }
+  bool moves(double share) const { return static_cast<double>(moving) > share * voters; }
 };
 
 Poll poll_of(Vote vote) { return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0}; }
@@ -66,7 +74,7 @@ class Blocks {
     const Key key = key_of(i);
     if (!near_[column_of(key)]) return false;
     const auto block = blocks_.find(key);
-    return block != blocks_.end() && block->second.moves();
+    return block != blocks_.end() && block->second.moves(kBlockShare);
   }
 
  private:
@@ -165,7 +173,7 @@ class Things {
     const Cell* cell = cells_.find(index);
     if (cell == nullptr || cell->thing < 0) return false;
     const Poll& poll = polls_[static_cast<std::size_t>(cell->thing)];
-    return poll.voters >= kFewVoters && poll.moves();
+    return poll.voters >= kFewVoters && poll.moves(kThingShare);
   }
 
   void gather(const CellIndex& first) {
@@ -195,12 +203,12 @@ class Things {
 
 }  // namespace
 
-std::vector<Layer> layers_of(const PlacedPoints& points, LocalGround& own, LocalGround& all) {
+std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
   std::vector<Layer> layers(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float above_all = all.height_above(points, i);
-    layers[i] =
-        above_all < kFootHeight ? Layer::kGround : layer_of(own.height_above(points, i), above_all);
+    const float above_all = height_above_all(points, i, grounds);
+    layers[i] = above_all < kFootHeight ? Layer::kGround
+                                        : layer_of(grounds.own.height_above(points, i), above_all);
   }
   return layers;
 }

@@ -11,9 +11,20 @@ namespace lidar_mapping::map {
 /// vehicles.
 enum class Layer : char { kGround, kFoot, kBody, kHigh };
 
+/// The ground below the points of a key frame, as it saw it itself, as it and its neighbours saw
+/// it, and as those saw it that come by further away.
+struct Grounds {
+  explicit Grounds(const PlacedPoints& points) : own(points), near(points), wide(points) {}
+
+  LocalGround own;
+  LocalGround near;
+  LocalGround wide;
+};
+
 /// Ground is what the points' own key frame saw of it, as an error of its pose does not lift that;
-/// where that is a roof, the ground that all saw counts. What is out of reach is ground, too.
-std::vector<Layer> layers_of(const PlacedPoints& points, LocalGround& own, LocalGround& all);
+/// where that is a roof, the ground that its neighbours saw counts, and where they saw nothing but
+/// a roof either, as far ahead with few beams, the wide one. What is out of reach is ground, too.
+std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds);
 
 /// Which points go, after the votes on those above the foot (doc/map.md). Neighbours decide: what
 /// nobody saw follows those around; things that stand alone go as a whole, with their foot.
