@@ -23,6 +23,8 @@ constexpr double kHighest = 10.0;      // m above the ground; what is higher has
 constexpr double kGroundCell = 8.0;    // m, edge of the cells in which the ground has one height
 constexpr double kGroundShare = 0.03;  // of a cell's points may lie below its ground: mirrored ones
 constexpr std::size_t kMostHeights = 4'000'000;  // that tell the ground
+constexpr int kLevels = 255;                     // of heights
+constexpr int kMostCounted = 9;                  // points in a pixel; more make it no brighter
 constexpr Color kBackground = {12.0, 14.0, 20.0};
 constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {60.0, 175.0, 185.0},
@@ -30,9 +32,10 @@ constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {245.0, 210.0, 70.0},
                                           {230.0, 80.0, 60.0}}};
 
-/// A grid over the x-y plane that keeps one number a cell.
+/// A grid over the x-y plane that keeps one value a cell.
+template <typename Value>
 struct Grid {
-  Grid(double x_low, double y_high, double x_size, double y_size, double cell_size, float value)
+  Grid(double x_low, double y_high, double x_size, double y_size, double cell_size, Value value)
       : x_min(x_low),
         y_max(y_high),
         cell(cell_size),
@@ -47,14 +50,14 @@ struct Grid {
                static_cast<std::size_t>(width) +
            static_cast<std::size_t>(std::clamp(column, 0, width - 1));
   }
-  float& at(const Point& point) { return values[position(point)]; }
+  Value& at(const Point& point) { return values[position(point)]; }
 
   double x_min;
   double y_max;
   double cell;
   int width;
   int height;
-  std::vector<float> values;
+  std::vector<Value> values;
 };
 
 struct Extent {
@@ -63,7 +66,7 @@ struct Extent {
 };
 
 /// The ground's height in every cell.
-Grid ground_of(const CloudParts& map, const Extent& extent, Grid ground) {
+Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> ground) {
   std::vector<std::vector<float>> heights(ground.values.size());
   const std::size_t step = 1 + extent.points / kMostHeights;
   std::size_t number = 0;
@@ -92,9 +95,9 @@ Extent extent_of(const CloudParts& map) {
   return extent;
 }
 
+/// Of a share of the highest height.
 Color color_of(double height, double density) {
-  const double scaled =
-      std::clamp(height / kHighest, 0.0, 1.0) * static_cast<double>(kScale.size() - 1);
+  const double scaled = height * static_cast<double>(kScale.size() - 1);
   const std::size_t below = std::min(static_cast<std::size_t>(scaled), kScale.size() - 2);
   const double fraction = scaled - static_cast<double>(below);
   Color color{};
@@ -103,6 +106,34 @@ Color color_of(double height, double density) {
     color[i] = kBackground[i] + density * (full - kBackground[i]);
   }
   return color;
+}
+
+/// What is seen in a pixel: small, as there are many.
+struct Pixel {
+  std::uint8_t height = 0;  ///< of the highest point; kLevels is kHighest
+  std::uint8_t points = 0;  ///< up to kMostCounted
+
+  void add(float above_ground) {
+    const double share = std::clamp(static_cast<double>(above_ground) / kHighest, 0.0, 1.0);
+    height = std::max(height, static_cast<std::uint8_t>(std::lround(share * kLevels)));
+    points = static_cast<std::uint8_t>(std::min(points + 1, kMostCounted));
+  }
+};
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+/// The colours of all that a pixel can be, by points and height.
+std::vector<Rgb> palette() {
+  std::vector<Rgb> colors;
+  for (int points = 0; points <= kMostCounted; ++points) {
+    const double density = points == 0 ? 0.0 : std::min(1.0, 0.75 + 0.08 * std::log2(points));
+    for (int height = 0; height <= kLevels; ++height) {
+      const Color color = color_of(static_cast<double>(height) / kLevels, density);
+      Rgb& rgb = colors.emplace_back();
+      for (std::size_t i = 0; i < 3; ++i) rgb[i] = static_cast<std::uint8_t>(std::lround(color[i]));
+    }
+  }
+  return colors;
 }
 
 std::string world_file(const TopView& view) {
@@ -121,24 +152,18 @@ TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
   const double x_size = static_cast<double>(extent.bounds.max().x()) - x_min;
   const double y_size = y_max - static_cast<double>(extent.bounds.min().y());
   const double pixel = std::max(pixel_m, std::max(x_size, y_size) / (max_pixels - 1));
-  Grid ground = ground_of(map, extent, Grid(x_min, y_max, x_size, y_size, kGroundCell, kNone));
-  Grid top(x_min, y_max, x_size, y_size, pixel, -kNone);
-  Grid counts(x_min, y_max, x_size, y_size, pixel, 0.0F);
+  Grid<float> ground =
+      ground_of(map, extent, Grid<float>(x_min, y_max, x_size, y_size, kGroundCell, kNone));
+  Grid<Pixel> pixels(x_min, y_max, x_size, y_size, pixel, {});
   map.each([&](const PointCloud& part) {
-    for (const Point& point : part.points) {
-      top.at(point) = std::max(top.at(point), point.z - ground.at(point));
-      counts.at(point) += 1.0F;
-    }
+    for (const Point& point : part.points) pixels.at(point).add(point.z - ground.at(point));
   });
-  TopView view{top.width, top.height, pixel, x_min, y_max, {}};
-  view.rgb.reserve(3 * top.values.size());
-  for (std::size_t i = 0; i < top.values.size(); ++i) {
-    const double count = static_cast<double>(counts.values[i]);
-    const double density = count > 0.0 ? std::min(1.0, 0.75 + 0.08 * std::log2(count)) : 0.0;
-    const Color color = color_of(static_cast<double>(top.values[i]), density);
-    for (const double channel : color) {
-      view.rgb.push_back(static_cast<std::uint8_t>(std::lround(channel)));
-    }
+  TopView view{pixels.width, pixels.height, pixel, x_min, y_max, {}};
+  view.rgb.reserve(3 * pixels.values.size());
+  const std::vector<Rgb> colors = palette();
+  for (const Pixel& seen : pixels.values) {
+    const Rgb& rgb = colors[static_cast<std::size_t>(seen.points * (kLevels + 1) + seen.height)];
+    view.rgb.insert(view.rgb.end(), rgb.begin(), rgb.end());
   }
   return view;
 }
@@ -150,6 +175,7 @@ void write_png(const std::filesystem::path& path, const TopView& view) {
     image.width = static_cast<png_uint_32>(view.width);
     image.height = static_cast<png_uint_32>(view.height);
     image.format = PNG_FORMAT_RGB;
+    image.flags = PNG_IMAGE_FLAG_FAST;
     if (png_image_write_to_file(&image, temporary.c_str(), 0, view.rgb.data(), 0, nullptr) == 0) {
       throw FileError("cannot write " + path.string() + ": " + image.message);
     }

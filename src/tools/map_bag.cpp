@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -177,13 +178,16 @@ class MappingRun {
   int conclude() {
     const double mapped = progress_->seconds();
     if (stop_asked != 0) std::printf("stopped early: what follows is the drive so far\n");
-    if (report_.progress.scans == 0 && pipeline_->session().key_frame_count() == 0) {
+    pipeline_.reset();  // the map needs its memory
+    malloc_trim(0);
+    const Session session = Session::open(options_.output, Session::Access::kRead);
+    if (report_.progress.scans == 0 && session.key_frame_count() == 0) {
       throw InputError("no scan could be used, so there is no map; the lines above say why");
     }
     std::printf("%s\n", report_.optimization.message.c_str());
     double products = 0.0;
     if (!options_.no_map) {
-      for (const auto& file : write_map(pipeline_->session(), options_.map)) {
+      for (const auto& file : write_map(session, options_.map)) {
         std::printf("%s\n", file.c_str());
       }
       products = progress_->seconds() - mapped;
