@@ -14,6 +14,7 @@ constexpr double kUsualDelay = 0.05;     // s; what stamps may be off before any
 constexpr double kArmPrior = 0.03;       // m; tf's lever arm was measured with a ruler
 constexpr double kKnownDelay = 0.008;    // s, standard deviation from which on it counts as known
 constexpr double kSmallestDelay = 0.01;  // s; less is left alone
+constexpr double kSmallestStep = 0.001;  // s; by less a correction is not changed
 constexpr double kLeastSigma = 0.003;    // s
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
@@ -135,7 +136,8 @@ void GnssTrack::learn_delay() {
   if (fit.delay_sigma > kKnownDelay) return;
   delay_sigma_ = std::max(kLeastSigma, fit.delay_sigma);
   const bool is_late = std::abs(fit.delay) > std::max(kSmallestDelay, 4.0 * fit.delay_sigma);
-  if (std::abs(fit.delay - delay_) < kSmallestDelay || (!is_late && delay_ == 0.0)) return;
+  if (!is_late && delay_ == 0.0) return;
+  if (std::abs(fit.delay - delay_) < kSmallestStep) return;
   delay_ = fit.delay;
   notices_.warn("delay", "gnss: its stamps are " + milliseconds(delay_) +
                              (delay_ > 0.0 ? " late" : " early") +
