@@ -20,6 +20,10 @@ constexpr double kUncertainOffset = 0.02;  // s
 constexpr double kAnyArm = 3.0;            // m, standard deviation
 constexpr double kSignificantArm = 0.4;    // m
 constexpr double kSigmas = 5.0;
+constexpr Stamp kStretch = from_seconds(2.0);  // over which speeds of fixes are taken
+constexpr double kClearWay = 4.0;              // m
+constexpr double kClearOfScatter = 8.0;        // times
+constexpr std::size_t kFewestStretches = 10;
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
@@ -123,6 +127,31 @@ bool judge_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
 }
 
 }  // namespace
+
+std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
+                                  const PreprocessingConfig& config) {
+  const std::vector<LocalFix> fixes = local_fixes(gnss, config);
+  FixScatter scatter;
+  for (const LocalFix& fix : fixes) scatter.add(fix);
+  const double clear = kClearOfScatter * (scatter.is_known() ? scatter.measured() : 0.0);
+  const std::vector<TimedValue> measured = speeds_of(velocity);
+  std::vector<double> scales;
+  std::size_t from = 0;
+  for (const LocalFix& fix : fixes) {
+    while (fix.stamp - fixes[from].stamp > kStretch) ++from;
+    const double seconds = to_seconds(fix.stamp - fixes[from].stamp);
+    const double way = (fix.p_enu - fixes[from].p_enu).head<2>().norm();
+    const Stamp middle = fix.stamp - (fix.stamp - fixes[from].stamp) / 2;
+    const double speed = value_at(measured, middle, 0.0);
+    if (way > std::max(kClearWay, clear) && speed > 0.0) scales.push_back(speed * seconds / way);
+  }
+  if (scales.size() < kFewestStretches) return std::nullopt;
+  const auto median = scales.begin() + static_cast<long>(scales.size() / 2);
+  std::nth_element(scales.begin(), median, scales.end());
+  return *median;
+}
+
+bool is_true_scale(double scale) { return scale > 0.7 && scale < 1.4; }
 
 InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {

@@ -50,8 +50,12 @@ void InputDoctor::see_gnss(const GnssFix& fix, const std::string& frame_id) {
 
 std::vector<InputReport> InputDoctor::report(const ExtrinsicLookup& lookup) const {
   const Records& r = *records_;
+  // Fixes are not compared with speeds in another unit.
+  const auto scale = speed_scale(r.velocity, r.gnss, config_);
+  const bool compares = !scale || is_true_scale(*scale);
   return {examine(r.points, lookup, config_), examine(r.imu, r.velocity, lookup, config_),
-          examine(r.velocity, lookup), examine(r.gnss, r.imu, r.velocity, lookup, config_)};
+          examine(r.velocity, r.gnss, lookup, config_),
+          examine(r.gnss, r.imu, compares ? r.velocity : VelocityRecord{}, lookup, config_)};
 }
 
 }  // namespace lidar_mapping::preprocessing

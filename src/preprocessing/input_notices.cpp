@@ -66,8 +66,8 @@ void InputNotices::useless_heading() {
 
 void InputNotices::absurd_gyro() {
   warn("gyro",
-       "imu: its rates are beyond 12 rad/s, as if they were in degrees/s; they are not used (set "
-       "imu_angular_unit to DEG_PER_S)");
+       "imu: its rates are beyond 12 rad/s or far beyond the velocity's, as if they were in "
+       "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
 }
 
 void InputNotices::missing_transform(const std::string& input, const std::string& frame_id) {

@@ -86,6 +86,15 @@ void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   }
 }
 
+/// 3.6 in km/h, 2.24 in miles per hour.
+void judge_scale(double scale, InputReport& report) {
+  const bool kilometres = scale > 3.2 && scale < 4.0;
+  add_fault(report,
+            text("its speeds are %.2f times those of the fixes%s", scale,
+                 kilometres ? ": they are in km/h" : ""),
+            "publish m/s (REP 103), or set use_velocity to false");
+}
+
 }  // namespace
 
 void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
@@ -121,7 +130,8 @@ InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
   return report;
 }
 
-InputReport examine(const VelocityRecord& velocity, const ExtrinsicLookup& lookup) {
+InputReport examine(const VelocityRecord& velocity, const GnssRecord& gnss,
+                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
   InputReport report = examine_headers("velocity", velocity.flow, lookup);
   if (velocity.samples.empty()) return report;
   const auto T_base_velocity = lookup(velocity.flow.frame());
@@ -139,6 +149,8 @@ InputReport examine(const VelocityRecord& velocity, const ExtrinsicLookup& looku
               "it is not in the axes of its frame (of the map instead?), or the transform is "
               "wrong; mend one of them");
   }
+  const auto scale = speed_scale(velocity, gnss, config);
+  if (scale && !is_true_scale(*scale)) judge_scale(*scale, report);
   return report;
 }
 

@@ -13,6 +13,11 @@ constexpr double kStandardGravity = 9.80665;  // m/s^2
 constexpr double kStanding = 0.05;            // m/s
 /// A shock is shorter than so many samples.
 constexpr int kNoShock = 20;
+constexpr double kClearTurn = 0.02;  // rad/s; above the noise of gyros
+/// A gyro in degrees/s shows 57 times the turning of the velocity.
+constexpr double kOtherUnit = 20.0;
+/// A velocity that is filtered shows a turn later than the gyro, but not as much later.
+constexpr Stamp kNoLag = from_seconds(0.5);
 /// At the ends of a scan the nearest sample may stand in for this long.
 constexpr Stamp kHold = from_seconds(0.02);
 
@@ -69,7 +74,13 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
   sample.linear_acceleration *= acceleration_unit_;
   sample.angular_velocity *= angular_unit_;
   fast_samples_ = sample.angular_velocity.norm() > kFastestVehicleTurn ? fast_samples_ + 1 : 0;
-  gyro_is_absurd_ = gyro_is_absurd_ || fast_samples_ >= kNoShock;
+  if (!outturns_velocity(sample, frame_id)) {
+    outturns_since_.reset();
+  } else if (!outturns_since_) {
+    outturns_since_ = sample.stamp;
+  }
+  const bool outturns = outturns_since_ && sample.stamp - *outturns_since_ > kNoLag;
+  gyro_is_absurd_ = gyro_is_absurd_ || outturns || fast_samples_ >= kNoShock;
   if (gyro_is_absurd_) sample.has_angular_velocity = false;
   if (sample.orientation) {
     if (is_orientation(*sample.orientation)) {
@@ -84,6 +95,20 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
     gyro_bias_.add(sample, is_standing(sample.stamp));
   }
   return insertion;
+}
+
+/// Whether the vehicle turns far more by the gyro than by the velocity.
+bool MotionSensors::outturns_velocity(const ImuSample& sample, const std::string& frame_id) const {
+  const auto& buffer = velocity_.buffer();
+  if (!velocity_turns_ || buffer.empty() || sample.stamp > buffer.newest().stamp + kNoLag) {
+    return false;
+  }
+  const auto T_base_imu = extrinsics_.T_base(frame_id);
+  const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
+  if (!T_base_imu || !T_base_velocity) return false;
+  const double turning = std::abs((T_base_imu->rotation * sample.angular_velocity).z());
+  const double reference = std::abs((T_base_velocity->rotation * buffer.newest().angular).z());
+  return reference > kClearTurn && turning > kOtherUnit * reference;
 }
 
 Insertion MotionSensors::add_velocity(VelocitySample sample, const std::string& frame_id) {

@@ -72,6 +72,11 @@ ImuSample spoilt(ImuSample sample, const BagContent& content) {
   return sample;
 }
 
+VelocitySample spoilt(VelocitySample sample, const BagContent& content) {
+  if (content.has(BagFault::kVelocityInKmh)) sample.linear *= 3.6;
+  return sample;
+}
+
 GnssFix spoilt(GnssFix fix, const BagContent& content) {
   if (content.has(BagFault::kGnssLate)) fix.stamp += kGnssDelay;
   if (content.has(BagFault::kGnssTooConfident) && fix.covariance) *fix.covariance *= 0.01;
@@ -165,7 +170,7 @@ void add_samples(BagWriter& writer, const Drive& drive, const BagContent& conten
   }
   if (content.velocity) {
     for (const VelocitySample& s : drive.velocity()) {
-      writer.add(kVelocityTopic, s.stamp, ros_border::to_message(s, kImuFrame));
+      writer.add(kVelocityTopic, s.stamp, ros_border::to_message(spoilt(s, content), kImuFrame));
     }
   }
   if (content.gnss) {
@@ -200,6 +205,7 @@ const std::map<std::string, BagFault>& bag_faults() {
   static const std::map<std::string, BagFault> faults = {
       {"imu_in_g", BagFault::kImuInG},
       {"gyro_in_degrees", BagFault::kGyroInDegrees},
+      {"velocity_in_kmh", BagFault::kVelocityInKmh},
       {"no_point_times", BagFault::kNoPointTimes},
       {"deskewed_twice", BagFault::kDeskewedTwice},
       {"no_imu_transform", BagFault::kNoImuTransform},

@@ -13,6 +13,7 @@ namespace lidar_mapping::tools {
 enum class BagFault {
   kImuInG,            ///< accelerations in g
   kGyroInDegrees,     ///< rates in degrees/s
+  kVelocityInKmh,     ///< speeds in km/h
   kNoPointTimes,      ///< clouds without the field `time`
   kDeskewedTwice,     ///< times with points that are compensated (DriveOptions::undistorted)
   kNoImuTransform,    ///< imu_link is not in /tf_static

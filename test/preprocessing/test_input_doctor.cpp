@@ -192,6 +192,15 @@ TEST(InputDoctor, FindsVelocitiesInTheAxesOfTheMap) {
   EXPECT_NE(faults.find("points aside"), std::string::npos) << faults;
 }
 
+TEST(InputDoctor, FindsSpeedsInOtherUnits) {
+  for (const auto& [scale, word] :
+       {std::pair{3.6, "km/h"}, std::pair{2.237, "times those of the fixes"}}) {
+    Messages messages = clean();
+    for (VelocitySample& sample : messages.velocity) sample.linear *= scale;
+    expect_fault(messages, word);
+  }
+}
+
 TEST(InputDoctor, FindsFixesThatAreNone) {  // F24
   Messages messages = clean();
   for (std::size_t i = 0; i < 100; ++i) {

@@ -37,6 +37,23 @@ TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
   }));
 }
 
+// Turns of 5 degrees/s look like 5 rad/s: no vehicle's limit tells, but the velocity does.
+TEST(Preprocessor, DoesNotUseAGyroThatTurnsFarMoreThanTheVelocity) {
+  for (const double unit : {1.0, 180.0 / M_PI}) {
+    Preprocessor stage({}, identity_lookup);
+    std::vector<SyncedScan> scans;
+    for (int i = 0; i < 300; ++i) {
+      const double turning = i < 100 ? 0.0 : 0.09;  // rad/s
+      stage.add_imu(imu(at(0.01 * i), {0.5 * std::sin(0.1 * i), 0.0, unit * turning}), "imu");
+      stage.add_velocity({at(0.01 * i), {8.0, 0.0, 0.0}, {0.0, 0.0, turning}}, "imu");
+      if (i % 10 == 5) append(scans, stage.process(ring_scan(at(0.01 * i))));
+    }
+    append(scans, stage.flush());
+    ASSERT_EQ(scans.size(), 30U);
+    EXPECT_EQ(scans[20].imu->has_angular_velocity, unit == 1.0);
+  }
+}
+
 TEST(Preprocessor, WaitsForTheTransformOfTheScan) {  // F21
   bool known = false;
   Preprocessor stage({}, [&](const std::string&) {

@@ -82,12 +82,13 @@ TEST(CheckBag, FindsFaultsOfClouds) {
   expect_only(findings_in(undistorted, with(BagFault::kDeskewedTwice)), "set point_times to NONE");
 }
 
-TEST(CheckBag, FindsFaultsOfTheImu) {
+TEST(CheckBag, FindsFaultsOfImuAndVelocity) {
   const auto spoilt = [](BagFault fault) {
     return findings_in(options_of(40.0), without_clouds(with(fault)));
   };
   expect_only(spoilt(BagFault::kImuInG), "set imu_acceleration_unit to G");
   expect_only(spoilt(BagFault::kGyroInDegrees), "set imu_angular_unit to DEG_PER_S");
+  expect_only(spoilt(BagFault::kVelocityInKmh), "they are in km/h");
   const auto findings = spoilt(BagFault::kNoImuTransform);  // the velocity has the same frame
   ASSERT_EQ(findings.size(), 2U) << joined(findings);
   EXPECT_NE(findings[0].find("no transform from 'imu_link'"), std::string::npos);

@@ -40,13 +40,15 @@ class MotionSensors {
 
   const SensorStream<ImuSample>& imu() const { return imu_; }
   const SensorStream<VelocitySample>& velocity() const { return velocity_; }
-  /// It turned as nobody drives, so its rates are not used any more: they are in degrees/s.
+  /// It turned as nobody drives, or far more than the velocity, so its rates are not used any more:
+  /// they are in degrees/s.
   bool gyro_is_absurd() const { return gyro_is_absurd_; }
   void give_up_silent_sensors();
   void clear();
 
  private:
   std::optional<bool> is_standing(Stamp stamp) const;
+  bool outturns_velocity(const ImuSample& sample, const std::string& frame_id) const;
 
   const Extrinsics& extrinsics_;
   double acceleration_unit_;
@@ -58,6 +60,7 @@ class MotionSensors {
   SensorStream<VelocitySample> velocity_;
   GyroBias gyro_bias_;
   int fast_samples_ = 0;  ///< in a row
+  std::optional<Stamp> outturns_since_;
   bool gyro_is_absurd_ = false;
   bool velocity_turns_ = false;  ///< its angular part has been something else than zero
 };
