@@ -109,6 +109,15 @@ void FolderInput::add_scan(Stamp stamp, std::function<PointCloud()> read) {
   inputs_.emplace_back(stamp + kHalfTurn, RecordedScan{stamp, decode});
 }
 
+void FolderInput::add_pcd(Stamp stamp, const std::string& path, const FolderOptions& options) {
+  const auto decode = [stamp, path, read = options.read_pcd] {
+    preprocessing::RawScan scan = read(path, stamp);
+    scan.frame_id = kLidarFrame;
+    return scan;
+  };
+  inputs_.emplace_back(stamp + kHalfTurn, RecordedScan{stamp, decode});
+}
+
 void FolderInput::read_raw(const std::string& path, const FolderOptions&) {
   const fs::path velodyne = fs::path(path) / "velodyne_points";
   const std::vector<fs::path> scans = files_in(velodyne / "data", {".bin", ".txt"});
@@ -155,7 +164,11 @@ void FolderInput::read_scans(const std::string& path, const FolderOptions& optio
   }
   const std::vector<Stamp> stamps = stamps_of(scans, options);
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    add_scan(stamps[i], [scan = scans[i]] { return read_scan(scan); });
+    if (options.read_pcd && scans[i].extension() == ".pcd") {
+      add_pcd(stamps[i], scans[i].string(), options);
+    } else {
+      add_scan(stamps[i], [scan = scans[i]] { return read_scan(scan); });
+    }
   }
   description_ = "folder of " + std::to_string(scans.size()) + " scans";
 }

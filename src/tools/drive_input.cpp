@@ -6,6 +6,7 @@
 #include "lidar_mapping/pipeline/folder_input.hpp"
 
 #include "bag_input.hpp"
+#include "pcd_scan.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -13,8 +14,12 @@ namespace {
 
 constexpr double kLook = 5.0;  // s that are looked at before mapping begins
 
-OpenDrive open_folder(const DriveSelection& selection) {
+OpenDrive open_folder(const DriveSelection& selection,
+                      const preprocessing::PreprocessingConfig& config) {
   pipeline::FolderOptions options;
+  options.read_pcd = [config](const std::string& path, Stamp stamp) {
+    return read_pcd_scan(path, stamp, config);
+  };
   options.sensor_height = selection.sensor_height;
   auto folder = std::make_unique<pipeline::FolderInput>(selection.paths.front(), options);
   OpenDrive drive;
@@ -63,7 +68,7 @@ OpenDrive open_drive(const DriveSelection& selection,
                      const preprocessing::PreprocessingConfig& config) {
   for (const std::string& path : selection.paths) {
     if (!std::filesystem::is_directory(path)) continue;
-    if (selection.paths.size() == 1) return open_folder(selection);
+    if (selection.paths.size() == 1) return open_folder(selection, config);
     throw InputError(path + " is a folder; several inputs must all be bags");
   }
   return open_bags(selection, config);

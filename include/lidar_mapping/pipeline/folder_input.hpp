@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -13,6 +14,8 @@ namespace lidar_mapping::pipeline {
 struct FolderOptions {
   double sensor_height = 1.73;  ///< of the LiDAR over base_link, m
   double start = 0.0;           ///< time of the first scan where there are no dates, s since 1970
+  /// Reads *.pcd with more than x y z and intensity; by default other fields are ignored.
+  std::function<preprocessing::RawScan(const std::string& path, Stamp stamp)> read_pcd = nullptr;
 };
 
 /// A drive in a folder:
@@ -43,6 +46,7 @@ class FolderInput : public InputSource {
   void read_odometry(const std::string& path, const FolderOptions& options);
   void read_scans(const std::string& path, const FolderOptions& options);
   void add_scan(Stamp stamp, std::function<PointCloud()> read);
+  void add_pcd(Stamp stamp, const std::string& path, const FolderOptions& options);
 
   std::vector<std::pair<Stamp, Input>> inputs_;  ///< by the time at which they are complete
   std::map<std::string, Pose> frames_;
