@@ -25,12 +25,17 @@ struct Cases {
 
   std::size_t size() const { return points.size(); }
 
-  void add(std::uint32_t number, const Eigen::Vector3f& position) {
-    resize(size() + 1);
-    p_base.x.back() = position.x();
-    p_base.y.back() = position.y();
-    p_base.z.back() = position.z();
-    points.back() = number;
+  /// Those of a cloud with these numbers.
+  void fill(const PointCloud& cloud, const std::uint32_t* numbers, std::size_t count) {
+    resize(0);
+    resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Point& point = cloud.points[numbers[i]];
+      points[i] = numbers[i];
+      p_base.x[i] = point.x;
+      p_base.y[i] = point.y;
+      p_base.z[i] = point.z;
+    }
   }
 
   void resize(std::size_t count) {
@@ -166,12 +171,15 @@ std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
                            const MovingObjectsConfig& config) {
   std::vector<Vote> votes(cloud.size(), Vote::kUnseen);
   Court court(places_of(witnesses, T_map_base), config);
-  Cases cases;
+  std::vector<std::uint32_t> numbers;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (asked[i]) cases.add(static_cast<std::uint32_t>(i), cloud.points[i].position());
-    if (cases.size() == kChunk) court.judge(cases, votes);
+    if (asked[i]) numbers.push_back(static_cast<std::uint32_t>(i));
   }
-  court.judge(cases, votes);
+  Cases cases;
+  for (std::size_t i = 0; i < numbers.size(); i += kChunk) {
+    cases.fill(cloud, numbers.data() + i, std::min(kChunk, numbers.size() - i));
+    court.judge(cases, votes);
+  }
   return votes;
 }
 

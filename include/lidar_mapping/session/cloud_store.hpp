@@ -14,7 +14,7 @@ namespace lidar_mapping::session {
 /// used last stay in memory. Files appear whole or not at all. Any thread may call it.
 class CloudStore : public CloudSource {
  public:
-  static constexpr std::size_t kDefaultCacheBytes = std::size_t{256} << 20U;
+  static constexpr std::size_t kDefaultCacheBytes = std::size_t{128} << 20U;
 
   /// The folder is made with the first cloud.
   explicit CloudStore(std::filesystem::path folder, std::size_t cache_bytes = kDefaultCacheBytes);
