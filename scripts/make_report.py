@@ -233,7 +233,8 @@ def main(json_path, data_path, page_path):
     templates = jinja2.Environment(
         loader=jinja2.FileSystemLoader(os.path.dirname(os.path.realpath(__file__))),
         autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    templates.filters['mm'] = lambda metres: f'{1000.0 * metres:.0f}'
+    templates.filters['mm'] = lambda metres: str(round(1000.0 * metres))
+    templates.filters['degrees'] = lambda angle: f'{round(angle, 2) + 0.0:.2f}'  # no -0.00
     page = templates.get_template('report.html.j2').render(
         report=report, images=pictures(report, data_directory), scale=scale_bar(data_directory))
     temporary = pathlib.Path(page_path + '.part')

@@ -26,8 +26,10 @@ std::string text(const char* format, Values... values) {
   return buffer;
 }
 
-Json line(const char* name, const std::string& value, const Json& good, const std::string& note) {
-  return {{"name", name}, {"value", value}, {"good", good}, {"note", note}};
+/// `limit` says what is good.
+Json line(const char* name, const std::string& value, const Json& good, const std::string& note,
+          const std::string& limit = "") {
+  return {{"name", name}, {"value", value}, {"good", good}, {"note", note}, {"limit", limit}};
 }
 
 Json thickness_line(const char* name, const Json& thickness) {
@@ -39,8 +41,10 @@ Json thickness_line(const char* name, const Json& thickness) {
   const bool good = from_poses < kMaxPoseShare && (ratio.is_null() || ratio < kMaxRatio);
   const std::string value = text("%.1f mm", 1000.0 * median);
   const std::string own = text("single passes of a few metres alone: %.1f mm", 1000.0 * within);
-  if (ratio.is_null()) return line(name, value, good, own);
-  return line(name, value + text(", %.2f of the noise", ratio.get<double>()), good, own);
+  const std::string share = text("below %.1f times that of single passes", kMaxPoseShare);
+  if (ratio.is_null()) return line(name, value, good, own, share);
+  return line(name, value + text(", %.2f of the noise", ratio.get<double>()), good, own,
+              text("below %.1f of the noise and ", kMaxRatio) + share);
 }
 
 bool is_alarming(const Json& ghost) {
@@ -62,8 +66,9 @@ Json ghost_line(const Json& ghosts) {
   const double median = ghosts[ghosts.size() / 2]["size_m"];
   return line(name, text("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst),
               alarming == 0,
-              text("%zu places, %zu with more than 5 cm aside or up, 20 cm along or 0.2 deg",
-                   ghosts.size(), alarming));
+              text("%zu places, %zu of them beyond the limits", ghosts.size(), alarming),
+              text("below %.0f mm aside and up, %.0f mm along, %.1f deg", 1000.0 * kMaxGhostSide,
+                   1000.0 * kMaxGhostAlong, kMaxGhostYaw));
 }
 
 Json loop_line(const Json& loops) {
@@ -75,28 +80,32 @@ Json loop_line(const Json& loops) {
       text("%zu dropped by the graph, %zu refused or undecided", dropped, refused);
   if (used + dropped == 0) return line("Loops", "none", nullptr, note);
   return line("Loops", text("%zu used, residual up to %.0f mm", used, 1000.0 * worst),
-              dropped == 0 && worst < kMaxLoopResidual, note);
+              dropped == 0 && worst < kMaxLoopResidual, note,
+              text("none dropped, residuals below %.0f mm", 1000.0 * kMaxLoopResidual));
 }
 
 Json gnss_line(const Json& gnss) {
   if (gnss["positions"] == 0) return line("GNSS", "none", nullptr, "the map is not georeferenced");
   const double residual = gnss["p95_horizontal_m"];
   const double stated = gnss["median_stated_sigma_m"];
+  const double limit = std::max(kMinGnssResidual, kMaxGnssSigmas * stated);
   return line("GNSS",
               text("%.0f mm horizontally in the median, 95 %% below %.0f mm",
                    1000.0 * gnss["median_horizontal_m"].get<double>(), 1000.0 * residual),
-              residual < std::max(kMinGnssResidual, kMaxGnssSigmas * stated),
+              residual < limit,
               text("stated standard deviation %.0f mm; %s", 1000.0 * stated,
-                   gnss["used_by_graph"] ? "used by the graph" : "not used, aligned to the map"));
+                   gnss["used_by_graph"] ? "used by the graph" : "not used, aligned to the map"),
+              text("95 %% below %.0f mm", 1000.0 * limit));
 }
 
 Json odometry_line(const Json& report) {
   const double farthest = report["trajectory"]["odometry_max_m"];
   const double vertical = report["trajectory"]["odometry_max_vertical_m"];
   const double length = report["drive"]["length_m"];
-  return line("Odometry against the map", text("up to %.2f m apart", farthest),
-              farthest < std::max(0.5, kMaxCorrection * length),
-              text("up to %.2f m in height, over %.0f m", vertical, length));
+  const double limit = std::max(0.5, kMaxCorrection * length);
+  return line("Odometry against the map", text("up to %.2f m apart", farthest), farthest < limit,
+              text("up to %.2f m in height, over %.0f m", vertical, length),
+              text("below %.1f m on a way of this length", limit));
 }
 
 Json scan_line(const Json& scans) {
@@ -104,7 +113,8 @@ Json scan_line(const Json& scans) {
   const std::size_t dropped = scans["dropped"];
   const std::size_t tracked = scans["states"].value("tracking", std::size_t{0});
   return line("Scans", text("%zu, %zu of them tracked", all, tracked),
-              dropped == 0 && tracked == all, text("%zu dropped", dropped));
+              dropped == 0 && tracked == all, text("%zu dropped", dropped),
+              "all tracked, none dropped");
 }
 
 Json hold_line(const Json& hold) {
@@ -112,7 +122,8 @@ Json hold_line(const Json& hold) {
   const Json& gap = hold["longest_without_constraint"];
   return line("Poses held", text("standard deviation up to %.2f m", sigma), sigma < kMaxSigma,
               text("longest way without loop or GNSS: %.0f m, from %.0f m on",
-                   gap["length_m"].get<double>(), gap["begin_m"].get<double>()));
+                   gap["length_m"].get<double>(), gap["begin_m"].get<double>()),
+              text("below %.1f m; loops or GNSS on that way hold poses better", kMaxSigma));
 }
 
 Json truth_line(const Json& truth) {

@@ -49,7 +49,10 @@ Json verdict_on(const Json& report, const std::string& name) {
 }
 
 TEST(ReportVerdicts, AreGoodForAGoodMap) {
-  for (const Json& line : verdicts(good_report())) EXPECT_EQ(line["good"], true) << line.dump();
+  for (const Json& line : verdicts(good_report())) {
+    EXPECT_EQ(line["good"], true) << line.dump();
+    EXPECT_NE(line["limit"], "") << "a verdict says what is good: " << line.dump();
+  }
 }
 
 TEST(ReportVerdicts, SayWhereToLook) {
