@@ -201,6 +201,30 @@ TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
 
 INSTANTIATE_TEST_SUITE_P(Drives, SizeOfCovariance, testing::Values("town", "figure_eight"));
 
+// The vehicle brakes, stands at a crossing among other cars and starts off again.
+TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndGoesOn) {
+  constexpr double kStanding = 0.02;  // m/s
+  constexpr std::size_t kBeforeTheStop = 300;
+  const simulation::Drive drive = make_drive("town", 48.0);
+  Ride ride(drive);
+  int standing = 0;
+  int key_frames = 0;
+  for (std::size_t i = kBeforeTheStop; i < drive.scan_count(); ++i) {
+    const FrontEndResult& result = ride.take(i);
+    ASSERT_NE(result.status.state, TrackingState::kLost) << i;
+    if (drive.trajectory().state(drive.scan_stamp(i)).velocity_map.norm() < kStanding) {
+      if (standing++ == 0) ride.begin_anew();
+      key_frames += result.key_frame ? 1 : 0;
+      ASSERT_LT(ride.error(), 0.03) << i;
+    } else if (standing > 0) {
+      ASSERT_LT(ride.error(), 0.05 + 0.01 * ride.way()) << i;
+    }
+  }
+  EXPECT_GT(standing, 10);
+  EXPECT_LE(key_frames, 1);
+  EXPECT_GT(ride.way(), 20.0);
+}
+
 TEST(VelocityThatLies, IsFoundOut) {
   const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
