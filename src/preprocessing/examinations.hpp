@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 
@@ -19,6 +20,7 @@ struct PointsRecord {
   TopicFlow flow;
   CloudSummary cloud;  ///< the last with points
   SweepSeam seam;
+  std::vector<double> delays;  ///< s from the stamps to the deliveries
 };
 
 struct GnssRecord {

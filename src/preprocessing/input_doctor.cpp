@@ -23,6 +23,7 @@ void InputDoctor::see_scan(const CloudSummary& cloud) {
   if (cloud.points == 0) return;
   records_->points.cloud = cloud;
   records_->points.seam.add(cloud);
+  if (cloud.delay) records_->points.delays.push_back(*cloud.delay);
 }
 
 void InputDoctor::see_imu(const ImuSample& sample, const std::string& frame_id) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <vector>
 
 #include "examinations.hpp"
 
@@ -7,6 +8,11 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kShortOfPeriods = 3.5;  // periods without a scan
+constexpr double kNoDelay = 0.001;       // s; nearer to their stamps clouds were not delivered
+/// Of the span of a scan, from its stamp to its delivery: one that was stamped at its start, in its
+/// middle or at its end comes after 1, 0.5 or 0 at the earliest.
+constexpr double kStampedInTheMiddle = 0.8;
+constexpr double kStampedAtTheEnd = 0.4;
 
 /// About a turn.
 bool fits(double span, double period) { return span >= 0.5 * period && span <= 1.5 * period; }
@@ -44,6 +50,27 @@ void judge_times(const CloudSummary& cloud, double rate, const PreprocessingConf
   }
 }
 
+/// A cloud cannot be delivered before its last point was measured: one that was has its stamp later
+/// than at the start. Recordings that were made with the stamps as times of delivery say nothing.
+void judge_stamps(const PointsRecord& points, const PreprocessingConfig& config,
+                  InputReport& report) {
+  const CloudSummary& cloud = points.cloud;
+  const double span = cloud.last_time - cloud.first_time;
+  const bool from_start = !cloud.time_field.empty() && !cloud.absolute_times &&
+                          cloud.first_time > -0.1 * span && config.scan_stamp == ScanStamp::kStart;
+  if (!from_start || points.delays.empty()) return;
+  std::vector<double> delays = points.delays;
+  const auto median = delays.begin() + static_cast<long>(delays.size() / 2);
+  std::nth_element(delays.begin(), median, delays.end());
+  if (*median < kNoDelay || *median > kStampedInTheMiddle * span) return;
+  add_warning(
+      report,
+      text("clouds came %.0f ms after their stamps, with points of up to %.0f ms after them",
+           1e3 * *median, 1e3 * cloud.last_time),
+      text("set scan_stamp to %s; or the sensor's clock is ahead, synchronise it",
+           *median < kStampedAtTheEnd * span ? "END" : "MIDDLE"));
+}
+
 }  // namespace
 
 InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
@@ -55,6 +82,7 @@ InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
   }
   report.found += text(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
   judge_times(points.cloud, points.flow.rate(), config, report);
+  judge_stamps(points, config, report);
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");

@@ -85,7 +85,7 @@ class Examination {
 
   void see(const rosbag::MessageInstance& message) {
     if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
-      see(*cloud);
+      see(*cloud, message.getTime());
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       doctor_.see_imu(from_message(*imu), imu->header.frame_id);
     } else if (const auto velocity = message.instantiate<geometry_msgs::TwistStamped>()) {
@@ -109,8 +109,10 @@ class Examination {
   }
 
  private:
-  void see(const sensor_msgs::PointCloud2& message) try {
-    doctor_.see_scan(summary_of(message, decode(message, config_)));
+  void see(const sensor_msgs::PointCloud2& message, const ros::Time& delivery) try {
+    preprocessing::CloudSummary summary = summary_of(message, decode(message, config_));
+    summary.delay = to_seconds(from_ros(delivery) - summary.stamp);
+    doctor_.see_scan(summary);
   } catch (const InputError& error) {
     if (unreadable_++ == 0) problem_ = error.what();
   }

@@ -62,7 +62,8 @@ sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagConte
              rounded(point.z, kPointStep), rounded(point.intensity, kIntensityStep)};
   }
   const std::string slash = content.has(BagFault::kLeadingSlash) ? "/" : "";
-  const Stamp stamp = content.has(BagFault::kNoStamps) ? 0 : scan.stamp;
+  const Stamp late = content.has(BagFault::kStampInTheMiddle) ? (scan.end - scan.stamp) / 2 : 0;
+  const Stamp stamp = content.has(BagFault::kNoStamps) ? 0 : scan.stamp + late;
   return ros_border::to_message(cloud, stamp, slash + kLidarFrame);
 }
 
@@ -211,6 +212,7 @@ const std::map<std::string, BagFault>& bag_faults() {
       {"no_imu_transform", BagFault::kNoImuTransform},
       {"no_transforms", BagFault::kNoTransforms},
       {"no_stamps", BagFault::kNoStamps},
+      {"stamp_in_the_middle", BagFault::kStampInTheMiddle},
       {"leading_slash", BagFault::kLeadingSlash},
       {"antenna_elsewhere", BagFault::kAntennaElsewhere},
       {"gnss_late", BagFault::kGnssLate},

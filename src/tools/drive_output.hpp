@@ -19,6 +19,7 @@ enum class BagFault {
   kNoImuTransform,    ///< imu_link is not in /tf_static
   kNoTransforms,      ///< there is no /tf_static
   kNoStamps,          ///< the stamps of clouds are 0
+  kStampInTheMiddle,  ///< stamps of the middle of the scan with times from its start
   kLeadingSlash,      ///< frame /velo_link
   kAntennaElsewhere,  ///< /tf_static has the antenna 1.5 m beside its place
   kGnssLate,          ///< fixes stamped 50 ms late

@@ -192,6 +192,21 @@ TEST(InputDoctor, FindsVelocitiesInTheAxesOfTheMap) {
   EXPECT_NE(faults.find("points aside"), std::string::npos) << faults;
 }
 
+TEST(InputDoctor, FindsStampsThatAreNotTheStart) {
+  const auto with_delay = [](double delay) {
+    Messages messages = clean();
+    for (CloudSummary& cloud : messages.clouds) cloud.delay = delay;
+    return messages;
+  };
+  expect_fault(with_delay(0.01), "set scan_stamp to END");
+  expect_fault(with_delay(0.06), "set scan_stamp to MIDDLE");
+  EXPECT_EQ(all_faults(with_delay(0.11)), "");
+  EXPECT_EQ(all_faults(with_delay(0.0)), "");  // made, not recorded
+  PreprocessingConfig config;
+  config.scan_stamp = ScanStamp::kEnd;
+  EXPECT_EQ(all_faults(with_delay(0.01), config), "");
+}
+
 TEST(InputDoctor, FindsSpeedsInOtherUnits) {
   for (const auto& [scale, word] :
        {std::pair{3.6, "km/h"}, std::pair{2.237, "times those of the fixes"}}) {

@@ -77,6 +77,8 @@ TEST(CheckBag, FindsFaultsOfClouds) {
               "points: the points have no times");
   expect_only(findings_in(short_drive(), with(BagFault::kLeadingSlash)), "leading slash");
   expect_only(findings_in(short_drive(), with(BagFault::kNoStamps)), "the stamps are 0");
+  expect_only(findings_in(short_drive(), with(BagFault::kStampInTheMiddle)),
+              "set scan_stamp to MIDDLE");
   simulation::DriveOptions undistorted = short_drive();
   undistorted.undistorted = true;
   expect_only(findings_in(undistorted, with(BagFault::kDeskewedTwice)), "set point_times to NONE");

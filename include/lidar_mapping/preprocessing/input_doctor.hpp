@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct CloudSummary {
   bool foreign_clock = false;
   double first_time = 0.0;  ///< s
   double last_time = 0.0;
+  std::optional<double> delay;  ///< s from the stamp to the delivery, where that is known
   /// Points of the first and the last half percent of the scan's time, in the sensor's frame.
   std::vector<Eigen::Vector3f> begin_points, end_points;
 };
