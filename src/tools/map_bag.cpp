@@ -33,6 +33,7 @@ using session::Session;
 constexpr int kFailed = 1;
 constexpr int kStoppedEarly = 3;
 constexpr int kStoppedAtOnce = 130;
+constexpr std::size_t kTrimStep = 100;  // key frames
 
 struct Options {
   DriveSelection drive;
@@ -145,6 +146,7 @@ class MappingRun {
  private:
   void map(pipeline::InputSource& input, bool whole) {
     pipeline_.reset();  // lets go of the session
+    trimmed_at_ = 0;
     Session session = open_session(options_);
     for (const auto& [stage, text] : stages_.texts) session.set_configuration(stage, text);
     stages_.pipeline.replay_whole = whole;
@@ -159,6 +161,7 @@ class MappingRun {
       pipeline_->add(std::move(*datum));
       say();
       progress_->show(pipeline_->progress());
+      give_back_memory();
     }
     reading_seconds_ = reading.seconds();
     streamed_ = progress_->seconds();
@@ -166,6 +169,14 @@ class MappingRun {
     progress_->show(pipeline_->progress());
     say();
     progress_->end_line();
+  }
+
+  /// Clouds that one thread makes and another lets go leave holes, which would add up over hours.
+  void give_back_memory() {
+    const std::size_t key_frames = pipeline_->progress().key_frames;
+    if (key_frames < trimmed_at_ + kTrimStep) return;
+    malloc_trim(0);
+    trimmed_at_ = key_frames;
   }
 
   void say() {
@@ -245,6 +256,7 @@ class MappingRun {
   pipeline::PipelineReport report_;
   double reading_seconds_ = 0.0;
   double streamed_ = 0.0;
+  std::size_t trimmed_at_ = 0;  ///< key frames
 };
 
 }  // namespace
