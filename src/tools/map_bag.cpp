@@ -10,7 +10,6 @@
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -20,6 +19,7 @@
 
 #include "drive_input.hpp"
 #include "map_output.hpp"
+#include "mapping_figures.hpp"
 #include "mapping_progress.hpp"
 #include "stage_files.hpp"
 
@@ -203,48 +203,19 @@ class MappingRun {
       }
       products = progress_->seconds() - mapped;
     }
-    print_figures(figures(mapped, products));
+    const double driven =
+        to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - begin_));
+    const auto figures = mapping_figures(report_, driven, times(mapped, products));
+    std::printf("%s", to_text(figures).c_str());
+    if (!options_.figures.empty()) {
+      write_text_atomically(options_.figures, figures.dump(2) + "\n");
+    }
     if (options_.report) run_beside("map_quality", "'" + options_.output + "' --report");
     return stop_asked != 0 ? kStoppedEarly : 0;
   }
 
-  nlohmann::ordered_json figures(double mapped, double products) const {
-    const double driven =
-        to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - begin_));
-    nlohmann::ordered_json json;
-    json["driven_seconds"] = driven;
-    json["scans"] = report_.progress.scans;
-    json["key_frames"] = report_.optimization.key_frames;
-    json["loops_used"] = report_.optimization.loops_used;
-    json["seconds"] = {{"mapping", mapped},
-                       {"of it reading and odometry", streamed_},
-                       {"map", products},
-                       {"whole", progress_->seconds()}};
-    json["times_real_time"] = {{"mapping", driven / mapped},
-                               {"whole", driven / progress_->seconds()}};
-    json["peak_megabytes"] = static_cast<double>(peak_bytes()) * 1e-6;
-    auto& stages = json["processor_seconds"];
-    stages["reading"] = reading_seconds_;
-    for (const auto& [name, seconds] : report_.stage_seconds) stages[name] = seconds;
-    return json;
-  }
-
-  void print_figures(const nlohmann::ordered_json& json) const {
-    const auto& speed = json["times_real_time"];
-    std::printf("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\n",
-                json["scans"].get<std::size_t>(), json["key_frames"].get<std::size_t>(),
-                json["loops_used"].get<std::size_t>(), json["peak_megabytes"].get<double>());
-    std::printf("processor seconds:");
-    for (const auto& [name, seconds] : json["processor_seconds"].items()) {
-      std::printf(" %s %.1f;", name.c_str(), seconds.get<double>());
-    }
-    std::printf(
-        "\n%.0f s of driving mapped in %.1f s (%.1f times real time), with the map %.1f s "
-        "(%.1f times)\n",
-        json["driven_seconds"].get<double>(), json["seconds"]["mapping"].get<double>(),
-        speed["mapping"].get<double>(), json["seconds"]["whole"].get<double>(),
-        speed["whole"].get<double>());
-    if (!options_.figures.empty()) write_text_atomically(options_.figures, json.dump(2) + "\n");
+  RunTimes times(double mapped, double map) const {
+    return {reading_seconds_, streamed_, mapped, map, progress_->seconds()};
   }
 
   Options options_;

@@ -42,7 +42,7 @@ Json to_json(const map::LocalThickness& thickness, bool has_ratio);
 Json to_json(const map::GhostVector& ghost);
 Json to_json(const map::MapEntropy& entropy);
 
-/// A line per figure: name, value in words, whether it is good, and what it means.
+/// A line per figure: name, value in words, whether it is good, what it means, and what is good.
 Json verdicts(const Json& report);
 
 }  // namespace lidar_mapping::tools

@@ -7,23 +7,13 @@
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
 #include "report_figures.hpp"
+#include "report_statistics.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
 
 constexpr std::size_t kSamples = 40;  // poses whose covariance is asked for
-constexpr double kDegrees = 180.0 / M_PI;
-
-std::vector<double> ways_of(const KeyFramePoses& poses) {
-  std::vector<double> ways(poses.poses.size(), 0.0);
-  for (std::size_t i = 1; i < ways.size(); ++i) {
-    ways[i] =
-        ways[i - 1] +
-        (poses.poses[i].T_map_base.translation - poses.poses[i - 1].T_map_base.translation).norm();
-  }
-  return ways;
-}
 
 /// Key frames that a believed loop or a GNSS position holds.
 std::set<KeyFrameIndex> held_ones(const ReportInput& input, const back_end::BackEnd& back_end,

@@ -1,0 +1,57 @@
+#include "mapping_figures.hpp"
+
+#include <cstdio>
+
+#include "mapping_progress.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+template <typename... Values>
+std::string line(const char* format, Values... values) {
+  char text[240];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+}  // namespace
+
+nlohmann::ordered_json mapping_figures(const pipeline::PipelineReport& report, double driven,
+                                       const RunTimes& times) {
+  nlohmann::ordered_json json;
+  json["driven_seconds"] = driven;
+  json["scans"] = report.progress.scans;
+  json["key_frames"] = report.optimization.key_frames;
+  json["loops_used"] = report.optimization.loops_used;
+  json["seconds"] = {{"mapping", times.mapped},
+                     {"of it reading and odometry", times.streamed},
+                     {"map", times.map},
+                     {"whole", times.whole}};
+  json["times_real_time"] = {{"mapping", driven / times.mapped}, {"whole", driven / times.whole}};
+  json["peak_megabytes"] = static_cast<double>(peak_bytes()) * 1e-6;
+  auto& stages = json["processor_seconds"];
+  stages["reading"] = times.reading;
+  for (const auto& [name, seconds] : report.stage_seconds) stages[name] = seconds;
+  return json;
+}
+
+std::string to_text(const nlohmann::ordered_json& figures) {
+  const auto& speed = figures["times_real_time"];
+  std::string text =
+      line("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\nprocessor seconds:",
+           figures["scans"].get<std::size_t>(), figures["key_frames"].get<std::size_t>(),
+           figures["loops_used"].get<std::size_t>(), figures["peak_megabytes"].get<double>());
+  for (const auto& [name, seconds] : figures["processor_seconds"].items()) {
+    text += line(" %s %.1f;", name.c_str(), seconds.get<double>());
+  }
+  return text +
+         line(
+             "\n%.0f s of driving mapped in %.1f s (%.1f times real time), with the map %.1f s "
+             "(%.1f times)\n",
+             figures["driven_seconds"].get<double>(), figures["seconds"]["mapping"].get<double>(),
+             speed["mapping"].get<double>(), figures["seconds"]["whole"].get<double>(),
+             speed["whole"].get<double>());
+}
+
+}  // namespace lidar_mapping::tools

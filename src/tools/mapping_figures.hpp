@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "lidar_mapping/pipeline/pipeline.hpp"
+
+namespace lidar_mapping::tools {
+
+/// Times of a run of map_bag, s.
+struct RunTimes {
+  double reading = 0.0;   ///< of a processor
+  double streamed = 0.0;  ///< until the last scan went in
+  double mapped = 0.0;    ///< until the last optimisation
+  double map = 0.0;       ///< for the map alone
+  double whole = 0.0;
+};
+
+/// Times, counts and memory of this process, after `driven` seconds of driving.
+nlohmann::ordered_json mapping_figures(const pipeline::PipelineReport& report, double driven,
+                                       const RunTimes& times);
+
+/// The same in lines for people.
+std::string to_text(const nlohmann::ordered_json& figures);
+
+}  // namespace lidar_mapping::tools
