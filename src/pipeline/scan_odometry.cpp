@@ -8,7 +8,9 @@ namespace {
 
 front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is_first) {
   front_end::MotionPrior prior;
-  if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
+  if (synced.imu && synced.imu->has_angular_velocity) {
+    prior.angular_velocity = synced.imu->angular_velocity;
+  }
   if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
     const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;

@@ -75,6 +75,7 @@ PassLimits::PassLimits(const PreprocessingConfig& config)
 
 std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
                          const ScanMotion* motion, PointTimesAfter times) {
+  if (cloud.empty()) return 0;
   const std::vector<MotionSlot> slots =
       motion == nullptr ? standing(T_base_sensor) : slots_of(*motion, T_base_sensor);
   SlottedMotion slotted{slots.data(), static_cast<int>(slots.size()), 0.0F, 0.0F};

@@ -31,7 +31,9 @@ class SessionClouds : public CloudSource {
 
 front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced) {
   front_end::MotionPrior prior;
-  if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
+  if (synced.imu && synced.imu->has_angular_velocity) {
+    prior.angular_velocity = synced.imu->angular_velocity;
+  }
   if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
   return prior;
 }

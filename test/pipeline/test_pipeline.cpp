@@ -61,6 +61,25 @@ double error_of(const Session& session, const simulation::Drive& drive) {
   return largest;
 }
 
+// Such values come from an IMU without a gyro, and from one in degrees/s that is not used.
+TEST(Pipeline, DoesNotUseRatesThatAreNone) {
+  const TemporaryFolder folder;
+  SimulatedInput input(short_drive());
+  {
+    Pipeline pipeline({}, Session::create_in(folder.path()),
+                      [&](const std::string& frame) { return input.T_base(frame); });
+    while (auto datum = input.next()) {
+      if (auto* imu = std::get_if<FramedSample<ImuSample>>(&*datum)) {
+        imu->sample.has_angular_velocity = false;
+        imu->sample.angular_velocity.z() = 5.0;
+      }
+      pipeline.add(std::move(*datum));
+    }
+    pipeline.finish();
+  }
+  EXPECT_LT(error_of(Session::open(folder.path(), Session::Access::kRead), input.drive()), 0.3);
+}
+
 TEST(Pipeline, MapsADriveWithTheSameBytesForAnyNumberOfThreads) {
   const SimulatedInput input(short_drive());
   const TemporaryFolder one, four;

@@ -69,6 +69,12 @@ TEST(ScanPass, DropsWhatIsNoPoint) {  // F20
   EXPECT_EQ(cloud.points[0].intensity, 3.0F);
 }
 
+TEST(ScanPass, TakesAnEmptyScan) {
+  PointCloud cloud;
+  EXPECT_EQ(move_to_base(cloud, Pose::Identity(), PassLimits({}), nullptr), 0U);
+  EXPECT_TRUE(cloud.empty());
+}
+
 TEST(ScanPass, CutsTheVehicleOut) {
   PreprocessingConfig config;
   config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
