@@ -16,6 +16,7 @@ BlockCholesky<size>::BlockCholesky(int nodes, const std::vector<std::pair<int, i
   cholmod_.cholmod().print = 0;
   cholmod_.cholmod().nmethods = 1;
   cholmod_.cholmod().method[0].ordering = CHOLMOD_NATURAL;
+  cholmod_.cholmod().postorder = 0;  // AMD ends with it; so no step has to permute the matrix
 }
 
 template <int size>
