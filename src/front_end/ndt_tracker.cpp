@@ -230,7 +230,9 @@ class NdtTracker::Impl {
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
     lost_time_ += seconds;
-    if (lost_time_ <= config_.max_lost_time || sampler_.points().size() < kMinPoints) return;
+    // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
+    const bool worth_waiting = motion_known_ && lost_time_ <= config_.max_lost_time;
+    if (worth_waiting || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
     forget();

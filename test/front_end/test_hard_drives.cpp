@@ -225,6 +225,22 @@ TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndGoesOn) {
   EXPECT_GT(ride.way(), 20.0);
 }
 
+// What the first scan showed is gone with the second one: waiting for it would lose the start.
+TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
+  constexpr std::size_t kElsewhere = 450;
+  constexpr std::size_t kReplaced = 4;
+  const simulation::Drive drive = make_drive("town", 50.0);
+  Ride ride(drive);
+  ride.take({drive.scan_stamp(300), drive.base_scan(kElsewhere).cloud});
+  for (std::size_t i = 301; i < 320; ++i) {
+    const FrontEndResult& result = ride.take(i);
+    if (i < 300 + kReplaced) continue;
+    EXPECT_EQ(result.status.state, TrackingState::kTracking) << i;
+    if (i == 300 + kReplaced) ride.begin_anew();
+  }
+  EXPECT_LT(ride.error(), 0.1);
+}
+
 TEST(VelocityThatLies, IsFoundOut) {
   const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
