@@ -40,7 +40,11 @@ class TileStore {
   bool contains(const TileIndex& index) const { return tiles_.count(index) > 0; }
   void put(const TileIndex& index, VoxelTile tile) { tiles_[index] = std::move(tile); }
   /// A tile that is there leaves the store.
-  VoxelTile take(const TileIndex& index) { return std::move(tiles_.extract(index).mapped()); }
+  VoxelTile take(const TileIndex& index) {
+    VoxelTile tile = std::move(tiles_.at(index));
+    tiles_.erase(index);
+    return tile;
+  }
   std::size_t voxels(const TileIndex& index) const { return tiles_.at(index).size(); }
 
   /// All points in the map frame, tile by tile.

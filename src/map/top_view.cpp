@@ -129,8 +129,9 @@ std::vector<Rgb> palette() {
     const double density = points == 0 ? 0.0 : std::min(1.0, 0.75 + 0.08 * std::log2(points));
     for (int height = 0; height <= kLevels; ++height) {
       const Color color = color_of(static_cast<double>(height) / kLevels, density);
-      Rgb& rgb = colors.emplace_back();
+      Rgb rgb;
       for (std::size_t i = 0; i < 3; ++i) rgb[i] = static_cast<std::uint8_t>(std::lround(color[i]));
+      colors.push_back(rgb);
     }
   }
   return colors;

@@ -47,11 +47,15 @@ class Writer {
  private:
   bool wants(const std::string& format) const { return is_among(format, options_.formats); }
 
+  CloudSource& source() {
+    if (fixed_) return *fixed_;
+    return clouds_;
+  }
+
   TileSource tiles() {
     return [this](const TileSink& sink) {
       products_.points = 0;
-      CloudSource& clouds = fixed_ ? *fixed_ : clouds_;
-      build_tiles(poses_, clouds, config_, directory_, [&](const MapTile& tile) {
+      build_tiles(poses_, source(), config_, directory_, [&](const MapTile& tile) {
         products_.points += tile.cloud.size();
         sink(tile);
       });
