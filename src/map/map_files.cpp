@@ -11,6 +11,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/pcd_header.hpp"
 
 namespace lidar_mapping::map {
 
@@ -145,13 +146,7 @@ void write_pcd(const fs::path& path, const CloudParts& map) {
     });
     return;
   }
-  const std::string count = std::to_string(points);
-  write_points(path,
-               "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
-               "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " +
-                   count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count +
-                   "\nDATA binary\n",
-               map);
+  write_points(path, pcd_header(points), map);
 }
 
 void write_ply(const fs::path& path, const CloudParts& map) {

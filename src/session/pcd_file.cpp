@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/pcd_header.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
 namespace lidar_mapping::session {
@@ -34,14 +35,6 @@ bool has_intensity(const pcl::PCLPointCloud2& cloud) {
     if (field.name == "intensity" && field.datatype == pcl::PCLPointField::FLOAT32) return true;
   }
   return false;
-}
-
-/// Of the files that this package writes, behind which points lie as they are in memory.
-std::string own_header(std::size_t points) {
-  const std::string count = std::to_string(points);
-  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\n"
-         "SIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " +
-         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
 }
 
 struct Header {
@@ -78,7 +71,7 @@ PointCloud read_pcd(const std::filesystem::path& path) {
   const std::optional<Header> header = read_header(file);
   if (!header) refuse(path);
   if (header->points == 0) return {};  // PCL does not read it
-  if (header->text == own_header(header->points)) {
+  if (header->text == pcd_header(header->points)) {
     const auto bytes = header->points * sizeof(Point);
     if (std::filesystem::file_size(path) < header->text.size() + bytes) refuse(path);
     PointCloud cloud;
@@ -96,7 +89,7 @@ void write_pcd(const std::filesystem::path& path, const PointCloud& cloud) {
   static_assert(sizeof(Point) == 16);
   write_atomically(path, [&](const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file << own_header(cloud.size());
+    file << pcd_header(cloud.size());
     file.write(reinterpret_cast<const char*>(cloud.points.data()),
                static_cast<std::streamsize>(cloud.size() * sizeof(Point)));
     file.close();
