@@ -10,8 +10,6 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr double kTolerance = 1e-4;
-
 CostPtr residual_of(const PoseEdge& edge, bool planar) {
   if (!planar) return relative_pose_residual(edge.T_from_to, edge.information);
   const Pose& T = edge.T_from_to;
@@ -60,7 +58,7 @@ RobustSolution solve(FactorGraph& factors, const GraphOptions& options) {
   const std::vector<bool> all(factors.constraints.size(), true);
   // A bending kernel has far minima that undamped steps jump over.
   const double radius = options.kernel == RobustKernel::kNone ? 1e10 : 1e4;
-  return solve_as_marked(factors, all, {100, radius, kTolerance});
+  return solve_as_marked(factors, all, {100, radius, options.tolerance});
 }
 
 }  // namespace

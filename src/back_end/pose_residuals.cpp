@@ -37,7 +37,7 @@ class RelativePose : public ceres::SizedCostFunction<6, kPoseBlockSize, kPoseBlo
     const HalfAngle turn(q_z_ * q_b);
     Vector6d error;
     error << R_z_ * (t_b - t_z_), turn.vector;
-    vector_at<6>(residual) = S_.triangularView<Eigen::Upper>() * error;
+    vector_at<6>(residual) = S_ * error;
     if (jacobians == nullptr) return true;
     const Eigen::Matrix3d R_b = q_b.toRotationMatrix();
     if (jacobians[0] != nullptr) {

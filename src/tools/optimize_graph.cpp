@@ -23,7 +23,8 @@ struct Arguments {
   std::string input;
   std::string output;
   std::string robust = "none";
-  double kernel_size = 1.0;
+  double kernel_size = GraphOptions().kernel_size;
+  double tolerance = GraphOptions().tolerance;
   std::string json;
 };
 
@@ -37,6 +38,7 @@ GraphOptions options_of(const Arguments& arguments) {
   GraphOptions options;
   options.graduated = arguments.robust == kGraduated;
   options.kernel_size = arguments.kernel_size;
+  options.tolerance = arguments.tolerance;
   for (const auto& [name, kernel] : robust_kernel_names()) {
     if (name == arguments.robust) options.kernel = kernel;
   }
@@ -109,6 +111,10 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(robust_names()))
       ->capture_default_str();
   app.add_option("--kernel-size", arguments.kernel_size, "standard deviations")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--tolerance", arguments.tolerance,
+                 "end with the step that is expected to gain less than this share of the cost")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--json", arguments.json, "file for the figures");

@@ -101,6 +101,19 @@ TEST_F(OptimizeGraph, WritesEnoughDigitsToReachTheSameCostAgain) {
   EXPECT_NEAR(figures().at("initial_cost"), cost, 1e-12 * cost);
 }
 
+TEST_F(OptimizeGraph, GoesOnForAsLongAsTheToleranceAsks) {
+  write("in.g2o", kSquare);
+  const std::string command =
+      file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json");
+  ASSERT_EQ(run(command + " --tolerance 0.5"), 0) << text("said");
+  const nlohmann::json early = figures();
+  ASSERT_EQ(run(command + " --tolerance 1e-12"), 0) << text("said");
+  const nlohmann::json late = figures();
+  EXPECT_LT(early.at("iterations"), late.at("iterations"));
+  EXPECT_LT(late.at("final_cost"), early.at("final_cost"));
+  EXPECT_NE(run(command + " --tolerance 0"), 0);
+}
+
 TEST_F(OptimizeGraph, NamesTheEdgesThatItRefuses) {
   std::string graph;
   for (int i = 0; i < 20; ++i) {

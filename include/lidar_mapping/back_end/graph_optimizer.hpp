@@ -15,6 +15,9 @@ struct GraphOptions {
   double kernel_size = 1.0;  ///< standard deviations
   /// Decide which loops to believe (solve_graduated); the kernel then has no effect.
   bool graduated = false;
+  /// Relative to the cost: ends with the step that is expected to gain less. Without effect on
+  /// `graduated`, whose rounds have tolerances of their own.
+  double tolerance = 5e-4;
 };
 
 struct GraphReport {
