@@ -15,6 +15,10 @@ constexpr double kLostQuality = 0.4;
 constexpr double kMinOverlap = 0.05;
 /// A wrong pose lets less than half of the pairs fit.
 constexpr double kMinPairQuality = 0.45;
+/// Pairs that fit nearly as well as usual are right where they are few because the sensor looks at
+/// what the map does not hold yet; those of a wrong pose have 0.65 to 0.88 of the usual quality.
+constexpr double kUsualPairQuality = 0.88;
+constexpr double kMinUsualOverlap = 0.15;
 // Distance from the prediction in standard deviations.
 constexpr double kDoubtfulInnovation = 6.0;
 constexpr double kLostInnovation = 12.0;
@@ -34,6 +38,15 @@ double pair_quality(const registration::NdtMatch& match) {
 
 }  // namespace
 
+bool MatchJudge::fits_as_usual(const registration::NdtMatch& match) const {
+  return match.overlap > kMinUsualOverlap &&
+         pair_quality(match) > kUsualPairQuality * usual_pair_quality_;
+}
+
+bool MatchJudge::below(double share, const registration::NdtMatch& match) const {
+  return match.quality < share * usual_ && !fits_as_usual(match);
+}
+
 bool MatchJudge::in_doubt(const registration::NdtMatch& match,
                           const registration::MotionBelief& prediction) const {
   return match.quality < kDoubtfulQuality * usual_ || pair_quality(match) < kMinPairQuality ||
@@ -42,18 +55,22 @@ bool MatchJudge::in_doubt(const registration::NdtMatch& match,
 
 TrackingState MatchJudge::judge(const registration::NdtMatch& match,
                                 const registration::MotionBelief& prediction) const {
-  if (match.overlap < kMinOverlap || match.quality < kLostQuality * usual_ ||
+  if (match.overlap < kMinOverlap || below(kLostQuality, match) ||
       pair_quality(match) < kMinPairQuality || !is_finite(match.state.T_map_sensor) ||
       match.state.twist.head<3>().norm() > max_speed_ ||
       innovation(match, prediction) > kLostInnovation) {
     return TrackingState::kLost;
   }
-  return match.quality < kPoorQuality * usual_ ? TrackingState::kDegraded
-                                               : TrackingState::kTracking;
+  return below(kPoorQuality, match) ? TrackingState::kDegraded : TrackingState::kTracking;
 }
 
 void MatchJudge::learn(const registration::NdtMatch& match) {
-  usual_ = usual_ == 0.0 ? match.quality : usual_ + kLearningRate * (match.quality - usual_);
+  const bool poor = below(kPoorQuality, match);
+  const auto take = [](double value, double& usual) {
+    usual = usual == 0.0 ? value : usual + kLearningRate * (value - usual);
+  };
+  take(match.quality, usual_);
+  if (!poor) take(pair_quality(match), usual_pair_quality_);
 }
 
 }  // namespace lidar_mapping::front_end

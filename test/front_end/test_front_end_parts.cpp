@@ -7,6 +7,7 @@
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
+#include "lidar_mapping/front_end/match_judge.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/front_end/twist_forecast.hpp"
@@ -41,6 +42,27 @@ TEST(KeyFrameRule, MeasuresTheSameInAllDirections) {
 TEST(KeyFrameRule, IntervalCountsOnlyWhereItIsSet) {
   EXPECT_FALSE((KeyFrameRule{2.0, 1.0, 0.0}.reached(Pose{}, from_seconds(1e5))));
   EXPECT_TRUE((KeyFrameRule{2.0, 1.0, 5.0}.reached(Pose{}, from_seconds(5.0))));
+}
+
+registration::NdtMatch match_of(double overlap, double pair_quality) {
+  registration::NdtMatch match;
+  match.overlap = overlap;
+  match.quality = overlap * pair_quality;
+  return match;
+}
+
+// A sensor that sees a sector and turns finds few pairs, but good ones; a wrong pose finds bad
+// ones.
+TEST(MatchJudge, TellsTheEndOfTheMapFromAWrongPose) {
+  MatchJudge judge(50.0);
+  const registration::MotionBelief anywhere{{}, Matrix12d::Identity()};
+  for (int scan = 0; scan < 50; ++scan) judge.learn(match_of(0.8, 0.85));
+  EXPECT_EQ(judge.judge(match_of(0.8, 0.85), anywhere), TrackingState::kTracking);
+  EXPECT_EQ(judge.judge(match_of(0.25, 0.80), anywhere), TrackingState::kTracking);
+  EXPECT_EQ(judge.judge(match_of(0.25, 0.65), anywhere), TrackingState::kLost);
+  EXPECT_EQ(judge.judge(match_of(0.50, 0.65), anywhere), TrackingState::kDegraded);
+  EXPECT_EQ(judge.judge(match_of(0.10, 0.85), anywhere), TrackingState::kLost);
+  EXPECT_TRUE(judge.in_doubt(match_of(0.25, 0.80), anywhere));
 }
 
 TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {

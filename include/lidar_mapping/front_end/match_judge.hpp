@@ -19,11 +19,17 @@ class MatchJudge {
                       const registration::MotionBelief& prediction) const;
   /// Takes an accepted match into what is usual.
   void learn(const registration::NdtMatch& match);
-  void reset() { usual_ = 0.0; }
+  void reset() { usual_ = usual_pair_quality_ = 0.0; }
 
  private:
+  bool fits_as_usual(const registration::NdtMatch& match) const;
+  /// True if the quality is less than `share` of the usual one and not only because the map ends
+  /// here.
+  bool below(double share, const registration::NdtMatch& match) const;
+
   double max_speed_;
-  double usual_ = 0.0;  ///< running mean of NdtMatch::quality
+  double usual_ = 0.0;               ///< running mean of NdtMatch::quality
+  double usual_pair_quality_ = 0.0;  ///< of NdtMatch::quality per pair
 };
 
 }  // namespace lidar_mapping::front_end
