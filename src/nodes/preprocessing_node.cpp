@@ -69,7 +69,7 @@ class PreprocessingNode {
   void publish_datum(Stamp stamp);
   void report();
   std::optional<Pose> T_base(const std::string& frame);
-  void look_at(const sensor_msgs::PointCloud2& message, const DecodedCloud& decoded);
+  void look_at(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded);
   void say_what_was_found();
   void say_if_nothing_came();
   std::string why_silent_here(const std::string& input, const std::string& type) const;
@@ -145,7 +145,7 @@ void PreprocessingNode::subscribe_sensors() {
                     })),
       subscribe<sensor_msgs::PointCloud2>(context_, "points", scans, [this](const auto& message) {
         context_.diagnostics.count_input(from_ros(message->header.stamp));
-        DecodedCloud decoded = decode(*message, config_.stage, std::move(spare_));
+        DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_));
         look_at(*message, decoded);
         publish(stage_.process(std::move(decoded.scan)));
       })};
@@ -156,10 +156,10 @@ std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {
   return frames_.lookup(config_.node.base_frame, frame);
 }
 
-void PreprocessingNode::look_at(const sensor_msgs::PointCloud2& message,
-                                const DecodedCloud& decoded) {
+void PreprocessingNode::look_at(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded) {
   has_scans_ = true;
   if (!doctor_) return;
+  decoded.scan.unpack();
   doctor_->see_scan(summary_of(message, decoded));
   if (!first_scan_) first_scan_ = decoded.scan.stamp;
   if (to_seconds(decoded.scan.stamp - *first_scan_) < kLook) return;

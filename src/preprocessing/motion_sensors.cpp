@@ -154,32 +154,28 @@ std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
 MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
-  const VectorAtTime gyro = [&](double time) -> std::optional<Eigen::Vector3d> {
+  const TurningAtTime gyro = [&](double time) -> MaybeVector {
     const auto sample = value_near(imu_, stamp + from_seconds(time));
     if (!sample || !sample->has_angular_velocity) return std::nullopt;
     return T_base_imu->rotation * (sample->angular_velocity - gyro_bias_.bias());
   };
-  const VectorAtTime turning = [&](double time) -> std::optional<Eigen::Vector3d> {
+  const TurningAtTime turning = [&](double time) -> MaybeVector {
     const auto sample = value_near(velocity_, stamp + from_seconds(time));
     if (!sample) return std::nullopt;
     return T_base_velocity->rotation * sample->angular;
   };
-  const auto driving_with = [&](const VectorAtTime& angular) -> VectorAtTime {
-    return [&](double time) -> std::optional<Eigen::Vector3d> {
-      const auto sample = value_near(velocity_, stamp + from_seconds(time));
-      const auto omega = angular(time);
-      if (!sample || !omega) return std::nullopt;
-      return T_base_velocity->rotation * sample->linear -
-             omega->cross(T_base_velocity->translation);
-    };
+  const VelocityAtTime driving = [&](double time, const Eigen::Vector3d& omega) -> MaybeVector {
+    const auto sample = value_near(velocity_, stamp + from_seconds(time));
+    if (!sample) return std::nullopt;
+    return T_base_velocity->rotation * sample->linear - omega.cross(T_base_velocity->translation);
   };
   if (T_base_imu && T_base_velocity) {
-    if (auto both = integrated(span.begin, span.end, gyro, driving_with(gyro))) {
+    if (auto both = integrated(span.begin, span.end, gyro, driving)) {
       return {MotionSource::kImuAndVelocity, *std::move(both)};
     }
   }
   if (T_base_velocity && velocity_turns_) {
-    if (auto driven = integrated(span.begin, span.end, turning, driving_with(turning))) {
+    if (auto driven = integrated(span.begin, span.end, turning, driving)) {
       return {MotionSource::kVelocity, *std::move(driven)};
     }
   }

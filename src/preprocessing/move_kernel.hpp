@@ -28,15 +28,30 @@ struct SlottedMotion {
   float slots_per_second;
 };
 
+/// Points as they lie in memory, x y z side by side as floats.
+struct PointSource {
+  const unsigned char* first;  ///< x of the first point; from each x on 16 bytes can be read
+  std::size_t step;            ///< bytes from point to point
+  std::size_t intensity;       ///< bytes from x to the intensity, a float
+  const float* times;          ///< s, one after the other; null without times
+  std::size_t count;
+};
+
+/// Room for the points that stay (x y z intensity) and for their times; it may be the source's own.
+struct PointSink {
+  float* points;
+  float* times;
+};
+
 struct MoveResult {
   std::size_t kept;
   std::size_t not_finite;
 };
 
-/// Moves points of four floats (x y z intensity) in place and drops those that do not stay. With
-/// `times` each point moves as at its time, else all by the first slot's place; times stay with
-/// their points where `keeps_times`. Points whose coordinates or time are not finite are dropped.
-using MoveKernel = MoveResult (*)(float* points, float* times, std::size_t count,
+/// Moves points and drops those that do not stay. With times each point moves as at its own, else
+/// all by the first slot's place; times stay with their points where `keeps_times`. Points whose
+/// coordinates or time are not finite are dropped.
+using MoveKernel = MoveResult (*)(const PointSource& source, const PointSink& sink,
                                   const KeepRule& rule, const SlottedMotion& motion,
                                   bool keeps_times);
 

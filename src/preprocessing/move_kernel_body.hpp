@@ -41,6 +41,22 @@ LIDAR_MAPPING_INLINE void transpose(Floats& a, Floats& b, Floats& c, Floats& d) 
 LIDAR_MAPPING_INLINE void load(const float* from, Floats& to) {
   std::memcpy(&to, from, sizeof(to));
 }
+
+/// Two points, of which the second begins `step` bytes after the first.
+LIDAR_MAPPING_INLINE void load_two(const unsigned char* from, std::size_t step, Floats& to) {
+#ifdef __AVX2__
+  const auto point = [](const unsigned char* at) {
+    return _mm_loadu_ps(reinterpret_cast<const float*>(at));
+  };
+  const __m256 two = _mm256_set_m128(point(from + step), point(from));
+  std::memcpy(&to, &two, sizeof(to));
+#else
+  float two[kLanes];
+  std::memcpy(two, from, sizeof(two) / 2);
+  std::memcpy(two + kLanes / 2, from + step, sizeof(two) / 2);
+  load(two, to);
+#endif
+}
 LIDAR_MAPPING_INLINE void store(const Floats& from, float* to) {
   std::memcpy(to, &from, sizeof(from));
 }
@@ -83,36 +99,68 @@ LIDAR_MAPPING_INLINE void move_within(const MotionSlot& slot, const Floats& sinc
   z += since * dz;
 }
 
+struct EightPoints {
+  Floats x, y, z;
+};
+
+/// Each lane from a motion of all by its own slot. Not inlined: its copies in memory would cost the
+/// usual case time.
+__attribute__((noinline)) void move_each(const SlottedMotion& motion, const Floats& position,
+                                         EightPoints& points) {
+  Ints slots = __builtin_convertvector(position, Ints);
+  slots += position == static_cast<float>(motion.count);  // -1 where true
+  const Floats since = position - __builtin_convertvector(slots, Floats);
+  const EightPoints before = points;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    EightPoints all = before;
+    move_within(motion.slots[slots[lane]], since, all.x, all.y, all.z);
+    points.x[lane] = all.x[lane];
+    points.y[lane] = all.y[lane];
+    points.z[lane] = all.z[lane];
+  }
+}
+
 /// Slots by which a slot's straight line may be followed beyond its ends: there the error is five
 /// times that in its middle.
 constexpr float kBeyond = 0.75F;
 
+/// Where in the motion eight times lie.
+struct Places {
+  Floats times;
+  Floats position;         ///< slots since the motion's begin, within the motion
+  const MotionSlot* slot;  ///< of a lane in the middle
+};
+
+/// Called for the next points while these are moved, so that nothing waits for the slot's address.
+LIDAR_MAPPING_INLINE void find_places(const SlottedMotion& motion, const float* times,
+                                      Places& places) {
+  constexpr Ints kToLanes = {0, 2, 4, 6, 1, 3, 5, 7};
+  constexpr int kMiddle = 2;
+  Floats in_order;
+  load(times, in_order);
+  places.times = __builtin_shuffle(in_order, kToLanes);
+  const Floats last = Floats{} + static_cast<float>(motion.count);
+  Floats position = (places.times - motion.begin) * motion.slots_per_second;
+  position = position > 0.0F ? position : Floats{};  // NaN becomes 0; the point is dropped
+  places.position = position < last ? position : last;
+  const int slot = static_cast<int>(places.position[kMiddle]);
+  places.slot = motion.slots + (slot < motion.count ? slot : motion.count - 1);
+}
+
 /// Neighbours in a cloud were measured shortly one after the other, so that one slot serves all;
 /// where they were not, each lane is taken from a motion of all by its own slot.
-LIDAR_MAPPING_INLINE void move_timed(const SlottedMotion& motion, const Floats& times, Floats& x,
+LIDAR_MAPPING_INLINE void move_timed(const SlottedMotion& motion, const Places& places, Floats& x,
                                      Floats& y, Floats& z) {
-  const Floats last = Floats{} + static_cast<float>(motion.count);
-  Floats position = (times - motion.begin) * motion.slots_per_second;
-  position = position > 0.0F ? position : Floats{};  // NaN becomes 0; the point is dropped
-  position = position < last ? position : last;
-  Ints slots = __builtin_convertvector(position, Ints);
-  slots += position == last;  // -1 where true
-  constexpr Ints kMiddle = {2, 2, 2, 2, 2, 2, 2, 2};
-  const Floats since =
-      position - __builtin_shuffle(__builtin_convertvector(slots, Floats), kMiddle);
+  const Floats since = places.position - static_cast<float>(places.slot - motion.slots);
   if (all_of((since >= -kBeyond) & (since <= 1.0F + kBeyond))) {
-    move_within(motion.slots[slots[kMiddle[0]]], since, x, y, z);
+    move_within(*places.slot, since, x, y, z);
     return;
   }
-  const Floats since_own = position - __builtin_convertvector(slots, Floats);
-  const Floats x0 = x, y0 = y, z0 = z;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    Floats px = x0, py = y0, pz = z0;
-    move_within(motion.slots[slots[lane]], since_own, px, py, pz);
-    x[lane] = px[lane];
-    y[lane] = py[lane];
-    z[lane] = pz[lane];
-  }
+  EightPoints points{x, y, z};
+  move_each(motion, places.position, points);
+  x = points.x;
+  y = points.y;
+  z = points.z;
 }
 
 LIDAR_MAPPING_INLINE void is_inside(const KeepRule& rule, const Floats& x, const Floats& y,
@@ -121,7 +169,8 @@ LIDAR_MAPPING_INLINE void is_inside(const KeepRule& rule, const Floats& x, const
            (y < rule.box_max[1]) & (z > rule.box_min[2]) & (z < rule.box_max[2]);
 }
 
-/// The part of a cloud that is done; it never overtakes what is still to be read.
+/// The part of a cloud that is done; where it is written over the source, it never overtakes what
+/// is still to be read.
 struct Done {
   float* points;
   float* times;
@@ -140,24 +189,37 @@ void append_some(const float* points, const float* times, const std::int32_t* ke
   }
 }
 
+/// Where the intensity does not follow the coordinates.
+LIDAR_MAPPING_INLINE void load_intensities(const PointSource& source, const unsigned char* from,
+                                           Floats& to) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    float intensity;
+    std::memcpy(&intensity, from + k * source.step + source.intensity, sizeof(intensity));
+    to[kLaneOf[k]] = intensity;
+  }
+}
+
+/// The eight points of the source from number `first` on, whose times lie at these places.
 template <bool has_times, bool keeps_times>
-LIDAR_MAPPING_INLINE void move_eight(const float* points, const float* times, const KeepRule& rule,
+LIDAR_MAPPING_INLINE void move_eight(const PointSource& source, std::size_t first,
+                                     const Places& places, const KeepRule& rule,
                                      const SlottedMotion& motion, Done& done) {
+  const unsigned char* const from = source.first + first * source.step;
   Floats x, y, z, intensity, time{}, time_in_order{};
-  load(points, x);
-  load(points + 8, y);
-  load(points + 16, z);
-  load(points + 24, intensity);
+  load_two(from, source.step, x);
+  load_two(from + 2 * source.step, source.step, y);
+  load_two(from + 4 * source.step, source.step, z);
+  load_two(from + 6 * source.step, source.step, intensity);
   transpose(x, y, z, intensity);
+  if (source.intensity != 3 * sizeof(float)) load_intensities(source, from, intensity);
   const Floats range = x * x + y * y + z * z;
   // Written so that NaN fails.
   Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);
   if constexpr (has_times) {
-    constexpr Ints kToLanes = {0, 2, 4, 6, 1, 3, 5, 7};
-    load(times, time_in_order);
-    time = __builtin_shuffle(time_in_order, kToLanes);
+    load(source.times + first, time_in_order);
+    time = places.times;
     keep &= (time - time) == 0.0F;
-    move_timed(motion, time, x, y, z);
+    move_timed(motion, places, x, y, z);
   } else {
     move_by(motion.slots->place, x, y, z);
   }
@@ -189,30 +251,49 @@ LIDAR_MAPPING_INLINE void move_eight(const float* points, const float* times, co
   for (std::size_t lane = 0; lane < kLanes; ++lane) done.not_finite += finite[lane] == 0 ? 1 : 0;
 }
 
+/// The last points of a source, less than eight, filled up with points at the sensor itself, which
+/// are dropped.
 template <bool has_times, bool keeps_times>
-MoveResult move_all(float* points, float* times, std::size_t count, const KeepRule& rule,
-                    const SlottedMotion& motion) {
-  Done done{points, times, 0, 0};
-  std::size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    move_eight<has_times, keeps_times>(points + 4 * i, times + i, rule, motion, done);
+void move_rest(const PointSource& source, std::size_t first, const KeepRule& rule,
+               const SlottedMotion& motion, Done& done) {
+  constexpr std::size_t kCoordinates = 3 * sizeof(float), kPoint = 4 * sizeof(float);
+  unsigned char rest[kLanes * kPoint] = {};
+  float times[kLanes] = {};
+  for (std::size_t k = 0; first + k < source.count; ++k) {
+    const unsigned char* const from = source.first + (first + k) * source.step;
+    std::memcpy(rest + k * kPoint, from, kCoordinates);
+    std::memcpy(rest + k * kPoint + kCoordinates, from + source.intensity, sizeof(float));
+    if constexpr (has_times) times[k] = source.times[first + k];
   }
-  if (i < count) {
-    // Filled up with points at the sensor itself, which are dropped.
-    float rest[4 * kLanes] = {};
-    float rest_times[kLanes] = {};
-    std::memcpy(rest, points + 4 * i, 4 * (count - i) * sizeof(float));
-    if (has_times) std::memcpy(rest_times, times + i, (count - i) * sizeof(float));
-    move_eight<has_times, keeps_times>(rest, rest_times, rule, motion, done);
+  Places places{};
+  if constexpr (has_times) find_places(motion, times, places);
+  move_eight<has_times, keeps_times>({rest, kPoint, kCoordinates, times, kLanes}, 0, places, rule,
+                                     motion, done);
+}
+
+template <bool has_times, bool keeps_times>
+MoveResult move_all(const PointSource& source, const PointSink& sink, const KeepRule& rule,
+                    const SlottedMotion& motion) {
+  Done done{sink.points, sink.times, 0, 0};
+  const std::size_t whole = source.count - source.count % kLanes;
+  Places places{}, next{};
+  if (has_times && whole > 0) find_places(motion, source.times, next);
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    places = next;
+    if (has_times && i + kLanes < whole) find_places(motion, source.times + i + kLanes, next);
+    move_eight<has_times, keeps_times>(source, i, places, rule, motion, done);
+  }
+  if (whole < source.count) {
+    move_rest<has_times, keeps_times>(source, whole, rule, motion, done);
   }
   return {done.kept, done.not_finite};
 }
 
-MoveResult move_points(float* points, float* times, std::size_t count, const KeepRule& rule,
+MoveResult move_points(const PointSource& source, const PointSink& sink, const KeepRule& rule,
                        const SlottedMotion& motion, bool keeps_times) {
-  if (times == nullptr) return move_all<false, false>(points, times, count, rule, motion);
-  return keeps_times ? move_all<true, true>(points, times, count, rule, motion)
-                     : move_all<true, false>(points, times, count, rule, motion);
+  if (source.times == nullptr) return move_all<false, false>(source, sink, rule, motion);
+  return keeps_times ? move_all<true, true>(source, sink, rule, motion)
+                     : move_all<true, false>(source, sink, rule, motion);
 }
 
 }  // namespace

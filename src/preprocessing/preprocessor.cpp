@@ -15,6 +15,11 @@
 
 namespace lidar_mapping::preprocessing {
 
+void RawScan::unpack() {
+  if (packed) read_points(*packed, cloud);
+  packed.reset();
+}
+
 class Preprocessor::Impl {
  public:
   Impl(const PreprocessingConfig& config, ExtrinsicLookup lookup)
@@ -64,6 +69,7 @@ class Preprocessor::Impl {
       ++counters_.scans_out_of_order;
       return;
     }
+    if (config_.point_times == PointTimes::kAzimuth) raw.unpack();
     const auto [span, problem] =
         settle_times(raw.cloud, raw.times_are_absolute, config_, raw.time_span);
     if (!problem.empty()) notices_.warn("times", "points: " + problem);
@@ -191,8 +197,9 @@ class Preprocessor::Impl {
 
   PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar,
                            std::optional<ImuSample>& imu) {
-    PointCloud cloud = std::move(scan.raw.cloud);
+    PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
+      scan.raw.unpack();
       correct_vertical_angle(cloud, config_.vertical_angle_correction_deg * M_PI / 180.0);
     }
     MeasuredMotion measured;
@@ -204,7 +211,8 @@ class Preprocessor::Impl {
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
-        move_to_base(cloud, T_base_lidar, limits_, moves ? &measured.motion : nullptr,
+        move_to_base(scan.raw.packed ? *scan.raw.packed : packed_in(cloud), cloud, T_base_lidar,
+                     limits_, moves ? &measured.motion : nullptr,
                      compensates ? PointTimesAfter::kDropped : PointTimesAfter::kKept);
     if (compensates) ++counters_.scans_deskewed;
     return without_outliers(downsampled(std::move(cloud), config_), config_);

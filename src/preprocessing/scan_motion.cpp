@@ -11,14 +11,14 @@ constexpr double kLongestStep = 0.002;  // s: turning at 10 rad/s^2 stays below 
 
 /// Moves on from the pose at `time` by `step` (of either sign).
 std::optional<Pose> advanced(const Pose& pose, double time, double step,
-                             const VectorAtTime& angular_velocity, const VectorAtTime& velocity) {
+                             const TurningAtTime& turning, const VelocityAtTime& velocity) {
   const double middle = time + 0.5 * step;
-  const auto omega = angular_velocity(middle);
+  const auto omega = turning(middle);
   if (!omega) return std::nullopt;
   Pose next = pose;
   next.rotation = (pose.rotation * exp_so3(*omega * step)).normalized();
   if (velocity) {
-    const auto v = velocity(middle);
+    const auto v = velocity(middle, *omega);
     if (!v) return std::nullopt;
     next.translation += pose.rotation * (exp_so3(*omega * (0.5 * step)) * *v) * step;
   }
@@ -26,13 +26,12 @@ std::optional<Pose> advanced(const Pose& pose, double time, double step,
 }
 
 /// Poses at stamp + k step for k = 1 .. count.
-std::optional<std::vector<Pose>> followed(int count, double step,
-                                          const VectorAtTime& angular_velocity,
-                                          const VectorAtTime& velocity) {
+std::optional<std::vector<Pose>> followed(int count, double step, const TurningAtTime& turning,
+                                          const VelocityAtTime& velocity) {
   std::vector<Pose> poses;
   Pose pose;
   for (int k = 0; k < count; ++k) {
-    const auto next = advanced(pose, k * step, step, angular_velocity, velocity);
+    const auto next = advanced(pose, k * step, step, turning, velocity);
     if (!next) return std::nullopt;
     pose = *next;
     poses.push_back(pose);
@@ -50,15 +49,15 @@ Pose ScanMotion::at(double time) const {
                      position - static_cast<double>(index));
 }
 
-std::optional<ScanMotion> integrated(double begin, double end, const VectorAtTime& angular_velocity,
-                                     const VectorAtTime& velocity) {
+std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTime& turning,
+                                     const VelocityAtTime& velocity) {
   // The knots include the stamp itself, so that points of that instant do not move at all.
   const double step = kLongestStep;
   const int before = static_cast<int>(std::ceil(std::max(0.0, -begin) / step));
   const int after =
       std::max(static_cast<int>(std::ceil(std::max(0.0, end) / step)), before ? 0 : 1);
-  auto earlier = followed(before, -step, angular_velocity, velocity);
-  const auto later = followed(after, step, angular_velocity, velocity);
+  auto earlier = followed(before, -step, turning, velocity);
+  const auto later = followed(after, step, turning, velocity);
   if (!earlier || !later) return std::nullopt;
   ScanMotion motion;
   motion.begin = -before * step;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -73,8 +74,14 @@ PassLimits::PassLimits(const PreprocessingConfig& config)
   far_squared = cut ? far * far : std::numeric_limits<float>::max();
 }
 
-std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
-                         const ScanMotion* motion, PointTimesAfter times) {
+PackedPoints packed_in(const PointCloud& cloud) {
+  const auto* first = reinterpret_cast<const unsigned char*>(cloud.points.data());
+  return {nullptr, first, sizeof(Point), offsetof(Point, intensity)};
+}
+
+std::size_t move_to_base(const PackedPoints& packed, PointCloud& cloud, const Pose& T_base_sensor,
+                         const PassLimits& limits, const ScanMotion* motion,
+                         PointTimesAfter times) {
   if (cloud.empty()) return 0;
   const std::vector<MotionSlot> slots =
       motion == nullptr ? standing(T_base_sensor) : slots_of(*motion, T_base_sensor);
@@ -85,9 +92,10 @@ std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const Pas
   }
   const bool keeps_times = cloud.has_times() && times == PointTimesAfter::kKept;
   static_assert(sizeof(Point) == 4 * sizeof(float));
-  const MoveResult result =
-      move_kernel()(&cloud.points.data()->x, cloud.has_times() ? cloud.times.data() : nullptr,
-                    cloud.size(), keep_rule(limits), slotted, keeps_times);
+  const PointSource source{packed.first, packed.step, packed.intensity,
+                           cloud.has_times() ? cloud.times.data() : nullptr, cloud.size()};
+  const MoveResult result = move_kernel()(source, {&cloud.points.data()->x, cloud.times.data()},
+                                          keep_rule(limits), slotted, keeps_times);
   cloud.points.resize(result.kept);
   cloud.times.resize(keeps_times ? result.kept : 0);
   return result.not_finite;

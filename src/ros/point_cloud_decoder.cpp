@@ -31,68 +31,51 @@ bool is_packed(const PointField& x, const PointField& y, const PointField& z) {
          z.datatype == PointField::FLOAT32 && y.offset == x.offset + 4 && z.offset == x.offset + 8;
 }
 
-/// Places of the fields in a point.
-struct Offsets {
-  std::size_t x, intensity, time;
-};
-
-/// Points whose coordinates lie side by side, a float intensity, and times of four bytes as they
-/// are written (as a float a time costs 8 ns of 0.1 s).
-template <typename Time>
-void read_points(const std::uint8_t* in, std::size_t step, const Offsets& at, std::size_t count,
-                 Point* points, float* times) {
-  for (std::size_t i = 0; i < count; ++i, in += step) {
-    std::memcpy(&points[i], in + at.x, sizeof(Point));  // one load and store of a whole register
-    points[i].intensity = read<float>(in + at.intensity);
-    if constexpr (!std::is_void_v<Time>) times[i] = static_cast<float>(read<Time>(in + at.time));
-  }
-}
-
-/// By blocks that are still in the cache when their times are looked at.
-template <typename Time>
-preprocessing::TimeSpan read_blocks(const PointCloud2& message, const Offsets& at,
-                                    PointCloud& cloud) {
-  constexpr std::size_t kBlock = 512;
-  preprocessing::TimeSpanFinder finder;
-  for (std::size_t begin = 0; begin < cloud.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, cloud.size() - begin);
-    const std::uint8_t* in = message.data.data() + begin * message.point_step;
-    float* const times = cloud.times.data() + begin;
-    read_points<Time>(in, message.point_step, at, count, &cloud.points[begin], times);
-    finder.add(times, count);
-  }
-  return finder.span();
-}
-
-/// Which of the fields have been read.
-struct FastRead {
-  bool points = false;
-  std::optional<preprocessing::TimeSpan> times;  ///< as they are written
-};
-
-/// The layout of nearly all drivers; nothing is read of others. What a buffer holds is overwritten
-/// without being cleared first.
-FastRead read_packed(const PointCloud2& message, const PointField* intensity,
-                     const PointField* time, PointCloud& cloud) {
+/// Where the points of such a layout with a float intensity lie.
+std::optional<preprocessing::PackedPoints> packed_points(const PointCloud2& message,
+                                                         const PointField* intensity) {
   const PointField& x = coordinate_field(message, "x");
   if (!is_contiguous(message) ||
       !is_packed(x, coordinate_field(message, "y"), coordinate_field(message, "z")) ||
       intensity == nullptr || intensity->datatype != PointField::FLOAT32 ||
-      message.point_step - x.offset < sizeof(Point)) {
-    return {};
+      intensity->offset < x.offset || message.point_step - x.offset < sizeof(Point)) {
+    return std::nullopt;
   }
-  const std::size_t count = std::size_t{message.width} * message.height;
-  cloud.points.resize(count);
-  const Offsets at{x.offset, intensity->offset, time == nullptr ? 0 : time->offset};
-  const std::uint8_t type = time == nullptr ? std::uint8_t{0} : time->datatype;
-  if (type != PointField::FLOAT32 && type != PointField::UINT32) {
-    read_points<void>(message.data.data(), message.point_step, at, count, cloud.points.data(),
-                      nullptr);
-    return {true, std::nullopt};
+  return preprocessing::PackedPoints{nullptr, message.data.data() + x.offset, message.point_step,
+                                     intensity->offset - x.offset};
+}
+
+/// Times as they are written (as a float a time of four bytes costs 8 ns of 0.1 s), by blocks that
+/// are still in the cache when they are looked at.
+template <typename Time>
+preprocessing::TimeSpan read_blocks(const PointCloud2& message, const PointField& field,
+                                    std::vector<float>& times) {
+  constexpr std::size_t kBlock = 512;
+  preprocessing::TimeSpanFinder finder;
+  const std::uint8_t* in = message.data.data() + field.offset;
+  for (std::size_t begin = 0; begin < times.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, times.size());
+    for (std::size_t i = begin; i < end; ++i, in += message.point_step) {
+      times[i] = static_cast<float>(read<Time>(in));
+    }
+    finder.add(&times[begin], end - begin);
   }
-  cloud.times.resize(count);
-  return {true, type == PointField::FLOAT32 ? read_blocks<float>(message, at, cloud)
-                                            : read_blocks<std::uint32_t>(message, at, cloud)};
+  return finder.span();
+}
+
+/// The usual times of four bytes, and their span; nothing is read of others. What the times held is
+/// overwritten without being cleared first.
+std::optional<preprocessing::TimeSpan> read_usual_times(const PointCloud2& message,
+                                                        const PointField* field,
+                                                        std::vector<float>& times) {
+  const std::uint8_t type = field == nullptr ? std::uint8_t{0} : field->datatype;
+  if (!is_contiguous(message) || (type != PointField::FLOAT32 && type != PointField::UINT32)) {
+    times.clear();
+    return std::nullopt;
+  }
+  times.resize(std::size_t{message.width} * message.height);
+  return type == PointField::FLOAT32 ? read_blocks<float>(message, *field, times)
+                                     : read_blocks<std::uint32_t>(message, *field, times);
 }
 
 void read_coordinates(const PointCloud2& message, std::vector<Point>& points) {
@@ -142,10 +125,9 @@ void add_seam(const PointCloud& cloud, preprocessing::CloudSummary& summary) {
   }
 }
 
-}  // namespace
-
-DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config,
-                    PointCloud buffer) {
+/// Points of the usual layout are left where they are.
+DecodedCloud decode_in_place(const PointCloud2& message,
+                             const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
   DecodedCloud result;
   PointCloud& cloud = result.scan.cloud;
   result.scan.stamp = from_ros(message.header.stamp);
@@ -156,16 +138,36 @@ DecodedCloud decode(const PointCloud2& message, const preprocessing::Preprocessi
   cloud = std::move(buffer);
   const PointField* intensity = find_any_field(message, kIntensityNames);
   if (intensity != nullptr) result.format.intensity_field = intensity->name;
-  const bool wants_times = config.point_times != preprocessing::PointTimes::kNone;
-  const PointField* time = wants_times ? time_field(message) : nullptr;
-  const FastRead fast = read_packed(message, intensity, time, cloud);
-  if (!fast.points) {
+  result.scan.packed = packed_points(message, intensity);
+  if (result.scan.packed) {
+    cloud.points.resize(std::size_t{message.width} * message.height);
+  } else {
     cloud.points.assign(std::size_t{message.width} * message.height, Point{});
     read_coordinates(message, cloud.points);
     if (intensity != nullptr) read_intensity(message, *intensity, cloud.points);
   }
-  if (!fast.times) cloud.times.clear();
-  if (time != nullptr) decode_times(message, *time, config, fast.times, result);
+  const bool wants_times = config.point_times != preprocessing::PointTimes::kNone;
+  const PointField* time = wants_times ? time_field(message) : nullptr;
+  const auto span = read_usual_times(message, time, cloud.times);
+  if (time != nullptr) decode_times(message, *time, config, span, result);
+  return result;
+}
+
+}  // namespace
+
+DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config,
+                    PointCloud buffer) {
+  DecodedCloud result = decode_in_place(message, config, std::move(buffer));
+  result.scan.unpack();
+  return result;
+}
+
+DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
+                           const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
+  DecodedCloud result = decode_in_place(*message, config, std::move(buffer));
+  if (result.scan.packed) {
+    result.scan.packed->memory = {message.get(), [message](const void*) {}};
+  }
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <boost/make_shared.hpp>
 
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -60,16 +61,16 @@ void message_to_synced_cloud(benchmark::State& state) {
   const bool moves = state.range(0) != 0;
   const preprocessing::PreprocessingConfig config;
   preprocessing::Preprocessor stage(config, [](const std::string&) { return Pose::Identity(); });
-  sensor_msgs::PointCloud2 message = scan_message(moves);
+  const auto message = boost::make_shared<sensor_msgs::PointCloud2>(scan_message(moves));
   const Stamp period = 100000000;
   Stamp stamp = kBegin;
   PointCloud spare;
   for (auto _ : state) {
     state.PauseTiming();
     if (moves) add_motion(stage, stamp, stamp + period);
-    message.header.stamp = ros_border::to_ros(stamp);
+    message->header.stamp = ros_border::to_ros(stamp);
     state.ResumeTiming();
-    auto scans = stage.process(ros_border::decode(message, config, std::move(spare)).scan);
+    auto scans = stage.process(ros_border::decode_lazily(message, config, std::move(spare)).scan);
     for (auto& scan : stage.flush()) scans.push_back(std::move(scan));
     for (auto& scan : scans) {
       benchmark::DoNotOptimize(

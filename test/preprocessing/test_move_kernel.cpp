@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <vector>
@@ -16,9 +17,13 @@ namespace {
 /// 30 m/s and 1 rad/s, as fast as a vehicle drives and turns at once, over [-0.05, 0.06] s.
 ScanMotion fast_motion() {
   const auto turning = [](double) { return Eigen::Vector3d(0.1, -0.1, 1.0); };
-  const auto driving = [](double) { return Eigen::Vector3d(30.0, 0.5, 0.1); };
+  const auto driving = [](double, const Eigen::Vector3d&) {
+    return Eigen::Vector3d(30.0, 0.5, 0.1);
+  };
   return *integrated(-0.05, 0.06, turning, driving);
 }
+
+constexpr std::size_t kBefore = 3;  // bytes: nothing is aligned
 
 enum class Order { kByTime, kByBeam, kShuffled };
 
@@ -44,7 +49,7 @@ TEST(MoveKernel, IsOffByLessThanATenthOfAMillimetre) {
   for (const Order order : {Order::kByTime, Order::kByBeam, Order::kShuffled}) {
     const PointCloud raw = cloud_in(order, 5003);
     PointCloud moved = raw;
-    move_to_base(moved, T_base_sensor, PassLimits({}), &motion);
+    move_to_base(packed_in(moved), moved, T_base_sensor, PassLimits({}), &motion);
     ASSERT_GT(moved.size(), 4900U);
     double worst = 0.0;
     for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -64,7 +69,7 @@ TEST(MoveKernel, HoldsTheMotionBeyondItsEnds) {
   std::fill(cloud.times.begin(), cloud.times.begin() + 8, -1.0F);
   std::fill(cloud.times.begin() + 8, cloud.times.end(), 1.0F);
   const PointCloud raw = cloud;
-  move_to_base(cloud, Pose::Identity(), PassLimits({}), &motion);
+  move_to_base(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), &motion);
   ASSERT_EQ(cloud.size(), 16U);
   for (std::size_t i = 0; i < 16; ++i) {
     const Pose& T_stamp_end = i < 8 ? motion.T_stamp_knot.front() : motion.T_stamp_knot.back();
@@ -73,13 +78,31 @@ TEST(MoveKernel, HoldsTheMotionBeyondItsEnds) {
   }
 }
 
+/// How a driver may lay out its points.
+struct Layout {
+  std::size_t step, intensity;
+};
+constexpr Layout kLayouts[] = {{16, 12}, {20, 12}, {22, 12}, {48, 16}};
+
+/// The points of the cloud in that layout, after some bytes of something else.
+std::vector<unsigned char> packed(const PointCloud& cloud, const Layout& layout) {
+  std::vector<unsigned char> bytes(kBefore + layout.step * cloud.size(), 0xAB);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    unsigned char* const point = bytes.data() + kBefore + i * layout.step;
+    std::memcpy(point, &cloud.points[i].x, 3 * sizeof(float));
+    std::memcpy(point + layout.intensity, &cloud.points[i].intensity, sizeof(float));
+  }
+  return bytes;
+}
+
 /// What a kernel makes of a cloud, of a rest after whole blocks and of points that do not stay.
 struct Outcome {
   std::vector<float> points, times;
   std::size_t kept, not_finite;
 };
 
-Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count) {
+Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count,
+                   const Layout& layout = kLayouts[0]) {
   const MotionSlot slots[2] = {{{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3}, {0, 1e-3F, 0, 0.5F}},
                                {{1, 1e-3F, 0, 1.5F, 0, 1, 0, 2, 0, 0, 1, 3}, {0, 0, 1e-3F, 0.25F}}};
   const KeepRule rule{4.0F, 4000.0F, true, {-9.0F, -9.0F, -9.0F}, {9.0F, 9.0F, 90.0F}};
@@ -87,13 +110,14 @@ Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < count; i += 11) cloud.points[i].x = nan;
   for (std::size_t i = 5; i < count; i += 22) cloud.times[i] = nan;
-  const MoveResult result = kernel(&cloud.points.data()->x, cloud.times.data(), count, rule,
-                                   {slots, 2, -0.05F, 2.0F / 0.11F}, true);
-  const float* const first = &cloud.points.data()->x;
-  return {{first, first + 4 * result.kept},
-          {cloud.times.data(), cloud.times.data() + result.kept},
-          result.kept,
-          result.not_finite};
+  const std::vector<unsigned char> bytes = packed(cloud, layout);
+  std::vector<float> points(4 * count), times(count);
+  const MoveResult result =
+      kernel({bytes.data() + kBefore, layout.step, layout.intensity, cloud.times.data(), count},
+             {points.data(), times.data()}, rule, {slots, 2, -0.05F, 2.0F / 0.11F}, true);
+  points.resize(4 * result.kept);
+  times.resize(result.kept);
+  return {points, times, result.kept, result.not_finite};
 }
 
 TEST(MoveKernel, KeepsWhatStaysInItsOrderAndCountsWhatIsNotFinite) {
@@ -108,15 +132,38 @@ TEST(MoveKernel, KeepsWhatStaysInItsOrderAndCountsWhatIsNotFinite) {
   }
 }
 
+void expect_same(const Outcome& a, const Outcome& b) {
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.times, b.times);
+  EXPECT_EQ(a.not_finite, b.not_finite);
+}
+
+TEST(MoveKernel, ReadsAnyLayout) {
+  const Outcome plain = outcome_of(portable_move_kernel(), Order::kByBeam, 1003);
+  for (const Layout& layout : kLayouts) {
+    expect_same(plain, outcome_of(portable_move_kernel(), Order::kByBeam, 1003, layout));
+  }
+}
+
+TEST(MoveKernel, MovesInPlace) {
+  const PointCloud raw = cloud_in(Order::kByBeam, 1003);
+  PointCloud apart = raw, in_place = raw;
+  const ScanMotion motion = fast_motion();
+  move_to_base(packed_in(raw), apart, Pose::Identity(), PassLimits({}), &motion);
+  move_to_base(packed_in(in_place), in_place, Pose::Identity(), PassLimits({}), &motion);
+  ASSERT_EQ(apart.size(), in_place.size());
+  EXPECT_EQ(apart.times, in_place.times);
+  EXPECT_EQ(std::memcmp(apart.points.data(), in_place.points.data(), 16 * apart.size()), 0);
+}
+
 TEST(MoveKernel, WiderInstructionsGiveTheSameBits) {
   if (avx2_move_kernel() == nullptr) GTEST_SKIP() << "no AVX2 here";
   for (const Order order : {Order::kByTime, Order::kByBeam, Order::kShuffled}) {
-    const Outcome portable = outcome_of(portable_move_kernel(), order, 1003);
-    const Outcome wide = outcome_of(avx2_move_kernel(), order, 1003);
-    EXPECT_GT(portable.kept, 300U);
-    EXPECT_EQ(portable.points, wide.points);
-    EXPECT_EQ(portable.times, wide.times);
-    EXPECT_EQ(portable.not_finite, wide.not_finite);
+    for (const Layout& layout : kLayouts) {
+      const Outcome portable = outcome_of(portable_move_kernel(), order, 1003, layout);
+      EXPECT_GT(portable.kept, 300U);
+      expect_same(portable, outcome_of(avx2_move_kernel(), order, 1003, layout));
+    }
   }
 }
 

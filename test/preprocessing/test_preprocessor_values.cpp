@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -156,6 +158,30 @@ TEST(Preprocessor, HandsTheLeverArmOn) {  // F26
   });
   auto scans = drive(stage, 2.0, kNothingMissing);
   EXPECT_LT((scans.back().gnss->p_base_antenna - Eigen::Vector3d(1.5, 0.0, 0.3)).norm(), 1e-12);
+}
+
+PointCloud cloud_of(const PreprocessingConfig& config, RawScan scan) {
+  Preprocessor stage(config, identity_lookup);
+  auto scans = stage.process(std::move(scan));
+  append(scans, stage.flush());
+  return scans.at(0).scan.cloud;
+}
+
+TEST(Preprocessor, TakesPackedPointsLikeReadOnes) {
+  std::vector<PreprocessingConfig> configs(3);
+  configs[1].point_times = PointTimes::kAzimuth;
+  configs[2].vertical_angle_correction_deg = 0.205;
+  const RawScan read = ring_scan(at(0.0));
+  for (const PreprocessingConfig& config : configs) {
+    const auto memory = std::make_shared<const std::vector<Point>>(read.cloud.points);
+    RawScan packed = read;
+    packed.cloud.points.assign(read.cloud.size(), {});
+    packed.packed = {memory, reinterpret_cast<const unsigned char*>(memory->data()), 16, 12};
+    const PointCloud expected = cloud_of(config, read), cloud = cloud_of(config, packed);
+    ASSERT_EQ(cloud.size(), expected.size());
+    EXPECT_EQ(cloud.times, expected.times);
+    EXPECT_EQ(std::memcmp(cloud.points.data(), expected.points.data(), 16 * cloud.size()), 0);
+  }
 }
 
 }  // namespace

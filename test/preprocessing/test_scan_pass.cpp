@@ -35,7 +35,7 @@ TEST(ScanPass, CutsByRangeFromTheSensor) {
   const Pose T_base_lidar{exp_so3({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0}};
   PointCloud cloud = random_cloud(1, 5000, 25.0F);
   const PointCloud raw = cloud;
-  move_to_base(cloud, T_base_lidar, PassLimits(config), nullptr);
+  move_to_base(packed_in(cloud), cloud, T_base_lidar, PassLimits(config), nullptr);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < raw.size(); ++i) {
     const float range = raw.points[i].position().norm();
@@ -54,7 +54,7 @@ TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {  // F22
   PreprocessingConfig config;
   config.use_distance_filter = false;
   PointCloud cloud = random_cloud(2, 1000, 500.0F);
-  move_to_base(cloud, Pose::Identity(), PassLimits(config), nullptr);
+  move_to_base(packed_in(cloud), cloud, Pose::Identity(), PassLimits(config), nullptr);
   EXPECT_EQ(cloud.size(), 1000U);
 }
 
@@ -64,14 +64,14 @@ TEST(ScanPass, DropsWhatIsNoPoint) {  // F20
       {kNaN, 1, 1, 0}, {0, 0, 0, 0},     {std::numeric_limits<float>::infinity(), 0, 0, 0},
       {5, 0, 0, 3},    {1e30F, 0, 0, 0}, {5, 1, 0, 4}};
   cloud.times = {0, 0, 0, 0, 0, kNaN};
-  EXPECT_EQ(move_to_base(cloud, Pose::Identity(), PassLimits({}), nullptr), 4U);
+  EXPECT_EQ(move_to_base(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), nullptr), 4U);
   ASSERT_EQ(cloud.size(), 1U);
   EXPECT_EQ(cloud.points[0].intensity, 3.0F);
 }
 
 TEST(ScanPass, TakesAnEmptyScan) {
   PointCloud cloud;
-  EXPECT_EQ(move_to_base(cloud, Pose::Identity(), PassLimits({}), nullptr), 0U);
+  EXPECT_EQ(move_to_base(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), nullptr), 0U);
   EXPECT_TRUE(cloud.empty());
 }
 
@@ -81,7 +81,8 @@ TEST(ScanPass, CutsTheVehicleOut) {
   PointCloud cloud;
   cloud.points = {{0, 0, -1, 1}, {4, 0, 0, 2}, {1, 0.5F, -1.5F, 3}};
   // The sensor sits 2 m above base_link.
-  move_to_base(cloud, Pose{Eigen::Quaterniond::Identity(), {0, 0, 2}}, PassLimits(config), nullptr);
+  move_to_base(packed_in(cloud), cloud, Pose{Eigen::Quaterniond::Identity(), {0, 0, 2}},
+               PassLimits(config), nullptr);
   ASSERT_EQ(cloud.size(), 1U);
   EXPECT_EQ(cloud.points[0].intensity, 2.0F);
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -124,6 +125,47 @@ TEST(PointCloudDecoder, ReadsAbsoluteTimesInAnyUnit) {  // F1: a float cannot ho
       EXPECT_EQ(decoded.scan.stamp, 1673400677700635123);
     }
   }
+}
+
+/// x y z intensity time, with points of `step` bytes.
+PointCloud2 plain_cloud(std::uint32_t step) {
+  auto message = cloud_with({{"x", PointField::FLOAT32, 0},
+                             {"y", PointField::FLOAT32, 4},
+                             {"z", PointField::FLOAT32, 8},
+                             {"intensity", PointField::FLOAT32, step - 8},
+                             {"time", PointField::FLOAT32, step - 4}},
+                            step, kCount);
+  put_positions(message);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    put(message, i, step - 8, static_cast<float>(i));
+    put(message, i, step - 4, static_cast<float>(kPeriod * fraction(i)));
+  }
+  return message;
+}
+
+TEST(PointCloudDecoder, LeavesPointsOfTheUsualLayoutWhereTheyAre) {
+  for (const std::uint32_t step : {20U, 32U}) {
+    auto message = boost::make_shared<PointCloud2>(plain_cloud(step));
+    const DecodedCloud read = decode(*message, {});
+    EXPECT_FALSE(read.scan.packed);
+    DecodedCloud lazy = decode_lazily(message, {});
+    message.reset();  // the scan keeps what it needs
+    ASSERT_TRUE(lazy.scan.packed);
+    EXPECT_EQ(lazy.scan.cloud.times, read.scan.cloud.times);
+    ASSERT_EQ(lazy.scan.cloud.size(), kCount);
+    lazy.scan.unpack();
+    for (std::size_t i = 0; i < kCount; ++i) {
+      EXPECT_EQ(lazy.scan.cloud.points[i].position(), read.scan.cloud.points[i].position());
+      EXPECT_EQ(lazy.scan.cloud.points[i].intensity, static_cast<float>(i));
+    }
+  }
+}
+
+TEST(PointCloudDecoder, ReadsOtherLayoutsAtOnce) {
+  const auto message =
+      boost::make_shared<PointCloud2>(absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0));
+  message->fields.front().datatype = PointField::FLOAT64;
+  EXPECT_FALSE(decode_lazily(message, {}).scan.packed);
 }
 
 TEST(PointCloudDecoder, CountsTimesOfAForeignClockFromTheFirstPoint) {

@@ -2,6 +2,7 @@
 #include <limits>
 #include <random>
 
+#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -149,7 +150,8 @@ void feed(Fuzz& fuzz, preprocessing::Preprocessor& stage,
     switch (fuzz.below(4)) {
       case 0: {
         ++tally.clouds;
-        check(stage.process(decode(fuzz.cloud(), config).scan));
+        const auto message = boost::make_shared<sensor_msgs::PointCloud2>(fuzz.cloud());
+        check(stage.process(decode_lazily(message, config).scan));
         break;
       }
       case 1: {

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/notices.hpp"
+#include "lidar_mapping/preprocessing/packed_points.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
@@ -23,6 +24,11 @@ struct RawScan {
   bool times_are_absolute = false;
   /// Of the cloud's times, where who read them knows it.
   std::optional<TimeSpan> time_span = std::nullopt;
+  /// Where the points have not been read yet; the cloud has the room for them.
+  std::optional<PackedPoints> packed = std::nullopt;
+
+  /// Reads the points that are packed.
+  void unpack();
 };
 
 /// A scan in base_link and what the other sensors measured at its stamp. No value where a sensor is

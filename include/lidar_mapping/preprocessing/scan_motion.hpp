@@ -19,14 +19,18 @@ struct ScanMotion {
   Pose at(double time) const;
 };
 
-/// A vector at a time (s, relative to the scan's stamp), or nothing where it was not measured.
-using VectorAtTime = std::function<std::optional<Eigen::Vector3d>(double time)>;
+/// Nothing where it was not measured.
+using MaybeVector = std::optional<Eigen::Vector3d>;
+/// Angular velocity at a time (s, relative to the scan's stamp).
+using TurningAtTime = std::function<MaybeVector(double time)>;
+/// Velocity at a time where the vehicle turns at the rate `omega`.
+using VelocityAtTime = std::function<MaybeVector(double time, const Eigen::Vector3d& omega)>;
 
 /// Integrates angular velocity (on SO(3)) and velocity, both in the axes of base_link, by the
 /// midpoint rule from the stamp to both ends of [begin, end]. Without a `velocity` only the turning
 /// is followed. Nothing where a value is missing.
-std::optional<ScanMotion> integrated(double begin, double end, const VectorAtTime& angular_velocity,
-                                     const VectorAtTime& velocity);
+std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTime& turning,
+                                     const VelocityAtTime& velocity);
 
 /// Mean angular velocity over the scan, rad/s.
 Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/preprocessing/packed_points.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/preprocessing/scan_motion.hpp"
 
@@ -20,12 +21,17 @@ struct PassLimits {
 
 enum class PointTimesAfter { kKept, kDropped };
 
-/// The one pass over a raw scan, in place: drops points that are not finite, at the sensor itself,
-/// out of range or on the vehicle, and moves the others to base_link; with a `motion` to its place
-/// at the scan's stamp as well. Times stay with their points, or are dropped. Returns how many were
-/// not finite.
-std::size_t move_to_base(PointCloud& cloud, const Pose& T_base_sensor, const PassLimits& limits,
-                         const ScanMotion* motion, PointTimesAfter times = PointTimesAfter::kKept);
+/// The one pass over the points of a raw scan, from where they are `packed` to the cloud, which has
+/// their times and the room for them (in place with packed_in(cloud)): drops points that are not
+/// finite, at the sensor itself, out of range or on the vehicle, and moves the others to base_link;
+/// with a `motion` to its place at the scan's stamp as well. Times stay with their points, or are
+/// dropped. Returns how many were not finite.
+std::size_t move_to_base(const PackedPoints& packed, PointCloud& cloud, const Pose& T_base_sensor,
+                         const PassLimits& limits, const ScanMotion* motion,
+                         PointTimesAfter times = PointTimesAfter::kKept);
+
+/// The cloud's own points.
+PackedPoints packed_in(const PointCloud& cloud);
 
 /// Turns every point by `angle` (rad) upwards about the horizontal axis normal to its beam.
 void correct_vertical_angle(PointCloud& cloud, double angle);

@@ -34,6 +34,11 @@ struct DecodedCloud {
 /// and data that are shorter than the header says.
 DecodedCloud decode(const sensor_msgs::PointCloud2& message,
                     const preprocessing::PreprocessingConfig& config, PointCloud buffer = {});
+/// The same, but points of the usual layout stay packed in the message, which lives on with the
+/// scan, until they are moved.
+DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
+                           const preprocessing::PreprocessingConfig& config,
+                           PointCloud buffer = {});
 
 /// What the input doctor wants to know of a cloud.
 preprocessing::CloudSummary summary_of(const sensor_msgs::PointCloud2& message,
