@@ -18,7 +18,7 @@ constexpr double kDegree = M_PI / 180.0;
 constexpr double kPairDistance = 20.0;
 constexpr double kStep = 3.0;
 /// After so many pairs they become rarer.
-constexpr double kEagerPairs = 30.0;
+constexpr double kEagerPairs = 100.0;
 /// A sensor that goes to and fro never has two scans that are far enough apart.
 constexpr std::size_t kMostFrames = 12;
 constexpr std::size_t kMapCapacity = std::size_t{1} << 14;
@@ -30,7 +30,7 @@ constexpr double kGoodSigma = 0.012 * kDegree;
 // What is believed: from so many pairs, so large an angle, so many standard deviations from zero.
 constexpr int kLeastPairs = 8;
 constexpr double kLeastAngle = 0.05 * kDegree;
-constexpr double kSure = 6.0;
+constexpr double kSure = 5.0;
 /// Smaller changes are noise.
 constexpr double kLeastChange = 0.02 * kDegree;
 /// So much more per scan in the map moves the ground by a centimetre. All at once the pose would
@@ -93,7 +93,9 @@ void ElevationCalibration::take(Frame frame, double voxel_size) {
   });
   if (other != frames_.rend()) {
     map_.restart(voxel_size);
-    compare(*other, frame);
+    // What bent planes pretend changes its sign with the roles of the two.
+    const bool turn = mean_.count() % 2 == 1;
+    compare(turn ? frame : *other, turn ? *other : frame);
   }
   if (frames_.size() == kMostFrames) frames_.pop_front();
   frames_.push_back(std::move(frame));

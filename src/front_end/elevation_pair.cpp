@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/front_end/degeneracy.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -11,10 +13,16 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
 /// Of the points of b so many are enough; those of a make the planes.
-constexpr std::size_t kThinning = 4;
-/// Squared distance in standard deviations at which a point loses most of its weight
-/// (Geman-McClure), iteration by iteration.
-constexpr double kKernelsSquared[] = {100.0, 25.0, 6.25, 6.25, 6.25};
+constexpr std::size_t kEnough = 8000;
+
+struct Iteration {
+  /// Squared distance in standard deviations at which a point loses most of its weight
+  /// (Geman-McClure).
+  double kernel_squared;
+  std::size_t thinning;
+};
+constexpr Iteration kIterations[] = {{100.0, 4}, {25.0, 4}, {6.25, 4}, {6.25, 1}, {6.25, 1}};
+
 /// No sensor is off by more: the solution has run away.
 constexpr double kLargestAngle = 0.03;  // rad
 
@@ -34,10 +42,11 @@ Eigen::Vector3d rise(const Eigen::Vector3d& p) {
 /// Residuals are the distances of the points of b to the planes of a, with both turned by `angle`.
 /// Unknowns: the perturbation of T_a_b, see perturbed(), then the angle.
 NormalEquations normal_equations(const SampledPoints& points, registration::GaussianVoxelMap& map,
-                                 const Pose& T_a_b, double angle, double kernel_squared) {
+                                 const Pose& T_a_b, double angle, const Iteration& iteration) {
+  const std::size_t step = iteration.thinning * (1 + points.size() / kEnough);
   const Eigen::Matrix3d R = T_a_b.rotation_matrix();
   NormalEquations sum;
-  for (std::size_t i = 0; i < points.size(); i += kThinning) {
+  for (std::size_t i = 0; i < points.size(); i += step) {
     const Eigen::Vector3d p_b(points.x[i], points.y[i], points.z[i]);
     const Eigen::Vector3d p_a = R * p_b + T_a_b.translation;
     const Eigen::Vector3i cell = (p_a / map.resolution()).array().floor().cast<int>();
@@ -47,7 +56,7 @@ NormalEquations normal_equations(const SampledPoints& points, registration::Gaus
     const Eigen::Vector3d n_b = R.transpose() * n_a;
     const double slope = n_b.dot(rise(p_b)) - n_a.dot(rise(p_a));
     const double r = n_a.dot(p_a) - static_cast<double>(plane.offset) + slope * angle;
-    const double root = kernel_squared / (kernel_squared + r * r);
+    const double root = iteration.kernel_squared / (iteration.kernel_squared + r * r);
     Vector7d J;
     J << n_b, p_b.cross(n_b), slope;
     const Vector7d weighted = root * root * J;
@@ -64,12 +73,13 @@ std::optional<ElevationEstimate> estimate_elevation(const SampledPoints& points,
                                                     const Pose& T_a_b) {
   Pose pose = T_a_b;
   ElevationEstimate estimate;
-  for (const double kernel_squared : kKernelsSquared) {
-    const NormalEquations sum = normal_equations(points, map, pose, estimate.angle, kernel_squared);
+  for (const Iteration& iteration : kIterations) {
+    const NormalEquations sum = normal_equations(points, map, pose, estimate.angle, iteration);
     const Eigen::LDLT<Matrix7d> solver(sum.hessian);
     const Vector7d step = -solver.solve(sum.gradient);
     const double variance = solver.solve(Vector7d::Unit(6))[6];
     if (!step.allFinite() || !(variance > 0.0)) return std::nullopt;
+    if (!degenerate_directions(sum.hessian.topLeftCorner<6, 6>()).empty()) return std::nullopt;
     pose = perturbed(pose, Vector6d(step.head<6>()));
     estimate = {estimate.angle + step[6], std::sqrt(variance)};
   }
