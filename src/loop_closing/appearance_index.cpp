@@ -1,6 +1,8 @@
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <type_traits>
 
 #include "lidar_mapping/loop_closing/surface.hpp"
 
@@ -11,6 +13,13 @@ namespace {
 constexpr std::size_t kNearestKeys = 25;
 constexpr std::size_t kMostSimilar = 10;
 using Key = SpectrumDescriptor::Key;
+
+/// As it lies in the file: plain values, the same in memory and outside.
+struct Stored {
+  Key key;
+  Appearance appearance;
+};
+static_assert(std::is_standard_layout_v<Stored> && std::is_trivially_destructible_v<Stored>);
 
 struct Ranked {
   double cost;
@@ -38,21 +47,58 @@ Appearance appearance_of(const std::vector<Eigen::Vector3f>& points) {
   return appearance;
 }
 
-void AppearanceIndex::append(std::optional<Appearance> appearance) {
-  const Key key = appearance ? appearance->descriptor.key() : Key::Zero();
-  keys_.insert(keys_.end(), key.data(), key.data() + key.size());
-  all_.push_back(std::move(appearance));
+void AppearanceIndex::append(const std::optional<Appearance>& appearance) {
+  if (!appearance) {
+    coarse_.emplace_back();
+    return;
+  }
+  if (!file_) file_ = std::make_unique<NamelessFile>(directory_);
+  const Stored stored{appearance->descriptor.key(), *appearance};
+  file_->write(coarse_.size() * sizeof(Stored), &stored, sizeof(Stored));
+  coarse_.emplace_back(stored.key);
+}
+
+std::optional<Appearance> AppearanceIndex::operator[](std::size_t node) const {
+  if (!coarse_[node]) return std::nullopt;
+  Appearance appearance;
+  file_->read(node * sizeof(Stored) + offsetof(Stored, appearance), &appearance,
+              sizeof(Appearance));
+  return appearance;
+}
+
+Key AppearanceIndex::key_of(std::size_t node) const {
+  Key key;
+  file_->read(node * sizeof(Stored) + offsetof(Stored, key), &key, sizeof(Key));
+  return key;
+}
+
+/// All that the coarse keys cannot tell to be further than the nearest.
+std::vector<std::size_t> AppearanceIndex::perhaps_nearest(
+    const std::function<bool(std::size_t)>& admits) const {
+  std::vector<std::pair<std::size_t, CoarseKey::Bounds>> bounds;
+  for (std::size_t node = 0; node + 1 < coarse_.size(); ++node) {
+    if (!coarse_[node] || !admits(node)) continue;
+    bounds.emplace_back(node, coarse_[node]->distance_to(*coarse_.back()));
+  }
+  std::vector<float> upper;
+  for (const auto& [node, bound] : bounds) upper.push_back(bound.upper);
+  std::vector<std::size_t> nodes;
+  if (upper.size() > kNearestKeys) {
+    std::nth_element(upper.begin(), upper.begin() + kNearestKeys - 1, upper.end());
+  }
+  for (const auto& [node, bound] : bounds) {
+    if (upper.size() <= kNearestKeys || bound.lower <= upper[kNearestKeys - 1]) {
+      nodes.push_back(node);
+    }
+  }
+  return nodes;
 }
 
 std::vector<std::size_t> AppearanceIndex::nearest_keys(
     const std::function<bool(std::size_t)>& admits) const {
-  const auto key_of = [this](std::size_t node) {
-    return Eigen::Map<const Key>(&keys_[node * Key::SizeAtCompileTime]);
-  };
-  const Key newest = key_of(all_.size() - 1);
+  const Key newest = key_of(coarse_.size() - 1);
   std::vector<Ranked> ranked;
-  for (std::size_t node = 0; node + 1 < all_.size(); ++node) {
-    if (!all_[node] || !admits(node)) continue;
+  for (const std::size_t node : perhaps_nearest(admits)) {
     ranked.push_back({(key_of(node) - newest).squaredNorm(), node});
   }
   return best_of(std::move(ranked), kNearestKeys);
@@ -60,10 +106,11 @@ std::vector<std::size_t> AppearanceIndex::nearest_keys(
 
 std::vector<std::size_t> AppearanceIndex::similar_to_newest(
     const std::function<bool(std::size_t)>& admits) const {
-  if (all_.empty() || !all_.back()) return {};
+  if (coarse_.empty() || !coarse_.back()) return {};
+  const Appearance newest = *(*this)[coarse_.size() - 1];
   std::vector<Ranked> ranked;
   for (const std::size_t node : nearest_keys(admits)) {
-    const auto comparison = all_[node]->descriptor.compare(all_.back()->descriptor);
+    const auto comparison = (*this)[node]->descriptor.compare(newest.descriptor);
     ranked.push_back({-comparison.similarity, node});
   }
   return best_of(std::move(ranked), kMostSimilar);

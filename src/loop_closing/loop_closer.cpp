@@ -18,10 +18,10 @@ constexpr double kDistinct = 10.0;  // m of way between two candidates that are 
 
 class LoopCloser::Impl {
  public:
-  Impl(const LoopClosingConfig& config, CloudSource& clouds)
+  Impl(const LoopClosingConfig& config, CloudSource& clouds, const std::filesystem::path& directory)
       : config_(config),
         submaps_(config, clouds),
-        places_(config),
+        places_(config, directory),
         joins_(config.unanchored_stretch) {}
 
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
@@ -151,8 +151,9 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame) {
   return result;
 }
 
-LoopCloser::LoopCloser(const LoopClosingConfig& config, CloudSource& clouds)
-    : impl_(std::make_unique<Impl>(config, clouds)) {}
+LoopCloser::LoopCloser(const LoopClosingConfig& config, CloudSource& clouds,
+                       const std::filesystem::path& directory)
+    : impl_(std::make_unique<Impl>(config, clouds, directory)) {}
 LoopCloser::~LoopCloser() = default;
 
 void LoopCloser::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {

@@ -29,15 +29,16 @@ bool is_followed(const Loop& loop, const TrajectoryNode& from, const TrajectoryN
 
 }  // namespace
 
-Places::Places(const LoopClosingConfig& config) : config_(config) {}
+Places::Places(const LoopClosingConfig& config, const std::filesystem::path& directory)
+    : config_(config), appearances_(directory) {}
 
-void Places::append(const KeyFrame& key_frame, std::optional<Appearance> appearance) {
+void Places::append(const KeyFrame& key_frame, const std::optional<Appearance>& appearance) {
   const NodeId node = trajectory_.append(key_frame);
   const bool continues = node > 0 && trajectory_[node - 1].segment == trajectory_[node].segment;
   const double step = continues ? trajectory_[node].travelled - trajectory_[node - 1].travelled
                                 : std::numeric_limits<double>::infinity();
   separation_.append(step);
-  appearances_.append(std::move(appearance));
+  appearances_.append(appearance);
   put_on_grids(node);
 }
 
@@ -181,7 +182,7 @@ std::vector<Candidate> Places::suspects() const {
 
 std::vector<Candidate> Places::candidates() const {
   if (trajectory_.size() < 2) return {};
-  const auto& appearance = appearances_[trajectory_.size() - 1];
+  const auto appearance = appearances_[trajectory_.size() - 1];
   const auto cells = appearance ? appearance->view.cells() : std::vector<Eigen::Vector2f>();
   std::vector<Candidate> result;
   for (Candidate& candidate : suspects()) {

@@ -2,9 +2,8 @@
 
 #include <vector>
 
+#include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/map/map_files.hpp"
-
-#include "nameless_file.hpp"
 
 namespace lidar_mapping::map {
 

@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/parallel.hpp"
 
+#include "mark_file.hpp"
 #include "moving_things.hpp"
 #include "placed_points.hpp"
 #include "witness.hpp"
@@ -18,8 +19,6 @@ namespace {
 constexpr std::size_t kBatch = 16;    // key frames that are judged together, one a thread
 constexpr int kGroundNeighbours = 5;  // key frames whose points tell the ground
 constexpr int kGroundStep = 3;        // every so many of the further ones do, too
-
-using Marks = std::vector<std::uint32_t>;  // points that move, in ascending order
 
 Marks numbers_of(const std::vector<bool>& moves) {
   Marks marks;
@@ -34,8 +33,12 @@ Marks numbers_of(const std::vector<bool>& moves) {
 class StaticClouds::Impl {
  public:
   Impl(CloudSource& clouds, const KeyFramePoses& poses, const Eigen::Vector3d& p_base_sensor,
-       const MovingObjectsConfig& config)
-      : clouds_(clouds), poses_(poses.poses), p_base_sensor_(p_base_sensor), config_(config) {
+       const MovingObjectsConfig& config, const std::filesystem::path& directory)
+      : clouds_(clouds),
+        poses_(poses.poses),
+        p_base_sensor_(p_base_sensor),
+        config_(config),
+        marks_(directory) {
     for (std::size_t i = 0; i < poses_.size(); ++i) positions_[poses_[i].index] = i;
   }
 
@@ -44,8 +47,8 @@ class StaticClouds::Impl {
     const PointCloudPtr cloud = clouds_.cloud(index);
     const auto position = positions_.find(index);
     if (!cloud || position == positions_.end()) return cloud;
-    if (marks_.count(position->second) == 0) judge_around(position->second);
-    const Marks& marks = marks_[position->second];
+    if (!marks_.contains(position->second)) judge_around(position->second);
+    const Marks marks = marks_.get(position->second);
     auto result = std::make_shared<PointCloud>();
     result->points.reserve(moving ? marks.size() : cloud->size() - marks.size());
     auto next = marks.begin();
@@ -71,7 +74,7 @@ class StaticClouds::Impl {
       const auto cloud = clouds.find(begin + i);
       if (cloud != clouds.end()) marks[i] = marks_of(begin + i, *cloud->second);
     });
-    for (std::size_t i = 0; i < marks.size(); ++i) marks_[begin + i] = std::move(marks[i]);
+    for (std::size_t i = 0; i < marks.size(); ++i) marks_.put(begin + i, marks[i]);
   }
 
   /// Makes witnesses of all around [begin, end), and lets go of the others. Returns the clouds of
@@ -167,12 +170,13 @@ class StaticClouds::Impl {
   const MovingObjectsConfig config_;
   std::map<KeyFrameIndex, Position> positions_;
   std::map<Position, std::unique_ptr<Witness>> witnesses_;
-  std::map<Position, Marks> marks_;
+  MarkFile marks_;  ///< of points that move
 };
 
 StaticClouds::StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
-                           const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config)
-    : impl_(std::make_unique<Impl>(clouds, poses, p_base_sensor, config)) {}
+                           const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config,
+                           const std::filesystem::path& directory)
+    : impl_(std::make_unique<Impl>(clouds, poses, p_base_sensor, config, directory)) {}
 StaticClouds::~StaticClouds() = default;
 
 PointCloudPtr StaticClouds::cloud(KeyFrameIndex index) { return impl_->part(index, false); }

@@ -3,7 +3,8 @@
 #include <map>
 #include <memory>
 
-#include "nameless_file.hpp"
+#include "lidar_mapping/common/nameless_file.hpp"
+
 #include "voxel_tile.hpp"
 
 namespace lidar_mapping::map {

@@ -34,7 +34,8 @@ class Writer {
     if (!options.p_base_sensor) return;
     MovingObjectsConfig removal;
     removal.threads = config.threads;
-    fixed_ = std::make_unique<StaticClouds>(clouds, poses, *options.p_base_sensor, removal);
+    fixed_ =
+        std::make_unique<StaticClouds>(clouds, poses, *options.p_base_sensor, removal, directory);
   }
 
   Products write() {

@@ -52,7 +52,7 @@ class LoopClosingNode {
   /// Clouds of one run and the search in them.
   struct Run {
     Run(const Config& config, const std::filesystem::path& folder)
-        : clouds(folder), closer(config.stage, clouds) {}
+        : clouds(folder), closer(config.stage, clouds, folder) {}
     session::CloudStore clouds;
     loop_closing::LoopCloser closer;
   };

@@ -11,9 +11,9 @@ namespace lidar_mapping::pipeline {
 /// Adds to a piece of the drive the loops that its key frame closes. One thread calls it.
 class LoopSearch {
  public:
-  LoopSearch(const loop_closing::LoopClosingConfig& config, CloudSource& clouds,
+  LoopSearch(const loop_closing::LoopClosingConfig& config, session::Session& session,
              PoseFeedback& feedback)
-      : closer_(config, clouds), feedback_(feedback) {}
+      : closer_(config, session.clouds(), session.directory()), feedback_(feedback) {}
 
   void take(DrivePiece& piece);
   /// Takes in what is known of a drive that is gone on with.

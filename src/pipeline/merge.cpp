@@ -68,7 +68,8 @@ class Merge::Impl {
  public:
   Impl(Session out, const back_end::BackEndConfig& back_end,
        const loop_closing::LoopClosingConfig& loop_closing)
-      : back_end_(std::move(out), back_end), closer_(loop_closing, session().clouds()) {}
+      : back_end_(std::move(out), back_end),
+        closer_(loop_closing, session().clouds(), session().directory()) {}
 
   void add(const Session& part);
   void finish();

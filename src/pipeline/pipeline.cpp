@@ -49,7 +49,7 @@ class Pipeline::Impl {
        preprocessing::ExtrinsicLookup T_base)
       : threaded_(config.threads != 1),
         keeper_(std::move(session), config.back_end, threaded_, feedback_),
-        search_(config.loop_closing, keeper_.run().session().clouds(), feedback_),
+        search_(config.loop_closing, keeper_.run().session(), feedback_),
         resume_point_(resume_point_of(keeper_.run().session(), kStretch, config.replay_whole)),
         odometry_(
             with_threads(config.front_end, config.threads), config.floor_detection,

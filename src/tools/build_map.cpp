@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "map_output.hpp"
+#include "process_memory.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{"Builds the map of a session from its newest poses"};
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
   app.add_option("--sensor-origin", output.sensor_origin, "the LiDAR in base_link, m")->expected(3);
   app.add_option("--threads", output.threads, "at most so many threads; 0: all cores");
   CLI11_PARSE(app, argc, argv);
+  const tools::ReturnedMemory returned_memory;
   try {
     const auto session = session::Session::open(folder, session::Session::Access::kRead);
     for (const auto& file : tools::write_map(session, output)) {

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include <CLI/CLI.hpp>
-#include <malloc.h>
 #include <unistd.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
@@ -21,6 +20,7 @@
 #include "map_output.hpp"
 #include "mapping_figures.hpp"
 #include "mapping_progress.hpp"
+#include "process_memory.hpp"
 #include "stage_files.hpp"
 
 namespace lidar_mapping::tools {
@@ -33,7 +33,6 @@ using session::Session;
 constexpr int kFailed = 1;
 constexpr int kStoppedEarly = 3;
 constexpr int kStoppedAtOnce = 130;
-constexpr std::size_t kTrimStep = 100;  // key frames
 
 struct Options {
   DriveSelection drive;
@@ -125,6 +124,13 @@ class MappingRun {
   }
 
   int run() {
+    map_recording();
+    return conclude();
+  }
+
+ private:
+  /// Leaves neither the recording's index nor the pipeline behind: the map needs their memory.
+  void map_recording() {
     OpenDrive drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
     for (const std::string& line : drive.lines) std::printf("%s\n", line.c_str());
     std::fflush(stdout);
@@ -140,13 +146,11 @@ class MappingRun {
       drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
       map(*drive.input, true);
     }
-    return conclude();
+    pipeline_.reset();
   }
 
- private:
   void map(pipeline::InputSource& input, bool whole) {
     pipeline_.reset();  // lets go of the session
-    trimmed_at_ = 0;
     Session session = open_session(options_);
     for (const auto& [stage, text] : stages_.texts) session.set_configuration(stage, text);
     stages_.pipeline.replay_whole = whole;
@@ -161,7 +165,6 @@ class MappingRun {
       pipeline_->add(std::move(*datum));
       say();
       progress_->show(pipeline_->progress());
-      give_back_memory();
     }
     reading_seconds_ = reading.seconds();
     streamed_ = progress_->seconds();
@@ -169,14 +172,6 @@ class MappingRun {
     progress_->show(pipeline_->progress());
     say();
     progress_->end_line();
-  }
-
-  /// Clouds that one thread makes and another lets go leave holes, which would add up over hours.
-  void give_back_memory() {
-    const std::size_t key_frames = pipeline_->progress().key_frames;
-    if (key_frames < trimmed_at_ + kTrimStep) return;
-    malloc_trim(0);
-    trimmed_at_ = key_frames;
   }
 
   void say() {
@@ -189,8 +184,6 @@ class MappingRun {
   int conclude() {
     const double mapped = progress_->seconds();
     if (stop_asked != 0) std::printf("stopped early: what follows is the drive so far\n");
-    pipeline_.reset();  // the map needs its memory
-    malloc_trim(0);
     const Session session = Session::open(options_.output, Session::Access::kRead);
     if (report_.progress.scans == 0 && session.key_frame_count() == 0) {
       throw InputError("no scan could be used, so there is no map; the lines above say why");
@@ -227,7 +220,6 @@ class MappingRun {
   pipeline::PipelineReport report_;
   double reading_seconds_ = 0.0;
   double streamed_ = 0.0;
-  std::size_t trimmed_at_ = 0;  ///< key frames
 };
 
 }  // namespace
@@ -242,6 +234,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   std::signal(SIGINT, tools::ask_to_stop);
   std::signal(SIGTERM, tools::ask_to_stop);
+  const tools::ReturnedMemory returned_memory;
   try {
     return tools::MappingRun(options).run();
   } catch (const Error& error) {

@@ -3,8 +3,6 @@
 #include <cstdio>
 #include <iostream>
 
-#include <malloc.h>
-
 #include "lidar_mapping/map/key_frame_track.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -43,22 +41,6 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const S
   return origin;
 }
 
-/// Gives memory back now and then: what threads make and others let go leaves holes that add up.
-class TidyClouds : public CloudSource {
- public:
-  explicit TidyClouds(CloudSource& clouds) : clouds_(clouds) {}
-
-  PointCloudPtr cloud(KeyFrameIndex index) override {
-    if (++asked_ % kTrimStep == 0) malloc_trim(0);
-    return clouds_.cloud(index);
-  }
-
- private:
-  static constexpr std::size_t kTrimStep = 128;
-  CloudSource& clouds_;
-  std::size_t asked_ = 0;
-};
-
 }  // namespace
 
 map::Files write_map(const Session& session, const MapOutput& output) {
@@ -68,9 +50,8 @@ map::Files write_map(const Session& session, const MapOutput& output) {
   const KeyFramePoses poses = poses_of(session);
   const auto folder =
       output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
-  TidyClouds clouds(session.clouds());
   const map::Products products =
-      map::write_products(poses, clouds, make_config(output, session), options, folder);
+      map::write_products(poses, session.clouds(), make_config(output, session), options, folder);
   std::printf("%zu points of %zu key frames\n", products.points, poses.poses.size());
   if (options.save_removed) std::printf("%zu points of moving objects\n", products.removed);
   return products.files;

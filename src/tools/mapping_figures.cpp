@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "mapping_progress.hpp"
+#include "process_memory.hpp"
 
 namespace lidar_mapping::tools {
 

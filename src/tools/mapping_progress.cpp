@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <string>
 
-#include <sys/resource.h>
 #include <unistd.h>
+
+#include "process_memory.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -29,19 +29,6 @@ std::string bar_of(double share) {
 }
 
 }  // namespace
-
-std::size_t resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::size_t whole = 0, resident = 0;
-  file >> whole >> resident;
-  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
-
-std::size_t peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
-}
 
 MappingProgress::MappingProgress(Stamp begin, Stamp end)
     : begin_(begin), end_(end), terminal_(isatty(STDERR_FILENO) != 0), shown_(start_) {}

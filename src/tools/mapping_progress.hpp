@@ -1,15 +1,10 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 
 #include "lidar_mapping/pipeline/pipeline.hpp"
 
 namespace lidar_mapping::tools {
-
-/// Memory of this process in bytes: now, and at most so far.
-std::size_t resident_bytes();
-std::size_t peak_bytes();
 
 /// Shows how far a drive is mapped: a bar on a terminal, a line for every tenth of the drive
 /// elsewhere; both on stderr.

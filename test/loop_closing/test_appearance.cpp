@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
@@ -46,7 +48,7 @@ TEST(Appearance, KeyDoesNotChangeWithTheHeading) {
 
 TEST(AppearanceIndex, FindsThePlaceAgainAmongAll) {
   const ToyWorld world = make_town(150.0, 100.0, 5);
-  AppearanceIndex index;
+  AppearanceIndex index(std::filesystem::temp_directory_path());
   for (const Pose& pose : along({{-100, 0}, {100, 0}}, 5.0)) {
     index.append(seen_from(world, pose));
   }
@@ -59,7 +61,7 @@ TEST(AppearanceIndex, FindsThePlaceAgainAmongAll) {
 
 TEST(AppearanceIndex, SkipsWhatIsNotAdmittedAndWhatHasNoCloud) {
   const ToyWorld world = make_town(100.0, 100.0, 5);
-  AppearanceIndex index;
+  AppearanceIndex index(std::filesystem::temp_directory_path());
   index.append(seen_from(world, planar(0.0, 0.0, 0.0)));
   index.append(std::nullopt);
   EXPECT_TRUE(index.similar_to_newest([](std::size_t) { return true; }).empty());
@@ -68,13 +70,81 @@ TEST(AppearanceIndex, SkipsWhatIsNotAdmittedAndWhatHasNoCloud) {
   EXPECT_EQ(index.similar_to_newest([](std::size_t) { return true; }).size(), 1U);
 }
 
+TEST(AppearanceIndex, GivesBackWhatItTook) {
+  const ToyWorld world = make_town(100.0, 100.0, 5);
+  AppearanceIndex index(std::filesystem::temp_directory_path());
+  index.append(std::nullopt);
+  const Appearance first = seen_from(world, planar(0.0, 0.0, 0.0));
+  index.append(first);
+  index.append(seen_from(world, planar(20.0, 0.0, 1.0)));
+  EXPECT_FALSE(index[0].has_value());
+  ASSERT_TRUE(index[1].has_value());
+  EXPECT_EQ(index[1]->view.cells(), first.view.cells());
+  EXPECT_EQ(index[1]->descriptor.key(), first.descriptor.key());
+}
+
+std::vector<Appearance> seen_on_the_way(const ToyWorld& world) {
+  std::vector<Appearance> seen;
+  for (const Pose& pose : along({{-100, 0}, {100, 0}}, 2.0)) {
+    seen.push_back(seen_from(world, pose));
+  }
+  return seen;
+}
+
+TEST(CoarseKey, BoundsTheDistanceOfTheKeys) {
+  const std::vector<Appearance> seen = seen_on_the_way(make_town(150.0, 100.0, 5));
+  for (std::size_t i = 0; i + 1 < seen.size(); ++i) {
+    const auto a = seen[i].descriptor.key();
+    const auto b = seen[seen.size() - 1 - i].descriptor.key();
+    const CoarseKey::Bounds bounds = CoarseKey(a).distance_to(CoarseKey(b));
+    EXPECT_LE(bounds.lower, (a - b).norm()) << i;
+    EXPECT_GE(bounds.upper, (a - b).norm()) << i;
+    EXPECT_LT(bounds.upper - bounds.lower, 0.25F) << i;
+  }
+  SpectrumDescriptor::Key beyond = SpectrumDescriptor::Key::Constant(3.0F);
+  const CoarseKey::Bounds bounds = CoarseKey(beyond).distance_to(CoarseKey(0.5F * beyond));
+  EXPECT_LE(bounds.lower, 0.5F * beyond.norm());
+  EXPECT_GE(bounds.upper, 0.5F * beyond.norm());
+}
+
+/// The 25 nearest keys, and of these the 10 most similar.
+std::vector<std::size_t> most_similar_of_all(const std::vector<Appearance>& seen) {
+  const SpectrumDescriptor& newest = seen.back().descriptor;
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t i = 0; i + 1 < seen.size(); ++i) {
+    ranked.emplace_back((seen[i].descriptor.key() - newest.key()).squaredNorm(), i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  ranked.resize(25);
+  for (auto& [cost, i] : ranked) cost = -seen[i].descriptor.compare(newest).similarity;
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::size_t> nodes;
+  for (std::size_t i = 0; i < 10; ++i) nodes.push_back(ranked[i].second);
+  return nodes;
+}
+
+TEST(AppearanceIndex, FindsWhatASearchAmongTheTrueKeysFinds) {
+  const ToyWorld world = make_town(150.0, 100.0, 5);
+  std::vector<Appearance> seen = seen_on_the_way(world);
+  for (const double x : {-60.0, 13.0, 85.0}) {
+    seen.push_back(seen_from(world, planar(x, 2.0, 2.0)));
+    AppearanceIndex index(std::filesystem::temp_directory_path());
+    for (const Appearance& appearance : seen) index.append(appearance);
+    EXPECT_EQ(index.similar_to_newest([](std::size_t) { return true; }), most_similar_of_all(seen));
+    seen.pop_back();
+  }
+}
+
 TEST(BirdsEye, EmptyViewsMatchNothing) {
   const ViewCorrelator correlator{BirdsEye()};
   EXPECT_EQ(correlator.match({{0.5F, 0.5F}}, 0.0).score, 0.0);
   EXPECT_EQ(SpectrumDescriptor().compare(SpectrumDescriptor()).similarity, 0.0);
 }
 
-TEST(Appearance, TakesABoundedFewKilobytes) { EXPECT_LT(sizeof(Appearance), 8192U); }
+TEST(Appearance, TakesABoundedFewKilobytesAndSomeHundredBytesOfMemory) {
+  EXPECT_LT(sizeof(Appearance), 8192U);
+  EXPECT_LT(sizeof(std::optional<CoarseKey>), 400U);
+}
 
 }  // namespace
 }  // namespace lidar_mapping::loop_closing::test

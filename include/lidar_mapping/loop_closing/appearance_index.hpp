@@ -1,10 +1,14 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "lidar_mapping/common/nameless_file.hpp"
 #include "lidar_mapping/loop_closing/birds_eye.hpp"
+#include "lidar_mapping/loop_closing/coarse_key.hpp"
 #include "lidar_mapping/loop_closing/spectrum_descriptor.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -19,21 +23,28 @@ struct Appearance {
 Appearance appearance_of(const std::vector<Eigen::Vector3f>& points);
 
 /// All appearances of a drive. Grows by one per key frame, is never rebuilt, and is searched by a
-/// linear scan over keys (0.3 ms per 2000 key frames).
+/// linear scan over coarse keys: some hundred bytes of memory for each. The rest is in a nameless
+/// file. Throws FileError.
 class AppearanceIndex {
  public:
+  /// The file is made in that folder with the first appearance.
+  explicit AppearanceIndex(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
   /// The next node's; empty if it has no cloud.
-  void append(std::optional<Appearance> appearance);
-  const std::optional<Appearance>& operator[](std::size_t node) const { return all_[node]; }
+  void append(const std::optional<Appearance>& appearance);
+  std::optional<Appearance> operator[](std::size_t node) const;
 
   /// The nodes that look most like the newest one among those that `admits`, best first.
   std::vector<std::size_t> similar_to_newest(const std::function<bool(std::size_t)>& admits) const;
 
  private:
+  SpectrumDescriptor::Key key_of(std::size_t node) const;
+  std::vector<std::size_t> perhaps_nearest(const std::function<bool(std::size_t)>& admits) const;
   std::vector<std::size_t> nearest_keys(const std::function<bool(std::size_t)>& admits) const;
 
-  std::vector<std::optional<Appearance>> all_;
-  std::vector<float> keys_;  // one after the other
+  std::filesystem::path directory_;
+  std::unique_ptr<NamelessFile> file_;
+  std::vector<std::optional<CoarseKey>> coarse_;
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -21,8 +22,10 @@ struct LoopClosingResult {
 /// graph believes it is the back end's business. One thread calls it; clouds come from the source.
 class LoopCloser {
  public:
-  /// `clouds` must outlive this object.
-  LoopCloser(const LoopClosingConfig& config, CloudSource& clouds);
+  /// `clouds` must outlive this object. What is not needed all the time is put aside in a nameless
+  /// file in that folder. Throws FileError where that fails, also later.
+  LoopCloser(const LoopClosingConfig& config, CloudSource& clouds,
+             const std::filesystem::path& directory = std::filesystem::temp_directory_path());
   ~LoopCloser();
 
   /// Where the LiDAR sits in base_link (m), for the free-space check; the origin if never told.

@@ -22,10 +22,12 @@ struct Candidate {
 /// of them the newest one may see again (doc/loop_closing.md).
 class Places {
  public:
-  explicit Places(const LoopClosingConfig& config);
+  /// Appearances are kept in a file in that folder.
+  explicit Places(const LoopClosingConfig& config,
+                  const std::filesystem::path& directory = std::filesystem::temp_directory_path());
 
   /// Takes in the next key frame; without an appearance if its cloud is not to be had.
-  void append(const KeyFrame& key_frame, std::optional<Appearance> appearance);
+  void append(const KeyFrame& key_frame, const std::optional<Appearance>& appearance);
   void update_poses(const KeyFramePoses& poses);
   void add_gnss(const GnssPosition& position);
   /// A loop that may shorten the way between key frames once the map follows it.

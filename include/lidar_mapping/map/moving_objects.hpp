@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "lidar_mapping/common/cloud_source.hpp"
@@ -21,9 +22,11 @@ struct MovingObjectsConfig {
 class StaticClouds : public CloudSource {
  public:
   /// `clouds` must outlive this object. `p_base_sensor`: the LiDAR in base_link, from which rays
-  /// start.
+  /// start. What was found is put aside in a nameless file in that folder. Throws FileError where
+  /// that fails, also later.
   StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
-               const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config = {});
+               const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config = {},
+               const std::filesystem::path& directory = std::filesystem::temp_directory_path());
   ~StaticClouds() override;
 
   PointCloudPtr cloud(KeyFrameIndex index) override;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
-namespace lidar_mapping::map {
+namespace lidar_mapping {
 
 /// A file without a name in some folder, which is gone with the process, however it ends. Any
 /// thread may read. Throws FileError.
@@ -25,4 +25,4 @@ class NamelessFile {
   int descriptor_ = -1;
 };
 
-}  // namespace lidar_mapping::map
+}  // namespace lidar_mapping

@@ -1,4 +1,4 @@
-#include "nameless_file.hpp"
+#include "lidar_mapping/common/nameless_file.hpp"
 
 #include <cerrno>
 #include <cstdlib>
@@ -8,13 +8,13 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-namespace lidar_mapping::map {
+namespace lidar_mapping {
 
 namespace fs = std::filesystem;
 
 NamelessFile::NamelessFile(const fs::path& directory) : directory_(directory) {
   fs::create_directories(directory);
-  std::string name = (directory / ".points.XXXXXX").string();
+  std::string name = (directory / ".aside.XXXXXX").string();
   descriptor_ = ::mkstemp(name.data());
   if (descriptor_ < 0) fail();
   ::unlink(name.c_str());
@@ -47,8 +47,8 @@ void NamelessFile::read(std::uint64_t offset, void* data, std::size_t bytes) con
 }
 
 void NamelessFile::fail() const {
-  throw FileError("cannot keep the map's points in " + directory_.string() + ": " +
-                  std::strerror(errno) + "; check the free space and the permissions");
+  throw FileError("cannot put data aside in " + directory_.string() + ": " + std::strerror(errno) +
+                  "; check the free space and the permissions");
 }
 
-}  // namespace lidar_mapping::map
+}  // namespace lidar_mapping

@@ -1,0 +1,60 @@
+#include "process_memory.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+constexpr int kHeaps = 2;
+constexpr std::size_t kStep = 16'000'000;  // bytes that the process may grow by
+constexpr std::chrono::milliseconds kPeriod{100};
+
+}  // namespace
+
+std::size_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t whole = 0, resident = 0;
+  file >> whole >> resident;
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::size_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+ReturnedMemory::ReturnedMemory() {
+  mallopt(M_ARENA_MAX, kHeaps);
+  thread_ = std::thread([this] { watch(); });
+}
+
+ReturnedMemory::~ReturnedMemory() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+  }
+  ending_.notify_one();
+  thread_.join();
+}
+
+void ReturnedMemory::watch() {
+  std::size_t least = resident_bytes();
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!ending_.wait_for(lock, kPeriod, [this] { return ended_; })) {
+    const std::size_t resident = resident_bytes();
+    least = std::min(least, resident);
+    if (resident < least + kStep) continue;
+    malloc_trim(0);
+    least = resident_bytes();
+  }
+}
+
+}  // namespace lidar_mapping::tools
