@@ -3,19 +3,13 @@
 #include <Eigen/Eigenvalues>
 
 namespace lidar_mapping::front_end {
-namespace {
 
-/// A share of the trace: a smooth tunnel has less than 0.0006, an open field more than 0.004.
-constexpr double kMinShare = 0.0015;
-
-}  // namespace
-
-std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& pose_hessian) {
+std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& pose_hessian, double share) {
   const Eigen::Matrix3d H = pose_hessian.topLeftCorner<3, 3>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(H);
   std::vector<Eigen::Vector3d> directions;
   for (int i = 0; i < 3; ++i) {
-    if (solver.eigenvalues()[i] > kMinShare * H.trace()) break;
+    if (solver.eigenvalues()[i] > share * H.trace()) break;
     directions.emplace_back(solver.eigenvectors().col(i));
   }
   return directions;

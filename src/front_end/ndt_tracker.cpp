@@ -24,6 +24,8 @@ using registration::NdtMatch;
 const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
 /// The first scans go into it wherever they are.
 constexpr int kFirstScans = 3;
+/// Until the sensor is so far from where the map began (in voxels), it is a map of one place.
+constexpr double kOnePlace = 10.0;
 /// Fewer points are no scan.
 constexpr std::size_t kMinPoints = 50;
 
@@ -106,6 +108,7 @@ class NdtTracker::Impl {
     inserted_scans_ = 0;
     lost_time_ = 0.0;
     motion_known_ = false;
+    one_place_ = true;
   }
 
   /// The first scan of a map. Its points are kept until the motion during it is known.
@@ -193,9 +196,13 @@ class NdtTracker::Impl {
 
   void accept(const SweepMatcher::Found& found, const MotionPrior& prior, FrontEndStatus& status) {
     const NdtMatch& match = found.match;
-    if (!found.degenerate_directions.empty()) {
-      if (status.state == TrackingState::kTracking) status.state = TrackingState::kDegenerate;
-    } else if (prior.linear_velocity) {
+    if (one_place_ && found.degenerate_directions.empty()) {
+      status.degenerate_directions = degenerate_directions(match.pose_hessian, kOnePlaceShare);
+    }
+    if (!status.degenerate_directions.empty() && status.state == TrackingState::kTracking) {
+      status.state = TrackingState::kDegenerate;
+    }
+    if (status.degenerate_directions.empty() && prior.linear_velocity) {
       velocity_trust_.see(*prior.linear_velocity, match.state.twist.head<3>());
     }
     filter_.correct(match.state, match.information.inverse(),
@@ -254,6 +261,8 @@ class NdtTracker::Impl {
     map_.insert(dense, filter_.state());
     inserted_ = filter_.state().T_map_sensor;
     ++inserted_scans_;
+    const double way = (inserted_.translation - start_.translation).norm();
+    if (way > kOnePlace * map_.fine().resolution()) one_place_ = false;
     if (config_.calibrate_elevation && inserted_scans_ > kFirstScans) calibrate(dense);
   }
 
@@ -289,6 +298,7 @@ class NdtTracker::Impl {
   Pose inserted_;   ///< of the scan last put into the map
   Pose last_good_;  ///< of the scan last matched
   int inserted_scans_ = 0;
+  bool one_place_ = true;   ///< all of the map was made from about one place
   double lost_time_ = 0.0;  ///< s since the last match
   bool motion_known_ = false;
   SampledPoints first_;

@@ -241,6 +241,26 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   EXPECT_LT(ride.error(), 0.1);
 }
 
+// Sixteen rings on rough ground, seen from one place, fit wherever the sensor goes: that it moves
+// is noticed late or never. It must be said, and must not discredit a velocity that knows better.
+TEST(OpenField, SaysThatTheStartMayGoUnnoticed) {
+  constexpr double kStep = 0.1;  // m
+  for (const std::uint64_t seed : {42, 46}) {
+    const simulation::Drive drive = make_drive("open_road", 16.0, seed);
+    Ride alone(drive), with_velocity(drive);
+    std::mt19937 engine(5);
+    int silent = 0;
+    for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+      const double before = i > 0 ? alone.error() : 0.0;
+      const bool said = alone.take(i).status.state != TrackingState::kTracking;
+      if (!said && alone.error() > before + kStep) ++silent;
+      with_velocity.take(i, wheel_speed(drive, drive.scan_stamp(i), 1.01, 0.05, engine));
+    }
+    EXPECT_LE(silent, 5) << seed;
+    EXPECT_LT(with_velocity.error(), 0.08 * with_velocity.way()) << seed;
+  }
+}
+
 TEST(VelocityThatLies, IsFoundOut) {
   const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
