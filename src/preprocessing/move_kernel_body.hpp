@@ -45,10 +45,10 @@ LIDAR_MAPPING_INLINE void load(const float* from, Floats& to) {
 /// Two points, of which the second begins `step` bytes after the first.
 LIDAR_MAPPING_INLINE void load_two(const unsigned char* from, std::size_t step, Floats& to) {
 #ifdef __AVX2__
-  const auto point = [](const unsigned char* at) {
-    return _mm_loadu_ps(reinterpret_cast<const float*>(at));
-  };
-  const __m256 two = _mm256_set_m128(point(from + step), point(from));
+  __m128 first, second;
+  std::memcpy(&first, from, sizeof(first));
+  std::memcpy(&second, from + step, sizeof(second));
+  const __m256 two = _mm256_set_m128(second, first);
   std::memcpy(&to, &two, sizeof(to));
 #else
   float two[kLanes];
