@@ -160,8 +160,8 @@ class BagInput::Impl {
     if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
   }
 
-  preprocessing::RawScan decoded(const sensor_msgs::PointCloud2& cloud, Stamp stamp) const {
-    preprocessing::RawScan scan = ros_border::decode(cloud, config_).scan;
+  preprocessing::RawScan decoded(const sensor_msgs::PointCloud2ConstPtr& cloud, Stamp stamp) const {
+    preprocessing::RawScan scan = ros_border::decode_lazily(cloud, config_).scan;
     scan.stamp = stamp;
     if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
     return scan;
@@ -181,9 +181,10 @@ class BagInput::Impl {
 
   std::optional<Input> read(const rosbag::MessageInstance& message) const {
     const ros::Time recorded = message.getTime();
-    if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
+    if (const sensor_msgs::PointCloud2ConstPtr cloud =
+            message.instantiate<sensor_msgs::PointCloud2>()) {
       const Stamp stamp = stamp_of(cloud->header, recorded);
-      return pipeline::RecordedScan{stamp, [cloud, stamp, this] { return decoded(*cloud, stamp); }};
+      return pipeline::RecordedScan{stamp, [cloud, stamp, this] { return decoded(cloud, stamp); }};
     }
     if (const auto imu = message.instantiate<sensor_msgs::Imu>()) return framed(*imu, recorded);
     if (const auto twist = message.instantiate<geometry_msgs::TwistStamped>()) {
