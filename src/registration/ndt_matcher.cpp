@@ -14,15 +14,27 @@ namespace {
 
 constexpr double kTinyShare = 1e-12;
 
+/// How well points fit, see NdtSums.
+struct FitSums {
+  double weight = 0.0;
+  double paired = 0.0;
+  double inliers = 0.0;
+  double squared_distance = 0.0;
+
+  void add(const NdtSums& sums) {
+    weight += sums.weight;
+    paired += sums.paired;
+    inliers += sums.inliers;
+    squared_distance += sums.squared_distance;
+  }
+};
+
 /// Normal equations of all points: hessian * d = -gradient, perturbations in the sensor's axes.
 struct NormalEquations {
   Matrix12d hessian = Matrix12d::Zero();
   Vector12d gradient = Vector12d::Zero();
   Matrix6d pose_hessian = Matrix6d::Zero();
-  double weight = 0.0;
-  double paired = 0.0;
-  double inliers = 0.0;
-  double squared_distance = 0.0;
+  FitSums fit;
 };
 
 Matrix6d full(const float (&upper)[21]) {
@@ -51,10 +63,7 @@ void add_slice(const NdtSums& sums, double s, const Eigen::Matrix3d& R, NormalEq
   sum.hessian.bottomRightCorner<6, 6>() += s * s * H;
   sum.gradient.head<6>() += b;
   sum.gradient.tail<6>() += s * b;
-  sum.weight += sums.weight;
-  sum.paired += sums.paired;
-  sum.inliers += sums.inliers;
-  sum.squared_distance += sums.squared_distance;
+  sum.fit.add(sums);
 }
 
 SweepMotion sweep_motion(const MotionState& state, const Eigen::Vector3d& origin) {
@@ -96,9 +105,8 @@ void leave_out(const std::vector<Eigen::Vector3d>& directions, NormalEquations& 
   sum.hessian -= along * marginal * along.transpose();
 }
 
-void judge(const NormalEquations& sum, std::size_t points, NdtMatch& match) {
+void judge(const FitSums& sum, std::size_t points, NdtMatch& match) {
   const double count = std::max<double>(1.0, static_cast<double>(points));
-  match.pose_hessian = sum.pose_hessian;
   match.quality = sum.weight / count;
   match.inlier_fraction = sum.inliers / count;
   match.overlap = std::min(1.0, sum.paired / count);
@@ -143,7 +151,8 @@ class NdtMatcher::Impl {
                         step.segment<3>(3).norm() < options.rotation_epsilon;
       kernel = std::max(final_kernel, kernel / options.kernel_fall);
     }
-    judge(sum, points.size(), match);
+    match.pose_hessian = sum.pose_hessian;
+    judge(sum.fit, points.size(), match);
     return match;
   }
 
@@ -152,8 +161,14 @@ class NdtMatcher::Impl {
     begin(points, options);
     NdtMatch match;
     match.state = state;
-    judge(normal_equations(points, map, state, options.kernel * options.kernel), points.size(),
-          match);
+    const SweepMotion motion = place(points, map, state);
+    const NdtPoints::Slice all{0, points.padded_size(), 0.0F};
+    FitSums sum;
+    for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
+      sum.add(
+          slice_sums(all, neighbor, motion, static_cast<float>(options.kernel * options.kernel)));
+    }
+    judge(sum, points.size(), match);
     return match;
   }
 
@@ -165,8 +180,8 @@ class NdtMatcher::Impl {
     neighbors_.begin(size, options.neighbor_search);
   }
 
-  NormalEquations normal_equations(const NdtPoints& points, GaussianVoxelMap& map,
-                                   const MotionState& state, double kernel_squared) {
+  /// Points to where they are in the map, and their planes.
+  SweepMotion place(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state) {
     const SweepMotion motion = sweep_motion(state, map.origin());
     const SweepArrays arrays{points.x().data(), points.y().data(), points.z().data(),
                              points.s().data()};
@@ -174,6 +189,12 @@ class NdtMatcher::Impl {
                    rotated_.x.data(), rotated_.y.data(), rotated_.z.data(), cells_.data());
     rotated_.translation = Eigen::Map<const Eigen::Vector3f>(motion.translation);
     neighbors_.update(cells_, rotated_, map);
+    return motion;
+  }
+
+  NormalEquations normal_equations(const NdtPoints& points, GaussianVoxelMap& map,
+                                   const MotionState& state, double kernel_squared) {
+    const SweepMotion motion = place(points, map, state);
     const Eigen::Matrix3d R = state.T_map_sensor.rotation_matrix();
     NormalEquations sum;
     for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {

@@ -75,7 +75,7 @@ class NdtMatcher {
   /// Gauss-Newton from `start`; the prior pulls towards prior.state.
   NdtMatch match(const NdtPoints& points, GaussianVoxelMap& map, const MotionBelief& prior,
                  const MotionState& start, const NdtOptions& options);
-  /// How well the points fit at `state`, without moving it.
+  /// How well the points fit at `state`, without moving it: all but the information.
   NdtMatch evaluate(const NdtPoints& points, GaussianVoxelMap& map, const MotionState& state,
                     const NdtOptions& options);
 
