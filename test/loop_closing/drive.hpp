@@ -25,7 +25,7 @@ struct DriveOutcome {
 
 inline bool is_true(const Loop& loop, const std::vector<Pose>& truth) {
   const Vector6d error = difference(truth[loop.from].inverse() * truth[loop.to], loop.T_from_to);
-  return error.head<3>().norm() < 0.5 && error.tail<3>().norm() < 0.035;
+  return error.head<3>().norm() < 0.3 && error.tail<3>().norm() < 0.03;
 }
 
 inline void append(DriveOutcome& outcome, const LoopClosingResult& result,

@@ -71,7 +71,7 @@ TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
   match.figures.horizontal_eigenvalue = 0.019;
   expect(judged(match), Verdict::kRefused, "eigenvalue_limit");
   match = good_match();
-  match.alignment.T_target_source = planar(1.0, 10.0, 0.1);
+  match.alignment.T_target_source = planar(1.0, 7.5, 0.1);
   expect(judged(match), Verdict::kRefused, "max_loop_distance");
   match = good_match();
   match.alignment.T_target_source = planar(1.0, 5.0, 0.1);

@@ -31,7 +31,7 @@ struct LoopClosingConfig {
   double map_leaf_size = 0.4;
   double scan_leaf_size = 0.4;
   // What to believe.
-  double max_loop_distance = 10.0;
+  double max_loop_distance = 7.5;
   double overlap_margin_limit = 0.5;
   double eigenvalue_limit = 0.02;
   int min_tested_points = 300;
