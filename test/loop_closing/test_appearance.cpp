@@ -135,6 +135,19 @@ TEST(AppearanceIndex, FindsWhatASearchAmongTheTrueKeysFinds) {
   }
 }
 
+// At a new place the keys say little of how similar the views are: each of the nearest keys counts.
+TEST(AppearanceIndex, FindsTheSameAtAPlaceThatLooksLikeNone) {
+  std::vector<Appearance> seen = seen_on_the_way(make_town(150.0, 100.0, 5));
+  const ToyWorld elsewhere = make_town(150.0, 100.0, 6);
+  for (const double x : {-60.0, 13.0, 85.0}) {
+    seen.push_back(seen_from(elsewhere, planar(x, 2.0, 2.0)));
+    AppearanceIndex index(std::filesystem::temp_directory_path());
+    for (const Appearance& appearance : seen) index.append(appearance);
+    EXPECT_EQ(index.similar_to_newest([](std::size_t) { return true; }), most_similar_of_all(seen));
+    seen.pop_back();
+  }
+}
+
 TEST(BirdsEye, EmptyViewsMatchNothing) {
   const ViewCorrelator correlator{BirdsEye()};
   EXPECT_EQ(correlator.match({{0.5F, 0.5F}}, 0.0).score, 0.0);

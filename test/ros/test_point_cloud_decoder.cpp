@@ -161,6 +161,30 @@ TEST(PointCloudDecoder, LeavesPointsOfTheUsualLayoutWhereTheyAre) {
   }
 }
 
+TEST(PointCloudDecoder, ReadsPointsThatDoNotBeginWithTheirCoordinates) {
+  auto message = cloud_with({{"timestamp", PointField::FLOAT64, 0},
+                             {"x", PointField::FLOAT32, 8},
+                             {"y", PointField::FLOAT32, 12},
+                             {"z", PointField::FLOAT32, 16},
+                             {"ring", PointField::UINT32, 20},
+                             {"intensity", PointField::FLOAT32, 24}},
+                            28, kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const auto value = static_cast<float>(i);
+    put(message, i, 0, kPeriod * fraction(i));
+    put(message, i, 8, value);
+    put(message, i, 12, 2.0F * value);
+    put(message, i, 16, 3.0F * value);
+    put(message, i, 24, 0.5F * value);
+  }
+  const DecodedCloud decoded = decode(message, {});
+  expect_points(
+      decoded, [](std::size_t i) { return kPeriod * fraction(i); }, 1e-6);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    EXPECT_EQ(decoded.scan.cloud.points[i].intensity, 0.5F * static_cast<float>(i));
+  }
+}
+
 TEST(PointCloudDecoder, ReadsOtherLayoutsAtOnce) {
   const auto message =
       boost::make_shared<PointCloud2>(absolute_cloud(1.0, ros::Time(1673400677, 0), 0.0));
