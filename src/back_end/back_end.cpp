@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lidar_mapping/back_end/optimization.hpp"
+#include "lidar_mapping/back_end/tilt_scatter.hpp"
 
 #include "drive_intake.hpp"
 #include "drive_update.hpp"
@@ -34,6 +35,7 @@ class BackEnd::Impl {
   std::shared_ptr<const OptimizationProblem> problem(bool thorough) const {
     auto problem = std::make_shared<OptimizationProblem>();
     problem->config = config_;
+    problem->config.imu_orientation_stddev_deg = tilt_stddev_deg(drive_, config_);
     problem->key_frames = drive_.nodes.size();
     problem->thorough = thorough;
     if (!thorough && !whole_due()) problem->window = window_of_news(drive_, config_);

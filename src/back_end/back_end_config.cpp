@@ -79,7 +79,8 @@ config::Schema<Config> make_schema() {
       .boolean("enable_imu_acceleration", &Config::enable_imu_acceleration,
                "Whether the measured acceleration, as gravity, keeps the map level.")
       .real("imu_orientation_stddev_deg", &Config::imu_orientation_stddev_deg, kStddev, "deg",
-            "Of the tilt at one key frame; larger than the IMU's, because neighbours share errors.")
+            "Of the tilt at one key frame, at most: down to a quarter of it where the tilt agrees "
+            "with odometry.")
       .real("imu_heading_stddev_deg", &Config::imu_heading_stddev_deg, kStddev, "deg",
             "Of the heading at one key frame; larger than the IMU's, because neighbours share "
             "errors.")

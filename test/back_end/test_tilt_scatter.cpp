@@ -1,0 +1,116 @@
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/back_end/tilt_scatter.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+constexpr double kDeg = M_PI / 180.0;
+
+/// Error of the IMU's orientation at a key frame, about the axes of the map (deg).
+using TiltError = std::function<Eigen::Vector3d(std::size_t)>;
+
+/// The vehicle turns round once in 100 key frames.
+double heading(std::size_t i) { return 0.02 * M_PI * static_cast<double>(i); }
+
+/// Such a vehicle with a loop, and with perfect odometry in a frame of its own for each segment.
+DriveGraph round_drive(std::size_t count, const TiltError& error, std::size_t segments = 1) {
+  DriveGraph drive;
+  drive.in_enu.assign(segments, false);
+  drive.loops.emplace_back();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Quaterniond R_map_base = exp_so3({0.0, 0.0, heading(i)});
+    DriveNode node;
+    node.segment = static_cast<int>(i * segments / count);
+    node.T_odom_base.rotation = exp_so3({0.5 * node.segment, 0.2, 0.1}) * R_map_base;
+    DriveImu imu;
+    imu.node = static_cast<int>(i);
+    imu.sample.orientation = exp_so3(kDeg * error(i)) * R_map_base;
+    drive.nodes.push_back(node);
+    drive.imu.push_back(imu);
+  }
+  return drive;
+}
+
+/// Errors of `sigma` about x and y that fade within `length` key frames; 0 for those that do not
+/// last.
+TiltError noise(double sigma, double length) {
+  auto engine = std::make_shared<std::mt19937>(4);
+  auto state = std::make_shared<Eigen::Vector3d>(Eigen::Vector3d::Zero());
+  const double kept = length == 0.0 ? 0.0 : std::exp(-1.0 / length);
+  return [=](std::size_t) {
+    std::normal_distribution<double> normal(0.0, sigma * std::sqrt(1.0 - kept * kept));
+    const double x = normal(*engine), y = normal(*engine);
+    *state = kept * *state + Eigen::Vector3d(x, y, 0.0);
+    return *state;
+  };
+}
+
+TEST(TiltScatter, OfIndependentErrorsIsTheirOwn) {
+  const double stddev = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0)), {});
+  EXPECT_GT(stddev, 0.75);
+  EXPECT_LT(stddev, 1.2);  // the greatest of several estimates
+  const double in_segments = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0), 3), {});
+  EXPECT_NEAR(in_segments, stddev, 0.2);
+}
+
+TEST(TiltScatter, CountsErrorsThatNeighboursShare) {
+  // The mean of n key frames has the variance 40 / n times 0.3^2; means of finite length show a
+  // part.
+  const double honest = 0.3 * std::sqrt(2.0 * 20.0);
+  const double stddev = tilt_stddev_deg(round_drive(2000, noise(0.3, 20.0)), {});
+  EXPECT_GT(stddev, 0.7 * honest);
+  EXPECT_LT(stddev, 1.3 * honest);
+}
+
+TEST(TiltScatter, SeesAnImuThatIsMountedAslant) {
+  const BackEndConfig config;
+  const auto aslant = [](std::size_t i) {
+    return Eigen::Vector3d(std::cos(heading(i)), std::sin(heading(i)), 0.0);
+  };
+  EXPECT_EQ(tilt_stddev_deg(round_drive(1000, aslant), config), config.imu_orientation_stddev_deg);
+}
+
+TEST(TiltScatter, BelievesNoSensorEntirely) {
+  const BackEndConfig config;
+  const auto nothing = [](std::size_t) { return Eigen::Vector3d(0.0, 0.0, 0.0); };
+  EXPECT_EQ(tilt_stddev_deg(round_drive(1000, nothing), config),
+            0.25 * config.imu_orientation_stddev_deg);
+}
+
+TEST(TiltScatter, IsAsConfiguredWhereOnlyOdometryHoldsTheHeight) {
+  BackEndConfig config;
+  DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
+  drive.loops.front().weighed = true;  // and refused
+  EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+  drive.gnss.emplace_back();
+  EXPECT_LT(tilt_stddev_deg(drive, config), 1.2);
+  config.georeference_only = true;
+  EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+}
+
+TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {
+  const BackEndConfig config;
+  DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
+  for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
+    const Eigen::Quaterniond undone = exp_so3({0.0, 0.0, -heading(i)});
+    drive.nodes[i].T_odom_base.rotation *= undone;
+    *drive.imu[i].sample.orientation *= undone;
+  }
+  EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+}
+
+TEST(TiltScatter, IsAsConfiguredWhereLittleIsKnown) {
+  const BackEndConfig config;
+  EXPECT_EQ(tilt_stddev_deg(round_drive(100, noise(0.1, 0.0)), config),
+            config.imu_orientation_stddev_deg);
+  EXPECT_EQ(tilt_stddev_deg({}, config), config.imu_orientation_stddev_deg);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end
