@@ -3,6 +3,8 @@
 #include <sstream>
 #include <utility>
 
+#include <topic_tools/shape_shifter.h>
+
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -12,6 +14,7 @@
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/silent_topic.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
@@ -64,6 +67,12 @@ class PreprocessingNode {
  private:
   void advertise();
   void subscribe_sensors();
+  void take(const SensorInput<ImuSample>& input);
+  void take(const SensorInput<VelocitySample>& input);
+  void take(const SensorInput<GnssFix>& input);
+  template <typename Sample>
+  void take_if_read(const std::string& topic, const topic_tools::ShapeShifter& message,
+                    const std::optional<SensorInput<Sample>>& input);
   void publish(std::vector<preprocessing::SyncedScan> scans);
   void publish(const preprocessing::SyncedScan& scan);
   void publish_datum(Stamp stamp);
@@ -119,36 +128,52 @@ void PreprocessingNode::advertise() {
 void PreprocessingNode::subscribe_sensors() {
   const int scans = config_.node.queue_size;
   const int samples = kSamplesPerScan * scans;
-  const auto sample_of = [this](auto look, auto add) {
-    return [this, look, add](const auto& message) {
-      const auto sample = from_message(*message);
-      if (doctor_) look(sample, message->header.frame_id);
-      add(sample, frame_name(message->header.frame_id));
-      publish(stage_.take_complete());
-    };
-  };
   subscribers_ = {
-      subscribe<sensor_msgs::Imu>(
-          context_, "imu", samples,
-          sample_of([this](const auto& sample, const auto& f) { doctor_->see_imu(sample, f); },
-                    [this](const auto& sample, const auto& f) { stage_.add_imu(sample, f); })),
-      subscribe<geometry_msgs::TwistStamped>(
-          context_, "velocity", samples,
-          sample_of([this](const auto& sample, const auto& f) { doctor_->see_velocity(sample, f); },
-                    [this](const auto& sample, const auto& f) { stage_.add_velocity(sample, f); })),
-      subscribe<sensor_msgs::NavSatFix>(
+      subscribe<sensor_msgs::Imu>(context_, "imu", samples,
+                                  [this](const auto& message) { take(input_of(*message)); }),
+      subscribe<topic_tools::ShapeShifter>(context_, "velocity", samples,
+                                           [this](const auto& message) {
+                                             take_if_read("velocity", *message,
+                                                          read_velocity(*message));
+                                           }),
+      subscribe<topic_tools::ShapeShifter>(
           context_, "gnss", samples,
-          sample_of([this](const auto& fix, const auto& f) { doctor_->see_gnss(fix, f); },
-                    [this](const auto& fix, const auto& f) {
-                      antenna_frame_ = f;
-                      stage_.add_gnss(fix, f);
-                    })),
+          [this](const auto& message) { take_if_read("gnss", *message, read_gnss(*message)); }),
       subscribe<sensor_msgs::PointCloud2>(context_, "points", scans, [this](const auto& message) {
         context_.diagnostics.count_input(from_ros(message->header.stamp));
         DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_));
         look_at(*message, decoded);
         publish(stage_.process(std::move(decoded.scan)));
       })};
+}
+
+void PreprocessingNode::take(const SensorInput<ImuSample>& input) {
+  if (doctor_) doctor_->see_imu(input.sample, input.frame_id);
+  stage_.add_imu(input.sample, frame_name(input.frame_id));
+  publish(stage_.take_complete());
+}
+
+void PreprocessingNode::take(const SensorInput<VelocitySample>& input) {
+  if (doctor_) doctor_->see_velocity(input.sample, input.frame_id);
+  stage_.add_velocity(input.sample, frame_name(input.frame_id));
+  publish(stage_.take_complete());
+}
+
+void PreprocessingNode::take(const SensorInput<GnssFix>& input) {
+  if (doctor_) doctor_->see_gnss(input.sample, input.frame_id);
+  antenna_frame_ = frame_name(input.frame_id);
+  stage_.add_gnss(input.sample, antenna_frame_);
+  publish(stage_.take_complete());
+}
+
+template <typename Sample>
+void PreprocessingNode::take_if_read(const std::string& topic,
+                                     const topic_tools::ShapeShifter& message,
+                                     const std::optional<SensorInput<Sample>>& input) {
+  if (input) return take(*input);
+  ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
+                        << " holds " << message.getDataType()
+                        << ", which is not read; doc/preprocessing.md has the types that are");
 }
 
 std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {

@@ -5,10 +5,8 @@
 #include <optional>
 #include <set>
 
-#include <geometry_msgs/TwistStamped.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -18,6 +16,7 @@
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -37,6 +36,12 @@ const std::map<std::string, std::string> kRawScans = {
     {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
     {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
 
+/// Messages that hold a receiver's data, but no fix.
+const std::map<std::string, std::string> kRawFixes = {
+    {"nmea_msgs/Sentence", "convert them with nmea_navsat_driver's nmea_topic_driver"},
+    {"ublox_msgs/NavPVT", "convert them with ublox_gps, which publishes sensor_msgs/NavSatFix"},
+    {"novatel_gps_msgs/NovatelPosition", "record novatel_gps_driver's fix beside them"}};
+
 /// The topic of that type with most messages.
 std::string busiest_topic(const Bags& bags, const std::string& type) {
   std::map<std::string, std::size_t> sizes;
@@ -53,16 +58,18 @@ std::string busiest_topic(const Bags& bags, const std::string& type) {
   return most == sizes.end() ? std::string() : most->first;
 }
 
-/// What to do about a recording without clouds.
-std::optional<Finding> raw_scans_in(const Bags& bags) {
+/// What to do about a recording without what `known` could be made into.
+std::optional<Finding> raw_data_in(const Bags& bags,
+                                   const std::map<std::string, std::string>& known,
+                                   Severity severity, const std::string& wanted) {
   for (const rosbag::Bag* bag : bags) {
     rosbag::View view(*bag);
     for (const auto* connection : view.getConnections()) {
-      const auto known = kRawScans.find(connection->datatype);
-      if (known == kRawScans.end()) continue;
-      return Finding{Severity::kFault,
-                     connection->topic + " holds " + connection->datatype + ", not PointCloud2",
-                     known->second};
+      const auto found = known.find(connection->datatype);
+      if (found == known.end()) continue;
+      return Finding{severity,
+                     connection->topic + " holds " + connection->datatype + ", not " + wanted,
+                     found->second};
     }
   }
   return std::nullopt;
@@ -88,10 +95,10 @@ class Examination {
       see(*cloud, message.getTime());
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       doctor_.see_imu(from_message(*imu), imu->header.frame_id);
-    } else if (const auto velocity = message.instantiate<geometry_msgs::TwistStamped>()) {
-      doctor_.see_velocity(from_message(*velocity), velocity->header.frame_id);
-    } else if (const auto fix = message.instantiate<sensor_msgs::NavSatFix>()) {
-      doctor_.see_gnss(from_message(*fix), fix->header.frame_id);
+    } else if (const auto velocity = read_velocity(message)) {
+      doctor_.see_velocity(velocity->sample, velocity->frame_id);
+    } else if (const auto fix = read_gnss(message)) {
+      doctor_.see_gnss(fix->sample, fix->frame_id);
     } else if (const auto frames = message.instantiate<tf2_msgs::TFMessage>()) {
       frames_.add(*frames, message.getTopic() == "/tf_static");
     }
@@ -127,13 +134,13 @@ class Examination {
 }  // namespace
 
 SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted) {
-  const auto fill = [&](std::string& topic, const char* type) {
+  const auto fill = [&](std::string& topic, const std::string& type) {
     if (topic.empty()) topic = busiest_topic(bags, type);
   };
   fill(wanted.points, "sensor_msgs/PointCloud2");
   fill(wanted.imu, "sensor_msgs/Imu");
-  fill(wanted.velocity, "geometry_msgs/TwistStamped");
-  fill(wanted.gnss, "sensor_msgs/NavSatFix");
+  fill(wanted.velocity, velocity_types().front());
+  for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
   return wanted;
 }
 
@@ -151,7 +158,12 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   for (const rosbag::MessageInstance& message : view) examination.see(message);
   std::vector<InputReport> reports = examination.reports();
   if (t.points.empty()) {
-    if (const auto finding = raw_scans_in(recording.bags)) reports.front().findings = {*finding};
+    const auto raw = raw_data_in(recording.bags, kRawScans, Severity::kFault, "PointCloud2");
+    if (raw) reports.front().findings = {*raw};
+  }
+  if (t.gnss.empty()) {
+    const auto raw = raw_data_in(recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");
+    if (raw) reports.back().findings.push_back(*raw);
   }
   return reports;
 }

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include <geometry_msgs/TwistStamped.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -16,6 +14,7 @@
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -32,16 +31,21 @@ const ros::Duration kFramesLook(20.0);
 const ros::Time kSimulatedUntil(1e6);
 
 /// The stamp, or where the driver sets none the time of recording.
-Stamp stamp_of(const std_msgs::Header& header, const ros::Time& recorded) {
-  const bool is_missing = header.stamp.isZero() && recorded > kSimulatedUntil;
-  return ros_border::from_ros(is_missing ? recorded : header.stamp);
+Stamp given_or_recorded(Stamp stamp, const ros::Time& recorded) {
+  const bool is_missing = stamp == 0 && recorded > kSimulatedUntil;
+  return is_missing ? ros_border::from_ros(recorded) : stamp;
 }
 
-template <typename Message>
-Input framed(const Message& message, const ros::Time& recorded) {
-  auto sample = ros_border::from_message(message);
-  sample.stamp = stamp_of(message.header, recorded);
-  return FramedSample<decltype(sample)>{sample, ros_border::frame_name(message.header.frame_id)};
+template <typename Sample>
+Input framed(ros_border::SensorInput<Sample> input, const ros::Time& recorded) {
+  input.sample.stamp = given_or_recorded(input.sample.stamp, recorded);
+  return FramedSample<Sample>{input.sample, ros_border::frame_name(input.frame_id)};
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " or ") + word;
+  return text;
 }
 
 FileError unreadable(const std::string& path, const rosbag::BagException& error) {
@@ -57,10 +61,10 @@ class BagInput::Impl {
       : config_(config), frames_(base_frame) {
     for (const std::string& path : paths) open(path);
     topics_ = ros_border::topics_in(
-        all_bags(), {chosen(wanted.points, "/kitti/velo/pointcloud", "sensor_msgs/PointCloud2"),
-                     chosen(wanted.imu, "/kitti/oxts/imu", "sensor_msgs/Imu"),
-                     chosen(wanted.velocity, "/kitti/oxts/gps/vel", "geometry_msgs/TwistStamped"),
-                     chosen(wanted.gnss, "/kitti/oxts/gps/fix", "sensor_msgs/NavSatFix")});
+        all_bags(), {chosen(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}),
+                     chosen(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}),
+                     chosen(wanted.velocity, "/kitti/oxts/gps/vel", ros_border::velocity_types()),
+                     chosen(wanted.gnss, "/kitti/oxts/gps/fix", ros_border::gnss_types())});
     read_frames();
     settle_base_frame();
     add_query(view_, {topics_.points, topics_.imu, topics_.velocity, topics_.gnss});
@@ -112,14 +116,14 @@ class BagInput::Impl {
   /// The topic that is wanted, or the usual one if the bags have it; empty: to be found by its
   /// type.
   std::string chosen(const std::string& wanted, const std::string& usual,
-                     const std::string& type) const {
+                     const std::vector<std::string>& types) const {
     std::set<std::string> there;
     for (const auto& bag : bags_) {
-      rosbag::View view(*bag, rosbag::TypeQuery(type));
+      rosbag::View view(*bag, rosbag::TypeQuery(types));
       for (const auto* connection : view.getConnections()) there.insert(connection->topic);
     }
     if (!wanted.empty() && there.count(wanted) == 0) {
-      throw InputError("there is no topic " + wanted + " of type " + type +
+      throw InputError("there is no topic " + wanted + " of type " + joined(types) +
                        " in the bags; rosbag info shows what there is");
     }
     if (!wanted.empty()) return wanted;
@@ -183,16 +187,14 @@ class BagInput::Impl {
     const ros::Time recorded = message.getTime();
     if (const sensor_msgs::PointCloud2ConstPtr cloud =
             message.instantiate<sensor_msgs::PointCloud2>()) {
-      const Stamp stamp = stamp_of(cloud->header, recorded);
+      const Stamp stamp = given_or_recorded(ros_border::from_ros(cloud->header.stamp), recorded);
       return pipeline::RecordedScan{stamp, [cloud, stamp, this] { return decoded(cloud, stamp); }};
     }
-    if (const auto imu = message.instantiate<sensor_msgs::Imu>()) return framed(*imu, recorded);
-    if (const auto twist = message.instantiate<geometry_msgs::TwistStamped>()) {
-      return framed(*twist, recorded);
+    if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
+      return framed(ros_border::input_of(*imu), recorded);
     }
-    if (const auto fix = message.instantiate<sensor_msgs::NavSatFix>()) {
-      return framed(*fix, recorded);
-    }
+    if (auto velocity = ros_border::read_velocity(message)) return framed(*velocity, recorded);
+    if (auto fix = ros_border::read_gnss(message)) return framed(*fix, recorded);
     return std::nullopt;
   }
 

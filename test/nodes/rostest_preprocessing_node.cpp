@@ -1,3 +1,5 @@
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TwistStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
@@ -8,6 +10,7 @@
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
 
 #include "listener.hpp"
 #include "node_process.hpp"
@@ -136,6 +139,47 @@ TEST_F(PreprocessingNode, KeepsTheDatumWhenItWasKilled) {
   ASSERT_TRUE(datum_.wait_for(2));
   EXPECT_NEAR(datum_.messages.back().latitude, 49.0, 1e-12);
   EXPECT_NEAR(synced_gnss_.messages.back().pose.pose.position.y, 111.2, 0.2);
+}
+
+TEST_F(PreprocessingNode, TakesWheelOdometryAndGeoPoints) {
+  node_->kill();  // a subscription stays with the type that it has met first
+  gnss_.shutdown();
+  ros::NodeHandle handle;
+  const auto geo_points = handle.advertise<ros_border::GeoPointStamped>("gnss", 1000);
+  const auto odometry = handle.advertise<nav_msgs::Odometry>("velocity", 1000);
+  Listener<geometry_msgs::TwistStamped> synced_velocity("synced_velocity");
+  node_ = start();
+  ASSERT_TRUE(wait_until([&] {
+    return node_->is_running() && connected() && is_connected("velocity") &&
+           is_connected("synced_velocity");
+  }));
+  send_transform();
+  for (int half_step = 0; half_step < 20; ++half_step) {
+    nav_msgs::Odometry wheels;
+    wheels.header.stamp = to_ros(kBegin + half_step * kPeriod / 2);
+    wheels.header.frame_id = "odom";
+    wheels.child_frame_id = "base_link";
+    wheels.twist.twist.linear.x = 1.0;
+    odometry.publish(wheels);
+    ros_border::GeoPointStamped fix{wheels.header, 49.0, 8.4, 100.0};
+    fix.header.frame_id = "lidar";
+    geo_points.publish(fix);
+    if (half_step % 2 == 1) send_cloud(half_step / 2);
+  }
+  ASSERT_TRUE(synced_velocity.wait_for(5)) << node_->output();
+  EXPECT_NEAR(synced_velocity.messages.back().twist.linear.x, 1.0, 1e-9);
+  ASSERT_TRUE(datum_.wait_for(1)) << node_->output();
+  EXPECT_NEAR(datum_.messages.back().altitude, 100.0, 1e-9);
+}
+
+TEST_F(PreprocessingNode, NamesATypeThatItDoesNotRead) {
+  const auto twist = connected_publisher<geometry_msgs::PoseStamped>("velocity");
+  ASSERT_TRUE(wait_until([] { return is_connected("velocity"); }));
+  EXPECT_TRUE(wait_until([&] {
+    twist.publish(geometry_msgs::PoseStamped());
+    return node_->output().find("/velocity holds geometry_msgs/PoseStamped, which is not read") !=
+           std::string::npos;
+  })) << node_->output();
 }
 
 // F5, F20: clouds without points or cut off.

@@ -58,8 +58,10 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
       [&worker = context.worker, channel, numbered, gaps,
        handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
         const boost::shared_ptr<const Message> message = event.getConstMessage();
-        if (numbered == Numbered::kYes) {
-          worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));
+        if constexpr (ros::message_traits::HasHeader<Message>::value) {
+          if (numbered == Numbered::kYes) {
+            worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));
+          }
         }
         worker.post(channel, [handle, message] { handle(message); });
       };

@@ -14,8 +14,8 @@ namespace lidar_mapping::ros_border {
 struct SensorTopics {
   std::string points;    ///< sensor_msgs/PointCloud2
   std::string imu;       ///< sensor_msgs/Imu
-  std::string velocity;  ///< geometry_msgs/TwistStamped
-  std::string gnss;      ///< sensor_msgs/NavSatFix
+  std::string velocity;  ///< one of velocity_types()
+  std::string gnss;      ///< one of gnss_types()
 };
 
 /// What is to be looked at.

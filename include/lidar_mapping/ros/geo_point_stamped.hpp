@@ -1,0 +1,74 @@
+#pragma once
+
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
+#include <std_msgs/Header.h>
+
+namespace lidar_mapping::ros_border {
+
+/// geographic_msgs/GeoPointStamped as it is on the wire, which hdl_graph_slam takes for GNSS: its
+/// package is not everywhere where ROS is.
+struct GeoPointStamped {
+  std_msgs::Header header;
+  double latitude = 0.0;   ///< degrees
+  double longitude = 0.0;  ///< degrees
+  double altitude = 0.0;   ///< m above the WGS 84 ellipsoid; NaN if unknown
+};
+
+}  // namespace lidar_mapping::ros_border
+
+namespace ros {
+namespace message_traits {
+
+template <>
+struct DataType<lidar_mapping::ros_border::GeoPointStamped> {
+  static const char* value() { return "geographic_msgs/GeoPointStamped"; }
+  static const char* value(const lidar_mapping::ros_border::GeoPointStamped&) { return value(); }
+};
+
+template <>
+struct MD5Sum<lidar_mapping::ros_border::GeoPointStamped> {
+  static const char* value() { return "ea50d268b03080563c330351a21edc89"; }
+  static const char* value(const lidar_mapping::ros_border::GeoPointStamped&) { return value(); }
+};
+
+template <>
+struct Definition<lidar_mapping::ros_border::GeoPointStamped> {
+  static const char* value() {
+    return "Header header\n"
+           "geographic_msgs/GeoPoint position\n"
+           "================================================================================\n"
+           "MSG: std_msgs/Header\n"
+           "uint32 seq\n"
+           "time stamp\n"
+           "string frame_id\n"
+           "================================================================================\n"
+           "MSG: geographic_msgs/GeoPoint\n"
+           "float64 latitude\n"
+           "float64 longitude\n"
+           "float64 altitude\n";
+  }
+  static const char* value(const lidar_mapping::ros_border::GeoPointStamped&) { return value(); }
+};
+
+template <>
+struct HasHeader<lidar_mapping::ros_border::GeoPointStamped> : TrueType {};
+
+}  // namespace message_traits
+
+namespace serialization {
+
+template <>
+struct Serializer<lidar_mapping::ros_border::GeoPointStamped> {
+  template <typename Stream, typename Message>
+  static void allInOne(Stream& stream, Message m) {
+    stream.next(m.header);
+    stream.next(m.latitude);
+    stream.next(m.longitude);
+    stream.next(m.altitude);
+  }
+  ROS_DECLARE_ALLINONE_SERIALIZER
+};
+
+}  // namespace serialization
+}  // namespace ros

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <geometry_msgs/TwistStamped.h>
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "lidar_mapping/ros/geo_point_stamped.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Types of message that a velocity is read from; of nav_msgs/Odometry it is the twist, in the axes
+/// of its child_frame_id. Only the first is taken for a velocity unasked: the others often hold
+/// something else (a velocity in East-North-Up, an odometry that leaves its twist empty).
+const std::vector<std::string>& velocity_types();
+
+/// Types of message that fixes are read from; the first is preferred. A GeoPoint has neither status
+/// nor covariance: it counts as a fix of unknown accuracy.
+const std::vector<std::string>& gnss_types();
+
+/// A sample, and the frame of its sensor as the message names it.
+template <typename Sample>
+struct SensorInput {
+  Sample sample;
+  std::string frame_id;
+};
+
+SensorInput<ImuSample> input_of(const sensor_msgs::Imu& message);
+SensorInput<VelocitySample> input_of(const geometry_msgs::TwistStamped& message);
+SensorInput<VelocitySample> input_of(const geometry_msgs::TwistWithCovarianceStamped& message);
+SensorInput<VelocitySample> input_of(const nav_msgs::Odometry& message);
+SensorInput<GnssFix> input_of(const sensor_msgs::NavSatFix& message);
+SensorInput<GnssFix> input_of(const GeoPointStamped& message);
+
+/// What a message of any type holds if it is one of `Messages`. `AnyMessage` is
+/// rosbag::MessageInstance or topic_tools::ShapeShifter.
+template <typename Sample, typename Message, typename... Messages, typename AnyMessage>
+std::optional<SensorInput<Sample>> read_one_of(const AnyMessage& any) {
+  if (any.getDataType() == ros::message_traits::DataType<Message>::value()) {
+    const auto message = any.template instantiate<Message>();
+    if (!message) return std::nullopt;
+    return input_of(*message);
+  }
+  if constexpr (sizeof...(Messages) > 0) {
+    return read_one_of<Sample, Messages...>(any);
+  } else {
+    return std::nullopt;
+  }
+}
+
+template <typename AnyMessage>
+std::optional<SensorInput<VelocitySample>> read_velocity(const AnyMessage& any) {
+  return read_one_of<VelocitySample, geometry_msgs::TwistStamped,
+                     geometry_msgs::TwistWithCovarianceStamped, nav_msgs::Odometry>(any);
+}
+
+template <typename AnyMessage>
+std::optional<SensorInput<GnssFix>> read_gnss(const AnyMessage& any) {
+  return read_one_of<GnssFix, sensor_msgs::NavSatFix, GeoPointStamped>(any);
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <topic_tools/shape_shifter.h>
+
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/recording_check.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+constexpr Stamp kStamp = 1317384506123456789;
+
+std_msgs::Header header() {
+  std_msgs::Header header;
+  header.stamp = to_ros(kStamp);
+  header.frame_id = "sensor";
+  return header;
+}
+
+geometry_msgs::Twist twist() {
+  geometry_msgs::Twist twist;
+  twist.linear.x = 7.5;
+  twist.angular.z = -0.25;
+  return twist;
+}
+
+geometry_msgs::TwistStamped twist_stamped() {
+  geometry_msgs::TwistStamped message;
+  message.header = header();
+  message.twist = twist();
+  return message;
+}
+
+geometry_msgs::TwistWithCovarianceStamped twist_with_covariance() {
+  geometry_msgs::TwistWithCovarianceStamped message;
+  message.header = header();
+  message.twist.twist = twist();
+  return message;
+}
+
+nav_msgs::Odometry odometry() {
+  nav_msgs::Odometry message;
+  message.header = header();
+  message.header.frame_id = "odom";
+  message.child_frame_id = "sensor";
+  message.twist.twist = twist();
+  return message;
+}
+
+GeoPointStamped geo_point() { return {header(), 49.01, 8.43, 115.5}; }
+
+sensor_msgs::NavSatFix nav_sat_fix() {
+  sensor_msgs::NavSatFix message;
+  message.header = header();
+  message.latitude = 49.01;
+  message.longitude = 8.43;
+  message.altitude = 115.5;
+  return message;
+}
+
+/// As it comes from a publisher of any type.
+template <typename Message>
+topic_tools::ShapeShifter as_received(const Message& message) {
+  namespace traits = ros::message_traits;
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream out(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(out, message);
+  topic_tools::ShapeShifter any;
+  any.morph(traits::md5sum(message), traits::datatype(message), traits::definition(message), "");
+  ros::serialization::IStream in(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  any.read(in);
+  return any;
+}
+
+void expect_the_velocity(const std::optional<SensorInput<VelocitySample>>& input) {
+  ASSERT_TRUE(input);
+  EXPECT_EQ(input->sample.stamp, kStamp);
+  EXPECT_EQ(input->frame_id, "sensor");
+  EXPECT_TRUE(input->sample.linear.isApprox(Eigen::Vector3d(7.5, 0.0, 0.0)));
+  EXPECT_TRUE(input->sample.angular.isApprox(Eigen::Vector3d(0.0, 0.0, -0.25)));
+}
+
+void expect_the_fix(const std::optional<SensorInput<GnssFix>>& input) {
+  ASSERT_TRUE(input);
+  EXPECT_EQ(input->sample.stamp, kStamp);
+  EXPECT_EQ(input->frame_id, "sensor");
+  EXPECT_EQ(input->sample.latitude_deg, 49.01);
+  EXPECT_EQ(input->sample.longitude_deg, 8.43);
+  EXPECT_EQ(input->sample.altitude_m, 115.5);
+  EXPECT_GE(input->sample.status, 0);
+  EXPECT_FALSE(input->sample.covariance);
+}
+
+class SensorInputs : public testing::Test {
+ protected:
+  SensorInputs() : bag_((folder_.path() / "drive.bag").string(), rosbag::bagmode::Write) {}
+
+  template <typename Message>
+  void record(const std::string& topic, const Message& message) {
+    bag_.write(topic, to_ros(kStamp), message);
+  }
+  /// The messages of a topic; the bag is read from here on.
+  rosbag::View recorded(const std::string& topic) {
+    read();
+    return {bag_, rosbag::TopicQuery(topic)};
+  }
+  SensorTopics topics() {
+    read();
+    return topics_in({&bag_});
+  }
+  rosbag::Bag& read() {
+    if (bag_.getMode() == rosbag::bagmode::Read) return bag_;
+    bag_.close();
+    bag_.open((folder_.path() / "drive.bag").string(), rosbag::bagmode::Read);
+    return bag_;
+  }
+
+  const test::TemporaryFolder folder_;
+  rosbag::Bag bag_;
+};
+
+TEST_F(SensorInputs, AreReadFromEveryTypeThatABagHolds) {
+  record("/a", twist_stamped());
+  record("/b", twist_with_covariance());
+  record("/c", odometry());
+  record("/d", nav_sat_fix());
+  record("/e", geo_point());
+  record("/f", header());
+  for (const char* topic : {"/a", "/b", "/c"}) {
+    SCOPED_TRACE(topic);
+    expect_the_velocity(read_velocity(*recorded(topic).begin()));
+    EXPECT_FALSE(read_gnss(*recorded(topic).begin()));
+  }
+  for (const char* topic : {"/d", "/e"}) {
+    SCOPED_TRACE(topic);
+    expect_the_fix(read_gnss(*recorded(topic).begin()));
+    EXPECT_FALSE(read_velocity(*recorded(topic).begin()));
+  }
+  EXPECT_FALSE(read_velocity(*recorded("/f").begin()));
+  EXPECT_FALSE(read_gnss(*recorded("/f").begin()));
+}
+
+TEST(SensorInputsReceived, AreReadFromEveryType) {
+  expect_the_velocity(read_velocity(as_received(twist_stamped())));
+  expect_the_velocity(read_velocity(as_received(twist_with_covariance())));
+  expect_the_velocity(read_velocity(as_received(odometry())));
+  expect_the_fix(read_gnss(as_received(nav_sat_fix())));
+  expect_the_fix(read_gnss(as_received(geo_point())));
+  EXPECT_FALSE(read_gnss(as_received(odometry())));
+}
+
+TEST_F(SensorInputs, FixesAreFoundAsGeoPointsWhereThereIsNothingBetter) {
+  record("/gps/geopoint", geo_point());
+  EXPECT_EQ(topics().gnss, "/gps/geopoint");
+}
+
+TEST_F(SensorInputs, FixesWithACovarianceArePreferred) {
+  for (int i = 0; i < 3; ++i) record("/gps/geopoint", geo_point());
+  record("/fix", nav_sat_fix());
+  EXPECT_EQ(topics().gnss, "/fix");
+}
+
+TEST_F(SensorInputs, SentencesOfAReceiverAreNamedWithTheRemedy) {
+  topic_tools::ShapeShifter sentence = as_received(header());
+  sentence.morph("9f221efc5f4b3bac7ce4af102b32308b", "nmea_msgs/Sentence",
+                 "Header header\nstring sentence\n", "");
+  record("/nmea_sentence", sentence);
+  RecordingCheck recording;
+  recording.bags = {&read()};
+  recording.topics = topics();
+  const preprocessing::InputReport gnss = check(recording, {}).back();
+  ASSERT_EQ(gnss.findings.size(), 1U);
+  EXPECT_EQ(gnss.findings.front().text, "/nmea_sentence holds nmea_msgs/Sentence, not NavSatFix");
+  EXPECT_NE(gnss.findings.front().remedy.find("nmea_topic_driver"), std::string::npos);
+}
+
+/// Such as a velocity in East-North-Up, or an odometry whose twist is empty.
+TEST_F(SensorInputs, WhatMayHoldSomethingElseIsNotTakenForAVelocityUnasked) {
+  record("/fix_velocity", twist_with_covariance());
+  record("/odom", odometry());
+  EXPECT_EQ(topics().velocity, "");
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
