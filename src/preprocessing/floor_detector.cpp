@@ -12,6 +12,7 @@
 
 #include "lidar_mapping/common/pose.hpp"
 
+#include "lower_scatter.hpp"
 #include "plane_search.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -29,13 +30,39 @@ constexpr double kOutward = 1.0;  // m
 
 using Points = std::vector<Eigen::Vector3d>;
 
+/// Tells in single precision, and with room to spare, what cannot lie on the strip: most points.
+class RoughStrip {
+ public:
+  RoughStrip(const Eigen::Matrix3d& R_level_base, const FloorDetectionConfig& config)
+      : left_(R_level_base.row(1).cast<float>()),
+        up_(R_level_base.row(2).cast<float>()),
+        floor_(static_cast<float>(-config.sensor_height)),
+        height_(static_cast<float>(config.height_clip_range) + kRoom) {}
+
+  bool may_hold(const Point& p) const {
+    const float y = left_.x() * p.x + left_.y() * p.y + left_.z() * p.z;
+    const float z = up_.x() * p.x + up_.y() * p.y + up_.z() * p.z;
+    return static_cast<int>(std::abs(y) <= kHalfWidth) &
+           static_cast<int>(std::abs(z - floor_) <= height_);  // one branch, mostly not taken
+  }
+
+ private:
+  static constexpr float kRoom = 0.1F;  // m, more than floats are off by in what a LiDAR sees
+  static constexpr float kHalfWidth = static_cast<float>(kHalfStrip) + kRoom;
+
+  Eigen::RowVector3f left_, up_;
+  float floor_, height_;
+};
+
 /// Points on the strip that the vehicle drives on, near to the expected floor, in level axes.
 /// Beside the strip are kerbs: a plane over road and pavement would lean.
 Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
                const FloorDetectionConfig& config) {
   const double radius_squared = config.floor_radius * config.floor_radius;
+  const RoughStrip strip(R_level_base, config);
   Points result;
   for (const Point& point : cloud.points) {
+    if (!strip.may_hold(point)) continue;
     const Eigen::Vector3d p = R_level_base * point.position().cast<double>();
     const bool is_level = std::abs(p.z() + config.sensor_height) <= config.height_clip_range;
     if (is_level && std::abs(p.y()) <= kHalfStrip && p.head<2>().squaredNorm() <= radius_squared)
@@ -50,11 +77,9 @@ bool may_be_level(const Points& points, const std::vector<std::size_t>& place, d
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::size_t i : place) mean += points[i];
   mean /= static_cast<double>(place.size());
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const std::size_t i : place) {
-    scatter += (points[i] - mean) * (points[i] - mean).transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  LowerScatter scatter;
+  for (const std::size_t i : place) scatter.add(points[i] - mean, 1.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter.matrix());
   if (eigen.eigenvalues()[1] < kLineLike * eigen.eigenvalues()[2]) return true;
   return std::abs(eigen.eigenvectors()(2, 0)) >= std::cos(largest);
 }

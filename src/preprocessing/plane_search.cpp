@@ -10,6 +10,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "lower_scatter.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -51,24 +53,29 @@ double tukey(double residual, double scale) {
   return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
 }
 
-std::optional<Plane> weighted_plane(const std::vector<Eigen::Vector3d>& points,
-                                    const std::vector<std::size_t>& chosen, const Plane& around,
-                                    double scale) {
+struct WeightedPoint {
+  Eigen::Vector3d p;
+  double weight;
+};
+
+std::optional<Plane> weighted_plane(const std::vector<Eigen::Vector3d>& points, const Plane& around,
+                                    double scale, std::vector<WeightedPoint>& near) {
+  near.clear();
   double total = 0.0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const std::size_t i : chosen) {
-    const double weight = tukey(around.distance(points[i]), scale);
+  for (const Eigen::Vector3d& p : points) {
+    const double residual = around.distance(p);
+    if (!(std::abs(residual) < scale)) continue;
+    const double weight = tukey(residual, scale);
     total += weight;
-    mean += weight * points[i];
+    mean += weight * p;
+    near.push_back({p, weight});
   }
   if (total <= 0.0) return std::nullopt;
   mean /= total;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const std::size_t i : chosen) {
-    const Eigen::Vector3d d = points[i] - mean;
-    scatter += tukey(around.distance(points[i]), scale) / total * d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  LowerScatter scatter;
+  for (const auto& [p, weight] : near) scatter.add(p - mean, weight / total);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter.matrix());
   // A line of points would leave one rotation open.
   if (eigen.eigenvalues()[1] < 0.25) return std::nullopt;
   Eigen::Vector3d normal = eigen.eigenvectors().col(0);
@@ -133,9 +140,9 @@ std::optional<PlaneFit> fit_plane(const std::vector<Eigen::Vector3d>& points, co
                                   double tolerance) {
   PlaneFit fit;
   fit.plane = start;
+  std::vector<WeightedPoint> buffer;
   for (int step = 0; step < kRefinements; ++step) {
-    const auto better =
-        weighted_plane(points, near(points, fit.plane, tolerance), fit.plane, tolerance);
+    const auto better = weighted_plane(points, fit.plane, tolerance, buffer);
     if (!better) return std::nullopt;
     fit.plane = *better;
   }
