@@ -36,6 +36,12 @@ find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 lidar_mapping_import(lidar_mapping_cholmod INCLUDES ${CHOLMOD_INCLUDE_DIR}
                      LIBRARIES ${CHOLMOD_LIBRARY})
 if(catkin_FOUND)
+  # Of the chunks of bags.
+  find_package(BZip2 REQUIRED)
+  find_path(LZ4_INCLUDE_DIR lz4.h REQUIRED)
+  find_library(LZ4_LIBRARY lz4 REQUIRED)
+  lidar_mapping_import(lidar_mapping_compression INCLUDES ${LZ4_INCLUDE_DIR} ${BZIP2_INCLUDE_DIR}
+                       LIBRARIES ${LZ4_LIBRARY} ${BZIP2_LIBRARIES})
   lidar_mapping_import(lidar_mapping_catkin INCLUDES ${catkin_INCLUDE_DIRS}
                        LIBRARIES ${catkin_LIBRARIES})
 endif()

@@ -18,7 +18,6 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-using sensor_msgs::PointCloud2;
 using sensor_msgs::PointField;
 
 const std::array<const char*, 3> kIntensityNames = {"intensity", "i", "reflectivity"};
@@ -32,7 +31,7 @@ bool is_packed(const PointField& x, const PointField& y, const PointField& z) {
 }
 
 /// Where the points of such a layout with a float intensity lie.
-std::optional<preprocessing::PackedPoints> packed_points(const PointCloud2& message,
+std::optional<preprocessing::PackedPoints> packed_points(const CloudView& message,
                                                          const PointField* intensity) {
   const PointField& x = coordinate_field(message, "x");
   if (!is_contiguous(message) ||
@@ -41,18 +40,18 @@ std::optional<preprocessing::PackedPoints> packed_points(const PointCloud2& mess
       intensity->offset < x.offset || message.point_step - x.offset < sizeof(Point)) {
     return std::nullopt;
   }
-  return preprocessing::PackedPoints{nullptr, message.data.data() + x.offset, message.point_step,
+  return preprocessing::PackedPoints{nullptr, message.first + x.offset, message.point_step,
                                      intensity->offset - x.offset};
 }
 
 /// Times as they are written (as a float a time of four bytes costs 8 ns of 0.1 s), by blocks that
 /// are still in the cache when they are looked at.
 template <typename Time>
-preprocessing::TimeSpan read_blocks(const PointCloud2& message, const PointField& field,
+preprocessing::TimeSpan read_blocks(const CloudView& message, const PointField& field,
                                     std::vector<float>& times) {
   constexpr std::size_t kBlock = 512;
   preprocessing::TimeSpanFinder finder;
-  const std::uint8_t* in = message.data.data() + field.offset;
+  const std::uint8_t* in = message.first + field.offset;
   for (std::size_t begin = 0; begin < times.size(); begin += kBlock) {
     const std::size_t end = std::min(begin + kBlock, times.size());
     for (std::size_t i = begin; i < end; ++i, in += message.point_step) {
@@ -65,7 +64,7 @@ preprocessing::TimeSpan read_blocks(const PointCloud2& message, const PointField
 
 /// The usual times of four bytes, and their span; nothing is read of others. What the times held is
 /// overwritten without being cleared first.
-std::optional<preprocessing::TimeSpan> read_usual_times(const PointCloud2& message,
+std::optional<preprocessing::TimeSpan> read_usual_times(const CloudView& message,
                                                         const PointField* field,
                                                         std::vector<float>& times) {
   const std::uint8_t type = field == nullptr ? std::uint8_t{0} : field->datatype;
@@ -78,7 +77,7 @@ std::optional<preprocessing::TimeSpan> read_usual_times(const PointCloud2& messa
                                      : read_blocks<std::uint32_t>(message, *field, times);
 }
 
-void read_coordinates(const PointCloud2& message, std::vector<Point>& points) {
+void read_coordinates(const CloudView& message, std::vector<Point>& points) {
   const PointField& x = coordinate_field(message, "x");
   const PointField& y = coordinate_field(message, "y");
   const PointField& z = coordinate_field(message, "z");
@@ -102,8 +101,7 @@ void read_coordinates(const PointCloud2& message, std::vector<Point>& points) {
   read_axis(z, &Point::z);
 }
 
-void read_intensity(const PointCloud2& message, const PointField& field,
-                    std::vector<Point>& points) {
+void read_intensity(const CloudView& message, const PointField& field, std::vector<Point>& points) {
   with_reader(field.datatype, [&](const auto& number) {
     for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
       points[i].intensity = static_cast<float>(number(in + field.offset));
@@ -126,7 +124,7 @@ void add_seam(const PointCloud& cloud, preprocessing::CloudSummary& summary) {
 }
 
 /// Points of the usual layout are left where they are.
-DecodedCloud decode_in_place(const PointCloud2& message,
+DecodedCloud decode_in_place(const CloudView& message,
                              const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
   DecodedCloud result;
   PointCloud& cloud = result.scan.cloud;
@@ -155,23 +153,27 @@ DecodedCloud decode_in_place(const PointCloud2& message,
 
 }  // namespace
 
-DecodedCloud decode(const PointCloud2& message, const preprocessing::PreprocessingConfig& config,
+DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
                     PointCloud buffer) {
   DecodedCloud result = decode_in_place(message, config, std::move(buffer));
   result.scan.unpack();
   return result;
 }
 
-DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
+DecodedCloud decode_lazily(const CloudView& message, std::shared_ptr<const void> memory,
                            const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
-  DecodedCloud result = decode_in_place(*message, config, std::move(buffer));
-  if (result.scan.packed) {
-    result.scan.packed->memory = {message.get(), [message](const void*) {}};
-  }
+  DecodedCloud result = decode_in_place(message, config, std::move(buffer));
+  if (result.scan.packed) result.scan.packed->memory = std::move(memory);
   return result;
 }
 
-preprocessing::CloudSummary summary_of(const PointCloud2& message, const DecodedCloud& decoded) {
+DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
+                           const preprocessing::PreprocessingConfig& config, PointCloud buffer) {
+  return decode_lazily(*message, {message.get(), [message](const void*) {}}, config,
+                       std::move(buffer));
+}
+
+preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCloud& decoded) {
   preprocessing::CloudSummary summary;
   summary.stamp = decoded.scan.stamp;
   summary.frame_id = message.header.frame_id;

@@ -4,7 +4,6 @@
 
 namespace lidar_mapping::ros_border {
 
-using sensor_msgs::PointCloud2;
 using sensor_msgs::PointField;
 
 std::size_t size_of(std::uint8_t datatype) {
@@ -28,7 +27,7 @@ std::size_t size_of(std::uint8_t datatype) {
 
 namespace {
 
-void check_field(const PointCloud2& message, const PointField& field) {
+void check_field(const CloudView& message, const PointField& field) {
   const std::size_t size = size_of(field.datatype);
   if (size == 0) {
     throw InputError("cloud: field '" + field.name + "' has the unknown datatype " +
@@ -42,7 +41,7 @@ void check_field(const PointCloud2& message, const PointField& field) {
 
 }  // namespace
 
-const PointField* find_field(const PointCloud2& message, const std::string& name) {
+const PointField* find_field(const CloudView& message, const std::string& name) {
   for (const PointField& field : message.fields) {
     if (field.name != name) continue;
     check_field(message, field);
@@ -51,7 +50,7 @@ const PointField* find_field(const PointCloud2& message, const std::string& name
   return nullptr;
 }
 
-const PointField& coordinate_field(const PointCloud2& message, const std::string& name) {
+const PointField& coordinate_field(const CloudView& message, const std::string& name) {
   const PointField* field = find_field(message, name);
   if (field == nullptr) {
     throw InputError("cloud: no field '" + name + "'; the driver must publish x, y and z");
@@ -62,18 +61,18 @@ const PointField& coordinate_field(const PointCloud2& message, const std::string
   return *field;
 }
 
-std::string field_names(const PointCloud2& message) {
+std::string field_names(const CloudView& message) {
   std::string names;
   for (const PointField& field : message.fields) names += (names.empty() ? "" : " ") + field.name;
   return names;
 }
 
 /// Sizes are compared by division, so that no product of theirs overflows.
-void check_size(const PointCloud2& message) {
+void check_size(const CloudView& message) {
   if (message.is_bigendian) {
     throw InputError("cloud: big-endian data; the driver must publish little-endian ones");
   }
-  const std::size_t bytes = message.data.size();
+  const std::size_t bytes = message.bytes;
   const bool fits = message.point_step > 0 && message.width <= bytes / message.point_step;
   const std::size_t row = fits ? std::size_t{message.width} * message.point_step : 0;
   const bool rows_fit =
@@ -85,7 +84,7 @@ void check_size(const PointCloud2& message) {
                    " points need; the message was cut off");
 }
 
-bool is_contiguous(const PointCloud2& message) {
+bool is_contiguous(const CloudView& message) {
   return message.height == 1 || message.row_step == std::size_t{message.width} * message.point_step;
 }
 

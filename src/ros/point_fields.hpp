@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include <sensor_msgs/PointCloud2.h>
+#include "lidar_mapping/ros/cloud_view.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -14,11 +14,10 @@ namespace lidar_mapping::ros_border {
 std::size_t size_of(std::uint8_t datatype);
 
 /// The field of that name, or null. Throws InputError if it lies outside of the point.
-const sensor_msgs::PointField* find_field(const sensor_msgs::PointCloud2& message,
-                                          const std::string& name);
+const sensor_msgs::PointField* find_field(const CloudView& message, const std::string& name);
 /// The first of the names that is there, or null.
 template <std::size_t count>
-const sensor_msgs::PointField* find_any_field(const sensor_msgs::PointCloud2& message,
+const sensor_msgs::PointField* find_any_field(const CloudView& message,
                                               const std::array<const char*, count>& names) {
   for (const char* name : names) {
     if (const sensor_msgs::PointField* field = find_field(message, name)) return field;
@@ -26,22 +25,21 @@ const sensor_msgs::PointField* find_any_field(const sensor_msgs::PointCloud2& me
   return nullptr;
 }
 /// x, y or z. Throws InputError if it is not there or no floating-point number.
-const sensor_msgs::PointField& coordinate_field(const sensor_msgs::PointCloud2& message,
-                                                const std::string& name);
+const sensor_msgs::PointField& coordinate_field(const CloudView& message, const std::string& name);
 /// "x y z intensity", in the message's order.
-std::string field_names(const sensor_msgs::PointCloud2& message);
+std::string field_names(const CloudView& message);
 
 /// Throws InputError for big-endian data and for data that are shorter than the header says.
-void check_size(const sensor_msgs::PointCloud2& message);
+void check_size(const CloudView& message);
 /// No bytes between the rows.
-bool is_contiguous(const sensor_msgs::PointCloud2& message);
+bool is_contiguous(const CloudView& message);
 
 /// Calls body(address, index) for every point.
 template <typename Body>
-void for_each_point(const sensor_msgs::PointCloud2& message, const Body& body) {
+void for_each_point(const CloudView& message, const Body& body) {
   std::size_t index = 0;
   for (std::size_t row = 0; row < message.height; ++row) {
-    const std::uint8_t* in = message.data.data() + row * message.row_step;
+    const std::uint8_t* in = message.first + row * message.row_step;
     for (std::size_t column = 0; column < message.width; ++column, in += message.point_step) {
       body(in, index++);
     }

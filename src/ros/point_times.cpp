@@ -14,7 +14,6 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 using preprocessing::PointTimeUnit;
-using sensor_msgs::PointCloud2;
 using sensor_msgs::PointField;
 
 const std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
@@ -38,7 +37,7 @@ struct Bounds {
   double max = -std::numeric_limits<double>::infinity();
 };
 
-Bounds bounds_of(const PointCloud2& message, const PointField& field) {
+Bounds bounds_of(const CloudView& message, const PointField& field) {
   Bounds bounds;
   with_reader(field.datatype, [&](const auto& number) {
     for_each_point(message, [&](const std::uint8_t* in, std::size_t) {
@@ -69,7 +68,7 @@ Unit unit_of(const PointField& field, const Bounds& bounds,
 }
 
 /// Differences from a time near to them, so that absolute nanoseconds keep their digits.
-void read_times(const PointCloud2& message, const PointField& field, double origin, double unit,
+void read_times(const CloudView& message, const PointField& field, double origin, double unit,
                 double shift, std::vector<float>& times) {
   with_reader(field.datatype, [&](const auto& number) {
     for_each_point(message, [&](const std::uint8_t* in, std::size_t i) {
@@ -89,11 +88,11 @@ double since_stamp(double origin, double unit, const ros::Time& stamp) {
 
 }  // namespace
 
-const PointField* time_field(const PointCloud2& message) {
+const PointField* time_field(const CloudView& message) {
   return find_any_field(message, kTimeNames);
 }
 
-void decode_times(const PointCloud2& message, const PointField& field,
+void decode_times(const CloudView& message, const PointField& field,
                   const preprocessing::PreprocessingConfig& config,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result) {
   std::vector<float>& times = result.scan.cloud.times;

@@ -9,12 +9,12 @@
 namespace lidar_mapping::ros_border {
 
 /// The field of the points' times, or null.
-const sensor_msgs::PointField* time_field(const sensor_msgs::PointCloud2& message);
+const sensor_msgs::PointField* time_field(const CloudView& message);
 
 /// Makes seconds of the points' times, finds their unit and says what they are relative to. With
 /// the span `read` scan.cloud.times hold them as they are written, else they are read here. No
 /// times if nobody filled the field.
-void decode_times(const sensor_msgs::PointCloud2& message, const sensor_msgs::PointField& field,
+void decode_times(const CloudView& message, const sensor_msgs::PointField& field,
                   const preprocessing::PreprocessingConfig& config,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result);
 

@@ -16,6 +16,8 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
+#include "bag_stream.hpp"
+
 namespace lidar_mapping::tools {
 
 namespace {
@@ -48,17 +50,43 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-FileError unreadable(const std::string& path, const rosbag::BagException& error) {
+/// A cloud that was left where it lies in the recording.
+struct RecordedCloud {
+  sensor_msgs::PointCloud2 message;  ///< without the data
+  ByteRange data;
+  std::shared_ptr<const void> memory;
+};
+
+RecordedCloud read_cloud(const BagMessage& recorded) {
+  RecordedCloud cloud;
+  sensor_msgs::PointCloud2& message = cloud.message;
+  ros::serialization::IStream stream = recorded.stream();
+  stream.next(message.header);
+  stream.next(message.height);
+  stream.next(message.width);
+  stream.next(message.fields);
+  stream.next(message.is_bigendian);
+  stream.next(message.point_step);
+  stream.next(message.row_step);
+  std::uint32_t length = 0;
+  stream.next(length);
+  cloud.data = {stream.advance(length), length};
+  cloud.memory = recorded.memory;
+  return cloud;
+}
+
+FileError unreadable(const std::string& path, const ros::Exception& error) {
   return FileError("cannot read the bag " + path + ": " + error.what() + "; try rosbag reindex");
 }
 
 }  // namespace
 
+/// Looks at the bags with rosbag, and reads them with a stream.
 class BagInput::Impl {
  public:
   Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
        const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
-      : config_(config), frames_(base_frame) {
+      : paths_(paths), config_(config), frames_(base_frame) {
     for (const std::string& path : paths) open(path);
     topics_ = ros_border::topics_in(
         all_bags(), {chosen(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}),
@@ -67,19 +95,19 @@ class BagInput::Impl {
                      chosen(wanted.gnss, "/kitti/oxts/gps/fix", ros_border::gnss_types())});
     read_frames();
     settle_base_frame();
-    add_query(view_, {topics_.points, topics_.imu, topics_.velocity, topics_.gnss});
-    position_ = view_.begin();
+    rosbag::View all;
+    add_query(all, wanted_topics());
+    begin_ = ros_border::from_ros(all.getBeginTime());
+    end_ = ros_border::from_ros(all.getEndTime());
   }
 
   std::optional<Input> next() try {
-    while (position_ != view_.end()) {
-      std::optional<Input> input = read(*position_);
-      ++position_;
-      if (input) return input;
+    while (const auto message = stream().next()) {
+      if (auto input = read(*message)) return input;
     }
     return std::nullopt;
-  } catch (const rosbag::BagException& error) {
-    throw unreadable(bags_.front()->getFileName(), error);
+  } catch (const ros::Exception& error) {
+    throw unreadable(paths_.front(), error);
   }
 
   std::vector<preprocessing::InputReport> examine(double seconds) const try {
@@ -88,19 +116,28 @@ class BagInput::Impl {
     throw unreadable(bags_.front()->getFileName(), error);
   }
 
-  void skip_to(Stamp stamp) {
-    while (position_ != view_.end() && ros_border::from_ros(position_->getTime()) < stamp) {
-      ++position_;
-    }
-  }
+  void skip_to(Stamp stamp) { stream().skip_to(stamp); }
 
-  Stamp begin() { return ros_border::from_ros(view_.getBeginTime()); }
-  Stamp end() { return ros_border::from_ros(view_.getEndTime()); }
+  Stamp begin() const { return begin_; }
+  Stamp end() const { return end_; }
   const SensorTopics& topics() const { return topics_; }
   const std::string& frames_notice() const { return frames_notice_; }
   std::optional<Pose> T_base(const std::string& frame) const { return frames_.T_base(frame); }
 
  private:
+  std::vector<std::string> wanted_topics() const {
+    return {topics_.points, topics_.imu, topics_.velocity, topics_.gnss};
+  }
+
+  /// With it, rosbag's index is let go: it grows with the recording.
+  BagStream& stream() {
+    if (!stream_) {
+      stream_.emplace(paths_, wanted_topics());
+      bags_.clear();
+    }
+    return *stream_;
+  }
+
   void open(const std::string& path) try {
     bags_.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));
   } catch (const rosbag::BagException& error) {
@@ -164,8 +201,9 @@ class BagInput::Impl {
     if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
   }
 
-  preprocessing::RawScan decoded(const sensor_msgs::PointCloud2ConstPtr& cloud, Stamp stamp) const {
-    preprocessing::RawScan scan = ros_border::decode_lazily(cloud, config_).scan;
+  preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp) const {
+    const ros_border::CloudView view(cloud.message, cloud.data.first, cloud.data.size);
+    preprocessing::RawScan scan = ros_border::decode_lazily(view, cloud.memory, config_).scan;
     scan.stamp = stamp;
     if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
     return scan;
@@ -183,11 +221,12 @@ class BagInput::Impl {
     }
   }
 
-  std::optional<Input> read(const rosbag::MessageInstance& message) const {
-    const ros::Time recorded = message.getTime();
-    if (const sensor_msgs::PointCloud2ConstPtr cloud =
-            message.instantiate<sensor_msgs::PointCloud2>()) {
-      const Stamp stamp = given_or_recorded(ros_border::from_ros(cloud->header.stamp), recorded);
+  std::optional<Input> read(const BagMessage& message) const {
+    const ros::Time recorded = ros_border::to_ros(message.recorded);
+    if (message.holds<sensor_msgs::PointCloud2>()) {
+      const RecordedCloud cloud = read_cloud(message);
+      const Stamp stamp =
+          given_or_recorded(ros_border::from_ros(cloud.message.header.stamp), recorded);
       return pipeline::RecordedScan{stamp, [cloud, stamp, this] { return decoded(cloud, stamp); }};
     }
     if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
@@ -198,13 +237,15 @@ class BagInput::Impl {
     return std::nullopt;
   }
 
+  std::vector<std::string> paths_;
   preprocessing::PreprocessingConfig config_;
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
   std::string frames_notice_;
-  rosbag::View view_;
-  rosbag::View::iterator position_;
+  Stamp begin_ = 0;
+  Stamp end_ = 0;
+  std::optional<BagStream> stream_;
 };
 
 BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wanted,

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/ros/cloud_view.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -32,16 +34,18 @@ struct DecodedCloud {
 /// relative or absolute. Points are taken as they are, in their order, also those that are not
 /// finite. Throws InputError for big-endian data, missing coordinates, fields outside of the point
 /// and data that are shorter than the header says.
-DecodedCloud decode(const sensor_msgs::PointCloud2& message,
-                    const preprocessing::PreprocessingConfig& config, PointCloud buffer = {});
-/// The same, but points of the usual layout stay packed in the message, which lives on with the
-/// scan, until they are moved.
+DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
+                    PointCloud buffer = {});
+/// The same, but points of the usual layout stay packed in the message's data, which `memory` keeps
+/// and which live on with the scan, until they are moved.
+DecodedCloud decode_lazily(const CloudView& message, std::shared_ptr<const void> memory,
+                           const preprocessing::PreprocessingConfig& config,
+                           PointCloud buffer = {});
 DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
                            const preprocessing::PreprocessingConfig& config,
                            PointCloud buffer = {});
 
 /// What the input doctor wants to know of a cloud.
-preprocessing::CloudSummary summary_of(const sensor_msgs::PointCloud2& message,
-                                       const DecodedCloud& decoded);
+preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCloud& decoded);
 
 }  // namespace lidar_mapping::ros_border

@@ -1,0 +1,99 @@
+#include "bag_chunk.hpp"
+
+#include <cstring>
+
+#include <bzlib.h>
+#include <lz4.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+// Of the LZ4 frame format (lz4_Frame_format.md), as far as rosbag uses it.
+constexpr std::uint32_t kMagic = 0x184D2204;
+constexpr std::uint32_t kNotCompressed = 0x80000000;
+constexpr std::uint8_t kVersionMask = 0xC0, kVersion = 0x40;
+constexpr std::uint8_t kIndependent = 0x20;
+constexpr std::uint8_t kBlockChecksum = 0x10;
+constexpr std::uint8_t kContentSize = 0x08;
+constexpr std::uint8_t kDictionary = 0x01;
+constexpr std::size_t kDescriptor = 3;  // flags, block size, checksum of the header
+
+[[noreturn]] void fail() { throw InputError("a chunk is damaged"); }
+
+class Reader {
+ public:
+  explicit Reader(ByteRange data) : data_(data) {}
+
+  const std::uint8_t* take(std::size_t size) {
+    if (size > data_.size) fail();
+    const std::uint8_t* const first = data_.first;
+    data_ = {first + size, data_.size - size};
+    return first;
+  }
+  std::uint32_t take_number() {
+    std::uint32_t number = 0;
+    std::memcpy(&number, take(sizeof number), sizeof number);
+    return number;
+  }
+
+ private:
+  ByteRange data_;
+};
+
+/// Returns the flags.
+std::uint8_t read_frame_header(Reader& reader) {
+  if (reader.take_number() != kMagic) fail();
+  const std::uint8_t flags = *reader.take(kDescriptor);
+  const std::uint8_t unknown = kContentSize | kDictionary;
+  if ((flags & kVersionMask) != kVersion || (flags & kIndependent) == 0 || (flags & unknown) != 0) {
+    fail();
+  }
+  return flags;
+}
+
+void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
+  Reader reader(data);
+  const std::uint8_t flags = read_frame_header(reader);
+  while (const std::uint32_t block = reader.take_number()) {
+    const std::size_t length = block & ~kNotCompressed;
+    const std::uint8_t* const from = reader.take(length);
+    std::size_t written = length;
+    if ((block & kNotCompressed) == 0) {
+      const int result =
+          LZ4_decompress_safe(reinterpret_cast<const char*>(from), reinterpret_cast<char*>(to),
+                              static_cast<int>(length), static_cast<int>(size));
+      if (result < 0) fail();
+      written = static_cast<std::size_t>(result);
+    } else {
+      if (length > size) fail();
+      std::memcpy(to, from, length);
+    }
+    to += written;
+    size -= written;
+    if ((flags & kBlockChecksum) != 0) reader.take_number();
+  }
+  if (size != 0) fail();
+}
+
+void decompress_bz2(ByteRange data, std::uint8_t* to, std::size_t size) {
+  auto length = static_cast<unsigned>(size);
+  // The library takes its input as char*, but leaves it as it is.
+  auto* const from = const_cast<char*>(reinterpret_cast<const char*>(data.first));
+  const int result = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(to), &length, from,
+                                                static_cast<unsigned>(data.size), 0, 0);
+  if (result != BZ_OK || length != size) fail();
+}
+
+}  // namespace
+
+void decompress(const std::string& compression, ByteRange data, std::uint8_t* to,
+                std::size_t size) {
+  if (compression == "lz4") return decompress_lz4(data, to, size);
+  if (compression == "bz2") return decompress_bz2(data, to, size);
+  throw InputError("its compression " + compression + " is unknown");
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,250 @@
+#include "bag_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <tuple>
+
+#include <fcntl.h>
+#include <ros/header.h>
+#include <unistd.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+constexpr char kVersion[] = "#ROSBAG V2.0\n";
+constexpr std::size_t kVersionLength = sizeof kVersion - 1;
+constexpr std::uint64_t kAhead = 8'000'000;  // bytes that the disk is asked for early
+
+enum Operation : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndex = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7
+};
+
+template <typename Number>
+Number number_at(const std::uint8_t* bytes) {
+  Number number;
+  std::memcpy(&number, bytes, sizeof number);
+  return number;
+}
+
+/// Times are written as seconds and nanoseconds.
+Stamp time_at(const std::uint8_t* bytes) {
+  return from_seconds(1.0) * number_at<std::uint32_t>(bytes) + number_at<std::uint32_t>(bytes + 4);
+}
+
+}  // namespace
+
+/// "name=value" fields, and where the data that follow them lie.
+struct BagFile::Record {
+  ros::M_string fields;
+  std::uint64_t data = 0;
+  std::uint32_t size = 0;
+
+  std::uint64_t end() const { return data + size; }
+  template <typename Number>
+  Number number(const BagFile& file, const std::string& name) const {
+    return number_at<Number>(bytes(file, name, sizeof(Number)));
+  }
+  Stamp time(const BagFile& file, const std::string& name) const {
+    return time_at(bytes(file, name, 8));
+  }
+  const std::uint8_t* bytes(const BagFile& file, const std::string& name,
+                            std::size_t expected) const {
+    const auto field = fields.find(name);
+    if (field == fields.end() || field->second.size() != expected)
+      file.fail("its records are damaged");
+    return reinterpret_cast<const std::uint8_t*>(field->second.data());
+  }
+  bool is(const BagFile& file, Operation operation) const {
+    return number<std::uint8_t>(file, "op") == operation;
+  }
+};
+
+BagFile::BagFile(const std::string& path, const std::vector<std::string>& topics)
+    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  try {
+    if (descriptor_ < 0) fail(std::strerror(errno));
+    size_ = std::filesystem::file_size(path);
+    read_index(topics);
+  } catch (...) {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw;
+  }
+}
+
+BagFile::~BagFile() { ::close(descriptor_); }
+
+void BagFile::fail(const std::string& reason) const {
+  throw FileError("cannot read the bag " + path_ + ": " + reason + "; try rosbag reindex");
+}
+
+void BagFile::read_bytes(std::uint64_t position, void* to, std::size_t size) const {
+  auto* at = static_cast<std::uint8_t*>(to);
+  while (size > 0) {
+    const ssize_t got = ::pread(descriptor_, at, size, static_cast<off_t>(position));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(std::strerror(errno));
+    if (got == 0) fail("it ends early");
+    at += got;
+    position += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+}
+
+BagFile::Record BagFile::record_at(std::uint64_t position) const {
+  constexpr std::uint32_t kLongestHeader = 1'000'000;
+  std::uint32_t length = 0;
+  read_bytes(position, &length, sizeof length);
+  if (length > kLongestHeader) fail("its records are damaged");
+  std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
+  read_bytes(position + sizeof length, text.data(), text.size());
+  ros::Header header;
+  std::string problem;
+  if (!header.parse(text.data(), length, problem)) fail(problem);
+  const Record record{*header.getValues(), position + sizeof length + text.size(),
+                      number_at<std::uint32_t>(text.data() + length)};
+  if (record.end() > size_) fail("it ends early");
+  return record;
+}
+
+void BagFile::read_index(const std::vector<std::string>& topics) {
+  char version[kVersionLength];
+  read_bytes(0, version, sizeof version);
+  if (std::memcmp(version, kVersion, sizeof version) != 0) {
+    fail("it is not of version 2.0 (rosbag fix writes it anew)");
+  }
+  const Record bag = record_at(kVersionLength);
+  const auto encryptor = bag.fields.find("encryptor");
+  if (encryptor != bag.fields.end() && !encryptor->second.empty()) {
+    fail("it is encrypted (rosbag decrypt helps)");
+  }
+  auto position = bag.number<std::uint64_t>(*this, "index_pos");
+  const auto records = bag.number<std::uint32_t>(*this, "conn_count") +
+                       std::uint64_t{bag.number<std::uint32_t>(*this, "chunk_count")};
+  for (std::uint64_t i = 0; i < records; ++i) {
+    const Record record = record_at(position);
+    if (record.is(*this, kConnection)) add_connection(record, topics);
+    if (record.is(*this, kChunkInfo)) add_chunk(record);
+    position = record.end();
+  }
+  const auto earlier = [](const BagChunk& a, const BagChunk& b) {
+    return std::tie(a.begin, a.position) < std::tie(b.begin, b.position);
+  };
+  std::sort(chunks_.begin(), chunks_.end(), earlier);
+}
+
+void BagFile::add_connection(const Record& record, const std::vector<std::string>& topics) {
+  const auto topic = record.fields.find("topic");
+  if (topic == record.fields.end()) fail("its records are damaged");
+  if (std::find(topics.begin(), topics.end(), topic->second) == topics.end()) return;
+  std::vector<std::uint8_t> text(record.size);
+  read_bytes(record.data, text.data(), text.size());
+  ros::Header header;
+  std::string problem;
+  if (!header.parse(text.data(), record.size, problem)) fail(problem);
+  BagConnection& connection = connections_[record.number<std::uint32_t>(*this, "conn")];
+  connection.topic = topic->second;
+  header.getValue("type", connection.type);
+  header.getValue("md5sum", connection.md5sum);
+}
+
+/// Its data say how many messages each connection has in the chunk.
+void BagFile::add_chunk(const Record& record) {
+  std::vector<std::uint8_t> counts(record.size / 8 * 8);
+  read_bytes(record.data, counts.data(), counts.size());
+  for (std::size_t i = 0; i < counts.size(); i += 8) {
+    if (connections_.count(number_at<std::uint32_t>(&counts[i])) == 0) continue;
+    chunks_.push_back(
+        {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
+    return;
+  }
+}
+
+std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) const {
+  std::vector<BagEntry> entries;
+  const Record head = record_at(chunk.position);
+  ::posix_fadvise(descriptor_, static_cast<off_t>(head.end()), kAhead, POSIX_FADV_WILLNEED);
+  Record record = record_at(head.end());
+  while (record.is(*this, kIndex)) {
+    add_entries(record, entries);
+    record = record_at(record.end());
+  }
+  std::sort(entries.begin(), entries.end(), [](const BagEntry& a, const BagEntry& b) {
+    return std::tie(a.recorded, a.offset) < std::tie(b.recorded, b.offset);
+  });
+  return entries;
+}
+
+void BagFile::add_entries(const Record& record, std::vector<BagEntry>& entries) const {
+  constexpr std::size_t kEntry = 12;
+  const auto connection = record.number<std::uint32_t>(*this, "conn");
+  if (connections_.count(connection) == 0) return;
+  std::vector<std::uint8_t> text(record.size / kEntry * kEntry);
+  read_bytes(record.data, text.data(), text.size());
+  for (std::size_t i = 0; i < text.size(); i += kEntry) {
+    entries.push_back({time_at(&text[i]), number_at<std::uint32_t>(&text[i + 8]), connection});
+  }
+}
+
+ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
+  const Record record = record_at(chunk.position);
+  const auto compression = record.fields.find("compression");
+  if (!record.is(*this, kChunk) || compression == record.fields.end()) {
+    fail("its records are damaged");
+  }
+  ChunkContent content;
+  content.size = record.number<std::uint32_t>(*this, "size");
+  content.bytes = memory.take(content.size);
+  if (compression->second == "none") {
+    if (record.size != content.size) fail("a chunk is damaged");
+    read_bytes(record.data, content.bytes.get(), content.size);
+    return content;
+  }
+  compressed_.resize(std::max<std::size_t>(compressed_.size(), record.size));
+  read_bytes(record.data, compressed_.data(), record.size);
+  try {
+    decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
+               content.size);
+  } catch (const InputError& error) {
+    fail(error.what());
+  }
+  return content;
+}
+
+ByteRange BagFile::message(const ChunkContent& content, const BagEntry& entry) const {
+  std::size_t at = entry.offset;
+  const auto take = [&]() -> ByteRange {
+    constexpr std::size_t kLength = sizeof(std::uint32_t);
+    if (at + kLength > content.size) fail("a chunk is damaged");
+    const auto length = number_at<std::uint32_t>(content.bytes.get() + at);
+    at += kLength;
+    if (length > content.size - at) fail("a chunk is damaged");
+    at += length;
+    return {content.bytes.get() + at - length, length};
+  };
+  for (;;) {
+    const ByteRange fields = take();
+    const ByteRange data = take();
+    ros::Header header;
+    std::string problem, operation;
+    // The library takes its input as uint8_t*, but leaves it as it is.
+    if (!header.parse(const_cast<std::uint8_t*>(fields.first),
+                      static_cast<std::uint32_t>(fields.size), problem) ||
+        !header.getValue("op", operation) || operation.size() != 1) {
+      fail("a chunk is damaged");
+    }
+    if (operation[0] == static_cast<char>(kMessage)) return data;
+    if (operation[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
+  }
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,87 @@
+#include "bag_stream.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+/// Chunks that are decompressed at a time: of bags that were written topic by topic, one for each.
+constexpr std::ptrdiff_t kContents = 8;
+
+}  // namespace
+
+BagStream::BagStream(const std::vector<std::string>& paths,
+                     const std::vector<std::string>& topics) {
+  for (const std::string& path : paths) bags_.push_back({std::make_unique<BagFile>(path, topics)});
+}
+
+std::optional<BagMessage> BagStream::next() {
+  const auto at = earliest();
+  if (at == open_.end()) return std::nullopt;
+  const BagFile& file = *bags_[std::get<1>(at->first)].file;
+  const BagEntry& entry = at->second.entries[at->second.next];
+  const ChunkContent& chunk = content(at);
+  BagMessage message;
+  message.connection = &file.connections().at(entry.connection);
+  message.recorded = entry.recorded;
+  message.data = file.message(chunk, entry);
+  message.memory = chunk.bytes;
+  advance(at);
+  return message;
+}
+
+void BagStream::skip_to(Stamp stamp) {
+  for (auto at = earliest(); at != open_.end() && std::get<0>(at->first) < stamp; at = earliest()) {
+    advance(at);
+  }
+}
+
+BagStream::OpenChunks::iterator BagStream::earliest() {
+  for (std::size_t bag = 0; bag < bags_.size(); ++bag) {
+    const std::vector<BagChunk>& chunks = bags_[bag].file->chunks();
+    std::size_t& next = bags_[bag].next_chunk;
+    while (next < chunks.size() &&
+           (open_.empty() || chunks[next].begin <= std::get<0>(open_.begin()->first))) {
+      open_next_chunk(bag);
+    }
+  }
+  return open_.begin();
+}
+
+void BagStream::open_next_chunk(std::size_t bag) {
+  OpenChunk opened;
+  opened.chunk = bags_[bag].file->chunks()[bags_[bag].next_chunk++];
+  opened.entries = bags_[bag].file->entries(opened.chunk);
+  if (opened.entries.empty()) return;
+  const Place place{opened.entries.front().recorded, bag, opened.chunk.position};
+  open_.emplace(place, std::move(opened));
+}
+
+void BagStream::advance(OpenChunks::iterator at) {
+  auto node = open_.extract(at);
+  OpenChunk& chunk = node.mapped();
+  if (++chunk.next == chunk.entries.size()) return;
+  std::get<0>(node.key()) = chunk.entries[chunk.next].recorded;
+  open_.insert(std::move(node));
+}
+
+const ChunkContent& BagStream::content(OpenChunks::iterator at) {
+  OpenChunk& chunk = at->second;
+  if (!chunk.content) {
+    forget_farthest();
+    const Bag& bag = bags_[std::get<1>(at->first)];
+    chunk.content = bag.file->read(chunk.chunk, memory_);
+  }
+  return *chunk.content;
+}
+
+/// Leaves room for one more content: that which is wanted last is read again then.
+void BagStream::forget_farthest() {
+  const auto is_there = [](const auto& open) { return open.second.content.has_value(); };
+  if (std::count_if(open_.begin(), open_.end(), is_there) < kContents) return;
+  std::find_if(open_.rbegin(), open_.rend(), is_there)->second.content.reset();
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
+
+#include "bag_file.hpp"
+
+namespace lidar_mapping::tools {
+
+/// A message as it was written. It stays where it was decompressed for as long as somebody holds
+/// `memory`. Two functions have the names of those of rosbag::MessageInstance, in whose stead it is
+/// read.
+struct BagMessage {
+  const BagConnection* connection = nullptr;  ///< as long as the stream
+  Stamp recorded = 0;
+  ByteRange data;
+  std::shared_ptr<const void> memory;
+
+  const std::string& getDataType() const { return connection->type; }
+  template <typename Message>
+  bool holds() const {
+    return connection->md5sum == ros::message_traits::MD5Sum<Message>::value();
+  }
+  /// Nothing if it holds another type.
+  template <typename Message>
+  std::optional<Message> instantiate() const {
+    if (!holds<Message>()) return std::nullopt;
+    std::optional<Message> message(std::in_place);
+    ros::serialization::IStream from = stream();
+    ros::serialization::deserialize(from, *message);
+    return message;
+  }
+  /// The library takes its input as uint8_t*, but leaves it as it is.
+  ros::serialization::IStream stream() const {
+    return {const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)};
+  }
+};
+
+/// Messages of several bags in the order of their times, equal ones in that of the bags and files.
+/// A chunk is decompressed once, and nothing is kept but the chunks whose messages are under way:
+/// neither time nor memory grows with the recording. Throws FileError.
+class BagStream {
+ public:
+  BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics);
+
+  std::optional<BagMessage> next();
+  /// Goes to the first message at or after `stamp`.
+  void skip_to(Stamp stamp);
+
+ private:
+  struct Bag {
+    std::unique_ptr<BagFile> file;
+    std::size_t next_chunk = 0;
+  };
+  /// Time, bag and position of the chunk of a message that is to come.
+  using Place = std::tuple<Stamp, std::size_t, std::uint64_t>;
+  struct OpenChunk {
+    BagChunk chunk;
+    std::vector<BagEntry> entries;
+    std::size_t next = 0;
+    std::optional<ChunkContent> content;
+  };
+  using OpenChunks = std::map<Place, OpenChunk>;
+
+  /// The chunk with the earliest message, or the end.
+  OpenChunks::iterator earliest();
+  void open_next_chunk(std::size_t bag);
+  void advance(OpenChunks::iterator at);
+  const ChunkContent& content(OpenChunks::iterator at);
+  void forget_farthest();
+
+  std::vector<Bag> bags_;
+  OpenChunks open_;
+  ChunkMemory memory_;
+};
+
+}  // namespace lidar_mapping::tools

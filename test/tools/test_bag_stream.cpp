@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <std_msgs/Header.h>
+#include <std_msgs/String.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+#include "bag_stream.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using Strings = std::vector<std::string>;
+
+const Strings kTopics = {"/a", "/b", "/c"};
+constexpr std::size_t kMessages = 150;  // of each topic
+
+struct Written {
+  std::string topic;
+  std::string text;
+  ros::Time time;
+};
+
+/// Texts of different lengths, some of which no compression makes smaller. No two times are equal.
+std::vector<Written> some_messages(std::mt19937& engine) {
+  std::vector<Written> messages;
+  std::uniform_int_distribution<int> letter('a', 'z'), length(0, 3000), jitter(0, 90'000'000);
+  for (std::uint32_t i = 0; i < kMessages; ++i) {
+    for (std::uint32_t topic = 0; topic < kTopics.size(); ++topic) {
+      std::string text(static_cast<std::size_t>(length(engine)), 'x');
+      if (topic == 0) std::generate(text.begin(), text.end(), [&] { return letter(engine); });
+      const auto noise = static_cast<std::uint32_t>(jitter(engine)) * 10 + topic;
+      messages.push_back({kTopics[topic], text, ros::Time(100 + i / 5, noise)});
+    }
+  }
+  return messages;
+}
+
+void write_bag(const std::string& path, const std::vector<Written>& messages,
+               rosbag::compression::CompressionType compression) {
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  bag.setCompression(compression);
+  bag.setChunkThreshold(20'000);
+  for (const Written& message : messages) {
+    std_msgs::String string;
+    string.data = message.text;
+    bag.write(message.topic, message.time, string);
+  }
+  bag.close();
+}
+
+std::string text_of(const BagMessage& message) {
+  return message.instantiate<std_msgs::String>()->data;
+}
+
+/// "topic time text" of each message.
+Strings streamed(const Strings& paths, const Strings& topics, Stamp from = 0) {
+  BagStream stream(paths, topics);
+  if (from != 0) stream.skip_to(from);
+  Strings result;
+  while (const auto message = stream.next()) {
+    result.push_back(message->connection->topic + " " + std::to_string(message->recorded) + " " +
+                     text_of(*message));
+  }
+  return result;
+}
+
+Strings viewed(const Strings& paths, const Strings& topics, Stamp from = 0) {
+  std::vector<std::unique_ptr<rosbag::Bag>> bags;
+  rosbag::View view;
+  for (const std::string& path : paths) {
+    bags.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));
+    view.addQuery(*bags.back(), rosbag::TopicQuery(topics));
+  }
+  Strings result;
+  for (const rosbag::MessageInstance& message : view) {
+    const auto time = static_cast<Stamp>(message.getTime().toNSec());
+    if (time < from) continue;
+    result.push_back(message.getTopic() + " " + std::to_string(time) + " " +
+                     message.instantiate<std_msgs::String>()->data);
+  }
+  return result;
+}
+
+class BagStreamTest : public testing::TestWithParam<rosbag::compression::CompressionType> {
+ protected:
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  std::mt19937 engine_{7};
+  test::TemporaryFolder folder_;
+};
+
+TEST_P(BagStreamTest, GivesWhatRosbagGivesOfMessagesOutOfOrder) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  EXPECT_EQ(streamed({path("a.bag")}, kTopics).size(), kMessages * kTopics.size());
+  for (const Strings& topics : {kTopics, Strings{"/b"}, Strings{"/c", "/a", "/none", ""}}) {
+    EXPECT_EQ(streamed({path("a.bag")}, topics), viewed({path("a.bag")}, topics));
+  }
+}
+
+TEST_P(BagStreamTest, MergesTopicsThatWereWrittenOneAfterTheOther) {
+  auto messages = some_messages(engine_);
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const Written& a, const Written& b) { return a.topic < b.topic; });
+  write_bag(path("a.bag"), messages, GetParam());
+  EXPECT_EQ(streamed({path("a.bag")}, kTopics), viewed({path("a.bag")}, kTopics));
+}
+
+TEST_P(BagStreamTest, ReadsAgainWhatItHadToForget) {
+  auto messages = some_messages(engine_);
+  std::shuffle(messages.begin(), messages.end(), engine_);
+  write_bag(path("a.bag"), messages, GetParam());
+  EXPECT_EQ(streamed({path("a.bag")}, kTopics), viewed({path("a.bag")}, kTopics));
+}
+
+TEST_P(BagStreamTest, MergesBags) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  write_bag(path("b.bag"), some_messages(engine_), GetParam());
+  const Strings paths = {path("a.bag"), path("b.bag")};
+  EXPECT_EQ(streamed(paths, kTopics), viewed(paths, kTopics));
+}
+
+TEST_P(BagStreamTest, BeginsWhereItIsTold) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  const Stamp stamp = from_seconds(115.5);
+  const Strings rest = streamed({path("a.bag")}, kTopics, stamp);
+  EXPECT_FALSE(rest.empty());
+  EXPECT_EQ(rest, viewed({path("a.bag")}, kTopics, stamp));
+}
+
+TEST_P(BagStreamTest, LeavesMessagesWhereTheyAre) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  BagStream stream({path("a.bag")}, kTopics);
+  const auto first = stream.next();
+  const std::string text = text_of(*first);
+  while (stream.next()) continue;
+  EXPECT_EQ(text_of(*first), text);
+}
+
+TEST_P(BagStreamTest, KnowsTypes) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  BagStream stream({path("a.bag")}, kTopics);
+  const auto message = stream.next();
+  EXPECT_EQ(message->getDataType(), "std_msgs/String");
+  EXPECT_TRUE(message->holds<std_msgs::String>());
+  EXPECT_FALSE(message->instantiate<std_msgs::Header>());
+}
+
+/// Whatever is read then, it ends, and errors are those of a file.
+TEST_P(BagStreamTest, OutlivesDamage) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  std::uniform_int_distribution<std::uintmax_t> place(
+      0, std::filesystem::file_size(path("a.bag")) - 1);
+  int refused = 0;
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::filesystem::copy_file(path("a.bag"), path("b.bag"),
+                               std::filesystem::copy_options::overwrite_existing);
+    {
+      std::fstream file(path("b.bag"), std::ios::in | std::ios::out | std::ios::binary);
+      for (int i = 0; i < 20; ++i) {
+        file.seekp(static_cast<std::streamoff>(place(engine_)));
+        file.put(static_cast<char>(engine_()));
+      }
+    }
+    if (attempt % 10 == 0) std::filesystem::resize_file(path("b.bag"), place(engine_));
+    try {
+      BagStream stream({path("b.bag")}, kTopics);
+      while (stream.next()) continue;
+    } catch (const FileError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GE(refused, 10);
+}
+
+TEST(BagStream, SaysWhatItCannotRead) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "old.bag").string();
+  EXPECT_THROW(BagStream({path}, kTopics), FileError);
+  std::ofstream(path) << "#ROSBAG V1.2\n and so on";
+  try {
+    BagStream({path}, kTopics);
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("rosbag fix"), std::string::npos) << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BagStreamTest,
+                         testing::Values(rosbag::compression::Uncompressed,
+                                         rosbag::compression::BZ2, rosbag::compression::LZ4));
+
+}  // namespace
+}  // namespace lidar_mapping::tools
