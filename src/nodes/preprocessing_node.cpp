@@ -16,6 +16,7 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/silent_topic.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -205,10 +206,7 @@ void PreprocessingNode::say_what_was_found() {
 std::string PreprocessingNode::why_silent_here(const std::string& input,
                                                const std::string& type) const {
   std::set<std::string> own;
-  for (const char* name : {"synced_cloud", "current_scan", "local_map", "global_map", "synced_imu",
-                           "synced_velocity", "gnss_datum"}) {
-    own.insert(context_.node.resolveName(name));
-  }
+  for (const std::string& name : own_outputs()) own.insert(context_.node.resolveName(name));
   return why_silent(context_.node.resolveName(input), type, published_topics(), own, input);
 }
 

@@ -20,8 +20,6 @@ namespace {
 
 using sensor_msgs::PointField;
 
-const std::array<const char*, 3> kIntensityNames = {"intensity", "i", "reflectivity"};
-
 constexpr double kSeam = 0.006;  // of a scan's time at each of its ends
 
 /// The layout of nearly all drivers, for which a point is two copies.

@@ -10,6 +10,11 @@
 
 namespace lidar_mapping::ros_border {
 
+// Names under which drivers write what a point has beside its place.
+constexpr std::array<const char*, 3> kIntensityNames = {"intensity", "i", "reflectivity"};
+constexpr std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
+                                                   "time_stamp", "offset_time", "time_offset"};
+
 /// Bytes of a number of that type; 0 for an unknown one.
 std::size_t size_of(std::uint8_t datatype);
 

@@ -16,9 +16,6 @@ namespace {
 using preprocessing::PointTimeUnit;
 using sensor_msgs::PointField;
 
-const std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
-                                               "time_stamp", "offset_time", "time_offset"};
-
 /// A scan whose times span less or more of its period than this has them in another unit.
 constexpr double kShortestShare = 0.1;
 constexpr double kLongestShare = 2.5;

@@ -1,9 +1,7 @@
 #include "lidar_mapping/ros/recording_check.hpp"
 
-#include <algorithm>
 #include <map>
 #include <optional>
-#include <set>
 
 #include <rosbag/view.h>
 #include <sensor_msgs/Imu.h>
@@ -17,6 +15,7 @@
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -42,22 +41,6 @@ const std::map<std::string, std::string> kRawFixes = {
     {"ublox_msgs/NavPVT", "convert them with ublox_gps, which publishes sensor_msgs/NavSatFix"},
     {"novatel_gps_msgs/NovatelPosition", "record novatel_gps_driver's fix beside them"}};
 
-/// The topic of that type with most messages.
-std::string busiest_topic(const Bags& bags, const std::string& type) {
-  std::map<std::string, std::size_t> sizes;
-  for (const rosbag::Bag* bag : bags) {
-    rosbag::View view(*bag, rosbag::TypeQuery(type));
-    std::set<std::string> topics;
-    for (const auto* connection : view.getConnections()) topics.insert(connection->topic);
-    for (const std::string& topic : topics) {
-      sizes[topic] += rosbag::View(*bag, rosbag::TopicQuery(topic)).size();
-    }
-  }
-  const auto most = std::max_element(
-      sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == sizes.end() ? std::string() : most->first;
-}
-
 /// What to do about a recording without what `known` could be made into.
 std::optional<Finding> raw_data_in(const Bags& bags,
                                    const std::map<std::string, std::string>& known,
@@ -73,6 +56,15 @@ std::optional<Finding> raw_data_in(const Bags& bags,
     }
   }
   return std::nullopt;
+}
+
+/// "; other clouds: /a, /b" or nothing.
+std::string other_clouds(const RecordingCheck& recording) {
+  std::string names;
+  for (const std::string& topic : cloud_topics(recording.bags)) {
+    if (topic != recording.topics.points) names += (names.empty() ? "" : ", ") + topic;
+  }
+  return names.empty() ? names : "; other clouds: " + names;
 }
 
 /// Up to where it is looked at.
@@ -134,10 +126,11 @@ class Examination {
 }  // namespace
 
 SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted) {
+  const std::vector<std::string> clouds = cloud_topics(bags);
+  if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
   const auto fill = [&](std::string& topic, const std::string& type) {
     if (topic.empty()) topic = busiest_topic(bags, type);
   };
-  fill(wanted.points, "sensor_msgs/PointCloud2");
   fill(wanted.imu, "sensor_msgs/Imu");
   fill(wanted.velocity, velocity_types().front());
   for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
@@ -157,6 +150,7 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   Examination examination(recording, config);
   for (const rosbag::MessageInstance& message : view) examination.see(message);
   std::vector<InputReport> reports = examination.reports();
+  reports.front().found += other_clouds(recording);
   if (t.points.empty()) {
     const auto raw = raw_data_in(recording.bags, kRawScans, Severity::kFault, "PointCloud2");
     if (raw) reports.front().findings = {*raw};

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "lidar_mapping/ros/recording_check.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
+
+#include "cloud_builder.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+constexpr std::uint8_t kFloat = sensor_msgs::PointField::FLOAT32;
+
+sensor_msgs::PointCloud2 cloud(const std::vector<std::string>& more_fields, std::uint32_t points) {
+  std::vector<test::FieldLayout> fields = {{"x", kFloat, 0}, {"y", kFloat, 4}, {"z", kFloat, 8}};
+  std::uint32_t offset = 12;
+  for (const std::string& name : more_fields) {
+    fields.push_back({name, kFloat, offset});
+    offset += 4;
+  }
+  return test::cloud_with(fields, offset, points);
+}
+
+class TopicChoice : public testing::Test {
+ protected:
+  TopicChoice() : bag_(path(), rosbag::bagmode::Write) {}
+
+  std::string path() const { return (folder_.path() / "drive.bag").string(); }
+  template <typename Message>
+  void record(const std::string& topic, const Message& message, int count) {
+    for (int i = 0; i < count; ++i) bag_.write(topic, ros::Time(100 + i), message);
+  }
+  const rosbag::Bag* recorded() {
+    bag_.close();
+    bag_.open(path(), rosbag::bagmode::Read);
+    return &bag_;
+  }
+
+  const test::TemporaryFolder folder_;
+  rosbag::Bag bag_;
+};
+
+TEST_F(TopicChoice, TakesCloudsForALidarsByTheirFieldsThenByTheirSize) {
+  record("/depth/points", cloud({"rgb"}, 5000), 30);
+  record("/radar", cloud({"intensity"}, 50), 20);
+  record("/registered", cloud({"intensity"}, 900), 10);
+  record("/rear/points", cloud({"intensity", "ring"}, 300), 10);
+  record("/front/points", cloud({"intensity", "time"}, 1000), 10);
+  const std::vector<std::string> expected = {"/front/points", "/rear/points", "/registered",
+                                             "/radar", "/depth/points"};
+  EXPECT_EQ(cloud_topics({recorded()}), expected);
+  EXPECT_EQ(topics_in({&bag_}).points, "/front/points");
+}
+
+TEST_F(TopicChoice, LeavesOutWhatThisPackagePublishes) {
+  record("/mapping/global_map", cloud({"intensity"}, 9000), 5);
+  record("/synced_cloud", cloud({"intensity", "time"}, 1000), 10);
+  record("/points", cloud({"intensity"}, 1000), 10);
+  record("/gnss_datum", sensor_msgs::NavSatFix(), 2);
+  record("/fix", sensor_msgs::NavSatFix(), 1);
+  EXPECT_EQ(cloud_topics({recorded()}), std::vector<std::string>{"/points"});
+  EXPECT_EQ(topics_in({&bag_}).gnss, "/fix");
+}
+
+TEST_F(TopicChoice, NamesTheCloudsThatAreNotUsed) {
+  record("/front/points", cloud({"intensity", "ring"}, 1000), 10);
+  record("/rear/points", cloud({"intensity", "ring"}, 100), 10);
+  RecordingCheck recording;
+  recording.bags = {recorded()};
+  recording.topics = topics_in(recording.bags);
+  EXPECT_NE(check(recording, {}).front().found.find("; other clouds: /rear/points"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
