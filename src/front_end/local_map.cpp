@@ -92,7 +92,8 @@ void LocalMap::clear() {
 
 void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
   place(points, state, fine_.origin(), placed_);
-  fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size());
+  const Eigen::Vector3f viewpoint = (state.T_map_sensor.translation - fine_.origin()).cast<float>();
+  fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size(), viewpoint);
   insert_thinned(placed_, coarse_);
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include "weighted_normal.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
@@ -12,7 +12,13 @@ namespace {
 constexpr int kCoordinateBits = 21;
 constexpr int kCoordinateOffset = 1 << (kCoordinateBits - 1);
 constexpr std::uint64_t kCoordinateMask = (1U << kCoordinateBits) - 1U;
-constexpr std::uint16_t kMaxCount = std::numeric_limits<std::uint16_t>::max();
+/// Marks the Gaussian of the side of a voxel's plane that was seen second.
+constexpr std::uint64_t kBack = std::uint64_t{1} << (3 * kCoordinateBits);
+constexpr std::uint16_t kMaxCount = std::numeric_limits<std::int16_t>::max();
+// A plane has two sides if it is thin (m). A view along it, below this sine of the angle, tells
+// nothing about the side.
+constexpr float kThinSurface = 0.05F;
+constexpr float kLeastSlope = 0.03F;
 /// Linear probing stays short up to this load.
 constexpr double kMaxLoad = 0.75;
 /// A plane is computed again when its voxel has grown by this factor.
@@ -43,9 +49,14 @@ void split(const float* values, std::size_t count, float inverse_resolution, flo
   }
 }
 
-/// From 0 at `none` to 1 at `all`.
-double ramp(double value, double none, double all) {
-  return std::clamp((value - none) / (all - none), 0.0, 1.0);
+float dot(const std::array<float, 3>& a, const Eigen::Vector3f& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// True if `view` is steep enough on the plane for it to be seen from one side.
+bool tells_side(const std::array<float, 3>& normal, const Eigen::Vector3f& view, float along) {
+  const Eigen::Vector3f n(normal[0], normal[1], normal[2]);
+  return along * along > kLeastSlope * kLeastSlope * n.squaredNorm() * view.squaredNorm();
 }
 
 }  // namespace
@@ -90,33 +101,66 @@ Eigen::Vector3i GaussianVoxelMap::cell_of(std::uint64_t key) const {
   return Eigen::Vector3i(part(2 * kCoordinateBits), part(kCoordinateBits), part(0)) - origin_cell_;
 }
 
-std::uint32_t GaussianVoxelMap::slot_of(std::uint64_t key) const {
-  return static_cast<std::uint32_t>((key * 0x9E3779B97F4A7C15ULL) >> hash_shift_);
-}
-
-std::optional<std::uint32_t> GaussianVoxelMap::find(std::uint64_t key, std::uint32_t hint) const {
-  for (std::uint32_t slot = hint; voxels_[slot].key != 0; slot = (slot + 1) & mask_) {
-    if (voxels_[slot].key == key) return slot;
+std::optional<std::uint32_t> GaussianVoxelMap::find(const Place& place) const {
+  for (std::uint32_t slot = place.slot; voxels_[slot].key != 0; slot = (slot + 1) & mask_) {
+    if (voxels_[slot].key == place.key) return slot;
   }
   return std::nullopt;
 }
 
-GaussianVoxelMap::Voxel* GaussianVoxelMap::find_or_add(std::uint64_t key, std::uint32_t hint) {
-  for (std::uint32_t slot = hint;; slot = (slot + 1) & mask_) {
+GaussianVoxelMap::Voxel* GaussianVoxelMap::find_or_add(const Place& place) {
+  for (std::uint32_t slot = place.slot;; slot = (slot + 1) & mask_) {
     Voxel& voxel = voxels_[slot];
-    if (voxel.key == key) return &voxel;
+    if (voxel.key == place.key) return &voxel;
     if (voxel.key != 0) continue;
     if (size_ >= most_voxels_) return nullptr;
-    voxel.key = key;
+    voxel.key = place.key;
     ++size_;
     return &voxel;
   }
 }
 
+/// The Gaussian that a point belongs to from which the sensor lies in the direction `view`.
+GaussianVoxelMap::Voxel* GaussianVoxelMap::side_seen(const Place& place,
+                                                     const Eigen::Vector3f& view) {
+  Voxel* const voxel = find_or_add(place);
+  if (voxel == nullptr) return nullptr;
+  if (voxel->count_at_plane == 0) {
+    for (int axis = 0; axis < 3; ++axis) {
+      voxel->normal[static_cast<std::size_t>(axis)] = view[axis];
+    }
+    return voxel;
+  }
+  if (voxel->has_front == 0) {
+    turn_to_front(*voxel, view);
+  } else if (is_behind(*voxel, view) && (place.key & kBack) == 0) {
+    return side_seen(place_of(place.key | kBack), view);
+  }
+  return voxel;
+}
+
+/// Lets the normal of a voxel point to the side from which it is seen.
+void GaussianVoxelMap::turn_to_front(Voxel& voxel, const Eigen::Vector3f& view) {
+  const float along = dot(voxel.normal, view);
+  if (!tells_side(voxel.normal, view, along)) return;
+  voxel.has_front = 1;
+  if (along > 0.0F) return;
+  for (float& value : voxel.normal) value = -value;
+  voxel.offset = -voxel.offset;
+}
+
+/// True if the sensor sees the plane's other side.
+bool GaussianVoxelMap::is_behind(const Voxel& voxel, const Eigen::Vector3f& view) {
+  if (voxel.has_front == 0) return false;
+  const float along = dot(voxel.normal, view);
+  if (along >= 0.0F) return false;
+  const auto& n = voxel.normal;
+  const float sharpness = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  return sharpness > 1.0F / (kThinSurface * kThinSurface) && tells_side(n, view, along);
+}
+
 /// `p` is relative to the voxel's centre.
-void GaussianVoxelMap::add_point(std::uint64_t key, std::uint32_t hint, float px, float py,
-                                 float pz) {
-  Voxel* voxel = find_or_add(key, hint);
+void GaussianVoxelMap::add_point(Voxel* voxel, float px, float py, float pz) {
   if (voxel == nullptr) {
     ++dropped_points_;
     return;
@@ -135,13 +179,13 @@ void GaussianVoxelMap::add_point(std::uint64_t key, std::uint32_t hint, float px
   voxel->products[5] += pz * pz;
 }
 
-void GaussianVoxelMap::insert(const float* x, const float* y, const float* z, std::size_t count) {
+void GaussianVoxelMap::insert(const float* x, const float* y, const float* z, std::size_t count,
+                              const std::optional<Eigen::Vector3f>& viewpoint) {
   constexpr std::size_t kBlock = 64;
   const float* const coordinates[3] = {x, y, z};
   int cells[3][kBlock];
   float offsets[3][kBlock];
-  std::uint64_t keys[kBlock];
-  std::uint32_t slots[kBlock];
+  Place places[kBlock];
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t size = std::min(kBlock, count - begin);
     for (int axis = 0; axis < 3; ++axis) {
@@ -149,12 +193,15 @@ void GaussianVoxelMap::insert(const float* x, const float* y, const float* z, st
             cells[axis], offsets[axis]);
     }
     for (std::size_t i = 0; i < size; ++i) {
-      keys[i] = key_of({cells[0][i], cells[1][i], cells[2][i]});
-      slots[i] = slot_of(keys[i]);
-      prefetch(slots[i]);
+      places[i] = place_of(Eigen::Vector3i(cells[0][i], cells[1][i], cells[2][i]));
+      prefetch(places[i]);
     }
     for (std::size_t i = 0; i < size; ++i) {
-      add_point(keys[i], slots[i], offsets[0][i], offsets[1][i], offsets[2][i]);
+      const std::size_t p = begin + i;
+      Voxel* const voxel =
+          viewpoint ? side_seen(places[i], *viewpoint - Eigen::Vector3f(x[p], y[p], z[p]))
+                    : find_or_add(places[i]);
+      add_point(voxel, offsets[0][i], offsets[1][i], offsets[2][i]);
     }
   }
 }
@@ -206,7 +253,7 @@ Gaussian GaussianVoxelMap::gaussian_of(const Voxel& voxel) const {
 }
 
 Gaussian GaussianVoxelMap::gaussian(const Eigen::Vector3i& cell) const {
-  const auto slot = find(key_of(cell), slot_hint(cell));
+  const auto slot = find(place_of(cell));
   return slot ? gaussian_of(voxels_[*slot]) : Gaussian{};
 }
 
@@ -224,40 +271,41 @@ std::vector<Gaussian> GaussianVoxelMap::gaussians() const {
   return result;
 }
 
-/// The thinnest axis of the Gaussian, after the weak prior of the model; distrusted where the
-/// points lie on a line, because then the axis is arbitrary around it.
 void GaussianVoxelMap::update_plane(Voxel& voxel) const {
-  voxel.count_at_plane = voxel.count;
-  const Gaussian gaussian = gaussian_of(voxel);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect(gaussian.covariance);
-  const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(0.0);
-  const double free = gaussian.count - 1.0;
-  const double prior = model_.prior_points;
-  const double variance =
-      (free * values[0] + prior * model_.prior_sigma * model_.prior_sigma) / (free + prior) +
-      model_.sigma * model_.sigma;
-  const double roundness = values[2] > 0.0 ? values[1] / values[2] : 0.0;
-  const double trust = ramp(roundness, model_.line_floor, model_.line_ratio) *
-                       ramp(std::sqrt(values[1]), model_.least_breadth, model_.sure_breadth);
-  const Eigen::Vector3d normal = solver.eigenvectors().col(0) * (trust / std::sqrt(variance));
+  const bool has_side = voxel.count_at_plane == 0 || voxel.has_front != 0;
+  const std::array<float, 3> front = voxel.normal;
+  voxel.count_at_plane = voxel.count & 0x7FFFU;
+  const Eigen::Vector3d normal = weighted_normal(gaussian_of(voxel), model_);
   const Eigen::Vector3d mean =
       Eigen::Vector3d(voxel.sum[0], voxel.sum[1], voxel.sum[2]) / static_cast<double>(voxel.count);
   for (int axis = 0; axis < 3; ++axis) {
     voxel.normal[static_cast<std::size_t>(axis)] = static_cast<float>(normal[axis]);
   }
   voxel.offset = static_cast<float>(normal.dot(mean));
+  voxel.has_front = 0;
+  if (has_side) turn_to_front(voxel, {front[0], front[1], front[2]});
 }
 
-WeightedPlane GaussianVoxelMap::plane(const Eigen::Vector3i& cell, std::uint32_t hint) {
-  const auto slot = find(key_of(cell), hint);
-  if (!slot || voxels_[*slot].count < model_.min_points) return {};
+/// The Gaussian with this key, its plane up to date; none if it has too few points.
+GaussianVoxelMap::Voxel* GaussianVoxelMap::with_plane(const Place& place) {
+  const auto slot = find(place);
+  if (!slot || voxels_[*slot].count < model_.min_points) return nullptr;
   Voxel& voxel = voxels_[*slot];
   if (voxel.count * 100 > voxel.count_at_plane * kGrowthPercent) update_plane(voxel);
-  const Eigen::Vector3f normal(voxel.normal[0], voxel.normal[1], voxel.normal[2]);
+  return &voxel;
+}
+
+WeightedPlane GaussianVoxelMap::plane(const Eigen::Vector3i& cell, const Place& place,
+                                      const Eigen::Vector3f& view) {
+  Voxel* voxel = with_plane(place);
+  if (voxel != nullptr && is_behind(*voxel, view)) {
+    voxel = with_plane(place_of(place.key | kBack));
+  }
+  if (voxel == nullptr) return {};
+  const Eigen::Vector3f normal(voxel->normal[0], voxel->normal[1], voxel->normal[2]);
   const Eigen::Vector3f center =
       static_cast<float>(resolution_) * (cell.cast<float>() + Eigen::Vector3f::Constant(0.5F));
-  return {normal, voxel.offset + normal.dot(center)};
+  return {normal, voxel->offset + normal.dot(center)};
 }
 
 }  // namespace lidar_mapping::registration

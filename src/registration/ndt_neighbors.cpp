@@ -55,11 +55,18 @@ void NdtNeighbors::update(const std::vector<std::int32_t>& cells, const RotatedP
                           GaussianVoxelMap& map) {
   // Which means are near changes with every motion of a point, which voxel it is in does not.
   const bool all = search_ == NeighborSearch::kKdTree;
-  moved_.clear();
+  moved_.resize(std::max(moved_.size(), cells.size()));
+  std::uint32_t* const moved = moved_.data();
+  const std::int32_t* const now = cells.data();
+  const std::int32_t* const before = cells_.data();
+  std::size_t count = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (all || cells[i] != cells_[i]) moved_.push_back(static_cast<std::uint32_t>(i));
+    // Without a branch: write always, go on if the point has moved.
+    moved[count] = static_cast<std::uint32_t>(i);
+    count += static_cast<std::size_t>(all | (now[i] != before[i]));
   }
-  for (const std::uint32_t i : moved_) cells_[i] = cells[i];
+  moved_count_ = count;
+  cells_ = cells;
   for (std::size_t neighbor = 0; neighbor < offsets_.size(); ++neighbor) {
     look_up(neighbor, points, map);
   }
@@ -72,16 +79,16 @@ void NdtNeighbors::look_up(std::size_t neighbor, const RotatedPoints& points,
     return unpacked(cells_[moved_[k]]) + offsets_[neighbor];
   };
   PlaneArrays& planes = planes_[neighbor];
-  slots_.resize(moved_.size());
-  for (std::size_t k = 0; k < moved_.size() + kAhead; ++k) {
-    if (k < moved_.size()) {
-      slots_[k] = map.slot_hint(cell_at(k));
-      map.prefetch(slots_[k]);
+  places_.resize(std::max(places_.size(), moved_count_));
+  for (std::size_t k = 0; k < moved_count_ + kAhead; ++k) {
+    if (k < moved_count_) {
+      places_[k] = map.place_of(cell_at(k));
+      map.prefetch(places_[k]);
     }
     if (k < kAhead) continue;
     const std::size_t ready = k - kAhead;
     const std::size_t i = moved_[ready];
-    WeightedPlane plane = map.plane(cell_at(ready), slots_[ready]);
+    WeightedPlane plane = map.plane(cell_at(ready), places_[ready], points.view(i));
     if (search_ == NeighborSearch::kKdTree && !is_near(cell_at(ready), points.position(i), map)) {
       plane = {};
     }

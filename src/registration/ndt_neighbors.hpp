@@ -22,6 +22,8 @@ struct RotatedPoints {
   Eigen::Vector3f position(std::size_t i) const {
     return Eigen::Vector3f(x[i], y[i], z[i]) + translation;
   }
+  /// From the point to the sensor.
+  Eigen::Vector3f view(std::size_t i) const { return -Eigen::Vector3f(x[i], y[i], z[i]); }
 };
 
 /// The planes that each point is matched with. They are remembered between iterations and looked up
@@ -45,8 +47,9 @@ class NdtNeighbors {
   std::vector<Eigen::Vector3i> offsets_;
   std::vector<PlaneArrays> planes_;
   std::vector<std::int32_t> cells_;
-  std::vector<std::uint32_t> moved_;
-  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint32_t> moved_;  ///< the first moved_count_ of them
+  std::size_t moved_count_ = 0;
+  std::vector<GaussianVoxelMap::Place> places_;
 };
 
 }  // namespace lidar_mapping::registration

@@ -104,6 +104,19 @@ INSTANTIATE_TEST_SUITE_P(Walks, HandHeld,
                          testing::Values(Walk{"vlp16", 1, false}, Walk{"vlp16", 3, true},
                                          Walk{"os1_64", 1, false}));
 
+// On top of a ramp the floor of the new storey lies 0.25 m above the ceiling of the one below. It
+// is not to be taken for it.
+TEST(CarPark, KeepsItsHeightOnARamp) {
+  constexpr std::size_t kInside = 150, kBeforeTheRamp = 400, kBehindIt = 620;
+  const simulation::Drive drive = make_drive("car_park", 64.0, 65);
+  Ride ride(drive);
+  for (std::size_t i = kInside; i < kBehindIt; ++i) {
+    ride.take(i);
+    if (i == kBeforeTheRamp) ride.begin_anew();
+  }
+  EXPECT_LT(ride.error(), 0.1);
+}
+
 struct SensorAndSeed {
   const char* lidar;
   std::uint64_t seed;

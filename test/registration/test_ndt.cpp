@@ -1,4 +1,5 @@
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -92,6 +93,42 @@ TEST(GaussianVoxelMap, TakesAPieceOfARingOnTheGroundForNoPlane) {
     map.insert(&p.x(), &p.y(), &p.z(), 1);
   }
   EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
+}
+
+/// A level plate of 1 m at `height`, seen from `viewpoint`.
+void insert_plate(float height, const Eigen::Vector3f& viewpoint, std::uint32_t seed,
+                  GaussianVoxelMap& map) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<float> across(0.0F, 1.0F);
+  std::normal_distribution<float> noise(0.0F, 0.01F);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3f p(across(engine), across(engine), height + noise(engine));
+    map.insert(&p.x(), &p.y(), &p.z(), 1, viewpoint);
+  }
+}
+
+/// Height of the plane that a sensor at `viewpoint` finds, if any.
+std::optional<float> height_seen(const Eigen::Vector3f& viewpoint, GaussianVoxelMap& map) {
+  const Eigen::Vector3i cell = Eigen::Vector3i::Zero();
+  const Eigen::Vector3f middle(0.5F, 0.5F, 0.5F);
+  const WeightedPlane plane = map.plane(cell, map.place_of(cell), viewpoint - middle);
+  if (plane.normal.norm() == 0.0F) return std::nullopt;
+  return (plane.offset - plane.normal.head<2>().dot(middle.head<2>())) / plane.normal.z();
+}
+
+TEST(GaussianVoxelMap, KeepsFloorAndCeilingOfASlabApart) {
+  GaussianVoxelMap map(1.0, 64);
+  const Eigen::Vector3f below(-3.0F, 0.5F, -0.5F);
+  const Eigen::Vector3f above(-3.0F, 0.5F, 2.5F);
+  const Eigen::Vector3f level(-9.0F, 0.5F, 0.6F);
+  insert_plate(0.4F, below, 1, map);
+  EXPECT_NEAR(height_seen(below, map).value_or(0.0F), 0.4F, 0.01F);
+  EXPECT_FALSE(height_seen(above, map));
+  insert_plate(0.65F, above, 2, map);
+  EXPECT_NEAR(height_seen(above, map).value_or(0.0F), 0.65F, 0.01F);
+  EXPECT_NEAR(height_seen(below, map).value_or(0.0F), 0.4F, 0.01F);
+  // A glance along the slab tells nothing about its sides.
+  EXPECT_NEAR(height_seen(level, map).value_or(0.0F), 0.4F, 0.01F);
 }
 
 // F45: what is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.

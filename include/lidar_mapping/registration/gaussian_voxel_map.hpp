@@ -44,6 +44,10 @@ struct WeightedPlane {
 /// voxels, so that no precision is lost however far the drive goes. Sums are kept relative to the
 /// voxel's centre and do not change when the origin moves. Planes are computed when they are asked
 /// for and again when the voxel has grown by a tenth. One thread at a time uses a map.
+///
+/// A thin plate has two sides that are not in one place: a floor above the ceiling of the storey
+/// below, a wall between two rooms. Where it is known from where points were seen, a voxel has a
+/// Gaussian for each side of its plane, and a point finds the side that it can see.
 class GaussianVoxelMap {
  public:
   /// A table for `capacity` voxels of edge `resolution` (m), rounded up to a power of two.
@@ -59,19 +63,28 @@ class GaussianVoxelMap {
   /// Empties the map and goes on with voxels of another edge, in the same memory; the origin is to
   /// be set anew.
   void restart(double resolution);
-  /// Adds points; those that find the table full are dropped and counted.
-  void insert(const float* x, const float* y, const float* z, std::size_t count);
+  /// Adds points, seen from `viewpoint`; those that find the table full are dropped and counted.
+  void insert(const float* x, const float* y, const float* z, std::size_t count,
+              const std::optional<Eigen::Vector3f>& viewpoint = std::nullopt);
   /// Lets the hand pass over `share` (0 to 1) of the table and deletes what is farther than
   /// `radius` from `center` (m, relative to the origin).
   void forget_beyond(const Eigen::Vector3f& center, float radius, double share);
   std::size_t dropped_points() const { return dropped_points_; }
 
-  /// Slot at which the search for a voxel starts; `cell` counts from the origin's voxel.
-  std::uint32_t slot_hint(const Eigen::Vector3i& cell) const { return slot_of(key_of(cell)); }
-  void prefetch(std::uint32_t slot) const { __builtin_prefetch(&voxels_[slot]); }
-  /// The plane of a voxel relative to the origin.
-  WeightedPlane plane(const Eigen::Vector3i& cell) { return plane(cell, slot_hint(cell)); }
-  WeightedPlane plane(const Eigen::Vector3i& cell, std::uint32_t hint);
+  /// Where the search for a voxel starts.
+  struct Place {
+    std::uint64_t key;
+    std::uint32_t slot;
+  };
+  /// `cell` counts from the origin's voxel.
+  Place place_of(const Eigen::Vector3i& cell) const { return place_of(key_of(cell)); }
+  void prefetch(const Place& place) const { __builtin_prefetch(&voxels_[place.slot]); }
+  /// The plane of a voxel relative to the origin, that of the side seen first.
+  WeightedPlane plane(const Eigen::Vector3i& cell) {
+    return plane(cell, place_of(cell), Eigen::Vector3f::Zero());
+  }
+  /// The one whose front a sensor sees that lies in the direction `view` (of any length) from it.
+  WeightedPlane plane(const Eigen::Vector3i& cell, const Place& place, const Eigen::Vector3f& view);
   /// The Gaussian of a voxel relative to the origin; its count is 0 where there is none.
   Gaussian gaussian(const Eigen::Vector3i& cell) const;
   /// All voxels, relative to the origin, in the order of their cells.
@@ -83,18 +96,28 @@ class GaussianVoxelMap {
     std::uint64_t key = 0;  ///< 0 marks an empty slot
     std::array<float, 3> sum{};
     std::array<float, 6> products{};  ///< xx xy xz yy yz zz
-    std::array<float, 3> normal{};
+    std::array<float, 3> normal{};    ///< until there is a plane the last point's view
     float offset = 0.0F;
     std::uint16_t count = 0;
-    std::uint16_t count_at_plane = 0;
+    std::uint16_t count_at_plane : 15;
+    std::uint16_t has_front : 1;  ///< the normal points to where the plane is seen from
+
+    Voxel() : count_at_plane(0), has_front(0) {}
   };
 
   std::uint64_t key_of(const Eigen::Vector3i& cell) const;
   Eigen::Vector3i cell_of(std::uint64_t key) const;
-  std::uint32_t slot_of(std::uint64_t key) const;
-  std::optional<std::uint32_t> find(std::uint64_t key, std::uint32_t hint) const;
-  Voxel* find_or_add(std::uint64_t key, std::uint32_t hint);
-  void add_point(std::uint64_t key, std::uint32_t hint, float px, float py, float pz);
+  Place place_of(std::uint64_t key) const { return {key, slot_of(key)}; }
+  std::uint32_t slot_of(std::uint64_t key) const {
+    return static_cast<std::uint32_t>((key * 0x9E3779B97F4A7C15ULL) >> hash_shift_);
+  }
+  std::optional<std::uint32_t> find(const Place& place) const;
+  Voxel* find_or_add(const Place& place);
+  void add_point(Voxel* voxel, float px, float py, float pz);
+  Voxel* side_seen(const Place& place, const Eigen::Vector3f& view);
+  Voxel* with_plane(const Place& place);
+  static void turn_to_front(Voxel& voxel, const Eigen::Vector3f& view);
+  static bool is_behind(const Voxel& voxel, const Eigen::Vector3f& view);
   void erase(std::uint32_t slot);
   void update_plane(Voxel& voxel) const;
   Gaussian gaussian_of(const Voxel& voxel) const;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+
+namespace lidar_mapping::registration {
+
+/// The thinnest axis of the Gaussian, its length the inverse of the plane's thickness (1/m) after
+/// the weak prior of the model; shorter or zero where the points lie on a line, because then the
+/// axis is arbitrary around it.
+Eigen::Vector3d weighted_normal(const Gaussian& gaussian, const PlaneModel& model);
+
+}  // namespace lidar_mapping::registration
