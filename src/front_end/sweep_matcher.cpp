@@ -95,7 +95,7 @@ NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const Moti
 NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& points, LocalMap& map,
                                       const MotionBelief& prior) {
   if (fine.overlap > kThinMap) return fine;
-  const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, prior.state, NdtOptions{});
+  const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, NdtOptions{});
   return coarse.overlap > kThinMap ? coarse : fine;
 }
 

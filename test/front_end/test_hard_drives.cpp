@@ -1,6 +1,7 @@
 // Drives on which an odometry comes to grief: hand-held, without features, with sensors that lie.
 
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -103,6 +104,18 @@ TEST_P(HandHeld, IsTrackedAtTwoScansASecond) {
 INSTANTIATE_TEST_SUITE_P(Walks, HandHeld,
                          testing::Values(Walk{"vlp16", 1, false}, Walk{"vlp16", 3, true},
                                          Walk{"os1_64", 1, false}));
+
+// One scan of 16 rings makes too thin a fine map for a second one many metres further on. The
+// coarse match that takes its place begins where the search has led, not at rest.
+TEST(FewRings, AreFollowedFromTheFirstMetreOnAtTwoScansASecond) {
+  for (const auto& [seed, first] : {std::pair{51U, 470U}, std::pair{52U, 270U}}) {
+    const simulation::Drive drive = make_drive("town", 60.0, seed);
+    Ride ride(drive);
+    for (std::size_t i = first; i < first + 40U; i += 5) ride.take(i);
+    EXPECT_GT(ride.way(), 25.0) << seed;
+    EXPECT_LT(ride.error(), 0.5) << seed;
+  }
+}
 
 // On top of a ramp the floor of the new storey lies 0.25 m above the ceiling of the one below. It
 // is not to be taken for it.

@@ -44,7 +44,7 @@ class SweepMatcher {
   /// The match, or the one without what the points do not observe.
   Found observed(const registration::NdtMatch& match, const registration::NdtPoints& points,
                  LocalMap& map, const registration::MotionBelief& where_blind);
-  /// The match, or a coarse one from the prior as long as the fine map is too thin to match with.
+  /// The match, or a coarse one from there as long as the fine map is too thin to match with.
   registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
                                         const registration::NdtPoints& points, LocalMap& map,
                                         const registration::MotionBelief& prior);
