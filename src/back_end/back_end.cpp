@@ -129,6 +129,7 @@ KeyFramePoses BackEnd::apply(const OptimizationSolution& solution) {
 KeyFramePoses BackEnd::poses() const { return impl_->poses(); }
 Pose BackEnd::T_map_odom() const { return impl_->drive().T_map_odom(); }
 std::vector<std::pair<Loop, bool>> BackEnd::loops() const { return loops_of(impl_->drive()); }
+std::vector<GnssPosition> BackEnd::positions() const { return positions_of(impl_->drive()); }
 std::vector<int> BackEnd::parts() const { return parts_of(impl_->drive()); }
 PoseGraph BackEnd::graph() const { return impl_->graph(); }
 

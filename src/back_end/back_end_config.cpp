@@ -70,6 +70,8 @@ config::Schema<Config> make_schema() {
             "Least extent of the track before it is turned to East-North-Up.")
       .real("gnss_alignment_stddev_deg", &Config::gnss_alignment_stddev_deg, {0.01, 10.0}, "deg",
             "The heading must be known this well before the track is turned to East-North-Up.")
+      .boolean("estimate_gnss_time_offset", &Config::estimate_gnss_time_offset,
+               "Correct GNSS stamps that are late or early beside odometry.")
       .boolean("enable_imu_orientation", &Config::enable_imu_orientation,
                "Whether the tilt of the IMU's orientation keeps the map level.")
       .boolean(

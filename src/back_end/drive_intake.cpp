@@ -98,6 +98,8 @@ void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   if (!node.joined) {
     drive.segment_starts.push_back(position);
     drive.in_enu.push_back(false);
+    drive.gnss_delays.push_back(config_.estimate_gnss_time_offset ? GnssDelay{}
+                                                                  : GnssDelay{0.0, 0.0});
   }
   node.segment = static_cast<int>(drive.segment_starts.size()) - 1;
   newest_segment_ = key_frame.segment;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lidar_mapping/back_end/gnss_alignment.hpp"
+#include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/gnss_weights.hpp"
 
 namespace lidar_mapping::back_end {
@@ -45,7 +46,7 @@ std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
   std::vector<AlignmentSample> samples;
   for (const DriveGnss& gnss : drive.gnss) {
     if (!segments[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
-    const GnssPosition& p = gnss.position;
+    const GnssPosition p = timed_position(drive, gnss);
     AlignmentSample sample;
     sample.p_enu = p.p_enu_antenna;
     if (!has_altitude(p)) sample.p_enu.z() = std::numeric_limits<double>::quiet_NaN();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/residuals.hpp"
 
 namespace lidar_mapping::back_end {
@@ -22,6 +23,12 @@ std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive) {
   for (const DriveLoop& loop : drive.loops) {
     result.emplace_back(loop.loop, loop.used || !loop.weighed);
   }
+  return result;
+}
+
+std::vector<GnssPosition> positions_of(const DriveGraph& drive) {
+  std::vector<GnssPosition> result;
+  for (const DriveGnss& gnss : drive.gnss) result.push_back(timed_position(drive, gnss));
   return result;
 }
 

@@ -4,6 +4,8 @@
 #include <deque>
 #include <map>
 
+#include "lidar_mapping/back_end/gnss_delay.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -25,7 +27,7 @@ bool is_small(const DriveGraph& drive, const DriveLoop& loop) {
 }
 
 bool is_small(const DriveGraph& drive, const DriveGnss& gnss) {
-  const GnssPosition& p = gnss.position;
+  const GnssPosition p = timed_position(drive, gnss);
   const Eigen::Vector3d gap =
       node_at(drive, gnss.node).T_map_base * p.p_base_antenna - p.p_enu_antenna;
   return gap.head<2>().norm() < kSmall_m;
@@ -140,6 +142,7 @@ DriveGraph cut(const DriveGraph& drive, const DriveWindow& window) {
   part.imu = in_window(drive.imu, window);
   part.floors = in_window(drive.floors, window);
   part.in_enu = drive.in_enu;
+  part.gnss_delays = drive.gnss_delays;
   return part;
 }
 

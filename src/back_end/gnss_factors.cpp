@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/gnss_weights.hpp"
 
 namespace lidar_mapping::back_end {
@@ -50,7 +51,7 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     const DriveGnss& gnss = drive.gnss[i];
     if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
-    const GnssPosition& p = gnss.position;
+    const GnssPosition p = timed_position(drive, gnss);
     factors.horizontal_of[i] = static_cast<int>(factors.graph.constraints.size());
     factors.graph.add({antenna_horizontal_residual(p.p_enu_antenna, p.p_base_antenna,
                                                    growth[i] * horizontal_covariance(p, config)),

@@ -4,6 +4,7 @@
 
 #include "lidar_mapping/back_end/drive_factors.hpp"
 #include "lidar_mapping/back_end/drive_placement.hpp"
+#include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/marginal_covariance.hpp"
 #include "lidar_mapping/back_end/robust_solver.hpp"
 
@@ -148,6 +149,7 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   if (problem.config.use_loop_close) join_segments(drive);
   const Georeference placed = georeference(drive, problem.config, false);
   result->report.gnss_rms = placed.rms_horizontal;
+  if (problem.config.use_gnss) find_gnss_delays(drive, problem.config);
   DriveFactors factors = make_factors(drive, problem.config);
   const RobustSolution solution =
       solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_turned);

@@ -159,7 +159,7 @@ void replay(const session::Session& session, back_end::BackEnd& back_end) {
 
 void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory) {
-  session::write_trajectories(session, poses, directory / "trajectory");
+  session::write_trajectories(session, poses, back_end.positions(), directory / "trajectory");
   session::write_loops_csv(session, directory / "loops.csv");
   session::write_candidates_csv(session, directory / "candidates.csv");
   session::write_loop_list(session, directory / "loops.txt");

@@ -64,12 +64,6 @@ std::optional<Pose> GnssGate::dead_reckoning() const {
   return T_dr_base_;
 }
 
-std::optional<Eigen::Matrix2d> GnssGate::R_enu_dr() const {
-  const auto aligned = alignment();
-  if (!aligned) return std::nullopt;
-  return aligned->R_enu_dr;
-}
-
 std::optional<GnssGate::Alignment> GnssGate::alignment() const {
   if (matches_.size() < 3) return std::nullopt;
   Alignment result;

@@ -10,12 +10,10 @@ namespace {
 constexpr Stamp kJumpBack = from_seconds(2.0);
 constexpr std::size_t kMostPending = 200;
 constexpr double kLongestMotion = 10.0;  // s; dead reckoning beyond says little
-constexpr double kUsualDelay = 0.05;     // s; what stamps may be off before anything is known
 constexpr double kArmPrior = 0.03;       // m; tf's lever arm was measured with a ruler
 constexpr double kKnownDelay = 0.008;    // s, standard deviation from which on it counts as known
 constexpr double kSmallestDelay = 0.01;  // s; less is left alone
 constexpr double kSmallestStep = 0.001;  // s; by less a correction is not changed
-constexpr double kLeastSigma = 0.003;    // s
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
 
@@ -35,7 +33,6 @@ GnssTrack::GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrin
     : config_(config),
       extrinsics_(extrinsics),
       local_frame_(config),
-      delay_sigma_(kUsualDelay),
       stream_("gnss", config.use_gnss, config.gnss_max_gap) {}
 
 FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
@@ -80,12 +77,8 @@ std::vector<std::string> GnssTrack::settle(const MotionSensors& sensors, Stamp n
       refused.push_back(problem);
       continue;
     }
-    if (const auto v_dr = antenna_velocity(fix.stamp, sensors)) {
-      if (problem.empty()) compare(pending, *v_dr);
-      fix.covariance.topLeftCorner<2, 2>() += timing_covariance(*v_dr);
-    } else {
-      antenna_fit_.begin_window();
-    }
+    if (problem.empty()) compare(pending, sensors);
+    fix.stamp += from_seconds(pending.taken_off);
     stream_.insert(fix, frame_id_);
   }
   return refused;
@@ -121,42 +114,35 @@ std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
          Eigen::Vector3d(velocity->linear + velocity->angular.cross(lever_arm()));
 }
 
-void GnssTrack::compare(const PendingFix& pending, const Eigen::Vector3d& v_dr) {
-  if (!config_.estimate_gnss_time_offset) return;
+void GnssTrack::compare(const PendingFix& pending, const MotionSensors& sensors) {
+  const auto v_dr = antenna_velocity(pending.fix.stamp, sensors);
+  if (!v_dr) return antenna_fit_.begin_window();
   const Pose T_dr_base = *gate_.dead_reckoning();
   const Eigen::Vector3d ahead = T_dr_base.rotation * Eigen::Vector3d::UnitX();
   antenna_fit_.add({pending.fix.stamp, planar(pending.fix.p_enu), std::atan2(ahead.y(), ahead.x()),
-                    planar(T_dr_base.translation), planar(v_dr), planar(lever_arm()),
-                    pending.applied_delay});
+                    planar(T_dr_base.translation), planar(*v_dr), planar(lever_arm()),
+                    pending.taken_off});
   learn_delay();
 }
 
 void GnssTrack::learn_delay() {
   const AntennaFit::Result fit = antenna_fit_.result(kArmPrior);
   if (fit.delay_sigma > kKnownDelay) return;
-  delay_sigma_ = std::max(kLeastSigma, fit.delay_sigma);
   const bool is_late = std::abs(fit.delay) > std::max(kSmallestDelay, 4.0 * fit.delay_sigma);
   if (!is_late && delay_ == 0.0) return;
   if (std::abs(fit.delay - delay_) < kSmallestStep) return;
   delay_ = fit.delay;
   notices_.warn("delay", "gnss: its stamps are " + milliseconds(delay_) +
                              (delay_ > 0.0 ? " late" : " early") +
-                             " beside IMU and velocity; they are corrected from now on "
-                             "(gnss_time_offset corrects them from the beginning)");
-}
-
-/// What stamps that are off by delay_sigma_ make of a position, m^2, East and North.
-Eigen::Matrix2d GnssTrack::timing_covariance(const Eigen::Vector3d& v_dr) const {
-  if (!config_.estimate_gnss_time_offset) return Eigen::Matrix2d::Zero();
-  const Eigen::Vector2d off = delay_sigma_ * planar(v_dr);
-  const auto R_enu_dr = gate_.R_enu_dr();
-  if (!R_enu_dr) return off.squaredNorm() * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d off_enu = *R_enu_dr * off;
-  return off_enu * off_enu.transpose();
+                             " beside IMU and velocity; the back end corrects what it finds beside "
+                             "odometry, gnss_time_offset corrects them here");
 }
 
 bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {
-  if (!pending_.empty() && pending_.back().fix.stamp >= stamp) return now < stamp + latency;
+  const auto comes_to = [](const PendingFix& pending) {
+    return pending.fix.stamp + from_seconds(pending.taken_off);
+  };
+  if (!pending_.empty() && comes_to(pending_.back()) >= stamp) return now < stamp + latency;
   return stream_.may_still_deliver(stamp, now, latency);
 }
 

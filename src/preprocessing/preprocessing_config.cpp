@@ -137,8 +137,6 @@ void add_gnss(Schema& schema) {
             "Vertical standard deviation of fixes that come without a covariance.")
       .boolean("gnss_gating", &Config::gnss_gating,
                "Refuse fixes that contradict the measured motion since the last good ones.")
-      .boolean("estimate_gnss_time_offset", &Config::estimate_gnss_time_offset,
-               "Correct GNSS stamps that are late or early beside the measured motion.")
       .boolean("use_datum", &Config::use_datum,
                "Take `datum` as the map's origin instead of the first good fix.")
       .reals("datum", &Config::datum, 3, "deg, deg, m",

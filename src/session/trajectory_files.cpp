@@ -37,13 +37,14 @@ void sort_by_stamp(Trajectory& trajectory) {
 
 }  // namespace
 
-KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFramePoses& poses) {
+KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFramePoses& poses,
+                                            const std::vector<GnssPosition>& gnss) {
   KeyFrameTrajectories result;
   for (const KeyFrame& key_frame : session.key_frames()) {
     result.laser_odom.poses.push_back({key_frame.stamp, key_frame.T_odom_base});
   }
   std::map<Stamp, GnssPosition> positions;
-  for (const GnssPosition& position : session.gnss()) positions[position.stamp] = position;
+  for (const GnssPosition& position : gnss) positions[position.stamp] = position;
   for (const KeyFramePose& pose : poses.poses) {
     result.optimized.poses.push_back({pose.stamp, pose.T_map_base});
     const auto position = positions.find(pose.stamp);
@@ -58,8 +59,9 @@ KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFra
 }
 
 void write_trajectories(const Session& session, const KeyFramePoses& poses,
+                        const std::vector<GnssPosition>& gnss,
                         const std::filesystem::path& directory) {
-  const KeyFrameTrajectories all = key_frame_trajectories(session, poses);
+  const KeyFrameTrajectories all = key_frame_trajectories(session, poses, gnss);
   const bool has_gnss = !all.gnss.poses.empty();
   const std::set<Stamp> common = stamps_of(has_gnss ? all.gnss : all.optimized);
   const auto write = [&](const std::string& name, const Trajectory& trajectory) {

@@ -100,6 +100,7 @@ Json to_json(const Judged& found, const map::QualityConfig& config) {
 /// Everything that is known of the drive and its map.
 Json report_of(const tools::ReportInput& input, const Judged& found,
                const map::QualityConfig& config) {
+  const auto graph = tools::solved_graph(input.session);
   Json report = {{"format", 1},
                  {"session", input.session.directory().filename().string()},
                  {"drive", tools::drive_figures(input)}};
@@ -107,9 +108,9 @@ Json report_of(const tools::ReportInput& input, const Judged& found,
   report["entropy"] = tools::to_json(map::mean_map_entropy(input.poses, input.session.clouds()));
   report["trajectory"] = tools::trajectory_figures(input);
   report["loops"] = tools::loop_figures(input);
-  report["gnss"] = tools::gnss_figures(input);
+  report["gnss"] = tools::gnss_figures(input, *graph);
   report["scans"] = tools::scan_figures(input);
-  report["hold"] = tools::hold_figures(input);
+  report["hold"] = tools::hold_figures(input, *graph);
   report["truth"] = tools::truth_figures(input);
   report["verdicts"] = tools::verdicts(report);
   return report;

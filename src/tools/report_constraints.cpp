@@ -92,12 +92,12 @@ Json loop_figures(const ReportInput& input) {
           {"candidates", rows}};
 }
 
-Json gnss_figures(const ReportInput& input) {
+Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end) {
   std::map<Stamp, std::size_t> at;
   for (std::size_t i = 0; i < input.poses.poses.size(); ++i) at[input.poses.poses[i].stamp] = i;
   std::vector<evaluation::PosePair> pairs;
   std::vector<double> sigmas;
-  for (const GnssPosition& gnss : input.session.gnss()) {
+  for (const GnssPosition& gnss : back_end.positions()) {
     const auto found = at.find(gnss.stamp);
     if (found == at.end()) continue;
     const Pose& pose = input.poses.poses[found->second].T_map_base;

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "lidar_mapping/back_end/back_end.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
 #include "lidar_mapping/session/session.hpp"
@@ -24,6 +26,8 @@ struct ReportInput {
 
 /// Optimised poses, with odometry behind the last of them.
 ReportInput report_input(const session::Session& session, const std::string& truth);
+/// The session's graph, solved again.
+std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session);
 
 // Parts of report.json; lengths in m, angles in deg.
 Json drive_figures(const ReportInput& input);
@@ -31,10 +35,10 @@ Json drive_figures(const ReportInput& input);
 Json trajectory_figures(const ReportInput& input);
 /// What loops and GNSS say against the newest poses.
 Json loop_figures(const ReportInput& input);
-Json gnss_figures(const ReportInput& input);
+Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 Json scan_figures(const ReportInput& input);
 /// Standard deviations of poses along the way, and the longest way without a loop or GNSS.
-Json hold_figures(const ReportInput& input);
+Json hold_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 /// APE, RPE and KITTI's errors; null without truth. Throws FileError, InputError.
 Json truth_figures(const ReportInput& input);
 

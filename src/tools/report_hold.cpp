@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::size_t kSamples = 40;  // poses whose covariance is asked for
 
+back_end::BackEndConfig configuration_of(const session::Session& session) {
+  return config::load<back_end::BackEndConfig>(
+      {pipeline::stored_configuration<back_end::BackEndConfig>(session)});
+}
+
 /// Key frames that a believed loop or a GNSS position holds.
 std::set<KeyFrameIndex> held_ones(const ReportInput& input, const back_end::BackEnd& back_end,
                                   bool use_gnss) {
@@ -49,12 +54,14 @@ Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& held) 
 
 }  // namespace
 
-Json hold_figures(const ReportInput& input) {
-  const auto config = config::load<back_end::BackEndConfig>(
-      {pipeline::stored_configuration<back_end::BackEndConfig>(input.session)});
-  back_end::BackEnd back_end(config);
-  pipeline::replay(input.session, back_end);
-  back_end.apply(*back_end::solve(*back_end.problem(true)));
+std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session) {
+  auto back_end = std::make_unique<back_end::BackEnd>(configuration_of(session));
+  pipeline::replay(session, *back_end);
+  back_end->apply(*back_end::solve(*back_end->problem(true)));
+  return back_end;
+}
+
+Json hold_figures(const ReportInput& input, const back_end::BackEnd& back_end) {
   const auto problem = back_end.problem(true);
   const auto ways = ways_of(input.poses);
   Json rows = Json::array();
@@ -67,11 +74,12 @@ Json hold_figures(const ReportInput& input) {
     rows.push_back({ways[i], metres, degrees});
     worst = std::max(worst, metres);
   }
-  return {{"largest_sigma_m", worst},
-          {"longest_without_constraint",
-           longest_gap(input, held_ones(input, back_end, config.use_gnss))},
-          {"columns", {"way", "sigma_m", "sigma_deg"}},
-          {"rows", rows}};
+  return {
+      {"largest_sigma_m", worst},
+      {"longest_without_constraint",
+       longest_gap(input, held_ones(input, back_end, configuration_of(input.session).use_gnss))},
+      {"columns", {"way", "sigma_m", "sigma_deg"}},
+      {"rows", rows}};
 }
 
 }  // namespace lidar_mapping::tools

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/preprocessing/antenna_fit.hpp"
+#include "lidar_mapping/common/antenna_fit.hpp"
 #include "lidar_mapping/preprocessing/fix_scatter.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 

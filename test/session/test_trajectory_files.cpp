@@ -45,7 +45,7 @@ TEST(TrajectoryFiles, HoldTheSameKeyFramesToAMicrometre) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path());
   const KeyFramePoses poses = example_poses();
-  write_trajectories(session, poses, folder.path() / "trajectory");
+  write_trajectories(session, poses, session.gnss(), folder.path() / "trajectory");
 
   const auto read = [&](const std::string& name) {
     return read_trajectory((folder.path() / "trajectory" / name).string());
@@ -71,7 +71,7 @@ TEST(TrajectoryFiles, AreReadByAnIndependentReader) {
   Session session = example_session(folder.path() / "session");
   session.add_gnss(example_gnss(2));
   session.add_odometry(example_key_frame(2).stamp, Pose::Identity());
-  write_trajectories(session, example_poses(), folder.path() / "trajectory");
+  write_trajectories(session, example_poses(), session.gnss(), folder.path() / "trajectory");
   const std::string files = (folder.path() / "trajectory").string();
   EXPECT_EQ(std::system(("python3 session/read_trajectory_files.py " + files).c_str()), 0);
 }
@@ -82,7 +82,7 @@ TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
   Session session = example_session(folder.path());
   for (const KeyFrameIndex index : {1U, 2U, 5U}) session.add_gnss(example_gnss(index));
   const KeyFramePoses poses = example_poses();
-  write_trajectories(session, poses, folder.path());
+  write_trajectories(session, poses, session.gnss(), folder.path());
 
   const auto read = [&](const std::string& name) {
     return read_trajectory((folder.path() / name).string());

@@ -77,7 +77,7 @@ TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
 
 TEST_F(ReportFigures, FindTheLongestWayWithoutAConstraint) {
   session_.add_loop(loop(0, 3, 0.0));
-  const Json figures = hold_figures(report_input(session_, ""));
+  const Json figures = hold_figures(report_input(session_, ""), *solved_graph(session_));
   EXPECT_NEAR(figures["longest_without_constraint"]["length_m"], 7.0, 0.1);
   EXPECT_NEAR(figures["longest_without_constraint"]["begin_m"], 3.0, 0.1);
   EXPECT_GT(figures["largest_sigma_m"], 0.0);

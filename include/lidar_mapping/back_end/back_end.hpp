@@ -75,6 +75,9 @@ class BackEnd {
   /// All loops with the graph's present opinion of them; those that no solution has judged yet
   /// count as believed.
   std::vector<std::pair<Loop, bool>> loops() const;
+  /// The positions as the graph takes them: with the delay of their stamps in lever arm and
+  /// covariance.
+  std::vector<GnssPosition> positions() const;
   /// For each key frame the part of the map that it belongs to, from 0: what odometry, believed
   /// loops or a place in East-North-Up tie together. More than one part: how they lie to each other
   /// is unknown.

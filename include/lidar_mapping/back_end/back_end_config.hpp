@@ -44,6 +44,7 @@ struct BackEndConfig {
   double gnss_correlation_distance = 10.0;
   double gnss_alignment_distance = 5.0;
   double gnss_alignment_stddev_deg = 3.0;
+  bool estimate_gnss_time_offset = true;
 
   bool enable_imu_orientation = true;
   bool enable_imu_heading = false;

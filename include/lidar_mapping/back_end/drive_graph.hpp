@@ -48,6 +48,13 @@ struct DriveFloor {
   int node = 0;
 };
 
+/// By how much the stamps of GNSS are late and how well that is known: at first not at all.
+struct GnssDelay {
+  double seconds = 0.0;
+  double sigma = 0.05;                                  ///< s
+  Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();  ///< m, in base_link, found with it
+};
+
 /// All that the back end knows of a drive, as values.
 struct DriveGraph {
   std::vector<DriveNode> nodes;
@@ -55,10 +62,11 @@ struct DriveGraph {
   std::vector<DriveGnss> gnss;  ///< by node, as are the next two
   std::vector<DriveImu> imu;
   std::vector<DriveFloor> floors;
-  std::size_t unusable_gnss = 0;    ///< positions without a meaning or too uncertain
-  Pose T_map_first;                 ///< where the prior holds the first node
-  std::vector<bool> in_enu;         ///< per segment: lies in East-North-Up
-  std::vector<int> segment_starts;  ///< position of each segment's first node; none in a window
+  std::size_t unusable_gnss = 0;       ///< positions without a meaning or too uncertain
+  Pose T_map_first;                    ///< where the prior holds the first node
+  std::vector<bool> in_enu;            ///< per segment: lies in East-North-Up
+  std::vector<GnssDelay> gnss_delays;  ///< per segment
+  std::vector<int> segment_starts;     ///< position of each segment's first node; none in a window
 
   /// The correction between odometry and map at the newest node.
   Pose T_map_odom() const {

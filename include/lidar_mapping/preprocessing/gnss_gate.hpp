@@ -24,8 +24,6 @@ class GnssGate {
 
   /// base_link by dead reckoning, level, at the last fix; nothing if that motion was not measured.
   std::optional<Pose> dead_reckoning() const;
-  /// East-North-Up from dead reckoning, about the vertical; nothing on too short a way.
-  std::optional<Eigen::Matrix2d> R_enu_dr() const;
 
  private:
   struct Match {

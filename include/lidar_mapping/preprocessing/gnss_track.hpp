@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lidar_mapping/preprocessing/antenna_fit.hpp"
+#include "lidar_mapping/common/antenna_fit.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/fix_scatter.hpp"
 #include "lidar_mapping/preprocessing/gnss_gate.hpp"
@@ -24,8 +24,8 @@ struct FixVerdict {
 };
 
 /// GNSS fixes as a track in the local frame. Covariances that are too small for the fixes' scatter
-/// are raised, and stamps that are late (or early) beside the measured motion are corrected once
-/// that is certain; until then the covariance along the way allows for it.
+/// are raised. Stamps that are late (or early) beside the measured motion are named, and judged as
+/// if they were not, but left as they are: who knows the whole drive corrects all of them.
 class GnssTrack {
  public:
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);
@@ -59,16 +59,15 @@ class GnssTrack {
  private:
   struct PendingFix {
     LocalFix fix;
-    double applied_delay = 0.0;  ///< s that were taken off its stamp
+    double taken_off = 0.0;  ///< s, of its stamp, to be judged
   };
 
   std::string judge(const PendingFix& pending, const MotionSensors& sensors);
   std::optional<Pose> motion_until(Stamp stamp, const MotionSensors& sensors) const;
   Eigen::Vector3d lever_arm() const;
   std::optional<Eigen::Vector3d> antenna_velocity(Stamp stamp, const MotionSensors& sensors) const;
-  void compare(const PendingFix& pending, const Eigen::Vector3d& v_dr);
+  void compare(const PendingFix& pending, const MotionSensors& sensors);
   void learn_delay();
-  Eigen::Matrix2d timing_covariance(const Eigen::Vector3d& v_dr) const;
 
   PreprocessingConfig config_;
   const Extrinsics& extrinsics_;
@@ -79,7 +78,6 @@ class GnssTrack {
   FixScatter scatter_;
   AntennaFit antenna_fit_;
   double delay_ = 0.0;  ///< s, of the receiver's stamps
-  double delay_sigma_;
   SensorStream<LocalFix> stream_;
   std::string frame_id_;
   HeadingCheck heading_check_;

@@ -80,7 +80,6 @@ struct PreprocessingConfig {
   double gnss_unknown_sigma_xy = 3.0;
   double gnss_unknown_sigma_z = 6.0;
   bool gnss_gating = true;
-  bool estimate_gnss_time_offset = true;
   bool use_datum = false;
   std::vector<double> datum = std::vector<double>(3, 0.0);
 

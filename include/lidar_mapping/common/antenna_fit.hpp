@@ -6,9 +6,9 @@
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 
-namespace lidar_mapping::preprocessing {
+namespace lidar_mapping {
 
-/// A good fix beside the vehicle's motion by dead reckoning; both level.
+/// A good fix beside the vehicle's motion by dead reckoning or odometry; both level.
 struct TrackedFix {
   Stamp stamp = 0;
   Eigen::Vector2d p_enu = Eigen::Vector2d::Zero();
@@ -48,4 +48,4 @@ class AntennaFit {
   Eigen::Vector3d right_side_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace lidar_mapping::preprocessing
+}  // namespace lidar_mapping

@@ -1,11 +1,11 @@
-#include "lidar_mapping/preprocessing/antenna_fit.hpp"
+#include "lidar_mapping/common/antenna_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/QR>
 
-namespace lidar_mapping::preprocessing {
+namespace lidar_mapping {
 
 namespace {
 
@@ -100,4 +100,4 @@ AntennaFit::Result AntennaFit::result(double arm_prior) const {
   return result;
 }
 
-}  // namespace lidar_mapping::preprocessing
+}  // namespace lidar_mapping
