@@ -35,7 +35,7 @@ void VoxelMeans::restart(double leaf) {
 }
 
 /// Where the number of the cell's voxel stands, or has to be put.
-std::uint32_t& VoxelMeans::slot_of(const Eigen::Vector3i& cell) {
+inline std::uint32_t& VoxelMeans::slot_of(const Eigen::Vector3i& cell) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hash_of(cell) & mask;
   while (slots_[slot] != kFree && voxels_[slots_[slot]].cell != cell) slot = (slot + 1) & mask;
@@ -48,7 +48,7 @@ void VoxelMeans::grow() {
 }
 
 /// Neighbours in a cloud often share a voxel.
-std::uint32_t VoxelMeans::find_or_add(const Eigen::Vector3i& cell) {
+inline std::uint32_t VoxelMeans::find_or_add(const Eigen::Vector3i& cell) {
   if (last_ < voxels_.size() && voxels_[last_].cell == cell) return last_;
   std::uint32_t& slot = slot_of(cell);
   if (slot != kFree) return last_ = slot;

@@ -103,14 +103,14 @@ FolderInput::FolderInput(const std::string& path, const FolderOptions& options) 
 }
 
 void FolderInput::add_scan(Stamp stamp, std::function<PointCloud()> read) {
-  const auto decode = [stamp, read = std::move(read)] {
+  const auto decode = [stamp, read = std::move(read)](const PointCloud&) {
     return preprocessing::RawScan{stamp, kLidarFrame, read(), false};
   };
   inputs_.emplace_back(stamp + kHalfTurn, RecordedScan{stamp, decode});
 }
 
 void FolderInput::add_pcd(Stamp stamp, const std::string& path, const FolderOptions& options) {
-  const auto decode = [stamp, path, read = options.read_pcd] {
+  const auto decode = [stamp, path, read = options.read_pcd](const PointCloud&) {
     preprocessing::RawScan scan = read(path, stamp);
     scan.frame_id = kLidarFrame;
     return scan;

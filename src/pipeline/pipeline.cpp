@@ -56,7 +56,7 @@ class Pipeline::Impl {
             [this](DrivePiece&& piece) { writing_.push(std::move(piece)); },
             [this](const std::string& notice) { say(notice); }),
         preparation_(
-            with_datum(config.preprocessing, keeper_.run().session()), std::move(T_base),
+            with_datum(config.preprocessing, keeper_.run().session()), std::move(T_base), spare_,
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },
             [this](const std::string& notice) { say(notice); }) {
     if (!resume_point_) return;
@@ -108,7 +108,8 @@ class Pipeline::Impl {
 
   void match(PreparedScan&& scan) {
     newest_ = scan.synced.scan.stamp;
-    odometry_.take(std::move(scan));
+    odometry_.take(scan);
+    spare_.give(std::move(scan.synced.scan.cloud));
     ++scans_;
   }
 
@@ -141,6 +142,7 @@ class Pipeline::Impl {
   GraphKeeper keeper_;
   LoopSearch search_;
   const std::optional<ResumePoint> resume_point_;
+  SpareClouds spare_;
   ScanOdometry odometry_;
   ScanPreparation preparation_;
   // From the last to the first: a stage ends before those that it sends to.

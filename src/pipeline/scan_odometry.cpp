@@ -47,7 +47,7 @@ void ScanOdometry::resume(const ResumePoint& point) {
   has_begun_ = true;
 }
 
-void ScanOdometry::take(PreparedScan&& prepared) {
+void ScanOdometry::take(const PreparedScan& prepared) {
   const preprocessing::SyncedScan& synced = prepared.synced;
   if (resumed_ && !resumed_->wants(synced.scan.stamp)) return;
   if (prepared.datum) piece_.datum = prepared.datum;

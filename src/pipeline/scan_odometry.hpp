@@ -24,7 +24,7 @@ class ScanOdometry {
 
   /// Goes on with a session.
   void resume(const ResumePoint& point);
-  void take(PreparedScan&& prepared);
+  void take(const PreparedScan& prepared);
   /// Sends on the scans behind the last key frame.
   void flush();
 

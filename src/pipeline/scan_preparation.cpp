@@ -8,9 +8,11 @@
 namespace lidar_mapping::pipeline {
 
 ScanPreparation::ScanPreparation(const preprocessing::PreprocessingConfig& config,
-                                 preprocessing::ExtrinsicLookup T_base, Forward forward, Say say)
+                                 preprocessing::ExtrinsicLookup T_base, SpareClouds& spare,
+                                 Forward forward, Say say)
     : T_base_(std::move(T_base)),
       stage_(config, T_base_),
+      spare_(spare),
       forward_(std::move(forward)),
       say_(std::move(say)) {}
 
@@ -29,7 +31,7 @@ void ScanPreparation::take(Input&& input) {
 void ScanPreparation::take(const RecordedScan& scan) {
   preprocessing::RawScan raw;
   try {
-    raw = scan.decode();
+    raw = scan.decode(spare_.take());
   } catch (const InputError& error) {
     if (++unreadable_ == 1) say_(std::string("points: a scan was left out: ") + error.what());
     return;

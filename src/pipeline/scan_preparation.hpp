@@ -6,6 +6,8 @@
 
 #include "lidar_mapping/pipeline/input.hpp"
 
+#include "spare_clouds.hpp"
+
 namespace lidar_mapping::pipeline {
 
 /// A scan on its way to the front end.
@@ -22,7 +24,8 @@ class ScanPreparation {
   using Say = std::function<void(const std::string&)>;
 
   ScanPreparation(const preprocessing::PreprocessingConfig& config,
-                  preprocessing::ExtrinsicLookup T_base, Forward forward, Say say);
+                  preprocessing::ExtrinsicLookup T_base, SpareClouds& spare, Forward forward,
+                  Say say);
 
   void take(Input&& input);
   /// Sends on what still waits for other sensors.
@@ -38,6 +41,7 @@ class ScanPreparation {
 
   preprocessing::ExtrinsicLookup T_base_;
   preprocessing::Preprocessor stage_;
+  SpareClouds& spare_;
   Forward forward_;
   Say say_;
   std::string lidar_frame_;

@@ -201,9 +201,10 @@ class BagInput::Impl {
     if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
   }
 
-  preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp) const {
+  preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp, PointCloud buffer) const {
     const ros_border::CloudView view(cloud.message, cloud.data.first, cloud.data.size);
-    preprocessing::RawScan scan = ros_border::decode_lazily(view, cloud.memory, config_).scan;
+    preprocessing::RawScan scan =
+        ros_border::decode_lazily(view, cloud.memory, config_, std::move(buffer)).scan;
     scan.stamp = stamp;
     if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
     return scan;
@@ -227,7 +228,9 @@ class BagInput::Impl {
       const RecordedCloud cloud = read_cloud(message);
       const Stamp stamp =
           given_or_recorded(ros_border::from_ros(cloud.message.header.stamp), recorded);
-      return pipeline::RecordedScan{stamp, [cloud, stamp, this] { return decoded(cloud, stamp); }};
+      return pipeline::RecordedScan{stamp, [cloud, stamp, this](PointCloud buffer) {
+                                      return decoded(cloud, stamp, std::move(buffer));
+                                    }};
     }
     if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       return framed(ros_border::input_of(*imu), recorded);

@@ -113,7 +113,7 @@ class RawWriter {
   }
 
   void operator()(const pipeline::RecordedScan& scan) {
-    const preprocessing::RawScan raw = scan.decode();
+    const preprocessing::RawScan raw = scan.decode({});
     write("/kitti/velo/pointcloud", scan.stamp,
           ros_border::to_message(raw.cloud, scan.stamp, raw.frame_id));
   }

@@ -44,7 +44,7 @@ class SimulatedInput : public pipeline::InputSource {
  private:
   void add_scan(std::size_t index) {
     const Stamp stamp = drive_->scan_stamp(index);
-    const auto decode = [drive = drive_, index] {
+    const auto decode = [drive = drive_, index](const PointCloud&) {
       simulation::SimulatedScan scan = drive->scan(index);
       return preprocessing::RawScan{scan.stamp, "lidar", std::move(scan.cloud), false};
     };

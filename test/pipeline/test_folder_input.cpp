@@ -68,10 +68,10 @@ TEST_F(FolderInputTest, ReadsARawRecordingOfKitti) {
   EXPECT_NEAR((*fix.sample.covariance)(0, 0), 0.0009, 1e-12);
   const auto& first = std::get<RecordedScan>(inputs[3]);
   EXPECT_EQ(first.stamp, kDate);
-  EXPECT_EQ(first.decode().cloud.size(), 2U);
+  EXPECT_EQ(first.decode({}).cloud.size(), 2U);
   const auto& last = std::get<RecordedScan>(inputs[7]);
   EXPECT_EQ(last.stamp, kDate + 200000001);
-  EXPECT_EQ(last.decode().cloud.points[0].x, 7.0F);
+  EXPECT_EQ(last.decode({}).cloud.points[0].x, 7.0F);
   const auto T_base_imu = input.T_base(imu.frame_id);
   ASSERT_TRUE(T_base_imu);
   EXPECT_LT((T_base_imu->translation - Eigen::Vector3d(-0.8, 0.3, 1.73 - 0.8)).norm(), 1e-9);
@@ -105,7 +105,7 @@ TEST_F(FolderInputTest, ReadsPcdFilesWithTimesInTheirNames) {
   ASSERT_EQ(inputs.size(), 2U);
   const auto& scan = std::get<RecordedScan>(inputs[0]);
   EXPECT_EQ(scan.stamp, 1317617735'250000000);
-  EXPECT_EQ(scan.decode().cloud.points[0].x, 5.0F);
+  EXPECT_EQ(scan.decode({}).cloud.points[0].x, 5.0F);
 }
 
 TEST_F(FolderInputTest, TakesTenHertzForScansThatAreCounted) {

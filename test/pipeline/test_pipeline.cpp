@@ -157,7 +157,8 @@ TEST(Pipeline, LeavesOutAScanThatCannotBeDecoded) {
   const TemporaryFolder folder;
   Pipeline pipeline({}, Session::create_in(folder.path()),
                     [](const std::string&) { return Pose::Identity(); });
-  pipeline.add(RecordedScan{1, []() -> preprocessing::RawScan { throw InputError("cut off"); }});
+  pipeline.add(RecordedScan{
+      1, [](const PointCloud&) -> preprocessing::RawScan { throw InputError("cut off"); }});
   EXPECT_EQ(pipeline.finish().scans_unreadable, 1U);
   const std::vector<std::string> notices = pipeline.take_notices();
   ASSERT_EQ(notices.size(), 1U);

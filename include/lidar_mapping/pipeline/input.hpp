@@ -13,8 +13,9 @@ namespace lidar_mapping::pipeline {
 /// A scan as it was recorded; what is costly about reading it is left to whoever needs it.
 struct RecordedScan {
   Stamp stamp = 0;
-  /// Throws InputError if the data are damaged, FileError if they cannot be read.
-  std::function<preprocessing::RawScan()> decode;
+  /// The cloud that is given lends its memory. Throws InputError if the data are damaged, FileError
+  /// if they cannot be read.
+  std::function<preprocessing::RawScan(PointCloud buffer)> decode;
 };
 
 /// A sample and the frame in whose axes it is.
