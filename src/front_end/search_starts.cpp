@@ -1,6 +1,9 @@
 #include "lidar_mapping/front_end/search_starts.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/front_end/motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -25,6 +28,9 @@ constexpr double kForwardSpeed = 40.0;
 constexpr double kBackwardSpeed = 15.0;
 constexpr double kSideSpeed = 2.0;
 constexpr double kSpeedStep = 0.75;
+// With few scans a second it turns by more than a match reaches (rad/s, rad).
+constexpr double kTurnRate = 0.6;
+constexpr double kMostTurn = 0.3;
 
 Pose displaced(const Pose& pose, double x, double y, double yaw) {
   Vector6d d = Vector6d::Zero();
@@ -34,10 +40,12 @@ Pose displaced(const Pose& pose, double x, double y, double yaw) {
   return perturbed(pose, d);
 }
 
-MotionState moving(const Pose& first, double x, double y, double seconds) {
-  MotionState state{displaced(first, x, y, 0.0), Vector6d::Zero()};
+MotionState moving(const Pose& first, double x, double y, double yaw, double seconds) {
+  MotionState state{first, Vector6d::Zero()};
   state.twist[0] = x / seconds;
   state.twist[1] = y / seconds;
+  state.twist[5] = yaw / seconds;
+  state.T_map_sensor = moved(first, state.twist, seconds);
   return state;
 }
 
@@ -74,12 +82,16 @@ std::vector<MotionState> starts_around(const MotionState& prediction,
 
 std::vector<MotionState> starts_at_speed(const Pose& first, double seconds) {
   std::vector<MotionState> starts = {{first, Vector6d::Zero()}};
+  const double turn = std::min(kTurnRate * seconds, kMostTurn);
+  const double most = kTurnStep * std::floor(turn / kTurnStep + 1e-9);
   for (double x = kSpeedStep; x < kForwardSpeed * seconds; x += kSpeedStep) {
-    starts.push_back(moving(first, x, 0.0, seconds));
-    if (x < kBackwardSpeed * seconds) starts.push_back(moving(first, -x, 0.0, seconds));
+    for (double yaw = -most; yaw <= most + 1e-9; yaw += kTurnStep) {
+      starts.push_back(moving(first, x, 0.0, yaw, seconds));
+    }
+    if (x < kBackwardSpeed * seconds) starts.push_back(moving(first, -x, 0.0, 0.0, seconds));
   }
   for (const double side : {-1.0, 1.0}) {
-    starts.push_back(moving(first, 0.0, side * kSideSpeed * seconds, seconds));
+    starts.push_back(moving(first, 0.0, side * kSideSpeed * seconds, 0.0, seconds));
   }
   return starts;
 }

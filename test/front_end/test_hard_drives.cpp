@@ -106,13 +106,15 @@ INSTANTIATE_TEST_SUITE_P(Walks, HandHeld,
                                          Walk{"os1_64", 1, false}));
 
 // One scan of 16 rings makes too thin a fine map for a second one many metres further on. The
-// coarse match that takes its place begins where the search has led, not at rest.
+// coarse match that takes its place begins where the search has led, not at rest. In the last two
+// drives the vehicle turns.
 TEST(FewRings, AreFollowedFromTheFirstMetreOnAtTwoScansASecond) {
-  for (const auto& [seed, first] : {std::pair{51U, 470U}, std::pair{52U, 270U}}) {
+  for (const auto& [seed, first] :
+       {std::pair{51U, 470U}, std::pair{52U, 270U}, std::pair{53U, 470U}, std::pair{1U, 230U}}) {
     const simulation::Drive drive = make_drive("town", 60.0, seed);
     Ride ride(drive);
     for (std::size_t i = first; i < first + 40U; i += 5) ride.take(i);
-    EXPECT_GT(ride.way(), 25.0) << seed;
+    EXPECT_GT(ride.way(), 15.0) << seed;
     EXPECT_LT(ride.error(), 0.5) << seed;
   }
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -21,6 +22,25 @@ TEST(SearchStarts, LeaveNoGapBetweenTheAnchorAndThePrediction) {
     };
     EXPECT_TRUE(std::any_of(starts.begin(), starts.end(), is_near)) << x;
   }
+}
+
+/// True if a start at 8 m/s turns by that much within the step.
+bool has_turn(const std::vector<MotionState>& starts, double yaw) {
+  return std::any_of(starts.begin(), starts.end(), [yaw](const MotionState& start) {
+    return std::abs(start.twist[0] - 8.0) < 1.0 &&
+           std::abs(log_so3(start.T_map_sensor.rotation).z() - yaw) < 0.01;
+  });
+}
+
+// A match reaches 0.1 rad; between scans that follow each other slowly a vehicle turns by more.
+TEST(SearchStarts, OfAFirstMotionTurnIfThereIsTimeToTurn) {
+  const auto slow = starts_at_speed(Pose{}, 0.5);
+  EXPECT_TRUE(has_turn(slow, 0.3));
+  EXPECT_TRUE(has_turn(slow, -0.3));
+  EXPECT_TRUE(has_turn(slow, 0.0));
+  const auto fast = starts_at_speed(Pose{}, 0.1);
+  EXPECT_TRUE(has_turn(fast, 0.0));
+  EXPECT_FALSE(has_turn(fast, 0.15));
 }
 
 TEST(SearchStarts, AreNoMoreThanNeededNearTheAnchor) {
