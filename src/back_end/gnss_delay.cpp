@@ -145,13 +145,18 @@ DelayFits fits_of(const DriveGraph& drive) {
   return fits;
 }
 
-std::optional<GnssDelay> known_delay(const AntennaFit& fit) {
+bool is_known(const AntennaFit& fit) { return fit.result(kArmPrior).delay_sigma <= kKnownSigma; }
+
+/// What is not certain yet is not corrected, but allowed for.
+GnssDelay delay_of(const AntennaFit& fit) {
   const AntennaFit::Result result = fit.result(kArmPrior);
-  if (result.delay_sigma > kKnownSigma) return std::nullopt;
+  if (!is_known(fit)) {
+    return {0.0, std::min(GnssDelay{}.sigma, std::hypot(result.delay, result.delay_sigma))};
+  }
   const double sigma = std::max(kLeastSigma, result.delay_sigma);
   const bool is_late = std::abs(result.delay) > std::max(kSmallestDelay, 4.0 * result.delay_sigma);
-  if (!is_late) return GnssDelay{0.0, sigma};
-  return GnssDelay{result.delay, sigma, result.arm_error};
+  if (!is_late) return {0.0, sigma};
+  return {result.delay, sigma, result.arm_error};
 }
 
 }  // namespace
@@ -159,9 +164,9 @@ std::optional<GnssDelay> known_delay(const AntennaFit& fit) {
 void find_gnss_delays(DriveGraph& drive, const BackEndConfig& config) {
   if (!config.estimate_gnss_time_offset || drive.gnss.empty()) return;
   const DelayFits fits = fits_of(drive);
-  const GnssDelay common = known_delay(fits.common).value_or(GnssDelay{});
   for (std::size_t i = 0; i < fits.of_segment.size(); ++i) {
-    drive.gnss_delays[i] = known_delay(fits.of_segment[i]).value_or(common);
+    const AntennaFit& own = fits.of_segment[i];
+    drive.gnss_delays[i] = delay_of(is_known(own) ? own : fits.common);
   }
 }
 
