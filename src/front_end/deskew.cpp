@@ -49,16 +49,4 @@ PointCloud deskewed(const PointCloud& cloud, const Vector6d& twist, int threads)
   return result;
 }
 
-PointCloud deskewed(const PointCloud& cloud, const std::vector<std::uint32_t>& indices,
-                    const Vector6d& twist) {
-  const Deskewer deskew(twist);
-  PointCloud result;
-  result.points.reserve(indices.size());
-  for (const std::uint32_t i : indices) {
-    result.points.push_back(cloud.has_times() ? deskew(cloud.points[i], cloud.times[i])
-                                              : cloud.points[i]);
-  }
-  return result;
-}
-
 }  // namespace lidar_mapping::front_end

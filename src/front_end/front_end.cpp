@@ -55,20 +55,28 @@ class FrontEnd::Impl {
   FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
     check_stamp(scan.stamp);
     const TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
-    if (tracked.new_segment) begin_segment();
-    FrontEndResult result;
-    result.stamp = scan.stamp;
-    result.T_odom_base = tracked.T_odom_base;
-    result.twist = tracked.twist;
-    result.status = tracked.status;
-    if (last_) result.covariance = covariance_since(*last_, tracked);
+    last_stamp_ = scan.stamp;
     timer_.start("key frame");
-    if (key_frame_due(scan, tracked)) result.key_frame = make_key_frame(scan, tracked);
+    std::vector<FrontEndResult> settled;
+    if (tracked.new_segment || !tracked.provisional) settled = release(tracked.revisions);
+    if (tracked.new_segment) begin_segment();
+    FrontEndResult result = result_of(scan.stamp, tracked);
+    result.settled = std::move(settled);
+    if (tracked.provisional) {
+      result.provisional = true;
+      held_.push_back({result, tracked, key_frame_points(scan.cloud, tracked.elevation_shift)});
+    } else if (key_frame_due(scan.stamp, scan.cloud, tracked)) {
+      const PointCloud points = key_frame_points(scan.cloud, tracked.elevation_shift);
+      result.key_frame = make_key_frame(scan.stamp, tracked, points);
+    }
     for (auto& step : timer_.take()) result.status.step_seconds.push_back(std::move(step));
     for (const auto& step : result.status.step_seconds) result.status.seconds += step.second;
-    last_ = tracked;
-    last_stamp_ = scan.stamp;
     return result;
+  }
+
+  std::vector<FrontEndResult> settle() {
+    if (tracker_) tracker_->settle();
+    return release({});
   }
 
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base) {
@@ -77,16 +85,64 @@ class FrontEnd::Impl {
     initial_ = T_odom_base;
     last_key_frame_.reset();
     last_.reset();
+    held_.clear();
     if (tracker_) tracker_->restart(T_odom_base);
   }
 
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
 
  private:
+  /// A provisional scan, and the points that a key frame would have.
+  struct Held {
+    FrontEndResult result;
+    TrackedScan tracked;
+    PointCloud points;
+  };
+
   void check_stamp(Stamp stamp) const {
     if (!last_stamp_ || stamp > *last_stamp_) return;
     throw InputError("front_end: stamp " + std::to_string(stamp) + " ns does not come after " +
                      std::to_string(*last_stamp_) + " ns; drop scans that are out of order");
+  }
+
+  FrontEndResult result_of(Stamp stamp, const TrackedScan& tracked) {
+    FrontEndResult result;
+    result.stamp = stamp;
+    result.T_odom_base = tracked.T_odom_base;
+    result.twist = tracked.twist;
+    result.status = tracked.status;
+    if (last_) result.covariance = covariance_since(*last_, tracked);
+    last_ = tracked;
+    return result;
+  }
+
+  std::vector<FrontEndResult> release(const std::vector<Revision>& revisions) {
+    std::vector<FrontEndResult> settled;
+    if (!held_.empty()) last_.reset();
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      if (i < revisions.size()) revise(held_[i].tracked, revisions[i]);
+      settled.push_back(released(held_[i]));
+    }
+    held_.clear();
+    return settled;
+  }
+
+  static void revise(TrackedScan& tracked, const Revision& revision) {
+    tracked.T_odom_base = revision.T_odom_base;
+    tracked.covariance = revision.covariance;
+    tracked.twist = revision.twist;
+    tracked.status.degenerate_directions = revision.degenerate_directions;
+    tracked.motion_known = true;
+  }
+
+  FrontEndResult released(const Held& held) {
+    FrontEndResult result = result_of(held.result.stamp, held.tracked);
+    result.status.step_seconds = held.result.status.step_seconds;
+    result.status.seconds = held.result.status.seconds;
+    if (key_frame_due(result.stamp, held.points, held.tracked)) {
+      result.key_frame = make_key_frame(result.stamp, held.tracked, held.points);
+    }
+    return result;
   }
 
   void begin_segment() {
@@ -112,43 +168,53 @@ class FrontEnd::Impl {
     return tracker_ ? motion_covariance(from, to) : external_covariance(from, to);
   }
 
-  bool key_frame_due(const Scan& scan, const TrackedScan& tracked) const {
+  bool key_frame_due(Stamp stamp, const PointCloud& cloud, const TrackedScan& tracked) const {
     if (tracked.status.state == TrackingState::kLost) return false;
     // Skewed for good, it would skew what later closes on it.
-    if (scan.cloud.has_times() && !tracked.motion_known) return false;
+    if (cloud.has_times() && !tracked.motion_known) return false;
     return !last_key_frame_ ||
            rule_.reached(last_key_frame_->T_odom_base.inverse() * tracked.T_odom_base,
-                         scan.stamp - key_frame_stamp_);
+                         stamp - key_frame_stamp_);
   }
 
-  KeyFrame make_key_frame(const Scan& scan, const TrackedScan& tracked) {
+  /// `points` as they came from key_frame_points().
+  KeyFrame make_key_frame(Stamp stamp, const TrackedScan& tracked, const PointCloud& points) {
     KeyFrame key_frame;
     key_frame.index = next_index_++;
     key_frame.segment = segment_;
-    key_frame.stamp = scan.stamp;
+    key_frame.stamp = stamp;
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
-    PointCloud cloud = key_frame_cloud(scan.cloud, tracked);
-    key_frame.cloud = std::make_shared<const PointCloud>(std::move(cloud));
+    key_frame.cloud =
+        std::make_shared<const PointCloud>(deskewed(points, tracked.twist, config_.threads));
     last_key_frame_ = tracked;
-    key_frame_stamp_ = scan.stamp;
+    key_frame_stamp_ = stamp;
     return key_frame;
   }
 
-  PointCloud key_frame_cloud(const PointCloud& cloud, const TrackedScan& tracked) {
-    if (tracked.elevation_shift == 0.0) return thinned_and_deskewed(cloud, tracked.twist);
+  /// Turned upwards by `elevation_shift` and thinned out, as a key frame's are before deskewing.
+  PointCloud key_frame_points(const PointCloud& cloud, double elevation_shift) {
+    if (elevation_shift == 0.0) return thinned(cloud);
     PointCloud shifted = cloud;
-    const ElevationShift shift(tracked.elevation_shift);
+    const ElevationShift shift(elevation_shift);
     for (Point& p : shifted.points) shift(p.x, p.y, p.z);
-    return thinned_and_deskewed(shifted, tracked.twist);
+    return thinned(shifted);
   }
 
-  PointCloud thinned_and_deskewed(const PointCloud& cloud, const Vector6d& twist) {
-    if (config_.key_frame_cloud_resolution <= 0.0) return deskewed(cloud, twist, config_.threads);
+  PointCloud thinned(const PointCloud& cloud) {
+    if (config_.key_frame_cloud_resolution <= 0.0) return cloud;
     SamplingOptions options;
     options.resolution = config_.key_frame_cloud_resolution;
-    return deskewed(cloud, sampler_.sample(cloud, options), twist);
+    const std::vector<std::uint32_t>& chosen = sampler_.sample(cloud, options);
+    PointCloud few;
+    few.points.reserve(chosen.size());
+    if (cloud.has_times()) few.times.reserve(chosen.size());
+    for (const std::uint32_t i : chosen) {
+      few.points.push_back(cloud.points[i]);
+      if (cloud.has_times()) few.times.push_back(cloud.times[i]);
+    }
+    return few;
   }
 
   FrontEndConfig config_;
@@ -158,6 +224,7 @@ class FrontEnd::Impl {
   std::unique_ptr<Tracker> tracker_;
   Pose initial_;
   std::optional<Pose> T_odom_external_;
+  std::vector<Held> held_;
   std::optional<TrackedScan> last_;
   std::optional<Stamp> last_stamp_;
   std::optional<TrackedScan> last_key_frame_;
@@ -172,6 +239,8 @@ FrontEnd::~FrontEnd() = default;
 FrontEndResult FrontEnd::process(const Scan& scan, const MotionPrior& prior) {
   return impl_->process(scan, prior);
 }
+
+std::vector<FrontEndResult> FrontEnd::settle() { return impl_->settle(); }
 
 void FrontEnd::resume(KeyFrameIndex next_index, std::uint32_t next_segment,
                       const Pose& T_odom_base) {

@@ -94,6 +94,15 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
   covariance_.bottomRightCorner<6, 6>() = diagonal_covariance(speed_sigma, rate_sigma);
 }
 
+void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance) {
+  forecast_ = TwistForecast();
+  corrected_ = false;
+  T_map_corrected_ = state.T_map_sensor;
+  since_corrected_ = step_seconds_ = 0.0;
+  state_ = state;
+  covariance_ = covariance;
+}
+
 void MotionFilter::take_forecast() {
   state_.twist = forecast_.next();
   const Eigen::Vector2d more = kForecastShare * forecast_.variance();
@@ -153,7 +162,7 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
 
 /// An acceleration shows in the twist and in the way; noise does seldom in both.
 void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d& observed) {
-  if (step_seconds_ <= 0.0) return;
+  if (step_seconds_ == 0.0) return;
   const Vector6d of_twist = (state.twist - state_.twist) / step_seconds_;
   const Vector6d of_way =
       difference(state_.T_map_sensor, state.T_map_sensor) * (2.0 / (step_seconds_ * step_seconds_));
@@ -165,7 +174,7 @@ void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d
 void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance,
                            const Eigen::Matrix3d& observed) {
   learn_agility(state, observed);
-  if (since_corrected_ > 0.0) {
+  if (since_corrected_ != 0.0) {
     forecast_.see(twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_),
                   state.twist, observed);
     corrected_ = true;

@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/elevation_calibration.hpp"
+#include "lidar_mapping/front_end/first_scans.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
 #include "lidar_mapping/front_end/match_judge.hpp"
@@ -40,6 +41,11 @@ constexpr double kRoomScale = 0.5;
 // What is believed of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
+// The first scans are looked at again if the vehicle begins faster than that, as key frames of a
+// slower one would wait too long for the map to grow, and if fewer of the points of the second scan
+// find a plane in the map of the first: with many rings it is good enough.
+constexpr double kAtSpeed = 3.0;  // m/s
+constexpr double kEnoughPlanes = 0.4;
 /// Rounds of deskewing the first scan and matching the second one with it.
 constexpr int kStartRounds = 3;
 // Twists that differ by less move no point by more than the sensor's noise.
@@ -112,6 +118,8 @@ class NdtTracker::Impl {
     start_ = T_odom_base;
   }
 
+  void settle() { first_scans_.end(); }
+
   PointCloud local_map() const { return map_.cloud(); }
 
  private:
@@ -119,6 +127,7 @@ class NdtTracker::Impl {
     map_.clear();
     judge_.reset();
     elevation_.interrupt();
+    first_scans_.end();
     inserted_scans_ = 0;
     lost_time_ = 0.0;
     motion_known_ = false;
@@ -139,6 +148,8 @@ class NdtTracker::Impl {
     }
     status.state = TrackingState::kTracking;
     status.converged = true;
+    first_scans_.begin();
+    remember(scan);
     insert(scan);
     first_ = sampler_.dense(scan);
     first_has_times_ = scan.cloud.has_times();
@@ -171,8 +182,48 @@ class NdtTracker::Impl {
       hold(scan, seconds, result);
       return;
     }
+    if (!motion_known_) know_first_motion(found.match);
     accept(found, prior, result.status);
+    remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
+    if (first_scans_.is_open() && first_scans_.is_complete()) result.revisions = look_again();
+  }
+
+  void remember(const Scan& scan) {
+    if (!first_scans_.is_open()) return;
+    first_scans_.add({scan.stamp,
+                      sampler_.reference(),
+                      sampler_.points(),
+                      filter_.state(),
+                      filter_.covariance(),
+                      {}});
+  }
+
+  void know_first_motion(const NdtMatch& match) {
+    if (!first_scans_.is_open()) return;
+    const Vector6d& twist = match.state.twist;
+    first_scans_.set_first({moved(start_, twist, first_reference_), twist});
+    if (twist.head<3>().norm() < kAtSpeed || match.overlap > kEnoughPlanes) first_scans_.end();
+  }
+
+  std::vector<Revision> look_again() {
+    SweepMatcher matcher(config_.registration.neighbor_search);
+    const auto found = first_scans_.match_again(filter_, matcher, judge_, map_);
+    std::vector<Revision> revisions;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      revisions.push_back(revision_of(found[i], first_scans_.scans()[i].reference));
+    }
+    first_scans_.end();
+    return revisions;
+  }
+
+  static Revision revision_of(const SweepMatcher::Found& found, double reference) {
+    const MotionState& state = found.match.state;
+    const Matrix12d covariance =
+        variance_of_young_map(found.match.overlap) * reported_covariance(found.match);
+    return {moved(state.T_map_sensor, state.twist, -reference),
+            pose_covariance(covariance, state.twist, -reference), state.twist,
+            found.degenerate_directions};
   }
 
   /// The second scan: the speed may be anything, and the first one is still as skewed as it came.
@@ -249,6 +300,7 @@ class NdtTracker::Impl {
 
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
+    first_scans_.end();
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
     lost_time_ += seconds;
@@ -274,6 +326,7 @@ class NdtTracker::Impl {
     const SampledPoints& dense = sampler_.dense(scan);
     timer_.start("insertion");
     map_.insert(dense, filter_.state());
+    first_scans_.set_inserted(dense);
     inserted_ = filter_.state().T_map_sensor;
     ++inserted_scans_;
     const double way = (inserted_.translation - start_.translation).norm();
@@ -293,6 +346,7 @@ class NdtTracker::Impl {
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp);
     result.twist = filter_.state().twist;
     result.motion_known = motion_known_;
+    result.provisional = first_scans_.is_open();
     result.status.step_seconds = timer_.take();
   }
 
@@ -304,6 +358,7 @@ class NdtTracker::Impl {
   SweepMatcher matcher_;
   VelocityTrust velocity_trust_;
   ElevationCalibration elevation_;
+  FirstScans first_scans_;
   StepTimer timer_;
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
@@ -327,6 +382,8 @@ NdtTracker::~NdtTracker() = default;
 TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   return impl_->track(scan, prior);
 }
+
+void NdtTracker::settle() { impl_->settle(); }
 
 void NdtTracker::restart(const Pose& T_odom_base) { impl_->restart(T_odom_base); }
 

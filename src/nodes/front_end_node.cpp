@@ -53,7 +53,9 @@ class FrontEndNode {
   void process(std::vector<AssembledScan> scans);
   void process(const AssembledScan& assembled);
   void begin_run();
+  void settle();
   void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
+  void publish_verdict(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
   void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void report(const front_end::FrontEndResult& result);
@@ -89,7 +91,10 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
   current_scan_ = context.node.advertise<sensor_msgs::PointCloud2>("current_scan", 1);
   local_map_ = context.node.advertise<sensor_msgs::PointCloud2>("local_map", 1, true);
   subscribe_sensors();
-  context.worker.set_idle_task(kIdle, [this] { process(assembler_.flush()); });
+  context.worker.set_idle_task(kIdle, [this] {
+    process(assembler_.flush());
+    settle();
+  });
 }
 
 void FrontEndNode::subscribe_sensors() {
@@ -173,9 +178,24 @@ void FrontEndNode::process(std::vector<AssembledScan> scans) {
 void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
+  for (const front_end::FrontEndResult& settled : result.settled) publish_verdict(settled);
   publish(result, assembled.scan.cloud);
   report(result);
   previous_ = result;
+}
+
+/// Nothing comes any more: what waits to be looked at again is all that there will be.
+void FrontEndNode::settle() {
+  for (const front_end::FrontEndResult& settled : front_end_.settle()) publish_verdict(settled);
+}
+
+/// What is to stay: others keep it.
+void FrontEndNode::publish_verdict(const front_end::FrontEndResult& result) {
+  if (result.key_frame) {
+    key_frame_.publish(to_message(*result.key_frame, run_id_, config_.node.base_frame));
+  }
+  const auto dropped = static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
+  status_.publish(to_message(result, dropped, config_.node.base_frame));
 }
 
 /// Indices of different runs never mix: a front end that comes back goes on with the run that the
@@ -192,11 +212,7 @@ void FrontEndNode::begin_run() {
 
 void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {
   publish_odometry(result);
-  if (result.key_frame) {
-    key_frame_.publish(to_message(*result.key_frame, run_id_, config_.node.base_frame));
-  }
-  const auto dropped = static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
-  status_.publish(to_message(result, dropped, config_.node.base_frame));
+  if (!result.provisional) publish_verdict(result);
   publish_clouds(result, cloud);
 }
 

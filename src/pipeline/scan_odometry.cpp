@@ -55,11 +55,27 @@ void ScanOdometry::take(const PreparedScan& prepared) {
   front_end::FrontEndResult result = front_end_.process(synced.scan, prior_of(synced, !has_begun_));
   has_begun_ = true;
   mention(result.status);
+  take_settled(std::exchange(result.settled, {}));
+  if (result.provisional) {
+    held_.push_back(synced);
+  } else {
+    take(synced, std::move(result));
+  }
+}
+
+void ScanOdometry::take_settled(std::vector<front_end::FrontEndResult>&& settled) {
+  if (settled.empty()) return;
+  const std::vector<preprocessing::SyncedScan> held = std::exchange(held_, {});
+  for (std::size_t i = 0; i < held.size(); ++i) take(held[i], std::move(settled[i]));
+}
+
+void ScanOdometry::take(const preprocessing::SyncedScan& synced,
+                        front_end::FrontEndResult&& result) {
   if (resumed_ && !resumed_->takes(result)) return;
   keep(synced, result);
   if (!piece_.key_frame) return;
   piece_.floor = floor_detector_.process(synced.scan);
-  flush();
+  send();
 }
 
 void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
@@ -75,6 +91,11 @@ void ScanOdometry::keep(const preprocessing::SyncedScan& synced,
 }
 
 void ScanOdometry::flush() {
+  take_settled(front_end_.settle());
+  send();
+}
+
+void ScanOdometry::send() {
   if (!piece_.scans.empty()) forward_(std::exchange(piece_, {}));
 }
 

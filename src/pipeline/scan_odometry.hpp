@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
@@ -25,12 +26,15 @@ class ScanOdometry {
   /// Goes on with a session.
   void resume(const ResumePoint& point);
   void take(const PreparedScan& prepared);
-  /// Sends on the scans behind the last key frame.
+  /// At the end: sends on what waited, and the scans behind the last key frame.
   void flush();
 
  private:
   void mention(const front_end::FrontEndStatus& status);
+  void take_settled(std::vector<front_end::FrontEndResult>&& settled);
+  void take(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result);
   void keep(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
+  void send();
 
   front_end::FrontEnd front_end_;
   preprocessing::FloorDetector floor_detector_;
@@ -38,7 +42,8 @@ class ScanOdometry {
   Say say_;
   std::optional<ResumedOdometry> resumed_;
   bool has_begun_ = false;
-  double elevation_shift_ = 0.0;  ///< that was last spoken of
+  double elevation_shift_ = 0.0;                 ///< that was last spoken of
+  std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
   DrivePiece piece_;
 };
 

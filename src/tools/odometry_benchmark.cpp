@@ -71,8 +71,19 @@ Process make_process(const Options& options, const front_end::FrontEndConfig& co
   };
 }
 
+/// The last of the records become what they are to stay.
+void settle(const std::vector<front_end::FrontEndResult>& settled,
+            std::vector<ScanRecord>& records) {
+  auto record = records.end() - static_cast<std::ptrdiff_t>(settled.size());
+  for (const front_end::FrontEndResult& result : settled) {
+    record->T_odom_base = result.T_odom_base;
+    record->key_frame = result.key_frame.has_value();
+    ++record;
+  }
+}
+
 /// Time counts from the cloud in memory to the pose.
-ScanRecord timed(const Process& process, const Scan& scan) {
+void add_timed(const Process& process, const Scan& scan, std::vector<ScanRecord>& records) {
   const double cpu_before = tools::cpu_time_ms();
   const auto before = std::chrono::steady_clock::now();
   const front_end::FrontEndResult result = process(scan);
@@ -84,7 +95,8 @@ ScanRecord timed(const Process& process, const Scan& scan) {
   record.T_odom_base = result.T_odom_base;
   record.key_frame = result.key_frame.has_value();
   record.status = result.status;
-  return record;
+  settle(result.settled, records);
+  records.push_back(record);
 }
 
 /// Indices of the scans that are used.
@@ -136,7 +148,7 @@ void run(const Options& options) {
   const double memory_before = tools::peak_memory_mb();
   const Process process = make_process(options, config);
   std::vector<ScanRecord> records;
-  for (const std::size_t i : scans) records.push_back(timed(process, recording.scan(i)));
+  for (const std::size_t i : scans) add_timed(process, recording.scan(i), records);
 
   Json result = {
       {"recording", options.recording},

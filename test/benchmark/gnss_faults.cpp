@@ -52,7 +52,7 @@ void record(const simulation::Drive& drive, session::Session& session) {
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const Scan scan = drive.base_scan(i);
     const auto result = front_end.process(scan, priors[scan.stamp]);
-    if (!result.key_frame) continue;
+    if (!result.key_frame) continue;  // none is held back where a drive begins at rest
     session.add_key_frame(*result.key_frame);
     back_end.add_key_frame(*result.key_frame);
     for (const Loop& loop : closer.process(*result.key_frame).loops) {

@@ -192,11 +192,80 @@ TEST(FrontEnd, MakesNoKeyFrameOfAScanThatItCannotDeskew) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   EXPECT_FALSE(front_end.process(drive.base_scan(0)).key_frame) << "the motion is not known yet";
-  EXPECT_TRUE(front_end.process(drive.base_scan(1)).key_frame);
+  const FrontEndResult second = front_end.process(drive.base_scan(1));
+  EXPECT_TRUE(second.key_frame);
+  ASSERT_EQ(second.settled.size(), 1U);
+  EXPECT_FALSE(second.settled[0].key_frame) << "the drive begins at rest: there are others";
 
   Scan without_times = drive.base_scan(0);
   without_times.cloud.times.clear();
-  EXPECT_TRUE(FrontEnd(FrontEndConfig{}).process(without_times).key_frame);
+  FrontEnd other{FrontEndConfig{}};
+  EXPECT_TRUE(other.process(without_times).provisional);
+  const std::vector<FrontEndResult> settled = other.settle();
+  ASSERT_EQ(settled.size(), 1U);
+  EXPECT_TRUE(settled[0].key_frame);
+  EXPECT_TRUE(other.settle().empty());
+}
+
+/// What becomes of the scans from `first` on, until the first one that is not provisional.
+std::vector<FrontEndResult> settled_from(const simulation::Drive& drive, std::size_t first,
+                                         FrontEnd& front_end) {
+  for (std::size_t i = first;; ++i) {
+    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    if (!result.provisional) return result.settled;
+    EXPECT_TRUE(result.settled.empty());
+    EXPECT_FALSE(result.key_frame);
+  }
+}
+
+TEST(FrontEnd, LooksAgainAtItsFirstScansWhereADriveBeginsAtSpeed) {
+  const simulation::Drive drive = town();
+  constexpr std::size_t kFirst = 120;
+  FrontEnd front_end{FrontEndConfig{}};
+  const std::vector<FrontEndResult> settled = settled_from(drive, kFirst, front_end);
+  ASSERT_GT(settled.size(), 10U);
+  EXPECT_LT(settled.size(), 62U) << "six seconds";
+  KeyFrameIndex key_frames = 0;
+  for (std::size_t i = 0; i < settled.size(); ++i) {
+    EXPECT_EQ(settled[i].stamp, drive.scan_stamp(kFirst + i));
+    EXPECT_FALSE(settled[i].provisional);
+    if (!settled[i].key_frame) continue;
+    EXPECT_EQ(settled[i].key_frame->index, key_frames++);
+    EXPECT_EQ(settled[i].key_frame->stamp, settled[i].stamp);
+    EXPECT_EQ(settled[i].key_frame->T_odom_base.matrix(), settled[i].T_odom_base.matrix());
+    EXPECT_FALSE(settled[i].key_frame->cloud->has_times());
+  }
+  EXPECT_TRUE(settled[0].key_frame) << "its motion is known now";
+  EXPECT_GT(key_frames, 6U);
+}
+
+TEST(FrontEnd, FirstScansStayAsTheyAreWhereNothingComesAfterThem) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  std::vector<Pose> provisional;
+  for (std::size_t i = 150; i < 155; ++i) {
+    provisional.push_back(front_end.process(drive.base_scan(i)).T_odom_base);
+  }
+  const std::vector<FrontEndResult> settled = front_end.settle();
+  ASSERT_EQ(settled.size(), provisional.size());
+  for (std::size_t i = 0; i < settled.size(); ++i) {
+    EXPECT_EQ(settled[i].T_odom_base.matrix(), provisional[i].matrix());
+  }
+  EXPECT_FALSE(settled[0].key_frame) << "it cannot be deskewed";
+  EXPECT_TRUE(settled[1].key_frame);
+  const FrontEndResult next = front_end.process(drive.base_scan(155));
+  EXPECT_FALSE(next.provisional);
+  EXPECT_TRUE(next.settled.empty());
+}
+
+TEST(FrontEnd, FirstScansStayAsTheyAreWhereItIsLostAfterThem) {
+  const simulation::Drive drive = town();
+  FrontEnd front_end{FrontEndConfig{}};
+  for (std::size_t i = 150; i < 155; ++i) front_end.process(drive.base_scan(i));
+  const FrontEndResult lost = front_end.process(empty_scan(drive, 155));
+  EXPECT_EQ(lost.status.state, TrackingState::kLost);
+  EXPECT_FALSE(lost.provisional);
+  EXPECT_EQ(lost.settled.size(), 5U);
 }
 
 TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {

@@ -1,5 +1,6 @@
 // Drives on which an odometry comes to grief: hand-held, without features, with sensors that lie.
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -120,16 +121,22 @@ TEST(FewRings, AreFollowedFromTheFirstMetreOnAtTwoScansASecond) {
 }
 
 // On top of a ramp the floor of the new storey lies 0.25 m above the ceiling of the one below. It
-// is not to be taken for it.
+// is not to be taken for it. Where the map begins decides now and then; three starts of four must
+// keep the height, of which one did when both sides of the slab shared their planes.
 TEST(CarPark, KeepsItsHeightOnARamp) {
-  constexpr std::size_t kInside = 150, kBeforeTheRamp = 400, kBehindIt = 620;
+  constexpr std::size_t kBeforeTheRamp = 400, kBehindIt = 620;
   const simulation::Drive drive = make_drive("car_park", 64.0, 65);
-  Ride ride(drive);
-  for (std::size_t i = kInside; i < kBehindIt; ++i) {
-    ride.take(i);
-    if (i == kBeforeTheRamp) ride.begin_anew();
+  std::vector<double> errors;
+  for (const std::size_t inside : {140, 145, 150, 155}) {
+    Ride ride(drive);
+    for (std::size_t i = inside; i < kBehindIt; ++i) {
+      ride.take(i);
+      if (i == kBeforeTheRamp) ride.begin_anew();
+    }
+    errors.push_back(ride.error());
   }
-  EXPECT_LT(ride.error(), 0.1);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[2], 0.1) << testing::PrintToString(errors);
 }
 
 struct SensorAndSeed {
@@ -231,26 +238,45 @@ INSTANTIATE_TEST_SUITE_P(Drives, SizeOfCovariance, testing::Values("town", "figu
 
 class StartAtSpeed : public testing::TestWithParam<std::uint64_t> {};
 
-// The map of the first scans leans where there are few rings, which the first motions are to admit:
-// drives that are joined lean on them otherwise.
-TEST_P(StartAtSpeed, IsHeldForNoBetterThanItIs) {
-  constexpr std::size_t kBegin = 150;
-  constexpr std::size_t kFirstKeyFrames = 8;
-  const simulation::Drive drive = make_drive("town", 20.0, GetParam(), "vlp16");
+/// The first key frames of a drive with few rings that begins at this scan.
+std::vector<KeyFrame> first_key_frames(const simulation::Drive& drive, std::size_t begin,
+                                       std::size_t count) {
   FrontEnd front_end{FrontEndConfig{}};
-  NormalisedError error;
   std::vector<KeyFrame> key_frames;
-  for (std::size_t i = kBegin; key_frames.size() < kFirstKeyFrames; ++i) {
+  const auto take = [&](const FrontEndResult& result) {
+    if (result.key_frame) key_frames.push_back(*result.key_frame);
+  };
+  for (std::size_t i = begin; key_frames.size() < count; ++i) {
     const FrontEndResult result = front_end.process(drive.base_scan(i));
-    if (!result.key_frame) continue;
-    key_frames.push_back(*result.key_frame);
-    if (key_frames.size() == 1) continue;
-    const KeyFrame& from = key_frames[key_frames.size() - 2];
-    error.add(from.T_odom_base.inverse() * result.T_odom_base,
-              drive.trajectory().pose(from.stamp).inverse() * drive.trajectory().pose(result.stamp),
-              result.key_frame->motion_covariance);
+    for (const FrontEndResult& settled : result.settled) take(settled);
+    take(result);
   }
-  EXPECT_LT(error.mean(), 6.0) << "8 to 31 if the map is trusted as later in the drive";
+  key_frames.resize(count);
+  return key_frames;
+}
+
+// The map of one scan leans where there are few rings. Drives that are joined lean on their ends.
+TEST_P(StartAtSpeed, HasKeyFramesAsGoodAsOthers) {
+  const simulation::Drive drive = make_drive("town", 22.0, GetParam(), "vlp16");
+  const std::vector<KeyFrame> key_frames = first_key_frames(drive, 110, 12);
+  const auto true_way = [&](const KeyFrame& from, const KeyFrame& to) {
+    return drive.trajectory().pose(from.stamp).inverse() * drive.trajectory().pose(to.stamp);
+  };
+  const auto way = [](const KeyFrame& from, const KeyFrame& to) {
+    return from.T_odom_base.inverse() * to.T_odom_base;
+  };
+  NormalisedError error;
+  for (std::size_t k = 1; k < key_frames.size(); ++k) {
+    const KeyFrame& from = key_frames[k - 1];
+    const KeyFrame& to = key_frames[k];
+    error.add(way(from, to), true_way(from, to), to.motion_covariance);
+  }
+  const KeyFrame& first = key_frames.front();
+  const KeyFrame& last = key_frames.back();
+  const Vector6d slip = difference(true_way(last, first), way(last, first));
+  EXPECT_LT(error.mean(), 6.0);
+  EXPECT_LT(slip.head<3>().norm(), 0.02) << "0.022 to 0.036 without another look";
+  EXPECT_LT(slip.tail<3>().norm() * 180.0 / M_PI, 0.1) << "0.18 to 0.32 without it";
 }
 
 INSTANTIATE_TEST_SUITE_P(Towns, StartAtSpeed, testing::Values(1, 2, 3));

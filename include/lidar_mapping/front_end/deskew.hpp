@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "lidar_mapping/common/point_cloud.hpp"
 
 namespace lidar_mapping::front_end {
@@ -11,8 +8,5 @@ namespace lidar_mapping::front_end {
 /// twist (its own axes, m/s and rad/s). The result has no times; a cloud without times comes back
 /// as it is.
 PointCloud deskewed(const PointCloud& cloud, const Vector6d& twist, int threads = 1);
-/// The same of the points of these indices only.
-PointCloud deskewed(const PointCloud& cloud, const std::vector<std::uint32_t>& indices,
-                    const Vector6d& twist);
 
 }  // namespace lidar_mapping::front_end

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
@@ -10,6 +11,7 @@
 
 namespace lidar_mapping::front_end {
 
+/// What is known of a scan.
 struct FrontEndResult {
   Stamp stamp = 0;  ///< that of the scan, bit for bit
   Pose T_odom_base;
@@ -22,6 +24,12 @@ struct FrontEndResult {
   /// they have times, that is once the motion is known.
   std::optional<KeyFrame> key_frame;
   FrontEndStatus status;
+  /// The scan will be looked at again, with more of its surroundings known: what it is now may do
+  /// for those who cannot wait. So it is with the first scan, and with those after it for up to 6 s
+  /// where a drive with few rings begins at speed. Key frames are chosen afterwards.
+  bool provisional = false;
+  /// The scans that were provisional until now, in their order, and as they are to stay.
+  std::vector<FrontEndResult> settled;
 };
 
 /// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames
@@ -34,6 +42,10 @@ class FrontEnd {
 
   /// Throws InputError if the stamp does not increase. A poor match is no error: see the status.
   FrontEndResult process(const Scan& scan, const MotionPrior& prior = {});
+
+  /// For the end of a drive, or where nothing comes for long: scans that are still provisional stay
+  /// as they are.
+  std::vector<FrontEndResult> settle();
 
   /// Goes on after a restart: the next scan begins a new segment, at this pose; the next key frame
   /// is `next_index`.

@@ -32,7 +32,9 @@ class MotionFilter {
 
   /// At rest in all that is known, the twist unknown to `speed_sigma` and `rate_sigma`.
   void reset(const Pose& pose, double speed_sigma, double rate_sigma);
-  /// Moves the state on by `seconds`.
+  /// Goes on from this state. How large accelerations are stays known.
+  void restart(const MotionState& state, const Matrix12d& covariance);
+  /// Moves the state on by `seconds`, or back if they are negative.
   void predict(double seconds);
   /// Take measurements of the twist in, with the standard deviation of each axis.
   void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);

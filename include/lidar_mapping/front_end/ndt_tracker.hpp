@@ -15,6 +15,7 @@ class NdtTracker : public Tracker {
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void restart(const Pose& T_odom_base) override;
+  void settle() override;
   PointCloud local_map() const override;
 
  private:

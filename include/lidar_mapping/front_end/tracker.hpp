@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
@@ -9,6 +10,14 @@
 #include "lidar_mapping/front_end/motion_prior.hpp"
 
 namespace lidar_mapping::front_end {
+
+/// What was found of a provisional scan when it was looked at again.
+struct Revision {
+  Pose T_odom_base;
+  Covariance6 covariance = Covariance6::Identity();
+  Vector6d twist = Vector6d::Zero();
+  std::vector<Eigen::Vector3d> degenerate_directions;
+};
 
 /// Where a tracker believes one scan to be.
 struct TrackedScan {
@@ -22,6 +31,10 @@ struct TrackedScan {
   bool motion_known = true;
   /// The local map was given up and begun anew: this pose does not hang together with earlier ones.
   bool new_segment = false;
+  /// True for the first scans of a map, as long as they may be looked at again.
+  bool provisional = false;
+  /// Of the first of the scans that were provisional until now, in their order; the others stay.
+  std::vector<Revision> revisions;
 };
 
 /// Follows the sensor from scan to scan: predicts, matches against its local map, and puts into
@@ -34,6 +47,8 @@ class Tracker {
   virtual TrackedScan track(const Scan& scan, const MotionPrior& prior) = 0;
   /// Forgets all; the next scan is the first one of a new local map and lies at this pose.
   virtual void restart(const Pose& T_odom_base) = 0;
+  /// What is provisional stays as it is.
+  virtual void settle() {}
   /// The local map in odom, one point per voxel: for display.
   virtual PointCloud local_map() const = 0;
 };
