@@ -89,6 +89,10 @@ class FrontEnd::Impl {
     if (tracker_) tracker_->restart(T_odom_base);
   }
 
+  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
+    if (tracker_) tracker_->set_sensor_origin(p_base_sensor);
+  }
+
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
 
  private:
@@ -241,6 +245,10 @@ FrontEndResult FrontEnd::process(const Scan& scan, const MotionPrior& prior) {
 }
 
 std::vector<FrontEndResult> FrontEnd::settle() { return impl_->settle(); }
+
+void FrontEnd::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
+  impl_->set_sensor_origin(p_base_sensor);
+}
 
 void FrontEnd::resume(KeyFrameIndex next_index, std::uint32_t next_segment,
                       const Pose& T_odom_base) {

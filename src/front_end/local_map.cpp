@@ -92,7 +92,11 @@ void LocalMap::clear() {
 
 void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
   place(points, state, fine_.origin(), placed_);
-  const Eigen::Vector3f viewpoint = (state.T_map_sensor.translation - fine_.origin()).cast<float>();
+  std::optional<Eigen::Vector3f> viewpoint;
+  if (points.viewpoint) {
+    const Eigen::Vector3d p_map = state.T_map_sensor * points.viewpoint->cast<double>();
+    viewpoint = (p_map - fine_.origin()).cast<float>();
+  }
   fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size(), viewpoint);
   insert_thinned(placed_, coarse_);
 }

@@ -113,6 +113,10 @@ class NdtTracker::Impl {
     return result;
   }
 
+  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
+    sampler_.set_sensor_origin(p_base_sensor);
+  }
+
   void restart(const Pose& T_odom_base) {
     forget();
     start_ = T_odom_base;
@@ -384,6 +388,10 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
 }
 
 void NdtTracker::settle() { impl_->settle(); }
+
+void NdtTracker::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
+  impl_->set_sensor_origin(p_base_sensor);
+}
 
 void NdtTracker::restart(const Pose& T_odom_base) { impl_->restart(T_odom_base); }
 

@@ -48,6 +48,10 @@ SweepSampler::SweepSampler(const FrontEndConfig& config)
       sparse_sampler_(kSparseTableBits),
       dense_sampler_(kDenseTableBits) {}
 
+void SweepSampler::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
+  sparse_.viewpoint = dense_.viewpoint = p_base_sensor.cast<float>();
+}
+
 void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
   const std::size_t stride = stride_for(scan.cloud.size());
   const auto& indices = sparse_sampler_.sample(
@@ -61,7 +65,7 @@ void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
 void SweepSampler::take(const Scan& scan, std::size_t turn) {
   sample_sparse(scan, turn);
   if (!std::exchange(sparse_known_, true)) sample_sparse(scan, turn);
-  points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s);
+  points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s, sparse_.viewpoint);
 }
 
 void SweepSampler::sample_dense(const Scan& scan) {

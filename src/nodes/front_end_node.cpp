@@ -36,12 +36,34 @@ std::string new_run_id() {
 
 }  // namespace
 
+/// Parameters of the node and of its stage.
+struct FrontEndNodeConfig {
+  NodeFields node;
+  std::string lidar_frame;
+  front_end::FrontEndConfig stage;
+
+  static const config::Schema<FrontEndNodeConfig>& schema();
+};
+
+const config::Schema<FrontEndNodeConfig>& FrontEndNodeConfig::schema() {
+  using Config = FrontEndNodeConfig;
+  const auto& stage = front_end::FrontEndConfig::schema();
+  static const auto schema =
+      config::Schema<Config>(stage.stage(), stage.summary())
+          .include(&Config::node, NodeFields::schema())
+          .text("lidar_frame", &Config::lidar_frame,
+                "Frame of the LiDAR in tf: from where points were seen tells the sides of thin "
+                "plates apart; may be empty.")
+          .include(&Config::stage, stage);
+  return schema;
+}
+
 /// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
 /// external_odom (with `odometry: external`). Published: laser_odom, key_frame, front_end_status,
 /// current_scan, local_map, tf odom -> base_link. Asks get_key_frames once, at the first scan.
 class FrontEndNode {
  public:
-  using Config = NodeConfig<front_end::FrontEndConfig>;
+  using Config = FrontEndNodeConfig;
 
   FrontEndNode(const Config& config, NodeContext& context);
 
@@ -53,6 +75,7 @@ class FrontEndNode {
   void process(std::vector<AssembledScan> scans);
   void process(const AssembledScan& assembled);
   void begin_run();
+  void tell_sensor_origin();
   void settle();
   void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void publish_verdict(const front_end::FrontEndResult& result);
@@ -177,6 +200,7 @@ void FrontEndNode::process(std::vector<AssembledScan> scans) {
 
 void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
+  tell_sensor_origin();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
   for (const front_end::FrontEndResult& settled : result.settled) publish_verdict(settled);
   publish(result, assembled.scan.cloud);
@@ -208,6 +232,12 @@ void FrontEndNode::begin_run() {
   front_end_.resume(last.index + 1, last.segment + 1, last.T_odom_base);
   ROS_WARN_STREAM("going on with run " << run_id_ << " at key frame " << last.index + 1
                                        << ", in a new segment of the trajectory");
+}
+
+void FrontEndNode::tell_sensor_origin() {
+  if (config_.lidar_frame.empty()) return;
+  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
+  if (T_base_lidar) front_end_.set_sensor_origin(T_base_lidar->translation);
 }
 
 void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {

@@ -49,6 +49,7 @@ void ScanOdometry::resume(const ResumePoint& point) {
 
 void ScanOdometry::take(const PreparedScan& prepared) {
   const preprocessing::SyncedScan& synced = prepared.synced;
+  if (prepared.p_base_lidar) front_end_.set_sensor_origin(*prepared.p_base_lidar);
   if (resumed_ && !resumed_->wants(synced.scan.stamp)) return;
   if (prepared.datum) piece_.datum = prepared.datum;
   if (prepared.p_base_lidar) piece_.p_base_lidar = prepared.p_base_lidar;

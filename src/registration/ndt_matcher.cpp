@@ -188,6 +188,10 @@ class NdtMatcher::Impl {
     kernels_.place(motion, static_cast<float>(1.0 / map.resolution()), arrays, points.padded_size(),
                    rotated_.x.data(), rotated_.y.data(), rotated_.z.data(), cells_.data());
     rotated_.translation = Eigen::Map<const Eigen::Vector3f>(motion.translation);
+    rotated_.viewpoint = points.viewpoint();
+    if (rotated_.viewpoint) {
+      rotated_.viewpoint = state.T_map_sensor.rotation.cast<float>() * *points.viewpoint();
+    }
     neighbors_.update(cells_, rotated_, map);
     return motion;
   }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/registration/gaussian_voxel_map.hpp"
@@ -18,12 +19,16 @@ struct PlaneArrays {
 struct RotatedPoints {
   std::vector<float> x, y, z;
   Eigen::Vector3f translation = Eigen::Vector3f::Zero();
+  std::optional<Eigen::Vector3f> viewpoint;  ///< rotated, too
 
   Eigen::Vector3f position(std::size_t i) const {
     return Eigen::Vector3f(x[i], y[i], z[i]) + translation;
   }
-  /// From the point to the sensor.
-  Eigen::Vector3f view(std::size_t i) const { return -Eigen::Vector3f(x[i], y[i], z[i]); }
+  /// From the point to the sensor; zero, which tells nothing, where that is not known.
+  Eigen::Vector3f view(std::size_t i) const {
+    if (!viewpoint) return Eigen::Vector3f::Zero();
+    return *viewpoint - Eigen::Vector3f(x[i], y[i], z[i]);
+  }
 };
 
 /// The planes that each point is matched with. They are remembered between iterations and looked up

@@ -50,8 +50,10 @@ void NdtPoints::close_slice(std::size_t begin) {
 }
 
 void NdtPoints::assign(const std::vector<float>& x, const std::vector<float>& y,
-                       const std::vector<float>& z, const std::vector<float>& s) {
+                       const std::vector<float>& z, const std::vector<float>& s,
+                       const std::optional<Eigen::Vector3f>& viewpoint) {
   clear();
+  viewpoint_ = viewpoint;
   if (x.empty()) return;
   const auto [first, last] = std::minmax_element(s.begin(), s.end());
   const float start = *first;
@@ -79,6 +81,7 @@ void NdtPoints::assign(const std::vector<float>& x, const std::vector<float>& y,
 
 void NdtPoints::assign_thinned(const NdtPoints& points, std::size_t step) {
   clear();
+  viewpoint_ = points.viewpoint_;
   std::size_t turn = 0;
   for (const Slice& slice : points.slices_) {
     const std::size_t begin = x_.size();

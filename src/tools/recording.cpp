@@ -45,6 +45,12 @@ class BagRecording {
     return {raw.stamp, transformed(without_empty_returns(raw.cloud), T_base(raw.frame_id))};
   }
 
+  Eigen::Vector3d sensor_origin() const {
+    const auto first = messages_.front().instantiate<sensor_msgs::PointCloud2>();
+    if (!first) throw InputError(messages_.front().getTopic() + " holds no PointCloud2");
+    return T_base(first->header.frame_id).translation;
+  }
+
  private:
   std::string first_cloud_topic(const std::string& path) const {
     rosbag::View view(bag_, rosbag::TypeQuery("sensor_msgs/PointCloud2"));
@@ -90,14 +96,15 @@ class BagRecording {
 
 Recording open_bag(const std::string& path, const std::string& topic) try {
   const auto bag = std::make_shared<const BagRecording>(path, topic);
-  return {bag->size(), [bag](std::size_t index) { return bag->scan(index); }};
+  return {bag->size(), [bag](std::size_t index) { return bag->scan(index); }, bag->sensor_origin()};
 } catch (const rosbag::BagException& error) {
   throw FileError("cannot read the bag " + path + ": " + error.what());
 }
 
 Recording open_folder(const std::string& path, const pipeline::KittiReading& reading) {
   const auto folder = std::make_shared<const pipeline::KittiFolder>(path, reading);
-  return {folder->size(), [folder](std::size_t index) { return folder->scan(index); }};
+  return {folder->size(), [folder](std::size_t index) { return folder->scan(index); },
+          Eigen::Vector3d::Zero()};
 }
 
 }  // namespace

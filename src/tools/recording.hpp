@@ -14,6 +14,7 @@ namespace lidar_mapping::tools {
 struct Recording {
   std::size_t size = 0;
   std::function<Scan(std::size_t)> scan;
+  Eigen::Vector3d sensor_origin = Eigen::Vector3d::Zero();  ///< in the frame of the scans
 };
 
 /// A folder as KITTI lays it out, or a bag with a topic of PointCloud2 (the first one, unless

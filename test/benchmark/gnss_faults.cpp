@@ -41,6 +41,7 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced) {
 /// Drives without GNSS; loops are searched about poses that are solved again and again.
 void record(const simulation::Drive& drive, session::Session& session) {
   front_end::FrontEnd front_end{front_end::FrontEndConfig{}};
+  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
   SessionClouds clouds(session);
   loop_closing::LoopCloser closer(loop_closing::LoopClosingConfig{}, clouds);
   closer.set_sensor_origin(drive.mounting().T_base_lidar.translation);

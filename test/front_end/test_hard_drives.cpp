@@ -25,7 +25,9 @@ simulation::Drive make_drive(const std::string& name, double duration, std::uint
 /// Runs the front end over a drive and compares each result with the truth.
 class Ride {
  public:
-  explicit Ride(const simulation::Drive& drive) : drive_(drive) {}
+  explicit Ride(const simulation::Drive& drive) : drive_(drive) {
+    front_end_.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  }
 
   const FrontEndResult& take(std::size_t index, const MotionPrior& prior = {}) {
     return take(drive_.base_scan(index), prior);
@@ -206,6 +208,7 @@ class SizeOfCovariance : public testing::TestWithParam<const char*> {};
 TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
   const simulation::Drive drive = make_drive(GetParam(), 45.0);
   FrontEnd front_end{FrontEndConfig{}};
+  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
   NormalisedError of_scans;
   NormalisedError of_key_frames;
   std::optional<FrontEndResult> last;
@@ -242,6 +245,7 @@ class StartAtSpeed : public testing::TestWithParam<std::uint64_t> {};
 std::vector<KeyFrame> first_key_frames(const simulation::Drive& drive, std::size_t begin,
                                        std::size_t count) {
   FrontEnd front_end{FrontEndConfig{}};
+  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
   std::vector<KeyFrame> key_frames;
   const auto take = [&](const FrontEndResult& result) {
     if (result.key_frame) key_frames.push_back(*result.key_frame);

@@ -47,6 +47,10 @@ class FrontEnd {
   /// as they are.
   std::vector<FrontEndResult> settle();
 
+  /// Where the LiDAR sits, in base_link: the two sides of a thin plate are told apart by it.
+  /// Without it they are not.
+  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
+
   /// Goes on after a restart: the next scan begins a new segment, at this pose; the next key frame
   /// is `next_index`.
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
@@ -42,6 +43,7 @@ class ScanSampler {
 /// less `reference`, or zero where the cloud has none.
 struct SampledPoints {
   std::vector<float> x, y, z, s;
+  std::optional<Eigen::Vector3f> viewpoint;  ///< from which they were seen, where that is known
 
   std::size_t size() const { return x.size(); }
   void assign(const PointCloud& cloud, const std::vector<std::uint32_t>& indices, double reference);

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace lidar_mapping::registration {
 
@@ -18,9 +21,10 @@ class NdtPoints {
 
   /// `s` are seconds after the reference time of the match, zero for points of one instant; all
   /// four have equal length. Slices are equally long in time; their order inside is that of the
-  /// input.
+  /// input. `viewpoint` is where the sensor was, in the frame of the points, if that is known.
   void assign(const std::vector<float>& x, const std::vector<float>& y, const std::vector<float>& z,
-              const std::vector<float>& s);
+              const std::vector<float>& s,
+              const std::optional<Eigen::Vector3f>& viewpoint = std::nullopt);
   /// Every `step`th point of `points`.
   void assign_thinned(const NdtPoints& points, std::size_t step);
 
@@ -33,6 +37,7 @@ class NdtPoints {
   const std::vector<float>& y() const { return y_; }
   const std::vector<float>& z() const { return z_; }
   const std::vector<float>& s() const { return s_; }
+  const std::optional<Eigen::Vector3f>& viewpoint() const { return viewpoint_; }
 
  private:
   void clear();
@@ -44,6 +49,7 @@ class NdtPoints {
 
   std::size_t size_ = 0;
   std::vector<float> x_, y_, z_, s_;
+  std::optional<Eigen::Vector3f> viewpoint_;
   std::vector<Slice> slices_;
   std::vector<std::size_t> order_;  ///< scratch of assign()
 };
