@@ -184,9 +184,9 @@ void BackEndNode::settle() {
 }
 
 void BackEndNode::keep_sensor_origin() {
-  if (config_.lidar_frame.empty() || run_->session().sensor_origin()) return;
-  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
-  if (T_base_lidar) run_->session().set_sensor_origin(T_base_lidar->translation);
+  if (run_->session().sensor_origin()) return;
+  const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  if (origin) run_->session().set_sensor_origin(*origin);
 }
 
 void BackEndNode::take_loop(const LoopMessage& message) {

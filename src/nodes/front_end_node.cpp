@@ -36,34 +36,12 @@ std::string new_run_id() {
 
 }  // namespace
 
-/// Parameters of the node and of its stage.
-struct FrontEndNodeConfig {
-  NodeFields node;
-  std::string lidar_frame;
-  front_end::FrontEndConfig stage;
-
-  static const config::Schema<FrontEndNodeConfig>& schema();
-};
-
-const config::Schema<FrontEndNodeConfig>& FrontEndNodeConfig::schema() {
-  using Config = FrontEndNodeConfig;
-  const auto& stage = front_end::FrontEndConfig::schema();
-  static const auto schema =
-      config::Schema<Config>(stage.stage(), stage.summary())
-          .include(&Config::node, NodeFields::schema())
-          .text("lidar_frame", &Config::lidar_frame,
-                "Frame of the LiDAR in tf: from where points were seen tells the sides of thin "
-                "plates apart; may be empty.")
-          .include(&Config::stage, stage);
-  return schema;
-}
-
 /// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
 /// external_odom (with `odometry: external`). Published: laser_odom, key_frame, front_end_status,
 /// current_scan, local_map, tf odom -> base_link. Asks get_key_frames once, at the first scan.
 class FrontEndNode {
  public:
-  using Config = FrontEndNodeConfig;
+  using Config = LidarNodeConfig<front_end::FrontEndConfig>;
 
   FrontEndNode(const Config& config, NodeContext& context);
 
@@ -235,9 +213,8 @@ void FrontEndNode::begin_run() {
 }
 
 void FrontEndNode::tell_sensor_origin() {
-  if (config_.lidar_frame.empty()) return;
-  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
-  if (T_base_lidar) front_end_.set_sensor_origin(T_base_lidar->translation);
+  const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  if (origin) front_end_.set_sensor_origin(*origin);
 }
 
 void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {

@@ -18,33 +18,11 @@ constexpr std::uint32_t kRepeatedLoops = 100;
 
 }  // namespace
 
-/// Parameters of the node and of its stage.
-struct LoopClosingNodeConfig {
-  NodeFields node;
-  std::string lidar_frame;
-  loop_closing::LoopClosingConfig stage;
-
-  static const config::Schema<LoopClosingNodeConfig>& schema();
-};
-
-const config::Schema<LoopClosingNodeConfig>& LoopClosingNodeConfig::schema() {
-  using Config = LoopClosingNodeConfig;
-  const auto& stage = loop_closing::LoopClosingConfig::schema();
-  static const auto schema =
-      config::Schema<Config>(stage.stage(), stage.summary())
-          .include(&Config::node, NodeFields::schema())
-          .text("lidar_frame", &Config::lidar_frame,
-                "Frame of the LiDAR, whose place on the vehicle the check of free space needs; "
-                "empty: it sits in the origin of the vehicle.")
-          .include(&Config::stage, stage);
-  return schema;
-}
-
 /// Subscribed: key_frame, key_frame_poses, synced_gnss. Published: loop, loop_verdict. Asks
 /// get_key_frames for what it missed; a restart loses nothing.
 class LoopClosingNode {
  public:
-  using Config = LoopClosingNodeConfig;
+  using Config = LidarNodeConfig<loop_closing::LoopClosingConfig>;
 
   LoopClosingNode(const Config& config, NodeContext& context);
 
@@ -134,9 +112,8 @@ void LoopClosingNode::take_key_frame(const RunKeyFrame& received) {
 }
 
 void LoopClosingNode::tell_sensor_origin() {
-  if (config_.lidar_frame.empty()) return;
-  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
-  if (T_base_lidar) run_->closer.set_sensor_origin(T_base_lidar->translation);
+  const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
+  if (origin) run_->closer.set_sensor_origin(*origin);
 }
 
 void LoopClosingNode::take_poses(const KeyFramePosesMessage& message) {

@@ -18,6 +18,14 @@ std::optional<Pose> SensorFrames::lookup(const std::string& target, const std::s
   return pose;
 }
 
+std::optional<Eigen::Vector3d> SensorFrames::origin_of(const std::string& sensor_frame,
+                                                       const std::string& base_frame) {
+  if (sensor_frame.empty()) return std::nullopt;
+  const std::optional<Pose> T_base_sensor = lookup(base_frame, sensor_frame);
+  if (!T_base_sensor) return std::nullopt;
+  return T_base_sensor->translation;
+}
+
 std::optional<Pose> SensorFrames::ask(const std::string& target, const std::string& source) {
   try {
     return from_message(buffer_.lookupTransform(target, source, ros::Time(0)).transform);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <map>
@@ -47,13 +48,17 @@ PipelineReport map_drive(const SimulatedInput& recorded, const fs::path& folder,
   return pipeline.finish();
 }
 
-/// The largest distance of the key frames to the truth, both seen from the first one.
-double error_of(const Session& session, const simulation::Drive& drive) {
-  const KeyFramePoses poses = session.poses();
-  double largest = poses.poses.empty() ? 1e9 : 0.0;
+/// The largest distance of the key frames to the truth, both seen from the first one, of those that
+/// come `seconds` after the beginning.
+double error_of(const Session& session, const simulation::Drive& drive, double seconds = 0.0) {
+  std::vector<KeyFramePose> poses = session.poses().poses;
+  const Stamp begin = drive.scan_stamp(0) + from_seconds(seconds);
+  poses.erase(poses.begin(), std::find_if(poses.begin(), poses.end(),
+                                          [&](const auto& pose) { return pose.stamp >= begin; }));
+  double largest = poses.empty() ? 1e9 : 0.0;
   const auto truth = [&](const KeyFramePose& pose) { return drive.trajectory().pose(pose.stamp); };
-  for (const KeyFramePose& pose : poses.poses) {
-    const KeyFramePose& first = poses.poses.front();
+  for (const KeyFramePose& pose : poses) {
+    const KeyFramePose& first = poses.front();
     const Pose estimate = first.T_map_base.inverse() * pose.T_map_base;
     const Pose expected = truth(first).inverse() * truth(pose);
     largest = std::max(largest, (estimate.translation - expected.translation).norm());
@@ -78,6 +83,29 @@ TEST(Pipeline, DoesNotUseRatesThatAreNone) {
     pipeline.finish();
   }
   EXPECT_LT(error_of(Session::open(folder.path(), Session::Access::kRead), input.drive()), 0.3);
+}
+
+// The floor of a storey shares its voxels with the ceiling of the one below, and base_link lies on
+// the floor: only from the place of the LiDAR is it seen from above.
+TEST(Pipeline, KeepsTheHeightOnTheRampOfACarPark) {
+  constexpr double kBeforeTheRamp = 40.0;  // s
+  simulation::DriveOptions options;
+  options.drive = "car_park";
+  options.lidar = "vlp16";
+  options.seed = 67;
+  options.duration = 64.0;
+  SimulatedInput input(options);
+  const TemporaryFolder folder;
+  {
+    Pipeline pipeline({}, Session::create_in(folder.path()),
+                      [&](const std::string& frame) { return input.T_base(frame); });
+    while (auto datum = input.next()) {
+      if (std::holds_alternative<RecordedScan>(*datum)) pipeline.add(std::move(*datum));
+    }
+    pipeline.finish();
+  }
+  const Session session = Session::open(folder.path(), Session::Access::kRead);
+  EXPECT_LT(error_of(session, input.drive(), kBeforeTheRamp), 0.1);
 }
 
 TEST(Pipeline, MapsADriveWithTheSameBytesForAnyNumberOfThreads) {

@@ -30,4 +30,24 @@ struct NodeConfig {
   }
 };
 
+/// The same for nodes that need to know from where points were seen.
+template <typename StageConfig>
+struct LidarNodeConfig {
+  NodeFields node;
+  std::string lidar_frame;
+  StageConfig stage;
+
+  static const config::Schema<LidarNodeConfig>& schema() {
+    static const auto schema =
+        config::Schema<LidarNodeConfig>(StageConfig::schema().stage(),
+                                        StageConfig::schema().summary())
+            .include(&LidarNodeConfig::node, NodeFields::schema())
+            .text("lidar_frame", &LidarNodeConfig::lidar_frame,
+                  "Frame of the LiDAR in tf, whose place is where points were seen from; may be "
+                  "empty.")
+            .include(&LidarNodeConfig::stage, StageConfig::schema());
+    return schema;
+  }
+};
+
 }  // namespace lidar_mapping::ros_border

@@ -21,6 +21,9 @@ class SensorFrames {
   /// Pose T_target_source, or nothing while tf does not know it. Never waits. Warns at most once in
   /// 5 s for a pair, naming both frames. Frames may have tf 1's leading slash.
   std::optional<Pose> lookup(const std::string& target, const std::string& source);
+  /// Where a sensor sits on the vehicle; nothing too if its frame is empty.
+  std::optional<Eigen::Vector3d> origin_of(const std::string& sensor_frame,
+                                           const std::string& base_frame);
 
  private:
   std::optional<Pose> ask(const std::string& target, const std::string& source);
