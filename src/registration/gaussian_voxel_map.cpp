@@ -21,6 +21,8 @@ constexpr float kThinSurface = 0.05F;
 constexpr float kLeastSlope = 0.03F;
 /// Linear probing stays short up to this load.
 constexpr double kMaxLoad = 0.75;
+/// Up to this share of the table its slots are cleared one by one.
+constexpr double kListedShare = 0.25;
 /// A plane is computed again when its voxel has grown by this factor.
 constexpr int kGrowthPercent = 110;
 
@@ -68,12 +70,20 @@ GaussianVoxelMap::GaussianVoxelMap(double resolution, std::size_t capacity, cons
       voxels_(next_power_of_two(capacity)) {
   mask_ = static_cast<std::uint32_t>(voxels_.size() - 1);
   most_voxels_ = static_cast<std::size_t>(kMaxLoad * static_cast<double>(voxels_.size()));
+  most_listed_ = static_cast<std::size_t>(kListedShare * static_cast<double>(voxels_.size()));
   hash_shift_ = 64;
   for (std::size_t slots = voxels_.size(); slots > 1; slots /= 2) --hash_shift_;
 }
 
+/// A map of one scan is cleared several times at the start of a drive: by its own voxels, not by
+/// the whole table.
 void GaussianVoxelMap::clear() {
-  if (size_ > 0) std::fill(voxels_.begin(), voxels_.end(), Voxel{});
+  if (used_.size() < most_listed_) {
+    for (const std::uint32_t slot : used_) voxels_[slot] = Voxel{};
+  } else {
+    std::fill(voxels_.begin(), voxels_.end(), Voxel{});
+  }
+  used_.clear();
   size_ = 0;
   hand_ = 0;
   dropped_points_ = 0;
@@ -115,6 +125,7 @@ GaussianVoxelMap::Voxel* GaussianVoxelMap::find_or_add(const Place& place) {
     if (voxel.key != 0) continue;
     if (size_ >= most_voxels_) return nullptr;
     voxel.key = place.key;
+    if (used_.size() < most_listed_) used_.push_back(slot);
     ++size_;
     return &voxel;
   }

@@ -162,6 +162,28 @@ TEST(GaussianVoxelMap, StaysOfOneSizeOverALongDrive) {
   EXPECT_EQ(map.dropped_points(), 0U);
 }
 
+/// A voxel for each x from `first` on.
+void insert_row(int first, int count, GaussianVoxelMap& map) {
+  for (int x = first; x < first + count; ++x) {
+    const Eigen::Vector3f p(static_cast<float>(x) + 0.5F, 0.5F, 0.5F);
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+}
+
+// Few voxels are cleared one by one, many with the whole table; voxels that were deleted in between
+// have moved others.
+TEST(GaussianVoxelMap, ClearingLeavesNothing) {
+  GaussianVoxelMap map(1.0, 4096);
+  for (const int voxels : {500, 2000, 500}) {
+    insert_row(0, voxels, map);
+    map.forget_beyond({0.0F, 0.0F, 0.0F}, 200.0F, 1.0);
+    insert_row(-300, 100, map);
+    map.clear();
+    EXPECT_EQ(map.size(), 0U);
+    EXPECT_TRUE(map.gaussians().empty());
+  }
+}
+
 TEST(GaussianVoxelMap, MovingTheOriginMovesNothing) {
   GaussianVoxelMap map = corner_map();
   const Gaussian before = map.gaussian({2, -12, -2});

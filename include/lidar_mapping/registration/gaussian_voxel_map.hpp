@@ -127,6 +127,10 @@ class GaussianVoxelMap {
   PlaneModel model_;
   Eigen::Vector3i origin_cell_ = Eigen::Vector3i::Zero();
   std::vector<Voxel> voxels_;
+  /// Slots that have been used since the table was empty, up to a number beyond which all of it is
+  /// cleared.
+  std::vector<std::uint32_t> used_;
+  std::size_t most_listed_ = 0;
   std::uint32_t mask_ = 0;
   std::size_t most_voxels_ = 0;
   int hash_shift_ = 0;
