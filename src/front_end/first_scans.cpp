@@ -14,6 +14,8 @@ constexpr std::size_t kInsertedScans = 24;
 constexpr double kLongest = 6.0;
 /// Of fewer nothing better can be made.
 constexpr std::size_t kFewestInserted = 6;
+/// So many are matched again per scan that comes in: all at once would hold that one up.
+constexpr std::size_t kAtOnce = 4;
 
 double seconds_between(const MatchedScan& from, const MatchedScan& to) {
   return to_seconds(to.stamp - from.stamp) + to.reference - from.reference;
@@ -34,14 +36,16 @@ void FirstScans::end() {
   open_ = false;
   inserted_ = 0;
   scans_.clear();
+  filter_.reset();
+  found_.clear();
 }
 
 void FirstScans::add(MatchedScan scan) {
-  if (open_) scans_.push_back(std::move(scan));
+  if (open_ && !filter_) scans_.push_back(std::move(scan));
 }
 
 void FirstScans::set_inserted(const SampledPoints& dense) {
-  if (!open_) return;
+  if (!open_ || filter_) return;
   scans_.back().dense = dense;
   ++inserted_;
 }
@@ -61,33 +65,41 @@ std::size_t FirstScans::first_of_later_half() const {
   return 0;
 }
 
-std::vector<SweepMatcher::Found> FirstScans::match_again(MotionFilter filter, SweepMatcher& matcher,
-                                                         const MatchJudge& judge,
-                                                         LocalMap& map) const {
-  if (inserted_ < kFewestInserted) return {};
-  const std::size_t later = first_of_later_half();
+void FirstScans::begin_to_look(const MotionFilter& filter, LocalMap& map) {
+  filter_ = filter;
+  if (inserted_ < kFewestInserted) return;
+  left_ = first_of_later_half();
+  found_.resize(left_);
   map.clear();
-  for (std::size_t i = later; i < scans_.size(); ++i) insert(scans_[i], scans_[i].state, map);
-  filter.restart(scans_[later].state, scans_[later].covariance);
-  std::vector<SweepMatcher::Found> found(later);
-  for (std::size_t i = later; i-- > 0;) {
-    filter.predict(seconds_between(scans_[i + 1], scans_[i]));
-    const registration::MotionBelief belief = filter.belief();
-    found[i] = matcher.find(scans_[i].points, map, judge, {belief, belief}, {});
-    if (judge.judge(found[i].match, belief) == TrackingState::kLost) {
-      restore(map);
-      return {};
-    }
-    filter.correct(found[i].match.state, found[i].match.information.inverse(),
-                   projection_beside(found[i].degenerate_directions));
-    insert(scans_[i], found[i].match.state, map);
-  }
-  return found;
+  for (std::size_t i = left_; i < scans_.size(); ++i) insert(scans_[i], scans_[i].state, map);
+  filter_->restart(scans_[left_].state, scans_[left_].covariance);
 }
 
-void FirstScans::restore(LocalMap& map) const {
-  map.clear();
-  for (const MatchedScan& scan : scans_) insert(scan, scan.state, map);
+bool FirstScans::match_again(std::size_t i, const MatchJudge& judge, LocalMap& map) {
+  const MatchedScan& scan = scans_[i];
+  filter_->predict(seconds_between(scans_[i + 1], scan));
+  const registration::MotionBelief belief = filter_->belief();
+  found_[i] = matcher_.find(scan.points, map, judge, {belief, belief}, {});
+  const registration::NdtMatch& match = found_[i].match;
+  if (judge.judge(match, belief) == TrackingState::kLost) return false;
+  filter_->correct(match.state, match.information.inverse(),
+                   projection_beside(found_[i].degenerate_directions));
+  insert(scan, match.state, map);
+  return true;
+}
+
+bool FirstScans::look_again(const MotionFilter& filter, const MatchJudge& judge, LocalMap& map) {
+  if (!filter_) {
+    if (!is_complete()) return false;
+    begin_to_look(filter, map);
+    return left_ == 0;
+  }
+  for (std::size_t k = 0; k < kAtOnce && left_ > 0; ++k) {
+    if (match_again(--left_, judge, map)) continue;
+    left_ = 0;
+    found_.clear();
+  }
+  return left_ == 0;
 }
 
 }  // namespace lidar_mapping::front_end

@@ -87,7 +87,8 @@ class NdtTracker::Impl {
         map_(config.voxel_size, config.local_map_radius),
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
         judge_(config.max_speed),
-        matcher_(config.registration.neighbor_search) {}
+        matcher_(config.registration.neighbor_search),
+        first_scans_(config.registration.neighbor_search) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
@@ -190,7 +191,9 @@ class NdtTracker::Impl {
     accept(found, prior, result.status);
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
-    if (first_scans_.is_open() && first_scans_.is_complete()) result.revisions = look_again();
+    if (first_scans_.is_open() && first_scans_.look_again(filter_, judge_, map_)) {
+      result.revisions = revisions();
+    }
   }
 
   void remember(const Scan& scan) {
@@ -210,9 +213,8 @@ class NdtTracker::Impl {
     if (twist.head<3>().norm() < kAtSpeed || match.overlap > kEnoughPlanes) first_scans_.end();
   }
 
-  std::vector<Revision> look_again() {
-    SweepMatcher matcher(config_.registration.neighbor_search);
-    const auto found = first_scans_.match_again(filter_, matcher, judge_, map_);
+  std::vector<Revision> revisions() {
+    const auto& found = first_scans_.found();
     std::vector<Revision> revisions;
     for (std::size_t i = 0; i < found.size(); ++i) {
       revisions.push_back(revision_of(found[i], first_scans_.scans()[i].reference));

@@ -224,7 +224,7 @@ TEST(FrontEnd, LooksAgainAtItsFirstScansWhereADriveBeginsAtSpeed) {
   FrontEnd front_end{FrontEndConfig{}};
   const std::vector<FrontEndResult> settled = settled_from(drive, kFirst, front_end);
   ASSERT_GT(settled.size(), 10U);
-  EXPECT_LT(settled.size(), 62U) << "six seconds";
+  EXPECT_LT(settled.size(), 72U) << "seven seconds";
   KeyFrameIndex key_frames = 0;
   for (std::size_t i = 0; i < settled.size(); ++i) {
     EXPECT_EQ(settled[i].stamp, drive.scan_stamp(kFirst + i));
