@@ -50,11 +50,12 @@ MotionState moving(const Pose& first, double x, double y, double yaw, double sec
 }
 
 /// The prediction, the anchors, and what lies between them: after a gap the vehicle may have
-/// braked.
+/// braked. Around an anchor beside the prediction the starts would be the same.
 std::vector<Pose> centers_around(const Pose& prediction, const std::vector<Pose>& anchors) {
   std::vector<Pose> centers = {prediction};
   for (const Pose& anchor : anchors) {
     const Vector6d way = difference(anchor, prediction);
+    if (way.head<3>().norm() < 0.5 * kStep && way.tail<3>().norm() < 0.5 * kTurnStep) continue;
     const int parts = std::min(kMostBetween, static_cast<int>(way.head<3>().norm() / kBetween)) + 1;
     for (int part = 0; part < parts; ++part) {
       centers.push_back(perturbed(anchor, Vector6d(part * way / parts)));

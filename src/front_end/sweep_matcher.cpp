@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/search_starts.hpp"
@@ -26,6 +27,9 @@ constexpr std::size_t kScoringThinning = 16;
 constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kImproved = 12;
 constexpr std::size_t kFinalists = 3;
+// Coarse ends this close to each other lead to the same fine one (m, rad).
+constexpr double kSamePlace = 0.1;
+constexpr double kSameAngle = 0.01;
 /// One that has not come to rest by then was no good end of the coarse search.
 constexpr int kFinalIterations = 15;
 /// What many starts found must be that much better than what the prediction found.
@@ -55,6 +59,22 @@ void keep_best(std::vector<NdtMatch>& matches, std::size_t count) {
   std::stable_sort(matches.begin(), matches.end(),
                    [](const NdtMatch& a, const NdtMatch& b) { return a.quality > b.quality; });
   matches.resize(std::min(matches.size(), count));
+}
+
+/// Of matches that have come to the same place keeps the best one.
+void keep_distinct(std::vector<NdtMatch>& matches) {
+  const auto is_beside = [](const NdtMatch& a, const NdtMatch& b) {
+    const Vector6d d = difference(a.state.T_map_sensor, b.state.T_map_sensor);
+    return d.head<3>().norm() < kSamePlace && d.tail<3>().norm() < kSameAngle;
+  };
+  keep_best(matches, matches.size());
+  std::vector<NdtMatch> distinct;
+  for (const NdtMatch& match : matches) {
+    const bool is_new = std::none_of(distinct.begin(), distinct.end(),
+                                     [&](const NdtMatch& kept) { return is_beside(kept, match); });
+    if (is_new) distinct.push_back(match);
+  }
+  matches = std::move(distinct);
 }
 
 }  // namespace
@@ -128,6 +148,7 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
     const MotionState state = approach(few_, map, prior, match.state);
     match = matcher_.evaluate(few_, map.fine(), state, widened(kQuickWidening));
   }
+  keep_distinct(found);
   keep_best(found, kFinalists);
   NdtOptions options;
   options.neighbor_search = neighbors_;
