@@ -49,7 +49,8 @@ bool MatchJudge::below(double share, const registration::NdtMatch& match) const 
 
 bool MatchJudge::in_doubt(const registration::NdtMatch& match,
                           const registration::MotionBelief& prediction) const {
-  return match.quality < kDoubtfulQuality * usual_ || pair_quality(match) < kMinPairQuality ||
+  return !match.converged || match.quality < kDoubtfulQuality * usual_ ||
+         pair_quality(match) < kMinPairQuality ||
          innovation(match, prediction) > kDoubtfulInnovation;
 }
 

@@ -1,11 +1,9 @@
 #include <algorithm>
-#include <fstream>
-#include <iomanip>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "drive.hpp"
+#include "recorded_scans.hpp"
 #include "test_data.hpp"
 
 namespace lidar_mapping::loop_closing::test {
@@ -16,31 +14,12 @@ class RecordedClouds : public CloudSource {
  public:
   explicit RecordedClouds(std::filesystem::path folder) : folder_(std::move(folder)) {}
   PointCloudPtr cloud(KeyFrameIndex index) override {
-    std::ostringstream name;
-    name << std::setw(6) << std::setfill('0') << index << ".bin";
-    std::ifstream file(folder_ / "velodyne" / name.str(), std::ios::binary);
-    auto cloud = std::make_shared<PointCloud>();
-    Point point;
-    while (file.read(reinterpret_cast<char*>(&point), sizeof(point))) {
-      cloud->points.push_back(point);
-    }
-    return cloud;
+    return std::make_shared<PointCloud>(lidar_mapping::test::recorded_scan(folder_, index));
   }
 
  private:
   std::filesystem::path folder_;
 };
-
-std::vector<Pose> recorded_poses(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "poses.txt");
-  std::vector<Pose> poses;
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  while (true) {
-    for (int i = 0; i < 12; ++i) file >> matrix(i / 4, i % 4);
-    if (!file) return poses;
-    poses.push_back(Pose::from_matrix(matrix));
-  }
-}
 
 /// Feeds the key frames [first, last] of all poses, with an odometry that drifts.
 void drive_part(LoopCloser& closer, const std::vector<Pose>& truth,
@@ -64,7 +43,7 @@ bool is_plausible(const Loop& loop, const std::vector<Pose>& truth) {
 
 TEST(Recorded, BothRevisitsOfADriveCloseAndNothingElse) {
   REQUIRE_RECORDED(folder, "kitti00_keyframes");
-  const auto truth = recorded_poses(folder);
+  const auto truth = lidar_mapping::test::recorded_poses(folder);
   const auto odometry = drifting(truth, 1.005, 5e-5, 0.002);
   RecordedClouds clouds(folder);
   LoopCloser closer({}, clouds);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <random>
 #include <string>
 
@@ -9,6 +8,7 @@
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "recorded_scans.hpp"
 #include "samples.hpp"
 #include "test_data.hpp"
 
@@ -243,15 +243,6 @@ TEST(Deskewing, PutsASimulatedDriveBackInPlace) {
   EXPECT_LT(rms, 0.01) << "raw " << std::sqrt(squares_raw / static_cast<double>(count));
 }
 
-PointCloud read_kitti(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  PointCloud cloud;
-  cloud.points.resize(std::filesystem::file_size(path) / sizeof(Point));
-  file.read(reinterpret_cast<char*>(cloud.points.data()),
-            static_cast<std::streamsize>(cloud.size() * sizeof(Point)));
-  return cloud;
-}
-
 double mean_distance(const PointCloud& a, const PointCloud& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -272,11 +263,10 @@ TEST(Deskewing, AgreesWithTheCompensatedScansOfKitti) {
   // Motion at the two scans, from the notes of the recording.
   const double speeds[] = {7.5, 4.5};
   const double yaw_rates[] = {0.0, -14.0 * M_PI / 180.0};
-  const char* raws[] = {"000000.bin", "000037.bin"};
-  const char* dones[] = {"000000.bin", "000001.bin"};
-  for (int i = 0; i < 2; ++i) {
-    const PointCloud raw = read_kitti(raw_folder / "velodyne" / raws[i]);
-    const PointCloud done = read_kitti(done_folder / "velodyne" / dones[i]);
+  const std::size_t raws[] = {0, 37};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const PointCloud raw = lidar_mapping::test::recorded_scan(raw_folder, raws[i]);
+    const PointCloud done = lidar_mapping::test::recorded_scan(done_folder, i);
     ASSERT_EQ(raw.size(), done.size());
     Preprocessor stage(config, identity_lookup);
     for (int k = -20; k < 20; ++k) {

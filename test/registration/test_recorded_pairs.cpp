@@ -1,12 +1,11 @@
 #include <filesystem>
-#include <fstream>
 
 #include <pcl/io/pcd_io.h>
 
-#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/common/voxel_filter.hpp"
 
 #include "method_test.hpp"
+#include "recorded_scans.hpp"
 #include "test_data.hpp"
 
 namespace lidar_mapping::registration {
@@ -17,15 +16,6 @@ namespace fs = std::filesystem;
 // Spacing of the points that are matched, m.
 constexpr double kTargetSpacing = 0.3;
 constexpr double kSourceSpacing = 0.8;
-
-PointCloud read_bin(const fs::path& path) {
-  PointCloud cloud;
-  cloud.points.resize(fs::file_size(path) / sizeof(Point));
-  std::ifstream(path, std::ios::binary)
-      .read(reinterpret_cast<char*>(cloud.points.data()),
-            static_cast<std::streamsize>(cloud.size() * sizeof(Point)));
-  return cloud;
-}
 
 /// Without the empty returns, which this sensor puts into its origin.
 PointCloud read_pcd(const fs::path& path) {
@@ -48,12 +38,12 @@ struct RecordedPair {
 RecordedPair read_pair(const fs::path& folder, const std::string& ending, std::size_t first,
                        std::size_t second) {
   const auto read = [&](std::size_t index) {
-    std::string name = std::to_string(index);
-    name = std::string(6 - name.size(), '0') + name + ending;
-    return ending == ".pcd" ? read_pcd(folder / name) : read_bin(folder / "velodyne" / name);
+    if (ending == ".bin") return test::recorded_scan(folder, index);
+    const std::string digits = std::to_string(index);
+    return read_pcd(folder / (std::string(6 - digits.size(), '0') + digits + ending));
   };
-  const auto poses = read_trajectory((folder / "poses.txt").string()).poses;
-  return {read(first), read(second), poses[first].pose.inverse() * poses[second].pose};
+  const auto poses = test::recorded_poses(folder);
+  return {read(first), read(second), poses[first].inverse() * poses[second]};
 }
 
 class RecordedPairs : public MethodTest {
