@@ -43,6 +43,7 @@ Scenario make_scenario(const DriveOptions& options) {
       "scan_rate " + std::to_string(options.scan_rate) + " is outside 1 to 50 turns per second");
   require(!options.duration || *options.duration >= kShortestDrive,
           "duration is shorter than 1 s; ask for more");
+  require(options.start >= 0.0, "start is negative; use 0 or more seconds");
   require(options.rounds >= 1, "rounds " + std::to_string(options.rounds) + "; use 1 or more");
   require(options.range_noise >= 0.0, "range_noise is negative; use 0 or more metres");
   require(options.gnss_noise > 0.0, "gnss_noise must be greater than 0 metres");
@@ -74,8 +75,11 @@ class Drive::Impl {
     outages_.insert(outages_.end(), options.gnss_outages.begin(), options.gnss_outages.end());
   }
 
+  /// What remains of it.
+  Stamp begin() const { return scenario_.trajectory.begin() + from_seconds(options_.start); }
+
   Stamp scan_stamp(std::size_t index) const {
-    return scenario_.trajectory.begin() + kFirstScanAfter + static_cast<Stamp>(index) * period_;
+    return begin() + kFirstScanAfter + static_cast<Stamp>(index) * period_;
   }
 
   SimulatedScan scan(std::size_t index) const {
@@ -86,12 +90,17 @@ class Drive::Impl {
                       noise_seed(kScanNoise) ^ mixed(index)});
   }
 
-  std::uint64_t noise_seed(Stream stream) const { return mixed(options_.seed ^ mixed(stream)); }
+  std::uint64_t noise_seed(Stream stream) const {
+    return mixed(day_seed(options_, options_.seed) ^ mixed(stream));
+  }
 
-  /// Samples up to the end of a cut drive.
+  /// Samples of what is left of a cut drive.
   template <typename Sample>
   std::vector<Sample> cut(std::vector<Sample> samples) const {
-    while (!samples.empty() && samples.back().stamp > end_) samples.pop_back();
+    const auto is_outside = [this](const Sample& sample) {
+      return sample.stamp < begin() || sample.stamp > end_;
+    };
+    samples.erase(std::remove_if(samples.begin(), samples.end(), is_outside), samples.end());
     return samples;
   }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/random.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -16,6 +17,11 @@ struct Scenario {
   SensorMounting mounting;
   std::vector<GnssOutage> covered;  ///< where no satellite is in view
 };
+
+/// The seed of what is another on another day.
+inline std::uint64_t day_seed(const DriveOptions& options, std::uint64_t seed) {
+  return options.pass == 0 ? seed : mixed(seed ^ mixed(options.pass));
+}
 
 Scenario make_town(const DriveOptions& options);
 Scenario make_figure_eight(const DriveOptions& options);

@@ -78,22 +78,23 @@ std::vector<Crossing> over_all_crossings(const std::vector<Crossing>& route) {
 
 Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
   const std::uint64_t seed = mixed(options.seed) ^ plan.variant;
+  const std::uint64_t day = day_seed(options, seed);
   const TownLayout layout(plan.columns, plan.rows, plan.rows_alike, Random(seed, kLayout));
   const Terrain terrain(Random(seed, kTerrain), 5, 180.0, 420.0, plan.slope);
   const std::vector<Crossing> route = over_all_crossings(plan.route);
   const Path path = Path::rounded(layout.lane_corners(route, kLaneOffset), kTurnRadius)
-                        .weaving(0.2, Random(seed, kMotion).uniform(0.0, 6.0));
+                        .weaving(0.2, Random(day, kMotion).uniform(0.0, 6.0));
   RoadDrive drive{path, kOutOfCrossing, path.length() - plan.end_before, {}, {}};
   for (const double share : plan.halts) drive.halts.push_back({share * path.length(), 4.0});
   const std::vector<double> stations = drive.stations();
   Scenario scenario{
       {},
-      vehicle_trajectory(path, stations, ground_along(path, terrain), Random(seed, kMotion)),
+      vehicle_trajectory(path, stations, ground_along(path, terrain), Random(day, kMotion)),
       car_mounting(),
       {}};
   scenario.world.fixed = make_town_mesh(layout, terrain, Random(seed, kMesh));
   if (options.movers) {
-    Random random(seed, kTraffic);
+    Random random(day, kTraffic);
     add_car_ahead(scenario.world, path, stations, terrain, Random(random.bits()));
     add_traffic(scenario.world, traffic_lanes(layout), terrain, scenario.trajectory,
                 plan.road_users, Random(random.bits()));

@@ -137,6 +137,18 @@ Revisits revisits(const Drive& drive) {
   return found;
 }
 
+TEST(TownDrive, AnotherPassMeetsOtherTrafficInTheSameTown) {
+  DriveOptions options;
+  options.pass = 1;
+  const Drive other(options);
+  const Drive& town = drive_of("town");
+  EXPECT_EQ(other.world().fixed.vertices, town.world().fixed.vertices);
+  const auto moved = other.world().movers.front().T_map_shape.front().translation -
+                     town.world().movers.front().T_map_shape.front().translation;
+  EXPECT_GT(moved.norm(), 0.1);
+  EXPECT_NE(other.gnss().front().latitude_deg, town.gnss().front().latitude_deg);
+}
+
 TEST(TownDrive, RevisitsStreetsInBothDirectionsAndEndsNearItsStart) {
   const Drive& drive = drive_of("town");
   const SmoothTrajectory& way = drive.trajectory();

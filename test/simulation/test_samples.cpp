@@ -139,5 +139,18 @@ TEST_F(Samples, CoverAllScansOfACutDrive) {
   EXPECT_GE(drive.gnss().back().stamp, last);
 }
 
+TEST_F(Samples, BeginWhereADriveIsCut) {
+  DriveOptions cut = options();
+  cut.start = 2.0;
+  cut.duration = 5.0;
+  const Drive drive(cut);
+  const Stamp start = drive.trajectory().begin() + 2'000'000'000;
+  EXPECT_GT(drive.scan_stamp(0), start);
+  EXPECT_LT(drive.scan_stamp(0), start + 300'000'000);
+  EXPECT_GE(drive.imu().front().stamp, start);
+  EXPECT_LT(drive.imu().front().stamp, drive.scan_stamp(0));
+  EXPECT_LE(drive.scan_stamp(drive.scan_count() - 1), start + 3'000'000'000);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::simulation

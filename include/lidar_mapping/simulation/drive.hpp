@@ -33,6 +33,9 @@ struct DriveOptions {
   std::string drive = "town";      ///< one of drive_names()
   std::string lidar = "hdl64";     ///< one of lidar_names()
   std::uint64_t seed = 1;          ///< of the world, the traffic and all noise
+  std::uint64_t pass = 0;          ///< others: another day in that world, with traffic and noise
+                                   ///< of its own (the towns)
+  double start = 0.0;              ///< s; what was before is left out
   std::optional<double> duration;  ///< s; cut the drive after this time
   int rounds = 2;                  ///< turns of `city`; other drives ignore it
   double scan_rate = 10.0;         ///< turns per second
