@@ -20,6 +20,8 @@ constexpr double kBlockShare = 0.7;     // of a block's voters have to say that 
 constexpr double kThingShare = 0.3;     // of a thing's: of one that stands next to nobody does
 
 Layer layer_of(float above_own, float above_all) {
+  if (above_all < kFootHeight) return Layer::kGround;
+  if (above_own < kFootHeight && above_all < kGroundHeight) return Layer::kRaised;
   const float height = above_own < above_all - kRoof ? above_all : std::min(above_own, above_all);
   if (height < kGroundHeight) return Layer::kFoot;
   return height < kBodyHeight ? Layer::kBody : Layer::kHigh;
@@ -201,14 +203,29 @@ class Things {
   std::vector<Poll> polls_;
 };
 
+bool goes(std::size_t i, Layer layer, const Blocks& blocks, const Things& things) {
+  switch (layer) {
+    case Layer::kGround:
+      return false;
+    case Layer::kRaised:
+      return things.moves(i);
+    case Layer::kFoot:
+      return things.moves_beside(i);
+    case Layer::kBody:
+      return blocks.move_around(i) || things.moves(i);
+    case Layer::kHigh:
+      return blocks.move_around(i) && things.moves(i);
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
   std::vector<Layer> layers(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float above_all = height_above_all(points, i, grounds);
-    layers[i] = above_all < kFootHeight ? Layer::kGround
-                                        : layer_of(grounds.own.height_above(points, i), above_all);
+    layers[i] = layer_of(grounds.own.height_above(points, i), above_all);
   }
   return layers;
 }
@@ -220,11 +237,7 @@ std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vo
   if (blocks.empty()) return marks;
   const Things things(points, votes, layers);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (layers[i] == Layer::kFoot) {
-      marks[i] = things.moves_beside(i);
-    } else if (layers[i] != Layer::kGround) {
-      marks[i] = blocks.move_around(i) || (layers[i] == Layer::kBody && things.moves(i));
-    }
+    marks[i] = goes(i, layers[i], blocks, things);
   }
   return marks;
 }

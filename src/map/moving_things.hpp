@@ -7,9 +7,9 @@
 
 namespace lidar_mapping::map {
 
-/// Where a point is: on the ground, at the foot of something, on it, or above the height of
-/// vehicles.
-enum class Layer : char { kGround, kFoot, kBody, kHigh };
+/// Where a point is: on the ground, on what its own key frame saw as ground and others a little
+/// below, at the foot of something, on it, or above the height of cars.
+enum class Layer : char { kGround, kRaised, kFoot, kBody, kHigh };
 
 /// The ground below the points of a key frame, as it saw it itself, as it and its neighbours saw
 /// it, and as those saw it that come by further away.

@@ -76,8 +76,9 @@ TEST(SimulatedMovers, GoFarAheadWithSixteenBeams) {
   EXPECT_GT(shares_of("vlp16", 1, 0.0, 0.0, 4).moving_removed, 0.86);
 }
 
+// A longer part of that drive loses a quarter more, and 0.2 % is what may go.
 TEST(SimulatedMovers, GroundStaysWhereSixteenBeamsHaveErrorsOfPose) {
-  EXPECT_LT(shares_of("vlp16", 1, 0.05, 0.1).standing_lost, 0.002);
+  EXPECT_LT(shares_of("vlp16", 1, 0.05, 0.1, 3).standing_lost, 0.0016);
 }
 
 }  // namespace
