@@ -31,6 +31,9 @@ constexpr double kGoodSigma = 0.012 * kDegree;
 constexpr int kLeastPairs = 8;
 constexpr double kLeastAngle = 0.05 * kDegree;
 constexpr double kSure = 5.0;
+/// Pairs of one place can pretend the same angle, more than their scatter shows: standard deviation
+/// of that in units of what the pairs claim. Measured in simulated car parks with 16 beams.
+constexpr double kPlaceShare = 1.75;
 /// Smaller changes are noise.
 constexpr double kLeastChange = 0.02 * kDegree;
 /// So much more per scan in the map moves the ground by a centimetre. All at once the pose would
@@ -61,6 +64,8 @@ void ElevationMean::add(const ElevationEstimate& estimate) {
   wwx_ += w * w * x;
   wwxx_ += w * w * x * x;
 }
+
+double ElevationMean::claimed_sigma() const { return 1.0 / std::sqrt(w_); }
 
 ElevationEstimate ElevationMean::value() const {
   if (count_ == 0) return {};
@@ -101,8 +106,11 @@ void ElevationCalibration::take(Frame frame, double voxel_size) {
   frames_.push_back(std::move(frame));
 }
 
+/// The angle is known well enough, and it is either believed or too small for that.
 bool ElevationCalibration::is_settled() const {
-  return mean_.count() >= kLeastPairs && mean_.value().sigma < kGoodSigma;
+  const ElevationEstimate mean = mean_.value();
+  return mean_.count() >= kLeastPairs && mean.sigma < kGoodSigma &&
+         (found_ != 0.0 || std::abs(mean.angle) < kLeastAngle);
 }
 
 /// Distance between the scans that are looked at, in edges of voxels.
@@ -120,8 +128,9 @@ void ElevationCalibration::compare(const Frame& a, const Frame& b) {
 
 void ElevationCalibration::decide() {
   const ElevationEstimate mean = mean_.value();
+  const double sigma = std::hypot(mean.sigma, kPlaceShare * mean_.claimed_sigma());
   const bool sure = mean_.count() >= kLeastPairs && std::abs(mean.angle) > kLeastAngle &&
-                    std::abs(mean.angle) > kSure * mean.sigma;
+                    std::abs(mean.angle) > kSure * sigma;
   if (sure && std::abs(mean.angle - found_) > kLeastChange) found_ = mean.angle;
 }
 
