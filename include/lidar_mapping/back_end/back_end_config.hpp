@@ -19,9 +19,9 @@ struct BackEndConfig {
   int optimize_step_with_loop = 1;
   double optimize_min_interval = 1.0;
 
-  double odometry_drift = 0.01;
+  double odometry_drift = 0.005;
   double odometry_drift_deg_per_m = 0.02;
-  double odometry_min_stddev_m = 0.005;
+  double odometry_min_stddev_m = 0.0025;
   double odometry_min_stddev_deg = 0.02;
   double odometry_degenerate_drift = 0.2;
   double loop_min_stddev_m = 0.02;
