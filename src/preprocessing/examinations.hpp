@@ -45,8 +45,6 @@ InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const Velocity
 /// How many times the speeds of the fixes the measured ones are; nothing where too little moved.
 std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
                                   const PreprocessingConfig& config);
-/// Whether such speeds are those of the same vehicle in m/s.
-bool is_true_scale(double scale);
 
 /// A fault if the offset is large and well known; `parameter` takes it away.
 void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,

@@ -151,8 +151,6 @@ std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssReco
   return *median;
 }
 
-bool is_true_scale(double scale) { return scale > 0.7 && scale < 1.4; }
-
 InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                     const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
   InputReport report = examine_headers("gnss", gnss.flow, lookup);

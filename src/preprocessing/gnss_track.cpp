@@ -61,7 +61,7 @@ FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   return {Insertion::kTaken, ""};
 }
 
-std::vector<std::string> GnssTrack::settle(const MotionSensors& sensors, Stamp now, Stamp latency,
+std::vector<std::string> GnssTrack::settle(MotionSensors& sensors, Stamp now, Stamp latency,
                                            bool all) {
   std::vector<std::string> refused;
   while (!pending_.empty()) {
@@ -71,6 +71,7 @@ std::vector<std::string> GnssTrack::settle(const MotionSensors& sensors, Stamp n
                        sensors.imu().may_still_deliver(fix.stamp, now, latency);
     if (waits && !all) break;
     pending_.pop_front();
+    sensors.check_velocity(fix);
     const std::string problem = judge(pending, sensors);
     last_judged_ = fix.stamp;
     if (!problem.empty() && config_.gnss_gating) {

@@ -2,6 +2,7 @@
 
 #include "lidar_mapping/preprocessing/interpolation.hpp"
 #include "lidar_mapping/preprocessing/local_frame.hpp"
+#include "lidar_mapping/preprocessing/velocity_check.hpp"
 
 #include "examinations.hpp"
 

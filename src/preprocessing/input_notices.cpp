@@ -70,6 +70,10 @@ void InputNotices::absurd_gyro() {
        "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
 }
 
+void InputNotices::refused_velocity(const std::string& problem) {
+  if (!problem.empty()) warn("velocity " + problem.substr(0, 8), "velocity: " + problem);
+}
+
 void InputNotices::missing_transform(const std::string& input, const std::string& frame_id) {
   const std::string what = frame_id.empty()
                                ? "the messages name no frame; set header.frame_id"

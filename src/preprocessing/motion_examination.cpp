@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "lidar_mapping/preprocessing/interpolation.hpp"
+#include "lidar_mapping/preprocessing/velocity_check.hpp"
 
 #include "examinations.hpp"
 #include "time_offset.hpp"
@@ -86,15 +87,6 @@ void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   }
 }
 
-/// 3.6 in km/h, 2.24 in miles per hour.
-void judge_scale(double scale, InputReport& report) {
-  const bool kilometres = scale > 3.2 && scale < 4.0;
-  add_fault(report,
-            text("its speeds are %.2f times those of the fixes%s", scale,
-                 kilometres ? ": they are in km/h" : ""),
-            "publish m/s (REP 103), or set use_velocity to false");
-}
-
 }  // namespace
 
 void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
@@ -150,7 +142,10 @@ InputReport examine(const VelocityRecord& velocity, const GnssRecord& gnss,
               "wrong; mend one of them");
   }
   const auto scale = speed_scale(velocity, gnss, config);
-  if (scale && !is_true_scale(*scale)) judge_scale(*scale, report);
+  if (scale && !is_true_scale(*scale)) {
+    add_fault(report, scale_sentence(*scale),
+              "publish m/s (REP 103), or set use_velocity to false");
+  }
   return report;
 }
 

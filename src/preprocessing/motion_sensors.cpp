@@ -137,6 +137,14 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
 }
 
 std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
+  const auto sample = measured_velocity_at(stamp);
+  if (!sample || velocity_check_.problem(sample->linear) != VelocityProblem::kNone) {
+    return std::nullopt;
+  }
+  return sample;
+}
+
+std::optional<VelocitySample> MotionSensors::measured_velocity_at(Stamp stamp) const {
   const auto pair = velocity_.around(stamp);
   if (!pair) return std::nullopt;
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
@@ -151,9 +159,32 @@ std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
   return in_base(sample, *T_base_velocity);
 }
 
+void MotionSensors::check_velocity(Stamp stamp) {
+  const auto velocity = measured_velocity_at(stamp);
+  const auto imu = imu_at(stamp);
+  if (!velocity || !imu || !imu->has_angular_velocity) return;
+  velocity_check_.see_turning(stamp, velocity->linear, imu->angular_velocity.z());
+}
+
+void MotionSensors::check_velocity(const LocalFix& fix) {
+  const auto velocity = measured_velocity_at(fix.stamp);
+  if (velocity) velocity_check_.see_fix(fix, velocity->linear.norm());
+}
+
+VelocityProblem MotionSensors::problem_of_velocity(Stamp stamp) const {
+  const auto velocity = measured_velocity_at(stamp);
+  return velocity ? velocity_check_.problem(velocity->linear) : VelocityProblem::kNone;
+}
+
+std::string MotionSensors::velocity_problem(Stamp stamp) const {
+  return velocity_check_.sentence(problem_of_velocity(stamp));
+}
+
 MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
-  const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
+  const auto T_base_velocity = problem_of_velocity(stamp) == VelocityProblem::kNone
+                                   ? extrinsics_.T_base(velocity_.frame_id())
+                                   : std::nullopt;
   const TurningAtTime gyro = [&](double time) -> MaybeVector {
     const auto sample = value_near(imu_, stamp + from_seconds(time));
     if (!sample || !sample->has_angular_velocity) return std::nullopt;
@@ -196,6 +227,7 @@ void MotionSensors::clear() {
   imu_.clear();
   velocity_.clear();
   gyro_bias_ = {};
+  velocity_check_.clear();
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -167,6 +167,7 @@ class Preprocessor::Impl {
     gnss_.give_up_if_silent();
     SyncedScan result;
     result.scan.stamp = stamp;
+    sensors_.check_velocity(stamp);
     result.imu = sensors_.imu_at(stamp);
     result.velocity = sensors_.velocity_at(stamp);
     result.gnss = gnss_at(stamp, result);
@@ -174,6 +175,7 @@ class Preprocessor::Impl {
     note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
     note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
     if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
+    if (!result.velocity) notices_.refused_velocity(sensors_.velocity_problem(stamp));
     return result;
   }
 

@@ -1,7 +1,10 @@
+#include <csignal>
+
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TwistStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <ros/master.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -110,6 +113,38 @@ TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   EXPECT_EQ(from_ros(synced_imu_.messages.back().header.stamp), stamp_of(9));
   EXPECT_EQ(from_ros(synced_gnss_.messages.back().header.stamp), stamp_of(9));
   EXPECT_TRUE(node_->is_running());
+}
+
+/// The master of this test, which does not answer as long as this object lives.
+class StoppedMaster {
+ public:
+  StoppedMaster() {
+    XmlRpc::XmlRpcValue caller, answer, pid;
+    caller[0] = ros::this_node::getName();
+    if (ros::master::execute("getPid", caller, answer, pid, false)) pid_ = static_cast<int>(pid);
+    if (pid_ > 0) ::kill(pid_, SIGSTOP);
+  }
+  ~StoppedMaster() {
+    if (pid_ > 0) ::kill(pid_, SIGCONT);
+  }
+  StoppedMaster(const StoppedMaster&) = delete;
+  StoppedMaster& operator=(const StoppedMaster&) = delete;
+  bool is_stopped() const { return pid_ > 0; }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+// F94: nothing is asked of the master while scans go through.
+TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
+  send_transform();
+  drive(0, 5);
+  ASSERT_TRUE(synced_.wait_for(5));
+  const StoppedMaster master;
+  ASSERT_TRUE(master.is_stopped());
+  drive(5, 25);
+  EXPECT_TRUE(synced_.wait_for(25, 10.0)) << node_->output();
+  EXPECT_EQ(from_ros(synced_.messages.back().header.stamp), stamp_of(24));
 }
 
 /// The most frequent fault of all: a topic of another name.

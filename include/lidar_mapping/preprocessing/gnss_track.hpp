@@ -34,7 +34,7 @@ class GnssTrack {
   FixVerdict add(GnssFix fix, const std::string& frame_id);
   /// Judges the fixes whose motion is known by now, or will not be (`latency` after them, or all).
   /// Returns what is wrong with those that it refuses.
-  std::vector<std::string> settle(const MotionSensors& sensors, Stamp now, Stamp latency, bool all);
+  std::vector<std::string> settle(MotionSensors& sensors, Stamp now, Stamp latency, bool all);
   /// Whether a fix at or after `stamp` may still come.
   bool may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const;
   /// The antenna at `stamp` between two good fixes, with its lever arm; no orientation yet.

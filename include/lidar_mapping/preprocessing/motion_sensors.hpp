@@ -10,6 +10,7 @@
 #include "lidar_mapping/preprocessing/scan_motion.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 #include "lidar_mapping/preprocessing/sensor_stream.hpp"
+#include "lidar_mapping/preprocessing/velocity_check.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -30,13 +31,20 @@ class MotionSensors {
   Insertion add_imu(ImuSample sample, const std::string& frame_id);
   Insertion add_velocity(VelocitySample sample, const std::string& frame_id);
 
-  /// In base_link; nothing in a gap, without a transform, or without the sensor.
+  /// In base_link; nothing in a gap, without a transform, or without the sensor, and no velocity
+  /// that the other sensors contradict.
   std::optional<ImuSample> imu_at(Stamp stamp) const;
   std::optional<VelocitySample> velocity_at(Stamp stamp) const;
 
   /// The motion over the time span of a scan, by the gyro (else the turning of the velocity) and
   /// the velocity. With the gyro alone only the turning is known (kImu).
   MeasuredMotion motion(Stamp stamp, const TimeSpan& span) const;
+
+  /// Holds the velocity against the turning by the gyro and the way of the fixes.
+  void check_velocity(Stamp stamp);
+  void check_velocity(const LocalFix& fix);
+  /// Why the velocity at `stamp` is not used; empty where it is.
+  std::string velocity_problem(Stamp stamp) const;
 
   const SensorStream<ImuSample>& imu() const { return imu_; }
   const SensorStream<VelocitySample>& velocity() const { return velocity_; }
@@ -48,6 +56,8 @@ class MotionSensors {
 
  private:
   std::optional<bool> is_standing(Stamp stamp) const;
+  std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
+  VelocityProblem problem_of_velocity(Stamp stamp) const;
   bool outturns_velocity(const ImuSample& sample, const std::string& frame_id) const;
 
   const Extrinsics& extrinsics_;
@@ -59,6 +69,7 @@ class MotionSensors {
   SensorStream<ImuSample> imu_;
   SensorStream<VelocitySample> velocity_;
   GyroBias gyro_bias_;
+  VelocityCheck velocity_check_;
   int fast_samples_ = 0;  ///< in a row
   std::optional<Stamp> outturns_since_;
   bool gyro_is_absurd_ = false;
