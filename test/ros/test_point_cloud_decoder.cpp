@@ -223,6 +223,60 @@ TEST(PointCloudDecoder, ReadsLivox) {
   EXPECT_EQ(decoded.format.intensity_field, "reflectivity");
 }
 
+/// Coordinates as doubles and an intensity of any type, organised, with returns that are not there.
+template <typename Intensity>
+void expect_intensities(std::uint8_t datatype) {
+  auto message = cloud_with({{"x", PointField::FLOAT64, 0},
+                             {"y", PointField::FLOAT64, 8},
+                             {"z", PointField::FLOAT64, 16},
+                             {"intensity", datatype, 24},
+                             {"t", PointField::UINT32, 32}},
+                            36, 64);
+  message.height = 4;
+  message.width = 16;
+  message.row_step = 16 * 36;
+  message.is_dense = false;
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    const bool is_there = i % 4 != 3;
+    put(message, i, 0, is_there ? 0.5 * i : std::numeric_limits<double>::quiet_NaN());
+    put(message, i, 24, static_cast<Intensity>(i + 100));
+    put(message, i, 32, i * 1500000U);
+  }
+  const PointCloud cloud = decode(message, {}).scan.cloud;
+  ASSERT_EQ(cloud.size(), 64U);
+  for (std::size_t i = 0; i < 64; ++i) {
+    EXPECT_EQ(std::isnan(cloud.points[i].x), i % 4 == 3);
+    EXPECT_EQ(cloud.points[i].intensity, static_cast<float>(i + 100)) << int{datatype};
+    EXPECT_NEAR(cloud.times[i], 0.0015 * static_cast<double>(i), 1e-8);
+  }
+}
+
+TEST(PointCloudDecoder, ReadsIntensitiesOfAnyType) {
+  expect_intensities<std::uint8_t>(PointField::UINT8);
+  expect_intensities<std::uint16_t>(PointField::UINT16);
+  expect_intensities<std::int16_t>(PointField::INT16);
+  expect_intensities<std::uint32_t>(PointField::UINT32);
+  expect_intensities<std::int32_t>(PointField::INT32);
+  expect_intensities<float>(PointField::FLOAT32);
+  expect_intensities<double>(PointField::FLOAT64);
+}
+
+/// Sensors that turn at 5 and 20 Hz, with the period of 10 Hz as it is configured.
+TEST(PointCloudDecoder, FindsTheUnitAtOtherRates) {
+  for (const double period : {0.05, 0.2}) {
+    for (const auto& [unit, name] :
+         {std::pair{1.0, "s"}, std::pair{1e-3, "ms"}, std::pair{1e-6, "us"}}) {
+      auto message = plain_cloud(20);
+      for (std::size_t i = 0; i < kCount; ++i) {
+        put(message, i, 16, static_cast<float>(period * fraction(i) / unit));
+      }
+      const DecodedCloud decoded = decode(message, {});
+      EXPECT_EQ(decoded.format.time_unit, name) << period;
+      EXPECT_NEAR(decoded.scan.cloud.times.back(), period, 1e-6);
+    }
+  }
+}
+
 TEST(PointCloudDecoder, FindsTheUnitOfFloatsByThePeriod) {
   for (const auto& [unit, name] :
        {std::pair{1.0, "s"}, std::pair{1e-3, "ms"}, std::pair{1e-6, "us"}, std::pair{1e-9, "ns"}}) {
