@@ -10,10 +10,7 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr double kArmPrior = 0.03;       // m; the lever arm was measured with a ruler
-constexpr double kKnownSigma = 0.008;    // s, from which on a delay counts as known
-constexpr double kSmallestDelay = 0.01;  // s; less is left alone
-constexpr double kLeastSigma = 0.003;    // s
+constexpr double kLeastSigma = 0.003;  // s
 constexpr Stamp kWindow = from_seconds(12.0);
 constexpr double kLongestStep = 2.0;  // s between key frames; a vehicle that stood tells no speed
 
@@ -145,17 +142,13 @@ DelayFits fits_of(const DriveGraph& drive) {
   return fits;
 }
 
-bool is_known(const AntennaFit& fit) { return fit.result(kArmPrior).delay_sigma <= kKnownSigma; }
-
 /// What is not certain yet is not corrected, but allowed for.
-GnssDelay delay_of(const AntennaFit& fit) {
-  const AntennaFit::Result result = fit.result(kArmPrior);
-  if (!is_known(fit)) {
+GnssDelay delay_of(const AntennaFit::Result& result) {
+  if (!result.delay_is_known()) {
     return {0.0, std::min(GnssDelay{}.sigma, std::hypot(result.delay, result.delay_sigma))};
   }
   const double sigma = std::max(kLeastSigma, result.delay_sigma);
-  const bool is_late = std::abs(result.delay) > std::max(kSmallestDelay, 4.0 * result.delay_sigma);
-  if (!is_late) return {0.0, sigma};
+  if (!result.is_late()) return {0.0, sigma};
   return {result.delay, sigma, result.arm_error};
 }
 
@@ -165,8 +158,8 @@ void find_gnss_delays(DriveGraph& drive, const BackEndConfig& config) {
   if (!config.estimate_gnss_time_offset || drive.gnss.empty()) return;
   const DelayFits fits = fits_of(drive);
   for (std::size_t i = 0; i < fits.of_segment.size(); ++i) {
-    const AntennaFit& own = fits.of_segment[i];
-    drive.gnss_delays[i] = delay_of(is_known(own) ? own : fits.common);
+    const AntennaFit::Result own = fits.of_segment[i].result();
+    drive.gnss_delays[i] = delay_of(own.delay_is_known() ? own : fits.common.result());
   }
 }
 

@@ -9,14 +9,16 @@ namespace lidar_mapping {
 
 namespace {
 
-constexpr double kWindow = 12.0;       // s
-constexpr std::size_t kFewest = 10;    // fixes in a window
-constexpr double kShortestWay = 10.0;  // m; a window that hardly moves says nothing
-constexpr double kNoiseFloor = 0.02;   // m; dead reckoning is no better
-constexpr double kRepetition = 10.0;   // errors of neighbouring fixes are alike
-constexpr double kDelayPrior = 0.3;    // s
-constexpr int kOwn = 5;                // cos, sin, shift x, shift y, gyro bias
-constexpr int kShared = 3;             // arm x, arm y, delay
+constexpr double kWindow = 12.0;         // s
+constexpr std::size_t kFewest = 10;      // fixes in a window
+constexpr double kShortestWay = 10.0;    // m; a window that hardly moves says nothing
+constexpr double kNoiseFloor = 0.02;     // m; dead reckoning is no better
+constexpr double kRepetition = 10.0;     // errors of neighbouring fixes are alike
+constexpr double kDelayPrior = 0.3;      // s
+constexpr double kKnownSigma = 0.008;    // s, from which on a delay counts as known
+constexpr double kSmallestDelay = 0.01;  // s; less is left alone
+constexpr int kOwn = 5;                  // cos, sin, shift x, shift y, gyro bias
+constexpr int kShared = 3;               // arm x, arm y, delay
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kOwn + kShared + 1>;
 
@@ -62,6 +64,12 @@ Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> without_own(const Rows& rows)
 }
 
 }  // namespace
+
+bool AntennaFit::Result::delay_is_known() const { return delay_sigma <= kKnownSigma; }
+
+bool AntennaFit::Result::is_late() const {
+  return std::abs(delay) > std::max(kSmallestDelay, 4.0 * delay_sigma);
+}
 
 void AntennaFit::add(const TrackedFix& fix) {
   if (!window_.empty() && to_seconds(fix.stamp - window_.front().stamp) > kWindow) finish_window();

@@ -10,9 +10,6 @@ namespace {
 constexpr Stamp kJumpBack = from_seconds(2.0);
 constexpr std::size_t kMostPending = 200;
 constexpr double kLongestMotion = 10.0;  // s; dead reckoning beyond says little
-constexpr double kArmPrior = 0.03;       // m; tf's lever arm was measured with a ruler
-constexpr double kKnownDelay = 0.008;    // s, standard deviation from which on it counts as known
-constexpr double kSmallestDelay = 0.01;  // s; less is left alone
 constexpr double kSmallestStep = 0.001;  // s; by less a correction is not changed
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
@@ -127,10 +124,8 @@ void GnssTrack::compare(const PendingFix& pending, const MotionSensors& sensors)
 }
 
 void GnssTrack::learn_delay() {
-  const AntennaFit::Result fit = antenna_fit_.result(kArmPrior);
-  if (fit.delay_sigma > kKnownDelay) return;
-  const bool is_late = std::abs(fit.delay) > std::max(kSmallestDelay, 4.0 * fit.delay_sigma);
-  if (!is_late && delay_ == 0.0) return;
+  const AntennaFit::Result fit = antenna_fit_.result();
+  if (!fit.delay_is_known() || (!fit.is_late() && delay_ == 0.0)) return;
   if (std::abs(fit.delay - delay_) < kSmallestStep) return;
   delay_ = fit.delay;
   notices_.warn("delay", "gnss: its stamps are " + milliseconds(delay_) +

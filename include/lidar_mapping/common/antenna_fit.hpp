@@ -36,9 +36,16 @@ class AntennaFit {
     double delay_sigma = 0.0;
     Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();  ///< m, in base_link
     double arm_sigma = 0.0;
+
+    /// Well enough to be corrected.
+    bool delay_is_known() const;
+    /// By more than the fit may be wrong, and than is worth while.
+    bool is_late() const;
   };
+  /// That of a lever arm which was measured with a ruler, m.
+  static constexpr double kMeasuredArm = 0.03;
   /// `arm_prior`: standard deviation (m) of tf's lever arm as far as it is known beforehand.
-  Result result(double arm_prior) const;
+  Result result(double arm_prior = kMeasuredArm) const;
 
  private:
   void finish_window();
