@@ -325,6 +325,18 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   EXPECT_LT(ride.error(), 0.1);
 }
 
+// Most of 64 beams meet the ground; the few posts and trees are little beside it, yet enough.
+TEST(OpenField, IsNotBlindToARoadThatIsSpeededUpOn) {
+  const simulation::Drive drive = make_drive("open_road", 50.0, 92, "hdl64");
+  Ride ride(drive);
+  for (std::size_t i = 360; i < 480; ++i) {
+    ride.take(i);
+    if (i == 370) ride.begin_anew();
+  }
+  EXPECT_GT(ride.way(), 100.0);
+  EXPECT_LT(ride.error(), 0.005 * ride.way());
+}
+
 // Sixteen rings on rough ground, seen from one place, fit wherever the sensor goes: that it moves
 // is noticed late or never. It must be said, and must not discredit a velocity that knows better.
 TEST(OpenField, SaysThatTheStartMayGoUnnoticed) {
