@@ -10,6 +10,9 @@ namespace {
 constexpr std::size_t kFirstSlots = 1024;
 constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15U;
 
+/// Doubled, as vectors grow, half of the memory of the tiles around the vehicle would be in vain.
+std::size_t roomier(std::size_t size) { return size + size / 8 + kFirstSlots / 2; }
+
 std::int64_t floored(double value) {  // cheaper than std::floor
   const auto truncated = static_cast<std::int64_t>(value);
   return truncated - (value < static_cast<double>(truncated) ? 1 : 0);
@@ -55,6 +58,7 @@ void VoxelTile::insert(const TilePoint& point) {
     make_slots(std::max(kFirstSlots, 2 * slots_.size()));
   std::uint32_t& slot = slots_[slot_of(point.voxel)];
   if (slot == 0) {
+    if (voxels_.size() == voxels_.capacity()) voxels_.reserve(roomier(voxels_.size()));
     voxels_.push_back({point.voxel});
     slot = static_cast<std::uint32_t>(voxels_.size());
   }

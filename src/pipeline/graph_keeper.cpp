@@ -1,5 +1,7 @@
 #include "graph_keeper.hpp"
 
+#include <algorithm>
+
 #include "lidar_mapping/pipeline/thread_time.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -15,6 +17,14 @@ bool worth_keeping(std::size_t key_frames, std::size_t kept_at) {
   return key_frames >= kept_at + 20 + kept_at / 20;
 }
 
+/// Clouds make room for what graph, solutions and the loop search take for each key frame. Half of
+/// the cache stays: it holds the clouds that are between two stages, too.
+std::size_t cache_beside(std::size_t key_frames) {
+  constexpr std::size_t kPerKeyFrame = 10'000;
+  constexpr std::size_t kWhole = session::CloudStore::kDefaultCacheBytes;
+  return kWhole - std::min(kWhole / 2, kPerKeyFrame * key_frames);
+}
+
 }  // namespace
 
 GraphKeeper::GraphKeeper(session::Session session, const back_end::BackEndConfig& config,
@@ -28,7 +38,7 @@ GraphKeeper::GraphKeeper(session::Session session, const back_end::BackEndConfig
 void GraphKeeper::take(const DrivePiece& piece) try {
   keep(piece);
   if (!piece.key_frame) return;
-  ++key_frames_;
+  run_.session().clouds().set_cache_bytes(cache_beside(++key_frames_));
   feedback_.put(solve_when_due());
 } catch (...) {
   feedback_.close();

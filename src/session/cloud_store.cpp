@@ -69,6 +69,16 @@ void CloudStore::keep(KeyFrameIndex index, const PointCloudPtr& cloud) {
   newest_first_.push_front({index, cloud});
   entries_[index] = newest_first_.begin();
   bytes_ += bytes_of(*cloud);
+  forget_oldest();
+}
+
+void CloudStore::set_cache_bytes(std::size_t bytes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  cache_bytes_ = bytes;
+  forget_oldest();
+}
+
+void CloudStore::forget_oldest() {
   while (bytes_ > cache_bytes_) {
     bytes_ -= bytes_of(*newest_first_.back().cloud);
     entries_.erase(newest_first_.back().index);

@@ -13,6 +13,10 @@ namespace {
 using map::MapConfig;
 using session::Session;
 
+/// Clouds are read in the order of the drive; what moves is told by those of forty key frames
+/// around, of which 64 beams make as much as this.
+constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
+
 MapConfig make_config(const MapOutput& output, const Session& session) {
   MapConfig config = config::load<MapConfig>({pipeline::stored_configuration<MapConfig>(session)});
   if (output.resolution > 0.0) config.resolution = output.resolution;
@@ -48,6 +52,7 @@ map::Files write_map(const Session& session, const MapOutput& output) {
   options.datum = session.datum();
   options.p_base_sensor = sensor_origin_of(output, session);
   const KeyFramePoses poses = poses_of(session);
+  session.clouds().set_cache_bytes(kCacheBytes);
   const auto folder =
       output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
   const map::Products products =

@@ -46,6 +46,17 @@ TEST(CloudStore, CacheStaysWithinItsBound) {
   }
 }
 
+TEST(CloudStore, CacheShrinksWhenItIsTold) {
+  const TemporaryFolder folder;
+  CloudStore store(folder.path(), 3 * kBytesOfExample);
+  for (KeyFrameIndex index = 0; index < 3; ++index) store.put(index, example_cloud(100, 1));
+  const PointCloudPtr newest = store.cloud(2);
+  store.set_cache_bytes(kBytesOfExample);
+  EXPECT_EQ(store.cached_bytes(), kBytesOfExample);
+  EXPECT_TRUE(store.holds(2, newest));
+  EXPECT_NE(store.cloud(0), nullptr);
+}
+
 TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 2 * kBytesOfExample);

@@ -29,6 +29,8 @@ class CloudStore : public CloudSource {
   /// True if this very cloud was put or given out lately: it need not be written again.
   bool holds(KeyFrameIndex index, const PointCloudPtr& cloud) const;
   std::size_t cached_bytes() const;
+  /// From now on.
+  void set_cache_bytes(std::size_t bytes);
 
  private:
   struct Entry {
@@ -37,10 +39,11 @@ class CloudStore : public CloudSource {
   };
   PointCloudPtr cached(KeyFrameIndex index);
   void keep(KeyFrameIndex index, const PointCloudPtr& cloud);
+  void forget_oldest();
 
   const std::filesystem::path folder_;
-  const std::size_t cache_bytes_;
   mutable std::mutex mutex_;  ///< guards what follows
+  std::size_t cache_bytes_;
   std::list<Entry> newest_first_;
   std::unordered_map<KeyFrameIndex, std::list<Entry>::iterator> entries_;
   std::size_t bytes_ = 0;
