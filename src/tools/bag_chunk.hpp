@@ -17,4 +17,7 @@ struct ByteRange {
 /// looks). Throws InputError for damaged data.
 void decompress(const std::string& compression, ByteRange data, std::uint8_t* to, std::size_t size);
 
+/// What so many bytes can hold at most; damaged bags claim anything.
+std::size_t largest_content(const std::string& compression, std::size_t bytes);
+
 }  // namespace lidar_mapping::tools

@@ -203,6 +203,7 @@ ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
   }
   ChunkContent content;
   content.size = record.number<std::uint32_t>(*this, "size");
+  if (content.size > largest_content(compression->second, record.size)) fail("a chunk is damaged");
   content.bytes = memory.take(content.size);
   if (compression->second == "none") {
     if (record.size != content.size) fail("a chunk is damaged");

@@ -1,7 +1,10 @@
 #include "bag_input.hpp"
 
 #include <algorithm>
+#include <iomanip>
 #include <set>
+#include <sstream>
+#include <utility>
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -101,14 +104,19 @@ class BagInput::Impl {
     end_ = ros_border::from_ros(all.getEndTime());
   }
 
-  std::optional<Input> next() try {
+  std::optional<Input> next() {
     while (const auto message = stream().next()) {
-      if (auto input = read(*message)) return input;
+      mention_damage();
+      if (auto input = readable(*message)) return input;
     }
+    if (std::exchange(ended_, true) || damaged() == 0) return std::nullopt;
+    mention_damage();
+    notices_.push_back("damaged places of the recording that were left out: " +
+                       std::to_string(damaged()));
     return std::nullopt;
-  } catch (const ros::Exception& error) {
-    throw unreadable(paths_.front(), error);
   }
+
+  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
 
   std::vector<preprocessing::InputReport> examine(double seconds) const try {
     return ros_border::check({all_bags(), topics_, frames_.base_frame(), seconds}, config_);
@@ -222,6 +230,25 @@ class BagInput::Impl {
     }
   }
 
+  std::size_t damaged() const { return stream_->damage().places + damaged_messages_; }
+
+  /// The first that is met; of the others, the number is told at the end.
+  void mention_damage() {
+    const BagDamage& damage = stream_->damage();
+    if (damage.places == 0 || std::exchange(damage_mentioned_, true)) return;
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(3) << damage.reason << "; what was recorded at "
+         << to_seconds(damage.first) << " s is left out";
+    notices_.push_back(text.str());
+  }
+
+  std::optional<Input> readable(const BagMessage& message) try {
+    return read(message);
+  } catch (const ros::Exception&) {
+    ++damaged_messages_;
+    return std::nullopt;
+  }
+
   std::optional<Input> read(const BagMessage& message) const {
     const ros::Time recorded = ros_border::to_ros(message.recorded);
     if (message.holds<sensor_msgs::PointCloud2>()) {
@@ -249,6 +276,10 @@ class BagInput::Impl {
   Stamp begin_ = 0;
   Stamp end_ = 0;
   std::optional<BagStream> stream_;
+  std::size_t damaged_messages_ = 0;  ///< whole, but not what their type says
+  bool damage_mentioned_ = false;
+  bool ended_ = false;
+  std::vector<std::string> notices_;
 };
 
 BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wanted,
@@ -257,6 +288,7 @@ BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wa
 BagInput::~BagInput() = default;
 
 std::optional<Input> BagInput::next() { return impl_->next(); }
+std::vector<std::string> BagInput::take_notices() { return impl_->take_notices(); }
 void BagInput::skip_to(Stamp stamp) { impl_->skip_to(stamp); }
 Stamp BagInput::begin() const { return impl_->begin(); }
 Stamp BagInput::end() const { return impl_->end(); }

@@ -18,8 +18,14 @@ BagStream::BagStream(const std::vector<std::string>& paths,
 }
 
 std::optional<BagMessage> BagStream::next() {
-  const auto at = earliest();
-  if (at == open_.end()) return std::nullopt;
+  for (auto at = earliest(); at != open_.end(); at = earliest()) {
+    if (auto message = taken(at)) return message;
+  }
+  return std::nullopt;
+}
+
+/// The next message of a chunk; nothing if it, or the whole chunk, is damaged.
+std::optional<BagMessage> BagStream::taken(OpenChunks::iterator at) try {
   const BagFile& file = *bags_[std::get<1>(at->first)].file;
   const BagEntry& entry = at->second.entries[at->second.next];
   const ChunkContent& chunk = content(at);
@@ -30,6 +36,20 @@ std::optional<BagMessage> BagStream::next() {
   message.memory = chunk.bytes;
   advance(at);
   return message;
+} catch (const FileError& error) {
+  note(std::get<0>(at->first), error);
+  if (at->second.content) {
+    advance(at);
+  } else {
+    open_.erase(at);
+  }
+  return std::nullopt;
+}
+
+void BagStream::note(Stamp stamp, const FileError& error) {
+  if (++damage_.places > 1) return;
+  damage_.first = stamp;
+  damage_.reason = error.what();
 }
 
 void BagStream::skip_to(Stamp stamp) {
@@ -50,13 +70,15 @@ BagStream::OpenChunks::iterator BagStream::earliest() {
   return open_.begin();
 }
 
-void BagStream::open_next_chunk(std::size_t bag) {
+void BagStream::open_next_chunk(std::size_t bag) try {
   OpenChunk opened;
   opened.chunk = bags_[bag].file->chunks()[bags_[bag].next_chunk++];
   opened.entries = bags_[bag].file->entries(opened.chunk);
   if (opened.entries.empty()) return;
   const Place place{opened.entries.front().recorded, bag, opened.chunk.position};
   open_.emplace(place, std::move(opened));
+} catch (const FileError& error) {
+  note(bags_[bag].file->chunks()[bags_[bag].next_chunk - 1].begin, error);
 }
 
 void BagStream::advance(OpenChunks::iterator at) {

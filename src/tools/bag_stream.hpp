@@ -12,6 +12,8 @@
 #include <ros/message_traits.h>
 #include <ros/serialization.h>
 
+#include "lidar_mapping/common/errors.hpp"
+
 #include "bag_file.hpp"
 
 namespace lidar_mapping::tools {
@@ -45,14 +47,24 @@ struct BagMessage {
   }
 };
 
+/// What of bags could not be read.
+struct BagDamage {
+  std::size_t places = 0;  ///< chunks or messages
+  Stamp first = 0;         ///< when the first of them was recorded
+  std::string reason;      ///< of the first
+};
+
 /// Messages of several bags in the order of their times, equal ones in that of the bags and files.
 /// A chunk is decompressed once, and nothing is kept but the chunks whose messages are under way:
-/// neither time nor memory grows with the recording. Throws FileError.
+/// neither time nor memory grows with the recording. Throws FileError if a bag cannot be read at
+/// all; chunks and messages that are damaged are left out.
 class BagStream {
  public:
   BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics);
 
   std::optional<BagMessage> next();
+  /// What was left out so far.
+  const BagDamage& damage() const { return damage_; }
   /// Goes to the first message at or after `stamp`.
   void skip_to(Stamp stamp);
 
@@ -74,12 +86,15 @@ class BagStream {
   /// The chunk with the earliest message, or the end.
   OpenChunks::iterator earliest();
   void open_next_chunk(std::size_t bag);
+  std::optional<BagMessage> taken(OpenChunks::iterator at);
+  void note(Stamp stamp, const FileError& error);
   void advance(OpenChunks::iterator at);
   const ChunkContent& content(OpenChunks::iterator at);
   void forget_farthest();
 
   std::vector<Bag> bags_;
   OpenChunks open_;
+  BagDamage damage_;
   ChunkMemory memory_;
 };
 

@@ -29,7 +29,7 @@ OpenDrive open_folder(const DriveSelection& selection,
 }
 
 /// "points    /topic: what was found", and what is wrong with it.
-std::vector<std::string> lines_about(const BagInput& bags) {
+std::vector<std::string> lines_about(const BagInput& bags) try {
   const ros_border::SensorTopics& topics = bags.topics();
   const std::string names[] = {topics.points, topics.imu, topics.velocity, topics.gnss};
   std::vector<std::string> lines;
@@ -45,6 +45,8 @@ std::vector<std::string> lines_about(const BagInput& bags) {
     }
   }
   return lines;
+} catch (const FileError& error) {  // damage in the first seconds is no reason to lose the rest
+  return {std::string("the recording was not checked: ") + error.what()};
 }
 
 OpenDrive open_bags(const DriveSelection& selection,

@@ -163,21 +163,23 @@ class MappingRun {
       auto datum = input.next();
       if (!datum) break;
       pipeline_->add(std::move(*datum));
-      say();
+      say(input);
       progress_->show(pipeline_->progress());
     }
     reading_seconds_ = reading.seconds();
     streamed_ = progress_->seconds();
     report_ = pipeline_->finish();
     progress_->show(pipeline_->progress());
-    say();
+    say(input);
     progress_->end_line();
   }
 
-  void say() {
-    for (const std::string& notice : pipeline_->take_notices()) {
-      progress_->end_line();
-      std::printf("%s\n", notice.c_str());
+  void say(pipeline::InputSource& input) {
+    for (const auto& notices : {input.take_notices(), pipeline_->take_notices()}) {
+      for (const std::string& notice : notices) {
+        progress_->end_line();
+        std::printf("%s\n", notice.c_str());
+      }
     }
   }
 

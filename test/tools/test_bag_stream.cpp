@@ -8,6 +8,8 @@
 #include <rosbag/view.h>
 #include <std_msgs/Header.h>
 #include <std_msgs/String.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
 
@@ -178,6 +180,59 @@ TEST_P(BagStreamTest, OutlivesDamage) {
     }
   }
   EXPECT_GE(refused, 10);
+}
+
+void overwrite(const std::string& path, std::uintmax_t place, const std::string& bytes) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(place));
+  file << bytes;
+}
+
+TEST_P(BagStreamTest, LosesOnlyWhatIsDamaged) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  const Strings whole = streamed({path("a.bag")}, kTopics);
+  overwrite(path("a.bag"), std::filesystem::file_size(path("a.bag")) / 3,
+            std::string(4000, '\xFF'));
+  BagStream stream({path("a.bag")}, kTopics);
+  std::size_t left = 0;
+  while (stream.next()) ++left;
+  EXPECT_LT(left, whole.size());
+  EXPECT_GT(left, whole.size() - whole.size() / 4);
+  EXPECT_GE(stream.damage().places, 1U);
+  EXPECT_GT(stream.damage().first, from_seconds(100.0));
+  EXPECT_NE(stream.damage().reason.find("damaged"), std::string::npos) << stream.damage().reason;
+}
+
+/// While it lives the process may only have so much more address space.
+class ScarceMemory {
+ public:
+  explicit ScarceMemory(std::size_t bytes) {
+    getrlimit(RLIMIT_AS, &before_);
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit now = before_;
+    now.rlim_cur = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + bytes;
+    setrlimit(RLIMIT_AS, &now);
+  }
+  ~ScarceMemory() { setrlimit(RLIMIT_AS, &before_); }
+  ScarceMemory(const ScarceMemory&) = delete;
+  ScarceMemory& operator=(const ScarceMemory&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_P(BagStreamTest, BelievesNoSizeThatAChunkCannotHave) {
+  write_bag(path("a.bag"), some_messages(engine_), GetParam());
+  std::ifstream file(path("a.bag"), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  overwrite(path("a.bag"), bytes.find("size=") + 5, "\xFF\xFF\xFF\x7F");
+  const ScarceMemory scarce(1'000'000'000);
+  BagStream stream({path("a.bag")}, kTopics);
+  std::size_t left = 0;
+  while (stream.next()) ++left;
+  EXPECT_GT(left, kMessages);
+  EXPECT_EQ(stream.damage().places, 1U);
 }
 
 TEST(BagStream, SaysWhatItCannotRead) {

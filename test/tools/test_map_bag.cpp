@@ -263,6 +263,26 @@ TEST_F(MapBag, ReadsFoldersOfKittiAndKittiToBagWritesThem) {
   EXPECT_EQ(count(written, "c"), scans);
 }
 
+// Without what was in them the drive is as whole as with scans that never came.
+TEST_F(MapBag, MapsWhatIsNotDamaged) {
+  const fs::path damaged = root() / "damaged.bag";
+  fs::copy_file(bag(), damaged);
+  std::fstream file(damaged, std::ios::in | std::ios::out | std::ios::binary);
+  for (const std::uintmax_t part : {5, 2}) {  // in the first seconds, which are looked at, too
+    file.seekp(static_cast<std::streamoff>(fs::file_size(damaged) / part));
+    file << std::string(20'000, '\xFF');
+  }
+  file.close();
+  Program program("map_bag", {damaged.string(), "-o", (root() / "rest").string(), "--no-map"},
+                  root() / "log");
+  ASSERT_EQ(program.wait(), 0) << said();
+  EXPECT_NE(said().find("is left out"), std::string::npos) << said();
+  const auto key_frames = [](const fs::path& folder) {
+    return Session::open(folder, Session::Access::kRead).key_frame_count();
+  };
+  EXPECT_GE(key_frames(root() / "rest") + 4, key_frames(root() / "whole"));
+}
+
 TEST_F(MapBag, SaysWhichTopicIsMissing) {
   const TemporaryFolder parent;
   EXPECT_EQ(map({"-o", (parent.path() / "s").string(), "--points", "/no/such"}), 1);

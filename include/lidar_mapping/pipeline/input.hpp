@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
@@ -42,6 +43,8 @@ class InputSource {
   virtual Stamp end() const = 0;
   /// T_base_frame, as the recording says it.
   virtual std::optional<Pose> T_base(const std::string& frame_id) const = 0;
+  /// What is to be said of it since the last call: parts that are damaged, say.
+  virtual std::vector<std::string> take_notices() { return {}; }
 };
 
 }  // namespace lidar_mapping::pipeline
