@@ -13,9 +13,9 @@ namespace {
 using map::MapConfig;
 using session::Session;
 
-/// Clouds are read in the order of the drive; what moves is told by those of forty key frames
-/// around, of which 64 beams make as much as this.
-constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
+/// Clouds are read in the order of the drive, and what moves is judged in batches of key frames:
+/// what was read longer ago comes back once, if at all.
+constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 4;
 
 MapConfig make_config(const MapOutput& output, const Session& session) {
   MapConfig config = config::load<MapConfig>({pipeline::stored_configuration<MapConfig>(session)});
