@@ -34,8 +34,8 @@ constexpr double kSameAngle = 0.01;
 constexpr int kFinalIterations = 15;
 /// What many starts found must be that much better than what the prediction found.
 constexpr double kClearlyBetter = 1.1;
-/// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: one
-/// scan of a sensor with few rings.
+/// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: the
+/// map of one place, seen with few rings.
 constexpr double kThinMap = 0.25;
 /// The coarse match may leave the prediction this much more easily.
 constexpr double kCoarsePriorWeight = 0.01;
@@ -83,7 +83,8 @@ SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
                                        const MatchJudge& judge, const Prediction& prediction,
                                        const std::vector<Pose>& anchors) {
   const MotionBelief& usual = prediction.usual;
-  const NdtMatch first = refine(points, map, usual, start_for(points, map, usual));
+  const NdtMatch fine = refine(points, map, usual, start_for(points, map, usual));
+  const NdtMatch first = coarse_if_thin(fine, points, map, usual, {});
   Found found = observed(first, points, map, prediction.where_blind);
   if (!judge.in_doubt(found.match, usual)) return found;
   const NdtMatch other = search(points, map, usual, starts_around(usual.state, anchors));
@@ -101,7 +102,8 @@ SweepMatcher::Found SweepMatcher::observed(const NdtMatch& match, const NdtPoint
   NdtOptions options;
   options.neighbor_search = neighbors_;
   options.blind_directions = found.degenerate_directions;
-  found.match = matcher_.match(points, map.fine(), where_blind, match.state, options);
+  const NdtMatch fine = matcher_.match(points, map.fine(), where_blind, match.state, options);
+  found.match = coarse_if_thin(fine, points, map, where_blind, options.blind_directions);
   return found;
 }
 
@@ -113,9 +115,12 @@ NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const Moti
 }
 
 NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& points, LocalMap& map,
-                                      const MotionBelief& prior) {
+                                      const MotionBelief& prior,
+                                      const std::vector<Eigen::Vector3d>& blind_directions) {
   if (fine.overlap > kThinMap) return fine;
-  const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, NdtOptions{});
+  NdtOptions options;
+  options.blind_directions = blind_directions;
+  const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, options);
   return coarse.overlap > kThinMap ? coarse : fine;
 }
 
@@ -157,7 +162,7 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
     match = matcher_.match(points, map.fine(), prior, match.state, options);
   }
   keep_best(found, 1);
-  return coarse_if_thin(found.front(), points, map, prior);
+  return coarse_if_thin(found.front(), points, map, prior, {});
 }
 
 }  // namespace lidar_mapping::front_end

@@ -47,7 +47,8 @@ class SweepMatcher {
   /// The match, or a coarse one from there as long as the fine map is too thin to match with.
   registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
                                         const registration::NdtPoints& points, LocalMap& map,
-                                        const registration::MotionBelief& prior);
+                                        const registration::MotionBelief& prior,
+                                        const std::vector<Eigen::Vector3d>& blind_directions);
   registration::MotionState start_for(const registration::NdtPoints& points, LocalMap& map,
                                       const registration::MotionBelief& prediction);
   registration::MotionState approach(const registration::NdtPoints& points, LocalMap& map,
