@@ -21,7 +21,7 @@ struct Iteration {
   double kernel_squared;
   std::size_t thinning;
 };
-constexpr Iteration kIterations[] = {{100.0, 4}, {25.0, 4}, {6.25, 4}, {6.25, 1}, {6.25, 1}};
+constexpr Iteration kIterations[] = {{100.0, 4}, {25.0, 4}, {6.25, 4}, {6.25, 1}};
 
 /// No sensor is off by more: the solution has run away.
 constexpr double kLargestAngle = 0.03;  // rad
