@@ -23,6 +23,10 @@ struct Iteration {
 };
 constexpr Iteration kIterations[] = {{100.0, 4}, {25.0, 4}, {6.25, 4}, {6.25, 1}};
 
+/// Smallest eigenvalue of the translation's Hessian, as a share of its trace, with which a pair
+/// pins its relative pose well enough. To be followed a scan needs less.
+constexpr double kPinnedShare = 0.0015;
+
 /// No sensor is off by more: the solution has run away.
 constexpr double kLargestAngle = 0.03;  // rad
 
@@ -79,7 +83,8 @@ std::optional<ElevationEstimate> estimate_elevation(const SampledPoints& points,
     const Vector7d step = -solver.solve(sum.gradient);
     const double variance = solver.solve(Vector7d::Unit(6))[6];
     if (!step.allFinite() || !(variance > 0.0)) return std::nullopt;
-    if (!degenerate_directions(sum.hessian.topLeftCorner<6, 6>()).empty()) return std::nullopt;
+    const Matrix6d of_pose = sum.hessian.topLeftCorner<6, 6>();
+    if (!degenerate_directions(of_pose, kPinnedShare).empty()) return std::nullopt;
     pose = perturbed(pose, Vector6d(step.head<6>()));
     estimate = {estimate.angle + step[6], std::sqrt(variance)};
   }
