@@ -16,7 +16,7 @@ constexpr double kClearSpeed = 2.0;    // m/s, from which on a direction means s
 constexpr double kEnoughTurning =
     0.5;  // rad^2, sum of squares: a bend of 90 degrees in three seconds
 constexpr double kForgetting = 0.98;   // of it, from one turn to the next
-constexpr double kShortestWay = 5.0;   // m
+constexpr double kShortestWay = 2.0;   // m
 constexpr double kSigmasOfWay = 20.0;  // for a scale good to a tenth
 constexpr double kLongestWay = 20.0;   // s
 constexpr std::size_t kWays = 5;
