@@ -33,7 +33,7 @@ constexpr double kLeastAngle = 0.05 * kDegree;
 constexpr double kSure = 5.0;
 /// Pairs of one place can pretend the same angle, more than their scatter shows: standard deviation
 /// of that in units of what the pairs claim. Measured in simulated car parks with 16 beams.
-constexpr double kPlaceShare = 1.75;
+constexpr double kPlaceShare = 1.5;
 /// Smaller changes are noise.
 constexpr double kLeastChange = 0.02 * kDegree;
 /// So much more per scan in the map moves the ground by a centimetre. All at once the pose would
