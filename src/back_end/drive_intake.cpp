@@ -89,12 +89,14 @@ void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   node.T_map_base =
       drive.nodes.empty() ? key_frame.T_odom_base : drive.T_map_odom() * key_frame.T_odom_base;
   if (drive.nodes.empty()) drive.T_map_first = node.T_map_base;
-  if (!drive.nodes.empty()) {
+  node.joined = !drive.nodes.empty() && key_frame.segment == newest_segment_;
+  if (!node.joined) way_ = 0.0;
+  if (node.joined) {
     const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
-    node.motion_covariance = odometry_covariance(key_frame.motion_covariance, motion,
+    way_ += motion.translation.norm();
+    node.motion_covariance = odometry_covariance(key_frame.motion_covariance, motion, way_,
                                                  key_frame.degenerate_directions, config_);
   }
-  node.joined = !drive.nodes.empty() && key_frame.segment == newest_segment_;
   if (!node.joined) {
     drive.segment_starts.push_back(position);
     drive.in_enu.push_back(false);

@@ -66,6 +66,7 @@ class DriveIntake {
   Waiting<ImuSample> waiting_imu_;
   Waiting<Floor> waiting_floors_;
   std::uint32_t newest_segment_ = 0;  ///< as the front end numbers them
+  double way_ = 0.0;                  ///< m, driven in it
 };
 
 }  // namespace lidar_mapping::back_end

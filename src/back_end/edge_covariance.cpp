@@ -9,6 +9,12 @@ namespace {
 
 constexpr double kRadPerDeg = M_PI / 180.0;
 
+// What the front end knows of its surroundings when a segment begins is a scan or two, so its first
+// steps are worse than it says. Loops hold both sides of the kink that they leave.
+constexpr double kBeginning = 20.0;             // m
+constexpr double kBeginningStddev_m = 0.01;     // of each step
+constexpr double kBeginningStddev_rad = 0.005;  // of each step
+
 /// The standard deviation of the quaternion's vector part is that of half the angle.
 Covariance6 constant_covariance(const BackEndConfig& config) {
   return diagonal_covariance(config.const_stddev_x, 2.0 * config.const_stddev_q);
@@ -27,6 +33,7 @@ double saturating(double fitness, double min_stddev, double max_stddev,
 }  // namespace
 
 Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
+                                double way,
                                 const std::vector<Eigen::Vector3d>& degenerate_directions,
                                 const BackEndConfig& config) {
   if (config.use_const_inf_matrix) return constant_covariance(config);
@@ -36,6 +43,9 @@ Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& 
       std::hypot(config.odometry_min_stddev_deg, config.odometry_drift_deg_per_m * distance) *
       kRadPerDeg;
   Covariance6 covariance = diagonal_covariance(drift, turn);
+  if (way < kBeginning) {
+    covariance += diagonal_covariance(kBeginningStddev_m, kBeginningStddev_rad);
+  }
   if (is_valid_covariance(of_registration)) covariance += of_registration;
   const double blind = config.odometry_degenerate_drift * distance;
   for (const Eigen::Vector3d& direction : degenerate_directions) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
@@ -41,33 +40,6 @@ void give(const std::map<Stamp, Value>& values, Stamp stamp, Stamp shift, const 
   value.stamp += shift;
   take(value);
 }
-
-/// What the front end knows of its surroundings when a segment begins is a scan or two, so the
-/// first steps are worse than it says. Within one drive little hangs on them; here loops of another
-/// drive hold both sides, and a kink between them would be spread over all.
-class Beginnings {
- public:
-  Covariance6 honest(const KeyFrame& key_frame) {
-    const bool begins = !last_ || last_->segment != key_frame.segment;
-    travelled_ =
-        begins ? 0.0 : travelled_ + (key_frame.T_odom_base.translation - last_->p_odom).norm();
-    last_ = Last{key_frame.segment, key_frame.T_odom_base.translation};
-    if (travelled_ > kWay) return key_frame.motion_covariance;
-    return key_frame.motion_covariance + diagonal_covariance(kTranslation, kRotation);
-  }
-
- private:
-  static constexpr double kWay = 20.0;          // m
-  static constexpr double kTranslation = 0.05;  // m, standard deviations of each step
-  static constexpr double kRotation = 0.005;    // rad
-
-  struct Last {
-    std::uint32_t segment;
-    Eigen::Vector3d p_odom;
-  };
-  std::optional<Last> last_;
-  double travelled_ = 0.0;
-};
 
 /// Where a part comes to lie in the joined session.
 struct Offsets {
@@ -128,7 +100,6 @@ class Merge::Impl {
   std::set<Stamp> stamps_;
   std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> pairs_;
   Offsets next_;
-  Beginnings beginnings_;
 };
 
 /// What is said once for the whole session comes from the first part.
@@ -217,7 +188,6 @@ void Merge::Impl::add_key_frame(KeyFrame key_frame, const Session& part,
   key_frame.index += offsets.index;
   key_frame.segment += offsets.segment;
   key_frame.stamp += offsets.shift;
-  key_frame.motion_covariance = beginnings_.honest(key_frame);
   back_end_.add_key_frame(key_frame);
   stamps_.insert(key_frame.stamp);
   next_.index = key_frame.index + 1;

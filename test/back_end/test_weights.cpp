@@ -12,23 +12,40 @@ namespace lidar_mapping::back_end {
 namespace {
 
 constexpr double kDeg = M_PI / 180.0;
+constexpr double kFarOn = 100.0;  // m, since the segment began
 
 Pose forward(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0.0, 0.0}}; }
 
 TEST(Weights, DriftGrowsWithTheDistance) {
   const BackEndConfig config;
   const Covariance6 registration = diagonal_covariance(0.001, 0.0001);
-  const Covariance6 near = odometry_covariance(registration, forward(1.0), {}, config);
-  const Covariance6 far = odometry_covariance(registration, forward(5.0), {}, config);
+  const Covariance6 near = odometry_covariance(registration, forward(1.0), kFarOn, {}, config);
+  const Covariance6 far = odometry_covariance(registration, forward(5.0), kFarOn, {}, config);
   EXPECT_NEAR(std::sqrt(far(0, 0)), 5.0 * config.odometry_drift, 0.006);
   EXPECT_GT(far(5, 5), 10.0 * near(5, 5));
+}
+
+// Of a drive of 60 m in two segments.
+TEST(Weights, TheFirstMetresOfEverySegmentAreHeldLessFirmly) {
+  test::SyntheticDrive drive = test::make_drive({1, 60.0});
+  const std::size_t second = drive.key_frames.size() / 2;
+  for (std::size_t i = second; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
+  BackEnd back_end(BackEndConfig{});
+  test::feed(back_end, drive);
+  const auto edges = back_end.graph().edges;  // none between the segments
+  ASSERT_EQ(edges.size(), drive.key_frames.size() - 2);
+  const auto stddev = [&](std::size_t edge) {
+    return std::sqrt(edges[edge].information.inverse()(0, 0));
+  };
+  EXPECT_GT(stddev(0), 1.2 * stddev(second - 2));
+  EXPECT_GT(stddev(second - 1), 1.2 * stddev(edges.size() - 1));
 }
 
 // F67
 TEST(Weights, DegenerateDirectionsAreHardlyHeld) {
   const BackEndConfig config;
   const Covariance6 covariance = odometry_covariance(
-      diagonal_covariance(0.001, 0.0001), forward(2.0), {Eigen::Vector3d::UnitX()}, config);
+      diagonal_covariance(0.001, 0.0001), forward(2.0), kFarOn, {Eigen::Vector3d::UnitX()}, config);
   EXPECT_GT(std::sqrt(covariance(0, 0)), 0.3);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }

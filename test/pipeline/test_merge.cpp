@@ -145,24 +145,6 @@ TEST(Merge, GnssJoinsDrivesWithDifferentDatums) {
   EXPECT_LT((begin - Eigen::Vector3d(300.0, 0.0, 0.0)).norm(), 0.1) << begin.transpose();
 }
 
-TEST(Merge, TheFirstStepsOfADriveAreHeldLessFirmly) {
-  const TemporaryFolder folder;
-  const Session first = drive_with_gnss(folder.path() / "a", 0, kFirstDatum);
-  const Session second = drive_with_gnss(folder.path() / "b", 1, kFirstDatum);
-  Merge merge = merge_into(folder);
-  merge.add(first);
-  merge.add(second);
-  merge.finish();
-  const std::vector<KeyFrame> own = second.key_frames();
-  const std::vector<KeyFrame> merged = merged_session(folder).key_frames();
-  const auto variance_added = [&](std::size_t i) {
-    const std::size_t at = merge.parts()[1].first + i;
-    return merged.at(at).motion_covariance(0, 0) - own[i].motion_covariance(0, 0);
-  };
-  EXPECT_NEAR(variance_added(1), 0.05 * 0.05, 1e-9);
-  EXPECT_NEAR(variance_added(own.size() - 1), 0.0, 1e-12);
-}
-
 TEST(Merge, PositionsWithoutADatumAreLeftOutAndSaidSo) {
   const TemporaryFolder folder;
   const Session first = drive_with_gnss(folder.path() / "a", 0, kFirstDatum);

@@ -8,9 +8,11 @@
 namespace lidar_mapping::back_end {
 
 /// Covariance of the motion T_previous_current from registration, made honest: a least error, drift
-/// that grows with the distance, and next to no knowledge along degenerate directions (unit
-/// vectors in the current base_link). Or constant, with use_const_inf_matrix.
+/// that grows with the distance, more of both in the first metres of a segment (`way` is what has
+/// been driven of it, m), and next to no knowledge along degenerate directions (unit vectors in the
+/// current base_link). Or constant, with use_const_inf_matrix.
 Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
+                                double way,
                                 const std::vector<Eigen::Vector3d>& degenerate_directions,
                                 const BackEndConfig& config);
 
