@@ -187,7 +187,9 @@ class Mapping : public testing::Test {
 
 TEST_F(Mapping, GivesAMapAndLosesNoScan) {
   connect(kAllTopics);
-  const std::size_t scans = drive();
+  std::size_t scans = 0;
+  // The back end follows, too: on a machine whose disk is busy it would drop what it cannot keep.
+  while (drive(1) == 1 && optimized_.wait_for(scans)) ++scans;
   ASSERT_GT(scans, 50U);
   EXPECT_TRUE(odometry_.wait_for(scans)) << output_of("front_end_node");
   EXPECT_EQ(odometry_.messages.size(), scans);
