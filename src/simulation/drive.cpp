@@ -68,9 +68,14 @@ class Drive::Impl {
     const Stamp last = scenario_.trajectory.end();
     const Stamp cut =
         options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;
-    const Stamp free = std::min(cut, last) - scan_stamp(0);
-    scan_count_ = free < 0 ? 0 : static_cast<std::size_t>(free / period_);
     end_ = std::min(cut, last);
+    require(to_seconds(end_ - begin()) >= kShortestDrive,
+            "start " + std::to_string(options.start) +
+                " s leaves less than 1 s of a drive that ends at " +
+                std::to_string(to_seconds(end_ - scenario_.trajectory.begin())) +
+                " s; start earlier");
+    const Stamp free = end_ - scan_stamp(0);
+    scan_count_ = free < 0 ? 0 : static_cast<std::size_t>(free / period_);
     outages_ = scenario_.covered;
     outages_.insert(outages_.end(), options.gnss_outages.begin(), options.gnss_outages.end());
   }

@@ -49,7 +49,8 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--pass", drive.pass, "another day in the same town: own traffic and noise")
       ->capture_default_str();
   app.add_option("--start", drive.start, "leave out so many seconds of the beginning");
-  app.add_option("--duration", drive.duration, "end the drive after so many seconds");
+  app.add_option("--duration", drive.duration,
+                 "end the drive after so many seconds, counted from its beginning");
   app.add_option("--rounds", drive.rounds, "rounds of the drive 'city'")->capture_default_str();
   app.add_option("--scan-rate", drive.scan_rate, "turns per second")->capture_default_str();
   app.add_option("--range-noise", drive.range_noise, "standard deviation, m")

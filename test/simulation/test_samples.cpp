@@ -3,6 +3,7 @@
 #include <GeographicLib/LocalCartesian.hpp>
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
@@ -150,6 +151,13 @@ TEST_F(Samples, BeginWhereADriveIsCut) {
   EXPECT_GE(drive.imu().front().stamp, start);
   EXPECT_LT(drive.imu().front().stamp, drive.scan_stamp(0));
   EXPECT_LE(drive.scan_stamp(drive.scan_count() - 1), start + 3'000'000'000);
+}
+
+TEST_F(Samples, NothingLeftOfADriveIsAnError) {
+  DriveOptions cut = options();
+  cut.start = 5.0;
+  cut.duration = 5.0;
+  EXPECT_THROW(Drive{cut}, ConfigError);
 }
 
 }  // namespace
