@@ -70,8 +70,8 @@ void InputNotices::absurd_gyro() {
        "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
 }
 
-void InputNotices::refused_velocity(const std::string& problem) {
-  if (!problem.empty()) warn("velocity " + problem.substr(0, 8), "velocity: " + problem);
+void InputNotices::refused_velocity(VelocityProblem problem, const std::string& sentence) {
+  warn("velocity " + std::to_string(static_cast<int>(problem)), "velocity: " + sentence);
 }
 
 void InputNotices::missing_transform(const std::string& input, const std::string& frame_id) {

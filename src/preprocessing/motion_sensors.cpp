@@ -171,18 +171,14 @@ void MotionSensors::check_velocity(const LocalFix& fix) {
   if (velocity) velocity_check_.see_fix(fix, velocity->linear.norm());
 }
 
-VelocityProblem MotionSensors::problem_of_velocity(Stamp stamp) const {
+VelocityProblem MotionSensors::velocity_problem(Stamp stamp) const {
   const auto velocity = measured_velocity_at(stamp);
   return velocity ? velocity_check_.problem(velocity->linear) : VelocityProblem::kNone;
 }
 
-std::string MotionSensors::velocity_problem(Stamp stamp) const {
-  return velocity_check_.sentence(problem_of_velocity(stamp));
-}
-
 MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
-  const auto T_base_velocity = problem_of_velocity(stamp) == VelocityProblem::kNone
+  const auto T_base_velocity = velocity_problem(stamp) == VelocityProblem::kNone
                                    ? extrinsics_.T_base(velocity_.frame_id())
                                    : std::nullopt;
   const TurningAtTime gyro = [&](double time) -> MaybeVector {

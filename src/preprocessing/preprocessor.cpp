@@ -175,7 +175,10 @@ class Preprocessor::Impl {
     note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
     note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
     if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
-    if (!result.velocity) notices_.refused_velocity(sensors_.velocity_problem(stamp));
+    const VelocityProblem problem = sensors_.velocity_problem(stamp);
+    if (problem != VelocityProblem::kNone) {
+      notices_.refused_velocity(problem, sensors_.sentence(problem));
+    }
     return result;
   }
 

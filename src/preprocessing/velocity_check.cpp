@@ -104,8 +104,7 @@ std::string VelocityCheck::sentence(VelocityProblem problem) const {
              "is in the axes of its frame (publish it in these, or set use_velocity to false)";
     case VelocityProblem::kAside:
       return "it points aside more than ahead, as in East-North-Up or with a wrong transform; it "
-             "is "
-             "not used before a turn has shown that it is in the axes of its frame";
+             "is not used before a turn has shown that it is in the axes of its frame";
   }
   return "";
 }

@@ -43,8 +43,9 @@ class MotionSensors {
   /// Holds the velocity against the turning by the gyro and the way of the fixes.
   void check_velocity(Stamp stamp);
   void check_velocity(const LocalFix& fix);
-  /// Why the velocity at `stamp` is not used; empty where it is.
-  std::string velocity_problem(Stamp stamp) const;
+  /// Why the velocity at `stamp` is not used, and that in words.
+  VelocityProblem velocity_problem(Stamp stamp) const;
+  std::string sentence(VelocityProblem problem) const { return velocity_check_.sentence(problem); }
 
   const SensorStream<ImuSample>& imu() const { return imu_; }
   const SensorStream<VelocitySample>& velocity() const { return velocity_; }
@@ -57,7 +58,6 @@ class MotionSensors {
  private:
   std::optional<bool> is_standing(Stamp stamp) const;
   std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
-  VelocityProblem problem_of_velocity(Stamp stamp) const;
   bool outturns_velocity(const ImuSample& sample, const std::string& frame_id) const;
 
   const Extrinsics& extrinsics_;
