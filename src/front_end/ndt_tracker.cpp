@@ -1,22 +1,19 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <Eigen/LU>
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/elevation_calibration.hpp"
-#include "lidar_mapping/front_end/first_scans.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
+#include "lidar_mapping/front_end/map_beginning.hpp"
 #include "lidar_mapping/front_end/match_judge.hpp"
+#include "lidar_mapping/front_end/measured_motion.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/search_starts.hpp"
+#include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/sweep_matcher.hpp"
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
-#include "lidar_mapping/front_end/velocity_trust.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -28,8 +25,6 @@ using registration::NdtMatch;
 const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
 /// The first scans go into it wherever they are.
 constexpr int kFirstScans = 3;
-/// Until the sensor is so far from where the map began (in voxels), it is a map of one place.
-constexpr double kOnePlace = 10.0;
 /// Fewer points are no scan.
 constexpr std::size_t kMinPoints = 50;
 
@@ -41,41 +36,9 @@ constexpr double kRoomScale = 0.5;
 // What is believed of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
-// The first scans are looked at again if the vehicle begins faster than that, as key frames of a
-// slower one would wait too long for the map to grow, and if fewer of the points of the second scan
-// find a plane in the map of the first: with many rings it is good enough.
-constexpr double kAtSpeed = 3.0;  // m/s
-constexpr double kEnoughPlanes = 0.4;
-/// Rounds of deskewing the first scan and matching the second one with it.
-constexpr int kStartRounds = 3;
-// Twists that differ by less move no point by more than the sensor's noise.
-constexpr double kSameSpeed = 0.02;  // m/s
-constexpr double kSameRate = 1e-3;   // rad/s
-
-// Measured twists belong to the stamp, the filter's to the middle of the sweep.
-constexpr double kGyroSigma = 0.1;  // rad/s
-
-/// Weight of the points in the covariance that is reported, in units of their weight in the filter.
-constexpr double kReportedWeight = 24.0;
-
-// A map of few scans of a sensor with few rings has planes that lean, and all points that meet one
-// err together: the fewer of them find a plane, the worse. Measured on simulated drives.
-constexpr int kYoungScans = 12;
-constexpr double kYoungOverlap = 0.75;  // share of points with a plane that is enough
-constexpr double kLeastOverlap = 0.45;
-constexpr double kYoungPower = 8.0;
-
-double variance_of_young_map(double overlap) {
-  return std::pow(kYoungOverlap / std::clamp(overlap, kLeastOverlap, kYoungOverlap), kYoungPower);
-}
 
 /// While lost, the speed falls by 1/e in this time.
 constexpr double kHoldTime = 1.0;  // s
-
-bool is_same_motion(const Vector6d& a, const Vector6d& b) {
-  const Vector6d d = a - b;
-  return d.head<3>().norm() < kSameSpeed && d.tail<3>().norm() < kSameRate;
-}
 
 }  // namespace
 
@@ -88,7 +51,7 @@ class NdtTracker::Impl {
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
         judge_(config.max_speed),
         matcher_(config.registration.neighbor_search),
-        first_scans_(config.registration.neighbor_search) {}
+        beginning_(config.registration.neighbor_search) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
@@ -104,7 +67,8 @@ class NdtTracker::Impl {
       const double seconds =
           to_seconds(scan.stamp - stamp_) + sampler_.reference() - last_reference;
       timer_.start("matching");
-      predict(seconds, prior);
+      filter_.predict(seconds);
+      measured_.take(prior, filter_);
       follow(scan, seconds, prior, result);
     }
     stamp_ = scan.stamp;
@@ -123,7 +87,7 @@ class NdtTracker::Impl {
     start_ = T_odom_base;
   }
 
-  void settle() { first_scans_.end(); }
+  void settle() { beginning_.settle(); }
 
   PointCloud local_map() const { return map_.cloud(); }
 
@@ -132,11 +96,8 @@ class NdtTracker::Impl {
     map_.clear();
     judge_.reset();
     elevation_.interrupt();
-    first_scans_.end();
-    inserted_scans_ = 0;
+    beginning_.forget();
     lost_time_ = 0.0;
-    motion_known_ = false;
-    one_place_ = true;
   }
 
   /// The first scan of a map. Its points are kept until the motion during it is known.
@@ -153,12 +114,10 @@ class NdtTracker::Impl {
     }
     status.state = TrackingState::kTracking;
     status.converged = true;
-    first_scans_.begin();
+    beginning_.begin(T_odom_base);
     remember(scan);
     insert(scan);
-    first_ = sampler_.dense(scan);
-    first_has_times_ = scan.cloud.has_times();
-    first_reference_ = sampler_.reference();
+    beginning_.keep_first(sampler_.dense(scan), scan.cloud.has_times(), sampler_.reference());
   }
 
   /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
@@ -167,92 +126,33 @@ class NdtTracker::Impl {
                                                 : kRoomScale * config_.voxel_size;
   }
 
-  void predict(double seconds, const MotionPrior& prior) {
-    filter_.predict(seconds);
-    if (prior.angular_velocity) filter_.measure_rate(*prior.angular_velocity, kGyroSigma);
-    if (prior.linear_velocity) {
-      filter_.measure_velocity(velocity_trust_.corrected(*prior.linear_velocity),
-                               velocity_trust_.cautious_sigma(prior.linear_velocity->norm()));
-    }
-  }
-
   void follow(const Scan& scan, double seconds, const MotionPrior& prior, TrackedScan& result) {
-    const Prediction prediction{filter_.belief(), trusting_velocity(prior)};
+    const Prediction prediction{filter_.belief(), measured_.trusting(prior, filter_)};
     const SweepMatcher::Found found =
-        motion_known_ ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
-                      : find_first_motion(prediction.usual, seconds);
+        beginning_.motion_known()
+            ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
+            : beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_);
     describe(found, result.status);
     result.status.state = judge_.judge(found.match, prediction.usual);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;
     }
-    if (!motion_known_) know_first_motion(found.match);
+    if (!beginning_.motion_known()) beginning_.know_motion(found.match);
     accept(found, prior, result.status);
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
-    if (first_scans_.is_open() && first_scans_.look_again(filter_, judge_, map_)) {
-      result.revisions = revisions();
-    }
+    result.revisions = beginning_.look_again(filter_, judge_, map_);
   }
 
   void remember(const Scan& scan) {
-    if (!first_scans_.is_open()) return;
-    first_scans_.add({scan.stamp,
-                      sampler_.reference(),
-                      sampler_.points(),
-                      filter_.state(),
-                      filter_.covariance(),
-                      {}});
-  }
-
-  void know_first_motion(const NdtMatch& match) {
-    if (!first_scans_.is_open()) return;
-    const Vector6d& twist = match.state.twist;
-    first_scans_.set_first({moved(start_, twist, first_reference_), twist});
-    if (twist.head<3>().norm() < kAtSpeed || match.overlap > kEnoughPlanes) first_scans_.end();
-  }
-
-  std::vector<Revision> revisions() {
-    const auto& found = first_scans_.found();
-    std::vector<Revision> revisions;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      revisions.push_back(revision_of(found[i], first_scans_.scans()[i].reference));
-    }
-    first_scans_.end();
-    return revisions;
-  }
-
-  static Revision revision_of(const SweepMatcher::Found& found, double reference) {
-    const MotionState& state = found.match.state;
-    const Matrix12d covariance =
-        variance_of_young_map(found.match.overlap) * reported_covariance(found.match);
-    return {moved(state.T_map_sensor, state.twist, -reference),
-            pose_covariance(covariance, state.twist, -reference), state.twist,
-            found.degenerate_directions};
-  }
-
-  /// The second scan: the speed may be anything, and the first one is still as skewed as it came.
-  SweepMatcher::Found find_first_motion(const MotionBelief& prediction, double seconds) {
-    const auto& points = sampler_.points();
-    SweepMatcher::Found found;
-    std::vector<MotionState> starts = starts_at_speed(start_, seconds + first_reference_);
-    starts.push_back(prediction.state);
-    Vector6d deskewed_with = Vector6d::Zero();
-    const auto deskew_first = [&](const Vector6d& twist) {
-      if (!first_has_times_ || is_same_motion(twist, deskewed_with)) return false;
-      deskewed_with = twist;
-      map_.clear();
-      map_.insert(first_, {moved(start_, twist, first_reference_), twist});
-      return true;
-    };
-    deskew_first(prediction.state.twist);
-    found.match = matcher_.search(points, map_, prediction, starts);
-    for (int round = 0; round < kStartRounds && deskew_first(found.match.state.twist); ++round) {
-      found.match = matcher_.refine(points, map_, prediction, found.match.state);
-    }
-    found.degenerate_directions = degenerate_directions(found.match.pose_hessian);
-    return found;
+    if (!beginning_.is_provisional()) return;
+    beginning_.add({scan.stamp,
+                    sampler_.reference(),
+                    sampler_.points(),
+                    filter_.state(),
+                    filter_.covariance(),
+                    {}});
   }
 
   static void describe(const SweepMatcher::Found& found, FrontEndStatus& status) {
@@ -267,51 +167,30 @@ class NdtTracker::Impl {
 
   void accept(const SweepMatcher::Found& found, const MotionPrior& prior, FrontEndStatus& status) {
     const NdtMatch& match = found.match;
-    if (one_place_ && found.degenerate_directions.empty()) {
+    if (beginning_.is_one_place() && found.degenerate_directions.empty()) {
       status.degenerate_directions = degenerate_directions(match.pose_hessian, kOnePlaceShare);
     }
     if (!status.degenerate_directions.empty() && status.state == TrackingState::kTracking) {
       status.state = TrackingState::kDegenerate;
     }
-    if (status.degenerate_directions.empty() && prior.linear_velocity) {
-      velocity_trust_.see(*prior.linear_velocity, match.state.twist.head<3>());
-    }
+    if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
-    covariance_ = reported_covariance(match);
-    if (inserted_scans_ <= kYoungScans) covariance_ *= variance_of_young_map(match.overlap);
+    covariance_ =
+        beginning_.is_young() ? covariance_in_young_map(match) : reported_covariance(match);
     judge_.learn(match);
     last_good_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
-    motion_known_ = true;
-  }
-
-  /// The filter weighs the points low, because neighbouring ones err together, and so holds itself
-  /// for worse than it is. What is reported has the size of the errors of simulated drives.
-  static Matrix12d reported_covariance(const NdtMatch& match) {
-    const Matrix12d information =
-        match.information + (kReportedWeight - 1.0) * match.points_information;
-    return information.inverse();
-  }
-
-  /// The prediction, held to a measured velocity as firmly as it has deserved so far.
-  MotionBelief trusting_velocity(const MotionPrior& prior) const {
-    MotionFilter filter = filter_;
-    if (prior.linear_velocity) {
-      filter.measure_velocity(velocity_trust_.corrected(*prior.linear_velocity),
-                              velocity_trust_.usual_sigma());
-    }
-    return filter.belief();
   }
 
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
-    first_scans_.end();
+    beginning_.settle();
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
     lost_time_ += seconds;
     // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
-    const bool worth_waiting = motion_known_ && lost_time_ <= config_.max_lost_time;
+    const bool worth_waiting = beginning_.motion_known() && lost_time_ <= config_.max_lost_time;
     if (worth_waiting || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
@@ -322,7 +201,8 @@ class NdtTracker::Impl {
 
   void keep(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
     const Pose T_inserted_now = inserted_.inverse() * filter_.state().T_map_sensor;
-    if (inserted_scans_ >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0)) return;
+    if (beginning_.inserted_scans() >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0))
+      return;
     insert(scan);
     filter_.anchor(degenerate_directions);
   }
@@ -332,12 +212,9 @@ class NdtTracker::Impl {
     const SampledPoints& dense = sampler_.dense(scan);
     timer_.start("insertion");
     map_.insert(dense, filter_.state());
-    first_scans_.set_inserted(dense);
     inserted_ = filter_.state().T_map_sensor;
-    ++inserted_scans_;
-    const double way = (inserted_.translation - start_.translation).norm();
-    if (way > kOnePlace * map_.fine().resolution()) one_place_ = false;
-    if (config_.calibrate_elevation && inserted_scans_ > kFirstScans) calibrate(dense);
+    beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
+    if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
   }
 
   void calibrate(const SampledPoints& dense) {
@@ -351,8 +228,8 @@ class NdtTracker::Impl {
     result.T_odom_base = moved(filter_.state().T_map_sensor, filter_.state().twist, to_stamp);
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp);
     result.twist = filter_.state().twist;
-    result.motion_known = motion_known_;
-    result.provisional = first_scans_.is_open();
+    result.motion_known = beginning_.motion_known();
+    result.provisional = beginning_.is_provisional();
     result.status.step_seconds = timer_.take();
   }
 
@@ -362,24 +239,18 @@ class NdtTracker::Impl {
   MotionFilter filter_;
   MatchJudge judge_;
   SweepMatcher matcher_;
-  VelocityTrust velocity_trust_;
+  MeasuredMotion measured_;
   ElevationCalibration elevation_;
-  FirstScans first_scans_;
+  MapBeginning beginning_;
   StepTimer timer_;
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   std::size_t scans_ = 0;
   Stamp stamp_ = 0;
-  Pose start_;      ///< of the map's first scan, at its stamp
-  Pose inserted_;   ///< of the scan last put into the map
-  Pose last_good_;  ///< of the scan last matched
-  int inserted_scans_ = 0;
-  bool one_place_ = true;   ///< all of the map was made from about one place
+  Pose start_;              ///< where a map begins, at the stamp of its first scan
+  Pose inserted_;           ///< of the scan last put into the map
+  Pose last_good_;          ///< of the scan last matched
   double lost_time_ = 0.0;  ///< s since the last match
-  bool motion_known_ = false;
-  SampledPoints first_;
-  bool first_has_times_ = false;
-  double first_reference_ = 0.0;
 };
 
 NdtTracker::NdtTracker(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}

@@ -1,0 +1,31 @@
+#include "lidar_mapping/front_end/measured_motion.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+// Measured twists belong to the stamp, the filter's to the middle of the sweep.
+constexpr double kGyroSigma = 0.1;  // rad/s
+
+}  // namespace
+
+void MeasuredMotion::take(const MotionPrior& prior, MotionFilter& filter) const {
+  if (prior.angular_velocity) filter.measure_rate(*prior.angular_velocity, kGyroSigma);
+  if (prior.linear_velocity) {
+    filter.measure_velocity(trust_.corrected(*prior.linear_velocity),
+                            trust_.cautious_sigma(prior.linear_velocity->norm()));
+  }
+}
+
+registration::MotionBelief MeasuredMotion::trusting(const MotionPrior& prior,
+                                                    MotionFilter filter) const {
+  if (prior.linear_velocity) {
+    filter.measure_velocity(trust_.corrected(*prior.linear_velocity), trust_.usual_sigma());
+  }
+  return filter.belief();
+}
+
+void MeasuredMotion::see(const MotionPrior& prior, const Eigen::Vector3d& true_velocity) {
+  if (prior.linear_velocity) trust_.see(*prior.linear_velocity, true_velocity);
+}
+
+}  // namespace lidar_mapping::front_end
