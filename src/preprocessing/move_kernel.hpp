@@ -14,13 +14,16 @@ struct KeepRule {
   float box_max[3];
 };
 
-/// A rigid motion at the begin of a slot of time, row-major [R | t], and its change per slot.
+/// A rigid motion in the middle of a slot of time, row-major [R | t], and what a point that it
+/// moved goes on by in a slot: turning x point + drift.
 struct MotionSlot {
   float place[12];
-  float change[12];
+  float turning[3];  ///< rad
+  float drift[3];    ///< m
 };
 
-/// A motion over `count` slots of equal length; held before the first and after the last.
+/// A motion over `count` slots of equal length; held before the first and after the last (up to
+/// half a slot beyond).
 struct SlottedMotion {
   const MotionSlot* slots;
   int count;
@@ -55,10 +58,11 @@ using MoveKernel = MoveResult (*)(const PointSource& source, const PointSink& si
                                   const KeepRule& rule, const SlottedMotion& motion,
                                   bool keeps_times);
 
-/// The fastest one that this processor can run; all give the same bits.
+/// The fastest one that this processor can run; they differ by what they round, some 1e-7 of a
+/// distance, and by which of two neighbouring slots they take.
 MoveKernel move_kernel();
 MoveKernel portable_move_kernel();
-/// Null where the compiler or the processor knows no AVX2.
+/// Null where the compiler or the processor knows no AVX2 with FMA.
 MoveKernel avx2_move_kernel();
 
 }  // namespace lidar_mapping::preprocessing

@@ -1,4 +1,5 @@
-// Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+// Compiled with AVX2 and FMA where the compiler has it; nothing but plain pointers crosses its
+// border.
 #include "move_kernel.hpp"
 
 #ifdef __AVX2__
@@ -9,7 +10,8 @@ namespace lidar_mapping::preprocessing {
 
 MoveKernel avx2_move_kernel() {
 #ifdef __AVX2__
-  return __builtin_cpu_supports("avx2") ? move_points : nullptr;
+  const bool can = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  return can ? move_points : nullptr;
 #else
   return nullptr;
 #endif

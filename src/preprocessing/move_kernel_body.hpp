@@ -1,5 +1,5 @@
-// The kernel of move_kernel.hpp; included by one file per instruction set.
-// Eight points at a time as the compiler's vectors: on plain x86-64 each becomes two SSE registers.
+// The kernel of move_kernel.hpp; included by one file per instruction set, with vectors of the
+// compiler's that are as wide as a register.
 
 #include <cstdint>
 #include <cstring>
@@ -13,160 +13,191 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
+#ifdef __AVX2__
 constexpr std::size_t kLanes = 8;
+#else
+constexpr std::size_t kLanes = 4;
+#endif
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+constexpr unsigned kAll = (1U << kLanes) - 1U;
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
 
-/// Where a point's lane is: shuffles that stay within halves of a register are cheaper.
-constexpr std::size_t kLaneOf[kLanes] = {0, 4, 1, 5, 2, 6, 3, 7};
-
-/// Between eight points, two in a vector, and their coordinates x y z w; its own inverse.
-LIDAR_MAPPING_INLINE void transpose(Floats& a, Floats& b, Floats& c, Floats& d) {
-  constexpr Ints kLower = {0, 8, 1, 9, 4, 12, 5, 13};
-  constexpr Ints kUpper = {2, 10, 3, 11, 6, 14, 7, 15};
-  constexpr Ints kFirst = {0, 1, 8, 9, 4, 5, 12, 13};
-  constexpr Ints kSecond = {2, 3, 10, 11, 6, 7, 14, 15};
-  const Floats xy0 = __builtin_shuffle(a, b, kLower);
-  const Floats xy1 = __builtin_shuffle(c, d, kLower);
-  const Floats zw0 = __builtin_shuffle(a, b, kUpper);
-  const Floats zw1 = __builtin_shuffle(c, d, kUpper);
-  a = __builtin_shuffle(xy0, xy1, kFirst);
-  b = __builtin_shuffle(xy0, xy1, kSecond);
-  c = __builtin_shuffle(zw0, zw1, kFirst);
-  d = __builtin_shuffle(zw0, zw1, kSecond);
-}
-
-LIDAR_MAPPING_INLINE void load(const float* from, Floats& to) {
-  std::memcpy(&to, from, sizeof(to));
-}
-
-/// Two points, of which the second begins `step` bytes after the first.
-LIDAR_MAPPING_INLINE void load_two(const unsigned char* from, std::size_t step, Floats& to) {
-#ifdef __AVX2__
-  __m128 first, second;
-  std::memcpy(&first, from, sizeof(first));
-  std::memcpy(&second, from + step, sizeof(second));
-  const __m256 two = _mm256_set_m128(second, first);
-  std::memcpy(&to, &two, sizeof(to));
-#else
-  float two[kLanes];
-  std::memcpy(two, from, sizeof(two) / 2);
-  std::memcpy(two + kLanes / 2, from + step, sizeof(two) / 2);
-  load(two, to);
-#endif
-}
+LIDAR_MAPPING_INLINE void load(const void* from, Floats& to) { std::memcpy(&to, from, sizeof(to)); }
 LIDAR_MAPPING_INLINE void store(const Floats& from, float* to) {
   std::memcpy(to, &from, sizeof(from));
 }
 
-/// Lanes are -1 in all bits where a comparison was true.
-LIDAR_MAPPING_INLINE bool all_of(const Ints& lanes) {
 #ifdef __AVX2__
-  return _mm256_movemask_ps(reinterpret_cast<const __m256&>(lanes)) == 0xFF;
+
+LIDAR_MAPPING_INLINE Floats all(float value) { return _mm256_set1_ps(value); }
+/// c + a b and c - a b, rounded once.
+LIDAR_MAPPING_INLINE Floats plus(const Floats& c, const Floats& a, const Floats& b) {
+  return _mm256_fmadd_ps(a, b, c);
+}
+LIDAR_MAPPING_INLINE Floats minus(const Floats& c, const Floats& a, const Floats& b) {
+  return _mm256_fnmadd_ps(a, b, c);
+}
+/// A bit for each lane in which a comparison was true.
+LIDAR_MAPPING_INLINE unsigned bits_of(const Ints& lanes) {
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<const __m256&>(lanes)));
+}
+
+/// Points k and k + 4.
+LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t step, Floats& to) {
+  __m128 low, high;
+  std::memcpy(&low, from, sizeof(low));
+  std::memcpy(&high, from + 4 * step, sizeof(high));
+  to = _mm256_set_m128(high, low);
+}
+LIDAR_MAPPING_INLINE void store_points(const Floats& from, float* to) {
+  _mm_storeu_ps(to, _mm256_castps256_ps128(from));
+  _mm_storeu_ps(to + 16, _mm256_extractf128_ps(from, 1));
+}
+
+// Shuffles stay within the halves of a register, which is cheaper.
+constexpr Ints kLower = {0, 8, 1, 9, 4, 12, 5, 13};
+constexpr Ints kUpper = {2, 10, 3, 11, 6, 14, 7, 15};
+constexpr Ints kFirst = {0, 1, 8, 9, 4, 5, 12, 13};
+constexpr Ints kSecond = {2, 3, 10, 11, 6, 7, 14, 15};
+constexpr Ints kThirdFrom[4] = {{0, 1, 8, 11, 4, 5, 12, 15},
+                                {2, 3, 9, 11, 6, 7, 13, 15},
+                                {0, 1, 10, 11, 4, 5, 14, 15},
+                                {2, 3, 11, 11, 6, 7, 15, 15}};
+constexpr Ints kFourth = {0, 1, 2, 11, 4, 5, 6, 15};
+
 #else
-  std::uint64_t words[kLanes / 2];
-  std::memcpy(words, &lanes, sizeof(words));
-  return (words[0] & words[1] & words[2] & words[3]) == ~std::uint64_t{0};
+
+LIDAR_MAPPING_INLINE Floats all(float value) { return Floats{value, value, value, value}; }
+LIDAR_MAPPING_INLINE Floats plus(const Floats& c, const Floats& a, const Floats& b) {
+  return c + a * b;
+}
+LIDAR_MAPPING_INLINE Floats minus(const Floats& c, const Floats& a, const Floats& b) {
+  return c - a * b;
+}
+LIDAR_MAPPING_INLINE unsigned bits_of(const Ints& lanes) {
+  const Ints bits = lanes & Ints{1, 2, 4, 8};
+  return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
+}
+
+LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t, Floats& to) {
+  load(from, to);
+}
+LIDAR_MAPPING_INLINE void store_points(const Floats& from, float* to) { store(from, to); }
+
+constexpr Ints kLower = {0, 4, 1, 5};
+constexpr Ints kUpper = {2, 6, 3, 7};
+constexpr Ints kFirst = {0, 1, 4, 5};
+constexpr Ints kSecond = {2, 3, 6, 7};
+constexpr Ints kThirdFrom[4] = {{0, 1, 4, 7}, {2, 3, 5, 7}, {0, 1, 6, 7}, {2, 3, 7, 7}};
+constexpr Ints kFourth = {0, 1, 2, 7};
+
 #endif
-}
 
-/// One coordinate after the motion of which `row` is the row.
-LIDAR_MAPPING_INLINE void moved(const float* row, const Floats& x, const Floats& y, const Floats& z,
-                                Floats& out) {
-  out = row[0] * x + row[1] * y + row[2] * z + row[3];
-}
+/// Points as they lie in memory, four floats each: row k has points k, k + 4, ...
+struct Rows {
+  Floats row[4];
+};
 
-LIDAR_MAPPING_INLINE void move_by(const float* place, Floats& x, Floats& y, Floats& z) {
-  Floats px, py, pz;
-  moved(place, x, y, z, px);
-  moved(place + 4, x, y, z, py);
-  moved(place + 8, x, y, z, pz);
-  x = px;
-  y = py;
-  z = pz;
-}
-
-/// `since`: slots since the begin of this one.
-LIDAR_MAPPING_INLINE void move_within(const MotionSlot& slot, const Floats& since, Floats& x,
-                                      Floats& y, Floats& z) {
-  Floats dx = x, dy = y, dz = z;
-  move_by(slot.change, dx, dy, dz);
-  move_by(slot.place, x, y, z);
-  x += since * dx;
-  y += since * dy;
-  z += since * dz;
-}
-
-struct EightPoints {
+struct Places {
   Floats x, y, z;
 };
 
-/// Each lane from a motion of all by its own slot. Not inlined: its copies in memory would cost the
-/// usual case time.
-__attribute__((noinline)) void move_each(const SlottedMotion& motion, const Floats& position,
-                                         EightPoints& points) {
-  Ints slots = __builtin_convertvector(position, Ints);
-  slots += position == static_cast<float>(motion.count);  // -1 where true
-  const Floats since = position - __builtin_convertvector(slots, Floats);
-  const EightPoints before = points;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    EightPoints all = before;
-    move_within(motion.slots[slots[lane]], since, all.x, all.y, all.z);
-    points.x[lane] = all.x[lane];
-    points.y[lane] = all.y[lane];
-    points.z[lane] = all.z[lane];
+LIDAR_MAPPING_INLINE Places places_of(const Rows& points) {
+  const Floats xy0 = __builtin_shuffle(points.row[0], points.row[1], kLower);
+  const Floats xy1 = __builtin_shuffle(points.row[2], points.row[3], kLower);
+  const Floats zw0 = __builtin_shuffle(points.row[0], points.row[1], kUpper);
+  const Floats zw1 = __builtin_shuffle(points.row[2], points.row[3], kUpper);
+  return {__builtin_shuffle(xy0, xy1, kFirst), __builtin_shuffle(xy0, xy1, kSecond),
+          __builtin_shuffle(zw0, zw1, kFirst)};
+}
+
+/// What the points have beside their places stays.
+LIDAR_MAPPING_INLINE void put(const Places& places, Rows& points) {
+  const Floats xy0 = __builtin_shuffle(places.x, places.y, kLower);
+  const Floats xy1 = __builtin_shuffle(places.x, places.y, kUpper);
+  for (int k = 0; k < 4; ++k) {
+    const Floats xyz = __builtin_shuffle(k < 2 ? xy0 : xy1, places.z, kThirdFrom[k]);
+    points.row[k] = __builtin_shuffle(xyz, points.row[k], kFourth);
   }
 }
 
-/// Slots by which a slot's straight line may be followed beyond its ends: there the error is five
-/// times that in its middle.
-constexpr float kBeyond = 0.75F;
+LIDAR_MAPPING_INLINE Floats moved(const float* row, const Places& p) {
+  return plus(plus(plus(all(row[3]), all(row[2]), p.z), all(row[1]), p.y), all(row[0]), p.x);
+}
 
-/// Where in the motion eight times lie.
-struct Places {
-  Floats times;
-  Floats position;         ///< slots since the motion's begin, within the motion
-  const MotionSlot* slot;  ///< of a lane in the middle
+LIDAR_MAPPING_INLINE Places moved_by(const float* place, const Places& p) {
+  return {moved(place, p), moved(place + 4, p), moved(place + 8, p)};
+}
+
+/// `since`: slots since the middle of this one.
+LIDAR_MAPPING_INLINE Places moved_within(const MotionSlot& slot, const Floats& since,
+                                         const Places& raw) {
+  const float* const w = slot.turning;
+  const float* const v = slot.drift;
+  const Places p = moved_by(slot.place, raw);
+  const Floats dx = minus(plus(all(v[0]), all(w[1]), p.z), all(w[2]), p.y);
+  const Floats dy = minus(plus(all(v[1]), all(w[2]), p.x), all(w[0]), p.z);
+  const Floats dz = minus(plus(all(v[2]), all(w[0]), p.y), all(w[1]), p.x);
+  return {plus(p.x, since, dx), plus(p.y, since, dy), plus(p.z, since, dz)};
+}
+
+/// A slot, and the slots from its middle to time 0.
+struct Now {
+  const MotionSlot* slot;
+  float offset;
 };
 
-/// Called for the next points while these are moved, so that nothing waits for the slot's address.
-LIDAR_MAPPING_INLINE void find_places(const SlottedMotion& motion, const float* times,
-                                      Places& places) {
-  constexpr Ints kToLanes = {0, 2, 4, 6, 1, 3, 5, 7};
-  constexpr int kMiddle = 2;
-  Floats in_order;
-  load(times, in_order);
-  places.times = __builtin_shuffle(in_order, kToLanes);
-  const Floats last = Floats{} + static_cast<float>(motion.count);
-  Floats position = (places.times - motion.begin) * motion.slots_per_second;
-  position = position > 0.0F ? position : Floats{};  // NaN becomes 0; the point is dropped
-  places.position = position < last ? position : last;
-  const int slot = static_cast<int>(places.position[kMiddle]);
-  places.slot = motion.slots + (slot < motion.count ? slot : motion.count - 1);
+inline Now slot_at(const SlottedMotion& motion, float time) {
+  const float position = (time - motion.begin) * motion.slots_per_second;
+  const float last = static_cast<float>(motion.count - 1);
+  // NaN becomes 0; the point is dropped.
+  const int slot = position > 0.0F ? static_cast<int>(position < last ? position : last) : 0;
+  return {motion.slots + slot,
+          -motion.begin * motion.slots_per_second - (static_cast<float>(slot) + 0.5F)};
 }
 
-/// Neighbours in a cloud were measured shortly one after the other, so that one slot serves all;
-/// where they were not, each lane is taken from a motion of all by its own slot.
-LIDAR_MAPPING_INLINE void move_timed(const SlottedMotion& motion, const Places& places, Floats& x,
-                                     Floats& y, Floats& z) {
-  const Floats since = places.position - static_cast<float>(places.slot - motion.slots);
-  if (all_of((since >= -kBeyond) & (since <= 1.0F + kBeyond))) {
-    move_within(*places.slot, since, x, y, z);
-    return;
+/// Slots to both sides of a slot's middle for which it may serve: at 1 rad/s and 100 m it is off by
+/// 0.05 mm there.
+constexpr float kReach = 1.0F;
+
+LIDAR_MAPPING_INLINE bool in_reach(const Floats& since) {
+  return bits_of((since > -kReach) & (since < kReach)) == kAll;
+}
+
+/// Each lane from a motion of all by its own slot.
+__attribute__((noinline)) Places moved_each(const SlottedMotion& motion, const float* times,
+                                            const Places& raw) {
+  Places result{};
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const Now now = slot_at(motion, times[k]);
+    const float since = times[k] * motion.slots_per_second + now.offset;
+    const float held = since > 0.5F ? 0.5F : since > -0.5F ? since : -0.5F;
+    const Places moved = moved_within(*now.slot, all(held), raw);
+    result.x[k] = moved.x[k];
+    result.y[k] = moved.y[k];
+    result.z[k] = moved.z[k];
   }
-  EightPoints points{x, y, z};
-  move_each(motion, places.position, points);
-  x = points.x;
-  y = points.y;
-  z = points.z;
+  return result;
 }
 
-LIDAR_MAPPING_INLINE void is_inside(const KeepRule& rule, const Floats& x, const Floats& y,
-                                    const Floats& z, Ints& inside) {
-  inside = (x > rule.box_min[0]) & (x < rule.box_max[0]) & (y > rule.box_min[1]) &
-           (y < rule.box_max[1]) & (z > rule.box_min[2]) & (z < rule.box_max[2]);
+/// Neighbours in a cloud were measured shortly one after the other, so that one slot serves them
+/// and those that follow; where it does not, that of a point in the middle.
+LIDAR_MAPPING_INLINE Places moved_timed(const SlottedMotion& motion, const float* times, Now& now,
+                                        const Places& raw) {
+  Floats time;
+  load(times, time);
+  const auto since = [&] { return plus(all(now.offset), time, all(motion.slots_per_second)); };
+  if (!in_reach(since())) now = slot_at(motion, times[kLanes / 2]);
+  if (in_reach(since())) return moved_within(*now.slot, since(), raw);
+  const Places copy = raw;  // its address keeps the others in memory only here
+  return moved_each(motion, times, copy);
+}
+
+LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Places& p) {
+  return (p.x > rule.box_min[0]) & (p.x < rule.box_max[0]) & (p.y > rule.box_min[1]) &
+         (p.y < rule.box_max[1]) & (p.z > rule.box_min[2]) & (p.z < rule.box_max[2]);
 }
 
 /// The part of a cloud that is done; where it is written over the source, it never overtakes what
@@ -178,81 +209,73 @@ struct Done {
   std::size_t not_finite;
 };
 
-/// Those of eight points that stay.
+LIDAR_MAPPING_INLINE void store_all(const Rows& points, float* to) {
+  for (int k = 0; k < 4; ++k) store_points(points.row[k], to + 4 * k);
+}
+
+/// Those of the points that stay.
 template <bool keeps_times>
-void append_some(const float* points, const float* times, const std::int32_t* keep, Done& done) {
+__attribute__((noinline)) void append_some(const Rows& points, const float* times, unsigned keep,
+                                           Done& done) {
+  float all_points[4 * kLanes];
+  store_all(points, all_points);
   for (std::size_t k = 0; k < kLanes; ++k) {
-    if (keep[kLaneOf[k]] == 0) continue;
-    std::memcpy(done.points + 4 * done.kept, points + 4 * k, 4 * sizeof(float));
+    if ((keep >> k & 1U) == 0) continue;
+    std::memcpy(done.points + 4 * done.kept, all_points + 4 * k, 4 * sizeof(float));
     if constexpr (keeps_times) done.times[done.kept] = times[k];
     ++done.kept;
   }
 }
 
 /// Where the intensity does not follow the coordinates.
-LIDAR_MAPPING_INLINE void load_intensities(const PointSource& source, const unsigned char* from,
-                                           Floats& to) {
+LIDAR_MAPPING_INLINE void put_intensities(const PointSource& source, const unsigned char* from,
+                                          Rows& points) {
   for (std::size_t k = 0; k < kLanes; ++k) {
     float intensity;
     std::memcpy(&intensity, from + k * source.step + source.intensity, sizeof(intensity));
-    to[kLaneOf[k]] = intensity;
+    points.row[k % 4][4 * (k / 4) + 3] = intensity;
   }
 }
 
-/// The eight points of the source from number `first` on, whose times lie at these places.
+/// The points of the source from number `first` on, as many as there are lanes.
 template <bool has_times, bool keeps_times>
-LIDAR_MAPPING_INLINE void move_eight(const PointSource& source, std::size_t first,
-                                     const Places& places, const KeepRule& rule,
-                                     const SlottedMotion& motion, Done& done) {
+LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first,
+                                    const KeepRule& rule, const SlottedMotion& motion, Now& now,
+                                    Done& done) {
   const unsigned char* const from = source.first + first * source.step;
-  Floats x, y, z, intensity, time{}, time_in_order{};
-  load_two(from, source.step, x);
-  load_two(from + 2 * source.step, source.step, y);
-  load_two(from + 4 * source.step, source.step, z);
-  load_two(from + 6 * source.step, source.step, intensity);
-  transpose(x, y, z, intensity);
-  if (source.intensity != 3 * sizeof(float)) load_intensities(source, from, intensity);
-  const Floats range = x * x + y * y + z * z;
-  // Written so that NaN fails.
-  Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);
+  const float* const times = has_times ? source.times + first : nullptr;
+  Rows points;
+  for (std::size_t k = 0; k < 4; ++k) {
+    load_points(from + k * source.step, source.step, points.row[k]);
+  }
+  Places p = places_of(points);
+  Floats range = plus(plus(p.z * p.z, p.y, p.y), p.x, p.x);
   if constexpr (has_times) {
-    load(source.times + first, time_in_order);
-    time = places.times;
-    keep &= (time - time) == 0.0F;
-    move_timed(motion, places, x, y, z);
+    Floats time;
+    load(times, time);
+    range = plus(range, time, Floats{});  // a time that is not finite makes no number of it
+    p = moved_timed(motion, times, now, p);
   } else {
-    move_by(motion.slots->place, x, y, z);
+    p = moved_by(motion.slots->place, p);
   }
-  if (rule.has_box) {
-    Ints inside;
-    is_inside(rule, x, y, z, inside);
-    keep &= ~inside;
-  }
-  transpose(x, y, z, intensity);
-  const bool all = all_of(keep);
-  float some[4 * kLanes];
-  float* const out = all ? done.points + 4 * done.kept : some;
-  store(x, out);
-  store(y, out + 8);
-  store(z, out + 16);
-  store(intensity, out + 24);
-  if (all) {
-    if constexpr (keeps_times) store(time_in_order, done.times + done.kept);
+  Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);  // NaN fails
+  if (rule.has_box) keep &= ~is_inside(rule, p);
+  if (source.intensity != 3 * sizeof(float)) put_intensities(source, from, points);
+  put(p, points);
+  const unsigned bits = bits_of(keep);
+  if (bits == kAll) {
+    store_all(points, done.points + 4 * done.kept);
+    if constexpr (keeps_times) std::memmove(done.times + done.kept, times, sizeof(Floats));
     done.kept += kLanes;
     return;
   }
-  float some_times[kLanes];
-  std::int32_t kept_lanes[kLanes];
-  store(time_in_order, some_times);
-  std::memcpy(kept_lanes, &keep, sizeof(kept_lanes));
-  append_some<keeps_times>(some, some_times, kept_lanes, done);
-  const Floats sum = range + time;
-  const Ints finite = (sum - sum) == 0.0F;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) done.not_finite += finite[lane] == 0 ? 1 : 0;
+  const unsigned finite = bits_of((range - range) == 0.0F);
+  for (std::size_t k = 0; k < kLanes; ++k) done.not_finite += (finite >> k & 1U) == 0 ? 1 : 0;
+  const Rows copy = points;
+  append_some<keeps_times>(copy, times, bits, done);
 }
 
-/// The last points of a source, less than eight, filled up with points at the sensor itself, which
-/// are dropped.
+/// The last points of a source, filled up with points at the sensor itself, which are dropped.
 template <bool has_times, bool keeps_times>
 void move_rest(const PointSource& source, std::size_t first, const KeepRule& rule,
                const SlottedMotion& motion, Done& done) {
@@ -265,23 +288,19 @@ void move_rest(const PointSource& source, std::size_t first, const KeepRule& rul
     std::memcpy(rest + k * kPoint + kCoordinates, from + source.intensity, sizeof(float));
     if constexpr (has_times) times[k] = source.times[first + k];
   }
-  Places places{};
-  if constexpr (has_times) find_places(motion, times, places);
-  move_eight<has_times, keeps_times>({rest, kPoint, kCoordinates, times, kLanes}, 0, places, rule,
-                                     motion, done);
+  Now now = slot_at(motion, times[0]);
+  move_some<has_times, keeps_times>({rest, kPoint, kCoordinates, times, kLanes}, 0, rule, motion,
+                                    now, done);
 }
 
 template <bool has_times, bool keeps_times>
 MoveResult move_all(const PointSource& source, const PointSink& sink, const KeepRule& rule,
                     const SlottedMotion& motion) {
   Done done{sink.points, sink.times, 0, 0};
+  Now now = slot_at(motion, motion.begin);
   const std::size_t whole = source.count - source.count % kLanes;
-  Places places{}, next{};
-  if (has_times && whole > 0) find_places(motion, source.times, next);
   for (std::size_t i = 0; i < whole; i += kLanes) {
-    places = next;
-    if (has_times && i + kLanes < whole) find_places(motion, source.times + i + kLanes, next);
-    move_eight<has_times, keeps_times>(source, i, places, rule, motion, done);
+    move_some<has_times, keeps_times>(source, i, rule, motion, now, done);
   }
   if (whole < source.count) {
     move_rest<has_times, keeps_times>(source, whole, rule, motion, done);

@@ -23,15 +23,30 @@ constexpr float kNoEcho = 0.01F;
 constexpr int kFiner = 2;
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
-using RowMajor34 = Eigen::Matrix<float, 3, 4, Eigen::RowMajor>;
 
-void write(const Matrix34& matrix, float* to) { Eigen::Map<RowMajor34>{to} = matrix.cast<float>(); }
+void write(const Matrix34& place, float* to) {
+  Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>{to} = place.cast<float>();
+}
 
 std::vector<MotionSlot> standing(const Pose& T_base_sensor) {
   std::vector<MotionSlot> slots(1);
   write(T_base_sensor.matrix().topRows<3>(), slots.front().place);
-  write(Matrix34::Zero(), slots.front().change);
   return slots;
+}
+
+/// The chord between two places that a small turning lies between.
+MotionSlot slot_between(const Matrix34& begin, const Matrix34& end) {
+  const Matrix34 middle = 0.5 * (begin + end);
+  const Matrix34 change = end - begin;
+  const Eigen::Matrix3d W = change.leftCols<3>() * middle.leftCols<3>().transpose();
+  const Eigen::Vector3d turning(0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)),
+                                0.5 * (W(1, 0) - W(0, 1)));
+  MotionSlot slot;
+  write(middle, slot.place);
+  Eigen::Map<Eigen::Vector3f>{slot.turning} = turning.cast<float>();
+  Eigen::Map<Eigen::Vector3f>{slot.drift} =
+      (change.col(3) - turning.cross(middle.col(3))).cast<float>();
+  return slot;
 }
 
 std::vector<MotionSlot> slots_of(const ScanMotion& motion, const Pose& T_base_sensor) {
@@ -43,8 +58,7 @@ std::vector<MotionSlot> slots_of(const ScanMotion& motion, const Pose& T_base_se
   Matrix34 place = place_at(0);
   for (std::size_t slot = 0; slot < slots.size(); ++slot) {
     const Matrix34 next = place_at(slot + 1);
-    write(place, slots[slot].place);
-    write(next - place, slots[slot].change);
+    slots[slot] = slot_between(place, next);
     place = next;
   }
   return slots;

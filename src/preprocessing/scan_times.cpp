@@ -7,6 +7,8 @@
 
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 
+#include "times_kernel.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -87,6 +89,14 @@ void TimeSpanFinder::add(const float* times, std::size_t count) {
 TimeSpan TimeSpanFinder::span() const {
   if (first_ > last_) return {};
   return {first_, last_};
+}
+
+TimeSpan read_times(const unsigned char* first, std::size_t step, std::vector<float>& times) {
+  constexpr Bounds kNone = {std::numeric_limits<float>::max(),
+                            std::numeric_limits<float>::lowest()};
+  const Bounds bounds = times_kernel()({first, step, times.size()}, times.data(), kNone);
+  if (bounds.least > bounds.greatest) return {};
+  return {bounds.least, bounds.greatest};
 }
 
 TimeSpan time_span(const PointCloud& cloud) {

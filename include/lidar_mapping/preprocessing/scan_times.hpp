@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
@@ -27,6 +28,10 @@ class TimeSpanFinder {
   float first_ = std::numeric_limits<float>::max();
   float last_ = std::numeric_limits<float>::lowest();
 };
+
+/// Copies floats, of which each begins `step` bytes after the one before, to all of `times`, and
+/// returns their span.
+TimeSpan read_times(const unsigned char* first, std::size_t step, std::vector<float>& times);
 
 struct SettledTimes {
   TimeSpan span;        ///< of the times that there are now
