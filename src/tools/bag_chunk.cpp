@@ -7,6 +7,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
+#include "xxh32.hpp"
+
 namespace lidar_mapping::tools {
 
 namespace {
@@ -18,6 +20,7 @@ constexpr std::uint8_t kVersionMask = 0xC0, kVersion = 0x40;
 constexpr std::uint8_t kIndependent = 0x20;
 constexpr std::uint8_t kBlockChecksum = 0x10;
 constexpr std::uint8_t kContentSize = 0x08;
+constexpr std::uint8_t kContentChecksum = 0x04;
 constexpr std::uint8_t kDictionary = 0x01;
 constexpr std::size_t kDescriptor = 3;  // flags, block size, checksum of the header
 
@@ -55,6 +58,7 @@ std::uint8_t read_frame_header(Reader& reader) {
 }
 
 void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
+  const ByteRange content{to, size};
   Reader reader(data);
   const std::uint8_t flags = read_frame_header(reader);
   while (const std::uint32_t block = reader.take_number()) {
@@ -76,6 +80,7 @@ void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
     if ((flags & kBlockChecksum) != 0) reader.take_number();
   }
   if (size != 0) fail();
+  if ((flags & kContentChecksum) != 0 && reader.take_number() != xxh32(content)) fail();
 }
 
 void decompress_bz2(ByteRange data, std::uint8_t* to, std::size_t size) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace lidar_mapping::tools {
+
+/// Bytes that somebody else keeps.
+struct ByteRange {
+  const std::uint8_t* first = nullptr;
+  std::size_t size = 0;
+};
+
+}  // namespace lidar_mapping::tools
