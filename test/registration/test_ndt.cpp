@@ -210,6 +210,21 @@ TEST(NdtMatcher, FindsPoseAndTwistTogether) {
   EXPECT_LT(error.tail<3>().norm(), 0.05);
 }
 
+// A step of less than a millimetre changes nothing: going on would cost time and bring nothing.
+TEST(NdtMatcher, StopsWhereAStepNoLongerMatters) {
+  GaussianVoxelMap map = corner_map();
+  MotionBelief weak;
+  weak.information = Matrix12d::Identity();
+  MotionState start;
+  start.T_map_sensor = {exp_so3({0.0, 0.0, 0.02}), {0.1, -0.05, 0.02}};
+  for (const unsigned seed : {2U, 3U, 4U}) {
+    const NdtPoints points = seen_from(MotionState{}, test::street_corner(seed, 4000, 0.02));
+    const NdtMatch match = NdtMatcher().match(points, map, weak, start, NdtOptions{});
+    EXPECT_TRUE(match.converged);
+    EXPECT_LE(match.iterations, 4) << seed << ": 5 or 6 with a tolerance a hundredth as large";
+  }
+}
+
 TEST(NdtMatcher, AllNeighborSearchesAgree) {
   GaussianVoxelMap map = corner_map();
   const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 4000, 0.01));
