@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
+#include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/tracker.hpp"
@@ -19,20 +20,10 @@ constexpr double kExternalError = 0.02;
 constexpr double kExternalSigma = 0.005;       // m
 constexpr double kExternalAngleSigma = 0.001;  // rad
 
-// Two scans that see the same part of the map err together. As new parts come into sight, each
-// standing on the poses before, errors part, and then add up: measured on simulated drives.
-constexpr double kSharedView = 0.4;   // of the variance of two independent poses
-constexpr double kNewViewWay = 1.2;   // m
-constexpr double kNewViewTurn = 0.1;  // rad
-
-double error_growth(const Pose& motion) {
-  return kSharedView + motion.translation.norm() / kNewViewWay +
-         rotation_angle(motion.rotation) / kNewViewTurn;
-}
-
-Covariance6 motion_covariance(const TrackedScan& from, const TrackedScan& to) {
+Covariance6 matched_covariance(const TrackedScan& from, const TrackedScan& to) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
-  return error_growth(T_from_to) * compose_covariance(from.covariance, T_from_to, to.covariance);
+  return motion_covariance(from.covariance, from.parting_variance, T_from_to, to.covariance,
+                           to.parting_variance);
 }
 
 Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) {
@@ -134,6 +125,7 @@ class FrontEnd::Impl {
   static void revise(TrackedScan& tracked, const Revision& revision) {
     tracked.T_odom_base = revision.T_odom_base;
     tracked.covariance = revision.covariance;
+    tracked.parting_variance = revision.parting_variance;
     tracked.twist = revision.twist;
     tracked.status.degenerate_directions = revision.degenerate_directions;
     tracked.motion_known = true;
@@ -169,7 +161,7 @@ class FrontEnd::Impl {
   }
 
   Covariance6 covariance_since(const TrackedScan& from, const TrackedScan& to) const {
-    return tracker_ ? motion_covariance(from, to) : external_covariance(from, to);
+    return tracker_ ? matched_covariance(from, to) : external_covariance(from, to);
   }
 
   bool key_frame_due(Stamp stamp, const PointCloud& cloud, const TrackedScan& tracked) const {

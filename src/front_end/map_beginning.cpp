@@ -30,8 +30,8 @@ bool is_same_motion(const Vector6d& a, const Vector6d& b) {
 Revision revision_of(const SweepMatcher::Found& found, double reference) {
   const MotionState& state = found.match.state;
   return {moved(state.T_map_sensor, state.twist, -reference),
-          pose_covariance(covariance_in_young_map(found.match), state.twist, -reference),
-          state.twist, found.degenerate_directions};
+          pose_covariance(reported_covariance(found.match), state.twist, -reference),
+          variance_in_young_map(found.match), state.twist, found.degenerate_directions};
 }
 
 }  // namespace

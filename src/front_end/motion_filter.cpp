@@ -22,6 +22,10 @@ constexpr double kMinAgility = 0.025;
 /// Share of the forecast's mean squared error that the covariance of the twist does not know of.
 constexpr double kForecastShare = 0.3;
 
+/// Variance of the pose within a sweep in units of a^2 t^4: small, as scans one after the other are
+/// accelerated alike and so err alike.
+constexpr double kUnsteadyShare = 0.0005;
+
 /// Of a pose against the part of the map that was just put in with it.
 constexpr double kAnchorSigma = 0.01;  // m
 
@@ -194,6 +198,11 @@ void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {
     known.topLeftCorner<3, 3>() += kAnchorSigma * kAnchorSigma * d * d.transpose();
   }
   covariance_ = rest * covariance_ * rest.transpose() + known;
+}
+
+Covariance6 MotionFilter::unsteadiness(double seconds) const {
+  const double size = std::sqrt(kUnsteadyShare) * seconds * seconds;
+  return diagonal_covariance(size * linear_.sigma, size * angular_.sigma);
 }
 
 registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }

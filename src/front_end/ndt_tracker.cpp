@@ -107,6 +107,7 @@ class NdtTracker::Impl {
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
+    parting_variance_ = 1.0;
     map_.begin(voxel_size());
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
@@ -176,8 +177,8 @@ class NdtTracker::Impl {
     if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
-    covariance_ =
-        beginning_.is_young() ? covariance_in_young_map(match) : reported_covariance(match);
+    covariance_ = reported_covariance(match);
+    parting_variance_ = beginning_.is_young() ? variance_in_young_map(match) : 1.0;
     judge_.learn(match);
     last_good_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
@@ -188,6 +189,7 @@ class NdtTracker::Impl {
     beginning_.settle();
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
+    parting_variance_ = 1.0;
     lost_time_ += seconds;
     // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
     const bool worth_waiting = beginning_.motion_known() && lost_time_ <= config_.max_lost_time;
@@ -226,7 +228,9 @@ class NdtTracker::Impl {
   void report(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
     result.T_odom_base = moved(filter_.state().T_map_sensor, filter_.state().twist, to_stamp);
-    result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp);
+    result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
+                        filter_.unsteadiness(to_stamp);
+    result.parting_variance = parting_variance_;
     result.twist = filter_.state().twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
@@ -245,6 +249,7 @@ class NdtTracker::Impl {
   StepTimer timer_;
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
+  double parting_variance_ = 1.0;
   std::size_t scans_ = 0;
   Stamp stamp_ = 0;
   Pose start_;              ///< where a map begins, at the stamp of its first scan

@@ -31,6 +31,7 @@ struct NdtSums {
   float weight;            ///< sum of the robust weights
   float paired;            ///< points with a plane
   float inliers;           ///< points that the robust kernel believes
+  float squared_residual;  ///< of all, weighted
   float squared_distance;  ///< of the inliers to their planes, m^2
 };
 

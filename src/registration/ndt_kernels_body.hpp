@@ -73,7 +73,7 @@ void accumulate(const float* qx, const float* qy, const float* qz, const float* 
                 const float t[3], float kernel_squared, std::size_t count, NdtSums* sums) {
   Floats hessian[21] = {};
   Floats gradient[6] = {};
-  Floats weights = {}, paired = {}, inliers = {}, squared = {};
+  Floats weights = {}, paired = {}, inliers = {}, residuals = {}, squared = {};
   const Floats one = Floats{} + 1.0F;
   const Floats none = {};
   for (std::size_t i = 0; i < count; i += kNdtLanes) {
@@ -102,6 +102,7 @@ void accumulate(const float* qx, const float* qy, const float* qz, const float* 
     weights += weight;
     paired += has_plane ? one : none;
     inliers += believed ? one : none;
+    residuals += weight * r * r;
     squared += believed ? r * r / length : none;
   }
   for (int k = 0; k < 21; ++k) sums->hessian[k] = sum_of_lanes(hessian[k]);
@@ -109,6 +110,7 @@ void accumulate(const float* qx, const float* qy, const float* qz, const float* 
   sums->weight = sum_of_lanes(weights);
   sums->paired = sum_of_lanes(paired);
   sums->inliers = sum_of_lanes(inliers);
+  sums->squared_residual = sum_of_lanes(residuals);
   sums->squared_distance = sum_of_lanes(squared);
 }
 

@@ -19,12 +19,14 @@ struct FitSums {
   double weight = 0.0;
   double paired = 0.0;
   double inliers = 0.0;
+  double squared_residual = 0.0;
   double squared_distance = 0.0;
 
   void add(const NdtSums& sums) {
     weight += sums.weight;
     paired += sums.paired;
     inliers += sums.inliers;
+    squared_residual += sums.squared_residual;
     squared_distance += sums.squared_distance;
   }
 };
@@ -110,6 +112,7 @@ void judge(const FitSums& sum, std::size_t points, NdtMatch& match) {
   match.quality = sum.weight / count;
   match.inlier_fraction = sum.inliers / count;
   match.overlap = std::min(1.0, sum.paired / count);
+  match.residual_variance = sum.weight > 0.0 ? sum.squared_residual / sum.weight : 0.0;
   match.fitness = sum.inliers > 0.0 ? sum.squared_distance / sum.inliers : 0.0;
 }
 

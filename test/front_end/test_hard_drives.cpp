@@ -217,7 +217,8 @@ class NormalisedError {
 
 class SizeOfCovariance : public testing::TestWithParam<const char*> {};
 
-// The back end weighs the way from key frame to key frame with it.
+// The back end weighs the way from key frame to key frame with it. Smooth walls, rough fields and a
+// person's gait differ in how well the points fit, and in how fast errors part.
 TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
   const simulation::Drive drive = make_drive(GetParam(), 45.0);
   FrontEnd front_end{FrontEndConfig{}};
@@ -245,12 +246,14 @@ TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
     last_key_frame = result.key_frame;
   }
   EXPECT_GT(of_scans.mean(), 0.5);
-  EXPECT_LT(of_scans.mean(), 2.5);
+  EXPECT_LT(of_scans.mean(), 2.0);
   EXPECT_GT(of_key_frames.mean(), 0.5);
-  EXPECT_LT(of_key_frames.mean(), 2.5);
+  EXPECT_LT(of_key_frames.mean(), 2.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Drives, SizeOfCovariance, testing::Values("town", "figure_eight"));
+INSTANTIATE_TEST_SUITE_P(Drives, SizeOfCovariance,
+                         testing::Values("town", "figure_eight", "car_park", "tunnel", "open_road",
+                                         "walk"));
 
 class StartAtSpeed : public testing::TestWithParam<std::uint64_t> {};
 

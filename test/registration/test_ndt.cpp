@@ -225,6 +225,22 @@ TEST(NdtMatcher, StopsWhereAStepNoLongerMatters) {
   }
 }
 
+// In units of what the planes claim: walls that are smoother than those of the map fit better.
+TEST(NdtMatcher, TellsHowFarThePointsLieFromTheirPlanes) {
+  GaussianVoxelMap map = corner_map();
+  MotionBelief weak;
+  weak.information = Matrix12d::Identity();
+  const auto variance_with = [&](double noise) {
+    const NdtPoints points = seen_from(MotionState{}, test::street_corner(2, 4000, noise));
+    return NdtMatcher().match(points, map, weak, MotionState{}, NdtOptions{}).residual_variance;
+  };
+  const double usual = variance_with(0.02);
+  EXPECT_GT(usual, 0.1);
+  EXPECT_LT(usual, 1.0);
+  EXPECT_LT(variance_with(0.01), 0.7 * usual);
+  EXPECT_GT(variance_with(0.04), 1.6 * usual);
+}
+
 TEST(NdtMatcher, AllNeighborSearchesAgree) {
   GaussianVoxelMap map = corner_map();
   const NdtPoints points = seen_from(MotionState{}, test::street_corner(3, 4000, 0.01));

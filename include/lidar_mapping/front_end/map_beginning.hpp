@@ -47,7 +47,7 @@ class MapBeginning {
   /// The scan that was added last went into the map, which has voxels of this edge (m).
   void set_inserted(const SampledPoints& points, const Eigen::Vector3d& p_odom, double voxel_size);
   int inserted_scans() const { return inserted_scans_; }
-  /// True while the map is that of few scans: see covariance_in_young_map().
+  /// True while the map is that of few scans: see variance_in_young_map().
   bool is_young() const;
   /// True while all of the map was made from about one place.
   bool is_one_place() const { return one_place_; }

@@ -53,6 +53,10 @@ class MotionFilter {
   /// of the map shares its error: against it the pose is known.
   void anchor(const std::vector<Eigen::Vector3d>& directions);
 
+  /// Covariance of the pose `seconds` before or after the state, beside what is known of the state:
+  /// the twist is not as constant as it is taken to be.
+  Covariance6 unsteadiness(double seconds) const;
+
   const MotionState& state() const { return state_; }
   const Matrix12d& covariance() const { return covariance_; }
   registration::MotionBelief belief() const;

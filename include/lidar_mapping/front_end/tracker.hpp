@@ -15,6 +15,7 @@ namespace lidar_mapping::front_end {
 struct Revision {
   Pose T_odom_base;
   Covariance6 covariance = Covariance6::Identity();
+  double parting_variance = 1.0;
   Vector6d twist = Vector6d::Zero();
   std::vector<Eigen::Vector3d> degenerate_directions;
 };
@@ -24,6 +25,8 @@ struct TrackedScan {
   Pose T_odom_base;  ///< at the scan's stamp
   /// Of T_odom_base against the local map, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
+  /// Variance of errors that part as the sensor moves on, in units of the usual.
+  double parting_variance = 1.0;
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes: m/s, rad/s
   FrontEndStatus status;
   double elevation_shift = 0.0;  ///< by which the scan's points were turned upwards, rad

@@ -61,7 +61,9 @@ struct NdtMatch {
   double quality = 0.0;          ///< mean robust weight of all points, 0 to 1
   double inlier_fraction = 0.0;  ///< points that the kernel believes / points
   double overlap = 0.0;          ///< points with a plane / points
-  double fitness = 0.0;          ///< mean squared distance of the inliers to their planes, m^2
+  /// Mean squared distance of the points to their planes, in units of what the planes claim.
+  double residual_variance = 0.0;
+  double fitness = 0.0;  ///< mean squared distance of the inliers to their planes, m^2
 };
 
 /// Aligns points with a GaussianVoxelMap: point to plane of the voxel that a point falls into, with
