@@ -44,15 +44,14 @@ void add_priors(const DriveGraph& drive, bool with_gnss, bool with_vertical, Fac
   }
 }
 
-void add_odometry(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
-    const DriveNode& previous = drive.nodes[i - 1];
-    const DriveNode& node = drive.nodes[i];
-    if (!node.joined) continue;
-    const Pose T_previous_node = previous.T_odom_base.inverse() * node.T_odom_base;
+    if (!drive.nodes[i].joined) continue;
     const int to = static_cast<int>(i);
-    graph.add({relative_pose_residual(T_previous_node, g2o_information(node.motion_covariance)),
-               to - 1, to, false, config.odometry_robust_kernel, config.robust_kernel_size});
+    factors.motion_of[i] = static_cast<int>(factors.graph.constraints.size());
+    const Matrix6d information = g2o_information(motion_covariance_to(drive, i, config));
+    factors.graph.add({relative_pose_residual(motion_to(drive, i), information), to - 1, to, false,
+                       config.odometry_robust_kernel, config.robust_kernel_size});
   }
 }
 
@@ -97,6 +96,7 @@ std::vector<bool> marks(const DriveGraph& drive, const DriveFactors& factors) {
 
 DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) {
   DriveFactors factors;
+  factors.motion_of.assign(drive.nodes.size(), -1);
   factors.loop_of.assign(drive.loops.size(), -1);
   factors.horizontal_of.assign(drive.gnss.size(), -1);
   factors.altitude_of.assign(drive.gnss.size(), -1);
@@ -107,7 +107,7 @@ DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) 
   const bool with_vertical =
       !drive.imu.empty() && (config.enable_imu_orientation || config.enable_imu_acceleration);
   add_priors(drive, with_gnss, with_vertical, factors.graph);
-  add_odometry(drive, config, factors.graph);
+  add_odometry(drive, config, factors);
   add_verticals(drive, config, factors.graph);
   if (with_gnss && config.enable_imu_heading) add_headings(drive, config, factors.graph);
   add_floors(drive, config, factors.graph);

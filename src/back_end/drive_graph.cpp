@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "lidar_mapping/back_end/edge_covariance.hpp"
 #include "lidar_mapping/back_end/vertical.hpp"
 
 namespace lidar_mapping::back_end {
@@ -17,6 +18,21 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed
     std::replace(least.begin(), least.end(), std::max(a, b), std::min(a, b));
   }
   return least;
+}
+
+Pose motion_to(const DriveGraph& drive, std::size_t node) {
+  Pose motion = drive.nodes[node - 1].T_odom_base.inverse() * drive.nodes[node].T_odom_base;
+  motion.translation *= 1.0 + drive.odometry_errors.stretch;
+  return motion;
+}
+
+Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
+                                 const BackEndConfig& config) {
+  const Vector6d drift =
+      drive.odometry_errors.drift_share.cwiseProduct(drift_stddev(motion_to(drive, node), config));
+  Covariance6 covariance = drive.nodes[node].step_covariance;
+  covariance.diagonal() += drift.cwiseAbs2();
+  return covariance;
 }
 
 Judgements count_judgements(const DriveGraph& drive) {

@@ -94,8 +94,8 @@ void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   if (node.joined) {
     const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
     way_ += motion.translation.norm();
-    node.motion_covariance = odometry_covariance(key_frame.motion_covariance, motion, way_,
-                                                 key_frame.degenerate_directions, config_);
+    node.step_covariance = step_covariance(key_frame.motion_covariance, motion, way_,
+                                           key_frame.degenerate_directions, config_);
   }
   if (!node.joined) {
     drive.segment_starts.push_back(position);

@@ -30,6 +30,7 @@ void take_whole(const DriveGraph& solved, DriveGraph& drive) {
   drive.T_map_first = solved.T_map_first;
   std::copy(solved.in_enu.begin(), solved.in_enu.end(), drive.in_enu.begin());
   std::copy(solved.gnss_delays.begin(), solved.gnss_delays.end(), drive.gnss_delays.begin());
+  drive.odometry_errors = solved.odometry_errors;
   for (std::size_t i = 0; i < solved.nodes.size(); ++i) {
     drive.nodes[i].T_map_base = solved.nodes[i].T_map_base;
   }

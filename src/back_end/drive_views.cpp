@@ -56,8 +56,8 @@ PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config) {
     const DriveNode& a = drive.nodes[i - 1];
     const DriveNode& b = drive.nodes[i];
     if (!b.joined) continue;
-    graph.edges.push_back({a.index, b.index, a.T_odom_base.inverse() * b.T_odom_base,
-                           g2o_information(b.motion_covariance)});
+    graph.edges.push_back({a.index, b.index, motion_to(drive, i),
+                           g2o_information(motion_covariance_to(drive, i, config))});
   }
   for (const DriveLoop& loop : drive.loops) {
     if (!loop.used) continue;

@@ -143,6 +143,7 @@ DriveGraph cut(const DriveGraph& drive, const DriveWindow& window) {
   part.floors = in_window(drive.floors, window);
   part.in_enu = drive.in_enu;
   part.gnss_delays = drive.gnss_delays;
+  part.odometry_errors = drive.odometry_errors;
   return part;
 }
 

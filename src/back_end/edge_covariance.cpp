@@ -32,22 +32,26 @@ double saturating(double fitness, double min_stddev, double max_stddev,
 
 }  // namespace
 
-Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
-                                double way,
-                                const std::vector<Eigen::Vector3d>& degenerate_directions,
-                                const BackEndConfig& config) {
-  if (config.use_const_inf_matrix) return constant_covariance(config);
+Vector6d drift_stddev(const Pose& T_previous_current, const BackEndConfig& config) {
+  if (config.use_const_inf_matrix) return Vector6d::Zero();
   const double distance = T_previous_current.translation.norm();
   const double drift = std::hypot(config.odometry_min_stddev_m, config.odometry_drift * distance);
   const double turn =
       std::hypot(config.odometry_min_stddev_deg, config.odometry_drift_deg_per_m * distance) *
       kRadPerDeg;
-  Covariance6 covariance = diagonal_covariance(drift, turn);
+  return (Vector6d() << drift, drift, drift, turn, turn, turn).finished();
+}
+
+Covariance6 step_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
+                            double way, const std::vector<Eigen::Vector3d>& degenerate_directions,
+                            const BackEndConfig& config) {
+  if (config.use_const_inf_matrix) return constant_covariance(config);
+  Covariance6 covariance = Covariance6::Zero();
   if (way < kBeginning) {
     covariance += diagonal_covariance(kBeginningStddev_m, kBeginningStddev_rad);
   }
   if (is_valid_covariance(of_registration)) covariance += of_registration;
-  const double blind = config.odometry_degenerate_drift * distance;
+  const double blind = config.odometry_degenerate_drift * T_previous_current.translation.norm();
   for (const Eigen::Vector3d& direction : degenerate_directions) {
     covariance.topLeftCorner<3, 3>() += blind * blind * direction * direction.transpose();
   }

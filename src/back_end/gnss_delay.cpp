@@ -163,6 +163,10 @@ void find_gnss_delays(DriveGraph& drive, const BackEndConfig& config) {
   }
 }
 
+Eigen::Vector3d antenna_velocity(const DriveGraph& drive, const DriveGnss& gnss) {
+  return antenna_velocity(motion_at(drive, gnss.node), gnss.position.p_base_antenna);
+}
+
 GnssPosition timed_position(const DriveGraph& drive, const DriveGnss& gnss) {
   const DriveNode& node = node_of(drive, gnss);
   const auto segment = static_cast<std::size_t>(node.segment);

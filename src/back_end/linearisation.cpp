@@ -16,8 +16,7 @@ Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
   std::array<double*, 2> pointers = {jacobians[0].data(), jacobians[1].data()};
   std::array<double, 6> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), pointers.data());
-  return {Eigen::Map<const Eigen::VectorXd>(residual.data(), count),
-          jacobians[0].leftCols<6>(),
+  return {Eigen::Map<const Eigen::VectorXd>(residual.data(), count), jacobians[0].leftCols<6>(),
           jacobians[1].leftCols<6>()};
 }
 

@@ -1,12 +1,15 @@
 #include "lidar_mapping/back_end/optimization.hpp"
 
+#include <algorithm>
 #include <sstream>
 
+#include "lidar_mapping/back_end/drift_share.hpp"
 #include "lidar_mapping/back_end/drive_factors.hpp"
 #include "lidar_mapping/back_end/drive_placement.hpp"
 #include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/marginal_covariance.hpp"
 #include "lidar_mapping/back_end/robust_solver.hpp"
+#include "lidar_mapping/back_end/shared_errors.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -70,6 +73,36 @@ void take_over(const DriveFactors& factors, const RobustSolution& solution, Driv
     drive.gnss[i].altitude_used = used(solution, factors.altitude_of[i]);
     drive.gnss[i].weighed = factors.horizontal_of[i] >= 0;
   }
+}
+
+/// What a solution with odometry as it is and with all of its drift shows of its errors, and of
+/// GNSS's delay.
+void learn_errors(const BackEndConfig& config, const DriveFactors& factors,
+                  const RobustSolution& solution, DriveGraph& drive) {
+  const double scatter = position_scatter(factors, solution.used);
+  const SharedErrors shared = find_shared_errors(drive, factors, solution.used, scatter);
+  drive.odometry_errors.stretch = shared.stretch;
+  for (GnssDelay& delay : drive.gnss_delays) {
+    if (delay.is_corrected()) delay.seconds += shared.delay;
+  }
+  drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
+}
+
+/// Solves once more with what the positions show of odometry.
+void refine(const BackEndConfig& config, DriveFactors& factors, RobustSolution& solution,
+            DriveGraph& drive) {
+  learn_errors(config, factors, solution, drive);
+  factors = make_factors(drive, config);
+  RobustSolution refined = solve_factors(drive, config, factors, false);
+  refined.cost_before = solution.cost_before;
+  refined.iterations += solution.iterations;
+  solution = std::move(refined);
+  if (solution.success) take_over(factors, solution, drive);
+}
+
+bool any_used(const std::vector<int>& constraints, const RobustSolution& solution) {
+  return std::any_of(constraints.begin(), constraints.end(),
+                     [&](int constraint) { return used(solution, constraint); });
 }
 
 /// Judgements on the whole drive: those so far, but for the part that was solved, and the new ones.
@@ -150,10 +183,14 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   const Georeference placed = georeference(drive, problem.config, false);
   result->report.gnss_rms = placed.rms_horizontal;
   if (problem.config.use_gnss) find_gnss_delays(drive, problem.config);
+  drive.odometry_errors = {};
   DriveFactors factors = make_factors(drive, problem.config);
-  const RobustSolution solution =
+  RobustSolution solution =
       solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_turned);
   if (solution.success) take_over(factors, solution, drive);
+  if (solution.success && any_used(factors.horizontal_of, solution)) {
+    refine(problem.config, factors, solution, drive);
+  }
   const bool place_only = problem.config.georeference_only;
   const Georeference replaced = place_only ? georeference(drive, problem.config, true) : placed;
   fill(problem, drive, solution, result->report);

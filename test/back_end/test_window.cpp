@@ -144,7 +144,7 @@ TEST(MarginalCovariance, OfOneMotionIsTheMotionsOwn) {
   const auto problem = back_end.problem();
   const auto covariance = marginal_covariance(*problem, 1);
   ASSERT_TRUE(covariance);
-  const Covariance6& expected = problem->drive.nodes[1].motion_covariance;
+  const Covariance6 expected = motion_covariance_to(problem->drive, 1, problem->config);
   EXPECT_LT((*covariance - expected).norm(), 0.02 * expected.norm());
 }
 

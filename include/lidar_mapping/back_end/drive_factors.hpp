@@ -11,6 +11,7 @@ namespace lidar_mapping::back_end {
 struct DriveFactors {
   FactorGraph graph;
   std::vector<bool> marked;        ///< per constraint: believed so far, or not judged yet
+  std::vector<int> motion_of;      ///< constraint of each node with the one before; -1: none
   std::vector<int> loop_of;        ///< constraint of each loop; -1: none
   std::vector<int> horizontal_of;  ///< constraint of each GNSS position; -1: none
   std::vector<int> altitude_of;

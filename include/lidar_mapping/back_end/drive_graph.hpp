@@ -19,7 +19,7 @@ struct DriveNode {
   Stamp stamp = 0;
   Pose T_odom_base;
   Pose T_map_base;
-  Covariance6 motion_covariance = Covariance6::Identity();  ///< honest, since the node before
+  Covariance6 step_covariance = Covariance6::Identity();  ///< of the motion to it, but for drift
 };
 
 struct DriveLoop {
@@ -53,6 +53,15 @@ struct GnssDelay {
   double seconds = 0.0;
   double sigma = 0.05;                                  ///< s
   Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();  ///< m, in base_link, found with it
+
+  bool is_corrected() const { return seconds != 0.0; }
+};
+
+/// How odometry errs, as far as positions show it.
+struct OdometryErrors {
+  double stretch = 0.0;  ///< share by which its way has to be lengthened
+  /// Of the configured drift's standard deviations: translation and rotation in base_link.
+  Vector6d drift_share = Vector6d::Ones();
 };
 
 /// All that the back end knows of a drive, as values.
@@ -66,7 +75,8 @@ struct DriveGraph {
   Pose T_map_first;                    ///< where the prior holds the first node
   std::vector<bool> in_enu;            ///< per segment: lies in East-North-Up
   std::vector<GnssDelay> gnss_delays;  ///< per segment
-  std::vector<int> segment_starts;     ///< position of each segment's first node; none in a window
+  OdometryErrors odometry_errors;
+  std::vector<int> segment_starts;  ///< position of each segment's first node; none in a window
 
   /// The correction between odometry and map at the newest node.
   Pose T_map_odom() const {
@@ -79,6 +89,12 @@ struct DriveGraph {
 /// For each segment the least segment that loops tie it to. Loops that no solution has judged yet
 /// count if `with_unweighed_loops`.
 std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops);
+
+/// Odometry from the node before to this one, which it joins, and its covariance: what the drive
+/// shows of its errors is taken into account.
+Pose motion_to(const DriveGraph& drive, std::size_t node);
+Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
+                                 const BackEndConfig& config);
 
 /// How many loops and positions the graph believes and refuses.
 struct Judgements {

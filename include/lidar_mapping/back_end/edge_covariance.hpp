@@ -7,14 +7,18 @@
 
 namespace lidar_mapping::back_end {
 
-/// Covariance of the motion T_previous_current from registration, made honest: a least error, drift
-/// that grows with the distance, more of both in the first metres of a segment (`way` is what has
-/// been driven of it, m), and next to no knowledge along degenerate directions (unit vectors in the
-/// current base_link). Or constant, with use_const_inf_matrix.
-Covariance6 odometry_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
-                                double way,
-                                const std::vector<Eigen::Vector3d>& degenerate_directions,
-                                const BackEndConfig& config);
+/// Standard deviations (m, rad) that the motion T_previous_current has on top of registration's
+/// covariance: a least error and drift that grows with the distance. None with
+/// use_const_inf_matrix.
+Vector6d drift_stddev(const Pose& T_previous_current, const BackEndConfig& config);
+
+/// Covariance of the motion T_previous_current but for drift: that of registration, more in the
+/// first metres of a segment (`way` is what has been driven of it, m), and next to no knowledge
+/// along degenerate directions (unit vectors in the current base_link). Or constant, with
+/// use_const_inf_matrix.
+Covariance6 step_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
+                            double way, const std::vector<Eigen::Vector3d>& degenerate_directions,
+                            const BackEndConfig& config);
 
 /// Covariance of a loop from registration with its least error; or by its fitness, saturating as
 /// in hdl_graph_slam; or constant.

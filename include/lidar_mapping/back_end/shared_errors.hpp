@@ -1,0 +1,19 @@
+#pragma once
+
+#include "lidar_mapping/back_end/drive_factors.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// Errors that all constraints of a kind share.
+struct SharedErrors {
+  double stretch = 0.0;  ///< share by which odometry's way has to be lengthened
+  double delay = 0.0;    ///< s to add to the delays of GNSS that are corrected
+};
+
+/// Finds them beside the poses: a step of Newton's from a minimum over the poses alone, whose
+/// states `factors` has, to that over both. `used` marks the constraints that are believed;
+/// `scatter` is by how much positions scatter beside what their covariances say (drift_share.hpp).
+SharedErrors find_shared_errors(const DriveGraph& drive, const DriveFactors& factors,
+                                const std::vector<bool>& used, double scatter);
+
+}  // namespace lidar_mapping::back_end

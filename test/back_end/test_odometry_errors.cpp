@@ -1,0 +1,107 @@
+#include "lidar_mapping/back_end/drift_share.hpp"
+#include "lidar_mapping/back_end/optimization.hpp"
+#include "lidar_mapping/back_end/robust_solver.hpp"
+#include "lidar_mapping/back_end/shared_errors.hpp"
+
+#include "back_end_fixture.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+using test::feed;
+using test::optimize;
+using test::SyntheticDrive;
+
+/// A drive of 1.6 km whose odometry errs only as said.
+SyntheticDrive good_drive(double stddev_m, double scale_error = 0.0) {
+  test::DriveSettings settings;
+  settings.laps = 4;
+  settings.spacing = 2.0;
+  settings.odometry_stddev_m = stddev_m;
+  settings.odometry_stddev_deg = 0.0005;
+  settings.turn_bias_deg = 0.0;
+  settings.scale_error = scale_error;
+  return test::make_drive(settings);
+}
+
+void add_positions(BackEnd& back_end, const SyntheticDrive& drive, std::size_t end, double sigma) {
+  std::mt19937 engine(3);
+  for (std::size_t i = 0; i < end; ++i) {
+    back_end.add_gnss(test::make_gnss(drive, static_cast<int>(i), engine, sigma));
+  }
+}
+
+const OdometryErrors& learnt(const OptimizationProblem& problem) {
+  return problem.drive.odometry_errors;
+}
+
+TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
+  const SyntheticDrive drive = good_drive(0.001, 2e-4);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  add_positions(back_end, drive, 600, 0.02);
+  optimize(back_end, true);
+  EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
+  const Pose by_odometry = drive.key_frames[698].T_odom_base.inverse() *  //
+                           drive.key_frames[699].T_odom_base;
+  const PoseGraph graph = back_end.graph();  // positions had nothing to say about this motion
+  EXPECT_NEAR(graph.edges[698].T_from_to.translation.norm() / by_odometry.translation.norm(),
+              1.0 - 2e-4, 8e-5);
+}
+
+TEST(OdometryErrors, LittleDriftIsToldFromMuch) {
+  for (const double sigma : {0.02, 1.0}) {
+    BackEnd good(BackEndConfig{});
+    feed(good, good_drive(0.0005));
+    add_positions(good, good_drive(0.0005), 800, sigma);
+    optimize(good, true);
+    EXPECT_LT(learnt(*good.problem()).drift_share.maxCoeff(), 0.75) << sigma;
+  }
+  BackEnd bad(BackEndConfig{});
+  feed(bad, good_drive(0.02));
+  add_positions(bad, good_drive(0.02), 800, 0.02);
+  optimize(bad, true);
+  EXPECT_GT(learnt(*bad.problem()).drift_share.head<3>().minCoeff(), 0.85);
+}
+
+TEST(OdometryErrors, AreAsConfiguredWithoutPositionsOrWithFew) {
+  const SyntheticDrive drive = good_drive(0.0005);
+  for (const std::size_t count : {0, 60}) {
+    BackEnd back_end(BackEndConfig{});
+    feed(back_end, drive);
+    add_positions(back_end, drive, count, 0.02);
+    optimize(back_end, true);
+    EXPECT_TRUE(learnt(*back_end.problem()).drift_share.isOnes(0.0)) << count;
+  }
+}
+
+TEST(OdometryErrors, FixesOfAMetreHardlyDisturbGoodOdometry) {
+  const SyntheticDrive drive = good_drive(0.0005);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  add_positions(back_end, drive, 800, 1.0);
+  optimize(back_end, true);
+  EXPECT_LT(test::aligned_rmse(back_end, drive), 0.095);
+}
+
+// The drive's delay is off by 4 ms.
+TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
+  const SyntheticDrive drive = good_drive(0.001);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  add_positions(back_end, drive, 800, 0.02);
+  optimize(back_end, true);
+  const auto problem = back_end.problem();
+  for (const double wrong : {-0.004, 0.004}) {
+    DriveGraph off = problem->drive;
+    off.gnss_delays[0] = {wrong, 0.003, Eigen::Vector2d::Zero()};
+    DriveFactors factors = make_factors(off, problem->config);
+    const RobustSolution solution = solve_as_marked(factors.graph, factors.marked);
+    const double scatter = position_scatter(factors, solution.used);
+    const SharedErrors found = find_shared_errors(off, factors, solution.used, scatter);
+    EXPECT_NEAR(found.delay, -wrong, 0.001);
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end
