@@ -77,11 +77,15 @@ void FirstScans::begin_to_look(const MotionFilter& filter, LocalMap& map) {
 
 bool FirstScans::match_again(std::size_t i, const MatchJudge& judge, LocalMap& map) {
   const MatchedScan& scan = scans_[i];
-  filter_->predict(seconds_between(scans_[i + 1], scan));
+  const double seconds = seconds_between(scans_[i + 1], scan);
+  MotionFilter agile = filter_->agile();
+  agile.predict(seconds);
+  filter_->predict(seconds);
   const registration::MotionBelief belief = filter_->belief();
-  found_[i] = matcher_.find(scan.points, map, judge, {belief, belief}, {});
+  const Prediction prediction{belief, belief, agile.belief()};
+  found_[i] = matcher_.find(scan.points, map, judge, prediction, {});
   const registration::NdtMatch& match = found_[i].match;
-  if (judge.judge(match, belief) == TrackingState::kLost) return false;
+  if (judge.judge(match, prediction.agile) == TrackingState::kLost) return false;
   filter_->correct(match.state, match.information.inverse(),
                    projection_beside(found_[i].degenerate_directions));
   insert(scan, match.state, map);

@@ -131,6 +131,13 @@ void MotionFilter::predict(double seconds) {
   state_.T_map_sensor = moved(state_.T_map_sensor, state_.twist, seconds);
 }
 
+MotionFilter MotionFilter::agile() const {
+  MotionFilter agile = *this;
+  agile.linear_.sigma = linear_.max_sigma;
+  agile.angular_.sigma = angular_.max_sigma;
+  return agile;
+}
+
 /// Scalar Kalman update in Joseph's form, which stays symmetric and positive.
 void MotionFilter::measure(const Vector12d& row, double innovation, double sigma) {
   const double variance = sigma * sigma;

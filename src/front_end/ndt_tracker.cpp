@@ -67,9 +67,7 @@ class NdtTracker::Impl {
       const double seconds =
           to_seconds(scan.stamp - stamp_) + sampler_.reference() - last_reference;
       timer_.start("matching");
-      filter_.predict(seconds);
-      measured_.take(prior, filter_);
-      follow(scan, seconds, prior, result);
+      follow(scan, seconds, prior, predict(seconds, prior), result);
     }
     stamp_ = scan.stamp;
     timer_.start("ageing");
@@ -127,14 +125,23 @@ class NdtTracker::Impl {
                                                 : kRoomScale * config_.voxel_size;
   }
 
-  void follow(const Scan& scan, double seconds, const MotionPrior& prior, TrackedScan& result) {
-    const Prediction prediction{filter_.belief(), measured_.trusting(prior, filter_)};
+  Prediction predict(double seconds, const MotionPrior& prior) {
+    MotionFilter agile = filter_.agile();
+    for (MotionFilter* filter : {&filter_, &agile}) {
+      filter->predict(seconds);
+      measured_.take(prior, *filter);
+    }
+    return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
+  }
+
+  void follow(const Scan& scan, double seconds, const MotionPrior& prior,
+              const Prediction& prediction, TrackedScan& result) {
     const SweepMatcher::Found found =
         beginning_.motion_known()
             ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
             : beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_);
     describe(found, result.status);
-    result.status.state = judge_.judge(found.match, prediction.usual);
+    result.status.state = judge_.judge(found.match, prediction.agile);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;

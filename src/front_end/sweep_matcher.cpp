@@ -87,7 +87,10 @@ SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
   const NdtMatch first = coarse_if_thin(fine, points, map, usual, {});
   Found found = observed(first, points, map, prediction.where_blind);
   if (!judge.in_doubt(found.match, usual)) return found;
-  const NdtMatch other = search(points, map, usual, starts_around(usual.state, anchors));
+  const MotionBelief& agile = prediction.agile;
+  found =
+      observed(refine(points, map, agile, found.match.state), points, map, prediction.where_blind);
+  const NdtMatch other = search(points, map, agile, starts_around(usual.state, anchors));
   if (other.quality > kClearlyBetter * found.match.quality) {
     found = observed(other, points, map, prediction.where_blind);
   }

@@ -342,6 +342,28 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
 }
 
 // Most of 64 beams meet the ground; the few posts and trees are little beside it, yet enough.
+/// Turns on the spot from one scan to the next: more than anything before let expect.
+TEST(TurnOnTheSpot, IsFollowedFromRest) {
+  const simulation::Drive drive = make_drive("town", 4.0);
+  const Scan standing = drive.base_scan(0);
+  constexpr double kStep = 0.2;  // rad per scan
+  FrontEnd front_end{FrontEndConfig{}};
+  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  for (int i = 0; i < 40; ++i) {
+    const double yaw = std::max(0, i - 20) * kStep;
+    const Pose T_map_base{exp_so3(yaw * Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
+    Scan scan = standing;
+    scan.stamp += i * from_seconds(0.1);
+    scan.cloud = transformed(standing.cloud, T_map_base.inverse());
+    scan.cloud.times.clear();
+    const FrontEndResult result = front_end.process(scan);
+    EXPECT_NE(result.status.state, TrackingState::kLost) << "scan " << i;
+    const Vector6d error = difference(T_map_base, result.T_odom_base);
+    EXPECT_LT(error.head<3>().norm(), 0.05) << "scan " << i;
+    EXPECT_LT(error.tail<3>().norm(), 0.01) << "scan " << i;
+  }
+}
+
 TEST(OpenField, IsNotBlindToARoadThatIsSpeededUpOn) {
   const simulation::Drive drive = make_drive("open_road", 50.0, 92, "hdl64");
   Ride ride(drive);

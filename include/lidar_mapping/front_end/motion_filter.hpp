@@ -36,6 +36,8 @@ class MotionFilter {
   void restart(const MotionState& state, const Matrix12d& covariance);
   /// Moves the state on by `seconds`, or back if they are negative.
   void predict(double seconds);
+  /// The same filter before a motion unlike all of late.
+  MotionFilter agile() const;
   /// Take measurements of the twist in, with the standard deviation of each axis.
   void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);
   void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);

@@ -8,11 +8,13 @@
 
 namespace lidar_mapping::front_end {
 
-/// What is known of the motion before the match. The second belief trusts other sensors more; it
-/// counts where the points say nothing (Zhang, Kaess, Singh 2016).
+/// What is known of the motion before the match.
 struct Prediction {
   registration::MotionBelief usual;
+  /// Trusts other sensors more: where the points say nothing (Zhang, Kaess, Singh 2016).
   registration::MotionBelief where_blind;
+  /// Holds the largest accelerations for possible: once the usual one is in doubt.
+  registration::MotionBelief agile;
 };
 
 /// Finds where a sweep was taken: finely from the prediction, coarsely first where a quick test
