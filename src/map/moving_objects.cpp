@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kBatch = 16;    // key frames that are judged together, one a thread
 constexpr int kGroundNeighbours = 5;  // key frames whose points tell the ground
 constexpr int kGroundStep = 3;        // every so many of the further ones do, too
+constexpr double kRain = 0.002;       // of the points alone in the air: it rains or snows
 
 Marks numbers_of(const std::vector<bool>& moves) {
   Marks marks;
@@ -118,12 +119,32 @@ class StaticClouds::Impl {
   Marks marks_of(Position position, const PointCloud& cloud) const {
     const Pose& T_map_base = poses_[position].T_map_base;
     const PlacedPoints points(cloud, T_map_base);
-    const std::vector<Layer> layers = layers_of(position, points);
+    const std::vector<const Witness*> witnesses = nearest_first(position);
+    std::vector<Layer> layers = layers_of(position, points);
     std::vector<bool> asked(points.size());
     for (std::size_t i = 0; i < asked.size(); ++i) asked[i] = layers[i] >= Layer::kBody;
-    const std::vector<Vote> votes =
-        votes_on(cloud, T_map_base, asked, nearest_first(position), config_);
+    const std::vector<Vote> votes = votes_on(cloud, T_map_base, asked, witnesses, config_);
+    for (const std::uint32_t drop :
+         drops_of(cloud, T_map_base, lonely_points(points, votes), witnesses)) {
+      layers[drop] = Layer::kAlone;
+    }
     return numbers_of(moving_points(points, votes, layers));
+  }
+
+  /// None where it is dry: few points that are alone belong to things. Who has no neighbours to
+  /// decide with has to be seen through more clearly.
+  Marks drops_of(const PointCloud& cloud, const Pose& T_map_base, const std::vector<bool>& alone,
+                 const std::vector<const Witness*>& witnesses) const {
+    MovingObjectsConfig surer = config_;
+    surer.min_votes *= 2;
+    surer.min_share = 0.5 * (1.0 + config_.min_share);
+    const std::vector<Vote> votes = votes_on(cloud, T_map_base, alone, witnesses, surer);
+    std::vector<bool> moves(votes.size());
+    for (std::size_t i = 0; i < votes.size(); ++i) moves[i] = votes[i] == Vote::kMoves;
+    Marks drops = numbers_of(moves);
+    if (static_cast<double>(drops.size()) < kRain * static_cast<double>(cloud.size()))
+      drops.clear();
+    return drops;
   }
 
   std::vector<Layer> layers_of(Position position, const PlacedPoints& points) const {

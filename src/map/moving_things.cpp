@@ -15,6 +15,8 @@ constexpr float kFootHeight = 0.04F;    // m; nothing below goes
 constexpr float kRoof = 0.3F;           // m; ground so much above that of more key frames is none
 constexpr int kFewVoters = 6;           // too few of them to take a whole thing away
 constexpr float kBlockVoxel = 0.4F;     // m; neighbours decide in blocks of 3x3x3
+constexpr float kSmallVoxel = 0.2F;     // m; a point is alone in 3x3x3 of them ...
+constexpr int kFewAround = 2;           // ... with one other at most
 constexpr double kThingCell = 0.3;      // m; cells that touch belong to one thing
 constexpr double kBlockShare = 0.7;     // of a block's voters have to say that it moves
 constexpr double kThingShare = 0.3;     // of a thing's: of one that stands next to nobody does
@@ -48,63 +50,17 @@ struct Poll {
 
 Poll poll_of(Vote vote) { return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0}; }
 
-/// Voxels by key; a step to a neighbour is a sum. Only those near a candidate are counted.
-class Blocks {
+/// Voxels of a size by key; a step to a neighbour is a sum.
+class VoxelKeys {
  public:
-  Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : points_(points) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (votes[i] == Vote::kMoves) voxels_.try_emplace(key_of(i));
-    }
-    if (voxels_.empty()) return;
-    for (const auto& [key, voxel] : voxels_) {
-      visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
-    }
-    for (const auto& [key, block] : blocks_) {
-      visit_around(key, [&](Key near) { voxels_.try_emplace(near); });
-    }
-    count(votes);
-    for (auto& [key, block] : blocks_) {
-      Poll& poll = block;
-      visit_around(key, [&](Key near) { poll.add(voxels_.at(near)); });
-    }
-  }
-
-  bool empty() const { return blocks_.empty(); }
-
-  /// Whether the 3x3x3 voxels around the i-th point together go.
-  bool move_around(std::size_t i) const {
-    const Key key = key_of(i);
-    if (!near_[column_of(key)]) return false;
-    const auto block = blocks_.find(key);
-    return block != blocks_.end() && block->second.moves(kBlockShare);
-  }
-
- private:
   using Key = std::int64_t;
   static constexpr Key kStepX = Key{1} << 40;
   static constexpr Key kStepY = Key{1} << 20;
-  static constexpr std::size_t kColumns = 256 * 256;
 
-  void count(const std::vector<Vote>& votes) {
-    for (const auto& [key, voxel] : voxels_) near_.set(column_of(key));
-    for (std::size_t i = 0; i < votes.size(); ++i) {
-      if (votes[i] == Vote::kUnseen) continue;
-      const Key key = key_of(i);
-      if (!near_[column_of(key)]) continue;
-      const auto voxel = voxels_.find(key);
-      if (voxel != voxels_.end()) voxel->second.add(poll_of(votes[i]));
-    }
-  }
+  VoxelKeys(const PlacedPoints& points, float voxel) : points_(points), scale_(1.0F / voxel) {}
 
-  static std::size_t column_of(Key key) {
-    const auto cells = static_cast<std::uint64_t>(key);
-    return (cells / kStepX % 256 * 256 + cells / kStepY % 256) % kColumns;
-  }
-
-  Key key_of(std::size_t i) const {
-    const auto cell = [](float value) {
-      return static_cast<Key>(std::floor(value * (1.0F / kBlockVoxel)));
-    };
+  Key of(std::size_t i) const {
+    const auto cell = [&](float value) { return static_cast<Key>(std::floor(value * scale_)); };
     const Eigen::Vector3f& p = points_.points[i];
     return cell(p.x()) * kStepX + cell(p.y()) * kStepY + cell(p.z());
   }
@@ -118,7 +74,91 @@ class Blocks {
     }
   }
 
+ private:
   const PlacedPoints& points_;
+  float scale_;
+};
+
+/// How many points are in the 3x3x3 small voxels around a candidate.
+class Crowds {
+ public:
+  Crowds(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kSmallVoxel) {
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (votes[i] != Vote::kMoves) continue;
+      VoxelKeys::visit_around(keys_.of(i), [&](VoxelKeys::Key near) { counts_.try_emplace(near); });
+    }
+    if (counts_.empty()) return;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto count = counts_.find(keys_.of(i));
+      if (count != counts_.end()) ++count->second;
+    }
+  }
+
+  /// Itself included.
+  int around(std::size_t candidate) const {
+    int sum = 0;
+    VoxelKeys::visit_around(keys_.of(candidate),
+                            [&](VoxelKeys::Key near) { sum += counts_.at(near); });
+    return sum;
+  }
+
+ private:
+  VoxelKeys keys_;
+  std::unordered_map<VoxelKeys::Key, int> counts_;
+};
+
+/// Only voxels near a candidate are counted.
+class Blocks {
+ public:
+  Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kBlockVoxel) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (votes[i] == Vote::kMoves) voxels_.try_emplace(keys_.of(i));
+    }
+    if (voxels_.empty()) return;
+    for (const auto& [key, voxel] : voxels_) {
+      VoxelKeys::visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
+    }
+    for (const auto& [key, block] : blocks_) {
+      VoxelKeys::visit_around(key, [&](Key near) { voxels_.try_emplace(near); });
+    }
+    count(votes);
+    for (auto& [key, block] : blocks_) {
+      Poll& poll = block;
+      VoxelKeys::visit_around(key, [&](Key near) { poll.add(voxels_.at(near)); });
+    }
+  }
+
+  bool empty() const { return blocks_.empty(); }
+
+  /// Whether the 3x3x3 voxels around the i-th point together go.
+  bool move_around(std::size_t i) const {
+    const Key key = keys_.of(i);
+    if (!near_[column_of(key)]) return false;
+    const auto block = blocks_.find(key);
+    return block != blocks_.end() && block->second.moves(kBlockShare);
+  }
+
+ private:
+  using Key = VoxelKeys::Key;
+  static constexpr std::size_t kColumns = 256 * 256;
+
+  void count(const std::vector<Vote>& votes) {
+    for (const auto& [key, voxel] : voxels_) near_.set(column_of(key));
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      if (votes[i] == Vote::kUnseen) continue;
+      const Key key = keys_.of(i);
+      if (!near_[column_of(key)]) continue;
+      const auto voxel = voxels_.find(key);
+      if (voxel != voxels_.end()) voxel->second.add(poll_of(votes[i]));
+    }
+  }
+
+  static std::size_t column_of(Key key) {
+    const auto cells = static_cast<std::uint64_t>(key);
+    return (cells / VoxelKeys::kStepX % 256 * 256 + cells / VoxelKeys::kStepY % 256) % kColumns;
+  }
+
+  VoxelKeys keys_;
   std::unordered_map<Key, Poll> voxels_;
   std::unordered_map<Key, Poll> blocks_;
   std::bitset<kColumns> near_;  ///< columns with voxels, to look few up in vain
@@ -207,6 +247,8 @@ bool goes(std::size_t i, Layer layer, const Blocks& blocks, const Things& things
   switch (layer) {
     case Layer::kGround:
       return false;
+    case Layer::kAlone:
+      return true;
     case Layer::kRaised:
       return things.moves(i);
     case Layer::kFoot:
@@ -228,6 +270,15 @@ std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
     layers[i] = layer_of(grounds.own.height_above(points, i), above_all);
   }
   return layers;
+}
+
+std::vector<bool> lonely_points(const PlacedPoints& points, const std::vector<Vote>& votes) {
+  const Crowds crowds(points, votes);
+  std::vector<bool> lonely(points.size(), false);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    lonely[i] = votes[i] == Vote::kMoves && crowds.around(i) <= kFewAround;
+  }
+  return lonely;
 }
 
 std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,

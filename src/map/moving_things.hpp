@@ -8,8 +8,9 @@
 namespace lidar_mapping::map {
 
 /// Where a point is: on the ground, on what its own key frame saw as ground and others a little
-/// below, at the foot of something, on it, or above the height of cars.
-enum class Layer : char { kGround, kRaised, kFoot, kBody, kHigh };
+/// below, at the foot of something, on it, or above the height of cars; or alone in the air, where
+/// nothing stays.
+enum class Layer : char { kGround, kRaised, kFoot, kBody, kHigh, kAlone };
 
 /// The ground below the points of a key frame, as it saw it itself, as it and its neighbours saw
 /// it, and as those saw it that come by further away.
@@ -25,6 +26,9 @@ struct Grounds {
 /// where that is a roof, the ground that its neighbours saw counts, and where they saw nothing but
 /// a roof either, as far ahead with few beams, the wide one. What is out of reach is ground, too.
 std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds);
+
+/// Which of those that are said to move have next to nobody around: drops, flakes, tips of leaves.
+std::vector<bool> lonely_points(const PlacedPoints& points, const std::vector<Vote>& votes);
 
 /// Which points go, after the votes on those above the foot (doc/map.md). Neighbours decide: what
 /// nobody saw follows those around; things that stand alone go as a whole, with their foot.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -123,6 +124,54 @@ TEST_P(MovingObjectsTest, GoAndWhatStandsStays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(HeightOfCarAndTruck, MovingObjectsTest, testing::Values(1.5, 3.6));
+
+/// Clouds in which drops end some of the rays, mostly near by.
+class Rain : public CloudSource {
+ public:
+  Rain(Street& street, double share) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    std::exponential_distribution<float> beyond(1.0F / 6.0F);
+    for (const KeyFramePose& pose : street.poses.poses) {
+      auto cloud = std::make_shared<PointCloud>(*street.cloud(pose.index));
+      for (Point& point : cloud->points) {
+        if (chance(engine) > share) continue;
+        const Eigen::Vector3f sensor = kSensor.cast<float>();
+        const Eigen::Vector3f ray = point.position() - sensor;
+        const float range = 1.5F + beyond(engine);
+        if (range > ray.norm() - 0.5F) continue;
+        const Eigen::Vector3f p = sensor + ray * (range / ray.norm());
+        point = {p.x(), p.y(), p.z(), kDrop};
+      }
+      clouds_[pose.index] = cloud;
+    }
+  }
+
+  PointCloudPtr cloud(KeyFrameIndex index) override { return clouds_.at(index); }
+
+  static constexpr float kDrop = 7.0F;
+
+ private:
+  std::map<KeyFrameIndex, PointCloudPtr> clouds_;
+};
+
+TEST(MovingObjects, DropsGoAndWhatTheyFallOnStays) {
+  Street street;
+  Rain rain(street, 0.03);
+  StaticClouds clean(rain, street.poses, kSensor);
+  std::map<bool, double> all, gone;  // of drops, and of what stands
+  for (KeyFrameIndex index = 5; index < 25; ++index) {
+    for (const Point& point : rain.cloud(index)->points) {
+      if (!street.on_moving_car(index, point)) all[point.intensity == Rain::kDrop] += 1.0;
+    }
+    for (const Point& point : clean.removed(index)->points) {
+      if (!street.on_moving_car(index, point)) gone[point.intensity == Rain::kDrop] += 1.0;
+    }
+  }
+  ASSERT_GT(all[true], 5000.0);
+  EXPECT_GT(gone[true] / all[true], 0.97) << "0.96 where only things go";
+  EXPECT_LT(gone[false] / all[false], 0.001);
+}
 
 TEST(MovingObjects, PartsMakeTheWhole) {
   Street street;
