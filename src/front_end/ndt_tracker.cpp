@@ -205,6 +205,8 @@ class NdtTracker::Impl {
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
     forget();
     begin(scan, pose, result.status);
+    // Its pose is a prediction all the same.
+    result.status.state = TrackingState::kLost;
     result.new_segment = true;
   }
 

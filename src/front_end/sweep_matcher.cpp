@@ -37,6 +37,8 @@ constexpr double kClearlyBetter = 1.1;
 /// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: the
 /// map of one place, seen with few rings.
 constexpr double kThinMap = 0.25;
+/// The coarse match has its place, however thin its own map, if so many more points find a plane.
+constexpr double kClearlyMorePoints = 2.0;
 /// The coarse match may leave the prediction this much more easily.
 constexpr double kCoarsePriorWeight = 0.01;
 
@@ -124,7 +126,7 @@ NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& poi
   NdtOptions options;
   options.blind_directions = blind_directions;
   const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, options);
-  return coarse.overlap > kThinMap ? coarse : fine;
+  return coarse.overlap > std::min(kThinMap, kClearlyMorePoints * fine.overlap) ? coarse : fine;
 }
 
 MotionState SweepMatcher::approach(const NdtPoints& points, LocalMap& map,
