@@ -1,6 +1,7 @@
 #include "lidar_mapping/back_end/drive_graph.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "lidar_mapping/back_end/edge_covariance.hpp"
@@ -20,6 +21,33 @@ std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed
   return least;
 }
 
+namespace {
+
+const Floor* floor_at(const DriveGraph& drive, std::size_t node) {
+  const auto found = std::lower_bound(drive.floors.begin(), drive.floors.end(), node,
+                                      [](const DriveFloor& floor, std::size_t at) {
+                                        return static_cast<std::size_t>(floor.node) < at;
+                                      });
+  const bool here = found != drive.floors.end() && static_cast<std::size_t>(found->node) == node;
+  return here ? &found->floor : nullptr;
+}
+
+/// Share of the drift in height, roll and pitch that is left to a motion between two floors. Their
+/// scatter from one key frame to the next would pass for drift; of what is smaller than it floors
+/// tell nothing.
+double share_between_floors(const DriveGraph& drive, std::size_t node, const Vector6d& drift,
+                            const BackEndConfig& config) {
+  if (config.floor_constraint != FloorConstraint::kNeighbours) return 1.0;
+  const Floor* before = floor_at(drive, node - 1);
+  const Floor* after = floor_at(drive, node);
+  if (before == nullptr || after == nullptr) return 1.0;
+  const Eigen::Matrix3d scatter = neighbours_covariance(*before, *after, config);
+  const double tilt = std::sqrt(std::max(scatter(0, 0), scatter(1, 1)));
+  return std::min(1.0, drift(4) / tilt);
+}
+
+}  // namespace
+
 Pose motion_to(const DriveGraph& drive, std::size_t node) {
   Pose motion = drive.nodes[node - 1].T_odom_base.inverse() * drive.nodes[node].T_odom_base;
   motion.translation *= 1.0 + drive.odometry_errors.stretch;
@@ -28,8 +56,11 @@ Pose motion_to(const DriveGraph& drive, std::size_t node) {
 
 Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
                                  const BackEndConfig& config) {
-  const Vector6d drift =
-      drive.odometry_errors.drift_share.cwiseProduct(drift_stddev(motion_to(drive, node), config));
+  Vector6d drift = drift_stddev(motion_to(drive, node), config);
+  Vector6d share = drive.odometry_errors.drift_share;
+  const double beside_floors = share_between_floors(drive, node, drift, config);
+  share.segment<3>(2) = share.segment<3>(2).cwiseMin(beside_floors);
+  drift = drift.cwiseProduct(share);
   Covariance6 covariance = drive.nodes[node].step_covariance;
   covariance.diagonal() += drift.cwiseAbs2();
   return covariance;

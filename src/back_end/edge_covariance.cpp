@@ -69,4 +69,15 @@ Covariance6 loop_covariance(const Loop& loop, const BackEndConfig& config) {
          diagonal_covariance(config.loop_min_stddev_m, config.loop_min_stddev_deg * kRadPerDeg);
 }
 
+Eigen::Matrix3d floor_covariance(const BackEndConfig& config) {
+  const double angle = config.floor_stddev_deg * kRadPerDeg;
+  const Eigen::Vector3d stddev(angle, angle, config.floor_stddev_m);
+  return stddev.cwiseAbs2().asDiagonal();
+}
+
+Eigen::Matrix3d neighbours_covariance(const Floor& first, const Floor& second,
+                                      const BackEndConfig& config) {
+  return first.covariance + second.covariance + floor_covariance(config);
+}
+
 }  // namespace lidar_mapping::back_end

@@ -1,6 +1,6 @@
 #include "floor_factors.hpp"
 
-#include <cmath>
+#include "lidar_mapping/back_end/edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -8,13 +8,6 @@ namespace {
 
 constexpr double kWeakStddev_m = 1e3;
 constexpr double kWeakHeadingStddev_rad = 10.0;
-constexpr double kRadPerDeg = M_PI / 180.0;
-
-Eigen::Matrix3d floor_covariance(const BackEndConfig& config) {
-  const double angle = config.floor_stddev_deg * kRadPerDeg;
-  const Eigen::Vector3d stddev(angle, angle, config.floor_stddev_m);
-  return stddev.cwiseAbs2().asDiagonal();
-}
 
 void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.floors.size(); ++i) {
@@ -22,8 +15,7 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config, Facto
     const DriveFloor& b = drive.floors[i];
     // Floors further apart need not lie in one plane.
     if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].joined) continue;
-    const Eigen::Matrix3d covariance =
-        a.floor.covariance + b.floor.covariance + floor_covariance(config);
+    const Eigen::Matrix3d covariance = neighbours_covariance(a.floor, b.floor, config);
     graph.add({common_floor_residual(a.floor, b.floor, covariance), a.node, b.node, false,
                config.floor_robust_kernel, config.robust_kernel_size});
   }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/common/floor.hpp"
 #include "lidar_mapping/common/loop.hpp"
 
 namespace lidar_mapping::back_end {
@@ -23,5 +24,12 @@ Covariance6 step_covariance(const Covariance6& of_registration, const Pose& T_pr
 /// Covariance of a loop from registration with its least error; or by its fitness, saturating as
 /// in hdl_graph_slam; or constant.
 Covariance6 loop_covariance(const Loop& loop, const BackEndConfig& config);
+
+/// By how much a floor differs from the plane of others, beyond its own covariance; rotation about
+/// x and y (rad) and height (m).
+Eigen::Matrix3d floor_covariance(const BackEndConfig& config);
+/// The same for two floors with their own covariances.
+Eigen::Matrix3d neighbours_covariance(const Floor& first, const Floor& second,
+                                      const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end
