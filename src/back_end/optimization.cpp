@@ -88,16 +88,24 @@ void learn_errors(const BackEndConfig& config, const DriveFactors& factors,
   drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
 }
 
-/// Solves once more with what the positions show of odometry.
+/// Solves once more with what the positions show of odometry; everything stays as it is where that
+/// fails.
 void refine(const BackEndConfig& config, DriveFactors& factors, RobustSolution& solution,
             DriveGraph& drive) {
+  const std::vector<GnssDelay> delays = drive.gnss_delays;
   learn_errors(config, factors, solution, drive);
-  factors = make_factors(drive, config);
-  RobustSolution refined = solve_factors(drive, config, factors, false);
+  DriveFactors refined_factors = make_factors(drive, config);
+  RobustSolution refined = solve_factors(drive, config, refined_factors, false);
+  if (!refined.success) {
+    drive.gnss_delays = delays;
+    drive.odometry_errors = {};
+    return;
+  }
   refined.cost_before = solution.cost_before;
   refined.iterations += solution.iterations;
   solution = std::move(refined);
-  if (solution.success) take_over(factors, solution, drive);
+  factors = std::move(refined_factors);
+  take_over(factors, solution, drive);
 }
 
 bool any_used(const std::vector<int>& constraints, const RobustSolution& solution) {
