@@ -20,8 +20,8 @@ Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
   __m256 greatest = _mm256_set1_ps(bounds.greatest);
   const std::size_t whole = from.count - from.count % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
-    const auto* in = reinterpret_cast<const float*>(from.first + i * from.step);
-    const __m256 values = _mm256_i32gather_ps(in, steps, 1);
+    const void* in = from.first + i * from.step;
+    const __m256 values = _mm256_i32gather_ps(static_cast<const float*>(in), steps, 1);
     _mm256_storeu_ps(to + i, values);
     least = _mm256_min_ps(values, least);  // the second one where the first is NaN
     greatest = _mm256_max_ps(values, greatest);
