@@ -70,4 +70,9 @@ logged() {
 use_loopback() {
   export ROS_IP=127.0.0.1
   unset ROS_HOSTNAME
+  # roslaunch looks localhost up; a system fresh from debootstrap has no /etc/hosts.
+  if ! getent hosts localhost >/dev/null; then
+    say "Adding localhost to /etc/hosts"
+    echo '127.0.0.1 localhost' | as_root tee -a /etc/hosts >/dev/null
+  fi
 }
