@@ -36,17 +36,16 @@ class Deskewer {
 
 }  // namespace
 
-PointCloud deskewed(const PointCloud& cloud, const Vector6d& twist, int threads) {
+PointCloud deskewed(PointCloud cloud, const Vector6d& twist, int threads) {
   if (!cloud.has_times()) return cloud;
   const Deskewer deskew(twist);
-  PointCloud result;
-  result.points.resize(cloud.size());
   parallel_chunks(cloud.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      result.points[i] = deskew(cloud.points[i], cloud.times[i]);
+      cloud.points[i] = deskew(cloud.points[i], cloud.times[i]);
     }
   });
-  return result;
+  cloud.times = {};
+  return cloud;
 }
 
 }  // namespace lidar_mapping::front_end

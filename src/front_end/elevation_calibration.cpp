@@ -78,32 +78,39 @@ ElevationCalibration::ElevationCalibration() : map_(1.0, kMapCapacity, broad_pla
 
 void ElevationCalibration::see(const SampledPoints& points, const registration::MotionState& state,
                                double voxel_size) {
+  catch_up();
   if (is_settled()) {
-    frames_.clear();
+    interrupt();
   } else if (frames_.empty() ||
              distance(frames_.back().T_map_sensor, state.T_map_sensor) >= step() * voxel_size) {
-    Frame frame;
-    frame.T_map_sensor = state.T_map_sensor;
+    Frame frame{{}, state.T_map_sensor, voxel_size};
     place(points, {Pose{}, state.twist}, Eigen::Vector3d::Zero(), frame.points);
     raise(frame.points, -applied_);
-    take(std::move(frame), voxel_size);
+    if (frames_.size() == kMostFrames) frames_.pop_front();
+    frames_.push_back(std::move(frame));
+    is_behind_ = true;
   }
   applied_ += std::clamp(found_ - applied_, -kAppliedStep, kAppliedStep);
 }
 
+void ElevationCalibration::interrupt() {
+  frames_.clear();
+  is_behind_ = false;
+}
+
 /// Of the scans that are far enough away the newest one has seen most of the same.
-void ElevationCalibration::take(Frame frame, double voxel_size) {
+void ElevationCalibration::catch_up() {
+  if (!is_behind_) return;
+  is_behind_ = false;
+  const Frame& frame = frames_.back();
   const auto other = std::find_if(frames_.rbegin(), frames_.rend(), [&](const Frame& earlier) {
-    return distance(earlier.T_map_sensor, frame.T_map_sensor) >= kPairDistance * voxel_size;
+    return distance(earlier.T_map_sensor, frame.T_map_sensor) >= kPairDistance * frame.voxel_size;
   });
-  if (other != frames_.rend()) {
-    map_.restart(voxel_size);
-    // What bent planes pretend changes its sign with the roles of the two.
-    const bool turn = mean_.count() % 2 == 1;
-    compare(turn ? frame : *other, turn ? *other : frame);
-  }
-  if (frames_.size() == kMostFrames) frames_.pop_front();
-  frames_.push_back(std::move(frame));
+  if (other == frames_.rend()) return;
+  map_.restart(frame.voxel_size);
+  // What bent planes pretend changes its sign with the roles of the two.
+  const bool turn = mean_.count() % 2 == 1;
+  compare(turn ? frame : *other, turn ? *other : frame);
 }
 
 /// The angle is known well enough, and it is either believed or too small for that.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -33,6 +34,16 @@ Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) 
       kExternalAngleSigma + kExternalError * rotation_angle(T_from_to.rotation));
 }
 
+PointCloud picked(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
+  PointCloud result;
+  result.points.reserve(indices.size());
+  for (const std::uint32_t i : indices) result.points.push_back(cloud.points[i]);
+  if (!cloud.has_times()) return result;
+  result.times.reserve(indices.size());
+  for (const std::uint32_t i : indices) result.times.push_back(cloud.times[i]);
+  return result;
+}
+
 }  // namespace
 
 class FrontEnd::Impl {
@@ -57,8 +68,8 @@ class FrontEnd::Impl {
       result.provisional = true;
       held_.push_back({result, tracked, key_frame_points(scan.cloud, tracked.elevation_shift)});
     } else if (key_frame_due(scan.stamp, scan.cloud, tracked)) {
-      const PointCloud points = key_frame_points(scan.cloud, tracked.elevation_shift);
-      result.key_frame = make_key_frame(scan.stamp, tracked, points);
+      PointCloud points = key_frame_points(scan.cloud, tracked.elevation_shift);
+      result.key_frame = make_key_frame(scan.stamp, tracked, std::move(points));
     }
     for (auto& step : timer_.take()) result.status.step_seconds.push_back(std::move(step));
     for (const auto& step : result.status.step_seconds) result.status.seconds += step.second;
@@ -116,7 +127,7 @@ class FrontEnd::Impl {
     if (!held_.empty()) last_.reset();
     for (std::size_t i = 0; i < held_.size(); ++i) {
       if (i < revisions.size()) revise(held_[i].tracked, revisions[i]);
-      settled.push_back(released(held_[i]));
+      settled.push_back(released(std::move(held_[i])));
     }
     held_.clear();
     return settled;
@@ -131,12 +142,12 @@ class FrontEnd::Impl {
     tracked.motion_known = true;
   }
 
-  FrontEndResult released(const Held& held) {
+  FrontEndResult released(Held held) {
     FrontEndResult result = result_of(held.result.stamp, held.tracked);
     result.status.step_seconds = held.result.status.step_seconds;
     result.status.seconds = held.result.status.seconds;
     if (key_frame_due(result.stamp, held.points, held.tracked)) {
-      result.key_frame = make_key_frame(result.stamp, held.tracked, held.points);
+      result.key_frame = make_key_frame(result.stamp, held.tracked, std::move(held.points));
     }
     return result;
   }
@@ -174,7 +185,7 @@ class FrontEnd::Impl {
   }
 
   /// `points` as they came from key_frame_points().
-  KeyFrame make_key_frame(Stamp stamp, const TrackedScan& tracked, const PointCloud& points) {
+  KeyFrame make_key_frame(Stamp stamp, const TrackedScan& tracked, PointCloud points) {
     KeyFrame key_frame;
     key_frame.index = next_index_++;
     key_frame.segment = segment_;
@@ -182,35 +193,27 @@ class FrontEnd::Impl {
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
-    key_frame.cloud =
-        std::make_shared<const PointCloud>(deskewed(points, tracked.twist, config_.threads));
+    key_frame.cloud = std::make_shared<const PointCloud>(
+        deskewed(std::move(points), tracked.twist, config_.threads));
     last_key_frame_ = tracked;
     key_frame_stamp_ = stamp;
     return key_frame;
   }
 
-  /// Turned upwards by `elevation_shift` and thinned out, as a key frame's are before deskewing.
+  /// Thinned out and turned upwards by `elevation_shift`, as a key frame's are before deskewing.
   PointCloud key_frame_points(const PointCloud& cloud, double elevation_shift) {
-    if (elevation_shift == 0.0) return thinned(cloud);
-    PointCloud shifted = cloud;
+    PointCloud points = thinned(cloud);
+    if (elevation_shift == 0.0) return points;
     const ElevationShift shift(elevation_shift);
-    for (Point& p : shifted.points) shift(p.x, p.y, p.z);
-    return thinned(shifted);
+    for (Point& p : points.points) shift(p.x, p.y, p.z);
+    return points;
   }
 
   PointCloud thinned(const PointCloud& cloud) {
     if (config_.key_frame_cloud_resolution <= 0.0) return cloud;
     SamplingOptions options;
     options.resolution = config_.key_frame_cloud_resolution;
-    const std::vector<std::uint32_t>& chosen = sampler_.sample(cloud, options);
-    PointCloud few;
-    few.points.reserve(chosen.size());
-    if (cloud.has_times()) few.times.reserve(chosen.size());
-    for (const std::uint32_t i : chosen) {
-      few.points.push_back(cloud.points[i]);
-      if (cloud.has_times()) few.times.push_back(cloud.times[i]);
-    }
-    return few;
+    return picked(cloud, sampler_.sample(cloud, options));
   }
 
   FrontEndConfig config_;

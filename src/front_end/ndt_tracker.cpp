@@ -212,8 +212,11 @@ class NdtTracker::Impl {
 
   void keep(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
     const Pose T_inserted_now = inserted_.inverse() * filter_.state().T_map_sensor;
-    if (beginning_.inserted_scans() >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0))
+    if (beginning_.inserted_scans() >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0)) {
+      timer_.start("calibration");
+      elevation_.catch_up();
       return;
+    }
     insert(scan);
     filter_.anchor(degenerate_directions);
   }

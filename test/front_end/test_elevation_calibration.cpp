@@ -56,7 +56,8 @@ TEST(ElevationMean, TrustsAnEstimateByItsSigma) {
 }
 
 /// Every third scan from `first` on, put into the map at its true pose.
-ElevationCalibration calibrate(const simulation::Drive& drive, std::size_t first, double angle) {
+ElevationCalibration calibrate(const simulation::Drive& drive, std::size_t first, double angle,
+                               bool between_scans = false) {
   SweepSampler sampler{FrontEndConfig{}};
   ElevationCalibration calibration;
   for (std::size_t i = first; i < drive.scan_count(); i += 3) {
@@ -67,6 +68,7 @@ ElevationCalibration calibrate(const simulation::Drive& drive, std::size_t first
     const Pose T_map_base = drive.trajectory().pose(from_seconds(middle));
     const Pose soon = drive.trajectory().pose(from_seconds(middle + 0.02));
     calibration.see(sampler.dense(scan), {T_map_base, twist_between(T_map_base, soon, 0.02)}, 1.0);
+    if (between_scans) calibration.catch_up();
   }
   return calibration;
 }
@@ -84,6 +86,18 @@ TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
+
+TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
+  const simulation::Drive drive = make_drive(14.0);
+  const ElevationCalibration within = calibrate(drive, 20, 0.0);
+  ElevationCalibration between = calibrate(drive, 20, 0.0, true);
+  between.catch_up();
+  ElevationCalibration late = within;
+  late.catch_up();
+  EXPECT_NE(between.estimate().sigma, 0.0);
+  EXPECT_EQ(late.estimate().angle, between.estimate().angle);
+  EXPECT_EQ(late.estimate().sigma, between.estimate().sigma);
+}
 
 TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
   constexpr std::size_t kInside = 250;  // from here on the tube is nearly all that is in sight

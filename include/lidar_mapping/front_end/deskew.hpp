@@ -6,7 +6,7 @@ namespace lidar_mapping::front_end {
 
 /// The cloud as it would have been seen at its stamp, for a sensor frame that moves with a constant
 /// twist (its own axes, m/s and rad/s). The result has no times; a cloud without times comes back
-/// as it is.
-PointCloud deskewed(const PointCloud& cloud, const Vector6d& twist, int threads = 1);
+/// as it is. Works in the cloud's own memory, so give away what is not needed any more.
+PointCloud deskewed(PointCloud cloud, const Vector6d& twist, int threads = 1);
 
 }  // namespace lidar_mapping::front_end

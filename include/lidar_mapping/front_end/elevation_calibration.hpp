@@ -42,8 +42,11 @@ class ElevationCalibration {
   /// Takes a scan that has gone into the map: its points, turned upwards by applied(), and the
   /// state that they were put there with. `voxel_size` is that of the map, m.
   void see(const SampledPoints& points, const registration::MotionState& state, double voxel_size);
+  /// Compares the last scan that was taken, which costs more than the rest of a scan together: to
+  /// be called on a scan with less to do. see() does it where nobody else has.
+  void catch_up();
   /// The next scan does not hang together with the last one.
-  void interrupt() { frames_.clear(); }
+  void interrupt();
 
   /// What the sensor's elevations lack, rad; 0 as long as none is sure.
   double found() const { return found_; }
@@ -57,15 +60,16 @@ class ElevationCalibration {
   struct Frame {
     SampledPoints points;  ///< as the sensor gave them, of one instant
     Pose T_map_sensor;
+    double voxel_size;
   };
 
   bool is_settled() const;
   double step() const;
-  void take(Frame frame, double voxel_size);
   void compare(const Frame& a, const Frame& b);
   void decide();
 
   std::deque<Frame> frames_;
+  bool is_behind_ = false;  ///< the last frame has not been compared
   registration::GaussianVoxelMap map_;
   ElevationMean mean_;
   double found_ = 0.0;
