@@ -147,7 +147,9 @@ std::optional<GnssPosition> GnssTrack::at(Stamp stamp) const {
   if (!pair) return std::nullopt;
   const auto T_base_antenna = extrinsics_.T_base(stream_.frame_id());
   if (!T_base_antenna) return std::nullopt;
-  const LocalFix fix = interpolated(*pair->first, *pair->second, stamp);
+  const LocalFix* earlier = stream_.before(pair->first->stamp);
+  const LocalFix fix = earlier ? interpolated(*earlier, *pair->first, *pair->second, stamp)
+                               : interpolated(*pair->first, *pair->second, stamp);
   GnssPosition position;
   position.stamp = stamp;
   position.p_enu_antenna = fix.p_enu;

@@ -11,7 +11,12 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kAcceleration = 2.0;      // m/s^2, of a vehicle in traffic
+// Of a vehicle in traffic.
+constexpr double kAcceleration = 2.0;  // m/s^2
+constexpr double kJerk = 2.0;          // m/s^3
+/// Of three fixes the first two are no nearer together than this share of the distance of the last
+/// two: else their noise would be magnified.
+constexpr double kLeastStep = 0.5;
 constexpr double kHighestPlace = 12000.0;  // m; nobody maps above the airliners
 constexpr double kDeepestPlace = -2000.0;  // m
 
@@ -45,6 +50,13 @@ std::string text(const char* format, double value, double limit) {
   char buffer[160];
   std::snprintf(buffer, sizeof(buffer), format, value, limit);
   return buffer;
+}
+
+LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
+  const double f = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
+  // Errors of neighbouring fixes are far from independent: the mean is not better than its parts.
+  return {stamp, a.p_enu + f * (b.p_enu - a.p_enu), (1.0 - f) * a.covariance + f * b.covariance,
+          std::min(a.status, b.status)};
 }
 
 }  // namespace
@@ -115,14 +127,23 @@ LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   if (a.stamp == b.stamp) return a;
   const double before = to_seconds(stamp - a.stamp);
   const double after = to_seconds(b.stamp - stamp);
-  const double f = before / (before + after);
-  LocalFix result;
-  result.stamp = stamp;
-  result.status = std::min(a.status, b.status);
-  result.p_enu = a.p_enu + f * (b.p_enu - a.p_enu);
-  // Errors of neighbouring fixes are far from independent: the mean is not better than its parts.
-  result.covariance = (1.0 - f) * a.covariance + f * b.covariance;
+  LocalFix result = on_chord(a, b, stamp);
   const double aside = 0.5 * kAcceleration * before * after;
+  result.covariance.diagonal().array() += aside * aside;
+  return result;
+}
+
+LocalFix interpolated(const LocalFix& earlier, const LocalFix& a, const LocalFix& b, Stamp stamp) {
+  const double step = to_seconds(a.stamp - earlier.stamp);
+  const double next_step = to_seconds(b.stamp - a.stamp);
+  if (step < kLeastStep * next_step || next_step <= 0.0) return interpolated(a, b, stamp);
+  const Eigen::Vector3d half_acceleration =
+      ((b.p_enu - a.p_enu) / next_step - (a.p_enu - earlier.p_enu) / step) / (step + next_step);
+  const double before = to_seconds(stamp - a.stamp);
+  const double after = to_seconds(b.stamp - stamp);
+  LocalFix result = on_chord(a, b, stamp);
+  result.p_enu -= before * after * half_acceleration;
+  const double aside = kJerk / 6.0 * before * after * (step + before);
   result.covariance.diagonal().array() += aside * aside;
   return result;
 }

@@ -46,6 +46,9 @@ Scenario make_scenario(const DriveOptions& options) {
   require(options.start >= 0.0, "start is negative; use 0 or more seconds");
   require(options.rounds >= 1, "rounds " + std::to_string(options.rounds) + "; use 1 or more");
   require(options.range_noise >= 0.0, "range_noise is negative; use 0 or more metres");
+  require(
+      options.gnss_rate >= 0.1 && options.gnss_rate <= 100.0,
+      "gnss_rate " + std::to_string(options.gnss_rate) + " is outside 0.1 to 100 fixes per second");
   require(options.gnss_noise > 0.0, "gnss_noise must be greater than 0 metres");
   for (const NamedDrive& drive : kDrives) {
     if (options.drive == drive.name) return drive.make(options);
@@ -148,9 +151,9 @@ std::vector<VelocitySample> Drive::velocity() const {
 }
 
 std::vector<GnssFix> Drive::gnss() const {
-  return impl_->cut(sample_gnss(trajectory(), mounting().p_base_antenna, impl_->options_.gnss_noise,
-                                impl_->outages_, impl_->options_.gnss_jumps,
-                                impl_->noise_seed(kGnssNoise)));
+  return impl_->cut(sample_gnss(trajectory(), mounting().p_base_antenna, impl_->options_.gnss_rate,
+                                impl_->options_.gnss_noise, impl_->outages_,
+                                impl_->options_.gnss_jumps, impl_->noise_seed(kGnssNoise)));
 }
 
 std::vector<std::string> drive_names() {

@@ -14,7 +14,6 @@ namespace lidar_mapping::simulation {
 namespace {
 
 constexpr Stamp kImuPeriod = 10'000'000;
-constexpr Stamp kGnssPeriod = 100'000'000;
 constexpr double kJumpDuration = 10.0;  ///< s
 
 Eigen::Vector3d normal3(Random& random, double sigma) {
@@ -81,15 +80,16 @@ std::vector<VelocitySample> sample_velocity(const SmoothTrajectory& trajectory,
 }
 
 std::vector<GnssFix> sample_gnss(const SmoothTrajectory& trajectory,
-                                 const Eigen::Vector3d& p_base_antenna, double noise,
+                                 const Eigen::Vector3d& p_base_antenna, double rate, double noise,
                                  const std::vector<GnssOutage>& outages,
                                  const std::vector<GnssJump>& jumps, std::uint64_t seed) {
   const GeographicLib::LocalCartesian geodesy(kDatum.latitude_deg, kDatum.longitude_deg,
                                               kDatum.altitude_m);
   const Eigen::Vector3d sigma(noise, noise, 1.5 * noise);
+  const Stamp period = from_seconds(1.0 / rate);
   Random random(seed);
   std::vector<GnssFix> fixes;
-  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kGnssPeriod) {
+  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += period) {
     const double seconds = to_seconds(stamp - trajectory.begin());
     const Eigen::Vector3d error = sigma.cwiseProduct(normal3(random, 1.0));
     if (lies_in(outages, seconds)) {

@@ -16,7 +16,7 @@ std::vector<VelocitySample> sample_velocity(const SmoothTrajectory& trajectory,
                                             const Pose& T_base_imu, std::uint64_t seed);
 /// `outages` holds the intervals without a fix, those of the options and of the world.
 std::vector<GnssFix> sample_gnss(const SmoothTrajectory& trajectory,
-                                 const Eigen::Vector3d& p_base_antenna, double noise,
+                                 const Eigen::Vector3d& p_base_antenna, double rate, double noise,
                                  const std::vector<GnssOutage>& outages,
                                  const std::vector<GnssJump>& jumps, std::uint64_t seed);
 

@@ -67,6 +67,7 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_flag("!--no-imu", options.content.imu, "leave the IMU out");
   app.add_flag("!--no-gnss", options.content.gnss, "leave GNSS out");
   app.add_flag("!--no-velocity", options.content.velocity, "leave the velocity out");
+  app.add_option("--gnss-rate", drive.gnss_rate, "fixes per second")->capture_default_str();
   app.add_option("--gnss-noise", drive.gnss_noise, "standard deviation east and north, m")
       ->capture_default_str();
   app.add_option("--gnss-outage", options.outages, "START:END without a fix, s (repeatable)")

@@ -132,5 +132,44 @@ TEST(Interpolation, KeepsFixesOnTheTrack) {  // F29: 30 m/s, 10 Hz and 1 Hz
   }
 }
 
+LocalFix on_circle(double seconds, double radius, double speed) {
+  const double angle = seconds * speed / radius;
+  return {at(seconds), radius * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0),
+          1e-4 * Eigen::Matrix3d::Identity(), 2};
+}
+
+TEST(Interpolation, FollowsABendBetweenFixes) {
+  const double radius = 15.0, speed = 7.0;  // 3.3 m/s^2
+  const auto error = [&](const LocalFix& fix, double seconds) {
+    return (fix.p_enu - on_circle(seconds, radius, speed).p_enu).norm();
+  };
+  for (const double period : {0.1, 1.0}) {
+    const LocalFix earlier = on_circle(-period, radius, speed), a = on_circle(0.0, radius, speed),
+                   b = on_circle(period, radius, speed);
+    for (const double share : {0.1, 0.5, 0.9}) {
+      const double seconds = share * period;
+      const LocalFix chord = interpolated(a, b, at(seconds));
+      const LocalFix bend = interpolated(earlier, a, b, at(seconds));
+      EXPECT_LT(error(bend, seconds), 0.35 * error(chord, seconds));
+      EXPECT_LT(error(bend, seconds), 2.0 * std::sqrt(bend.covariance(0, 0)));
+    }
+  }
+}
+
+TEST(Interpolation, IsTheChordWhereTheFixBeforeIsTooNear) {
+  const LocalFix earlier = on_circle(-0.01, 15.0, 7.0), a = on_circle(0.0, 15.0, 7.0),
+                 b = on_circle(0.1, 15.0, 7.0);
+  EXPECT_EQ(interpolated(earlier, a, b, at(0.05)).p_enu, interpolated(a, b, at(0.05)).p_enu);
+}
+
+TEST(SampleBuffer, FindsTheSampleBefore) {
+  SampleBuffer<LocalFix> buffer(from_seconds(100.0), 10);
+  for (const double seconds : {1.0, 2.0, 5.0}) buffer.insert(on_circle(seconds, 15.0, 7.0));
+  EXPECT_EQ(buffer.before(at(1.0), from_seconds(1.5)), nullptr);
+  ASSERT_NE(buffer.before(at(2.0), from_seconds(1.5)), nullptr);
+  EXPECT_EQ(buffer.before(at(2.0), from_seconds(1.5))->stamp, at(1.0));
+  EXPECT_EQ(buffer.before(at(5.0), from_seconds(1.5)), nullptr) << "too old";
+}
+
 }  // namespace
 }  // namespace lidar_mapping::preprocessing

@@ -51,6 +51,18 @@ TEST_F(Samples, GnssErrorsHaveTheStatedCovariance) {
             4.0 * std::sqrt(2.0 / count));
 }
 
+TEST_F(Samples, GnssHasTheRateThatWasAskedFor) {
+  DriveOptions slow = options();
+  slow.gnss_rate = 2.0;
+  const std::vector<GnssFix> fixes = Drive(slow).gnss();
+  ASSERT_GT(fixes.size(), 3U);
+  for (std::size_t i = 1; i < fixes.size(); ++i) {
+    EXPECT_EQ(fixes[i].stamp - fixes[i - 1].stamp, from_seconds(0.5));
+  }
+  slow.gnss_rate = 0.0;
+  EXPECT_THROW(Drive{slow}, ConfigError);
+}
+
 TEST_F(Samples, GnssHasNoFixInOutagesAndUnderGround) {
   DriveOptions with_outage = options();
   with_outage.gnss_outages = {{2.0, 4.0}};

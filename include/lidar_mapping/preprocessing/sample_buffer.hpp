@@ -43,6 +43,14 @@ class SampleBuffer {
     return std::make_pair(&*before, &*after);
   }
 
+  /// The sample before the one of that stamp, if it is at most `max_gap` older; else none.
+  const Sample* before(Stamp stamp, Stamp max_gap) const {
+    const auto at = std::lower_bound(samples_.begin(), samples_.end(), stamp, is_before);
+    if (at == samples_.begin()) return nullptr;
+    const auto earlier = std::prev(at);
+    return stamp - earlier->stamp <= max_gap ? &*earlier : nullptr;
+  }
+
   bool empty() const { return samples_.empty(); }
   std::size_t size() const { return samples_.size(); }
   const Sample& oldest() const { return samples_.front(); }

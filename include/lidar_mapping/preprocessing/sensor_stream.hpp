@@ -43,6 +43,7 @@ class SensorStream {
   void give_up_if_silent() { given_up_ = buffer_.empty(); }
 
   auto around(Stamp stamp) const { return buffer_.around(stamp, max_gap_); }
+  const Sample* before(Stamp stamp) const { return buffer_.before(stamp, max_gap_); }
   const SampleBuffer<Sample>& buffer() const { return buffer_; }
   const std::string& frame_id() const { return frame_id_; }
   const std::string& name() const { return name_; }

@@ -42,6 +42,7 @@ struct DriveOptions {
   double range_noise = 0.02;       ///< m, standard deviation
   bool movers = true;              ///< moving cars and people
   bool undistorted = false;        ///< take each scan in one instant; no time per point
+  double gnss_rate = 10.0;         ///< fixes per second
   double gnss_noise = 0.02;        ///< m, standard deviation east and north; 1.5 times that upwards
   std::vector<GnssOutage> gnss_outages;
   std::vector<GnssJump> gnss_jumps;
