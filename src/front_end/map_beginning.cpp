@@ -66,7 +66,7 @@ SweepMatcher::Found MapBeginning::find_motion(const registration::NdtPoints& poi
     if (!first_has_times_ || is_same_motion(twist, deskewed_with)) return false;
     deskewed_with = twist;
     map.clear();
-    map.insert(first_, {moved(start_, twist, first_reference_), twist});
+    map.insert(first_, first_state(twist));
     return true;
   };
   deskew_first(prediction.state.twist);
@@ -82,7 +82,7 @@ void MapBeginning::know_motion(const registration::NdtMatch& match) {
   motion_known_ = true;
   if (!first_scans_.is_open()) return;
   const Vector6d& twist = match.state.twist;
-  first_scans_.set_first({moved(start_, twist, first_reference_), twist});
+  first_scans_.set_first(first_state(twist));
   if (twist.head<3>().norm() < kAtSpeed || match.overlap > kEnoughPlanes) first_scans_.end();
 }
 

@@ -167,6 +167,13 @@ void MotionFilter::measure_velocity_along(const Eigen::Vector3d& direction, doub
   measure(row, speed - direction.dot(state_.twist.head<3>()), sigma);
 }
 
+void MotionFilter::measure_place(const Pose& pose, double sigma, double angle_sigma) {
+  for (const int axis : {0, 1, 5}) {
+    const double innovation = difference(state_.T_map_sensor, pose)[axis];
+    measure(Vector12d::Unit(axis), innovation, axis < 3 ? sigma : angle_sigma);
+  }
+}
+
 void MotionFilter::slow_down(double seconds, double time_constant) {
   state_.twist *= std::exp(-seconds / time_constant);
 }

@@ -14,6 +14,7 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/sweep_matcher.hpp"
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
+#include "lidar_mapping/front_end/unnoticed_motion.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -39,6 +40,9 @@ constexpr double kInitialRateSigma = 1.0;    // rad/s
 
 /// While lost, the speed falls by 1/e in this time.
 constexpr double kHoldTime = 1.0;  // s
+
+/// Along these the rings on the ground say nothing.
+const std::vector<Eigen::Vector3d> kLevel = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
 
 }  // namespace
 
@@ -95,6 +99,7 @@ class NdtTracker::Impl {
     judge_.reset();
     elevation_.interrupt();
     beginning_.forget();
+    unnoticed_.forget();
     lost_time_ = 0.0;
   }
 
@@ -131,26 +136,48 @@ class NdtTracker::Impl {
       filter->predict(seconds);
       measured_.take(prior, *filter);
     }
+    agile_ = agile;
     return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
   }
 
   void follow(const Scan& scan, double seconds, const MotionPrior& prior,
               const Prediction& prediction, TrackedScan& result) {
-    const SweepMatcher::Found found =
-        beginning_.motion_known()
-            ? matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_})
-            : beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_);
+    SweepMatcher::Found found = find(seconds, prediction);
+    MotionBelief believed = prediction.agile;
+    if (is_elsewhere(found.match, seconds)) {
+      beginning_.settle();
+      judge_.reset();
+      believed = filter_.belief();
+      found = matcher_.match_beside(sampler_.points(), map_, believed, kLevel);
+    }
     describe(found, result.status);
-    result.status.state = judge_.judge(found.match, prediction.agile);
+    result.status.state = judge_.judge(found.match, believed);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;
     }
-    if (!beginning_.motion_known()) beginning_.know_motion(found.match);
+    if (!beginning_.motion_known()) {
+      beginning_.know_motion(found.match);
+      unnoticed_.insert(beginning_.first_points(), beginning_.first_state(found.match.state.twist));
+    }
     accept(found, prior, result.status);
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
     result.revisions = beginning_.look_again(filter_, judge_, map_);
+  }
+
+  SweepMatcher::Found find(double seconds, const Prediction& prediction) {
+    if (!beginning_.motion_known()) {
+      return beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_);
+    }
+    return matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_});
+  }
+
+  /// True if the sensor turned out to be elsewhere: then the filter knows where.
+  bool is_elsewhere(const NdtMatch& match, double seconds) {
+    if (!beginning_.motion_known()) return false;
+    return unnoticed_.put_right(sampler_.sparse(), match, seconds, beginning_.is_one_place(),
+                                agile_, filter_);
   }
 
   void remember(const Scan& scan) {
@@ -228,6 +255,7 @@ class NdtTracker::Impl {
     map_.insert(dense, filter_.state());
     inserted_ = filter_.state().T_map_sensor;
     beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
+    if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());
     if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
   }
 
@@ -253,11 +281,13 @@ class NdtTracker::Impl {
   SweepSampler sampler_;
   LocalMap map_;
   MotionFilter filter_;
+  MotionFilter agile_ = filter_;
   MatchJudge judge_;
   SweepMatcher matcher_;
   MeasuredMotion measured_;
   ElevationCalibration elevation_;
   MapBeginning beginning_;
+  UnnoticedMotion unnoticed_;
   StepTimer timer_;
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported

@@ -102,14 +102,26 @@ SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
 
 SweepMatcher::Found SweepMatcher::observed(const NdtMatch& match, const NdtPoints& points,
                                            LocalMap& map, const MotionBelief& where_blind) {
-  Found found{match, degenerate_directions(match.pose_hessian), false};
-  if (found.degenerate_directions.empty()) return found;
+  const std::vector<Eigen::Vector3d> blind = degenerate_directions(match.pose_hessian);
+  if (blind.empty()) return {match, {}, false};
+  return {match_beside_from(match.state, points, map, where_blind, blind), blind, false};
+}
+
+SweepMatcher::Found SweepMatcher::match_beside(const NdtPoints& points, LocalMap& map,
+                                               const MotionBelief& prediction,
+                                               const std::vector<Eigen::Vector3d>& directions) {
+  return {match_beside_from(prediction.state, points, map, prediction, directions), directions,
+          false};
+}
+
+NdtMatch SweepMatcher::match_beside_from(const MotionState& start, const NdtPoints& points,
+                                         LocalMap& map, const MotionBelief& prior,
+                                         const std::vector<Eigen::Vector3d>& directions) {
   NdtOptions options;
   options.neighbor_search = neighbors_;
-  options.blind_directions = found.degenerate_directions;
-  const NdtMatch fine = matcher_.match(points, map.fine(), where_blind, match.state, options);
-  found.match = coarse_if_thin(fine, points, map, where_blind, options.blind_directions);
-  return found;
+  options.blind_directions = directions;
+  const NdtMatch fine = matcher_.match(points, map.fine(), prior, start, options);
+  return coarse_if_thin(fine, points, map, prior, directions);
 }
 
 NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,

@@ -35,6 +35,12 @@ class MapBeginning {
   /// That match was accepted.
   void know_motion(const registration::NdtMatch& match);
 
+  /// The points of the first scan, and where they were seen if it moved with this twist.
+  const SampledPoints& first_points() const { return first_; }
+  MotionState first_state(const Vector6d& twist) const {
+    return {moved(start_, twist, first_reference_), twist};
+  }
+
   /// True as long as scans may be looked at again.
   bool is_provisional() const { return first_scans_.is_open(); }
   /// What is provisional stays as it is.

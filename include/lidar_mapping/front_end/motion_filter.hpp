@@ -43,6 +43,9 @@ class MotionFilter {
   void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);
   /// Only the component along a unit vector in the sensor's axes is measured.
   void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
+  /// Takes in where the sensor is along its own x and y, to `sigma` (m), and which way it looks
+  /// about its z, to `angle_sigma` (rad).
+  void measure_place(const Pose& pose, double sigma, double angle_sigma);
   /// Lets the twist fall exponentially: nobody has seen it lately.
   void slow_down(double seconds, double time_constant);
   /// Replaces the predicted state by a matched one, and learns how far off the prediction was. Of

@@ -41,11 +41,20 @@ class SweepMatcher {
   registration::NdtMatch refine(const registration::NdtPoints& points, LocalMap& map,
                                 const registration::MotionBelief& prior,
                                 const registration::MotionState& start);
+  /// The match from where a prediction lies, without what the points say about moving along these
+  /// directions (unit, the sensor's axes).
+  Found match_beside(const registration::NdtPoints& points, LocalMap& map,
+                     const registration::MotionBelief& prediction,
+                     const std::vector<Eigen::Vector3d>& directions);
 
  private:
   /// The match, or the one without what the points do not observe.
   Found observed(const registration::NdtMatch& match, const registration::NdtPoints& points,
                  LocalMap& map, const registration::MotionBelief& where_blind);
+  registration::NdtMatch match_beside_from(const registration::MotionState& start,
+                                           const registration::NdtPoints& points, LocalMap& map,
+                                           const registration::MotionBelief& prior,
+                                           const std::vector<Eigen::Vector3d>& directions);
   /// The match, or a coarse one from there as long as the fine map is too thin to match with.
   registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
                                         const registration::NdtPoints& points, LocalMap& map,

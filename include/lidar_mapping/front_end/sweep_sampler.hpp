@@ -37,6 +37,8 @@ class SweepSampler {
   /// Samples the points to be matched; `turn` makes each scan begin with another point.
   void take(const Scan& scan, std::size_t turn);
   const registration::NdtPoints& points() const { return points_; }
+  /// The same, in the order in which they came.
+  const SampledPoints& sparse() const { return sparse_; }
   /// The reference time of the points: the middle of the sweep, s after the stamp.
   double reference() const { return reference_; }
   /// Median distance of the sampled points, m; 0 without points.

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/upright_map.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Finds out that a sensor moves although its rings on the ground look as if it stood still: by
+/// upright points, which stay behind. Then follows it by these until the map is no longer that of
+/// one place.
+class UnnoticedMotion {
+ public:
+  /// The map is given up.
+  void forget();
+  /// These points went into the map.
+  void insert(const SampledPoints& points, const MotionState& state);
+
+  /// To be called for each scan, `seconds` after the last one. If the sensor turns out to be
+  /// elsewhere than where it was matched, `filter`, which was predicted to this scan, is put there,
+  /// and true returned. `agile` is the same filter, predicted with the largest accelerations;
+  /// `one_place` is MapBeginning::is_one_place().
+  bool put_right(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
+                 bool one_place, const MotionFilter& agile, MotionFilter& filter);
+
+ private:
+  struct Inserted {
+    SampledPoints points;
+    MotionState state;
+  };
+  /// Where a scan seems to be.
+  struct Step {
+    Pose pose;
+    double seconds = 0.0;  ///< since the one before
+    int there = 0;         ///< evidence for it
+    int here = 0;          ///< and for the pose that was matched
+  };
+
+  void take_inserted();
+  bool is_over(bool one_place, const Pose& pose) const;
+  std::optional<MotionState> look(const SampledPoints& points, const MotionState& matched);
+  std::optional<Step> elsewhere(const std::vector<Eigen::Vector3f>& points, const Pose& matched);
+  Pose roughly(const std::vector<Eigen::Vector3f>& points) const;
+  void trust(const Pose& pose);
+  bool is_steady() const;
+  std::optional<Pose> follow(const SampledPoints& points, const MotionState& predicted);
+  double evidence_beside(const std::vector<Eigen::Vector3f>& points, const Pose& pose) const;
+
+  std::vector<Inserted> inserted_;  ///< not yet in the map: it is seldom needed
+  UprightMap map_;
+  int scans_ = 0;              ///< put into it
+  std::optional<Pose> first_;  ///< where the map began
+  Pose sure_;                  ///< the last pose with upright points where they were
+  std::vector<Step> steps_;
+  double since_step_ = 0.0;  ///< s
+  bool found_ = false;
+  int misses_ = 0;
+  bool over_ = false;
+};
+
+}  // namespace lidar_mapping::front_end

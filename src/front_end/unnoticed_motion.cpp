@@ -1,0 +1,214 @@
+#include "lidar_mapping/front_end/unnoticed_motion.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "lidar_mapping/front_end/degeneracy.hpp"
+#include "lidar_mapping/front_end/local_map.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// Where more of the points find a plane, and these hold the sensor in all directions, it does not
+/// go unnoticed.
+constexpr double kEnoughPlanes = 0.5;
+/// Fewer upright points tell nothing.
+constexpr std::size_t kFewest = 20;
+/// As long as this share of them is where it was, the sensor is, too.
+constexpr double kStillThere = 0.6;
+/// At the new pose they fit in at least so many of 36 directions, and so much better than at the
+/// old one: in each scan, and in all of them together by so many standard deviations.
+constexpr int kFewestDirections = 4;
+constexpr double kMore = 1.25;
+constexpr double kSignificant = 4.0;
+/// So many scans have to tell of a motion that is steady to this (m).
+constexpr std::size_t kScans = 3;
+constexpr double kSteady = 0.25;
+
+/// A robot that turns on the spot goes on putting scans into its map.
+constexpr int kMostScans = 10;
+
+// Where to look, in the sensor's axes (m).
+constexpr double kBehind = 2.4;
+constexpr double kAhead = 6.0;
+constexpr double kAside = 0.6;
+constexpr double kStep = 0.3;
+
+/// What runs along the way fits as well so far before and behind (m), and tells nothing.
+constexpr double kBeside = 0.7;
+/// After so many scans without a fit the matches are trusted again.
+constexpr int kMostMisses = 10;
+/// From here on there are rings of many places in the map (m).
+constexpr double kFollowedWay = 30.0;
+
+// What a fit tells, and three of them.
+constexpr double kPlaceSigma = 0.15;       // m
+constexpr double kPlaceAngleSigma = 0.01;  // rad
+constexpr double kSpeedSigma = 0.5;        // m/s
+constexpr double kRateSigma = 0.1;         // rad/s
+
+/// Upright points as they were at the reference time.
+std::vector<Eigen::Vector3f> upright_at(const SampledPoints& points, const Vector6d& twist) {
+  SampledPoints placed;
+  place(points, {Pose{}, twist}, Eigen::Vector3d::Zero(), placed);
+  return upright_points(placed);
+}
+
+Pose displaced(const Pose& pose, double x, double y) {
+  Vector6d d = Vector6d::Zero();
+  d[0] = x;
+  d[1] = y;
+  return perturbed(pose, d);
+}
+
+Matrix12d covariance_of_found() {
+  Matrix12d covariance = Matrix12d::Zero();
+  covariance.topLeftCorner<6, 6>() = diagonal_covariance(kPlaceSigma, kPlaceAngleSigma);
+  covariance.bottomRightCorner<6, 6>() = diagonal_covariance(kSpeedSigma, kRateSigma);
+  return covariance;
+}
+
+bool is_held(const registration::NdtMatch& match) {
+  return match.overlap > kEnoughPlanes &&
+         degenerate_directions(match.pose_hessian, kOnePlaceShare).empty();
+}
+
+}  // namespace
+
+void UnnoticedMotion::forget() { *this = UnnoticedMotion(); }
+
+void UnnoticedMotion::insert(const SampledPoints& points, const MotionState& state) {
+  if (over_ || (!found_ && scans_ == kMostScans)) return;
+  ++scans_;
+  if (!first_) first_ = sure_ = state.T_map_sensor;
+  inserted_.push_back({points, state});
+}
+
+void UnnoticedMotion::take_inserted() {
+  for (const Inserted& scan : inserted_) {
+    map_.insert(upright_at(scan.points, scan.state.twist), scan.state.T_map_sensor);
+  }
+  inserted_.clear();
+}
+
+bool UnnoticedMotion::is_over(bool one_place, const Pose& pose) const {
+  if (over_ || !first_) return true;
+  if (!found_) return !one_place;
+  return (pose.translation - first_->translation).norm() > kFollowedWay;
+}
+
+bool UnnoticedMotion::put_right(const SampledPoints& points, const registration::NdtMatch& match,
+                                double seconds, bool one_place, const MotionFilter& agile,
+                                MotionFilter& filter) {
+  if (is_over(one_place, filter.state().T_map_sensor)) {
+    forget();
+    over_ = true;
+    return false;
+  }
+  if (found_) {
+    take_inserted();
+    const std::optional<Pose> pose = follow(points, agile.state());
+    filter = agile;
+    if (pose) filter.measure_place(*pose, kPlaceSigma, kPlaceAngleSigma);
+    return true;
+  }
+  since_step_ += seconds;
+  if (is_held(match)) {
+    trust(match.state.T_map_sensor);
+    return false;
+  }
+  take_inserted();
+  const std::optional<MotionState> state = look(points, match.state);
+  if (state) filter.restart(*state, covariance_of_found());
+  return state.has_value();
+}
+
+void UnnoticedMotion::trust(const Pose& pose) {
+  sure_ = pose;
+  steps_.clear();
+}
+
+Pose UnnoticedMotion::roughly(const std::vector<Eigen::Vector3f>& points) const {
+  const Pose base = steps_.empty() ? sure_ : steps_.back().pose;
+  Pose best = base;
+  std::size_t most = 0;
+  for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
+    for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
+      const Pose there = displaced(base, x, y);
+      const std::size_t near = map_.count_near(points, there);
+      if (near <= most) continue;
+      most = near;
+      best = there;
+    }
+  }
+  return best;
+}
+
+std::optional<UnnoticedMotion::Step> UnnoticedMotion::elsewhere(
+    const std::vector<Eigen::Vector3f>& points, const Pose& matched) {
+  if (points.size() < kFewest) return std::nullopt;
+  const UprightMap::Fit here = map_.evaluate(points, matched);
+  if (static_cast<double>(here.seen_again) > kStillThere * static_cast<double>(points.size())) {
+    trust(matched);
+    return std::nullopt;
+  }
+  const UprightMap::Fit there = map_.fit(points, roughly(points));
+  if (there.evidence <= here.evidence) steps_.clear();
+  if (there.directions < kFewestDirections || there.evidence < kMore * here.evidence) {
+    return std::nullopt;
+  }
+  return Step{there.T_map_sensor, 0.0, there.evidence, here.evidence};
+}
+
+bool UnnoticedMotion::is_steady() const {
+  int more = 0;
+  int all = 0;
+  for (const Step& step : steps_) {
+    more += step.there - step.here;
+    all += step.there + step.here;
+  }
+  if (more < kSignificant * std::sqrt(all)) return false;
+  const double seconds = steps_[1].seconds + steps_[2].seconds;
+  const Vector6d twist = twist_between(steps_[0].pose, steps_[2].pose, seconds);
+  const Pose between = moved(steps_[0].pose, twist, steps_[1].seconds);
+  return difference(between, steps_[1].pose).head<3>().norm() < kSteady;
+}
+
+std::optional<MotionState> UnnoticedMotion::look(const SampledPoints& points,
+                                                 const MotionState& matched) {
+  std::optional<Step> step = elsewhere(upright_at(points, matched.twist), matched.T_map_sensor);
+  if (!step) return std::nullopt;
+  step->seconds = std::exchange(since_step_, 0.0);
+  if (steps_.size() == kScans) steps_.erase(steps_.begin());
+  steps_.push_back(*step);
+  if (steps_.size() < kScans || !is_steady()) return std::nullopt;
+  found_ = true;
+  const double seconds = steps_[1].seconds + steps_[2].seconds;
+  return MotionState{step->pose, twist_between(steps_[0].pose, step->pose, seconds)};
+}
+
+double UnnoticedMotion::evidence_beside(const std::vector<Eigen::Vector3f>& points,
+                                        const Pose& pose) const {
+  const int behind = map_.evaluate(points, displaced(pose, -kBeside, 0.0)).evidence;
+  const int ahead = map_.evaluate(points, displaced(pose, kBeside, 0.0)).evidence;
+  return 0.5 * (behind + ahead);
+}
+
+std::optional<Pose> UnnoticedMotion::follow(const SampledPoints& points,
+                                            const MotionState& predicted) {
+  const std::vector<Eigen::Vector3f> upright = upright_at(points, predicted.twist);
+  const UprightMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
+  if (fit.directions >= kFewestDirections &&
+      fit.evidence > kMore * evidence_beside(upright, fit.T_map_sensor)) {
+    misses_ = 0;
+    return fit.T_map_sensor;
+  }
+  if (++misses_ == kMostMisses) {
+    misses_ = 0;
+    found_ = false;
+    trust(predicted.T_map_sensor);
+  }
+  return std::nullopt;
+}
+
+}  // namespace lidar_mapping::front_end

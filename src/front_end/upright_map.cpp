@@ -1,0 +1,167 @@
+#include "lidar_mapping/front_end/upright_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// Edge of the columns in which points stand above each other, and by how much (m). Slopes of up to
+/// a half have none.
+constexpr float kColumn = 1.0F;
+constexpr float kAbove = 0.5F;
+/// Edge of the voxels, m.
+constexpr float kEdge = 0.3F;
+/// Distance at which a pair loses most of its weight, and within which a point is seen again, m.
+constexpr float kKernel = 0.3F;
+constexpr int kIterations = 10;
+/// Steps below this are none (m, rad).
+constexpr double kConverged = 1e-3;
+/// So many directions are told apart. Of one at most this many points count, or this share of all:
+/// one thing beside the sensor is not to outvote all others.
+constexpr int kDirections = 36;
+constexpr int kMostPerDirection = 4;
+constexpr int kShareOfDirection = 18;
+/// How firmly the start holds the pose while it is fitted, in squared standard deviations of a
+/// point (15 cm): half a metre and two degrees.
+constexpr double kHeldPosition = 0.1;
+constexpr double kHeldAngle = 20.0;
+
+using Cell3 = Eigen::Vector3i;
+
+Cell3 cell_at(const Eigen::Vector3f& p, float edge) {
+  return (p / edge).array().floor().cast<int>().matrix();
+}
+
+std::uint64_t key_of(const Cell3& cell) {
+  constexpr std::uint64_t kMask = (1U << 21) - 1U;
+  const auto part = [](int value) { return static_cast<std::uint64_t>(value) & kMask; };
+  return (part(cell.x()) << 42U) | (part(cell.y()) << 21U) | part(cell.z());
+}
+
+template <typename Do>
+void for_neighbours(const Cell3& cell, Do&& act) {
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dz = -1; dz <= 1; ++dz) act(key_of(cell + Cell3(dx, dy, dz)));
+    }
+  }
+}
+
+int direction_of(const Eigen::Vector3f& p) {
+  const double turns = std::atan2(p.y(), p.x()) / (2.0 * M_PI) + 0.5;
+  return std::min(kDirections - 1, static_cast<int>(turns * kDirections));
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points) {
+  const auto column_of = [&](std::size_t i) {
+    return key_of(cell_at({points.x[i], points.y[i], 0.0F}, kColumn));
+  };
+  std::unordered_map<std::uint64_t, float> lowest;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [column, is_new] = lowest.try_emplace(column_of(i), points.z[i]);
+    if (!is_new) column->second = std::min(column->second, points.z[i]);
+  }
+  std::vector<Eigen::Vector3f> upright;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points.z[i] < lowest[column_of(i)] + kAbove) continue;
+    upright.emplace_back(points.x[i], points.y[i], points.z[i]);
+  }
+  return upright;
+}
+
+void UprightMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor) {
+  const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3f p = T * point;
+    const Cell3 cell = cell_at(p, kEdge);
+    Cell& own = cells_[key_of(cell)];
+    own.sum += p;
+    if (own.count++ > 0) continue;
+    for_neighbours(cell, [&](std::uint64_t key) { cells_.try_emplace(key); });
+  }
+}
+
+bool UprightMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const {
+  const Cell3 cell = cell_at(p, kEdge);
+  if (cells_.find(key_of(cell)) == cells_.end()) return false;
+  float least = std::numeric_limits<float>::max();
+  for_neighbours(cell, [&](std::uint64_t key) {
+    const auto found = cells_.find(key);
+    if (found == cells_.end() || found->second.count == 0) return;
+    const Eigen::Vector3f m = found->second.sum / static_cast<float>(found->second.count);
+    const float distance = (m - p).squaredNorm();
+    if (distance >= least) return;
+    least = distance;
+    mean = m;
+  });
+  return true;
+}
+
+std::size_t UprightMap::count_near(const std::vector<Eigen::Vector3f>& points,
+                                   const Pose& T_map_sensor) const {
+  const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
+  std::size_t count = 0;
+  for (const Eigen::Vector3f& p : points) count += cells_.count(key_of(cell_at(T * p, kEdge)));
+  return count;
+}
+
+UprightMap::Fit UprightMap::evaluate(const std::vector<Eigen::Vector3f>& points,
+                                     const Pose& T_map_sensor) const {
+  const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
+  Fit fit;
+  fit.T_map_sensor = T_map_sensor;
+  std::array<int, kDirections> again{};
+  Eigen::Vector3f mean;
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3f p = T * point;
+    if (!nearest(p, mean) || (p - mean).norm() > kKernel) continue;
+    ++fit.seen_again;
+    ++again[static_cast<std::size_t>(direction_of(point))];
+  }
+  const int most = std::max(kMostPerDirection, static_cast<int>(points.size()) / kShareOfDirection);
+  for (const int count : again) {
+    fit.evidence += std::min(count, most);
+    fit.directions += count > 0 ? 1 : 0;
+  }
+  return fit;
+}
+
+UprightMap::Fit UprightMap::fit(const std::vector<Eigen::Vector3f>& points,
+                                const Pose& start) const {
+  Pose pose = start;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Eigen::Matrix3f R = pose.rotation_matrix().cast<float>();
+    const Eigen::Vector3f t = pose.translation.cast<float>();
+    const Vector6d off = difference(start, pose);
+    const Eigen::Vector3d held(kHeldPosition, kHeldPosition, kHeldAngle);
+    Eigen::Matrix3d H = held.asDiagonal();
+    Eigen::Vector3d b = held.cwiseProduct(Eigen::Vector3d(off[0], off[1], off[5]));
+    Eigen::Vector3f mean;
+    for (const Eigen::Vector3f& p : points) {
+      if (!nearest(R * p + t, mean)) continue;
+      const Eigen::Vector3f r = p - R.transpose() * (mean - t);
+      const float g = 1.0F / (1.0F + r.squaredNorm() / (kKernel * kKernel));
+      Eigen::Matrix3f J = Eigen::Matrix3f::Zero();
+      J.col(0) = Eigen::Vector3f::UnitX();
+      J.col(1) = Eigen::Vector3f::UnitY();
+      J.col(2) = Eigen::Vector3f(-p.y(), p.x(), 0.0F);
+      H += (g * g * J.transpose() * J).cast<double>();
+      b += (g * g * J.transpose() * r).cast<double>();
+    }
+    const Eigen::Vector3d d = -H.ldlt().solve(b);
+    Vector6d step = Vector6d::Zero();
+    step << d[0], d[1], 0.0, 0.0, 0.0, d[2];
+    pose = perturbed(pose, step);
+    if (d.norm() < kConverged) break;
+  }
+  return evaluate(points, pose);
+}
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,154 @@
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/unnoticed_motion.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+SampledPoints sampled(const Points& points) {
+  SampledPoints sampled;
+  for (const Eigen::Vector3f& p : points) {
+    sampled.x.push_back(p.x());
+    sampled.y.push_back(p.y());
+    sampled.z.push_back(p.z());
+    sampled.s.push_back(0.0F);
+  }
+  return sampled;
+}
+
+/// Points up a pole.
+void add_pole(float x, float y, Points& points) {
+  for (float z = -1.5F; z < 1.0F; z += 0.25F) points.emplace_back(x, y, z);
+}
+
+/// Rings on the ground, which go with the sensor.
+void add_rings(Points& points) {
+  for (const float radius : {6.0F, 8.0F, 12.0F, 25.0F}) {
+    for (float angle = 0.0F; angle < 6.28F; angle += 0.02F) {
+      points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), -1.8F);
+    }
+  }
+}
+
+/// A field with a few poles.
+Points field(unsigned seed) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<float> place(-40.0F, 40.0F);
+  Points poles;
+  for (int i = 0; i < 12; ++i) add_pole(place(engine), place(engine), poles);
+  return poles;
+}
+
+/// The side of a truck.
+Points truck(double x) {
+  Points points;
+  for (float along = -3.0F; along < 3.0F; along += 0.3F) {
+    for (float z = -1.0F; z < 1.0F; z += 0.5F) {
+      points.emplace_back(static_cast<float>(x) + along, 3.0F, z);
+    }
+  }
+  return points;
+}
+
+/// What the sensor sees from there, rings included.
+SampledPoints seen(const Points& world, const Pose& T_map_sensor) {
+  const Pose T_sensor_map = T_map_sensor.inverse();
+  Points points;
+  add_rings(points);
+  for (const Eigen::Vector3f& p : world) {
+    points.push_back((T_sensor_map * p.cast<double>()).cast<float>());
+  }
+  return sampled(points);
+}
+
+Pose ahead(double x) { return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; }
+
+/// A sensor that its matches hold where it began.
+class Held {
+ public:
+  explicit Held(const Points& world) {
+    filter_.reset(Pose{}, 0.1, 0.1);
+    unnoticed_.insert(seen(world, Pose{}), {Pose{}, Vector6d::Zero()});
+  }
+
+  /// True once it is said to be elsewhere; then filter() knows where.
+  bool take(const SampledPoints& points) {
+    MotionFilter agile = filter_.agile();
+    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(0.1);
+    registration::NdtMatch match;
+    match.overlap = 0.3;
+    const bool elsewhere = unnoticed_.put_right(points, match, 0.1, true, agile, filter_);
+    if (!elsewhere) filter_.restart({Pose{}, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
+    return elsewhere;
+  }
+
+  const MotionFilter& filter() const { return filter_; }
+
+ private:
+  MotionFilter filter_{10.0, 5.0};
+  UnnoticedMotion unnoticed_;
+};
+
+TEST(UprightPoints, AreThoseAboveTheGround) {
+  Points points;
+  for (float x = -5.0F; x < 5.0F; x += 0.2F) {
+    for (float y = -5.0F; y < 5.0F; y += 0.2F) points.emplace_back(x, y, 0.3F * x);
+  }
+  EXPECT_TRUE(upright_points(sampled(points)).empty());
+  for (float z = 0.3F; z < 3.0F; z += 0.25F) points.emplace_back(0.5F, 0.5F, z);
+  const Points upright = upright_points(sampled(points));
+  EXPECT_GE(upright.size(), 8U);
+  for (const Eigen::Vector3f& p : upright) EXPECT_EQ(p.x(), 0.5F);
+}
+
+TEST(UprightMap, FindsWhereThePointsFit) {
+  const Points world = upright_points(seen(field(1), Pose{}));
+  UprightMap map;
+  map.insert(world, Pose{});
+  Vector6d d = Vector6d::Zero();
+  d[0] = 0.25;
+  d[1] = -0.1;
+  d[5] = 0.004;
+  const UprightMap::Fit fit = map.fit(world, perturbed(Pose{}, d));
+  EXPECT_LT(difference(Pose{}, fit.T_map_sensor).norm(), 0.02);
+  EXPECT_GT(fit.evidence, map.evaluate(world, perturbed(Pose{}, d)).evidence);
+  EXPECT_EQ(fit.seen_again, world.size());
+  EXPECT_EQ(map.count_near(world, ahead(5.0)), 0U);
+}
+
+TEST(UnnoticedMotion, IsFoundAndFollowed) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const Points world = field(seed);
+    Held held(world);
+    bool found = false;
+    for (int i = 0; i < 40; ++i) {
+      const double x = 0.5 * 2.0 * (0.1 * i) * (0.1 * i);
+      found = held.take(seen(world, ahead(x)));
+      if (!found) continue;
+      EXPECT_LT((held.filter().state().T_map_sensor.translation - ahead(x).translation).norm(), 0.3)
+          << seed << " " << i;
+    }
+    EXPECT_TRUE(found) << seed;
+  }
+}
+
+TEST(UnnoticedMotion, IsNotThatOfATruckWhichPasses) {
+  const Points poles = field(4);
+  Points first = poles;
+  for (const Eigen::Vector3f& p : truck(-8.0)) first.push_back(p);
+  Held held(first);
+  for (int i = 0; i < 60; ++i) {
+    Points world = poles;
+    for (const Eigen::Vector3f& p : truck(-8.0 + 0.3 * i)) world.push_back(p);
+    EXPECT_FALSE(held.take(seen(world, Pose{}))) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
