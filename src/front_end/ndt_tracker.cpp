@@ -1,5 +1,7 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
 
+#include <optional>
+
 #include <Eigen/LU>
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
@@ -11,6 +13,7 @@
 #include "lidar_mapping/front_end/measured_motion.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
 #include "lidar_mapping/front_end/reported_covariance.hpp"
+#include "lidar_mapping/front_end/ring_spacing.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/sweep_matcher.hpp"
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
@@ -82,6 +85,7 @@ class NdtTracker::Impl {
 
   void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
     sampler_.set_sensor_origin(p_base_sensor);
+    sensor_origin_ = p_base_sensor;
   }
 
   void restart(const Pose& T_odom_base) {
@@ -112,6 +116,7 @@ class NdtTracker::Impl {
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     map_.begin(voxel_size());
+    if (sensor_origin_) map_.set_ring_spacing(ring_spacing(scan.cloud, *sensor_origin_));
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -292,6 +297,7 @@ class NdtTracker::Impl {
 
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   double parting_variance_ = 1.0;
+  std::optional<Eigen::Vector3d> sensor_origin_;
   std::size_t scans_ = 0;
   Stamp stamp_ = 0;
   Pose start_;              ///< where a map begins, at the stamp of its first scan

@@ -25,6 +25,10 @@ constexpr double kMaxLoad = 0.75;
 constexpr double kListedShare = 0.25;
 /// A plane is computed again when its voxel has grown by this factor.
 constexpr int kGrowthPercent = 110;
+// Distance of rings in edges of the voxel: up to this it is crossed by several at a time, from this
+// on by one.
+constexpr float kSeveralRings = 0.75F;
+constexpr float kOneRing = 1.25F;
 
 std::size_t next_power_of_two(std::size_t value) {
   std::size_t power = 16;
@@ -282,11 +286,17 @@ std::vector<Gaussian> GaussianVoxelMap::gaussians() const {
   return result;
 }
 
-void GaussianVoxelMap::update_plane(Voxel& voxel) const {
+/// How far rings seen from there cross a voxel one by one, 0 to 1.
+double GaussianVoxelMap::loneliness(const Eigen::Vector3f& view) const {
+  const float distance = ring_spacing_ * view.norm() * inverse_resolution_;
+  return std::clamp((distance - kSeveralRings) / (kOneRing - kSeveralRings), 0.0F, 1.0F);
+}
+
+void GaussianVoxelMap::update_plane(Voxel& voxel, double lone_rings) const {
   const bool has_side = voxel.count_at_plane == 0 || voxel.has_front != 0;
   const std::array<float, 3> front = voxel.normal;
   voxel.count_at_plane = voxel.count & 0x7FFFU;
-  const Eigen::Vector3d normal = weighted_normal(gaussian_of(voxel), model_);
+  const Eigen::Vector3d normal = weighted_normal(gaussian_of(voxel), model_, lone_rings);
   const Eigen::Vector3d mean =
       Eigen::Vector3d(voxel.sum[0], voxel.sum[1], voxel.sum[2]) / static_cast<double>(voxel.count);
   for (int axis = 0; axis < 3; ++axis) {
@@ -298,19 +308,21 @@ void GaussianVoxelMap::update_plane(Voxel& voxel) const {
 }
 
 /// The Gaussian with this key, its plane up to date; none if it has too few points.
-GaussianVoxelMap::Voxel* GaussianVoxelMap::with_plane(const Place& place) {
+GaussianVoxelMap::Voxel* GaussianVoxelMap::with_plane(const Place& place,
+                                                      const Eigen::Vector3f& view) {
   const auto slot = find(place);
   if (!slot || voxels_[*slot].count < model_.min_points) return nullptr;
   Voxel& voxel = voxels_[*slot];
-  if (voxel.count * 100 > voxel.count_at_plane * kGrowthPercent) update_plane(voxel);
+  if (voxel.count * 100 > voxel.count_at_plane * kGrowthPercent)
+    update_plane(voxel, loneliness(view));
   return &voxel;
 }
 
 WeightedPlane GaussianVoxelMap::plane(const Eigen::Vector3i& cell, const Place& place,
                                       const Eigen::Vector3f& view) {
-  Voxel* voxel = with_plane(place);
+  Voxel* voxel = with_plane(place, view);
   if (voxel != nullptr && is_behind(*voxel, view)) {
-    voxel = with_plane(place_of(place.key | kBack));
+    voxel = with_plane(place_of(place.key | kBack), view);
   }
   if (voxel == nullptr) return {};
   const Eigen::Vector3f normal(voxel->normal[0], voxel->normal[1], voxel->normal[2]);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/match_judge.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/ring_spacing.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/front_end/twist_forecast.hpp"
 #include "lidar_mapping/front_end/velocity_trust.hpp"
@@ -63,6 +65,39 @@ TEST(MatchJudge, TellsTheEndOfTheMapFromAWrongPose) {
   EXPECT_EQ(judge.judge(match_of(0.50, 0.65), anywhere), TrackingState::kDegraded);
   EXPECT_EQ(judge.judge(match_of(0.10, 0.85), anywhere), TrackingState::kLost);
   EXPECT_TRUE(judge.in_doubt(match_of(0.25, 0.80), anywhere));
+}
+
+/// What a sensor at p_base_sensor, a little askew, sees of a round room of 20 m with its beams from
+/// 12 degrees below the horizon to 12 above it.
+PointCloud seen_by(int beams, const Eigen::Vector3d& p_base_sensor) {
+  const Pose T_base_sensor{exp_so3({0.006, 0.009, -0.3}), p_base_sensor};
+  PointCloud cloud;
+  for (int column = 0; column < 1000; ++column) {
+    for (int beam = 0; beam < beams; ++beam) {
+      const double elevation = 0.42 * (static_cast<double>(beam) / (beams - 1) - 0.5);
+      const double azimuth = 2.0 * M_PI * column / 1000.0;
+      const Eigen::Vector3d ray(std::cos(azimuth), std::sin(azimuth), std::tan(elevation));
+      const Eigen::Vector3f p = (T_base_sensor * Eigen::Vector3d(20.0 * ray)).cast<float>();
+      cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
+    }
+  }
+  return cloud;
+}
+
+TEST(RingSpacing, IsTheAngleBetweenNeighbouringBeams) {
+  const Eigen::Vector3d origin(0.8, 0.0, 1.7);
+  EXPECT_NEAR(ring_spacing(seen_by(16, origin), origin), 0.42 / 15.0, 0.002);
+  EXPECT_NEAR(ring_spacing(seen_by(64, origin), origin), 0.42 / 63.0, 0.002);
+}
+
+TEST(RingSpacing, IsZeroWithoutRings) {
+  const Eigen::Vector3d origin(0.8, 0.0, 1.7);
+  EXPECT_EQ(ring_spacing(PointCloud{}, origin), 0.0);
+  EXPECT_EQ(ring_spacing(seen_by(500, origin), origin), 0.0);
+  // On its side, the sensor spins about another axis.
+  PointCloud aside = seen_by(16, Eigen::Vector3d::Zero());
+  for (Point& point : aside.points) std::swap(point.y, point.z);
+  EXPECT_LT(ring_spacing(aside, Eigen::Vector3d::Zero()), 0.005);
 }
 
 TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {

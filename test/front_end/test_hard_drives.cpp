@@ -256,6 +256,18 @@ INSTANTIATE_TEST_SUITE_P(Drives, SizeOfCovariance,
                          testing::Values("town", "figure_eight", "car_park", "tunnel", "open_road",
                                          "walk"));
 
+// Beyond 30 m a voxel in a tree is crossed by one ring at a time, which goes along with the sensor.
+TEST(TownWithFewRings, IsNotBentByItsTrees) {
+  constexpr std::size_t kBegin = 100;
+  const simulation::Drive drive = make_drive("town", 80.0, 14);
+  Ride ride(drive);
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    ASSERT_NE(ride.take(i).status.state, TrackingState::kLost) << i;
+    if (i == kBegin) ride.begin_anew();
+  }
+  EXPECT_LT(ride.error(), 0.2) << "0.35 where rings on leaves pull upwards";
+}
+
 class StartAtSpeed : public testing::TestWithParam<std::uint64_t> {};
 
 /// The first key frames of a drive with few rings that begins at this scan.

@@ -95,6 +95,46 @@ TEST(GaussianVoxelMap, TakesAPieceOfARingOnTheGroundForNoPlane) {
   EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
 }
 
+/// Points of a piece of three rings, one from each of three places on the way, that scatter by
+/// `depth` (m) along the beam: on leaves if that is much.
+GaussianVoxelMap three_rings_in_a_voxel(float depth, double ring_spacing) {
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<float> across(0.0F, 1.0F);
+  std::uniform_real_distribution<float> along(-0.5F, 0.5F);
+  GaussianVoxelMap map(1.0, 64);
+  map.set_ring_spacing(ring_spacing);
+  for (int ring = 0; ring < 3; ++ring) {
+    const float height = 0.4F + 0.1F * static_cast<float>(ring);
+    for (int i = 0; i < 30; ++i) {
+      const float surface = 0.3F + 0.5F * height;
+      const Eigen::Vector3f p(surface + depth * along(engine), across(engine), height);
+      map.insert(&p.x(), &p.y(), &p.z(), 1);
+    }
+  }
+  return map;
+}
+
+/// Steepness of the plane's normal as a sensor finds it that is `distance` (m) away.
+float steepness_seen_from(float distance, GaussianVoxelMap map) {
+  const Eigen::Vector3i cell = Eigen::Vector3i::Zero();
+  const Eigen::Vector3f view(-distance, 0.0F, 0.0F);
+  const Eigen::Vector3f normal = map.plane(cell, map.place_of(cell), view).normal;
+  EXPECT_GT(normal.norm(), 0.0F);
+  return std::abs(normal.z()) / normal.norm();
+}
+
+// The ring passes over the leaves as the sensor moves on, and so does the height of the points.
+TEST(GaussianVoxelMap, RingsOnLeavesSayNothingAboutTheHeight) {
+  constexpr double kTwoDegrees = 2.0 * M_PI / 180.0;
+  constexpr float kLeaves = 0.6F;
+  constexpr float kWall = 0.0F;
+  EXPECT_GT(steepness_seen_from(40.0F, three_rings_in_a_voxel(kLeaves, 0.0)), 0.3F);
+  EXPECT_GT(steepness_seen_from(5.0F, three_rings_in_a_voxel(kLeaves, kTwoDegrees)), 0.3F);
+  EXPECT_LT(steepness_seen_from(40.0F, three_rings_in_a_voxel(kLeaves, kTwoDegrees)), 0.01F);
+  EXPECT_NEAR(steepness_seen_from(40.0F, three_rings_in_a_voxel(kWall, kTwoDegrees)),
+              std::sqrt(0.2F), 0.02F);
+}
+
 /// A level plate of 1 m at `height`, seen from `viewpoint`.
 void insert_plate(float height, const Eigen::Vector3f& viewpoint, std::uint32_t seed,
                   GaussianVoxelMap& map) {

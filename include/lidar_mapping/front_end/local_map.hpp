@@ -21,6 +21,8 @@ class LocalMap {
   /// Begins anew with voxels of this edge (m).
   void begin(double voxel_size);
   void clear();
+  /// See GaussianVoxelMap; only the fine map is matched to the millimetre.
+  void set_ring_spacing(double angle) { fine_.set_ring_spacing(angle); }
   bool empty() const { return fine_.size() == 0; }
   /// Adds points where the sensor was when it saw them.
   void insert(const SampledPoints& points, const registration::MotionState& state);

@@ -28,6 +28,8 @@ struct PlaneModel {
   double least_breadth =
       0.03;  ///< m: standard deviation along the middle axis that noise alone may have,
   double sure_breadth = 0.05;  ///< and from which on it is the surface's
+  double thin_ratio = 0.1;  ///< thickness to breadth: up to this what rings see one by one is thin,
+  double thick_ratio = 0.3;  ///< and from this on a bush
 };
 
 /// Plane of a voxel, scaled so that normal . p - offset is the distance of p in standard
@@ -70,6 +72,10 @@ class GaussianVoxelMap {
   /// `radius` from `center` (m, relative to the origin).
   void forget_beyond(const Eigen::Vector3f& center, float radius, double share);
   std::size_t dropped_points() const { return dropped_points_; }
+  /// Angle between neighbouring rings of the sensor, rad, about the map's z axis; 0 for none. Where
+  /// a voxel is crossed by one ring at a time, the height of points in a bush is that of the ring,
+  /// which goes along with the sensor: there such voxels say nothing about the height.
+  void set_ring_spacing(double angle) { ring_spacing_ = static_cast<float>(angle); }
 
   /// Where the search for a voxel starts.
   struct Place {
@@ -115,11 +121,12 @@ class GaussianVoxelMap {
   Voxel* find_or_add(const Place& place);
   void add_point(Voxel* voxel, float px, float py, float pz);
   Voxel* side_seen(const Place& place, const Eigen::Vector3f& view);
-  Voxel* with_plane(const Place& place);
+  Voxel* with_plane(const Place& place, const Eigen::Vector3f& view);
+  double loneliness(const Eigen::Vector3f& view) const;
   static void turn_to_front(Voxel& voxel, const Eigen::Vector3f& view);
   static bool is_behind(const Voxel& voxel, const Eigen::Vector3f& view);
   void erase(std::uint32_t slot);
-  void update_plane(Voxel& voxel) const;
+  void update_plane(Voxel& voxel, double lone_rings) const;
   Gaussian gaussian_of(const Voxel& voxel) const;
 
   double resolution_;
@@ -135,6 +142,7 @@ class GaussianVoxelMap {
   std::size_t most_voxels_ = 0;
   int hash_shift_ = 0;
   std::uint32_t hand_ = 0;
+  float ring_spacing_ = 0.0F;
   std::size_t size_ = 0;
   std::size_t dropped_points_ = 0;
 };

@@ -1,0 +1,78 @@
+#include "lidar_mapping/front_end/ring_spacing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+/// So many points are looked at.
+constexpr std::size_t kEnough = 16000;
+/// Within a sector a sensor that is mounted a little askew still sees its rings at one elevation.
+constexpr std::size_t kSectors = 36;
+constexpr std::size_t kBins = 900;
+constexpr double kBin = 0.1 * kDegree;
+/// What is nearer shows by how far the origin is off.
+constexpr double kMinRange = 3.0;  // m
+constexpr std::size_t kLeastSectors = 6;
+constexpr int kLeastRings = 4;
+/// More occupied bins than that are no rings.
+constexpr double kMostOccupied = 0.6;
+
+using Sector = std::bitset<kBins>;
+
+/// Which elevations a scan has seen, from -45 to 45 degrees.
+std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
+                                             const Eigen::Vector3d& p_base_sensor) {
+  std::array<Sector, kSectors> seen;
+  const std::size_t step = (cloud.size() / kEnough) | 1U;
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    const Eigen::Vector3d p = cloud.points[i].position().cast<double>() - p_base_sensor;
+    if (!p.allFinite() || p.norm() < kMinRange) continue;
+    const double elevation = std::atan2(p.z(), std::hypot(p.x(), p.y()));
+    const double bin = elevation / kBin + kBins / 2.0;
+    if (bin < 0.0 || bin >= kBins) continue;
+    const double turn = std::atan2(p.y(), p.x()) / (2.0 * M_PI) + 0.5;
+    const auto sector = static_cast<std::size_t>(turn * kSectors);
+    seen[std::min(sector, kSectors - 1)].set(static_cast<std::size_t>(bin));
+  }
+  return seen;
+}
+
+/// Bins from the lowest to the highest occupied one per run of occupied ones; 0 if these are too
+/// many for rings, negative if they are too few to tell.
+double bins_per_ring(const Sector& sector) {
+  int first = -1, last = -1, runs = 0;
+  for (int i = 0; i < static_cast<int>(kBins); ++i) {
+    if (!sector[static_cast<std::size_t>(i)]) continue;
+    if (first < 0) first = i;
+    if (last < 0 || last + 1 < i) ++runs;
+    last = i;
+  }
+  if (runs == 0) return -1.0;
+  if (static_cast<double>(sector.count()) > kMostOccupied * (last + 1 - first)) return 0.0;
+  return runs < kLeastRings ? -1.0 : static_cast<double>(last - first) / (runs - 1);
+}
+
+}  // namespace
+
+/// Where a view ends in the sky there are gaps; so one of the narrower sectors is right.
+double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_sensor) {
+  std::vector<double> found;
+  for (const Sector& sector : seen_elevations(cloud, p_base_sensor)) {
+    const double bins = bins_per_ring(sector);
+    if (bins >= 0.0) found.push_back(bins);
+  }
+  if (found.size() < kLeastSectors) return 0.0;
+  const auto quarter = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 4);
+  std::nth_element(found.begin(), quarter, found.end());
+  return *quarter * kBin;
+}
+
+}  // namespace lidar_mapping::front_end
