@@ -16,7 +16,7 @@ namespace {
 /// where they lie as far from their planes as these claim. On smooth walls they lie nearer, on
 /// hedges and rough ground farther: the root of that variance counts, the mean between what the
 /// planes claim and what the residuals show, as part of the planes' errors is no residual.
-constexpr double kReportedWeight = 38.0;
+constexpr double kReportedWeight = 40.0;
 /// A map of one scan fits itself better than it should.
 constexpr double kLeastResidualVariance = 0.05;
 
