@@ -9,7 +9,7 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kColumn = 0.5;  // m
+constexpr double kColumn = 0.6;  // m
 constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instead
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();

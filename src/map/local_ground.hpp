@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::map {
 
-/// The two lowest points of a column of 0.5 m by 0.5 m.
+/// The two lowest points of a column of 0.6 m by 0.6 m.
 struct GroundColumn {
   CellIndex cell;
   float lowest = 0.0F;  ///< m, in the map frame

@@ -16,10 +16,10 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kBatch = 16;    // key frames that are judged together, one a thread
-constexpr int kGroundNeighbours = 5;  // key frames whose points tell the ground
-constexpr int kGroundStep = 3;        // every so many of the further ones do, too
-constexpr double kRain = 0.002;       // of the points alone in the air: it rains or snows
+constexpr std::size_t kBatch = 16;     // key frames that are judged together, one a thread
+constexpr int kGroundNeighbours = 10;  // key frames whose points tell the ground
+constexpr int kGroundStep = 3;         // every so many of the further ones do, too
+constexpr double kRain = 0.002;        // of the points alone in the air: it rains or snows
 
 Marks numbers_of(const std::vector<bool>& moves) {
   Marks marks;

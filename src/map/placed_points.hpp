@@ -20,7 +20,7 @@ struct CellIndex {
 /// Points in axes parallel to the map's, relative to an origin that is a corner of every grid used
 /// here, so that floats hold them and cells are the same for all clouds.
 struct PlacedPoints {
-  static constexpr double kOriginGrid = 6.0;  // m, a multiple of 0.3, 0.4 and 0.5
+  static constexpr double kOriginGrid = 6.0;  // m, a multiple of 0.3, 0.4, 0.5 and 0.6
 
   PlacedPoints(const PointCloud& cloud, const Pose& T_map_base)
       : origin(((T_map_base.translation / kOriginGrid).array().floor() * kOriginGrid)) {

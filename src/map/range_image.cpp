@@ -13,7 +13,7 @@ constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kPi);
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kPi;
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr float kMargin = 0.2F;           // m
-constexpr float kMarginPerRange = 0.01F;  // m per m
+constexpr float kMarginPerRange = 0.02F;  // m per m
 
 int wrapped(int column) {
   if (column < 0) return column + kRangeImageColumns;
