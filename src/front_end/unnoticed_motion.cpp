@@ -154,9 +154,7 @@ std::optional<UnnoticedMotion::Step> UnnoticedMotion::elsewhere(
   }
   const UprightMap::Fit there = map_.fit(points, roughly(points));
   if (there.evidence <= here.evidence) steps_.clear();
-  if (there.directions < kFewestDirections || there.evidence < kMore * here.evidence) {
-    return std::nullopt;
-  }
+  if (there.evidence < kMore * here.evidence || !is_place(there, points)) return std::nullopt;
   return Step{there.T_map_sensor, 0.0, there.evidence, here.evidence};
 }
 
@@ -187,19 +185,19 @@ std::optional<MotionState> UnnoticedMotion::look(const SampledPoints& points,
   return MotionState{step->pose, twist_between(steps_[0].pose, step->pose, seconds)};
 }
 
-double UnnoticedMotion::evidence_beside(const std::vector<Eigen::Vector3f>& points,
-                                        const Pose& pose) const {
+bool UnnoticedMotion::is_place(const UprightMap::Fit& fit,
+                               const std::vector<Eigen::Vector3f>& points) const {
+  const Pose& pose = fit.T_map_sensor;
   const int behind = map_.evaluate(points, displaced(pose, -kBeside, 0.0)).evidence;
   const int ahead = map_.evaluate(points, displaced(pose, kBeside, 0.0)).evidence;
-  return 0.5 * (behind + ahead);
+  return fit.directions >= kFewestDirections && fit.evidence > kMore * 0.5 * (behind + ahead);
 }
 
 std::optional<Pose> UnnoticedMotion::follow(const SampledPoints& points,
                                             const MotionState& predicted) {
   const std::vector<Eigen::Vector3f> upright = upright_at(points, predicted.twist);
   const UprightMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
-  if (fit.directions >= kFewestDirections &&
-      fit.evidence > kMore * evidence_beside(upright, fit.T_map_sensor)) {
+  if (is_place(fit, upright)) {
     misses_ = 0;
     return fit.T_map_sensor;
   }

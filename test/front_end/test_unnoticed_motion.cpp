@@ -69,10 +69,10 @@ SampledPoints seen(const Points& world, const Pose& T_map_sensor) {
 
 Pose ahead(double x) { return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; }
 
-/// A sensor that its matches hold where it began.
+/// A sensor that its matches hold at one place.
 class Held {
  public:
-  explicit Held(const Points& world) {
+  explicit Held(const Points& world, const Pose& matched = Pose{}) : matched_(matched) {
     filter_.reset(Pose{}, 0.1, 0.1);
     unnoticed_.insert(seen(world, Pose{}), {Pose{}, Vector6d::Zero()});
   }
@@ -83,14 +83,16 @@ class Held {
     for (MotionFilter* filter : {&filter_, &agile}) filter->predict(0.1);
     registration::NdtMatch match;
     match.overlap = 0.3;
+    match.state.T_map_sensor = matched_;
     const bool elsewhere = unnoticed_.put_right(points, match, 0.1, true, agile, filter_);
-    if (!elsewhere) filter_.restart({Pose{}, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
+    if (!elsewhere) filter_.restart({matched_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
     return elsewhere;
   }
 
   const MotionFilter& filter() const { return filter_; }
 
  private:
+  Pose matched_;
   MotionFilter filter_{10.0, 5.0};
   UnnoticedMotion unnoticed_;
 };
@@ -136,6 +138,14 @@ TEST(UnnoticedMotion, IsFoundAndFollowed) {
     }
     EXPECT_TRUE(found) << seed;
   }
+}
+
+// It fits as well farther ahead and behind.
+TEST(UnnoticedMotion, IsNotSeenByAWallAlongTheWay) {
+  Points wall;
+  for (float x = -40.0F; x < 40.0F; x += 0.5F) add_pole(x, 6.0F, wall);
+  Held held(wall, {Eigen::Quaterniond::Identity(), {0.0, 0.8, 0.0}});
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(held.take(seen(wall, Pose{}))) << i;
 }
 
 TEST(UnnoticedMotion, IsNotThatOfATruckWhichPasses) {

@@ -46,7 +46,8 @@ class UnnoticedMotion {
   void trust(const Pose& pose);
   bool is_steady() const;
   std::optional<Pose> follow(const SampledPoints& points, const MotionState& predicted);
-  double evidence_beside(const std::vector<Eigen::Vector3f>& points, const Pose& pose) const;
+  /// True if the points fit there, and less well before and behind.
+  bool is_place(const UprightMap::Fit& fit, const std::vector<Eigen::Vector3f>& points) const;
 
   std::vector<Inserted> inserted_;  ///< not yet in the map: it is seldom needed
   UprightMap map_;
