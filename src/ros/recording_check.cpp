@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include <rosbag/view.h>
 #include <sensor_msgs/Imu.h>
@@ -123,9 +124,35 @@ class Examination {
   std::string problem_;  ///< of the first of them
 };
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " or ") + word;
+  return text;
+}
+
+/// Looks whether the topic that is wanted is there; if none is, takes the usual one if that is.
+void settle(std::string& wanted, const std::string& usual, const std::vector<std::string>& types,
+            const Bags& bags) {
+  std::set<std::string> there;
+  for (const rosbag::Bag* bag : bags) {
+    rosbag::View view(*bag, rosbag::TypeQuery(types));
+    for (const auto* connection : view.getConnections()) there.insert(connection->topic);
+  }
+  if (wanted.empty()) {
+    if (there.count(usual) > 0) wanted = usual;
+  } else if (there.count(wanted) == 0) {
+    throw InputError("there is no topic " + wanted + " of type " + joined(types) +
+                     " in the bags; rosbag info shows what there is");
+  }
+}
+
 }  // namespace
 
 SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted) {
+  settle(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
+  settle(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
+  settle(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
+  settle(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
   const std::vector<std::string> clouds = cloud_topics(bags);
   if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
   const auto fill = [&](std::string& topic, const std::string& type) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iomanip>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -14,6 +13,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/open_bag.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
@@ -45,12 +45,6 @@ template <typename Sample>
 Input framed(ros_border::SensorInput<Sample> input, const ros::Time& recorded) {
   input.sample.stamp = given_or_recorded(input.sample.stamp, recorded);
   return FramedSample<Sample>{input.sample, ros_border::frame_name(input.frame_id)};
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " or ") + word;
-  return text;
 }
 
 /// A cloud that was left where it lies in the recording.
@@ -90,12 +84,8 @@ class BagInput::Impl {
   Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
        const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
       : paths_(paths), config_(config), frames_(base_frame) {
-    for (const std::string& path : paths) open(path);
-    topics_ = ros_border::topics_in(
-        all_bags(), {chosen(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}),
-                     chosen(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}),
-                     chosen(wanted.velocity, "/kitti/oxts/gps/vel", ros_border::velocity_types()),
-                     chosen(wanted.gnss, "/kitti/oxts/gps/fix", ros_border::gnss_types())});
+    for (const std::string& path : paths) bags_.push_back(ros_border::open_bag(path));
+    topics_ = ros_border::topics_in(all_bags(), wanted);
     read_frames();
     settle_base_frame();
     rosbag::View all;
@@ -146,33 +136,10 @@ class BagInput::Impl {
     return *stream_;
   }
 
-  void open(const std::string& path) try {
-    bags_.push_back(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Read));
-  } catch (const rosbag::BagException& error) {
-    throw unreadable(path, error);
-  }
-
   std::vector<const rosbag::Bag*> all_bags() const {
     std::vector<const rosbag::Bag*> bags;
     for (const auto& bag : bags_) bags.push_back(bag.get());
     return bags;
-  }
-
-  /// The topic that is wanted, or the usual one if the bags have it; empty: to be found by its
-  /// type.
-  std::string chosen(const std::string& wanted, const std::string& usual,
-                     const std::vector<std::string>& types) const {
-    std::set<std::string> there;
-    for (const auto& bag : bags_) {
-      rosbag::View view(*bag, rosbag::TypeQuery(types));
-      for (const auto* connection : view.getConnections()) there.insert(connection->topic);
-    }
-    if (!wanted.empty() && there.count(wanted) == 0) {
-      throw InputError("there is no topic " + wanted + " of type " + joined(types) +
-                       " in the bags; rosbag info shows what there is");
-    }
-    if (!wanted.empty()) return wanted;
-    return there.count(usual) > 0 ? usual : std::string();
   }
 
   void add_query(rosbag::View& view, const std::vector<std::string>& topics) const {

@@ -1,7 +1,7 @@
 // Looks at the sensors' messages in bags and says what is wrong with them.
 
 #include <cstdio>
-#include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +9,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/ros/open_bag.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 
 namespace {
@@ -47,10 +48,11 @@ bool run(const Options& options) {
   const PreprocessingConfig config = options.config.empty()
                                          ? PreprocessingConfig()
                                          : config::load_file<PreprocessingConfig>(options.config);
-  std::deque<rosbag::Bag> bags;
+  std::vector<std::unique_ptr<rosbag::Bag>> bags;
   ros_border::RecordingCheck recording;
   for (const std::string& path : options.bags) {
-    recording.bags.push_back(&bags.emplace_back(path));
+    bags.push_back(ros_border::open_bag(path));
+    recording.bags.push_back(bags.back().get());
   }
   recording.base_frame = options.base_frame;
   recording.topics = ros_border::topics_in(recording.bags, options.topics);

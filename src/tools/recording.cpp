@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/open_bag.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 
 namespace lidar_mapping::tools {
@@ -25,13 +25,14 @@ using FrameTree = std::map<std::string, std::pair<std::string, Pose>>;
 
 class BagRecording {
  public:
-  BagRecording(const std::string& path, const std::string& topic) : bag_(path) {
-    rosbag::View frames(bag_, rosbag::TopicQuery("/tf_static"));
+  BagRecording(const std::string& path, const std::string& topic)
+      : bag_(ros_border::open_bag(path)) {
+    rosbag::View frames(*bag_, rosbag::TopicQuery("/tf_static"));
     for (const rosbag::MessageInstance& message : frames) {
       add_frames(*message.instantiate<tf2_msgs::TFMessage>());
     }
     view_ = std::make_unique<rosbag::View>(
-        bag_, rosbag::TopicQuery(topic.empty() ? first_cloud_topic(path) : topic));
+        *bag_, rosbag::TopicQuery(topic.empty() ? first_cloud_topic(path) : topic));
     for (const rosbag::MessageInstance& message : *view_) messages_.push_back(message);
     if (messages_.empty()) throw InputError(path + " has no message on " + topic);
   }
@@ -53,7 +54,7 @@ class BagRecording {
 
  private:
   std::string first_cloud_topic(const std::string& path) const {
-    rosbag::View view(bag_, rosbag::TypeQuery("sensor_msgs/PointCloud2"));
+    rosbag::View view(*bag_, rosbag::TypeQuery("sensor_msgs/PointCloud2"));
     if (view.begin() == view.end()) throw InputError(path + " has no PointCloud2");
     return view.begin()->getTopic();
   }
@@ -88,7 +89,7 @@ class BagRecording {
     return seen;
   }
 
-  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::Bag> bag_;
   FrameTree frames_;
   std::unique_ptr<rosbag::View> view_;
   std::vector<rosbag::MessageInstance> messages_;

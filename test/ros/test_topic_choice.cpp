@@ -2,6 +2,7 @@
 #include <rosbag/bag.h>
 #include <sensor_msgs/NavSatFix.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
 
@@ -52,6 +53,23 @@ TEST_F(TopicChoice, TakesCloudsForALidarsByTheirFieldsThenByTheirSize) {
                                              "/radar", "/depth/points"};
   EXPECT_EQ(cloud_topics({recorded()}), expected);
   EXPECT_EQ(topics_in({&bag_}).points, "/front/points");
+}
+
+TEST_F(TopicChoice, PrefersTheTopicsOfTheLaunchFile) {
+  record("/front/points", cloud({"intensity", "time"}, 1000), 20);
+  record("/kitti/velo/pointcloud", cloud({"intensity"}, 900), 10);
+  EXPECT_EQ(topics_in({recorded()}).points, "/kitti/velo/pointcloud");
+}
+
+TEST_F(TopicChoice, RefusesATopicThatIsNotThere) {
+  record("/points", cloud({"intensity"}, 900), 10);
+  SensorTopics wanted;
+  wanted.points = "/pionts";
+  EXPECT_THROW(topics_in({recorded()}, wanted), InputError);
+  wanted.points = "/points";
+  EXPECT_EQ(topics_in({&bag_}, wanted).points, "/points");
+  wanted.imu = "/points";  // of another type
+  EXPECT_THROW(topics_in({&bag_}, wanted), InputError);
 }
 
 TEST_F(TopicChoice, LeavesOutWhatThisPackagePublishes) {

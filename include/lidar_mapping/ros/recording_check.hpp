@@ -26,8 +26,9 @@ struct RecordingCheck {
   double seconds = 0.0;  ///< of the beginning; 0: all of it
 };
 
-/// `wanted`, and of each sensor that it leaves out the topic of its type with most messages; of
-/// clouds the one that is most likely a LiDAR's, see cloud_topics().
+/// `wanted`, and of each sensor that it leaves out the launch file's topic if the bags have it,
+/// else the one of its type with most messages; of clouds the one that is most likely a LiDAR's,
+/// see cloud_topics(). Throws InputError if a topic that is wanted is not there with such a type.
 SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted = {});
 
 /// Looks at the messages of a recording and says, for points, imu, velocity and gnss in this order,

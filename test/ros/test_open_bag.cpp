@@ -1,0 +1,65 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <std_msgs/String.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/open_bag.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+std::string refusal(const std::string& path) {
+  try {
+    open_bag(path);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string write_bag(const std::string& path) {
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  std_msgs::String message;
+  message.data = std::string(1000, 'x');
+  bag.write("/text", ros::Time(1.0), message);
+  return path;
+}
+
+}  // namespace
+
+TEST(OpenBag, OpensABag) {
+  const test::TemporaryFolder folder;
+  const std::string path = write_bag((folder.path() / "a.bag").string());
+  EXPECT_GT(open_bag(path)->getSize(), 1000U);
+}
+
+TEST(OpenBag, SaysWhatToDoAboutAFileThatCannotBeRead) {
+  const test::TemporaryFolder folder;
+  const std::string missing = (folder.path() / "missing.bag").string();
+  EXPECT_NE(refusal(missing).find("no such file"), std::string::npos);
+  const std::string text = (folder.path() / "text.bag").string();
+  std::ofstream(text) << "no bag\n";
+  EXPECT_NE(refusal(text).find("no bag"), std::string::npos);
+  EXPECT_EQ(refusal(text).find("reindex"), std::string::npos);
+}
+
+// As a recording that was killed leaves it: the header does not yet say where the index is.
+TEST(OpenBag, NamesTheRemedyForARecordingThatWasBrokenOff) {
+  const test::TemporaryFolder folder;
+  const std::string path = write_bag((folder.path() / "killed.bag").string());
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::string start(200, '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  const std::string key = "index_pos=";
+  const std::size_t at = start.find(key);
+  ASSERT_NE(at, std::string::npos);
+  file.seekp(static_cast<std::streamoff>(at + key.size()));
+  file.write("\0\0\0\0\0\0\0\0", 8);
+  file.close();
+  EXPECT_NE(refusal(path).find("rosbag reindex"), std::string::npos);
+}
+
+}  // namespace lidar_mapping::ros_border
