@@ -41,6 +41,9 @@ constexpr double kRoomScale = 0.5;
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 
+/// So far (m) a field is taken to reach from where a direction was left open.
+constexpr double kOpenField = 60.0;
+
 /// While lost, the speed falls by 1/e in this time.
 constexpr double kHoldTime = 1.0;  // s
 
@@ -116,7 +119,8 @@ class NdtTracker::Impl {
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     map_.begin(voxel_size());
-    if (sensor_origin_) map_.set_ring_spacing(ring_spacing(scan.cloud, *sensor_origin_));
+    ring_spacing_ = sensor_origin_ ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0;
+    left_open_.reset();
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -213,6 +217,7 @@ class NdtTracker::Impl {
     if (!status.degenerate_directions.empty() && status.state == TrackingState::kTracking) {
       status.state = TrackingState::kDegenerate;
     }
+    if (!status.degenerate_directions.empty()) left_open_ = match.state.T_map_sensor.translation;
     if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
@@ -257,11 +262,18 @@ class NdtTracker::Impl {
     timer_.start("dense sampling");
     const SampledPoints& dense = sampler_.dense(scan);
     timer_.start("insertion");
+    map_.set_ring_spacing(has_planes_to_spare() ? ring_spacing_ : 0.0);
     map_.insert(dense, filter_.state());
     inserted_ = filter_.state().T_map_sensor;
     beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
     if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());
     if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
+  }
+
+  /// Where planes leave a direction open, in fields, those of leaves are needed as they are.
+  bool has_planes_to_spare() const {
+    const Eigen::Vector3d& here = filter_.state().T_map_sensor.translation;
+    return !left_open_ || (here - *left_open_).norm() > kOpenField;
   }
 
   void calibrate(const SampledPoints& dense) {
@@ -298,6 +310,8 @@ class NdtTracker::Impl {
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   double parting_variance_ = 1.0;
   std::optional<Eigen::Vector3d> sensor_origin_;
+  double ring_spacing_ = 0.0;                 ///< see LocalMap
+  std::optional<Eigen::Vector3d> left_open_;  ///< where a scan last left a direction open
   std::size_t scans_ = 0;
   Stamp stamp_ = 0;
   Pose start_;              ///< where a map begins, at the stamp of its first scan

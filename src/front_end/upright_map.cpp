@@ -18,6 +18,8 @@ constexpr float kAbove = 0.5F;
 constexpr float kEdge = 0.3F;
 /// Distance at which a pair loses most of its weight, and within which a point is seen again, m.
 constexpr float kKernel = 0.3F;
+/// About so many new voxels come with a point, as its neighbours are marked.
+constexpr std::size_t kCellsPerPoint = 8;
 constexpr int kIterations = 10;
 /// Steps below this are none (m, rad).
 constexpr double kConverged = 1e-3;
@@ -78,6 +80,7 @@ std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points) {
 
 void UprightMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor) {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
+  cells_.reserve(cells_.size() + kCellsPerPoint * points.size());
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T * point;
     const Cell3 cell = cell_at(p, kEdge);
