@@ -1,6 +1,7 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
 
 #include <optional>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -40,9 +41,6 @@ constexpr double kRoomScale = 0.5;
 // What is believed of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
-
-/// So far (m) a field is taken to reach from where a direction was left open.
-constexpr double kOpenField = 60.0;
 
 /// While lost, the speed falls by 1/e in this time.
 constexpr double kHoldTime = 1.0;  // s
@@ -119,8 +117,7 @@ class NdtTracker::Impl {
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     map_.begin(voxel_size());
-    ring_spacing_ = sensor_origin_ ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0;
-    left_open_.reset();
+    rings_ = HeededRings(sensor_origin_ ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -151,14 +148,7 @@ class NdtTracker::Impl {
 
   void follow(const Scan& scan, double seconds, const MotionPrior& prior,
               const Prediction& prediction, TrackedScan& result) {
-    SweepMatcher::Found found = find(seconds, prediction);
-    MotionBelief believed = prediction.agile;
-    if (is_elsewhere(found.match, seconds)) {
-      beginning_.settle();
-      judge_.reset();
-      believed = filter_.belief();
-      found = matcher_.match_beside(sampler_.points(), map_, believed, kLevel);
-    }
+    const auto [found, believed] = locate(seconds, prediction);
     describe(found, result.status);
     result.status.state = judge_.judge(found.match, believed);
     if (result.status.state == TrackingState::kLost) {
@@ -175,18 +165,29 @@ class NdtTracker::Impl {
     result.revisions = beginning_.look_again(filter_, judge_, map_);
   }
 
-  SweepMatcher::Found find(double seconds, const Prediction& prediction) {
+  /// The match, and what was believed before it.
+  std::pair<SweepMatcher::Found, MotionBelief> locate(double seconds,
+                                                      const Prediction& prediction) {
     if (!beginning_.motion_known()) {
-      return beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_);
+      return {beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_),
+              prediction.agile};
     }
-    return matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_});
+    if (unnoticed_.follow(sampler_.sparse(), agile_, filter_)) return match_beside_rings();
+    SweepMatcher::Found found =
+        matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_});
+    if (unnoticed_.notice(sampler_.sparse(), found.match, seconds, beginning_.is_one_place(),
+                          filter_)) {
+      return match_beside_rings();
+    }
+    return {std::move(found), prediction.agile};
   }
 
-  /// True if the sensor turned out to be elsewhere: then the filter knows where.
-  bool is_elsewhere(const NdtMatch& match, double seconds) {
-    if (!beginning_.motion_known()) return false;
-    return unnoticed_.put_right(sampler_.sparse(), match, seconds, beginning_.is_one_place(),
-                                agile_, filter_);
+  /// The match where upright points have put the filter.
+  std::pair<SweepMatcher::Found, MotionBelief> match_beside_rings() {
+    beginning_.settle();
+    judge_.reset();
+    const MotionBelief believed = filter_.belief();
+    return {matcher_.match_beside(sampler_.points(), map_, believed, kLevel), believed};
   }
 
   void remember(const Scan& scan) {
@@ -217,7 +218,7 @@ class NdtTracker::Impl {
     if (!status.degenerate_directions.empty() && status.state == TrackingState::kTracking) {
       status.state = TrackingState::kDegenerate;
     }
-    if (!status.degenerate_directions.empty()) left_open_ = match.state.T_map_sensor.translation;
+    if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
     if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
@@ -262,18 +263,12 @@ class NdtTracker::Impl {
     timer_.start("dense sampling");
     const SampledPoints& dense = sampler_.dense(scan);
     timer_.start("insertion");
-    map_.set_ring_spacing(has_planes_to_spare() ? ring_spacing_ : 0.0);
+    map_.set_ring_spacing(rings_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
     inserted_ = filter_.state().T_map_sensor;
     beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
     if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());
     if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
-  }
-
-  /// Where planes leave a direction open, in fields, those of leaves are needed as they are.
-  bool has_planes_to_spare() const {
-    const Eigen::Vector3d& here = filter_.state().T_map_sensor.translation;
-    return !left_open_ || (here - *left_open_).norm() > kOpenField;
   }
 
   void calibrate(const SampledPoints& dense) {
@@ -310,8 +305,7 @@ class NdtTracker::Impl {
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   double parting_variance_ = 1.0;
   std::optional<Eigen::Vector3d> sensor_origin_;
-  double ring_spacing_ = 0.0;                 ///< see LocalMap
-  std::optional<Eigen::Vector3d> left_open_;  ///< where a scan last left a direction open
+  HeededRings rings_;
   std::size_t scans_ = 0;
   Stamp stamp_ = 0;
   Pose start_;              ///< where a map begins, at the stamp of its first scan

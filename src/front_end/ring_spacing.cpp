@@ -25,6 +25,9 @@ constexpr int kLeastRings = 4;
 /// More occupied bins than that are no rings.
 constexpr double kMostOccupied = 0.6;
 
+/// So far (m) a field is taken to reach from where a direction was left open.
+constexpr double kOpenField = 60.0;
+
 using Sector = std::bitset<kBins>;
 
 /// Which elevations a scan has seen, from -45 to 45 degrees.
@@ -73,6 +76,11 @@ double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_senso
   const auto quarter = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 4);
   std::nth_element(found.begin(), quarter, found.end());
   return *quarter * kBin;
+}
+
+double HeededRings::spacing_at(const Pose& T_map_sensor) const {
+  const bool is_field = left_open_ && (T_map_sensor.translation - *left_open_).norm() <= kOpenField;
+  return is_field ? 0.0 : spacing_;
 }
 
 }  // namespace lidar_mapping::front_end

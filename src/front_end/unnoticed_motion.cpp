@@ -100,27 +100,31 @@ void UnnoticedMotion::take_inserted() {
   inserted_.clear();
 }
 
-bool UnnoticedMotion::is_over(bool one_place, const Pose& pose) const {
-  if (over_ || !first_) return true;
-  if (!found_) return !one_place;
-  return (pose.translation - first_->translation).norm() > kFollowedWay;
+void UnnoticedMotion::end() {
+  forget();
+  over_ = true;
 }
 
-bool UnnoticedMotion::put_right(const SampledPoints& points, const registration::NdtMatch& match,
-                                double seconds, bool one_place, const MotionFilter& agile,
-                                MotionFilter& filter) {
-  if (is_over(one_place, filter.state().T_map_sensor)) {
-    forget();
-    over_ = true;
+bool UnnoticedMotion::follow(const SampledPoints& points, const MotionFilter& agile,
+                             MotionFilter& filter) {
+  if (!found_) return false;
+  const MotionState& predicted = agile.state();
+  const Pose& where = filter.state().T_map_sensor;
+  if ((where.translation - first_->translation).norm() > kFollowedWay) {
+    end();
     return false;
   }
-  if (found_) {
-    take_inserted();
-    const std::optional<Pose> pose = follow(points, agile.state());
-    filter = agile;
-    if (pose) filter.measure_place(*pose, kPlaceSigma, kPlaceAngleSigma);
-    return true;
-  }
+  take_inserted();
+  const std::optional<Pose> pose = fit(points, predicted);
+  filter = agile;
+  if (pose) filter.measure_place(*pose, kPlaceSigma, kPlaceAngleSigma);
+  return true;
+}
+
+bool UnnoticedMotion::notice(const SampledPoints& points, const registration::NdtMatch& match,
+                             double seconds, bool one_place, MotionFilter& filter) {
+  if (!one_place || !first_) end();
+  if (over_) return false;
   since_step_ += seconds;
   if (is_held(match)) {
     trust(match.state.T_map_sensor);
@@ -203,8 +207,8 @@ bool UnnoticedMotion::is_place(const UprightMap::Fit& fit,
   return fit.directions >= kFewestDirections && fit.evidence > kMore * 0.5 * (behind + ahead);
 }
 
-std::optional<Pose> UnnoticedMotion::follow(const SampledPoints& points,
-                                            const MotionState& predicted) {
+std::optional<Pose> UnnoticedMotion::fit(const SampledPoints& points,
+                                         const MotionState& predicted) {
   const std::vector<Eigen::Vector3f> upright = upright_at(points, predicted.twist, kMostCompared);
   const UprightMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
   if (is_place(fit, upright)) {

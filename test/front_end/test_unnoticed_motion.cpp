@@ -84,7 +84,8 @@ class Held {
     registration::NdtMatch match;
     match.overlap = 0.3;
     match.state.T_map_sensor = matched_;
-    const bool elsewhere = unnoticed_.put_right(points, match, 0.1, true, agile, filter_);
+    const bool elsewhere = unnoticed_.follow(points, agile, filter_) ||
+                           unnoticed_.notice(points, match, 0.1, true, filter_);
     if (!elsewhere) filter_.restart({matched_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
     return elsewhere;
   }

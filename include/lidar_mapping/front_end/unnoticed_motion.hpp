@@ -18,12 +18,16 @@ class UnnoticedMotion {
   /// These points went into the map.
   void insert(const SampledPoints& points, const MotionState& state);
 
-  /// To be called for each scan, `seconds` after the last one. If the sensor turns out to be
-  /// elsewhere than where it was matched, `filter`, which was predicted to this scan, is put there,
-  /// and true returned. `agile` is the same filter, predicted with the largest accelerations;
+  /// Where a motion was found, puts `filter` to where the upright points are, and returns true:
+  /// what else there is in the scan may be asked from there. `agile` is `filter` predicted to this
+  /// scan with the largest accelerations.
+  bool follow(const SampledPoints& points, const MotionFilter& agile, MotionFilter& filter);
+
+  /// To be called for each scan that was not followed, `seconds` after the last one. If the sensor
+  /// turns out to be elsewhere than where it was matched, `filter` is put there, and true returned.
   /// `one_place` is MapBeginning::is_one_place().
-  bool put_right(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
-                 bool one_place, const MotionFilter& agile, MotionFilter& filter);
+  bool notice(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
+              bool one_place, MotionFilter& filter);
 
  private:
   struct Inserted {
@@ -39,13 +43,13 @@ class UnnoticedMotion {
   };
 
   void take_inserted();
-  bool is_over(bool one_place, const Pose& pose) const;
+  void end();
   std::optional<MotionState> look(const SampledPoints& points, const MotionState& matched);
   std::optional<Step> elsewhere(const std::vector<Eigen::Vector3f>& points, const Pose& matched);
   Pose roughly(const std::vector<Eigen::Vector3f>& points) const;
   void trust(const Pose& pose);
   bool is_steady() const;
-  std::optional<Pose> follow(const SampledPoints& points, const MotionState& predicted);
+  std::optional<Pose> fit(const SampledPoints& points, const MotionState& predicted);
   /// True if the points fit there, and less well before and behind.
   bool is_place(const UprightMap::Fit& fit, const std::vector<Eigen::Vector3f>& points) const;
 
