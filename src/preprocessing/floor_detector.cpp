@@ -14,6 +14,7 @@
 
 #include "lower_scatter.hpp"
 #include "plane_search.hpp"
+#include "road_surface.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -26,7 +27,8 @@ constexpr std::size_t kFewestOfPlace = 8;  // points
 constexpr double kLineLike = 0.02;         // eigenvalues, middle to largest
 constexpr int kSectors = 12;
 constexpr int kSectorsOfFloor = 3;
-constexpr double kOutward = 1.0;  // m
+constexpr double kOutward = 1.0;                    // m
+constexpr double kSharpestCurvature = 1.0 / 400.0;  // 1/m; no street, but where a ramp begins
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -139,14 +141,16 @@ Floor FloorDetector::process(const Scan& scan) const {
   if (points.size() < enough) return floor;
   const auto found = search_plane(points, config_.floor_distance_thresh, largest_lean);
   if (!found) return floor;
-  const auto fit = fit_plane(points, *found, config_.floor_distance_thresh);
-  if (!fit || fit->inliers.size() < enough || fit->plane.normal.z() < std::cos(largest_lean) ||
-      !extends_outward(points, fit->inliers)) {
+  const auto fit = fit_road(points, *found, config_.floor_distance_thresh);
+  if (!fit || fit->inliers.size() < enough || !extends_outward(points, fit->inliers)) return floor;
+  const Plane below = fit->surface.tangent();
+  if (below.normal.z() < std::cos(largest_lean) ||
+      std::abs(fit->surface.curvature()) > kSharpestCurvature) {
     return floor;
   }
   floor.found = true;
-  floor.normal = R_level_base.conjugate() * fit->plane.normal;
-  floor.offset = fit->plane.offset;
+  floor.normal = R_level_base.conjugate() * below.normal;
+  floor.offset = below.offset;
   floor.covariance = fit->covariance;
   floor.inliers = static_cast<int>(fit->inliers.size());
   return floor;
