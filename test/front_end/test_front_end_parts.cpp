@@ -100,6 +100,17 @@ TEST(RingSpacing, IsZeroWithoutRings) {
   EXPECT_LT(ring_spacing(aside, Eigen::Vector3d::Zero()), 0.005);
 }
 
+// Where a field leaves a direction open the planes of leaves are all that there is.
+TEST(RingSpacing, IsNotHeededInAField) {
+  constexpr double kSpacing = 0.03;
+  const auto at = [](double x) { return Pose{Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; };
+  HeededRings rings(kSpacing);
+  EXPECT_EQ(rings.spacing_at(at(0.0)), kSpacing);
+  rings.leave_open(at(100.0));
+  EXPECT_EQ(rings.spacing_at(at(120.0)), 0.0);
+  EXPECT_EQ(rings.spacing_at(at(200.0)), kSpacing);
+}
+
 TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {
   Vector6d twist;
   twist << 20.0, -0.5, 0.1, 0.1, -0.2, 1.2;
