@@ -1,5 +1,6 @@
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -141,6 +142,17 @@ TEST(UnnoticedMotion, IsFoundAndFollowed) {
   }
 }
 
+TEST(UnnoticedMotion, IsGivenUpWhereNothingStandsUpright) {
+  const Points world = field(1);
+  Held held(world);
+  bool found = false;
+  for (int i = 0; i < 40 && !found; ++i) found = held.take(seen(world, ahead(0.01 * i * i)));
+  ASSERT_TRUE(found);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(held.take(seen({}, ahead(10.0)))) << i;
+  for (int i = 0; i < 10; ++i) found = held.take(seen({}, ahead(10.0)));
+  EXPECT_FALSE(found);
+}
+
 // It fits as well farther ahead and behind.
 TEST(UnnoticedMotion, IsNotSeenByAWallAlongTheWay) {
   Points wall;
@@ -159,6 +171,22 @@ TEST(UnnoticedMotion, IsNotThatOfATruckWhichPasses) {
     for (const Eigen::Vector3f& p : truck(-8.0 + 0.3 * i)) world.push_back(p);
     EXPECT_FALSE(held.take(seen(world, Pose{}))) << i;
   }
+}
+
+// More of what stands upright goes than stays, but not by more than chance may make it.
+TEST(UnnoticedMotion, IsNotThatOfSomePeopleWhoWalkAlike) {
+  const auto around = [](double walked) {
+    Points world;
+    for (const auto& [x, y] : {std::pair{8.0F, 1.0F}, {1.0F, -9.0F}, {-12.0F, -3.0F}}) {
+      add_pole(x, y, world);
+    }
+    for (const auto& [x, y] : {std::pair{9.0F, 6.0F}, {2.0F, 7.0F}, {-6.0F, 5.0F}, {7.0F, -6.0F}}) {
+      add_pole(x - static_cast<float>(walked), y, world);
+    }
+    return world;
+  };
+  Held held(around(0.0));
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(held.take(seen(around(0.14 * i), Pose{}))) << i;
 }
 
 }  // namespace
