@@ -17,6 +17,7 @@
 
 #include "lidar_mapping/back_end/odometry_chain.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -245,8 +246,7 @@ G2oFile read_g2o(std::istream& stream, const std::string& name) {
 }
 
 G2oFile read_g2o(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw FileError("cannot read " + path + "; check the name and the permissions");
+  std::ifstream stream = open_for_reading(path);
   return read_g2o(stream, path);
 }
 

@@ -1,10 +1,10 @@
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include <cstdio>
-#include <fstream>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
 
 namespace lidar_mapping {
 
@@ -97,8 +97,7 @@ std::string to_kitti(const Trajectory& trajectory) {
 }
 
 Trajectory read_trajectory(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw FileError("cannot read trajectory " + path);
+  std::ifstream file = open_for_reading(path);
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {

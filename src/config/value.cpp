@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
 
 namespace lidar_mapping::config {
 
@@ -60,9 +61,8 @@ void flatten(const std::string& prefix, const Value& value, std::map<std::string
 
 Source read_yaml_file(const std::string& path) {
   try {
-    return source_from(YAML::LoadFile(path), path);
-  } catch (const YAML::BadFile&) {
-    throw FileError("cannot read configuration file " + path);
+    std::ifstream file = open_for_reading(path);
+    return source_from(YAML::Load(file), path);
   } catch (const YAML::ParserException& error) {
     throw ConfigError(path + ": " + error.what());
   }

@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -106,8 +107,7 @@ std::vector<DumpedFrame> read_frames(const fs::path& directory) {
 
 /// Poses and the edges between them; planes, priors and fixed vertices are another matter.
 back_end::PoseGraph read_poses_and_edges(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file) throw FileError("cannot read " + path.string());
+  std::ifstream file = open_for_reading(path);
   std::stringstream wanted;
   for (std::string line; std::getline(file, line);) {
     const std::string tag = line.substr(0, line.find(' '));

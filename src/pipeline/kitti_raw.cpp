@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -32,12 +33,6 @@ enum Column {
 
 constexpr int kMinSatellites = 4;
 
-std::ifstream opened(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file) throw FileError("cannot read " + path.string() + "; is it there?");
-  return file;
-}
-
 Stamp date_of(const std::string& line, const fs::path& path, std::size_t number) {
   std::tm date{};
   double seconds = 0.0;
@@ -60,7 +55,7 @@ Stamp date_of(const std::string& line, const fs::path& path, std::size_t number)
 }
 
 std::vector<double> numbers_in(const fs::path& path) {
-  std::ifstream file = opened(path);
+  std::ifstream file = open_for_reading(path);
   std::vector<double> values;
   for (double value = 0.0; file >> value;) values.push_back(value);
   return values;
@@ -88,7 +83,7 @@ OxtsSample sample_of(const std::vector<double>& v, Stamp stamp) {
 }  // namespace
 
 std::vector<Stamp> read_kitti_dates(const fs::path& path) {
-  std::ifstream file = opened(path);
+  std::ifstream file = open_for_reading(path);
   std::vector<Stamp> stamps;
   for (std::string line; std::getline(file, line);) {
     if (!line.empty()) stamps.push_back(date_of(line, path, stamps.size() + 1));
@@ -134,7 +129,7 @@ PointCloud read_text_scan(const fs::path& path) {
 
 std::optional<Pose> read_imu_to_velo(const fs::path& path) {
   if (!fs::exists(path)) return std::nullopt;
-  std::ifstream file = opened(path);
+  std::ifstream file = open_for_reading(path);
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   bool has_rotation = false, has_translation = false;
   for (std::string line; std::getline(file, line);) {

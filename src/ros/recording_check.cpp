@@ -36,6 +36,10 @@ const std::map<std::string, std::string> kRawScans = {
     {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
     {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
 
+const Finding kNoClouds = {Severity::kFault,
+                           "no topic of the recording holds sensor_msgs/PointCloud2",
+                           "record the clouds that the LiDAR's driver publishes"};
+
 /// Messages that hold a receiver's data, but no fix.
 const std::map<std::string, std::string> kRawFixes = {
     {"nmea_msgs/Sentence", "convert them with nmea_navsat_driver's nmea_topic_driver"},
@@ -180,7 +184,7 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   reports.front().found += other_clouds(recording);
   if (t.points.empty()) {
     const auto raw = raw_data_in(recording.bags, kRawScans, Severity::kFault, "PointCloud2");
-    if (raw) reports.front().findings = {*raw};
+    reports.front().findings = {raw ? *raw : kNoClouds};
   }
   if (t.gnss.empty()) {
     const auto raw = raw_data_in(recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");

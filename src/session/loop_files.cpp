@@ -1,13 +1,13 @@
 #include "lidar_mapping/session/loop_files.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <map>
 #include <sstream>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
 
 namespace lidar_mapping::session {
 
@@ -178,8 +178,7 @@ void write_loop_list(const Session& session, const std::filesystem::path& path) 
 }
 
 std::vector<LoopEdit> read_loop_list(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw FileError("cannot read the loop list " + path.string());
+  std::ifstream file = open_for_reading(path);
   std::vector<LoopEdit> edits;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "map_output.hpp"
+#include "number_checks.hpp"
 #include "process_memory.hpp"
 
 int main(int argc, char** argv) {
@@ -19,7 +20,7 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output.folder, "folder for the files; map/ of the session");
   app.add_option("--resolution", output.resolution, "edge of the voxels, m; as in the drive");
   app.add_option("--pixel", output.products.pixel, "size of the picture's pixels, m")
-      ->check(CLI::PositiveNumber);
+      ->check(tools::above_zero());
   app.add_option("--tile-size", output.tile_size, "edge of the tiles, m; as in the drive");
   app.add_option("--formats", output.products.formats,
                  "pcd, ply, png (view from above), las, tiles (Autoware), grid (map_server); "
@@ -29,7 +30,8 @@ int main(int argc, char** argv) {
   app.add_flag("--keep-moving", output.keep_moving, "leave points of moving objects in");
   app.add_flag("--save-removed", output.products.save_removed, "write what was removed, too");
   app.add_option("--sensor-origin", output.sensor_origin, "the LiDAR in base_link, m")->expected(3);
-  app.add_option("--threads", output.threads, "at most so many threads; 0: all cores");
+  app.add_option("--threads", output.threads, "at most so many threads; 0: all cores")
+      ->check(tools::not_negative());
   CLI11_PARSE(app, argc, argv);
   const tools::ReturnedMemory returned_memory;
   try {
@@ -37,7 +39,7 @@ int main(int argc, char** argv) {
     for (const auto& file : tools::write_map(session, output)) {
       std::printf("%s\n", file.c_str());
     }
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "build_map: " << error.what() << "\n";
     return 1;
   }

@@ -77,8 +77,9 @@ int main(int argc, char** argv) {
   try {
     return run(options) ? 0 : 1;
   } catch (const rosbag::BagException& error) {
-    std::fprintf(stderr, "check_bag: cannot read the recording: %s\n", error.what());
-  } catch (const Error& error) {
+    std::fprintf(stderr, "check_bag: cannot read the recording: %s; rosbag reindex may repair it\n",
+                 error.what());
+  } catch (const std::exception& error) {
     std::fprintf(stderr, "check_bag: %s\n", error.what());
   }
   return 2;

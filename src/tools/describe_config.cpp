@@ -58,8 +58,8 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return lidar_mapping::tools::run(argc, argv);
-  } catch (const lidar_mapping::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "describe_config: %s\n", error.what());
     return 1;
   }
 }

@@ -12,6 +12,8 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
+#include "number_checks.hpp"
+
 namespace {
 
 using namespace lidar_mapping;
@@ -131,15 +133,18 @@ int main(int argc, char** argv) {
   app.add_option("truth", options.truth, "true trajectory")->required();
   app.add_option("estimate", options.estimate, "trajectory to judge")->required();
   app.add_flag("--align", options.align, "move the estimate rigidly onto the truth first");
-  app.add_option("--delta", options.delta_m, "way of the relative pose error, m; 0: pose to pose");
-  app.add_option("--lengths", options.lengths_m, "segment lengths of KITTI's error, m");
-  app.add_option("--step", options.step, "start KITTI's segments at every n-th pose");
+  app.add_option("--delta", options.delta_m, "way of the relative pose error, m; 0: pose to pose")
+      ->check(tools::not_negative());
+  app.add_option("--lengths", options.lengths_m, "segment lengths of KITTI's error, m")
+      ->check(tools::above_zero());
+  app.add_option("--step", options.step, "start KITTI's segments at every n-th pose")
+      ->check(tools::above_zero());
   app.add_option("--json", options.json, "write the figures to this file");
   app.add_option("--plot", options.plot, "write a picture of both trajectories and the error");
   CLI11_PARSE(app, argc, argv);
   try {
     run(options);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "evaluate_trajectory: " << error.what() << "\n";
     return 1;
   }

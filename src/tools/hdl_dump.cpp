@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     *out ? export_dump(from, to) : import_dump(from, to);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "hdl_dump: " << error.what() << "\n";
     return 1;
   }

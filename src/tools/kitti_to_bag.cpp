@@ -19,6 +19,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
+#include "number_checks.hpp"
 #include "progress_bar.hpp"
 
 namespace {
@@ -194,6 +195,7 @@ int main(int argc, char** argv) {
       ->expected(3)
       ->capture_default_str();
   app.add_option("--gnss-sigma", options.gnss_sigma, "standard deviation that the fixes claim, m")
+      ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--sensor-height", options.sensor_height, "height of the LiDAR over base_link, m")
       ->capture_default_str();

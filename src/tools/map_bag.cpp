@@ -20,6 +20,7 @@
 #include "map_output.hpp"
 #include "mapping_figures.hpp"
 #include "mapping_progress.hpp"
+#include "number_checks.hpp"
 #include "process_memory.hpp"
 #include "stage_files.hpp"
 
@@ -71,7 +72,7 @@ void add_arguments(CLI::App& app, Options& options) {
                  "of folders: the LiDAR over base_link, m")
       ->capture_default_str();
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   app.add_flag("--resume", options.resume, "go on with the session in the output folder");
   app.add_option("--formats", options.map.products.formats, "of the map, as build_map has them")
       ->delimiter(',')
@@ -97,6 +98,9 @@ Session open_session(const Options& options) {
   if (options.resume && fs::exists(fs::path(options.output) / "session.db")) {
     return Session::open(options.output, Session::Access::kWrite);
   }
+  if (fs::exists(options.output) && !fs::is_directory(options.output)) {
+    throw FileError(options.output + " is no folder; name a new one");
+  }
   if (fs::exists(options.output) && holds_more_than_lock(options.output)) {
     throw FileError(options.output +
                     " is not empty; name a new folder, or give --resume to go "
@@ -121,6 +125,7 @@ class MappingRun {
                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     options_.drive.base_frame = stages_.base_frame;
     options_.map.threads = options.threads;
+    check_numbers(options_.map);
   }
 
   int run() {
@@ -239,7 +244,7 @@ int main(int argc, char** argv) {
   const tools::ReturnedMemory returned_memory;
   try {
     return tools::MappingRun(options).run();
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "map_bag: " << error.what() << "\n";
     return tools::kFailed;
   }

@@ -17,10 +17,16 @@ using session::Session;
 /// what was read longer ago comes back once, if at all.
 constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 4;
 
-MapConfig make_config(const MapOutput& output, const Session& session) {
-  MapConfig config = config::load<MapConfig>({pipeline::stored_configuration<MapConfig>(session)});
-  if (output.resolution > 0.0) config.resolution = output.resolution;
-  if (output.tile_size > 0.0) config.tile_size = output.tile_size;
+/// `stored`, and over it the command line.
+MapConfig make_config(const MapOutput& output, const config::Source& stored) {
+  std::vector<config::Source> sources = {stored};
+  if (output.resolution) {
+    sources.push_back({"--resolution", {config::Value::Map{{"resolution", {*output.resolution}}}}});
+  }
+  if (output.tile_size) {
+    sources.push_back({"--tile-size", {config::Value::Map{{"tile_size", {*output.tile_size}}}}});
+  }
+  MapConfig config = config::load<MapConfig>(sources);
   config.threads = output.threads;
   return config;
 }
@@ -47,7 +53,10 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const S
 
 }  // namespace
 
+void check_numbers(const MapOutput& output) { make_config(output, {}); }
+
 map::Files write_map(const Session& session, const MapOutput& output) {
+  const MapConfig config = make_config(output, pipeline::stored_configuration<MapConfig>(session));
   map::ProductOptions options = output.products;
   options.datum = session.datum();
   options.p_base_sensor = sensor_origin_of(output, session);
@@ -56,7 +65,7 @@ map::Files write_map(const Session& session, const MapOutput& output) {
   const auto folder =
       output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
   const map::Products products =
-      map::write_products(poses, session.clouds(), make_config(output, session), options, folder);
+      map::write_products(poses, session.clouds(), config, options, folder);
   std::printf("%zu points of %zu key frames\n", products.points, poses.poses.size());
   if (options.save_removed) std::printf("%zu points of moving objects\n", products.removed);
   return products.files;

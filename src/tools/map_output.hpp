@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,14 +11,17 @@ namespace lidar_mapping::tools {
 
 /// What is made of a session: the command line's side of map::ProductOptions.
 struct MapOutput {
-  std::string folder;       ///< for the files; empty: map/ of the session
-  double resolution = 0.0;  ///< m; 0: as in the drive
-  double tile_size = 0.0;   ///< m; 0: as in the drive
-  int threads = 0;          ///< 0: all cores
+  std::string folder;                ///< for the files; empty: map/ of the session
+  std::optional<double> resolution;  ///< m; none: as in the drive
+  std::optional<double> tile_size;   ///< m; none: as in the drive
+  int threads = 0;                   ///< 0: all cores
   bool keep_moving = false;
   std::vector<double> sensor_origin;  ///< empty: as the session has it
   map::ProductOptions products;
 };
+
+/// Throws ConfigError if a number is not allowed, which is better known before the drive is mapped.
+void check_numbers(const MapOutput& output);
 
 /// Builds the map from the session's newest poses and writes it; prints what it makes of it.
 /// Returns the files. Throws FileError, and InputError for a session without points.

@@ -14,6 +14,7 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
+#include "number_checks.hpp"
 #include "report_figures.hpp"
 
 namespace {
@@ -209,7 +210,7 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--range-noise", options.range_noise,
                  "standard deviation of the sensor's ranges, m; 0.02 if left out")
-      ->check(CLI::PositiveNumber);
+      ->check(tools::above_zero());
   app.add_option("--places", options.places, "places to print; 10 if left out");
   app.add_option("--sensor-origin", options.sensor_origin, "the LiDAR in base_link, m; as recorded")
       ->expected(3);
@@ -219,7 +220,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     judge(options);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "map_quality: " << error.what() << "\n";
     return 1;
   }

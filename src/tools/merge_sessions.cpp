@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     merge(options);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "merge_sessions: " << error.what() << "\n";
     return 1;
   }

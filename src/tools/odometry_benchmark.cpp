@@ -15,6 +15,7 @@
 
 #include "article_odometry.hpp"
 #include "benchmark_figures.hpp"
+#include "number_checks.hpp"
 #include "recording.hpp"
 
 namespace {
@@ -179,8 +180,10 @@ int main(int argc, char** argv) {
                  "registration_method, or " + kArticles + " for the scheme of the articles");
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
   app.add_option("--config", options.config, "parameters of the front end, a YAML file");
-  app.add_option("--parameter", options.parameters, "one parameter more: 'name: value'");
-  app.add_option("--every", options.every, "use every n-th scan only")->check(CLI::PositiveNumber);
+  app.add_option("--parameter", options.parameters,
+                 "one parameter more, as 'name: value' (repeatable)")
+      ->allow_extra_args(false);
+  app.add_option("--every", options.every, "use every n-th scan only")->check(tools::above_zero());
   app.add_option("--first", options.first, "begin with this scan");
   app.add_option("--limit", options.limit, "at most so many scans");
   app.add_option("--elevation-correction", options.elevation_correction_deg,
@@ -194,7 +197,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     run(options);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "odometry_benchmark: " << error.what() << "\n";
     return 1;
   }

@@ -12,6 +12,8 @@
 #include "lidar_mapping/back_end/graph_optimizer.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
+#include "number_checks.hpp"
+
 namespace {
 
 using namespace lidar_mapping;
@@ -111,18 +113,18 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(robust_names()))
       ->capture_default_str();
   app.add_option("--kernel-size", arguments.kernel_size, "standard deviations")
-      ->check(CLI::PositiveNumber)
+      ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--tolerance", arguments.tolerance,
                  "end with the step that is expected to gain less than this share of the cost")
-      ->check(CLI::PositiveNumber)
+      ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--json", arguments.json, "file for the figures");
   CLI11_PARSE(app, argc, argv);
   try {
     return run(arguments);
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "optimize_graph: %s\n", error.what());
     return 1;
   }
 }

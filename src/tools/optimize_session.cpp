@@ -124,13 +124,14 @@ int main(int argc, char** argv) {
   app.add_option("--loops", options.loops,
                  "list of loops to accept, refuse or add, as loops.txt of the session");
   app.add_option("--config", options.config, "YAML file of the back end's parameters");
-  app.add_option("--parameter", options.parameters, "a single one, as 'name: value' (repeatable)");
+  app.add_option("--parameter", options.parameters, "a single one, as 'name: value' (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--output", options.output,
                  "write the results here and leave the session as it is");
   CLI11_PARSE(app, argc, argv);
   try {
     return (options.output.empty() ? solve_inside(options) : solve_aside(options)) ? 0 : 1;
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "optimize_session: " << error.what() << "\n";
     return 1;
   }

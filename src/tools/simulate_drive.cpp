@@ -9,6 +9,7 @@
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "drive_output.hpp"
+#include "number_checks.hpp"
 
 namespace {
 
@@ -54,8 +55,13 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--rounds", drive.rounds, "rounds of the drive 'city'")->capture_default_str();
   app.add_option("--scan-rate", drive.scan_rate, "turns per second")->capture_default_str();
   app.add_option("--range-noise", drive.range_noise, "standard deviation, m")
+      ->check(tools::not_negative())
       ->capture_default_str();
-  app.add_flag("!--no-movers", drive.movers, "no moving cars and people");
+  const auto without = [&app](const std::string& flag, bool& there, const std::string& meaning) {
+    app.add_flag_callback(
+        flag, [&there] { there = false; }, meaning);
+  };
+  without("--no-movers", drive.movers, "no moving cars and people");
   app.add_flag("--undistorted", drive.undistorted,
                "take each scan in one instant, without time per point");
   std::vector<std::string> faults;
@@ -63,19 +69,22 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--fault", options.faults, "spoil the bag (repeatable)")
       ->check(CLI::IsMember(faults))
       ->allow_extra_args(false);
-  app.add_flag("!--no-lidar", options.content.lidar, "leave the clouds out");
-  app.add_flag("!--no-imu", options.content.imu, "leave the IMU out");
-  app.add_flag("!--no-gnss", options.content.gnss, "leave GNSS out");
-  app.add_flag("!--no-velocity", options.content.velocity, "leave the velocity out");
+  without("--no-lidar", options.content.lidar, "leave the clouds out");
+  without("--no-imu", options.content.imu, "leave the IMU out");
+  without("--no-gnss", options.content.gnss, "leave GNSS out");
+  without("--no-velocity", options.content.velocity, "leave the velocity out");
   app.add_option("--gnss-rate", drive.gnss_rate, "fixes per second")->capture_default_str();
   app.add_option("--gnss-noise", drive.gnss_noise, "standard deviation east and north, m")
+      ->check(tools::not_negative())
       ->capture_default_str();
   app.add_option("--gnss-outage", options.outages, "START:END without a fix, s (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--gnss-jump", options.jumps,
                  "T:METRES, fixes beside the truth for ten seconds (repeatable)")
       ->allow_extra_args(false);
-  app.add_option("--threads", options.threads, "threads; 0: all cores")->capture_default_str();
+  app.add_option("--threads", options.threads, "threads; 0: all cores")
+      ->check(tools::not_negative())
+      ->capture_default_str();
   app.add_option("--truth", options.truth, "write the true poses of base_link to this TUM file");
   app.add_option("--kitti", options.folder, "write the scans into this new folder");
 }

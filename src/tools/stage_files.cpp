@@ -53,6 +53,10 @@ class StageReader {
       throw FileError("no folder " + folder + "; --config names the folder of <stage>.yaml files");
     }
     if (!overlay.empty()) overlay_ = config::read_yaml_file(overlay_file(overlay));
+    if (const auto* part = overlay_part("nodes")) {
+      config::Source nodes{overlay_.origin, *part};
+      pass_over_nodes(nodes);
+    }
   }
 
   template <typename Config>
@@ -60,12 +64,31 @@ class StageReader {
     const std::string& stage = Config::schema().stage();
     std::vector<config::Source> sources;
     const fs::path file = fs::path(folder_) / (stage + ".yaml");
-    if (!folder_.empty() && fs::exists(file)) sources.push_back(config::read_yaml_file(file));
+    if (!folder_.empty() && fs::exists(file)) {
+      sources.push_back(config::read_yaml_file(file));
+      found_file_ = true;
+    }
     if (const auto* part = overlay_part(stage)) sources.push_back({overlay_.origin, *part});
     for (config::Source& source : sources) pass_over_nodes(source);
     const Config config = config::load<Config>(sources);
     result.texts[stage] = config::to_yaml(config);
     return config;
+  }
+
+  /// Throws if something that was given has had no effect. Call it when all stages are read.
+  void finish() {
+    if (!folder_.empty() && !found_file_) {
+      throw FileError("there is no <stage>.yaml in " + folder_ + "; --config names their folder");
+    }
+    const auto* parts = std::get_if<config::Value::Map>(&overlay_.values.data);
+    if (parts == nullptr) return;
+    std::string stages = "nodes";
+    for (const auto& [stage, text] : result.texts) stages += ", " + stage;
+    for (const auto& [name, part] : *parts) {
+      if (name == "nodes" || result.texts.count(name) > 0) continue;
+      throw ConfigError(overlay_.origin + ": no stage has the name '" + name +
+                        "'; an overlay has groups of the names " + stages);
+    }
   }
 
   StageFiles result;
@@ -90,6 +113,7 @@ class StageReader {
 
   std::string folder_;
   config::Source overlay_;
+  bool found_file_ = false;
 };
 
 }  // namespace
@@ -103,6 +127,7 @@ StageFiles read_stage_files(const std::string& folder, const std::string& overla
   config.loop_closing = reader.read<loop_closing::LoopClosingConfig>();
   config.back_end = reader.read<back_end::BackEndConfig>();
   reader.result.map = reader.read<map::MapConfig>();
+  reader.finish();
   reader.result.pipeline = config;
   return reader.result;
 }

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace lidar_mapping::test {
+
+using Words = std::vector<std::string>;
+
+/// A program of this package beside the test.
+class Program {
+ public:
+  Program(const std::string& name, const Words& words, const std::filesystem::path& output)
+      : output_(output) {
+    const std::string path = std::string(LIDAR_MAPPING_PROGRAMS) + "/" + name;
+    pid_ = fork();
+    if (pid_ == 0) become(path, words);
+  }
+  ~Program() {
+    if (pid_ > 0) kill(SIGKILL), wait();
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void kill(int signal) const { ::kill(pid_, signal); }
+  /// Its status, or 128 and the signal that ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  bool is_running() const {
+    siginfo_t info{};
+    return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           info.si_pid == 0;
+  }
+  std::string output() const {
+    std::ifstream file(output_);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+ private:
+  [[noreturn]] void become(const std::string& path, const Words& words) const {
+    const int file = open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    dup2(file, STDOUT_FILENO);
+    dup2(file, STDERR_FILENO);
+    std::vector<char*> argv = {const_cast<char*>(path.c_str())};
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    execv(path.c_str(), argv.data());
+    _exit(127);
+  }
+
+  std::filesystem::path output_;
+  pid_t pid_ = -1;
+};
+
+}  // namespace lidar_mapping::test

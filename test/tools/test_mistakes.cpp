@@ -1,0 +1,75 @@
+// What the commands say to what cannot work: never an abort, always what is wrong and with what.
+#include <gtest/gtest.h>
+
+#include "program.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using test::Program;
+using test::TemporaryFolder;
+using test::Words;
+
+struct Mistake {
+  std::string program;
+  Words words;         ///< FOLDER stands for an empty folder, FILE for a file with a word in it
+  std::string answer;  ///< a part of it
+};
+
+class Mistakes : public testing::TestWithParam<Mistake> {
+ protected:
+  std::string filled_in(const std::string& word) const {
+    if (word == "FOLDER") return folder_.path() / "empty";
+    return word == "FILE" ? std::string(folder_.path() / "file") : word;
+  }
+
+  void SetUp() override {
+    std::filesystem::create_directory(folder_.path() / "empty");
+    std::ofstream(folder_.path() / "file") << "word\n";
+    std::ofstream(folder_.path() / "overlay.yaml") << "frontend: {max_speed: 3}\n";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_P(Mistakes, AreAnswered) {
+  Words words;
+  for (const std::string& word : GetParam().words) words.push_back(filled_in(word));
+  Program program(GetParam().program, words, folder_.path() / "said");
+  const int status = program.wait();
+  EXPECT_GE(status, 1) << program.output();
+  EXPECT_LT(status, 128) << program.output();  // 128 and more: ended by a signal
+  EXPECT_NE(program.output().find(GetParam().answer), std::string::npos) << program.output();
+}
+
+const Mistake kMistakes[] = {
+    {"check_bag", {"FOLDER"}, "it is a folder"},
+    {"check_bag", {"FILE"}, "it is no bag"},
+    {"check_bag", {"FILE", "--config", "FOLDER"}, "it is a folder"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--config", "FOLDER"}, "there is no <stage>.yaml in"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--threads", "-1"}, "-1 is not 0 or a number above"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--resolution", "0"}, "allowed: real number from 0.01"},
+    {"build_map", {"FOLDER", "--pixel", "0"}, "0 is not a number above 0"},
+    {"build_map", {"FOLDER"}, "there is no session in"},
+    {"optimize_graph", {"FOLDER", "FILE"}, "optimize_graph: cannot read"},
+    {"optimize_graph", {"missing.g2o", "FILE"}, "missing.g2o: No such file or directory"},
+    {"evaluate_trajectory", {"FOLDER", "FOLDER"}, "it is a folder"},
+    {"evaluate_trajectory", {"FILE", "FILE", "--lengths", "0"}, "0 is not a number above 0"},
+    {"evaluate_trajectory", {"FILE", "FILE", "--delta", "-4"}, "-4 is not 0 or a number above"},
+    {"simulate_drive", {"FOLDER", "--range-noise", "-1"}, "-1 is not 0 or a number above"},
+};
+INSTANTIATE_TEST_SUITE_P(Commands, Mistakes, testing::ValuesIn(kMistakes));
+
+TEST_F(Mistakes, InAnOverlayAreNoticed) {
+  Program program(
+      "map_bag",
+      {filled_in("FILE"), "-o", filled_in("FOLDER"), "--sensor", folder_.path() / "overlay.yaml"},
+      folder_.path() / "said");
+  EXPECT_EQ(program.wait(), 1);
+  EXPECT_NE(program.output().find("no stage has the name 'frontend'"), std::string::npos)
+      << program.output();
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
