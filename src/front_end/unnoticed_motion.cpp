@@ -14,9 +14,8 @@ namespace {
 constexpr double kEnoughPlanes = 0.5;
 /// Fewer upright points tell nothing.
 constexpr std::size_t kFewest = 20;
-/// More of them, as streets have, tell no more and take milliseconds.
+/// More of them, as streets have, tell no more and take time.
 constexpr std::size_t kMostCompared = 400;
-constexpr std::size_t kMostInserted = 800;
 /// As long as this share of them is where it was, the sensor is, too.
 constexpr double kStillThere = 0.6;
 /// At the new pose they fit in at least so many of 36 directions, and so much better than at the
@@ -50,13 +49,17 @@ constexpr double kPlaceAngleSigma = 0.01;  // rad
 constexpr double kSpeedSigma = 0.5;        // m/s
 constexpr double kRateSigma = 0.1;         // rad/s
 
-/// Upright points as they were at the reference time, at most about so many.
-std::vector<Eigen::Vector3f> upright_at(const SampledPoints& points, const Vector6d& twist,
-                                        std::size_t most) {
+/// Upright points as they were at the reference time.
+std::vector<Eigen::Vector3f> upright_at(const SampledPoints& points, const Vector6d& twist) {
   SampledPoints placed;
   place(points, {Pose{}, twist}, Eigen::Vector3d::Zero(), placed);
-  std::vector<Eigen::Vector3f> upright = upright_points(placed);
-  const std::size_t step = upright.size() / most + 1;
+  return upright_points(placed);
+}
+
+/// Of them about as many as are compared.
+std::vector<Eigen::Vector3f> some_upright_at(const SampledPoints& points, const Vector6d& twist) {
+  std::vector<Eigen::Vector3f> upright = upright_at(points, twist);
+  const std::size_t step = upright.size() / kMostCompared + 1;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < upright.size(); i += step) upright[kept++] = upright[i];
   upright.resize(kept);
@@ -95,7 +98,7 @@ void UnnoticedMotion::insert(const SampledPoints& points, const MotionState& sta
 
 void UnnoticedMotion::take_inserted() {
   for (const Inserted& scan : inserted_) {
-    map_.insert(upright_at(scan.points, scan.state.twist, kMostInserted), scan.state.T_map_sensor);
+    map_.insert(upright_at(scan.points, scan.state.twist), scan.state.T_map_sensor);
   }
   inserted_.clear();
 }
@@ -188,7 +191,7 @@ bool UnnoticedMotion::is_steady() const {
 std::optional<MotionState> UnnoticedMotion::look(const SampledPoints& points,
                                                  const MotionState& matched) {
   std::optional<Step> step =
-      elsewhere(upright_at(points, matched.twist, kMostCompared), matched.T_map_sensor);
+      elsewhere(some_upright_at(points, matched.twist), matched.T_map_sensor);
   if (!step) return std::nullopt;
   step->seconds = std::exchange(since_step_, 0.0);
   if (steps_.size() == kScans) steps_.erase(steps_.begin());
@@ -209,7 +212,7 @@ bool UnnoticedMotion::is_place(const UprightMap::Fit& fit,
 
 std::optional<Pose> UnnoticedMotion::fit(const SampledPoints& points,
                                          const MotionState& predicted) {
-  const std::vector<Eigen::Vector3f> upright = upright_at(points, predicted.twist, kMostCompared);
+  const std::vector<Eigen::Vector3f> upright = some_upright_at(points, predicted.twist);
   const UprightMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
   if (is_place(fit, upright)) {
     misses_ = 0;

@@ -18,8 +18,7 @@ constexpr float kAbove = 0.5F;
 constexpr float kEdge = 0.3F;
 /// Distance at which a pair loses most of its weight, and within which a point is seen again, m.
 constexpr float kKernel = 0.3F;
-/// About so many new voxels come with a point, as its neighbours are marked.
-constexpr std::size_t kCellsPerPoint = 8;
+constexpr int kFilterBits = 21;
 constexpr int kIterations = 10;
 /// Steps below this are none (m, rad).
 constexpr double kConverged = 1e-3;
@@ -54,6 +53,9 @@ void for_neighbours(const Cell3& cell, Do&& act) {
   }
 }
 
+/// Fibonacci hashing (Knuth 1998, 6.4).
+std::size_t bit_of(std::uint64_t key) { return (key * 0x9E3779B97F4A7C15U) >> (64 - kFilterBits); }
+
 int direction_of(const Eigen::Vector3f& p) {
   const double turns = std::atan2(p.y(), p.x()) / (2.0 * M_PI) + 0.5;
   return std::min(kDirections - 1, static_cast<int>(turns * kDirections));
@@ -78,40 +80,52 @@ std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points) {
   return upright;
 }
 
+void KeyFilter::insert(std::uint64_t key) {
+  bits_.resize(std::size_t{1} << kFilterBits);
+  bits_[bit_of(key)] = true;
+}
+
+bool KeyFilter::may_contain(std::uint64_t key) const {
+  return !bits_.empty() && bits_[bit_of(key)];
+}
+
 void UprightMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor) {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
-  cells_.reserve(cells_.size() + kCellsPerPoint * points.size());
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T * point;
     const Cell3 cell = cell_at(p, kEdge);
     Cell& own = cells_[key_of(cell)];
     own.sum += p;
     if (own.count++ > 0) continue;
-    for_neighbours(cell, [&](std::uint64_t key) { cells_.try_emplace(key); });
+    occupied_.insert(key_of(cell));
+    for_neighbours(cell, [&](std::uint64_t key) { near_.insert(key); });
   }
 }
 
 bool UprightMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const {
   const Cell3 cell = cell_at(p, kEdge);
-  if (cells_.find(key_of(cell)) == cells_.end()) return false;
+  if (!near_.may_contain(key_of(cell))) return false;
   float least = std::numeric_limits<float>::max();
   for_neighbours(cell, [&](std::uint64_t key) {
+    if (!occupied_.may_contain(key)) return;
     const auto found = cells_.find(key);
-    if (found == cells_.end() || found->second.count == 0) return;
+    if (found == cells_.end()) return;
     const Eigen::Vector3f m = found->second.sum / static_cast<float>(found->second.count);
     const float distance = (m - p).squaredNorm();
     if (distance >= least) return;
     least = distance;
     mean = m;
   });
-  return true;
+  return least < std::numeric_limits<float>::max();
 }
 
 std::size_t UprightMap::count_near(const std::vector<Eigen::Vector3f>& points,
                                    const Pose& T_map_sensor) const {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   std::size_t count = 0;
-  for (const Eigen::Vector3f& p : points) count += cells_.count(key_of(cell_at(T * p, kEdge)));
+  for (const Eigen::Vector3f& p : points) {
+    count += near_.may_contain(key_of(cell_at(T * p, kEdge))) ? 1U : 0U;
+  }
   return count;
 }
 
