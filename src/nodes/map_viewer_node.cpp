@@ -7,6 +7,7 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -25,6 +26,14 @@ namespace {
 
 /// Without moved poses the map on display grows in steps of this length of the drive.
 constexpr KeyFrameIndex kKeyFramesPerStep = 20;
+
+/// `stage`, with another resolution unless that is 0.
+map::MapConfig with_resolution(const map::MapConfig& stage, double resolution) {
+  if (resolution == 0.0) return stage;
+  return config::load<map::MapConfig>(
+      {config::parse_yaml(config::to_yaml(stage), "map"),
+       {"save_map", {config::Value::Map{{"resolution", {resolution}}}}}});
+}
 
 }  // namespace
 
@@ -267,8 +276,6 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
 
 SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                                       const SaveMap::Request& request) {
-  map::MapConfig config = config_.stage;
-  if (request.resolution > 0.0) config.resolution = request.resolution;
   map::ProductOptions options;
   if (!request.formats.empty()) options.formats = request.formats;
   options.frame = config_.node.map_frame;
@@ -277,7 +284,8 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   SaveMap::Response response;
   try {
     const map::Products products =
-        map::write_products(poses, run->clouds, config, options, directory_for(request.directory));
+        map::write_products(poses, run->clouds, with_resolution(config_.stage, request.resolution),
+                            options, directory_for(request.directory));
     for (const auto& file : products.files) response.files.push_back(file.string());
     response.success = true;
     response.message = std::to_string(products.points) + " points of " +
@@ -285,7 +293,7 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
     if (!options.p_base_sensor && !request.keep_moving) {
       response.message += ", with those of moving objects: no session says where the LiDAR is";
     }
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     response.message = error.what();
   }
   return response;
@@ -303,7 +311,7 @@ std::optional<Eigen::Vector3d> MapViewerNode::sensor_origin() const {
 }
 
 std::filesystem::path MapViewerNode::directory_for(const std::string& asked) {
-  if (!asked.empty()) return asked;
+  if (!asked.empty()) return std::filesystem::absolute(asked);
   std::string session;
   if (context_.node.getParam("session_folder", session)) {
     return std::filesystem::path(session) / "map";

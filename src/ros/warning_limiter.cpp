@@ -8,9 +8,9 @@ const ros::WallDuration kInterval(5.0);
 
 bool WarningLimiter::due(const std::string& subject) {
   const ros::WallTime now = ros::WallTime::now();
-  const auto [entry, is_new] = spoken_at_.try_emplace(subject, now);
-  if (!is_new && now - entry->second < kInterval) return false;
-  entry->second = now;
+  ros::WallTime& until = silent_until_.try_emplace(subject, now + patience_).first->second;
+  if (now < until) return false;
+  until = now + kInterval;
   return true;
 }
 

@@ -167,9 +167,15 @@ TEST_F(FrontEndNode, CountsEveryScanThatItCannotKeepUpWith) {
 }
 
 // F21: a missing transform killed or muted the pipeline.
+// Not before a second has passed: /tf_static may come a moment after the first scan.
 TEST_F(FrontEndNode, NamesBothFramesOfAMissingTransformOnceAndLivesOn) {
+  const std::string warning = "no transform from frame 'velodyne' to 'base_link' yet";
   const ros::WallTime begin = ros::WallTime::now();
   for (int step = 0; step < 5; ++step) {
+    if (step == 4) {
+      EXPECT_EQ(node_->output().find(warning), std::string::npos) << node_->output();
+      ros::WallDuration(1.1).sleep();
+    }
     clouds_.publish(
         ros_border::to_message(yard_seen_from(straight(step), 7U), stamp_of(step), "/velodyne"));
   }
@@ -177,7 +183,6 @@ TEST_F(FrontEndNode, NamesBothFramesOfAMissingTransformOnceAndLivesOn) {
   ASSERT_TRUE(odometry_.wait_for(1));
   EXPECT_EQ(from_ros(odometry_.messages.front().header.stamp), stamp_of(5));
   const std::string output = node_->output();
-  const std::string warning = "no transform from frame 'velodyne' to 'base_link' yet";
   std::size_t count = 0;
   for (std::size_t at = output.find(warning); at != std::string::npos;
        at = output.find(warning, at + 1)) {

@@ -92,13 +92,14 @@ class MapViewerNode : public testing::Test {
 
   /// Calls the service while the services and topics of this process go on.
   SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {},
-                         bool keep_moving = false) {
+                         bool keep_moving = false, double resolution = 0.0) {
     ros::AsyncSpinner spinner(1);
     spinner.start();
     SaveMap request;
     request.request.directory = directory.string();
     request.request.formats = std::move(formats);
     request.request.keep_moving = keep_moving;
+    request.request.resolution = resolution;
     ros::service::waitForService("save_map", ros::Duration(20.0));
     ros::service::call("save_map", request);
     return request.response;
@@ -265,7 +266,11 @@ TEST_F(MapViewerNode, SaysWhyItCannotSave) {
   ASSERT_TRUE(wait_until([&] { return !path.messages.empty(); })) << node.output();
   EXPECT_NE(save("").message.find("name a directory"), std::string::npos);
   EXPECT_NE(save(folder_.path(), {"doc"}).message.find("not known"), std::string::npos);
-  EXPECT_FALSE(save("/proc/nowhere").success);
+  const SaveMap::Response nowhere = save("/proc/nowhere", {"pcd"});
+  EXPECT_FALSE(nowhere.success);
+  EXPECT_NE(nowhere.message.find("/proc/nowhere"), std::string::npos) << nowhere.message;
+  const SaveMap::Response fine = save(folder_.path(), {"pcd"}, false, -0.1);
+  EXPECT_NE(fine.message.find("allowed: real number from 0.01"), std::string::npos) << fine.message;
 }
 
 }  // namespace

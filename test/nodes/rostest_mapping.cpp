@@ -244,7 +244,10 @@ TEST_F(Mapping, GoesOnInANewSegmentAfterTheFrontEndWasKilled) {
 // F21: a missing transform muted the pipeline, or killed it.
 TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
   connect({"points", "imu", "velocity", "gnss"});
-  for (int i = 0; i < 20; ++i) player_.send_next_scan();
+  for (int i = 0; i < 20; ++i) {
+    player_.send_next_scan();
+    ros::WallDuration(0.1).sleep();
+  }
   EXPECT_TRUE(wait_until([&] {
     return output_of("preprocessing_node")
                .find(

@@ -18,8 +18,9 @@ namespace lidar_mapping::ros_border {
 /// and a jump back of time cannot take it away. One thread calls it.
 class SensorFrames {
  public:
-  /// Pose T_target_source, or nothing while tf does not know it. Never waits. Warns at most once in
-  /// 5 s for a pair, naming both frames. Frames may have tf 1's leading slash.
+  /// Pose T_target_source, or nothing while tf does not know it. Never waits. Warns, naming both
+  /// frames, when a pair has been missing for 1 s, and at most once in 5 s. Frames may have tf 1's
+  /// leading slash.
   std::optional<Pose> lookup(const std::string& target, const std::string& source);
   /// Where a sensor sits on the vehicle; nothing too if its frame is empty.
   std::optional<Eigen::Vector3d> origin_of(const std::string& sensor_frame,
@@ -31,7 +32,8 @@ class SensorFrames {
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_{buffer_};
   std::map<std::pair<std::string, std::string>, Pose> found_;
-  WarningLimiter limiter_;
+  WarningLimiter limiter_{
+      ros::WallDuration(1.0)};  // /tf_static comes a moment after the first scan
 };
 
 /// Broadcasts T_parent_child at a stamp of the data.

@@ -11,11 +11,16 @@ namespace lidar_mapping::ros_border {
 /// by which roscpp's own throttle goes, may stand still. One thread calls it.
 class WarningLimiter {
  public:
+  /// A subject is first spoken of when it has been one for `patience`.
+  explicit WarningLimiter(ros::WallDuration patience = ros::WallDuration(0.0))
+      : patience_(patience) {}
+
   /// True if the subject may be spoken of now.
   bool due(const std::string& subject);
 
  private:
-  std::map<std::string, ros::WallTime> spoken_at_;
+  ros::WallDuration patience_;
+  std::map<std::string, ros::WallTime> silent_until_;
 };
 
 }  // namespace lidar_mapping::ros_border
