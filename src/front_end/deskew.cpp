@@ -1,5 +1,7 @@
 #include "lidar_mapping/front_end/deskew.hpp"
 
+#include <utility>
+
 #include "lidar_mapping/common/parallel.hpp"
 
 namespace lidar_mapping::front_end {
@@ -8,15 +10,17 @@ namespace {
 constexpr std::size_t kGrain = 16384;
 
 /// exp(s * twist) to second order: within one turn the third is below a millimetre. Written as
-/// p + s ((v + W p) + s (W v + W^2 p) / 2) with four components, of which the last one, the
-/// intensity, stays: so a point is one vector register.
+/// p + s ((v + W p) + s (W v + W^2 p + a + A p) / 2), a and A for the acceleration, with four
+/// components, of which the last one, the intensity, stays: so a point is one vector register.
 class Deskewer {
  public:
-  explicit Deskewer(const Vector6d& twist) {
+  Deskewer(const Vector6d& twist, const Vector6d& acceleration) {
     const Eigen::Matrix3d W = skew(twist.tail<3>());
     velocity_.topLeftCorner<3, 3>() = W.cast<float>();
     velocity_.topRightCorner<3, 1>() = twist.head<3>().cast<float>();
     acceleration_.topRows<3>() = (0.5 * W).cast<float>() * velocity_.topRows<3>();
+    acceleration_.topLeftCorner<3, 3>() += (0.5 * skew(acceleration.tail<3>())).cast<float>();
+    acceleration_.topRightCorner<3, 1>() += (0.5 * acceleration.head<3>()).cast<float>();
   }
 
   Point operator()(const Point& point, float s) const {
@@ -37,8 +41,13 @@ class Deskewer {
 }  // namespace
 
 PointCloud deskewed(PointCloud cloud, const Vector6d& twist, int threads) {
+  return deskewed(std::move(cloud), twist, Vector6d::Zero(), threads);
+}
+
+PointCloud deskewed(PointCloud cloud, const Vector6d& twist, const Vector6d& acceleration,
+                    int threads) {
   if (!cloud.has_times()) return cloud;
-  const Deskewer deskew(twist);
+  const Deskewer deskew(twist, acceleration);
   parallel_chunks(cloud.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       cloud.points[i] = deskew(cloud.points[i], cloud.times[i]);

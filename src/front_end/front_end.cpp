@@ -116,6 +116,7 @@ class FrontEnd::Impl {
     result.stamp = stamp;
     result.T_odom_base = tracked.T_odom_base;
     result.twist = tracked.twist;
+    result.acceleration = tracked.acceleration;
     result.status = tracked.status;
     if (last_) result.covariance = covariance_since(*last_, tracked);
     last_ = tracked;
@@ -138,6 +139,7 @@ class FrontEnd::Impl {
     tracked.covariance = revision.covariance;
     tracked.parting_variance = revision.parting_variance;
     tracked.twist = revision.twist;
+    tracked.acceleration = revision.acceleration;
     tracked.status.degenerate_directions = revision.degenerate_directions;
     tracked.motion_known = true;
   }
@@ -194,7 +196,7 @@ class FrontEnd::Impl {
     if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
     key_frame.cloud = std::make_shared<const PointCloud>(
-        deskewed(std::move(points), tracked.twist, config_.threads));
+        deskewed(std::move(points), tracked.twist, tracked.acceleration, config_.threads));
     last_key_frame_ = tracked;
     key_frame_stamp_ = stamp;
     return key_frame;

@@ -31,7 +31,10 @@ Revision revision_of(const SweepMatcher::Found& found, double reference) {
   const MotionState& state = found.match.state;
   return {moved(state.T_map_sensor, state.twist, -reference),
           pose_covariance(reported_covariance(found.match), state.twist, -reference),
-          variance_in_young_map(found.match), state.twist, found.degenerate_directions};
+          variance_in_young_map(found.match),
+          state.twist,
+          Vector6d::Zero(),
+          found.degenerate_directions};
 }
 
 }  // namespace

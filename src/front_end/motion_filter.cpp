@@ -52,6 +52,14 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
   return T * Pose{exp_so3(rotation), J * (seconds * twist.head<3>())};
 }
 
+MotionState steadily_accelerated(const MotionState& state, const Vector6d& acceleration,
+                                 double duration, double seconds) {
+  // The straight line that fits the parabola a t^2 / 2 best lies at its mean, a duration^2 / 24.
+  const double bend = 0.5 * seconds * seconds - duration * duration / 24.0;
+  const Pose straight = moved(state.T_map_sensor, state.twist, seconds);
+  return {moved(straight, acceleration, bend), state.twist + seconds * acceleration};
+}
+
 Vector6d twist_between(const Pose& a, const Pose& b, double seconds) {
   const Pose step = a.inverse() * b;
   Vector6d turn = Vector6d::Zero();
@@ -87,6 +95,7 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
   state_ = {pose, Vector6d::Zero()};
   forecast_ = TwistForecast();
   corrected_ = false;
+  acceleration_.setZero();
   T_map_corrected_ = pose;
   since_corrected_ = 0.0;
   linear_.sigma = kMinAgility * linear_.max_sigma;
@@ -101,6 +110,7 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
 void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance) {
   forecast_ = TwistForecast();
   corrected_ = false;
+  acceleration_.setZero();
   T_map_corrected_ = state.T_map_sensor;
   since_corrected_ = step_seconds_ = 0.0;
   state_ = state;
@@ -117,6 +127,7 @@ void MotionFilter::take_forecast() {
 void MotionFilter::predict(double seconds) {
   step_seconds_ = seconds;
   since_corrected_ += seconds;
+  acceleration_.setZero();
   if (std::exchange(corrected_, false)) take_forecast();
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
@@ -189,12 +200,27 @@ void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d
   angular_.see(std::min(of_twist.tail<3>().norm(), of_way.tail<3>().norm()));
 }
 
+/// A jump of the pose, as when a drive that was lost is found again, is none.
+Vector6d MotionFilter::believable_acceleration(const Vector6d& acceleration,
+                                               const Eigen::Matrix3d& observed) const {
+  Vector6d believable = Vector6d::Zero();
+  const Eigen::Vector3d linear = observed * acceleration.head<3>();
+  if (linear.norm() < linear_.max_sigma) believable.head<3>() = linear;
+  const Eigen::Vector3d angular = acceleration.tail<3>();
+  if (angular.norm() < angular_.max_sigma) believable.tail<3>() = angular;
+  return believable;
+}
+
 void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance,
                            const Eigen::Matrix3d& observed) {
   learn_agility(state, observed);
   if (since_corrected_ != 0.0) {
-    forecast_.see(twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_),
-                  state.twist, observed);
+    const Vector6d mean_twist =
+        twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_);
+    forecast_.see(mean_twist, state.twist, observed);
+    // The mean twist is that of half a step ago.
+    const Vector6d change = forecast_.steadiness().cwiseProduct(state.twist - mean_twist);
+    acceleration_ = believable_acceleration(2.0 / since_corrected_ * change, observed);
     corrected_ = true;
   }
   T_map_corrected_ = state.T_map_sensor;

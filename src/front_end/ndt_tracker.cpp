@@ -279,11 +279,14 @@ class NdtTracker::Impl {
 
   void report(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
-    result.T_odom_base = moved(filter_.state().T_map_sensor, filter_.state().twist, to_stamp);
+    const MotionState at_stamp = steadily_accelerated(filter_.state(), filter_.acceleration(),
+                                                      sampler_.duration(), to_stamp);
+    result.T_odom_base = at_stamp.T_map_sensor;
+    result.acceleration = filter_.acceleration();
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
                         filter_.unsteadiness(to_stamp);
     result.parting_variance = parting_variance_;
-    result.twist = filter_.state().twist;
+    result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
     result.status.step_seconds = timer_.take();

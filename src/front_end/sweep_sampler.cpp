@@ -22,15 +22,20 @@ constexpr int kDenseTableBits = 17;
 /// Odd, so that it visits all rings of a cloud that is stored firing by firing.
 std::size_t stride_for(std::size_t points) { return (points / kCandidates) | 1U; }
 
-double middle_time(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
-  if (!cloud.has_times() || indices.empty()) return 0.0;
+struct TimeSpan {
+  double first = 0.0;
+  double last = 0.0;
+};
+
+TimeSpan time_span(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
+  if (!cloud.has_times() || indices.empty()) return {};
   float first = cloud.times[indices.front()];
   float last = first;
   for (const std::uint32_t i : indices) {
     first = std::min(first, cloud.times[i]);
     last = std::max(last, cloud.times[i]);
   }
-  return 0.5 * (static_cast<double>(first) + static_cast<double>(last));
+  return {static_cast<double>(first), static_cast<double>(last)};
 }
 
 }  // namespace
@@ -56,7 +61,9 @@ void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
   const std::size_t stride = stride_for(scan.cloud.size());
   const auto& indices = sparse_sampler_.sample(
       scan.cloud, {sparse_cell_.edge(), kMinRange, max_range_, stride, turn % stride});
-  reference_ = middle_time(scan.cloud, indices);
+  const TimeSpan span = time_span(scan.cloud, indices);
+  reference_ = 0.5 * (span.first + span.last);
+  duration_ = span.last - span.first;
   sparse_.assign(scan.cloud, indices, reference_);
   raise(sparse_, elevation_shift_);
   sparse_cell_.adapt(indices.size());

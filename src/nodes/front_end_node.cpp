@@ -239,8 +239,8 @@ void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
 void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,
                                   const PointCloud& cloud) {
   if (current_scan_.getNumSubscribers() > 0) {
-    current_scan_.publish(to_message(front_end::deskewed(cloud, result.twist), result.stamp,
-                                     config_.node.base_frame));
+    current_scan_.publish(to_message(front_end::deskewed(cloud, result.twist, result.acceleration),
+                                     result.stamp, config_.node.base_frame));
   }
   if (result.key_frame && local_map_.getNumSubscribers() > 0) {
     local_map_.publish(to_message(front_end_.local_map(), result.stamp, config_.node.odom_frame));

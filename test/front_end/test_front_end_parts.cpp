@@ -130,6 +130,23 @@ TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {
   }
 }
 
+TEST(Deskew, FollowsASensorThatIsAccelerated) {
+  Vector6d twist, acceleration;
+  twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.3;
+  acceleration << -4.0, 1.0, 0.0, 0.0, 0.5, 2.0;
+  const Eigen::Vector3d p_world(30.0, -12.0, 2.0);
+  PointCloud cloud;
+  for (const float s : {0.0F, 0.05F, 0.1F}) {
+    const Pose T_world_sensor = moved(Pose{}, twist + 0.5 * s * acceleration, s);
+    const Eigen::Vector3f p = (T_world_sensor.inverse() * p_world).cast<float>();
+    cloud.points.push_back({p.x(), p.y(), p.z(), 7.0F});
+    cloud.times.push_back(s);
+  }
+  for (const Point& point : deskewed(cloud, twist, acceleration).points) {
+    EXPECT_LT((point.position().cast<double>() - p_world).norm(), 0.02);
+  }
+}
+
 // F40, F41: the prediction goes on with the velocity for as long as the stamps say.
 TEST(MotionFilter, PredictsWithConstantVelocityOverRealTime) {
   Vector6d twist;
@@ -141,6 +158,50 @@ TEST(MotionFilter, PredictsWithConstantVelocityOverRealTime) {
   filter.predict(0.25);
   const Vector6d error = difference(filter.state().T_map_sensor, moved(Pose{}, twist, 0.35));
   EXPECT_LT(error.norm(), 1e-9);
+}
+
+/// Where a car is that turns in ever faster, `seconds` after it drove straight.
+Pose turning_in(double seconds) {
+  Vector6d mean_twist;
+  mean_twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.5 * seconds;
+  return moved(Pose{}, mean_twist, seconds);
+}
+
+/// What a sweep of a tenth of a second finds there with a twist that is taken to be constant.
+MotionState fitted_turning_in(double seconds) {
+  Vector6d twist;
+  twist << 10.0, 0.0, 0.0, 0.0, 0.0, seconds;
+  Vector6d bend = Vector6d::Zero();
+  bend[5] = 0.1 * 0.1 / 24.0;
+  return {moved(turning_in(seconds), bend, 1.0), twist};
+}
+
+TEST(MotionFilter, TheTwistChangesWithinASweepToo) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(turning_in(0.0), 15.0, 1.0);
+  EXPECT_EQ(filter.acceleration().norm(), 0.0);
+  for (const double seconds : {0.1, 0.2}) {
+    filter.predict(0.1);
+    filter.correct(fitted_turning_in(seconds), filter.covariance());
+  }
+  EXPECT_NEAR(filter.acceleration()[5], 1.0, 0.01);
+  const MotionState at_stamp =
+      steadily_accelerated(filter.state(), filter.acceleration(), 0.1, -0.05);
+  EXPECT_LT(rotation_angle(at_stamp.T_map_sensor.rotation.conjugate() * turning_in(0.15).rotation),
+            1e-5);
+  EXPECT_NEAR(at_stamp.twist[5], 0.15, 1e-3);
+  const Pose straight = moved(filter.state().T_map_sensor, filter.state().twist, -0.05);
+  EXPECT_GT(rotation_angle(straight.rotation.conjugate() * turning_in(0.15).rotation), 5e-4);
+  filter.predict(0.1);
+  EXPECT_EQ(filter.acceleration().norm(), 0.0) << "of a prediction nothing is known";
+}
+
+TEST(MotionFilter, AJumpIsNoAcceleration) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 15.0, 1.0);
+  filter.predict(0.1);
+  filter.correct({turning_in(1.0), Vector6d::Zero()}, filter.covariance());
+  EXPECT_EQ(filter.acceleration().norm(), 0.0);
 }
 
 // F39: a measured speed forward moves the prediction forward.
@@ -190,6 +251,22 @@ TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
   }
   EXPECT_LT((of_a_walk.next() - walk).norm(), 0.3);
   EXPECT_LT((of_a_car.next() - Vector6d::Constant(19.95)).norm(), 0.05);
+}
+
+TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
+  TwistForecast forecast;
+  for (int step = 0; step < 100; ++step) {
+    // Forward ever faster, up and down from step to step, and not at all about z.
+    Vector6d mean_twist = Vector6d::Zero();
+    mean_twist[0] = 0.1 * step;
+    Vector6d sweep_twist = mean_twist;
+    sweep_twist[0] += 0.05;
+    sweep_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
+    forecast.see(mean_twist, sweep_twist);
+  }
+  EXPECT_NEAR(forecast.steadiness()[0], 1.0, 1e-9);
+  EXPECT_EQ(forecast.steadiness()[2], 0.0);
+  EXPECT_EQ(forecast.steadiness()[5], 0.0);
 }
 
 TEST(VelocityTrust, LearnsTheScaleAndWhatTheVelocityIsWorth) {

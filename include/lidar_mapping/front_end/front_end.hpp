@@ -17,9 +17,11 @@ struct FrontEndResult {
   Pose T_odom_base;
   /// Of the motion since the previous scan, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
-  /// Of base_link in its own axes: m/s, rad/s. deskewed(scan.cloud, twist) is the scan as it would
-  /// have been seen at its stamp (deskew.hpp); the pose does not need it, so who shows it makes it.
+  /// Of base_link in its own axes, at the stamp: m/s, rad/s. deskewed(scan.cloud, twist,
+  /// acceleration) is the scan as it would have been seen then (deskew.hpp); the pose does not need
+  /// it, so who shows it makes it.
   Vector6d twist = Vector6d::Zero();
+  Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   /// If this scan was chosen. The first one is as soon as its points are deskewed or can be: where
   /// they have times, that is once the motion is known.
   std::optional<KeyFrame> key_frame;

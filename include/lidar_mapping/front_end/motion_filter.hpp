@@ -15,6 +15,12 @@ using registration::Vector12d;
 /// The pose after moving for `seconds` with a constant twist (own axes, m/s and rad/s).
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
 
+/// The motion `seconds` after a reference time, the middle of a sweep of `duration` seconds. There
+/// `state` is where a sweep fits if its twist is taken to be constant; but it changes by
+/// `acceleration` per second.
+MotionState steadily_accelerated(const MotionState& state, const Vector6d& acceleration,
+                                 double duration, double seconds);
+
 /// The constant twist that leads from a to b in `seconds`; inverse of moved().
 Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 
@@ -63,11 +69,16 @@ class MotionFilter {
   Covariance6 unsteadiness(double seconds) const;
 
   const MotionState& state() const { return state_; }
+  /// How the twist changed on the way to the state that was matched last, per second; zero where
+  /// none was matched since the last prediction.
+  const Vector6d& acceleration() const { return acceleration_; }
   const Matrix12d& covariance() const { return covariance_; }
   registration::MotionBelief belief() const;
 
  private:
   void take_forecast();
+  Vector6d believable_acceleration(const Vector6d& acceleration,
+                                   const Eigen::Matrix3d& observed) const;
   void learn_agility(const MotionState& state, const Eigen::Matrix3d& observed);
   void measure(const Vector12d& row, double innovation, double sigma);
 
@@ -85,6 +96,7 @@ class MotionFilter {
   Pose T_map_corrected_;          ///< the pose that was last corrected
   double since_corrected_ = 0.0;  ///< s
   bool corrected_ = false;        ///< and not moved on since then
+  Vector6d acceleration_ = Vector6d::Zero();
   MotionState state_;
   Matrix12d covariance_ = Matrix12d::Identity();
 };

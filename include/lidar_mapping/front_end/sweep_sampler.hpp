@@ -41,6 +41,8 @@ class SweepSampler {
   const SampledPoints& sparse() const { return sparse_; }
   /// The reference time of the points: the middle of the sweep, s after the stamp.
   double reference() const { return reference_; }
+  /// How long the sweep took, s; 0 for points without times.
+  double duration() const { return duration_; }
   /// Median distance of the sampled points, m; 0 without points.
   double median_range() const;
   /// The points for the map, of the scan that was taken last; valid until the next call.
@@ -61,6 +63,7 @@ class SweepSampler {
   SampledPoints dense_;
   registration::NdtPoints points_;
   double reference_ = 0.0;
+  double duration_ = 0.0;
   double elevation_shift_ = 0.0;
 };
 

@@ -17,6 +17,7 @@ struct Revision {
   Covariance6 covariance = Covariance6::Identity();
   double parting_variance = 1.0;
   Vector6d twist = Vector6d::Zero();
+  Vector6d acceleration = Vector6d::Zero();
   std::vector<Eigen::Vector3d> degenerate_directions;
 };
 
@@ -27,7 +28,8 @@ struct TrackedScan {
   Covariance6 covariance = Covariance6::Identity();
   /// Variance of errors that part as the sensor moves on, in units of the usual.
   double parting_variance = 1.0;
-  Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes: m/s, rad/s
+  Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
+  Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   FrontEndStatus status;
   double elevation_shift = 0.0;  ///< by which the scan's points were turned upwards, rad
   /// False while the twist is a guess, as at the first scan of a drive: a sweep cannot be deskewed.

@@ -17,8 +17,12 @@ class TwistForecast {
   const Vector6d& next() const { return next_; }
   /// Mean squared error per axis of the better one: linear (m/s)^2, angular (rad/s)^2.
   const Eigen::Vector2d& variance() const { return variance_; }
+  /// Which share of the change of the twist, per axis, goes on in the next step: 1 for a steady
+  /// acceleration, 0 for noise and a gait.
+  Vector6d steadiness() const;
 
  private:
+  void learn_steadiness(const Vector6d& mean_twist, const Eigen::Matrix3d& observed);
   /// Say of the last step's mean twist; 0: linear, 1: angular.
   double mean_share(int part) const;
 
@@ -29,6 +33,8 @@ class TwistForecast {
   Eigen::Vector2d mean_error_ = Eigen::Vector2d::Zero();  ///< squared, linear and angular
   Eigen::Vector2d sweep_error_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d variance_ = Eigen::Vector2d::Zero();
+  Vector6d continued_change_ = Vector6d::Zero();  ///< of the twist, times the change before
+  Vector6d squared_change_ = Vector6d::Zero();
 };
 
 }  // namespace lidar_mapping::front_end
