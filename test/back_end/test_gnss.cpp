@@ -88,6 +88,16 @@ TEST(Gnss, TenMetresDoForGoodFixes) {
   }
 }
 
+TEST(Gnss, AKeyFrameTakesItsFirstPositionOnly) {
+  MappedDrive run;
+  BackEnd back_end(BackEndConfig{});
+  drive_shortly(run, 40, 0.02, back_end);
+  const std::size_t once = optimize(back_end).gnss_used;
+  for (int i = 0; i <= 40; ++i) back_end.add_gnss(run.gnss(i));
+  EXPECT_GT(once, 0U);
+  EXPECT_EQ(optimize(back_end).gnss_used, once);
+}
+
 // F27: it does not wait for a hundred fixes.
 TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   MappedDrive run;

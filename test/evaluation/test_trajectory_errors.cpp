@@ -46,6 +46,13 @@ TEST(Statistics, OfThreeValues) {
   EXPECT_DOUBLE_EQ(statistics.max, 4.0);
 }
 
+TEST(Statistics, OfNothingAreZero) {
+  const ErrorStatistics statistics = statistics_of({});
+  EXPECT_EQ(statistics.count, 0U);
+  EXPECT_EQ(statistics.rmse, 0.0);
+  EXPECT_EQ(statistics.max, 0.0);
+}
+
 TEST(AbsolutePoseError, OfAShiftedTrack) {
   const Pose shift{Eigen::Quaterniond::Identity(), {3.0, 4.0, 0.0}};
   const auto pairs = associate(straight(10), moved(straight(10), shift));
@@ -85,6 +92,26 @@ TEST(RelativeErrors, OfADriftingHeading) {
   const KittiErrors errors = kitti_errors(associate(straight(201), turning), {100.0}, 10);
   EXPECT_NEAR(errors.rotation_deg_per_100m, 1.0, 1e-9);
   EXPECT_EQ(errors.segments, 11U);
+}
+
+// KITTI's segments are too long for short drives.
+TEST(RelativeErrors, TakeTheSegmentsThatTheDriveHasRoomFor) {
+  const auto lengths_of = [](int metres) {
+    return usual_segment_lengths(associate(straight(metres + 1), straight(metres + 1)));
+  };
+  EXPECT_EQ(lengths_of(399).front(), 50.0);
+  EXPECT_EQ(lengths_of(399).back(), 200.0);
+  EXPECT_EQ(lengths_of(400).front(), 100.0);
+  EXPECT_EQ(lengths_of(400).back(), 800.0);
+  EXPECT_EQ(usual_segment_lengths({}).front(), 50.0);
+}
+
+TEST(RelativeErrors, AreZeroWhereNoSegmentFits) {
+  const auto pairs = associate(straight(20), straight(20));
+  const KittiErrors errors = kitti_errors(pairs, {50.0}, 1);
+  EXPECT_EQ(errors.segments, 0U);
+  EXPECT_EQ(errors.translation_percent, 0.0);
+  EXPECT_TRUE(errors.lengths_m.empty());
 }
 
 TEST(Associate, InterpolatesTheTruth) {

@@ -57,5 +57,14 @@ TEST(SegmentJoins, BelieveOneMatchWhereTheVehicleCannotHaveGoneFar) {
   EXPECT_EQ(joins.add(loop, streets.trajectory).size(), 1U);
 }
 
+// Two vehicles at the same time may be anywhere.
+TEST(SegmentJoins, DoNotBelieveOneMatchBetweenSegmentsAtTheSameTime) {
+  const Streets streets(-60.0);
+  SegmentJoins joins(100.0);
+  Loop loop = streets.match(0, planar(1.0, 0.0, 0.0));
+  loop.from = static_cast<KeyFrameIndex>(streets.count - 3);
+  EXPECT_TRUE(joins.add(loop, streets.trajectory).empty());
+}
+
 }  // namespace
 }  // namespace lidar_mapping::loop_closing::test

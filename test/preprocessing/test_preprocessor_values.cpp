@@ -122,8 +122,10 @@ TEST(Preprocessor, LearnsTheGyroBiasWhileStanding) {
   EXPECT_LT((rate - Eigen::Vector3d(0.0, 0.0, 0.5)).norm(), 1e-6);
 }
 
-/// Drives `metres` to the north-east with an IMU whose heading is off by `error`.
-SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double metres) {
+/// Drives `metres` to the north-east with an IMU whose heading is off by `error`, and with that
+/// speed on the wheels (m/s).
+SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double metres,
+                                      double speed = 10.0) {
   PreprocessingConfig config;
   config.imu_orientation = mode;
   Preprocessor stage(config, identity_lookup);
@@ -133,6 +135,7 @@ SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double 
     ImuSample sample = imu(at(t));
     sample.orientation = exp_so3({0.0, 0.0, M_PI / 4.0 + error});
     stage.add_imu(sample, "imu");
+    stage.add_velocity(velocity(at(t), {speed, 0.0, 0.0}), "imu");
     const double along = 10.0 * t / std::sqrt(2.0);
     if (i % 10 == 0) {
       stage.add_gnss(fix(at(t), 49.0 + along / 111211.0, 8.4 + along / 73172.0), "gps");
@@ -149,6 +152,13 @@ TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {  // F27
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 8.0).gnss->R_enu_base);
   EXPECT_TRUE(last_of_drive_with_heading(1.0, ImuOrientation::kEnu, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kNone, 40.0).gnss->R_enu_base);
+}
+
+TEST(Preprocessor, BelievesTheHeadingOfAVehicleThatBacksUp) {
+  EXPECT_TRUE(
+      last_of_drive_with_heading(M_PI, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
+  EXPECT_FALSE(
+      last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
 }
 
 TEST(Preprocessor, HandsTheLeverArmOn) {  // F26

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -169,6 +170,21 @@ TEST(SampleBuffer, FindsTheSampleBefore) {
   ASSERT_NE(buffer.before(at(2.0), from_seconds(1.5)), nullptr);
   EXPECT_EQ(buffer.before(at(2.0), from_seconds(1.5))->stamp, at(1.0));
   EXPECT_EQ(buffer.before(at(5.0), from_seconds(1.5)), nullptr) << "too old";
+}
+
+TEST(Velocity, IsPlausibleOnlyIfBothPartsAre) {
+  const auto plausible = [](double speed, double rate) {
+    VelocitySample sample;
+    sample.linear.x() = speed;
+    sample.angular.z() = rate;
+    return is_plausible(sample);
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(plausible(30.0, 1.0));
+  EXPECT_FALSE(plausible(300.0, 1.0));
+  EXPECT_FALSE(plausible(30.0, 1e4));
+  EXPECT_FALSE(plausible(kNaN, 1.0));
+  EXPECT_FALSE(plausible(30.0, kNaN));
 }
 
 }  // namespace
