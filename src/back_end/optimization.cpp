@@ -83,7 +83,9 @@ void learn_errors(const BackEndConfig& config, const DriveFactors& factors,
   const SharedErrors shared = find_shared_errors(drive, factors, solution.used, scatter);
   drive.odometry_errors.stretch = shared.stretch;
   for (GnssDelay& delay : drive.gnss_delays) {
-    if (delay.is_corrected()) delay.seconds += shared.delay;
+    if (!delay.is_corrected()) continue;
+    delay.seconds += shared.delay;
+    delay.arm_error += shared.arm;
   }
   drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
 }

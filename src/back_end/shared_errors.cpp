@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/linearisation.hpp"
+#include "lidar_mapping/common/antenna_fit.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -16,8 +17,9 @@ constexpr double kStretchStddev = 5e-5;
 /// Keeps an unknown out that nothing may change.
 constexpr double kFixed = 1e-9;
 
-enum Unknown { kStretch, kDelay, kCount };
+enum Unknown { kStretch, kDelay, kArmX, kArmY, kCount };
 using UnknownVector = Eigen::Matrix<double, kCount, 1>;
+using Shifts = Eigen::Matrix<double, 3, kCount>;
 
 /// Normal equations of the unknowns at a minimum over the poses.
 class SharedEquations {
@@ -26,17 +28,17 @@ class SharedEquations {
       : graph_(graph),
         mixed_(Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(graph.states.size()), kCount)) {}
 
-  /// A unit of the unknown has the effect that `shift` (m) has on the constraint's last node, in
-  /// the node's axes.
-  void add(int constraint, Unknown unknown, const Eigen::Vector3d& shift) {
+  /// A unit of each unknown has the effect that its column of `shifts` (m) has on the constraint's
+  /// last node, in the node's axes.
+  void add(int constraint, const Shifts& shifts) {
     const Constraint& c = graph_.constraints[static_cast<std::size_t>(constraint)];
     const Linearised at = linearised(graph_, c);
     const bool pair = c.second >= 0;
-    const Eigen::VectorXd effect = (pair ? at.second : at.first).leftCols<3>() * shift;
-    gradient_(unknown) += effect.dot(at.residual);
-    curvature_(unknown, unknown) += effect.squaredNorm();
-    mixed_.col(unknown).segment<6>(6 * c.first) += at.first.transpose() * effect;
-    if (pair) mixed_.col(unknown).segment<6>(6 * c.second) += at.second.transpose() * effect;
+    const Eigen::MatrixXd effects = (pair ? at.second : at.first).leftCols<3>() * shifts;
+    gradient_ += effects.transpose() * at.residual;
+    curvature_ += effects.transpose() * effects;
+    mixed_.middleRows<6>(6 * c.first) += at.first.transpose() * effects;
+    if (pair) mixed_.middleRows<6>(6 * c.second) += at.second.transpose() * effects;
   }
 
   /// Newton's step for unknowns that are near zero, by `stddev`.
@@ -61,28 +63,37 @@ void add_stretch(const DriveGraph& drive, const DriveFactors& factors, SharedEqu
     const Eigen::Quaterniond R_node_previous =
         factors.graph.pose(node).rotation.conjugate() * factors.graph.pose(node - 1).rotation;
     // A longer motion was measured: as if the node lay as much behind.
-    equations.add(factors.motion_of[i], kStretch,
-                  -(R_node_previous * motion_to(drive, i).translation));
+    Shifts shifts = Shifts::Zero();
+    shifts.col(kStretch) = -(R_node_previous * motion_to(drive, i).translation);
+    equations.add(factors.motion_of[i], shifts);
   }
 }
 
-void add_delay(const DriveGraph& drive, const DriveFactors& factors, const std::vector<bool>& used,
-               SharedEquations& equations) {
+void add_delay_and_arm(const DriveGraph& drive, const DriveFactors& factors,
+                       const std::vector<bool>& used, SharedEquations& equations) {
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     const int position = factors.horizontal_of[i];
     const auto segment = static_cast<std::size_t>(drive.segment_of(drive.gnss[i].node));
     if (position < 0 || !used[static_cast<std::size_t>(position)]) continue;
     if (!drive.gnss_delays[segment].is_corrected()) continue;
-    equations.add(position, kDelay, -antenna_velocity(drive, drive.gnss[i]));
+    Shifts shifts = Shifts::Zero();
+    shifts.col(kDelay) = -antenna_velocity(drive, drive.gnss[i]);
+    shifts.col(kArmX) = Eigen::Vector3d::UnitX();
+    shifts.col(kArmY) = Eigen::Vector3d::UnitY();
+    equations.add(position, shifts);
   }
 }
 
-double delay_stddev(const DriveGraph& drive) {
-  double largest = kFixed;
-  for (const GnssDelay& delay : drive.gnss_delays) {
-    if (delay.is_corrected()) largest = std::max(largest, delay.sigma);
+/// Of all unknowns before the graph shows them.
+UnknownVector stddevs(const DriveGraph& drive) {
+  double delay = kFixed;
+  double arm = kFixed;
+  for (const GnssDelay& found : drive.gnss_delays) {
+    if (!found.is_corrected()) continue;
+    delay = std::max(delay, found.sigma);
+    arm = AntennaFit::kMeasuredArm;
   }
-  return largest;
+  return {kStretchStddev, delay, arm, arm};
 }
 
 }  // namespace
@@ -93,12 +104,11 @@ SharedErrors find_shared_errors(const DriveGraph& drive, const DriveFactors& fac
   if (!poses->factorize()) return {};
   SharedEquations equations(factors.graph);
   add_stretch(drive, factors, equations);
-  add_delay(drive, factors, used, equations);
+  add_delay_and_arm(drive, factors, used, equations);
   // Covariances that are all too large by one factor leave the poses as they are, but not what they
   // are worth beside an unknown's own.
-  const UnknownVector stddev = UnknownVector(kStretchStddev, delay_stddev(drive)) / scatter;
-  const UnknownVector solution = equations.solution(*poses, stddev);
-  return {solution(kStretch), solution(kDelay)};
+  const UnknownVector solution = equations.solution(*poses, stddevs(drive) / scatter);
+  return {solution(kStretch), solution(kDelay), {solution(kArmX), solution(kArmY)}};
 }
 
 }  // namespace lidar_mapping::back_end

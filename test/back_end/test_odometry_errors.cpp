@@ -84,7 +84,7 @@ TEST(OdometryErrors, FixesOfAMetreHardlyDisturbGoodOdometry) {
   EXPECT_LT(test::aligned_rmse(back_end, drive), 0.095);
 }
 
-// The drive's delay is off by 4 ms.
+// The drive's delay is off by 4 ms, and what was made of the antenna's place by centimetres.
 TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
   const SyntheticDrive drive = good_drive(0.001);
   BackEnd back_end(BackEndConfig{});
@@ -93,13 +93,15 @@ TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
   optimize(back_end, true);
   const auto problem = back_end.problem();
   for (const double wrong : {-0.004, 0.004}) {
+    const Eigen::Vector2d beside(0.0, 5.0 * wrong);
     DriveGraph off = problem->drive;
-    off.gnss_delays[0] = {wrong, 0.003, Eigen::Vector2d::Zero()};
+    off.gnss_delays[0] = {wrong, 0.003, beside};
     DriveFactors factors = make_factors(off, problem->config);
     const RobustSolution solution = solve_as_marked(factors.graph, factors.marked);
     const double scatter = position_scatter(factors, solution.used);
     const SharedErrors found = find_shared_errors(off, factors, solution.used, scatter);
     EXPECT_NEAR(found.delay, -wrong, 0.001);
+    EXPECT_LT((found.arm + beside).norm(), 0.005) << found.arm.transpose();
   }
 }
 

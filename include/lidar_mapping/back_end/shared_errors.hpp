@@ -7,7 +7,10 @@ namespace lidar_mapping::back_end {
 /// Errors that all constraints of a kind share.
 struct SharedErrors {
   double stretch = 0.0;  ///< share by which odometry's way has to be lengthened
-  double delay = 0.0;    ///< s to add to the delays of GNSS that are corrected
+  /// To add where a delay of GNSS is corrected: to the delay (s), and to what is made of the
+  /// antenna's place (m, in base_link), which looks like a delay at an even speed.
+  double delay = 0.0;
+  Eigen::Vector2d arm = Eigen::Vector2d::Zero();
 };
 
 /// Finds them beside the poses: a step of Newton's from a minimum over the poses alone, whose
