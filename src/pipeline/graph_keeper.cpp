@@ -17,12 +17,13 @@ bool worth_keeping(std::size_t key_frames, std::size_t kept_at) {
   return key_frames >= kept_at + 20 + kept_at / 20;
 }
 
-/// Clouds make room for what graph, solutions and the loop search take for each key frame. Half of
-/// the cache stays: it holds the clouds that are between two stages, too.
+/// Clouds make room for what graph, solutions and the loop search take for each key frame. A
+/// quarter of the cache stays: it holds the clouds that are between two stages, too. Loop closing
+/// keeps thinned clouds of its own, so a drive of hours misses nothing.
 std::size_t cache_beside(std::size_t key_frames) {
-  constexpr std::size_t kPerKeyFrame = 10'000;
+  constexpr std::size_t kPerKeyFrame = 15'000;
   constexpr std::size_t kWhole = session::CloudStore::kDefaultCacheBytes;
-  return kWhole - std::min(kWhole / 2, kPerKeyFrame * key_frames);
+  return kWhole - std::min(kWhole / 4 * 3, kPerKeyFrame * key_frames);
 }
 
 }  // namespace
