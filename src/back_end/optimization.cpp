@@ -90,23 +90,29 @@ void learn_errors(const BackEndConfig& config, const DriveFactors& factors,
   drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
 }
 
+/// Lets the old ones go first: on a long drive two graphs at once are the peak of memory.
+void build_anew(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
+  factors = {};
+  factors = make_factors(drive, config);
+}
+
 /// Solves once more with what the positions show of odometry; everything stays as it is where that
 /// fails.
 void refine(const BackEndConfig& config, DriveFactors& factors, RobustSolution& solution,
             DriveGraph& drive) {
   const std::vector<GnssDelay> delays = drive.gnss_delays;
   learn_errors(config, factors, solution, drive);
-  DriveFactors refined_factors = make_factors(drive, config);
-  RobustSolution refined = solve_factors(drive, config, refined_factors, false);
+  build_anew(drive, config, factors);
+  RobustSolution refined = solve_factors(drive, config, factors, false);
   if (!refined.success) {
     drive.gnss_delays = delays;
     drive.odometry_errors = {};
+    build_anew(drive, config, factors);
     return;
   }
   refined.cost_before = solution.cost_before;
   refined.iterations += solution.iterations;
   solution = std::move(refined);
-  factors = std::move(refined_factors);
   take_over(factors, solution, drive);
 }
 
