@@ -53,7 +53,27 @@ void check_joined(const Options& options, const std::vector<pipeline::MergedPart
   }
 }
 
+/// Throws if a session would be merged with itself, or if --config names nothing that is used.
+void check_arguments(const Options& options) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  for (std::size_t i = 0; i < options.sessions.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!fs::equivalent(options.sessions[k], options.sessions[i], none)) continue;
+      throw InputError(options.sessions[i] + " is given twice; name each drive once");
+    }
+  }
+  const fs::path folder = options.config;
+  if (folder.empty() || fs::exists(folder / "back_end.yaml") ||
+      fs::exists(folder / "loop_closing.yaml")) {
+    return;
+  }
+  throw FileError("there is no back_end.yaml nor loop_closing.yaml in " + options.config +
+                  "; --config names their folder");
+}
+
 void merge(const Options& options) {
+  check_arguments(options);
   std::vector<Session> sessions;
   for (const std::string& name : options.sessions) {
     sessions.push_back(Session::open(name, Session::Access::kRead));

@@ -52,6 +52,8 @@ const Mistake kMistakes[] = {
     {"map_bag", {"FILE", "-o", "FOLDER", "--resolution", "0"}, "allowed: real number from 0.01"},
     {"build_map", {"FOLDER", "--pixel", "0"}, "0 is not a number above 0"},
     {"build_map", {"FOLDER"}, "there is no session in"},
+    {"merge_sessions", {"FOLDER", "FOLDER", "-o", "new"}, "is given twice"},
+    {"merge_sessions", {"FOLDER", "FILE", "-o", "new", "--config", "FOLDER"}, "no back_end.yaml"},
     {"optimize_graph", {"FOLDER", "FILE"}, "optimize_graph: cannot read"},
     {"optimize_graph", {"missing.g2o", "FILE"}, "missing.g2o: No such file or directory"},
     {"evaluate_trajectory", {"FOLDER", "FOLDER"}, "it is a folder"},
