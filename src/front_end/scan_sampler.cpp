@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 
@@ -11,7 +12,15 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Hashes are computed for so many points at a time, then looked up.
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kBlock = 2048;
+
+/// Points of a block are visited in steps near its golden section, so that those visited one after
+/// the other are far apart; without a common divisor, so that none is left out.
+std::size_t scattering_step(std::size_t block) {
+  std::size_t step = block * 618 / 1000 + 1;
+  while (std::gcd(step, block) > 1) ++step;
+  return step % block;
+}
 
 float squared(double value) { return static_cast<float>(value * value); }
 
@@ -45,16 +54,21 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
   std::uint32_t* const candidates = candidates_.data();
   std::size_t kept = 0;
   std::array<std::uint32_t, kBlock> hashes;
-  for (std::size_t begin = options.phase; begin < cloud.size(); begin += kBlock * stride) {
+  const std::size_t block = std::max<std::size_t>(1, kBlock / stride);
+  const std::size_t step = options.scattered ? scattering_step(block) : 1;
+  for (std::size_t begin = options.phase; begin < cloud.size(); begin += block * stride) {
     const std::size_t left = (cloud.size() - begin + stride - 1) / stride;
-    const std::size_t count = std::min(left, kBlock);
+    const std::size_t count = std::min(left, block);
     hash(&cloud.points[begin].x, stride, count, rule, hashes.data());
-    auto index = static_cast<std::uint32_t>(begin);
-    for (std::size_t i = 0; i < count; ++i, index += static_cast<std::uint32_t>(stride)) {
+    // The last block may be shorter.
+    for (std::size_t i = count; i < block; ++i) hashes[i] = rule.refused;
+    for (std::size_t turn = 0, i = 0; turn < block; ++turn) {
       // Without a branch: write always, go on if the cube is new.
-      candidates[kept] = index;
+      candidates[kept] = static_cast<std::uint32_t>(begin + i * stride);
       kept += static_cast<std::size_t>(taken[hashes[i]] != generation);
       taken[hashes[i]] = generation;
+      i += step;
+      i -= i >= block ? block : 0;
     }
   }
   chosen_.assign(candidates, candidates + kept);

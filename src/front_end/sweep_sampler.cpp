@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/front_end/sweep_order.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -60,7 +62,7 @@ void SweepSampler::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
 void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
   const std::size_t stride = stride_for(scan.cloud.size());
   const auto& indices = sparse_sampler_.sample(
-      scan.cloud, {sparse_cell_.edge(), kMinRange, max_range_, stride, turn % stride});
+      scan.cloud, {sparse_cell_.edge(), kMinRange, max_range_, stride, turn % stride, scattered_});
   const TimeSpan span = time_span(scan.cloud, indices);
   reference_ = 0.5 * (span.first + span.last);
   duration_ = span.last - span.first;
@@ -70,14 +72,16 @@ void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
 }
 
 void SweepSampler::take(const Scan& scan, std::size_t turn) {
+  // Where all points are looked at for the match too, both samples lean nearly alike.
+  scattered_ = stride_for(scan.cloud.size()) > 1 && in_sweep_order(scan.cloud);
   sample_sparse(scan, turn);
   if (!std::exchange(sparse_known_, true)) sample_sparse(scan, turn);
   points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s, sparse_.viewpoint);
 }
 
 void SweepSampler::sample_dense(const Scan& scan) {
-  const auto& indices =
-      dense_sampler_.sample(scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0});
+  const auto& indices = dense_sampler_.sample(
+      scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0, scattered_});
   dense_.assign(scan.cloud, indices, reference_);
   raise(dense_, elevation_shift_);
   dense_cell_.adapt(indices.size());

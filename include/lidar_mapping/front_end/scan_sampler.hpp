@@ -16,16 +16,19 @@ struct SamplingOptions {
   double max_range = 1e4;
   std::size_t stride = 1;  ///< looks at every stride-th point only,
   std::size_t phase = 0;   ///< beginning with this one
+  /// Looks at the points in a scattered order, always the same: any of a cube's points is taken
+  /// then, not the one in which the sweep came in.
+  bool scattered = false;
 };
 
-/// Thins a scan out in one pass: the first point that falls into a cube is taken. Cubes are told
+/// Thins a scan out in one pass: the first point that is found in a cube is taken. Cubes are told
 /// apart by a hash; a collision merely drops a point. Points that are not finite are left out.
 class ScanSampler {
  public:
   /// `table_bits`: log2 of the number of cubes that are told apart.
   explicit ScanSampler(int table_bits);
 
-  /// Indices of the points taken, rising; valid until the next call.
+  /// Indices of the points taken, rising unless scattered; valid until the next call.
   const std::vector<std::uint32_t>& sample(const PointCloud& cloud, const SamplingOptions& options);
 
  private:

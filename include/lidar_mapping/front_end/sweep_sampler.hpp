@@ -37,7 +37,7 @@ class SweepSampler {
   /// Samples the points to be matched; `turn` makes each scan begin with another point.
   void take(const Scan& scan, std::size_t turn);
   const registration::NdtPoints& points() const { return points_; }
-  /// The same, in the order in which they came.
+  /// The same, in the order in which they were sampled.
   const SampledPoints& sparse() const { return sparse_; }
   /// The reference time of the points: the middle of the sweep, s after the stamp.
   double reference() const { return reference_; }
@@ -55,6 +55,7 @@ class SweepSampler {
   AdaptiveCell sparse_cell_;
   AdaptiveCell dense_cell_;
   double max_range_;
+  bool scattered_ = false;     ///< see SamplingOptions
   bool sparse_known_ = false;  ///< the cell has adapted to a first scan
   bool dense_known_ = false;
   ScanSampler sparse_sampler_;

@@ -1,0 +1,33 @@
+#include "lidar_mapping/front_end/sweep_order.hpp"
+
+#include <cmath>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// So many points are looked at, evenly spaced. A prime number: with one that shares a divisor with
+/// the number of rings, points of different rings would lie in the same direction.
+constexpr std::size_t kProbes = 47;
+/// From one to the next a whole turn advances by 0.13 rad, and not much more where many points were
+/// lost,
+constexpr double kLargestAdvance = 0.4;
+/// but for single ones.
+constexpr double kLeastShare = 0.8;
+
+}  // namespace
+
+bool in_sweep_order(const PointCloud& cloud) {
+  if (cloud.size() < kProbes) return false;
+  const std::size_t step = cloud.size() / kProbes;
+  std::size_t advancing = 0;
+  for (std::size_t i = 1; i < kProbes; ++i) {
+    const Point& from = cloud.points[(i - 1) * step];
+    const Point& to = cloud.points[i * step];
+    const double advance = std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y);
+    // Written so that NaN fails.
+    if (std::abs(advance) < kLargestAdvance) ++advancing;
+  }
+  return static_cast<double>(advancing) >= kLeastShare * static_cast<double>(kProbes - 1);
+}
+
+}  // namespace lidar_mapping::front_end
