@@ -108,6 +108,10 @@ std::vector<std::size_t> chosen_scans(const Options& options, std::size_t count)
     if (options.limit > 0 && chosen.size() == options.limit) break;
     chosen.push_back(i);
   }
+  if (chosen.empty()) {
+    throw InputError("--first " + std::to_string(options.first) + " leaves none of the " +
+                     std::to_string(count) + " scans of " + options.recording);
+  }
   return chosen;
 }
 

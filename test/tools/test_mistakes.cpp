@@ -63,6 +63,18 @@ const Mistake kMistakes[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Commands, Mistakes, testing::ValuesIn(kMistakes));
 
+TEST_F(Mistakes, LeaveNoScanToTheBenchmark) {
+  const std::filesystem::path scans = folder_.path() / "empty/velodyne";
+  std::filesystem::create_directory(scans);
+  std::ofstream(scans / "000000.bin") << std::string(16, '\0');
+  Program program("odometry_benchmark",
+                  {filled_in("FOLDER"), "--first", "1", "--truth", filled_in("FILE")},
+                  folder_.path() / "said");
+  EXPECT_EQ(program.wait(), 1);
+  EXPECT_NE(program.output().find("--first 1 leaves none of the 1 scans"), std::string::npos)
+      << program.output();
+}
+
 TEST_F(Mistakes, InAnOverlayAreNoticed) {
   Program program(
       "map_bag",
