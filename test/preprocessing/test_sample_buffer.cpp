@@ -86,6 +86,15 @@ TEST(Interpolation, TakesTheShorterWayWhateverTheSigns) {  // F6
   }
 }
 
+TEST(Interpolation, HasNoOrientationWhereOneSampleHasNone) {
+  ImuSample with = test::imu(at(0.0));
+  with.orientation = Eigen::Quaterniond::Identity();
+  const ImuSample without = test::imu(at(0.1));
+  ASSERT_FALSE(without.orientation);
+  EXPECT_FALSE(interpolated(with, without, at(0.05)).orientation);
+  EXPECT_FALSE(interpolated(without, with, at(0.05)).orientation);
+}
+
 TEST(Interpolation, MovesVelocitiesOfTurnedAndDistantSensors) {  // F14, F15
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 1.0);

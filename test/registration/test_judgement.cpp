@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <Eigen/LU>
 
 #include "method_test.hpp"
@@ -17,6 +19,15 @@ TEST_P(Judgement, CountsOnlyWhatHasAPartner) {
       aligned(scene.target, scene.source, scene.T_target_source, config());
   EXPECT_NEAR(result.overlap, 0.5, 0.02);
   EXPECT_LT(result.fitness, 0.05);  // of the pairs: the far half is not in it
+}
+
+TEST_P(Judgement, IsFiniteWhereNothingHasAPartner) {
+  Scene scene = make_scene(0.02);
+  for (Point& p : scene.source.points) p.x += 500.0F;
+  const RegistrationResult result = aligned(scene.target, scene.source, Pose::Identity(), config());
+  EXPECT_EQ(result.overlap, 0.0);
+  EXPECT_EQ(result.inlier_fraction, 0.0);
+  EXPECT_TRUE(std::isfinite(result.fitness));
 }
 
 TEST_P(Judgement, FitnessIsTheMeanSquaredDistanceOfPairs) {
