@@ -34,7 +34,9 @@ std::vector<T> read_array(const fs::path& path) {
 }
 
 std::vector<std::string> scan_names(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw FileError("no folder " + folder.string());
+  if (!fs::is_directory(folder))
+    throw FileError("no folder " + folder.string() +
+                    "; name the folder above it, that of one drive");
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() == ".bin") names.push_back(entry.path().stem().string());

@@ -25,6 +25,7 @@ struct Options {
   std::vector<std::string> jumps;
   std::vector<std::string> faults;
   int threads = 0;
+  const CLI::Option* rounds = nullptr;
 };
 
 /// The two numbers of "A:B".
@@ -52,7 +53,8 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--start", drive.start, "leave out so many seconds of the beginning");
   app.add_option("--duration", drive.duration,
                  "end the drive after so many seconds, counted from its beginning");
-  app.add_option("--rounds", drive.rounds, "rounds of the drive 'city'")->capture_default_str();
+  options.rounds =
+      app.add_option("--rounds", drive.rounds, "rounds of the drive 'city'")->capture_default_str();
   app.add_option("--scan-rate", drive.scan_rate, "turns per second")->capture_default_str();
   app.add_option("--range-noise", drive.range_noise, "standard deviation, m")
       ->check(tools::not_negative())
@@ -102,6 +104,10 @@ void run(Options& options) {
     options.content.faults.insert(tools::bag_faults().at(name));
   }
   if (options.content.has(tools::BagFault::kDeskewedTwice)) options.drive.undistorted = true;
+  if (options.rounds->count() > 0 && options.drive.drive != "city") {
+    throw ConfigError("--rounds has no meaning for the drive '" + options.drive.drive +
+                      "'; only 'city' goes round and round");
+  }
   if (options.bag.empty() && options.folder.empty() && options.truth.empty()) {
     throw ConfigError("nothing to write; name a bag, --kitti FOLDER or --truth FILE");
   }

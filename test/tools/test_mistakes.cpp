@@ -60,6 +60,10 @@ const Mistake kMistakes[] = {
     {"evaluate_trajectory", {"FILE", "FILE", "--lengths", "0"}, "0 is not a number above 0"},
     {"evaluate_trajectory", {"FILE", "FILE", "--delta", "-4"}, "-4 is not 0 or a number above"},
     {"simulate_drive", {"FOLDER", "--range-noise", "-1"}, "-1 is not 0 or a number above"},
+    {"simulate_drive",
+     {"new.bag", "--rounds", "4"},
+     "--rounds has no meaning for the drive 'town'"},
+    {"kitti_to_bag", {"FOLDER", "new.bag"}, "name the folder above it"},
 };
 INSTANTIATE_TEST_SUITE_P(Commands, Mistakes, testing::ValuesIn(kMistakes));
 
