@@ -133,11 +133,16 @@ void ElevationCalibration::compare(const Frame& a, const Frame& b) {
   decide();
 }
 
+ElevationEstimate ElevationCalibration::estimate() const {
+  ElevationEstimate mean = mean_.value();
+  if (mean_.count() > 0) mean.sigma = std::hypot(mean.sigma, kPlaceShare * mean_.claimed_sigma());
+  return mean;
+}
+
 void ElevationCalibration::decide() {
-  const ElevationEstimate mean = mean_.value();
-  const double sigma = std::hypot(mean.sigma, kPlaceShare * mean_.claimed_sigma());
+  const ElevationEstimate mean = estimate();
   const bool sure = mean_.count() >= kLeastPairs && std::abs(mean.angle) > kLeastAngle &&
-                    std::abs(mean.angle) > kSure * sigma;
+                    std::abs(mean.angle) > kSure * mean.sigma;
   if (sure && std::abs(mean.angle - found_) > kLeastChange) found_ = mean.angle;
 }
 

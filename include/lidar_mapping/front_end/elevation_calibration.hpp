@@ -53,8 +53,9 @@ class ElevationCalibration {
   /// Angle by which points are to be turned upwards, rad. It follows found() in steps, so that no
   /// scan differs much from the map that it is matched with.
   double applied() const { return applied_; }
-  /// What the pairs say so far, sure or not.
-  ElevationEstimate estimate() const { return mean_.value(); }
+  /// What the pairs say so far, sure or not; sigma is larger than their scatter, as those of one
+  /// place err alike.
+  ElevationEstimate estimate() const;
 
  private:
   struct Frame {
