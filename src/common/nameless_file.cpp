@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 NamelessFile::NamelessFile(const fs::path& directory) : directory_(directory) {
   fs::create_directories(directory);
-  std::string name = (directory / ".aside.XXXXXX").string();
+  // mkstemp() puts its own letters in the place of the last six.
+  std::string name = (directory / ".aside.").string() + std::string(6, 'X');
   descriptor_ = ::mkstemp(name.data());
   if (descriptor_ < 0) fail();
   ::unlink(name.c_str());

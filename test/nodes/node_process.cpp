@@ -16,15 +16,9 @@ namespace lidar_mapping::test {
 
 namespace {
 
-std::string temporary_file() {
-  char name[] = "/tmp/lidar_mapping_test_XXXXXX";
-  close(mkstemp(name));
-  return name;
-}
-
 /// The child of a process with threads may call little but this: no memory, no C++ library.
 [[noreturn]] void become(char* const* words, const char* output_file) {
-  const int file = open(output_file, O_WRONLY | O_APPEND);
+  const int file = open(output_file, O_WRONLY | O_APPEND | O_CREAT, 0600);
   dup2(file, STDOUT_FILENO);
   dup2(file, STDERR_FILENO);
   execvp(words[0], words);
@@ -34,7 +28,7 @@ std::string temporary_file() {
 }  // namespace
 
 NodeProcess::NodeProcess(const std::string& program, const std::vector<std::string>& arguments)
-    : output_file_(temporary_file()) {
+    : output_file_((folder_.path() / "output").string()) {
   // Programs of this package by their name, others by their path.
   const std::string path = program.find('/') == std::string::npos
                                ? std::string(LIDAR_MAPPING_PROGRAMS) + "/" + program
@@ -48,10 +42,7 @@ NodeProcess::NodeProcess(const std::string& program, const std::vector<std::stri
   if (pid_ == 0) become(words.data(), output_file_.c_str());
 }
 
-NodeProcess::~NodeProcess() {
-  stop();
-  unlink(output_file_.c_str());
-}
+NodeProcess::~NodeProcess() { stop(); }
 
 bool NodeProcess::is_running() { return wait(0.0) == -1; }
 

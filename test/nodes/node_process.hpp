@@ -5,6 +5,8 @@
 
 #include <sys/types.h>
 
+#include "temporary_folder.hpp"
+
 namespace lidar_mapping::test {
 
 /// Wall time after which something that ought to happen has not: long, as a machine may be busy
@@ -35,6 +37,7 @@ class NodeProcess {
 
   pid_t pid_ = -1;
   int status_ = -1;
+  TemporaryFolder folder_;
   std::string output_file_;
 };
 

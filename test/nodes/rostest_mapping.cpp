@@ -6,7 +6,6 @@
 #include <set>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
@@ -16,6 +15,7 @@
 #include "connections.hpp"
 #include "listener.hpp"
 #include "node_process.hpp"
+#include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {
 namespace {
@@ -33,16 +33,16 @@ const std::vector<std::string> kAllTopics = {"points", "imu", "velocity", "gnss"
 class Mapping : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    char name[] = "/tmp/lidar_mapping_test_XXXXXX";
-    folder() = mkdtemp(name);
+    owner() = std::make_unique<TemporaryFolder>();
     NodeProcess simulation("simulate_drive", {bag(), "--lidar", "vlp16", "--duration", "12"});
     ASSERT_EQ(simulation.wait(100.0), 0) << simulation.output();
   }
-  static void TearDownTestSuite() { fs::remove_all(folder()); }
-  static fs::path& folder() {
-    static fs::path path;
-    return path;
+  static void TearDownTestSuite() { owner().reset(); }
+  static std::unique_ptr<TemporaryFolder>& owner() {
+    static std::unique_ptr<TemporaryFolder> folder;
+    return folder;
   }
+  static const fs::path& folder() { return owner()->path(); }
   static std::string bag() { return (folder() / "drive.bag").string(); }
 
   void SetUp() override {

@@ -11,7 +11,9 @@ namespace lidar_mapping::test {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lidar_mapping_XXXXXX").string();
+    // mkdtemp() puts its own letters in the place of the last six.
+    std::string name =
+        (std::filesystem::temp_directory_path() / "lidar_mapping_").string() + std::string(6, 'X');
     if (mkdtemp(name.data()) == nullptr) throw std::filesystem::filesystem_error("mkdtemp", {});
     path_ = name;
   }
