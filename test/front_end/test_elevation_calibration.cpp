@@ -7,22 +7,16 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
-#include "lidar_mapping/simulation/drive.hpp"
+
+#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-simulation::Drive make_drive(double duration, const std::string& world = "town",
-                             const std::string& lidar = "hdl64", std::uint64_t seed = 3) {
-  simulation::DriveOptions options;
-  options.drive = world;
-  options.lidar = lidar;
-  options.seed = seed;
-  options.duration = duration;
-  return simulation::Drive(options);
-}
+/// Of a sensor with many beams, which see much from one place to the next.
+simulation::Drive town(double duration) { return make_drive("town", duration, 3, "hdl64"); }
 
 /// In base_link, of a sensor that reports all elevations too low by `angle`.
 Scan lowered_scan(const simulation::Drive& drive, std::size_t index, double angle) {
@@ -77,7 +71,7 @@ class ElevationCalibrationTest : public testing::TestWithParam<double> {};
 
 TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
   const double angle = GetParam() * kDegree;
-  const ElevationCalibration calibration = calibrate(make_drive(22.0), 20, angle);
+  const ElevationCalibration calibration = calibrate(town(22.0), 20, angle);
   const ElevationEstimate found = calibration.estimate();
   EXPECT_LT(found.sigma, 0.03 * kDegree);
   EXPECT_NEAR(found.angle, angle, 3.0 * found.sigma);
@@ -88,7 +82,7 @@ TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
 INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
 
 TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
-  const simulation::Drive drive = make_drive(14.0);
+  const simulation::Drive drive = town(14.0);
   const ElevationCalibration within = calibrate(drive, 20, 0.0);
   ElevationCalibration between = calibrate(drive, 20, 0.0, true);
   between.catch_up();
@@ -101,8 +95,7 @@ TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
 
 TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
   constexpr std::size_t kInside = 250;  // from here on the tube is nearly all that is in sight
-  const ElevationCalibration calibration =
-      calibrate(make_drive(33.0, "tunnel", "vlp16"), kInside, 0.0);
+  const ElevationCalibration calibration = calibrate(make_drive("tunnel", 33.0, 3), kInside, 0.0);
   // Its pairs would seem to give 0.037 degrees to within 0.013.
   EXPECT_GT(calibration.estimate().sigma, 0.03 * kDegree);
   EXPECT_EQ(calibration.found(), 0.0);
@@ -112,8 +105,7 @@ TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
 // three standard deviations of their scatter.
 TEST(ElevationCalibration, BelievesNoAngleThatAPlacePretends) {
   for (const std::uint64_t seed : {63, 68}) {
-    const ElevationCalibration calibration =
-        calibrate(make_drive(60.0, "car_park", "vlp16", seed), 0, 0.0);
+    const ElevationCalibration calibration = calibrate(make_drive("car_park", 60.0, seed), 0, 0.0);
     EXPECT_LT(calibration.estimate().angle, -0.25 * kDegree) << seed;
     EXPECT_EQ(calibration.found(), 0.0) << seed;
   }
@@ -121,7 +113,7 @@ TEST(ElevationCalibration, BelievesNoAngleThatAPlacePretends) {
 
 TEST(FrontEnd, TurnsThePointsOfASensorWithWrongElevations) {
   const double angle = 0.3 * kDegree;
-  const simulation::Drive drive = make_drive(20.0);
+  const simulation::Drive drive = town(20.0);
   FrontEndConfig config;
   config.key_frame_cloud_resolution = 0.0;
   FrontEnd front_end(config);
