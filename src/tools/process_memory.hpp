@@ -13,8 +13,8 @@ std::size_t peak_bytes();
 
 /// Clouds that one thread makes and another lets go leave holes in the heap, which would add up
 /// over hours. While this object lives they go back to the system as soon as the process has grown
-/// by some megabytes, and threads share two heaps instead of having many. To be made before other
-/// threads are.
+/// by some tens of megabytes, and threads share two heaps instead of having many. To be made before
+/// other threads are.
 class ReturnedMemory {
  public:
   ReturnedMemory();
