@@ -10,6 +10,7 @@ namespace lidar_mapping::map {
 namespace {
 
 constexpr double kColumn = 0.6;  // m
+constexpr int kAround = 2;       // columns in each direction
 constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instead
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
@@ -24,7 +25,7 @@ void lower(float z, float& first, float& second) {
 
 std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
   constexpr std::uint32_t kNew = 0;
-  CellGrid<std::uint32_t> numbers(points, kColumn, kNew, farthest);
+  CellGrid<std::uint32_t> numbers(ground_area(points, farthest), kNew);
   std::vector<GroundColumn> columns;
   for (const Eigen::Vector3f& point : points.points) {
     const CellIndex cell = numbers.cell_of(point);
@@ -40,8 +41,11 @@ std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farth
   return columns;
 }
 
-LocalGround::LocalGround(const PlacedPoints& points, float farthest)
-    : columns_(points, kColumn, {kNone, kNone, kNotAsked}, farthest) {}
+CellArea ground_area(const PlacedPoints& points, float farthest) {
+  return CellArea(points, kColumn, farthest).widened(kAround);
+}
+
+LocalGround::LocalGround(const CellArea& area) : columns_(area, {kNone, kNone, kNotAsked}) {}
 
 void LocalGround::add(const std::vector<GroundColumn>& columns) {
   for (const GroundColumn& column : columns) {
@@ -53,26 +57,26 @@ void LocalGround::add(const std::vector<GroundColumn>& columns) {
   }
 }
 
-float LocalGround::height_above(const PlacedPoints& points, std::size_t i) {
-  const CellIndex cell = columns_.cell_of(points.points[i]);
-  Column* column = columns_.find(cell);
-  if (column == nullptr) return 0.0F;
-  if (std::isnan(column->ground)) column->ground = ground_at(cell);
-  if (column->ground == kNone) return kNone;
-  return static_cast<float>(points.origin.z()) + points.points[i].z() - column->ground;
+float LocalGround::height_above(float z, std::size_t number) {
+  if (number == CellArea::kOutside) return 0.0F;
+  Column& column = columns_.at(number);
+  if (std::isnan(column.ground)) column.ground = ground_at(number);
+  return column.ground == kNone ? kNone : z - column.ground;
 }
 
-float LocalGround::ground_at(const CellIndex& cell) const {
-  std::array<float, 24> around{};
+float LocalGround::ground_at(std::size_t column) const {
+  constexpr std::size_t kSide = 2 * kAround + 1;
+  std::array<float, kSide * kSide - 1> around{};
   std::size_t count = 0;
-  for (int dx = -2; dx <= 2; ++dx) {
-    for (int dy = -2; dy <= 2; ++dy) {
-      if (dx == 0 && dy == 0) continue;
-      const Column* column = columns_.find({cell.x + dx, cell.y + dy});
-      if (column != nullptr && column->second != kNone) around[count++] = column->second;
+  const std::size_t width = columns_.area().width();
+  const std::size_t corner = column - kAround * width - kAround;
+  for (std::size_t row = 0; row < kSide; ++row) {
+    for (std::size_t i = corner + row * width; i < corner + row * width + kSide; ++i) {
+      const float height = columns_.at(i).second;
+      if (i != column && height != kNone) around[count++] = height;
     }
   }
-  const float own = columns_.find(cell)->second;
+  const float own = columns_.at(column).second;
   if (count == 0) return own;
   const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
   const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(count / 4);

@@ -17,16 +17,21 @@ struct GroundColumn {
 /// The columns of the points that are no further than `farthest` from their origin, m.
 std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest = kFarthest);
 
+/// The columns in which points lie that are no further than `farthest` from their origin, m, and
+/// those around.
+CellArea ground_area(const PlacedPoints& points, float farthest = kFarthest);
+
 /// Height of the ground below points. A column that holds nothing but the roof of a car takes its
 /// ground from the columns around. One thread uses it.
 class LocalGround {
  public:
-  /// For these points, as far as they are no further than `farthest` from their origin, m.
-  explicit LocalGround(const PlacedPoints& points, float farthest = kFarthest);
+  /// For points in that ground_area().
+  explicit LocalGround(const CellArea& area);
 
   void add(const std::vector<GroundColumn>& columns);
-  /// Of the i-th of the points; infinity where no ground is known, 0 for what is out of reach.
-  float height_above(const PlacedPoints& points, std::size_t i);
+  /// Height above the ground of what is at z, m in the map frame, in that column of the area;
+  /// infinity where no ground is known, 0 for what is outside.
+  float height_above(float z, std::size_t column);
 
  private:
   struct Column {
@@ -34,7 +39,7 @@ class LocalGround {
     float second;
     float ground;  ///< NaN if not asked for yet
   };
-  float ground_at(const CellIndex& cell) const;
+  float ground_at(std::size_t column) const;
 
   CellGrid<Column> columns_;
 };

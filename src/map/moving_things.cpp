@@ -4,6 +4,7 @@
 #include <bitset>
 #include <cstdint>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace lidar_mapping::map {
 
@@ -29,10 +30,10 @@ Layer layer_of(float above_own, float above_all) {
   return height < kBodyHeight ? Layer::kBody : Layer::kHigh;
 }
 
-float height_above_all(const PlacedPoints& points, std::size_t i, Grounds& grounds) {
-  const float near = grounds.near.height_above(points, i);
+float height_above_all(float z, std::size_t column, Grounds& grounds) {
+  const float near = grounds.near.height_above(z, column);
   if (near >= kGroundHeight) return near;
-  const float wide = grounds.wide.height_above(points, i);
+  const float wide = grounds.wide.height_above(z, column);
   return wide > near + kRoof ? wide : near;
 }
 
@@ -60,7 +61,7 @@ class VoxelKeys {
   VoxelKeys(const PlacedPoints& points, float voxel) : points_(points), scale_(1.0F / voxel) {}
 
   Key of(std::size_t i) const {
-    const auto cell = [&](float value) { return static_cast<Key>(std::floor(value * scale_)); };
+    const auto cell = [&](float value) { return static_cast<Key>(floored(value * scale_)); };
     const Eigen::Vector3f& p = points_.points[i];
     return cell(p.x()) * kStepX + cell(p.y()) * kStepY + cell(p.z());
   }
@@ -79,26 +80,59 @@ class VoxelKeys {
   float scale_;
 };
 
+/// Columns of voxels around some, so that few of the others are looked up in vain.
+class Columns {
+ public:
+  using Key = VoxelKeys::Key;
+
+  /// With those up to `reach` columns away.
+  void add_around(Key key, Key reach) {
+    for (Key dx = -reach; dx <= reach; ++dx) {
+      for (Key dy = -reach; dy <= reach; ++dy) {
+        taken_.set(number_of(key + dx * VoxelKeys::kStepX + dy * VoxelKeys::kStepY));
+      }
+    }
+  }
+  bool may_hold(Key key) const { return taken_[number_of(key)]; }
+
+ private:
+  static constexpr std::size_t kWidth = 256;
+
+  /// The halves keep a negative cell of a lower axis from counting as one less of the next.
+  static std::size_t number_of(Key key) {
+    const auto cells =
+        static_cast<std::uint64_t>(key + VoxelKeys::kStepX / 2 + VoxelKeys::kStepY / 2);
+    return cells / VoxelKeys::kStepX % kWidth * kWidth + cells / VoxelKeys::kStepY % kWidth;
+  }
+
+  std::bitset<kWidth * kWidth> taken_;
+};
+
 /// How many points are in the 3x3x3 small voxels around a candidate.
 class Crowds {
  public:
   Crowds(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kSmallVoxel) {
+    Columns near;
+    bool is_empty = true;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (votes[i] != Vote::kMoves) continue;
-      VoxelKeys::visit_around(keys_.of(i), [&](VoxelKeys::Key near) { counts_.try_emplace(near); });
+      near.add_around(keys_.of(i), 1);
+      is_empty = false;
     }
-    if (counts_.empty()) return;
+    if (is_empty) return;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto count = counts_.find(keys_.of(i));
-      if (count != counts_.end()) ++count->second;
+      const VoxelKeys::Key key = keys_.of(i);
+      if (near.may_hold(key)) ++counts_[key];
     }
   }
 
   /// Itself included.
   int around(std::size_t candidate) const {
     int sum = 0;
-    VoxelKeys::visit_around(keys_.of(candidate),
-                            [&](VoxelKeys::Key near) { sum += counts_.at(near); });
+    VoxelKeys::visit_around(keys_.of(candidate), [&](VoxelKeys::Key near) {
+      const auto count = counts_.find(near);
+      if (count != counts_.end()) sum += count->second;
+    });
     return sum;
   }
 
@@ -107,24 +141,24 @@ class Crowds {
   std::unordered_map<VoxelKeys::Key, int> counts_;
 };
 
-/// Only voxels near a candidate are counted.
+/// The polls of the 3x3x3 voxels around each voxel that is or touches a candidate's.
 class Blocks {
  public:
   Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kBlockVoxel) {
+    std::unordered_set<Key> candidates;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (votes[i] == Vote::kMoves) voxels_.try_emplace(keys_.of(i));
+      if (votes[i] == Vote::kMoves) candidates.insert(keys_.of(i));
     }
-    if (voxels_.empty()) return;
-    for (const auto& [key, voxel] : voxels_) {
+    for (const Key key : candidates) {
+      near_.add_around(key, 2);
       VoxelKeys::visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
     }
-    for (const auto& [key, block] : blocks_) {
-      VoxelKeys::visit_around(key, [&](Key near) { voxels_.try_emplace(near); });
-    }
-    count(votes);
-    for (auto& [key, block] : blocks_) {
-      Poll& poll = block;
-      VoxelKeys::visit_around(key, [&](Key near) { poll.add(voxels_.at(near)); });
+    for (const auto& [key, voxel] : polled_voxels(votes)) {
+      const Poll& poll = voxel;
+      VoxelKeys::visit_around(key, [&](Key near) {
+        const auto block = blocks_.find(near);
+        if (block != blocks_.end()) block->second.add(poll);
+      });
     }
   }
 
@@ -133,35 +167,29 @@ class Blocks {
   /// Whether the 3x3x3 voxels around the i-th point together go.
   bool move_around(std::size_t i) const {
     const Key key = keys_.of(i);
-    if (!near_[column_of(key)]) return false;
+    if (!near_.may_hold(key)) return false;
     const auto block = blocks_.find(key);
     return block != blocks_.end() && block->second.moves(kBlockShare);
   }
 
  private:
   using Key = VoxelKeys::Key;
-  static constexpr std::size_t kColumns = 256 * 256;
 
-  void count(const std::vector<Vote>& votes) {
-    for (const auto& [key, voxel] : voxels_) near_.set(column_of(key));
+  /// All that can count in a block, and some others.
+  std::unordered_map<Key, Poll> polled_voxels(const std::vector<Vote>& votes) const {
+    std::unordered_map<Key, Poll> voxels;
+    if (blocks_.empty()) return voxels;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (votes[i] == Vote::kUnseen) continue;
       const Key key = keys_.of(i);
-      if (!near_[column_of(key)]) continue;
-      const auto voxel = voxels_.find(key);
-      if (voxel != voxels_.end()) voxel->second.add(poll_of(votes[i]));
+      if (near_.may_hold(key)) voxels[key].add(poll_of(votes[i]));
     }
-  }
-
-  static std::size_t column_of(Key key) {
-    const auto cells = static_cast<std::uint64_t>(key);
-    return (cells / VoxelKeys::kStepX % 256 * 256 + cells / VoxelKeys::kStepY % 256) % kColumns;
+    return voxels;
   }
 
   VoxelKeys keys_;
-  std::unordered_map<Key, Poll> voxels_;
   std::unordered_map<Key, Poll> blocks_;
-  std::bitset<kColumns> near_;  ///< columns with voxels, to look few up in vain
+  Columns near_;
 };
 
 /// Things that stand alone, seen from above: cells with something on them that touch, also at
@@ -170,9 +198,10 @@ class Things {
  public:
   Things(const PlacedPoints& points, const std::vector<Vote>& votes,
          const std::vector<Layer>& layers)
-      : points_(points), cells_(points, kThingCell, Cell{}, kFarthest, [&layers](std::size_t i) {
-          return layers[i] == Layer::kBody;
-        }) {
+      : points_(points),
+        cells_(CellArea(points, kThingCell, kFarthest,
+                        [&layers](std::size_t i) { return layers[i] == Layer::kBody; }),
+               Cell{}) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (layers[i] != Layer::kBody) continue;
       Cell* cell = cells_.find(cells_.cell_of(points.points[i]));
@@ -265,9 +294,13 @@ bool goes(std::size_t i, Layer layer, const Blocks& blocks, const Things& things
 
 std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
   std::vector<Layer> layers(points.size());
+  const auto origin_z = static_cast<float>(points.origin.z());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float above_all = height_above_all(points, i, grounds);
-    layers[i] = layer_of(grounds.own.height_above(points, i), above_all);
+    const Eigen::Vector3f& point = points.points[i];
+    const float z = origin_z + point.z();
+    const std::size_t column = grounds.area.number_of(grounds.area.cell_of(point));
+    const float above_all = height_above_all(z, column, grounds);
+    layers[i] = layer_of(grounds.own.height_above(z, column), above_all);
   }
   return layers;
 }

@@ -15,8 +15,10 @@ enum class Layer : char { kGround, kRaised, kFoot, kBody, kHigh, kAlone };
 /// The ground below the points of a key frame, as it saw it itself, as it and its neighbours saw
 /// it, and as those saw it that come by further away.
 struct Grounds {
-  explicit Grounds(const PlacedPoints& points) : own(points), near(points), wide(points) {}
+  explicit Grounds(const PlacedPoints& points)
+      : area(ground_area(points)), own(area), near(area), wide(area) {}
 
+  CellArea area;
   LocalGround own;
   LocalGround near;
   LocalGround wide;

@@ -11,6 +11,12 @@ namespace lidar_mapping::map {
 
 constexpr float kFarthest = 300.0F;  // m; points of a key frame further away than this are ignored
 
+/// Cheaper than std::floor, which is a call on processors without SSE 4.1.
+inline int floored(float value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
+}
+
 /// A square of a grid over the map's x-y plane.
 struct CellIndex {
   int x = 0;
@@ -36,18 +42,18 @@ struct PlacedPoints {
   std::vector<Eigen::Vector3f> points;
 };
 
-/// Values by cells, as an array over the cells in which some points lie.
-template <typename Value>
-class CellGrid {
+/// The cells in which some points lie, numbered row by row over a rectangle.
+class CellArea {
  public:
-  /// Points further than `farthest` from the origin have no cell, m.
-  CellGrid(const PlacedPoints& points, double cell, const Value& value, float farthest = kFarthest)
-      : CellGrid(points, cell, value, farthest, [](std::size_t) { return true; }) {}
+  static constexpr std::size_t kOutside = std::numeric_limits<std::size_t>::max();
 
-  /// Over those points that are `taken`, by their number.
+  /// Points further than `farthest` from the origin have no cell, m.
+  CellArea(const PlacedPoints& points, double cell, float farthest)
+      : CellArea(points, cell, farthest, [](std::size_t) { return true; }) {}
+
+  /// Of those points that are `taken`, by their number.
   template <typename Taken>
-  CellGrid(const PlacedPoints& points, double cell, const Value& value, float farthest,
-           const Taken& taken)
+  CellArea(const PlacedPoints& points, double cell, float farthest, const Taken& taken)
       : scale_(static_cast<float>(1.0 / cell)),
         farthest_(farthest),
         origin_{static_cast<int>(std::lround(points.origin.x() / cell)),
@@ -64,36 +70,38 @@ class CellGrid {
     if (last.x == kNoCell.x) return;
     width_ = last.x - first_.x + 1;
     height_ = last.y - first_.y + 1;
-    values_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), value);
   }
 
-  /// Of the map's grid; a cell that find() does not know for points out of reach.
+  /// Of the map's grid; one that is outside for points out of reach.
   CellIndex cell_of(const Eigen::Vector3f& point) const {
     if (!(point.head<2>().cwiseAbs().maxCoeff() < farthest_)) return kNoCell;
     return {floored(point.x() * scale_) + origin_.x, floored(point.y() * scale_) + origin_.y};
   }
-  /// Null where none of the points is in reach.
-  Value* find(const CellIndex& cell) { return contains(cell) ? &values_[at(cell)] : nullptr; }
-  const Value* find(const CellIndex& cell) const {
-    return contains(cell) ? &values_[at(cell)] : nullptr;
+  /// kOutside where none of the points is in reach.
+  std::size_t number_of(const CellIndex& cell) const {
+    const bool is_inside = cell.x >= first_.x && cell.x < first_.x + width_ && cell.y >= first_.y &&
+                           cell.y < first_.y + height_;
+    if (!is_inside) return kOutside;
+    return static_cast<std::size_t>(cell.y - first_.y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(cell.x - first_.x);
+  }
+  /// With so many cells more on each side.
+  CellArea widened(int cells) const {
+    CellArea wide = *this;
+    if (size() == 0) return wide;
+    wide.first_ = {first_.x - cells, first_.y - cells};
+    wide.width_ += 2 * cells;
+    wide.height_ += 2 * cells;
+    return wide;
+  }
+  std::size_t width() const { return static_cast<std::size_t>(width_); }
+  std::size_t size() const {
+    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   }
 
  private:
   static constexpr CellIndex kNoCell = {std::numeric_limits<int>::min() / 2,
                                         std::numeric_limits<int>::min() / 2};
-
-  static int floored(float value) {  // cheaper than std::floor
-    const int truncated = static_cast<int>(value);
-    return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
-  }
-  bool contains(const CellIndex& cell) const {
-    return cell.x >= first_.x && cell.x < first_.x + width_ && cell.y >= first_.y &&
-           cell.y < first_.y + height_;
-  }
-  std::size_t at(const CellIndex& cell) const {
-    return static_cast<std::size_t>(cell.y - first_.y) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(cell.x - first_.x);
-  }
 
   float scale_;
   float farthest_;
@@ -101,6 +109,29 @@ class CellGrid {
   CellIndex first_;
   int width_ = 0;
   int height_ = 0;
+};
+
+/// Values by cells, as an array over an area.
+template <typename Value>
+class CellGrid {
+ public:
+  CellGrid(const CellArea& area, const Value& value) : area_(area), values_(area.size(), value) {}
+
+  const CellArea& area() const { return area_; }
+  CellIndex cell_of(const Eigen::Vector3f& point) const { return area_.cell_of(point); }
+  /// Null outside the area.
+  Value* find(const CellIndex& cell) { return found(values_, area_.number_of(cell)); }
+  const Value* find(const CellIndex& cell) const { return found(values_, area_.number_of(cell)); }
+  Value& at(std::size_t number) { return values_[number]; }
+  const Value& at(std::size_t number) const { return values_[number]; }
+
+ private:
+  template <typename Values>
+  static auto found(Values& values, std::size_t number) {
+    return number == CellArea::kOutside ? nullptr : &values[number];
+  }
+
+  CellArea area_;
   std::vector<Value> values_;
 };
 

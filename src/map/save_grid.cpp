@@ -71,12 +71,15 @@ class Band {
     constexpr float kAll = std::numeric_limits<float>::infinity();
     const PointCloud cloud = points_around(map);
     const PlacedPoints points(cloud, Pose());
-    LocalGround ground(points, kAll);
+    const CellArea area = ground_area(points, kAll);
+    LocalGround ground(area);
     ground.add(ground_columns(points, kAll));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const int row = frame_.row_of(cloud.points[i].y);
       if (row < begin_ || row >= end_) continue;
-      add(at(row, frame_.column_of(cloud.points[i].x)), ground.height_above(points, i), options);
+      const std::size_t column = area.number_of(area.cell_of(points.points[i]));
+      const float z = static_cast<float>(points.origin.z()) + points.points[i].z();
+      add(at(row, frame_.column_of(cloud.points[i].x)), ground.height_above(z, column), options);
     }
   }
 

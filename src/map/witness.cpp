@@ -6,7 +6,8 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kChunk = 1024;  // points that are asked about together
+constexpr std::size_t kChunk = 1024;     // points that are asked about together
+constexpr std::size_t kSettleEvery = 4;  // witnesses; more often costs more than it saves
 
 /// A witness seen from the key frame in question.
 struct Place {
@@ -60,9 +61,9 @@ class Court {
   /// Leaves no case behind.
   void judge(Cases& cases, std::vector<Vote>& votes) {
     for (const Place& place : places_) count_reach(place, cases);
-    for (const Place& place : places_) {
-      settle(cases, votes);
-      ask(place, cases);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (i % kSettleEvery == 0) settle(cases, votes);
+      ask(places_[i], cases);
     }
     settle(cases, votes);
   }
@@ -99,21 +100,23 @@ class Court {
 
   /// The cases in reach of a place, as they are seen from there.
   void gather(const Place& place, const Cases& cases) {
-    const float reach = squared_reach();
-    asked_.clear();
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      const SensorPoints& p = cases.p_base;
-      if (squared(p.x[i], p.y[i], p.z[i], place.p_base_sensor) <= reach) asked_.push_back(i);
+    const std::size_t count = cases.size();
+    asked_.resize(count);
+    seen_.resize(count);
+    std::size_t asked = 0;  // without branches: in or out of reach alternate along a wall
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3f d =
+          Eigen::Vector3f(cases.p_base.x[i], cases.p_base.y[i], cases.p_base.z[i]) -
+          place.p_base_sensor;
+      const Eigen::Vector3f p_sensor = place.R_sensor_base * d;
+      asked_[asked] = static_cast<std::uint32_t>(i);
+      seen_.x[asked] = p_sensor.x();
+      seen_.y[asked] = p_sensor.y();
+      seen_.z[asked] = p_sensor.z();
+      asked += d.x() * d.x() + d.y() * d.y() + d.z() * d.z() <= squared_reach();
     }
-    seen_.resize(asked_.size());
-    for (std::size_t k = 0; k < asked_.size(); ++k) {
-      const std::size_t i = asked_[k];
-      const Eigen::Vector3f p_base(cases.p_base.x[i], cases.p_base.y[i], cases.p_base.z[i]);
-      const Eigen::Vector3f p_sensor = place.R_sensor_base * (p_base - place.p_base_sensor);
-      seen_.x[k] = p_sensor.x();
-      seen_.y[k] = p_sensor.y();
-      seen_.z[k] = p_sensor.z();
-    }
+    asked_.resize(asked);
+    seen_.resize(asked);
   }
 
   /// Takes away the cases that are certain.
@@ -147,7 +150,7 @@ class Court {
 
   const std::vector<Place> places_;
   const MovingObjectsConfig& config_;
-  std::vector<std::size_t> asked_;  ///< what follows is that of one place
+  std::vector<std::uint32_t> asked_;  ///< what follows is that of one place
   SensorPoints seen_;
   Directions directions_;
   std::vector<Sight> sights_;
