@@ -83,7 +83,8 @@ Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, 
 
 MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleration_sigma)
     : linear_{acceleration_sigma, acceleration_sigma},
-      angular_{angular_acceleration_sigma, angular_acceleration_sigma} {}
+      angular_{angular_acceleration_sigma, angular_acceleration_sigma},
+      forecast_(acceleration_sigma) {}
 
 /// Believes a larger acceleration at once, and forgets it slowly.
 void MotionFilter::Agility::see(double acceleration) {
@@ -93,7 +94,7 @@ void MotionFilter::Agility::see(double acceleration) {
 
 void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma) {
   state_ = {pose, Vector6d::Zero()};
-  forecast_ = TwistForecast();
+  forecast_ = TwistForecast(linear_.max_sigma);
   corrected_ = false;
   acceleration_.setZero();
   T_map_corrected_ = pose;
@@ -108,7 +109,7 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
 }
 
 void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance) {
-  forecast_ = TwistForecast();
+  forecast_ = TwistForecast(linear_.max_sigma);
   corrected_ = false;
   acceleration_.setZero();
   T_map_corrected_ = state.T_map_sensor;
@@ -117,8 +118,8 @@ void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance
   covariance_ = covariance;
 }
 
-void MotionFilter::take_forecast() {
-  state_.twist = forecast_.next();
+void MotionFilter::take_forecast(double seconds) {
+  state_.twist = forecast_.next(seconds);
   const Eigen::Vector2d more = kForecastShare * forecast_.variance();
   covariance_.diagonal().segment<3>(6).array() += more[0];
   covariance_.diagonal().segment<3>(9).array() += more[1];
@@ -128,7 +129,8 @@ void MotionFilter::predict(double seconds) {
   step_seconds_ = seconds;
   since_corrected_ += seconds;
   acceleration_.setZero();
-  if (std::exchange(corrected_, false)) take_forecast();
+  const bool forecast = std::exchange(corrected_, false);
+  if (forecast) take_forecast(seconds);
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
   variance.head<3>().setConstant(linear_.sigma * linear_.sigma);
@@ -140,6 +142,7 @@ void MotionFilter::predict(double seconds) {
   covariance_.bottomLeftCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomRightCorner<6, 6>().diagonal() += t2 * variance;
   state_.T_map_sensor = moved(state_.T_map_sensor, state_.twist, seconds);
+  if (forecast) state_.twist = forecast_.at_end_of_next(seconds);
 }
 
 MotionFilter MotionFilter::agile() const {
@@ -217,7 +220,7 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
   if (since_corrected_ != 0.0) {
     const Vector6d mean_twist =
         twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_);
-    forecast_.see(mean_twist, state.twist, observed);
+    forecast_.see(mean_twist, state.twist, since_corrected_, observed);
     // The mean twist is that of half a step ago.
     const Vector6d change = forecast_.steadiness().cwiseProduct(state.twist - mean_twist);
     acceleration_ = believable_acceleration(2.0 / since_corrected_ * change, observed);

@@ -17,6 +17,13 @@ Eigen::Vector2d squared_difference(const Vector6d& a, const Vector6d& b,
   return {(observed * d.head<3>()).squaredNorm() / axes, d.tail<3>().squaredNorm() / 3.0};
 }
 
+/// Which share of something goes on per axis, from its mean product with what came next and its
+/// mean square.
+template <typename Vector>
+Vector share_of(const Vector& continued, const Vector& squared) {
+  return continued.cwiseQuotient(squared.cwiseMax(kTinyChange)).cwiseMax(0.0).cwiseMin(1.0);
+}
+
 }  // namespace
 
 double TwistForecast::mean_share(int part) const {
@@ -35,29 +42,59 @@ void TwistForecast::learn_steadiness(const Vector6d& mean_twist, const Eigen::Ma
   squared_change_ += kLearningRate * (before.cwiseProduct(before) - squared_change_);
 }
 
-Vector6d TwistForecast::steadiness() const {
-  return continued_change_.cwiseQuotient(squared_change_.cwiseMax(kTinyChange))
-      .cwiseMax(0.0)
-      .cwiseMin(1.0);
+Vector6d TwistForecast::steadiness() const { return share_of(continued_change_, squared_change_); }
+
+/// The mean twists of two steps are those of their middles.
+void TwistForecast::learn_acceleration(const Vector6d& mean_twist, double seconds,
+                                       const Eigen::Matrix3d& observed) {
+  const Eigen::Vector3d change = observed * (mean_twist - mean_twist_).head<3>();
+  Eigen::Vector3d now = change / (0.5 * (seconds_ + seconds));
+  if (now.norm() > largest_acceleration_) now.setZero();
+  const Eigen::Vector3d& before = measured_acceleration_;
+  continued_acceleration_ += kLearningRate * (before.cwiseProduct(now) - continued_acceleration_);
+  squared_acceleration_ += kLearningRate * (before.cwiseProduct(before) - squared_acceleration_);
+  measured_acceleration_ = now;
+  const Eigen::Vector3d share = share_of(continued_acceleration_, squared_acceleration_);
+  acceleration_.head<3>() = share.cwiseProduct(now);
 }
 
-void TwistForecast::see(const Vector6d& mean_twist, const Vector6d& sweep_twist,
+void TwistForecast::see(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
                         const Eigen::Matrix3d& observed) {
   if (seen_) {
     const auto learn = [&](const Vector6d& forecast, Eigen::Vector2d& error) {
       error += kLearningRate * (squared_difference(forecast, mean_twist, observed) - error);
     };
-    learn(mean_twist_, mean_error_);
-    learn(sweep_twist_, sweep_error_);
+    learn(from_mean(seconds), mean_error_);
+    learn(from_sweep(seconds), sweep_error_);
     learn_steadiness(mean_twist, observed);
+    learn_acceleration(mean_twist, seconds, observed);
   }
-  const Vector6d to_mean = mean_twist - sweep_twist;
-  next_.head<3>() = sweep_twist.head<3>() + mean_share(0) * (observed * to_mean.head<3>());
-  next_.tail<3>() = sweep_twist.tail<3>() + mean_share(1) * to_mean.tail<3>();
   variance_ = mean_error_.cwiseMin(sweep_error_);
   mean_twist_ = mean_twist;
   sweep_twist_ = sweep_twist;
+  seconds_ = seconds;
+  observed_ = observed;
   seen_ = true;
+}
+
+Vector6d TwistForecast::from_mean(double seconds) const {
+  return mean_twist_ + 0.5 * (seconds_ + seconds) * acceleration_;
+}
+
+Vector6d TwistForecast::from_sweep(double seconds) const {
+  return sweep_twist_ + 0.5 * seconds * acceleration_;
+}
+
+Vector6d TwistForecast::next(double seconds) const {
+  Vector6d next = from_sweep(seconds);
+  const Vector6d to_mean = from_mean(seconds) - next;
+  next.head<3>() += mean_share(0) * (observed_ * to_mean.head<3>());
+  next.tail<3>() += mean_share(1) * to_mean.tail<3>();
+  return next;
+}
+
+Vector6d TwistForecast::at_end_of_next(double seconds) const {
+  return next(seconds) + 0.5 * seconds * acceleration_;
 }
 
 }  // namespace lidar_mapping::front_end

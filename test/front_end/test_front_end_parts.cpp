@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <utility>
 
@@ -243,20 +244,80 @@ TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
   std::mt19937 engine(5);
   std::normal_distribution<double> jitter(0.0, 1.0);
   const Vector6d walk = Vector6d::Constant(1.3);
-  TwistForecast of_a_walk;
-  TwistForecast of_a_car;
+  TwistForecast of_a_walk(10.0);
+  TwistForecast of_a_car(10.0);
   for (int i = 0; i < 200; ++i) {
     const Vector6d gait = Vector6d::NullaryExpr([&](Eigen::Index) { return jitter(engine); });
-    of_a_walk.see(walk + 0.05 * gait, walk + gait);
+    of_a_walk.see(walk + 0.05 * gait, walk + gait, 0.1);
     const Vector6d speeding = Vector6d::Constant(0.1 * i);
-    of_a_car.see(speeding, speeding + Vector6d::Constant(0.05));
+    of_a_car.see(speeding, speeding + Vector6d::Constant(0.05), 0.1);
   }
-  EXPECT_LT((of_a_walk.next() - walk).norm(), 0.3);
-  EXPECT_LT((of_a_car.next() - Vector6d::Constant(19.95)).norm(), 0.05);
+  EXPECT_LT((of_a_walk.next(0.1) - walk).norm(), 0.3);
+  EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(19.95)).tail<3>().norm(), 0.05);
+  EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(20.0)).head<3>().norm(), 1e-6);
+}
+
+TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
+  TwistForecast forecast(10.0);
+  const double acceleration = -2.0;
+  double time = 0.0;
+  for (int step = 0; step < 100; ++step) {
+    const double seconds = step % 3 == 0 ? 0.2 : 0.1;
+    Vector6d mean_twist = Vector6d::Zero();
+    mean_twist[0] = 30.0 + acceleration * (time + 0.5 * seconds);
+    mean_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
+    Vector6d sweep_twist = mean_twist;
+    time += seconds;
+    sweep_twist[0] = 30.0 + acceleration * time;
+    forecast.see(mean_twist, sweep_twist, seconds);
+  }
+  EXPECT_NEAR(forecast.next(0.3)[0], 30.0 + acceleration * (time + 0.15), 1e-6);
+  EXPECT_NEAR(forecast.at_end_of_next(0.3)[0], 30.0 + acceleration * (time + 0.3), 1e-6);
+  // What goes up and down from step to step is not carried on.
+  EXPECT_EQ(forecast.at_end_of_next(0.3)[2], forecast.next(0.3)[2]);
+}
+
+TEST(TwistForecast, TakesAJumpOfThePoseForNoAcceleration) {
+  TwistForecast forecast(10.0);
+  Vector6d twist = Vector6d::Zero();
+  for (int step = 0; step < 30; ++step) {
+    twist[0] = 0.2 * step;
+    forecast.see(twist, twist, 0.1);
+  }
+  EXPECT_GT(forecast.at_end_of_next(0.1)[0] - forecast.next(0.1)[0], 0.09);
+  twist[0] += 3.0;
+  forecast.see(twist, twist, 0.1);
+  EXPECT_EQ(forecast.at_end_of_next(0.1)[0], forecast.next(0.1)[0]);
+}
+
+// A prediction that lags behind pulls each pose back while the vehicle speeds up and ahead while it
+// brakes. Both go into the map and stay, and as the points say less at speed, streets grow.
+TEST(MotionFilter, DoesNotLagBehindABrakingVehicle) {
+  std::mt19937 engine(3);
+  std::normal_distribution<double> noise(0.0, 0.002);
+  constexpr double kStep = 0.1, kAcceleration = -1.8;
+  const Matrix12d covariance = Vector12d::Constant(1e-5).asDiagonal().toDenseMatrix();
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose::Identity(), 15.0, 1.0);
+  std::vector<double> behind;
+  for (int i = 0; i < 60; ++i) {
+    const double t = kStep * i;
+    Vector6d twist = Vector6d::Zero();
+    twist[0] = 14.0 + kAcceleration * t;
+    Pose pose;
+    pose.translation.x() = 14.0 * t + 0.5 * kAcceleration * t * t + noise(engine);
+    if (i > 0) filter.predict(kStep);
+    if (i > 20)
+      behind.push_back(filter.state().T_map_sensor.translation.x() - pose.translation.x());
+    filter.correct({pose, twist}, covariance);
+  }
+  const double mean =
+      std::accumulate(behind.begin(), behind.end(), 0.0) / static_cast<double>(behind.size());
+  EXPECT_LT(std::abs(mean), 0.003) << "0.011 with a constant twist";
 }
 
 TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
-  TwistForecast forecast;
+  TwistForecast forecast(10.0);
   for (int step = 0; step < 100; ++step) {
     // Forward ever faster, up and down from step to step, and not at all about z.
     Vector6d mean_twist = Vector6d::Zero();
@@ -264,7 +325,7 @@ TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
     Vector6d sweep_twist = mean_twist;
     sweep_twist[0] += 0.05;
     sweep_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
-    forecast.see(mean_twist, sweep_twist);
+    forecast.see(mean_twist, sweep_twist, 0.1);
   }
   EXPECT_NEAR(forecast.steadiness()[0], 1.0, 1e-9);
   EXPECT_EQ(forecast.steadiness()[2], 0.0);

@@ -28,9 +28,9 @@ Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
 
 /// Pose and twist of the sensor with their covariance, for perturbed(MotionState, Vector12d). The
-/// twist is constant between scans but for an unknown constant acceleration. How large that may be
-/// follows the drive: a vehicle at rest or on a straight road is held more firmly than one that is
-/// carried around a corner.
+/// twist goes on as forecast (TwistForecast) but for an unknown constant acceleration. How large
+/// that may be follows the drive: a vehicle at rest or on a straight road is held more firmly than
+/// one that is carried around a corner.
 class MotionFilter {
  public:
   /// The largest standard deviations of the acceleration (m/s^2) and the angular one (rad/s^2).
@@ -76,7 +76,7 @@ class MotionFilter {
   registration::MotionBelief belief() const;
 
  private:
-  void take_forecast();
+  void take_forecast(double seconds);
   Vector6d believable_acceleration(const Vector6d& acceleration,
                                    const Eigen::Matrix3d& observed) const;
   void learn_agility(const MotionState& state, const Eigen::Matrix3d& observed);

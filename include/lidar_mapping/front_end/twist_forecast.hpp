@@ -6,15 +6,25 @@ namespace lidar_mapping::front_end {
 
 /// Forecasts the mean twist of the next step. The twist during the last sweep and the mean twist of
 /// the last step both stand for it; whichever has foretold better has the greater say. A vehicle
-/// goes on as it went during the sweep, a walking person as on the average of the last steps.
+/// goes on as it went during the sweep, a walking person as on the average of the last steps. The
+/// velocity goes on changing as it changed from the step before to the last one, as far as such a
+/// change has gone on in the next step of late: all of it while a vehicle brakes, nothing of a
+/// gait.
 class TwistForecast {
  public:
-  /// Takes in a step: its mean twist and that during the sweep at its end. Only velocities that
-  /// `observed`, a projection, lets through were seen. Along others the twist stays what the
-  /// sweep's has been: a pose that is off by a little would drive the mean twist away.
-  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist,
+  /// A change of the velocity by more than `largest_acceleration` (m/s^2) is a jump of the pose: it
+  /// does not go on.
+  explicit TwistForecast(double largest_acceleration)
+      : largest_acceleration_(largest_acceleration) {}
+
+  /// Takes in a step of `seconds`: its mean twist and that during the sweep at its end. Only
+  /// velocities that `observed`, a projection, lets through were seen. Along others the twist stays
+  /// what the sweep's has been: a pose that is off by a little would drive the mean twist away.
+  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
            const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
-  const Vector6d& next() const { return next_; }
+  /// The mean twist of a next step of `seconds`, and the twist at its end.
+  Vector6d next(double seconds) const;
+  Vector6d at_end_of_next(double seconds) const;
   /// Mean squared error per axis of the better one: linear (m/s)^2, angular (rad/s)^2.
   const Eigen::Vector2d& variance() const { return variance_; }
   /// Which share of the change of the twist, per axis, goes on in the next step: 1 for a steady
@@ -23,18 +33,29 @@ class TwistForecast {
 
  private:
   void learn_steadiness(const Vector6d& mean_twist, const Eigen::Matrix3d& observed);
+  void learn_acceleration(const Vector6d& mean_twist, double seconds,
+                          const Eigen::Matrix3d& observed);
+  Vector6d from_mean(double seconds) const;
+  Vector6d from_sweep(double seconds) const;
   /// Say of the last step's mean twist; 0: linear, 1: angular.
   double mean_share(int part) const;
 
+  double largest_acceleration_;
   bool seen_ = false;
   Vector6d mean_twist_ = Vector6d::Zero();
   Vector6d sweep_twist_ = Vector6d::Zero();
-  Vector6d next_ = Vector6d::Zero();
+  double seconds_ = 0.0;  ///< of the last step
+  Eigen::Matrix3d observed_ = Eigen::Matrix3d::Identity();
+  /// Of the twist, per second: with it the twist is taken to go on. The angular part is zero.
+  Vector6d acceleration_ = Vector6d::Zero();
   Eigen::Vector2d mean_error_ = Eigen::Vector2d::Zero();  ///< squared, linear and angular
   Eigen::Vector2d sweep_error_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d variance_ = Eigen::Vector2d::Zero();
   Vector6d continued_change_ = Vector6d::Zero();  ///< of the twist, times the change before
   Vector6d squared_change_ = Vector6d::Zero();
+  Eigen::Vector3d measured_acceleration_ = Eigen::Vector3d::Zero();   ///< m/s^2, the last one
+  Eigen::Vector3d continued_acceleration_ = Eigen::Vector3d::Zero();  ///< times the one before
+  Eigen::Vector3d squared_acceleration_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace lidar_mapping::front_end
