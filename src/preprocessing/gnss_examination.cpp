@@ -24,6 +24,8 @@ constexpr Stamp kStretch = from_seconds(2.0);  // over which speeds of fixes are
 constexpr double kClearWay = 4.0;              // m
 constexpr double kClearOfScatter = 8.0;        // times
 constexpr std::size_t kFewestStretches = 10;
+constexpr double kTooConfident = 3.0;       // times the sigma that the messages say
+constexpr double kUsualAcceleration = 1.0;  // m/s^2, which bends the way from fix to fix, too
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
@@ -98,14 +100,33 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
   }
 }
 
-void judge_scatter(const FixScatter& scatter, InputReport& report) {
-  if (!scatter.is_known() || scatter.measured() < 3.0 * scatter.stated()) return;
-  add_warning(report,
-              text("fixes scatter by %.2f m, their covariance says %.2f m", scatter.measured(),
-                   scatter.stated()),
-              text("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
-                   "beginning",
-                   std::ceil(scatter.measured() * 10.0) / 10.0));
+/// What the messages themselves say, without the floor: horizontal sigma, root mean square of both
+/// axes, m.
+double said_sigma(const std::vector<GnssFix>& fixes) {
+  std::vector<double> sigmas;
+  for (const GnssFix& fix : fixes) {
+    if (fix.covariance) sigmas.push_back(std::sqrt(fix.covariance->topLeftCorner<2, 2>().trace()));
+  }
+  if (sigmas.empty()) return 0.0;
+  const auto median = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), median, sigmas.end());
+  return *median;
+}
+
+void judge_scatter(const FixScatter& scatter, const GnssRecord& gnss,
+                   const PreprocessingConfig& config, InputReport& report) {
+  if (!scatter.is_known()) return;
+  const double said = said_sigma(gnss.good.samples);
+  const double driven = kUsualAcceleration / std::pow(gnss.good.flow.rate(), 2);
+  if (scatter.measured() < kTooConfident * said + driven) return;
+  const bool is_covered = scatter.variance_factor() <= 1.0;
+  add_warning(
+      report,
+      text("fixes scatter by %.2f m, their covariance says %.3f m", scatter.measured(), said),
+      is_covered ? text("gnss_sigma_floor_xy (%.2f m) stands in", config.gnss_sigma_floor_xy)
+                 : text("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
+                        "beginning",
+                        std::ceil(scatter.measured() * 10.0) / 10.0));
 }
 
 /// False if too little is known of the antenna to say anything about the stamps.
@@ -177,7 +198,7 @@ InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const Velocity
   GnssTrack track(config, extrinsics);
   replay(gnss, imu, velocity, extrinsics, config, track);
   const FixScatter& scatter = track.scatter();
-  if (gnss.covariance_known) judge_scatter(scatter, report);
+  if (gnss.covariance_known) judge_scatter(scatter, gnss, config, report);
   const Steps steps = steps_of(local_fixes(gnss, config), speeds_of(velocity),
                                scatter.is_known() ? scatter.measured() : 0.0);
   if (steps.jumps > 0) {

@@ -172,6 +172,13 @@ TEST(InputDoctor, FindsCovariancesThatAreTooConfident) {
   EXPECT_NE(faults.find("scatter"), std::string::npos) << faults;
 }
 
+TEST(InputDoctor, FindsCovariancesThatAreTooConfidentBelowTheFloor) {
+  Messages messages = clean();
+  for (GnssFix& fix : messages.gnss) *fix.covariance *= 0.01;
+  const std::string faults = all_faults(messages);
+  EXPECT_NE(faults.find("gnss_sigma_floor_xy (0.05 m) stands in"), std::string::npos) << faults;
+}
+
 TEST(InputDoctor, FindsTimeOffsets) {
   for (const double offset : {0.05, -0.05}) {
     Messages messages = clean();
