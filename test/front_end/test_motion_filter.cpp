@@ -1,0 +1,224 @@
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/twist_forecast.hpp"
+#include "lidar_mapping/front_end/velocity_trust.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+Pose turned(double angle) { return {exp_so3({0.0, 0.0, angle}), Eigen::Vector3d::Zero()}; }
+
+// F40, F41: the prediction goes on with the velocity for as long as the stamps say.
+TEST(MotionFilter, PredictsWithConstantVelocityOverRealTime) {
+  Vector6d twist;
+  twist << 30.0, 0.0, 0.0, 0.0, 0.0, 0.3;
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 1.0, 1.0);
+  filter.correct({Pose{}, twist}, filter.covariance());
+  filter.predict(0.1);
+  filter.predict(0.25);
+  const Vector6d error = difference(filter.state().T_map_sensor, moved(Pose{}, twist, 0.35));
+  EXPECT_LT(error.norm(), 1e-9);
+}
+
+/// Where a car is that turns in ever faster, `seconds` after it drove straight.
+Pose turning_in(double seconds) {
+  Vector6d mean_twist;
+  mean_twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.5 * seconds;
+  return moved(Pose{}, mean_twist, seconds);
+}
+
+/// What a sweep of a tenth of a second finds there with a twist that is taken to be constant.
+MotionState fitted_turning_in(double seconds) {
+  Vector6d twist;
+  twist << 10.0, 0.0, 0.0, 0.0, 0.0, seconds;
+  Vector6d bend = Vector6d::Zero();
+  bend[5] = 0.1 * 0.1 / 24.0;
+  return {moved(turning_in(seconds), bend, 1.0), twist};
+}
+
+TEST(MotionFilter, TheTwistChangesWithinASweepToo) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(turning_in(0.0), 15.0, 1.0);
+  EXPECT_EQ(filter.acceleration().norm(), 0.0);
+  for (const double seconds : {0.1, 0.2}) {
+    filter.predict(0.1);
+    filter.correct(fitted_turning_in(seconds), filter.covariance());
+  }
+  EXPECT_NEAR(filter.acceleration()[5], 1.0, 0.01);
+  const MotionState at_stamp =
+      steadily_accelerated(filter.state(), filter.acceleration(), 0.1, -0.05);
+  EXPECT_LT(rotation_angle(at_stamp.T_map_sensor.rotation.conjugate() * turning_in(0.15).rotation),
+            1e-5);
+  EXPECT_NEAR(at_stamp.twist[5], 0.15, 1e-3);
+  const Pose straight = moved(filter.state().T_map_sensor, filter.state().twist, -0.05);
+  EXPECT_GT(rotation_angle(straight.rotation.conjugate() * turning_in(0.15).rotation), 5e-4);
+  filter.predict(0.1);
+  EXPECT_EQ(filter.acceleration().norm(), 0.0) << "of a prediction nothing is known";
+}
+
+TEST(MotionFilter, AJumpIsNoAcceleration) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 15.0, 1.0);
+  filter.predict(0.1);
+  filter.correct({turning_in(1.0), Vector6d::Zero()}, filter.covariance());
+  EXPECT_EQ(filter.acceleration().norm(), 0.0);
+}
+
+// F39: a measured speed forward moves the prediction forward.
+TEST(MotionFilter, MeasuredVelocityPointsTheRightWay) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(turned(0.5), 15.0, 1.0);
+  filter.predict(0.1);
+  filter.measure_velocity({10.0, 0.0, 0.0}, 0.1);
+  const Eigen::Vector3d expected(std::cos(0.5), std::sin(0.5), 0.0);
+  EXPECT_LT((filter.state().T_map_sensor.translation - expected).norm(), 0.05);
+  EXPECT_NEAR(filter.state().twist[0], 10.0, 0.1);
+}
+
+TEST(MotionFilter, CovarianceStaysValid) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 15.0, 1.0);
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> step(0.01, 2.0);
+  for (int i = 0; i < 200; ++i) {
+    filter.predict(step(engine));
+    filter.measure_rate({0.1, 0.0, 0.2}, 0.1);
+    filter.measure_velocity_along(Eigen::Vector3d(0.6, 0.8, 0.0), 3.0, 0.1);
+    const Covariance6 covariance =
+        pose_covariance(filter.covariance(), filter.state().twist, -0.05);
+    ASSERT_TRUE(is_valid_covariance(0.5 * (covariance + covariance.transpose()))) << i;
+  }
+}
+
+TEST(TwistBetween, IsTheInverseOfMoved) {
+  Vector6d twist;
+  twist << 12.0, -0.5, 0.3, 0.2, -0.4, 1.5;
+  const Pose a = moved(turned(0.7), twist, 3.0);
+  EXPECT_LT((twist_between(a, moved(a, twist, 0.4), 0.4) - twist).norm(), 1e-9);
+}
+
+TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
+  std::mt19937 engine(5);
+  std::normal_distribution<double> jitter(0.0, 1.0);
+  const Vector6d walk = Vector6d::Constant(1.3);
+  TwistForecast of_a_walk(10.0);
+  TwistForecast of_a_car(10.0);
+  for (int i = 0; i < 200; ++i) {
+    const Vector6d gait = Vector6d::NullaryExpr([&](Eigen::Index) { return jitter(engine); });
+    of_a_walk.see(walk + 0.05 * gait, walk + gait, 0.1);
+    const Vector6d speeding = Vector6d::Constant(0.1 * i);
+    of_a_car.see(speeding, speeding + Vector6d::Constant(0.05), 0.1);
+  }
+  EXPECT_LT((of_a_walk.next(0.1) - walk).norm(), 0.3);
+  EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(19.95)).tail<3>().norm(), 0.05);
+  EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(20.0)).head<3>().norm(), 1e-6);
+}
+
+TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
+  TwistForecast forecast(10.0);
+  const double acceleration = -2.0;
+  double time = 0.0;
+  for (int step = 0; step < 100; ++step) {
+    const double seconds = step % 3 == 0 ? 0.2 : 0.1;
+    Vector6d mean_twist = Vector6d::Zero();
+    mean_twist[0] = 30.0 + acceleration * (time + 0.5 * seconds);
+    mean_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
+    Vector6d sweep_twist = mean_twist;
+    time += seconds;
+    sweep_twist[0] = 30.0 + acceleration * time;
+    forecast.see(mean_twist, sweep_twist, seconds);
+  }
+  EXPECT_NEAR(forecast.next(0.3)[0], 30.0 + acceleration * (time + 0.15), 1e-6);
+  EXPECT_NEAR(forecast.at_end_of_next(0.3)[0], 30.0 + acceleration * (time + 0.3), 1e-6);
+  // What goes up and down from step to step is not carried on.
+  EXPECT_EQ(forecast.at_end_of_next(0.3)[2], forecast.next(0.3)[2]);
+}
+
+TEST(TwistForecast, TakesAJumpOfThePoseForNoAcceleration) {
+  TwistForecast forecast(10.0);
+  Vector6d twist = Vector6d::Zero();
+  for (int step = 0; step < 30; ++step) {
+    twist[0] = 0.2 * step;
+    forecast.see(twist, twist, 0.1);
+  }
+  EXPECT_GT(forecast.at_end_of_next(0.1)[0] - forecast.next(0.1)[0], 0.09);
+  twist[0] += 3.0;
+  forecast.see(twist, twist, 0.1);
+  EXPECT_EQ(forecast.at_end_of_next(0.1)[0], forecast.next(0.1)[0]);
+}
+
+// A prediction that lags behind pulls each pose back while the vehicle speeds up and ahead while it
+// brakes. Both go into the map and stay, and as the points say less at speed, streets grow.
+TEST(MotionFilter, DoesNotLagBehindABrakingVehicle) {
+  std::mt19937 engine(3);
+  std::normal_distribution<double> noise(0.0, 0.002);
+  constexpr double kStep = 0.1, kAcceleration = -1.8;
+  const Matrix12d covariance = Vector12d::Constant(1e-5).asDiagonal().toDenseMatrix();
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose::Identity(), 15.0, 1.0);
+  std::vector<double> behind;
+  for (int i = 0; i < 60; ++i) {
+    const double t = kStep * i;
+    Vector6d twist = Vector6d::Zero();
+    twist[0] = 14.0 + kAcceleration * t;
+    Pose pose;
+    pose.translation.x() = 14.0 * t + 0.5 * kAcceleration * t * t + noise(engine);
+    if (i > 0) filter.predict(kStep);
+    if (i > 20)
+      behind.push_back(filter.state().T_map_sensor.translation.x() - pose.translation.x());
+    filter.correct({pose, twist}, covariance);
+  }
+  const double mean =
+      std::accumulate(behind.begin(), behind.end(), 0.0) / static_cast<double>(behind.size());
+  EXPECT_LT(std::abs(mean), 0.003) << "0.011 with a constant twist";
+}
+
+TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
+  TwistForecast forecast(10.0);
+  for (int step = 0; step < 100; ++step) {
+    // Forward ever faster, up and down from step to step, and not at all about z.
+    Vector6d mean_twist = Vector6d::Zero();
+    mean_twist[0] = 0.1 * step;
+    Vector6d sweep_twist = mean_twist;
+    sweep_twist[0] += 0.05;
+    sweep_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
+    forecast.see(mean_twist, sweep_twist, 0.1);
+  }
+  EXPECT_NEAR(forecast.steadiness()[0], 1.0, 1e-9);
+  EXPECT_EQ(forecast.steadiness()[2], 0.0);
+  EXPECT_EQ(forecast.steadiness()[5], 0.0);
+}
+
+TEST(VelocityTrust, LearnsTheScaleAndWhatTheVelocityIsWorth) {
+  std::mt19937 engine(5);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  VelocityTrust wheels;
+  VelocityTrust dead;
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d velocity(10.0, 0.0, 0.0);
+    wheels.see(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);
+    dead.see(Eigen::Vector3d::Zero(), velocity);
+  }
+  EXPECT_NEAR(wheels.corrected({10.2, 0.0, 0.0}).x(), 10.0, 0.03);
+  EXPECT_NEAR(wheels.usual_sigma(), 0.08, 0.03);
+  EXPECT_GT(dead.cautious_sigma(0.0), 5.0);
+  EXPECT_GT(dead.usual_sigma(), 3.0);
+}
+
+// F47: long chains of motions stay rotations.
+TEST(Moved, StaysARotationOverAHundredThousandSteps) {
+  Vector6d twist;
+  twist << 10.0, 0.0, 0.0, 0.01, -0.02, 0.3;
+  Pose pose;
+  for (int i = 0; i < 100000; ++i) pose = moved(pose, twist, 0.1);
+  EXPECT_NEAR(pose.rotation_matrix().determinant(), 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
