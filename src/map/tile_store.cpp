@@ -6,8 +6,6 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kUsualTiles = 8;  // in which most points of a cloud lie
-
 bool is_finite(const Point& point) { return point.position().allFinite(); }
 
 }  // namespace
@@ -73,7 +71,6 @@ TileStore::Sorted TileStore::sorted_into_tiles(const PlacedCloud& cloud,
     if (last == sorted.end() || !(last->first == cell.tile)) {
       if (only != nullptr && only->count(cell.tile) == 0) continue;
       last = sorted.try_emplace(cell.tile).first;
-      if (last->second.empty()) last->second.reserve(cloud.cloud->size() / kUsualTiles);
     }
     const Eigen::Vector3f local = (p_map - grid_.origin_of(cell.tile)).cast<float>();
     last->second.push_back({cell.voxel, {local.x(), local.y(), local.z(), point.intensity}});

@@ -101,19 +101,19 @@ class Court {
   /// The cases in reach of a place, as they are seen from there.
   void gather(const Place& place, const Cases& cases) {
     const std::size_t count = cases.size();
+    const SensorPoints& p = cases.p_base;
+    const Eigen::Vector3f c = place.p_base_sensor;
     asked_.resize(count);
     seen_.resize(count);
     std::size_t asked = 0;  // without branches: in or out of reach alternate along a wall
     for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3f d =
-          Eigen::Vector3f(cases.p_base.x[i], cases.p_base.y[i], cases.p_base.z[i]) -
-          place.p_base_sensor;
-      const Eigen::Vector3f p_sensor = place.R_sensor_base * d;
+      const Eigen::Vector3f p_sensor =
+          place.R_sensor_base * (Eigen::Vector3f(p.x[i], p.y[i], p.z[i]) - c);
       asked_[asked] = static_cast<std::uint32_t>(i);
       seen_.x[asked] = p_sensor.x();
       seen_.y[asked] = p_sensor.y();
       seen_.z[asked] = p_sensor.z();
-      asked += d.x() * d.x() + d.y() * d.y() + d.z() * d.z() <= squared_reach();
+      asked += squared(p.x[i], p.y[i], p.z[i], c) <= squared_reach();
     }
     asked_.resize(asked);
     seen_.resize(asked);

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "lidar_mapping/preprocessing/gnss_track.hpp"
 #include "lidar_mapping/preprocessing/local_frame.hpp"
@@ -26,6 +28,13 @@ constexpr double kClearOfScatter = 8.0;        // times
 constexpr std::size_t kFewestStretches = 10;
 constexpr double kTooConfident = 3.0;       // times the sigma that the messages say
 constexpr double kUsualAcceleration = 1.0;  // m/s^2, which bends the way from fix to fix, too
+
+/// Of at least one value.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
@@ -107,10 +116,7 @@ double said_sigma(const std::vector<GnssFix>& fixes) {
   for (const GnssFix& fix : fixes) {
     if (fix.covariance) sigmas.push_back(std::sqrt(fix.covariance->topLeftCorner<2, 2>().trace()));
   }
-  if (sigmas.empty()) return 0.0;
-  const auto median = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), median, sigmas.end());
-  return *median;
+  return sigmas.empty() ? 0.0 : median(std::move(sigmas));
 }
 
 void judge_scatter(const FixScatter& scatter, const GnssRecord& gnss,
@@ -167,9 +173,7 @@ std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssReco
     if (way > std::max(kClearWay, clear) && speed > 0.0) scales.push_back(speed * seconds / way);
   }
   if (scales.size() < kFewestStretches) return std::nullopt;
-  const auto median = scales.begin() + static_cast<long>(scales.size() / 2);
-  std::nth_element(scales.begin(), median, scales.end());
-  return *median;
+  return median(std::move(scales));
 }
 
 InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
