@@ -4,6 +4,8 @@
 #include <cctype>
 #include <sstream>
 
+#include <CLI/CLI.hpp>
+
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/warning_limiter.hpp"
 
@@ -57,6 +59,28 @@ std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequ
   publisher_ = publisher;
   newest_ = sequence;
   return missing;
+}
+
+NodeOptions start_ros(int argc, char** argv, const std::string& name, const std::string& stage) {
+  ros::init(argc, argv, name);
+  CLI::App app("Topics, services and tf of " + name + " are in README.md. Parameters are set as " +
+                   "_name:=value; `rosrun lidar_mapping describe_config " + stage +
+                   "` prints them.",
+               name);
+  NodeOptions options;
+  bool stay = false;
+  app.add_flag("--print-config", options.print_config,
+               "Print the configuration in force as YAML and end (asks the ROS master)");
+  app.add_flag("--stay-on-error", stay,
+               "If the node cannot start, say why and do nothing until asked to end, for launch "
+               "files that would start it again");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    options.exit_status = app.exit(error);
+  }
+  if (stay) options.on_error = OnError::kStay;
+  return options;
 }
 
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error) {

@@ -40,6 +40,19 @@ TEST_P(EveryNode, PrintsItsConfigurationInForce) {
   EXPECT_NE(node.output().find("base_frame: \"vehicle\""), std::string::npos) << node.output();
 }
 
+TEST_P(EveryNode, ExplainsItselfWithoutAMaster) {
+  NodeProcess node(name(), {"--help", "__master:=http://localhost:1"});
+  EXPECT_EQ(node.wait(), 0);
+  EXPECT_NE(node.output().find("--print-config"), std::string::npos) << node.output();
+  EXPECT_NE(node.output().find("describe_config"), std::string::npos) << node.output();
+}
+
+TEST_P(EveryNode, EndsForAnOptionThatItDoesNotKnow) {
+  NodeProcess node(name(), {"--print-confg"});
+  EXPECT_NE(node.wait(), 0);
+  EXPECT_NE(node.output().find("--print-confg"), std::string::npos) << node.output();
+}
+
 // F91: frames, topics and paths were compiled in; two instances could not run beside each other.
 TEST_P(EveryNode, StartsInTwoNamespacesAtOnceAndEndsWhenAsked) {
   NodeProcess one(name(), {"__ns:=one"});

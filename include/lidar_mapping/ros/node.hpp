@@ -1,11 +1,10 @@
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include <ros/ros.h>
 
@@ -83,31 +82,38 @@ enum class OnError { kEnd, kStay };
 /// configuration and files are said once, a line each. Returns the program's exit status.
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error);
 
+/// What stands on a node's command line beside ROS's own words.
+struct NodeOptions {
+  bool print_config = false;
+  OnError on_error = OnError::kEnd;
+  std::optional<int> exit_status;  ///< with which the program ends at once: help, a wrong option
+};
+
+/// Starts roscpp as `name`, which takes ROS's own words off the command line, and reads the rest.
+/// Needs no ROS master.
+NodeOptions start_ros(int argc, char** argv, const std::string& name, const std::string& stage);
+
 /// The body of a node's main. `Node` has a type `Config` with a schema and the constructor
 /// Node(const Config&, NodeContext&); `stage` is the name of its group of parameters. The node has
-/// the program's name. With --print-config the configuration in force is printed instead;
-/// --stay-on-error is for launch files that start a node again that has ended.
+/// the program's name.
 template <typename Node>
 int run_node(int argc, char** argv, const std::string& stage) {
   using Config = typename Node::Config;
-  ros::init(argc, argv, std::filesystem::path(argv[0]).filename().string());
-  const auto has_option = [words =
-                               std::vector<std::string>(argv, argv + argc)](const auto& option) {
-    return std::find(words.begin(), words.end(), option) != words.end();
-  };
-  const bool print = has_option("--print-config");
+  const std::string name = std::filesystem::path(argv[0]).filename().string();
+  const NodeOptions options = start_ros(argc, argv, name, stage);
+  if (options.exit_status) return *options.exit_status;
   const auto make = [&](NodeContext& context) -> std::shared_ptr<void> {
     const auto config =
         config::load<Config>(parameter_sources(context.node, context.private_node, stage));
     const std::string yaml = config::to_yaml(config);
-    if (print) {
+    if (options.print_config) {
       std::fputs(yaml.c_str(), stdout);
       return nullptr;
     }
     publish_effective_configuration(context.node, stage, yaml);
     return std::make_shared<Node>(config, context);
   };
-  return run(make, has_option("--stay-on-error") ? OnError::kStay : OnError::kEnd);
+  return run(make, options.on_error);
 }
 
 }  // namespace lidar_mapping::ros_border
