@@ -1,159 +1,134 @@
 #include "range_image.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace lidar_mapping::map {
 
 namespace {
 
-constexpr float kPi = static_cast<float>(M_PI);
-constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kPi);
-constexpr float kRowsPerRadian = 2.0F * 180.0F / kPi;
-constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr float kMargin = 0.2F;           // m
-constexpr float kMarginPerRange = 0.02F;  // m per m
+constexpr std::size_t kRow = 2 * kRangeImageColumns;  // values of a row, two a pixel
+constexpr std::uint16_t kNothing = 65'535;
 
 int wrapped(int column) {
   if (column < 0) return column + kRangeImageColumns;
   return column < kRangeImageColumns ? column : column - kRangeImageColumns;
 }
 
-/// atan2 to 2e-5 rad, by a polynomial: a pixel is three hundred times as wide. Without branches, so
-/// that loops over it become vectors.
-inline float angle_of(float y, float x) {
-  const float along = std::abs(x);
-  const float across = std::abs(y);
-  const float longer = std::max(std::max(along, across), std::numeric_limits<float>::min());
-  const float a = std::min(along, across) / longer;
-  const float s = a * a;
-  const float low =
-      a * (0.99997726F +
-           s * (-0.33262347F +
-                s * (0.19354346F + s * (-0.11643287F + s * (0.05265332F - s * 0.01172120F)))));
-  const float high = 0.5F * kPi - low;
-  const float half = across > along ? high : low;
-  const float other = kPi - half;
-  const float angle = x < 0.0F ? other : half;
-  return y < 0.0F ? -angle : angle;
+/// Points in directions from a sensor, one array for each quantity.
+struct Directions {
+  Directions(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
+    std::vector<float> x(cloud.size()), y(cloud.size()), z(cloud.size());
+    std::size_t count = 0;
+    for (const Point& point : cloud.points) {
+      if (!point.position().allFinite()) continue;
+      const Eigen::Vector3f p_sensor = point.position() - sensor;
+      x[count] = p_sensor.x();
+      y[count] = p_sensor.y();
+      z[count++] = p_sensor.z();
+    }
+    for (std::vector<int>* values : {&columns, &rows, &ranges}) values->resize(count);
+    sight_kernels().project({x.data(), y.data(), z.data()}, count, columns.data(), rows.data(),
+                            ranges.data());
+  }
+
+  std::vector<int> columns, rows, ranges;
+};
+
+/// Ranges by pixel while an image is made: the nearest, and the farthest as what it lacks to
+/// kNothing, so that the smallest value counts of both.
+struct Lows {
+  explicit Lows(int rows) : values(static_cast<std::size_t>(rows) * kRow, kNothing) {}
+
+  void take(std::size_t pixel, int range) {
+    const auto value = static_cast<std::uint16_t>(range);
+    values[2 * pixel] = std::min(values[2 * pixel], value);
+    const auto lack = static_cast<std::uint16_t>(kNothing - value);
+    values[2 * pixel + 1] = std::min(values[2 * pixel + 1], lack);
+  }
+  bool empty(std::size_t pixel) const { return values[2 * pixel] == kNothing; }
+  Seen seen(std::size_t pixel) const {
+    return static_cast<Seen>(kNothing - values[2 * pixel + 1]) << 16U | values[2 * pixel];
+  }
+
+  std::vector<std::uint16_t> values;
+};
+
+/// Of the 3x3 window around each pixel.
+Lows windows_of(const Lows& own, int rows) {
+  Lows windows(rows);
+  std::vector<std::uint16_t> columns(kRow + 4);  // of three rows, with a pixel at either end
+  for (int row = 0; row < rows; ++row) {
+    const auto values = [&](int r) {
+      return own.values.data() + static_cast<std::size_t>(std::clamp(r, 0, rows - 1)) * kRow;
+    };
+    const std::uint16_t* above = values(row - 1);
+    const std::uint16_t* here = values(row);
+    const std::uint16_t* below = values(row + 1);
+    std::uint16_t* column = columns.data() + 2;
+    for (std::size_t i = 0; i < kRow; ++i)
+      column[i] = std::min(std::min(above[i], below[i]), here[i]);
+    std::copy_n(column + kRow - 2, 2, columns.data());
+    std::copy_n(column, 2, column + kRow);
+    std::uint16_t* window = windows.values.data() + static_cast<std::size_t>(row) * kRow;
+    for (std::size_t i = 0; i < kRow; ++i) {
+      const std::uint16_t* left = columns.data() + i;
+      window[i] = std::min(std::min(left[0], left[2]), left[4]);
+    }
+  }
+  return windows;
+}
+
+/// What lies between the two was not hit: a pixel on an edge sees a thing and a wall behind it.
+bool is_within(int range, int nearest, int farthest) {
+  return range >= nearest && range <= farthest;
 }
 
 }  // namespace
 
-void SensorPoints::resize(std::size_t size) {
-  for (std::vector<float>* values : {&x, &y, &z}) values->resize(size);
-}
-
-void Directions::project(const SensorPoints& points) {
-  const std::size_t count = points.size();
-  columns.resize(count);
-  rows.resize(count);
-  ranges.resize(count);
-  const float* x = points.x.data();
-  const float* y = points.y.data();
-  const float* z = points.z.data();
-  int* column = columns.data();
-  int* row = rows.data();
-  float* range = ranges.data();
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < count; ++i) {
-    const float squared = x[i] * x[i] + y[i] * y[i];
-    const float azimuth = angle_of(y[i], x[i]) + kPi;
-    const float elevation =
-        angle_of(z[i], std::sqrt(squared)) + kPi;  // above zero: truncated below
-    const int turned = static_cast<int>(azimuth * kColumnsPerRadian);
-    column[i] = turned < kRangeImageColumns ? turned : turned - kRangeImageColumns;
-    row[i] = static_cast<int>(elevation * kRowsPerRadian);
-    range[i] = std::sqrt(squared + z[i] * z[i]);
-  }
-}
-
 RangeImage::RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
-  SensorPoints seen;
-  seen.resize(cloud.size());
-  std::size_t count = 0;
-  for (const Point& point : cloud.points) {
-    if (!point.position().allFinite()) continue;
-    const Eigen::Vector3f p_sensor = point.position() - sensor;
-    seen.x[count] = p_sensor.x();
-    seen.y[count] = p_sensor.y();
-    seen.z[count++] = p_sensor.z();
+  const Directions directions(cloud, sensor);
+  const std::vector<int>& rows = directions.rows;
+  if (!rows.empty()) {
+    const auto [low, high] = std::minmax_element(rows.begin(), rows.end());
+    first_row_ = *low;
+    rows_ = *high - *low + 1;
   }
-  if (count == 0) return;
-  seen.resize(count);
-  Directions directions;
-  directions.project(seen);
-  const auto [low, high] = std::minmax_element(directions.rows.begin(), directions.rows.end());
-  first_row_ = *low;
-  rows_ = *high - *low + 1;
-  constexpr Seen kEmpty = {kNothing, 0.0F};
-  pixels_.assign(static_cast<std::size_t>(rows_) * kRangeImageColumns, {kEmpty, kEmpty});
+  Lows own(rows_);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    own.take(pixel_at(directions.columns[i], rows[i] - first_row_), directions.ranges[i]);
+  }
+  const Lows windows = windows_of(own, rows_);
+  const std::size_t count = own.values.size() / 2;
+  pixels_.resize(count);
+  windows_.resize(count + 1, kSeenHidden);
   for (std::size_t i = 0; i < count; ++i) {
-    Seen& own = pixels_[at(directions.columns[i], directions.rows[i] - first_row_)].own;
-    own.nearest = std::min(own.nearest, directions.ranges[i]);
-    own.farthest = std::max(own.farthest, directions.ranges[i]);
+    pixels_[i] = own.seen(i);
+    if (!own.empty(i)) windows_[i] = windows.seen(i);
   }
-  close_window();
 }
 
-void RangeImage::look(const Directions& directions, std::vector<Sight>& sights) const {
-  constexpr std::size_t kAhead = 12;  // pixels that are on their way from memory
-  const auto row = [&](std::size_t i) { return directions.rows[i] - first_row_; };
-  const std::size_t count = directions.rows.size();
-  sights.assign(count, Sight::kUnknown);
-  if (rows_ == 0) return;
+void RangeImage::look(const Aims& aims, std::size_t count, const Counts& counts,
+                      int* unclear) const {
+  sight_kernels().look(windows_.data(), aims, count, counts, unclear);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t next = std::min(i + kAhead, count - 1);
-    const int next_row = std::clamp(row(next), 0, rows_ - 1);
-    __builtin_prefetch(pixels_.data() + at(directions.columns[next], next_row));
-    sights[i] = sight_of(directions.columns[i], row(i), directions.ranges[i]);
+    if (unclear[i] == 0) continue;
+    if (is_hit_around(aims.pixels[i], aims.nearest[i], aims.farthest[i])) ++counts.hits[i];
   }
 }
 
-Sight RangeImage::sight_of(int column, int row, float range) const {
-  if (row < 0 || row >= rows_) return Sight::kUnknown;
-  const Pixel& pixel = pixels_[at(column, row)];
-  if (pixel.own.nearest == kNothing) return Sight::kUnknown;
-  const float margin = kMargin + kMarginPerRange * range;
-  const float nearest = range - margin;
-  const float farthest = range + margin;
-  if (pixel.around.nearest > farthest) return Sight::kSeenThrough;
-  if (pixel.around.farthest < nearest) return Sight::kUnknown;
-  if (is_within(pixel.own, nearest, farthest) || is_hit_around(column, row, nearest, farthest))
-    return Sight::kHit;
-  return Sight::kUnknown;
-}
-
-bool RangeImage::is_hit_around(int column, int row, float nearest, float farthest) const {
+bool RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
+  const int row = pixel / kRangeImageColumns;
+  const int column = pixel % kRangeImageColumns;
   for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
     for (int c = -1; c <= 1; ++c) {
-      if (is_within(pixels_[at(wrapped(column + c), r)].own, nearest, farthest)) return true;
+      const Seen seen = pixels_[pixel_at(wrapped(column + c), r)];
+      if (is_within(static_cast<int>(seen & 0xFFFFU), nearest, farthest) ||
+          is_within(static_cast<int>(seen >> 16U), nearest, farthest)) {
+        return true;
+      }
     }
   }
   return false;
-}
-
-void RangeImage::close_window() {
-  const auto join = [](Seen& to, const Seen& from) {
-    to.nearest = std::min(to.nearest, from.nearest);
-    to.farthest = std::max(to.farthest, from.farthest);
-  };
-  std::vector<Seen> columns(kRangeImageColumns);  // of three rows
-  for (int row = 0; row < rows_; ++row) {
-    for (int column = 0; column < kRangeImageColumns; ++column) {
-      Seen& joined = columns[static_cast<std::size_t>(column)] = {kNothing, 0.0F};
-      for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
-        join(joined, pixels_[at(column, r)].own);
-      }
-    }
-    for (int column = 0; column < kRangeImageColumns; ++column) {
-      for (int c = -1; c <= 1; ++c) {
-        join(pixels_[at(column, row)].around,
-             columns[static_cast<std::size_t>(wrapped(column + c))]);
-      }
-    }
-  }
 }
 
 }  // namespace lidar_mapping::map

@@ -10,7 +10,7 @@ namespace lidar_mapping::map {
 /// How sure removal has to be (doc/map.md).
 struct MovingObjectsConfig {
   int neighbours = 30;     ///< key frames before and after that vote; not other passes of the place
-  double reach = 40.0;     ///< m, they vote on points this near to them
+  double reach = 40.0;     ///< m, they vote on points this near to them; at most 100
   int min_votes = 2;       ///< a point goes only if so many saw through it ...
   double min_share = 0.7;  ///< ... and they are this share of all that saw its place
   int threads = 0;
