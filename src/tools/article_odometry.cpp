@@ -28,7 +28,7 @@ constexpr double kTransformationEpsilon = 0.01;
 constexpr int kMaxIterations = 30;
 
 Cloud::Ptr converted(const PointCloud& cloud) {
-  const auto result = std::make_shared<Cloud>();
+  const Cloud::Ptr result(new Cloud);
   result->reserve(cloud.size());
   for (const Point& p : cloud.points) result->push_back(pcl::PointXYZ(p.x, p.y, p.z));
   result->is_dense = false;
@@ -41,7 +41,7 @@ Cloud::Ptr thinned(const Cloud::Ptr& cloud, float leaf) {
   pcl::VoxelGrid<pcl::PointXYZ> filter;
   filter.setInputCloud(cloud);
   filter.setLeafSize(leaf, leaf, leaf);
-  const auto result = std::make_shared<Cloud>();
+  const Cloud::Ptr result(new Cloud);
   filter.filter(*result);
   return result;
 }
@@ -100,7 +100,7 @@ class ArticleOdometry::Impl {
   void keep(Frame frame) {
     window_.push_back(std::move(frame));
     if (window_.size() > kWindow) window_.pop_front();
-    const auto local_map = std::make_shared<Cloud>();
+    const Cloud::Ptr local_map(new Cloud);
     for (const Frame& kept : window_) {
       Cloud placed;
       pcl::transformPointCloud(*kept.cloud, placed, kept.pose);

@@ -14,7 +14,6 @@ namespace lidar_mapping::tools {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using front_end::TrackingState;
 
 double mean_of(const std::vector<double>& values) {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/stamp.hpp"
 #include "lidar_mapping/evaluation/association.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
+
+#include "json.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -30,9 +30,9 @@ double cpu_time_ms();
 double peak_memory_mb();
 
 /// scans, mean_ms, median_ms, p95_ms, max_ms, cpu_ms, step_ms, degenerate, rescued and the like.
-nlohmann::ordered_json figures_of(const std::vector<ScanRecord>& records);
+Json figures_of(const std::vector<ScanRecord>& records);
 /// translation_error_percent, rotation_error_deg_per_100m, ape_rmse, segment_lengths_m.
-nlohmann::ordered_json errors_of(const std::vector<evaluation::PosePair>& pairs);
+Json errors_of(const std::vector<evaluation::PosePair>& pairs);
 
 /// A line per scan.
 std::string to_csv(const std::vector<ScanRecord>& records);

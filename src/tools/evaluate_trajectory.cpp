@@ -7,18 +7,18 @@
 #include <iostream>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
+#include "json.hpp"
 #include "number_checks.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
+using tools::Json;
 using namespace lidar_mapping::evaluation;
-using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string truth;

@@ -17,9 +17,8 @@ std::string line(const char* format, Values... values) {
 
 }  // namespace
 
-nlohmann::ordered_json mapping_figures(const pipeline::PipelineReport& report, double driven,
-                                       const RunTimes& times) {
-  nlohmann::ordered_json json;
+Json mapping_figures(const pipeline::PipelineReport& report, double driven, const RunTimes& times) {
+  Json json;
   json["driven_seconds"] = driven;
   json["scans"] = report.progress.scans;
   json["key_frames"] = report.optimization.key_frames;
@@ -36,7 +35,7 @@ nlohmann::ordered_json mapping_figures(const pipeline::PipelineReport& report, d
   return json;
 }
 
-std::string to_text(const nlohmann::ordered_json& figures) {
+std::string to_text(const Json& figures) {
   const auto& speed = figures["times_real_time"];
   std::string text =
       line("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\nprocessor seconds:",

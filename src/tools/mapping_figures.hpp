@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "lidar_mapping/pipeline/pipeline.hpp"
+
+#include "json.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -18,10 +18,9 @@ struct RunTimes {
 };
 
 /// Times, counts and memory of this process, after `driven` seconds of driving.
-nlohmann::ordered_json mapping_figures(const pipeline::PipelineReport& report, double driven,
-                                       const RunTimes& times);
+Json mapping_figures(const pipeline::PipelineReport& report, double driven, const RunTimes& times);
 
 /// The same in lines for people.
-std::string to_text(const nlohmann::ordered_json& figures);
+std::string to_text(const Json& figures);
 
 }  // namespace lidar_mapping::tools

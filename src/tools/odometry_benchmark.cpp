@@ -15,14 +15,15 @@
 
 #include "article_odometry.hpp"
 #include "benchmark_figures.hpp"
+#include "json.hpp"
 #include "number_checks.hpp"
 #include "recording.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
+using tools::Json;
 using tools::ScanRecord;
-using Json = nlohmann::ordered_json;
 
 /// The name of no method but of a whole front end, that of the articles (article_odometry.hpp).
 const std::string kArticles = "LIDAR_LOCALIZATION";

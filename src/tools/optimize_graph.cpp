@@ -5,18 +5,19 @@
 #include <fstream>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 #include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/back_end/graph_optimizer.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
+#include "json.hpp"
 #include "number_checks.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
+using tools::Json;
 using namespace lidar_mapping::back_end;
 
 constexpr const char* kGraduated = "graduated";
@@ -57,8 +58,8 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-nlohmann::json refused_edges(const PoseGraph& graph, const GraphReport& report) {
-  nlohmann::json list = nlohmann::json::array();
+Json refused_edges(const PoseGraph& graph, const GraphReport& report) {
+  Json list = Json::array();
   for (const std::size_t i : report.refused) {
     list.push_back({{"edge", i}, {"from", graph.edges[i].from}, {"to", graph.edges[i].to}});
   }
@@ -67,18 +68,18 @@ nlohmann::json refused_edges(const PoseGraph& graph, const GraphReport& report) 
 
 void write_json(const std::string& path, const G2oFile& file, const GraphReport& report,
                 double seconds) {
-  const nlohmann::json document = {{"nodes", file.graph.nodes.size()},
-                                   {"edges", file.graph.edges.size()},
-                                   {"initial_cost", report.initial_cost},
-                                   {"start", report.start},
-                                   {"start_cost", report.start_cost},
-                                   {"final_cost", report.final_cost},
-                                   {"iterations", report.iterations},
-                                   {"seconds", seconds},
-                                   {"peak_memory_mb", peak_memory_mb()},
-                                   {"success", report.success},
-                                   {"notes", file.notes},
-                                   {"refused_edges", refused_edges(file.graph, report)}};
+  const Json document = {{"nodes", file.graph.nodes.size()},
+                         {"edges", file.graph.edges.size()},
+                         {"initial_cost", report.initial_cost},
+                         {"start", report.start},
+                         {"start_cost", report.start_cost},
+                         {"final_cost", report.final_cost},
+                         {"iterations", report.iterations},
+                         {"seconds", seconds},
+                         {"peak_memory_mb", peak_memory_mb()},
+                         {"success", report.success},
+                         {"notes", file.notes},
+                         {"refused_edges", refused_edges(file.graph, report)}};
   std::ofstream stream(path);
   stream << document.dump(2) << '\n';
   if (!stream) throw FileError("cannot write " + path + "; check the folder and the free space");

@@ -5,16 +5,14 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "lidar_mapping/back_end/back_end.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
 #include "lidar_mapping/session/session.hpp"
 
-namespace lidar_mapping::tools {
+#include "json.hpp"
 
-using Json = nlohmann::ordered_json;
+namespace lidar_mapping::tools {
 
 /// A session's map, as the figures need it.
 struct ReportInput {
