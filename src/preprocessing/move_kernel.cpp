@@ -7,8 +7,9 @@ namespace lidar_mapping::preprocessing {
 MoveKernel portable_move_kernel() { return move_points; }
 
 MoveKernel move_kernel() {
-  static const MoveKernel chosen =
-      avx2_move_kernel() != nullptr ? avx2_move_kernel() : portable_move_kernel();
+  static const MoveKernel chosen = avx512_move_kernel() != nullptr ? avx512_move_kernel()
+                                   : avx2_move_kernel() != nullptr ? avx2_move_kernel()
+                                                                   : portable_move_kernel();
   return chosen;
 }
 

@@ -13,14 +13,18 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-#ifdef __AVX2__
-constexpr std::size_t kLanes = 8;
+#if defined(__AVX512F__)
+constexpr int kLanes = 16;
+#elif defined(__AVX2__)
+constexpr int kLanes = 8;
 #else
-constexpr std::size_t kLanes = 4;
+constexpr int kLanes = 4;
 #endif
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 constexpr unsigned kAll = (1U << kLanes) - 1U;
+/// Points of four floats in a register.
+constexpr int kQuads = kLanes / 4;
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
 
@@ -29,7 +33,39 @@ LIDAR_MAPPING_INLINE void store(const Floats& from, float* to) {
   std::memcpy(to, &from, sizeof(from));
 }
 
-#ifdef __AVX2__
+#if defined(__AVX512F__)
+
+LIDAR_MAPPING_INLINE Floats all(float value) { return _mm512_set1_ps(value); }
+/// c + a b and c - a b, rounded once.
+LIDAR_MAPPING_INLINE Floats plus(const Floats& c, const Floats& a, const Floats& b) {
+  return _mm512_fmadd_ps(a, b, c);
+}
+LIDAR_MAPPING_INLINE Floats minus(const Floats& c, const Floats& a, const Floats& b) {
+  return _mm512_fnmadd_ps(a, b, c);
+}
+/// A bit for each lane in which a comparison was true.
+LIDAR_MAPPING_INLINE unsigned bits_of(const Ints& lanes) {
+  return _mm512_movepi32_mask(reinterpret_cast<const __m512i&>(lanes));
+}
+
+LIDAR_MAPPING_INLINE __m256 two_points(const unsigned char* from, std::size_t step) {
+  __m128 first, second;
+  std::memcpy(&first, from, sizeof(first));
+  std::memcpy(&second, from + step, sizeof(second));
+  return _mm256_set_m128(second, first);
+}
+LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t step, Floats& to) {
+  const __m512 low = _mm512_castps256_ps512(two_points(from, step));
+  to = _mm512_insertf32x8(low, two_points(from + 2 * step, step), 1);
+}
+
+constexpr Ints in_each_quad(int a, int b, int c, int d) {
+  return Ints{a,     b,     c,     d,     a + 4,  b + 4,  c + 4,  d + 4,
+          a + 8, b + 8, c + 8, d + 8, a + 12, b + 12, c + 12, d + 12};
+}
+constexpr Ints kPointOfLane = {0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15};
+
+#elif defined(__AVX2__)
 
 LIDAR_MAPPING_INLINE Floats all(float value) { return _mm256_set1_ps(value); }
 /// c + a b and c - a b, rounded once.
@@ -44,28 +80,17 @@ LIDAR_MAPPING_INLINE unsigned bits_of(const Ints& lanes) {
   return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<const __m256&>(lanes)));
 }
 
-/// Points k and k + 4.
 LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t step, Floats& to) {
-  __m128 low, high;
-  std::memcpy(&low, from, sizeof(low));
-  std::memcpy(&high, from + 4 * step, sizeof(high));
-  to = _mm256_set_m128(high, low);
-}
-LIDAR_MAPPING_INLINE void store_points(const Floats& from, float* to) {
-  _mm_storeu_ps(to, _mm256_castps256_ps128(from));
-  _mm_storeu_ps(to + 16, _mm256_extractf128_ps(from, 1));
+  __m128 first, second;
+  std::memcpy(&first, from, sizeof(first));
+  std::memcpy(&second, from + step, sizeof(second));
+  to = _mm256_set_m128(second, first);
 }
 
-// Shuffles stay within the halves of a register, which is cheaper.
-constexpr Ints kLower = {0, 8, 1, 9, 4, 12, 5, 13};
-constexpr Ints kUpper = {2, 10, 3, 11, 6, 14, 7, 15};
-constexpr Ints kFirst = {0, 1, 8, 9, 4, 5, 12, 13};
-constexpr Ints kSecond = {2, 3, 10, 11, 6, 7, 14, 15};
-constexpr Ints kThirdFrom[4] = {{0, 1, 8, 11, 4, 5, 12, 15},
-                                {2, 3, 9, 11, 6, 7, 13, 15},
-                                {0, 1, 10, 11, 4, 5, 14, 15},
-                                {2, 3, 11, 11, 6, 7, 15, 15}};
-constexpr Ints kFourth = {0, 1, 2, 11, 4, 5, 6, 15};
+constexpr Ints in_each_quad(int a, int b, int c, int d) {
+  return Ints{a, b, c, d, a + 4, b + 4, c + 4, d + 4};
+}
+constexpr Ints kPointOfLane = {0, 2, 4, 6, 1, 3, 5, 7};
 
 #else
 
@@ -84,25 +109,30 @@ LIDAR_MAPPING_INLINE unsigned bits_of(const Ints& lanes) {
 LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t, Floats& to) {
   load(from, to);
 }
-LIDAR_MAPPING_INLINE void store_points(const Floats& from, float* to) { store(from, to); }
 
-constexpr Ints kLower = {0, 4, 1, 5};
-constexpr Ints kUpper = {2, 6, 3, 7};
-constexpr Ints kFirst = {0, 1, 4, 5};
-constexpr Ints kSecond = {2, 3, 6, 7};
-constexpr Ints kThirdFrom[4] = {{0, 1, 4, 7}, {2, 3, 5, 7}, {0, 1, 6, 7}, {2, 3, 7, 7}};
-constexpr Ints kFourth = {0, 1, 2, 7};
+constexpr Ints in_each_quad(int a, int b, int c, int d) { return Ints{a, b, c, d}; }
+constexpr Ints kPointOfLane = {0, 1, 2, 3};
 
 #endif
 
-/// Points as they lie in memory, four floats each: row k has points k, k + 4, ...
+/// Points as they lie in memory, four floats each, kQuads in a row.
 struct Rows {
   Floats row[4];
 };
 
+/// Lane 4 q + r has point q of row r: shuffles stay within the quads, which is cheaper.
 struct Places {
   Floats x, y, z;
 };
+
+constexpr Ints kLower = in_each_quad(0, kLanes, 1, kLanes + 1);
+constexpr Ints kUpper = in_each_quad(2, kLanes + 2, 3, kLanes + 3);
+constexpr Ints kFirst = in_each_quad(0, 1, kLanes, kLanes + 1);
+constexpr Ints kSecond = in_each_quad(2, 3, kLanes + 2, kLanes + 3);
+constexpr Ints kThirdFrom[4] = {
+    in_each_quad(0, 1, kLanes, kLanes + 3), in_each_quad(2, 3, kLanes + 1, kLanes + 3),
+    in_each_quad(0, 1, kLanes + 2, kLanes + 3), in_each_quad(2, 3, kLanes + 3, kLanes + 3)};
+constexpr Ints kFourth = in_each_quad(0, 1, 2, kLanes + 3);
 
 LIDAR_MAPPING_INLINE Places places_of(const Rows& points) {
   const Floats xy0 = __builtin_shuffle(points.row[0], points.row[1], kLower);
@@ -143,38 +173,33 @@ LIDAR_MAPPING_INLINE Places moved_within(const MotionSlot& slot, const Floats& s
   return {plus(p.x, since, dx), plus(p.y, since, dy), plus(p.z, since, dz)};
 }
 
-/// A slot, and the slots from its middle to time 0.
-struct Now {
-  const MotionSlot* slot;
-  float offset;
-};
-
-inline Now slot_at(const SlottedMotion& motion, float time) {
-  const float position = (time - motion.begin) * motion.slots_per_second;
-  const float last = static_cast<float>(motion.count - 1);
-  // NaN becomes 0; the point is dropped.
-  const int slot = position > 0.0F ? static_cast<int>(position < last ? position : last) : 0;
-  return {motion.slots + slot,
-          -motion.begin * motion.slots_per_second - (static_cast<float>(slot) + 0.5F)};
-}
-
 /// Slots to both sides of a slot's middle for which it may serve: at 1 rad/s and 100 m it is off by
 /// 0.05 mm there.
 constexpr float kReach = 1.0F;
 
-LIDAR_MAPPING_INLINE bool in_reach(const Floats& since) {
-  return bits_of((since > -kReach) & (since < kReach)) == kAll;
-}
+/// A motion's slots by time.
+struct Slots {
+  const MotionSlot* first;
+  float rate;   ///< per second
+  float start;  ///< what a time of 0 lies at, in slots since the motion's begin
+  float last;   ///< number of the last slot
 
-/// Each lane from a motion of all by its own slot.
-__attribute__((noinline)) Places moved_each(const SlottedMotion& motion, const float* times,
+  int at(float position) const {
+    const float from_first = position > 0.0F ? position : 0.0F;  // NaN becomes 0
+    return static_cast<int>(from_first < last ? from_first : last);
+  }
+  int of(float time) const { return at(time * rate + start); }
+};
+
+/// Each lane by its own slot.
+__attribute__((noinline)) Places moved_each(const Slots& slots, const Floats& positions,
                                             const Places& raw) {
   Places result{};
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const Now now = slot_at(motion, times[k]);
-    const float since = times[k] * motion.slots_per_second + now.offset;
+  for (int k = 0; k < kLanes; ++k) {
+    const int slot = slots.at(positions[k]);
+    const float since = positions[k] - (static_cast<float>(slot) + 0.5F);
     const float held = since > 0.5F ? 0.5F : since > -0.5F ? since : -0.5F;
-    const Places moved = moved_within(*now.slot, all(held), raw);
+    const Places moved = moved_within(slots.first[slot], all(held), raw);
     result.x[k] = moved.x[k];
     result.y[k] = moved.y[k];
     result.z[k] = moved.z[k];
@@ -182,17 +207,16 @@ __attribute__((noinline)) Places moved_each(const SlottedMotion& motion, const f
   return result;
 }
 
-/// Neighbours in a cloud were measured shortly one after the other, so that one slot serves them
-/// and those that follow; where it does not, that of a point in the middle.
-LIDAR_MAPPING_INLINE Places moved_timed(const SlottedMotion& motion, const float* times, Now& now,
+/// All by one slot, where it serves them.
+LIDAR_MAPPING_INLINE Places moved_timed(const Slots& slots, int slot, const Floats& times,
                                         const Places& raw) {
-  Floats time;
-  load(times, time);
-  const auto since = [&] { return plus(all(now.offset), time, all(motion.slots_per_second)); };
-  if (!in_reach(since())) now = slot_at(motion, times[kLanes / 2]);
-  if (in_reach(since())) return moved_within(*now.slot, since(), raw);
+  const float middle = static_cast<float>(slot) + 0.5F;
+  const Floats since = plus(all(slots.start - middle), times, all(slots.rate));
+  const bool in_reach = bits_of((since > -kReach) & (since < kReach)) == kAll;
+  if (__builtin_expect(in_reach, true)) return moved_within(slots.first[slot], since, raw);
   const Places copy = raw;  // its address keeps the others in memory only here
-  return moved_each(motion, times, copy);
+  const Floats positions = since + all(middle);
+  return moved_each(slots, positions, copy);
 }
 
 LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Places& p) {
@@ -210,53 +234,59 @@ struct Done {
 };
 
 LIDAR_MAPPING_INLINE void store_all(const Rows& points, float* to) {
-  for (int k = 0; k < 4; ++k) store_points(points.row[k], to + 4 * k);
+  store(points.row[0], to);
+  store(points.row[1], to + kLanes);
+  store(points.row[2], to + 2 * kLanes);
+  store(points.row[3], to + 3 * kLanes);
 }
 
 /// Those of the points that stay.
 template <bool keeps_times>
-__attribute__((noinline)) void append_some(const Rows& points, const float* times, unsigned keep,
-                                           Done& done) {
+__attribute__((noinline)) Done append_some(const Rows& points, const float* times, unsigned keep,
+                                           Done done) {
   float all_points[4 * kLanes];
   store_all(points, all_points);
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    if ((keep >> k & 1U) == 0) continue;
+  for (int k = 0; k < kLanes; ++k) {
+    const int lane = 4 * (k % kQuads) + k / kQuads;
+    if ((keep >> lane & 1U) == 0) continue;
     std::memcpy(done.points + 4 * done.kept, all_points + 4 * k, 4 * sizeof(float));
     if constexpr (keeps_times) done.times[done.kept] = times[k];
     ++done.kept;
   }
+  return done;
 }
 
 /// Where the intensity does not follow the coordinates.
 LIDAR_MAPPING_INLINE void put_intensities(const PointSource& source, const unsigned char* from,
                                           Rows& points) {
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  for (int k = 0; k < kLanes; ++k) {
     float intensity;
     std::memcpy(&intensity, from + k * source.step + source.intensity, sizeof(intensity));
-    points.row[k % 4][4 * (k / 4) + 3] = intensity;
+    points.row[k / kQuads][4 * (k % kQuads) + 3] = intensity;
   }
 }
 
 /// The points of the source from number `first` on, as many as there are lanes.
 template <bool has_times, bool keeps_times>
 LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first,
-                                    const KeepRule& rule, const SlottedMotion& motion, Now& now,
+                                    const KeepRule& rule, const Slots& slots, int slot,
                                     Done& done) {
   const unsigned char* const from = source.first + first * source.step;
   const float* const times = has_times ? source.times + first : nullptr;
   Rows points;
-  for (std::size_t k = 0; k < 4; ++k) {
-    load_points(from + k * source.step, source.step, points.row[k]);
+  for (int k = 0; k < 4; ++k) {
+    load_points(from + k * kQuads * source.step, source.step, points.row[k]);
   }
   Places p = places_of(points);
   Floats range = plus(plus(p.z * p.z, p.y, p.y), p.x, p.x);
   if constexpr (has_times) {
     Floats time;
     load(times, time);
+    time = __builtin_shuffle(time, kPointOfLane);
     range = plus(range, time, Floats{});  // a time that is not finite makes no number of it
-    p = moved_timed(motion, times, now, p);
+    p = moved_timed(slots, slot, time, p);
   } else {
-    p = moved_by(motion.slots->place, p);
+    p = moved_by(slots.first->place, p);
   }
   Ints keep = (range >= rule.near_squared) & (range <= rule.far_squared);  // NaN fails
   if (rule.has_box) keep &= ~is_inside(rule, p);
@@ -270,15 +300,15 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
     return;
   }
   const unsigned finite = bits_of((range - range) == 0.0F);
-  for (std::size_t k = 0; k < kLanes; ++k) done.not_finite += (finite >> k & 1U) == 0 ? 1 : 0;
+  for (int k = 0; k < kLanes; ++k) done.not_finite += (finite >> k & 1U) == 0 ? 1 : 0;
   const Rows copy = points;
-  append_some<keeps_times>(copy, times, bits, done);
+  done = append_some<keeps_times>(copy, times, bits, done);
 }
 
 /// The last points of a source, filled up with points at the sensor itself, which are dropped.
 template <bool has_times, bool keeps_times>
 void move_rest(const PointSource& source, std::size_t first, const KeepRule& rule,
-               const SlottedMotion& motion, Done& done) {
+               const Slots& slots, Done& done) {
   constexpr std::size_t kCoordinates = 3 * sizeof(float), kPoint = 4 * sizeof(float);
   unsigned char rest[kLanes * kPoint] = {};
   float times[kLanes] = {};
@@ -288,31 +318,45 @@ void move_rest(const PointSource& source, std::size_t first, const KeepRule& rul
     std::memcpy(rest + k * kPoint + kCoordinates, from + source.intensity, sizeof(float));
     if constexpr (has_times) times[k] = source.times[first + k];
   }
-  Now now = slot_at(motion, times[0]);
-  move_some<has_times, keeps_times>({rest, kPoint, kCoordinates, times, kLanes}, 0, rule, motion,
-                                    now, done);
+  move_some<has_times, keeps_times>({rest, kPoint, kCoordinates, times, kLanes}, 0, rule, slots,
+                                    slots.of(times[0]), done);
 }
 
+/// Neighbours in a cloud were measured shortly one after the other, so that the slot of one in the
+/// middle serves a block of them. It is found while the block before is moved: nothing waits for
+/// it, and no branch depends on it.
 template <bool has_times, bool keeps_times>
-MoveResult move_all(const PointSource& source, const PointSink& sink, const KeepRule& rule,
-                    const SlottedMotion& motion) {
+MoveResult move_all(const PointSource& given_source, const PointSink& sink,
+                    const KeepRule& given_rule, const Slots& given_slots) {
+  // Copies: nothing that is written can be theirs.
+  const PointSource source = given_source;
+  const KeepRule rule = given_rule;
+  const Slots slots = given_slots;
   Done done{sink.points, sink.times, 0, 0};
-  Now now = slot_at(motion, motion.begin);
+  const auto slot_for = [&](std::size_t first) {
+    const std::size_t middle = first + kLanes / 2;
+    return has_times && middle < source.count ? slots.of(source.times[middle]) : 0;
+  };
   const std::size_t whole = source.count - source.count % kLanes;
+  int slot = slot_for(0);
   for (std::size_t i = 0; i < whole; i += kLanes) {
-    move_some<has_times, keeps_times>(source, i, rule, motion, now, done);
+    const int next = slot_for(i + kLanes);
+    move_some<has_times, keeps_times>(source, i, rule, slots, slot, done);
+    slot = next;
   }
   if (whole < source.count) {
-    move_rest<has_times, keeps_times>(source, whole, rule, motion, done);
+    move_rest<has_times, keeps_times>(source, whole, rule, slots, done);
   }
   return {done.kept, done.not_finite};
 }
 
 MoveResult move_points(const PointSource& source, const PointSink& sink, const KeepRule& rule,
                        const SlottedMotion& motion, bool keeps_times) {
-  if (source.times == nullptr) return move_all<false, false>(source, sink, rule, motion);
-  return keeps_times ? move_all<true, true>(source, sink, rule, motion)
-                     : move_all<true, false>(source, sink, rule, motion);
+  const Slots slots{motion.slots, motion.slots_per_second, -motion.begin * motion.slots_per_second,
+                    static_cast<float>(motion.count - 1)};
+  if (source.times == nullptr) return move_all<false, false>(source, sink, rule, slots);
+  return keeps_times ? move_all<true, true>(source, sink, rule, slots)
+                     : move_all<true, false>(source, sink, rule, slots);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace lidar_mapping::preprocessing {
 /// Floats at equal steps in memory.
 struct SteppedFloats {
   const unsigned char* first;
-  std::size_t step;  ///< bytes from one to the next, below 2^28
+  std::size_t step;  ///< bytes from one to the next
   std::size_t count;
 };
 

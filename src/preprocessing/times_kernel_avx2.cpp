@@ -2,6 +2,8 @@
 #include "times_kernel.hpp"
 
 #ifdef __AVX2__
+#include <cstring>
+
 #include <immintrin.h>
 #endif
 
@@ -11,30 +13,52 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::size_t kLanes = 8;
+constexpr std::size_t kLanes = 4;
+
+/// Load by load: a gather takes twice as long from the cache, and five times from memory, which it
+/// does not let the processor read ahead.
+__m128 four(const unsigned char* first, std::size_t step) {
+  const auto at = [&](std::size_t k) {
+    float value;
+    std::memcpy(&value, first + k * step, sizeof(value));
+    return _mm_set_ss(value);
+  };
+  const __m128 two = _mm_insert_ps(at(0), at(1), 0x10);
+  return _mm_insert_ps(_mm_insert_ps(two, at(2), 0x20), at(3), 0x30);
+}
+
+/// Lane by lane; what is no number changes nothing.
+struct Extremes {
+  __m128 least, greatest;
+
+  void see(__m128 values) {
+    least = _mm_min_ps(values, least);  // the second one where the first is NaN
+    greatest = _mm_max_ps(values, greatest);
+  }
+};
 
 Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
-  const __m256i number = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-  const __m256i steps = _mm256_mullo_epi32(number, _mm256_set1_epi32(static_cast<int>(from.step)));
-  __m256 least = _mm256_set1_ps(bounds.least);
-  __m256 greatest = _mm256_set1_ps(bounds.greatest);
-  const std::size_t whole = from.count - from.count % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    const void* in = from.first + i * from.step;
-    const __m256 values = _mm256_i32gather_ps(static_cast<const float*>(in), steps, 1);
-    _mm256_storeu_ps(to + i, values);
-    least = _mm256_min_ps(values, least);  // the second one where the first is NaN
-    greatest = _mm256_max_ps(values, greatest);
+  // Two at a time hide how long a comparison takes.
+  Extremes even{_mm_set1_ps(bounds.least), _mm_set1_ps(bounds.greatest)};
+  Extremes odd = even;
+  const unsigned char* in = from.first;
+  const std::size_t whole = from.count - from.count % (2 * kLanes);
+  for (std::size_t i = 0; i < whole; i += 2 * kLanes, in += 2 * kLanes * from.step) {
+    const __m128 first = four(in, from.step);
+    const __m128 second = four(in + kLanes * from.step, from.step);
+    _mm_storeu_ps(to + i, first);
+    _mm_storeu_ps(to + i + kLanes, second);
+    even.see(first);
+    odd.see(second);
   }
-  alignas(32) float lanes[2 * kLanes];
-  _mm256_store_ps(lanes, least);
-  _mm256_store_ps(lanes + kLanes, greatest);
+  float least[kLanes], greatest[kLanes];
+  _mm_storeu_ps(least, _mm_min_ps(even.least, odd.least));
+  _mm_storeu_ps(greatest, _mm_max_ps(even.greatest, odd.greatest));
   for (std::size_t k = 0; k < kLanes; ++k) {
-    bounds.least = lanes[k] < bounds.least ? lanes[k] : bounds.least;
-    bounds.greatest = lanes[k + kLanes] > bounds.greatest ? lanes[k + kLanes] : bounds.greatest;
+    bounds.least = least[k] < bounds.least ? least[k] : bounds.least;
+    bounds.greatest = greatest[k] > bounds.greatest ? greatest[k] : bounds.greatest;
   }
-  const SteppedFloats rest{from.first + whole * from.step, from.step, from.count - whole};
-  return portable_times_kernel()(rest, to + whole, bounds);
+  return portable_times_kernel()({in, from.step, from.count - whole}, to + whole, bounds);
 }
 
 }  // namespace

@@ -127,8 +127,8 @@ Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count,
 }
 
 TEST(MoveKernel, KeepsWhatStaysInItsOrderAndCountsWhatIsNotFinite) {
-  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 1001U}) {
-    const Outcome outcome = outcome_of(portable_move_kernel(), Order::kByTime, count);
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 17U, 1001U}) {
+    const Outcome outcome = outcome_of(move_kernel(), Order::kByTime, count);
     EXPECT_EQ(outcome.not_finite, (count + 10) / 11 + (count + 16) / 22) << count;
     EXPECT_LE(outcome.kept + outcome.not_finite, count);
     for (std::size_t i = 1; i < outcome.kept; ++i) {
@@ -177,6 +177,8 @@ TEST(MoveKernel, WiderInstructionsGiveTheSame) {
       const Outcome portable = outcome_of(portable_move_kernel(), order, 1003, layout);
       EXPECT_GT(portable.kept, 300U);
       expect_close(portable, outcome_of(avx2_move_kernel(), order, 1003, layout));
+      if (avx512_move_kernel() == nullptr) continue;
+      expect_close(portable, outcome_of(avx512_move_kernel(), order, 1003, layout));
     }
   }
 }
