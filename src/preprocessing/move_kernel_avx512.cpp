@@ -1,5 +1,5 @@
-// Compiled with AVX-512 (F and DQ) where the compiler has it; nothing but plain pointers crosses its
-// border.
+// Compiled with AVX-512 (F and DQ) where the compiler has it; nothing but plain pointers crosses
+// its border.
 #include "move_kernel.hpp"
 
 #ifdef __AVX512DQ__

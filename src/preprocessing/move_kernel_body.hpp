@@ -61,7 +61,7 @@ LIDAR_MAPPING_INLINE void load_points(const unsigned char* from, std::size_t ste
 
 constexpr Ints in_each_quad(int a, int b, int c, int d) {
   return Ints{a,     b,     c,     d,     a + 4,  b + 4,  c + 4,  d + 4,
-          a + 8, b + 8, c + 8, d + 8, a + 12, b + 12, c + 12, d + 12};
+              a + 8, b + 8, c + 8, d + 8, a + 12, b + 12, c + 12, d + 12};
 }
 constexpr Ints kPointOfLane = {0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15};
 

@@ -15,12 +15,13 @@ std::optional<Pose> advanced(const Pose& pose, double time, double step,
   const double middle = time + 0.5 * step;
   const auto omega = turning(middle);
   if (!omega) return std::nullopt;
+  const Eigen::Quaterniond half = exp_so3(*omega * (0.5 * step));
   Pose next = pose;
-  next.rotation = (pose.rotation * exp_so3(*omega * step)).normalized();
+  next.rotation = (pose.rotation * (half * half)).normalized();
   if (velocity) {
     const auto v = velocity(middle, *omega);
     if (!v) return std::nullopt;
-    next.translation += pose.rotation * (exp_so3(*omega * (0.5 * step)) * *v) * step;
+    next.translation += pose.rotation * (half * *v) * step;
   }
   return next;
 }

@@ -18,9 +18,9 @@ constexpr double kPi = 3.14159265358979323846;
 /// Points without an echo lie in the sensor's origin; no LiDAR measures a centimetre.
 constexpr float kNoEcho = 0.01F;
 
-/// Slots of half the motion's steps: turning at 1 rad/s, a straight line is off by 1e-7 rad in the
+/// Slots to a step of the motion: turning at 1 rad/s, a straight line is off by 1e-7 rad in the
 /// middle of 1 ms.
-constexpr int kFiner = 2;
+constexpr int kSlotsPerStep = 2;
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
 
@@ -49,17 +49,35 @@ MotionSlot slot_between(const Matrix34& begin, const Matrix34& end) {
   return slot;
 }
 
+Matrix34 matrix_of(const Pose& pose) {
+  Matrix34 matrix;
+  matrix << pose.rotation_matrix(), pose.translation;
+  return matrix;
+}
+
+/// interpolate(a, b, 0.5) without its arc cosine: the mean of two quaternions lies halfway.
+Pose halfway(const Pose& a, const Pose& b) {
+  const double sign = a.rotation.dot(b.rotation) < 0.0 ? -1.0 : 1.0;
+  Pose middle;
+  middle.rotation.coeffs() = (a.rotation.coeffs() + sign * b.rotation.coeffs()).normalized();
+  middle.translation = 0.5 * (a.translation + b.translation);
+  return middle;
+}
+
 std::vector<MotionSlot> slots_of(const ScanMotion& motion, const Pose& T_base_sensor) {
-  std::vector<MotionSlot> slots(kFiner * (motion.T_stamp_knot.size() - 1));
-  const auto place_at = [&](std::size_t slot) -> Matrix34 {
-    const double time = motion.begin + motion.step * static_cast<double>(slot) / kFiner;
-    return (motion.at(time) * T_base_sensor).matrix().topRows<3>();
+  std::vector<MotionSlot> slots;
+  slots.reserve(kSlotsPerStep * (motion.T_stamp_knot.size() - 1));
+  const auto place_by = [&](const Pose& T_stamp_base) {
+    return matrix_of(T_stamp_base * T_base_sensor);
   };
-  Matrix34 place = place_at(0);
-  for (std::size_t slot = 0; slot < slots.size(); ++slot) {
-    const Matrix34 next = place_at(slot + 1);
-    slots[slot] = slot_between(place, next);
-    place = next;
+  Matrix34 begin = place_by(motion.T_stamp_knot.front());
+  for (std::size_t knot = 1; knot < motion.T_stamp_knot.size(); ++knot) {
+    const Pose& T_stamp_knot = motion.T_stamp_knot[knot];
+    const Matrix34 middle = place_by(halfway(motion.T_stamp_knot[knot - 1], T_stamp_knot));
+    const Matrix34 end = place_by(T_stamp_knot);
+    slots.push_back(slot_between(begin, middle));
+    slots.push_back(slot_between(middle, end));
+    begin = end;
   }
   return slots;
 }
@@ -102,7 +120,7 @@ std::size_t move_to_base(const PackedPoints& packed, PointCloud& cloud, const Po
   SlottedMotion slotted{slots.data(), static_cast<int>(slots.size()), 0.0F, 0.0F};
   if (motion != nullptr) {
     slotted.begin = static_cast<float>(motion->begin);
-    slotted.slots_per_second = static_cast<float>(kFiner / motion->step);
+    slotted.slots_per_second = static_cast<float>(kSlotsPerStep / motion->step);
   }
   const bool keeps_times = cloud.has_times() && times == PointTimesAfter::kKept;
   static_assert(sizeof(Point) == 4 * sizeof(float));

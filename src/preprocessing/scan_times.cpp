@@ -91,10 +91,13 @@ TimeSpan TimeSpanFinder::span() const {
   return {first_, last_};
 }
 
-TimeSpan read_times(const unsigned char* first, std::size_t step, std::vector<float>& times) {
-  constexpr Bounds kNone = {std::numeric_limits<float>::max(),
-                            std::numeric_limits<float>::lowest()};
-  const Bounds bounds = times_kernel()({first, step, times.size()}, times.data(), kNone);
+TimeSpan read_times(const unsigned char* first, std::size_t step, std::size_t count,
+                    std::vector<float>& times) {
+  Bounds bounds = {std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+  const TimesKernel read = times_kernel();
+  fill_by_blocks(count, times, [&](std::size_t begin, std::size_t end) {
+    bounds = read({first + begin * step, step, end - begin}, &times[begin], bounds);
+  });
   if (bounds.least > bounds.greatest) return {};
   return {bounds.least, bounds.greatest};
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -210,11 +211,24 @@ TEST(TimesKernel, CopiesAndFindsTheSpan) {
   }
 }
 
+TEST(TimesKernel, FillsWhatWasThereBeforeAndWhatIsNew) {
+  std::vector<float> source(10000);
+  std::iota(source.begin(), source.end(), 1.0F);
+  const auto* first = reinterpret_cast<const unsigned char*>(source.data());
+  for (const std::size_t before : {0U, 3000U, 20000U}) {
+    std::vector<float> times(before, -1.0F);
+    const TimeSpan span = read_times(first, sizeof(float), source.size(), times);
+    EXPECT_EQ(times, source) << before;
+    EXPECT_EQ(span.begin, 1.0);
+    EXPECT_EQ(span.end, 10000.0);
+  }
+}
+
 TEST(TimesKernel, NoNumberHasNoSpan) {
-  std::vector<float> times(9);
+  std::vector<float> times;
   const std::vector<float> none(9, std::numeric_limits<float>::quiet_NaN());
   const TimeSpan span =
-      read_times(reinterpret_cast<const unsigned char*>(none.data()), sizeof(float), times);
+      read_times(reinterpret_cast<const unsigned char*>(none.data()), sizeof(float), 9, times);
   EXPECT_EQ(span.begin, 0.0);
   EXPECT_EQ(span.end, 0.0);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -29,9 +30,24 @@ class TimeSpanFinder {
   float last_ = std::numeric_limits<float>::lowest();
 };
 
-/// Copies floats, of which each begins `step` bytes after the one before, to all of `times`, and
+/// Makes `count` times by blocks, which fill(begin, end) overwrites while they are in the nearest
+/// cache: what a vector clears of new room costs little there.
+template <typename Fill>
+void fill_by_blocks(std::size_t count, std::vector<float>& times, const Fill& fill) {
+  constexpr std::size_t kBlock = 2048;
+  times.resize(std::min(times.size(), count));
+  times.reserve(count);
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, count);
+    if (times.size() < end) times.resize(end);
+    fill(begin, end);
+  }
+}
+
+/// Copies `count` floats, of which each begins `step` bytes after the one before, to `times`, and
 /// returns their span.
-TimeSpan read_times(const unsigned char* first, std::size_t step, std::vector<float>& times);
+TimeSpan read_times(const unsigned char* first, std::size_t step, std::size_t count,
+                    std::vector<float>& times);
 
 struct SettledTimes {
   TimeSpan span;        ///< of the times that there are now
