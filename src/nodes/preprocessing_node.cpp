@@ -7,10 +7,10 @@
 
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
-#include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/outgoing_cloud.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
@@ -243,7 +243,7 @@ void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
     publish_datum(synced.scan.stamp);
     synced_gnss_.publish(to_message(*synced.gnss, config_.node.map_frame, antenna_frame_));
   }
-  synced_cloud_.publish(to_message(synced.scan.cloud, synced.scan.stamp, base));
+  synced_cloud_.publish(OutgoingCloud(synced.scan.cloud, synced.scan.stamp, base));
   context_.diagnostics.count_output(synced.scan.stamp);
 }
 

@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/outgoing_cloud.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -59,30 +60,43 @@ void check_size(const sensor_msgs::PointCloud2& message) {
 
 }  // namespace
 
+OutgoingCloud::OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id)
+    : cloud(points) {
+  head.header.stamp = to_ros(stamp);
+  head.header.frame_id = frame_id;
+  head.fields = {float_field("x", 0), float_field("y", 4), float_field("z", 8),
+                 float_field("intensity", 12)};
+  if (cloud.has_times()) head.fields.push_back(float_field("time", 16));
+  head.point_step = cloud.has_times() ? 20 : 16;
+  head.height = 1;
+  head.width = static_cast<std::uint32_t>(cloud.size());
+  head.row_step = head.width * head.point_step;
+  head.is_dense = true;
+}
+
+void OutgoingCloud::write_data(std::uint8_t* to) const {
+  if (cloud.empty()) return;
+  if (!cloud.has_times()) {  // the points as they lie in memory
+    std::memcpy(to, cloud.points.data(), head.row_step);
+    return;
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i, to += head.point_step) {
+    std::memcpy(to, &cloud.points[i], sizeof(Point));
+    std::memcpy(to + sizeof(Point), &cloud.times[i], sizeof(float));
+  }
+}
+
 sensor_msgs::PointCloud2 to_message(const PointCloud& cloud, Stamp stamp,
                                     const std::string& frame_id) {
-  sensor_msgs::PointCloud2 message;
-  message.header.stamp = to_ros(stamp);
-  message.header.frame_id = frame_id;
-  message.fields = {float_field("x", 0), float_field("y", 4), float_field("z", 8),
-                    float_field("intensity", 12)};
-  if (cloud.has_times()) message.fields.push_back(float_field("time", 16));
-  message.point_step = cloud.has_times() ? 20 : 16;
-  message.height = 1;
-  message.width = static_cast<std::uint32_t>(cloud.size());
-  message.row_step = message.width * message.point_step;
-  message.is_dense = true;
-  if (!cloud.has_times()) {  // the points as they lie in memory
+  const OutgoingCloud outgoing(cloud, stamp, frame_id);
+  sensor_msgs::PointCloud2 message = outgoing.head;
+  if (!cloud.has_times()) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(cloud.points.data());
-    message.data.assign(bytes, bytes + message.row_step);
+    message.data.assign(bytes, bytes + message.row_step);  // without clearing them first
     return message;
   }
   message.data.resize(message.row_step);
-  std::uint8_t* out = message.data.data();
-  for (std::size_t i = 0; i < cloud.size(); ++i, out += message.point_step) {
-    std::memcpy(out, &cloud.points[i], sizeof(Point));
-    if (cloud.has_times()) std::memcpy(out + sizeof(Point), &cloud.times[i], sizeof(float));
-  }
+  outgoing.write_data(message.data.data());
   return message;
 }
 

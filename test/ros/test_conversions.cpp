@@ -1,5 +1,6 @@
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/outgoing_cloud.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -93,6 +95,23 @@ TEST(CloudConversion, KeepsPointsIntensityAndTimes) {
   expect_same(from_message(message), cloud);
   EXPECT_EQ(from_ros(message.header.stamp), kStamp);
   EXPECT_EQ(message.header.frame_id, "base_link");
+}
+
+std::vector<std::uint8_t> sent(const ros::SerializedMessage& message) {
+  return {message.buf.get(), message.buf.get() + message.num_bytes};
+}
+
+TEST(CloudConversion, SendsTheSameBytesFromWhereThePointsLie) {
+  using ros::serialization::serializeMessage;
+  PointCloud with_times = *some_cloud();
+  with_times.times = {-0.05F, 0.0499F};
+  for (const PointCloud& cloud : {PointCloud(), *some_cloud(), with_times}) {
+    EXPECT_EQ(sent(serializeMessage(OutgoingCloud(cloud, kStamp, "base_link"))),
+              sent(serializeMessage(to_message(cloud, kStamp, "base_link"))));
+  }
+  EXPECT_STREQ(ros::message_traits::md5sum<OutgoingCloud>(),
+               ros::message_traits::md5sum<sensor_msgs::PointCloud2>());
+  EXPECT_STREQ(ros::message_traits::datatype<OutgoingCloud>(), "sensor_msgs/PointCloud2");
 }
 
 // F20: empty and all-NaN sweeps.

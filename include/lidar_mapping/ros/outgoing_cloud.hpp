@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// to_message(cloud, stamp, frame_id) for a publisher of PointCloud2, which writes the points from
+/// where they lie into what it sends: large clouds are not copied twice. The cloud must stay as it
+/// is until publish() has returned.
+struct OutgoingCloud {
+  OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id);
+
+  /// Writes all bytes of the message's data.
+  void write_data(std::uint8_t* to) const;
+
+  sensor_msgs::PointCloud2 head;  ///< all but the data
+  const PointCloud& cloud;
+};
+
+}  // namespace lidar_mapping::ros_border
+
+// On the wire it is a PointCloud2.
+namespace ros {
+
+namespace message_traits {
+
+template <>
+struct MD5Sum<lidar_mapping::ros_border::OutgoingCloud> {
+  static const char* value() { return MD5Sum<sensor_msgs::PointCloud2>::value(); }
+  static const char* value(const lidar_mapping::ros_border::OutgoingCloud&) { return value(); }
+};
+
+template <>
+struct DataType<lidar_mapping::ros_border::OutgoingCloud> {
+  static const char* value() { return DataType<sensor_msgs::PointCloud2>::value(); }
+  static const char* value(const lidar_mapping::ros_border::OutgoingCloud&) { return value(); }
+};
+
+}  // namespace message_traits
+
+namespace serialization {
+
+template <>
+struct Serializer<lidar_mapping::ros_border::OutgoingCloud> {
+  template <typename Stream>
+  static void write(Stream& stream, const lidar_mapping::ros_border::OutgoingCloud& message) {
+    const sensor_msgs::PointCloud2& head = message.head;
+    stream.next(head.header);
+    stream.next(head.height);
+    stream.next(head.width);
+    stream.next(head.fields);
+    stream.next(head.is_bigendian);
+    stream.next(head.point_step);
+    stream.next(head.row_step);
+    stream.next(head.row_step);  // the bytes of the data: there is one row
+    message.write_data(stream.advance(head.row_step));
+    stream.next(head.is_dense);
+  }
+
+  static std::uint32_t serializedLength(const lidar_mapping::ros_border::OutgoingCloud& message) {
+    return serializationLength(message.head) + message.head.row_step;
+  }
+};
+
+}  // namespace serialization
+
+}  // namespace ros
