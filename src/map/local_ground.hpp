@@ -1,17 +1,33 @@
 #pragma once
 
-#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "placed_points.hpp"
 
 namespace lidar_mapping::map {
 
-/// The two lowest points of a column of 0.6 m by 0.6 m.
+/// The two lowest of some points, m in the map frame; kNone where there are fewer.
+struct LowestPoints {
+  static constexpr float kNone = std::numeric_limits<float>::infinity();
+
+  void take(float z) { join({z, kNone}); }
+  /// Without branches: nobody could foresee them.
+  void join(LowestPoints other) {
+    const float higher = lowest > other.lowest ? lowest : other.lowest;
+    const float next = second < other.second ? second : other.second;
+    lowest = lowest < other.lowest ? lowest : other.lowest;
+    second = next < higher ? next : higher;
+  }
+
+  float lowest = kNone;
+  float second = kNone;
+};
+
+/// A column of 0.6 m by 0.6 m.
 struct GroundColumn {
   CellIndex cell;
-  float lowest = 0.0F;  ///< m, in the map frame
-  float second = 0.0F;
+  LowestPoints points;
 };
 
 /// The columns of the points that are no further than `farthest` from their origin, m.
@@ -28,20 +44,20 @@ class LocalGround {
   /// For points in that ground_area().
   explicit LocalGround(const CellArea& area);
 
+  /// Before the first question.
   void add(const std::vector<GroundColumn>& columns);
   /// Height above the ground of what is at z, m in the map frame, in that column of the area;
   /// infinity where no ground is known, 0 for what is outside.
   float height_above(float z, std::size_t column);
 
  private:
-  struct Column {
-    float first;
-    float second;
-    float ground;  ///< NaN if not asked for yet
-  };
   float ground_at(std::size_t column) const;
+  float lower_quartile_around(std::size_t column) const;
+  template <typename Visitor>
+  void visit_around(std::size_t column, const Visitor& visit) const;
 
-  CellGrid<Column> columns_;
+  CellGrid<LowestPoints> columns_;
+  std::vector<float> grounds_;  ///< of the columns, NaN where nobody asked yet
 };
 
 }  // namespace lidar_mapping::map

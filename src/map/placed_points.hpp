@@ -85,6 +85,10 @@ class CellArea {
     return static_cast<std::size_t>(cell.y - first_.y) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(cell.x - first_.x);
   }
+  CellIndex cell_at(std::size_t number) const {
+    return {first_.x + static_cast<int>(number % width()),
+            first_.y + static_cast<int>(number / width())};
+  }
   /// With so many cells more on each side.
   CellArea widened(int cells) const {
     CellArea wide = *this;
