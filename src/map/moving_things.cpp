@@ -199,31 +199,23 @@ class Things {
   Things(const PlacedPoints& points, const std::vector<Vote>& votes,
          const std::vector<Layer>& layers)
       : points_(points),
-        cells_(CellArea(points, kThingCell, kFarthest,
-                        [&layers](std::size_t i) { return layers[i] == Layer::kBody; }),
-               Cell{}) {
+        numbers_(CellArea(points, kThingCell, kFarthest,
+                          [&layers](std::size_t i) { return layers[i] == Layer::kBody; }),
+                 kFree) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (layers[i] != Layer::kBody) continue;
-      Cell* cell = cells_.find(cells_.cell_of(points.points[i]));
-      if (cell == nullptr) continue;
-      if (cell->thing == kFree) cell->thing = kNone;
-      cell->voters = static_cast<std::uint16_t>(cell->voters + (votes[i] != Vote::kUnseen));
-      cell->moving = static_cast<std::uint16_t>(cell->moving + (votes[i] == Vote::kMoves));
+      if (layers[i] == Layer::kBody) take(numbers_.cell_of(points.points[i]), poll_of(votes[i]));
     }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (layers[i] != Layer::kBody || votes[i] != Vote::kMoves) continue;
-      const CellIndex index = cells_.cell_of(points.points[i]);
-      const Cell* cell = cells_.find(index);
-      if (cell != nullptr && cell->thing == kNone) gather(index);
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (cells_[i].poll.moving > 0 && cells_[i].thing == kNone) gather(i);
     }
   }
 
   /// Whether the thing on which the i-th point is goes as a whole.
-  bool moves(std::size_t i) const { return moves_at(cells_.cell_of(points_.points[i])); }
+  bool moves(std::size_t i) const { return moves_at(numbers_.cell_of(points_.points[i])); }
 
   /// Whether a thing that goes stands where the i-th point is or in a cell beside.
   bool moves_beside(std::size_t i) const {
-    const CellIndex at = cells_.cell_of(points_.points[i]);
+    const CellIndex at = numbers_.cell_of(points_.points[i]);
     for (int n = 0; n < 9; ++n) {
       if (moves_at({at.x + n % 3 - 1, at.y + n / 3 - 1})) return true;
     }
@@ -231,44 +223,59 @@ class Things {
   }
 
  private:
-  static constexpr int kFree = -2;  // nothing is there
+  static constexpr std::uint32_t kFree = 0;  // nothing is there
   static constexpr int kNone = -1;
 
-  struct Cell {  // small, as there are many
-    int thing = kFree;
-    std::uint16_t voters = 0;
-    std::uint16_t moving = 0;
+  /// With something on it.
+  struct Cell {
+    CellIndex index;
+    int thing = kNone;
+    Poll poll;
   };
 
+  void take(const CellIndex& index, const Poll& poll) {
+    std::uint32_t* number = numbers_.find(index);
+    if (number == nullptr) return;
+    if (*number == kFree) {
+      cells_.push_back({index, kNone, {}});
+      *number = static_cast<std::uint32_t>(cells_.size());
+    }
+    cells_[*number - 1].poll.add(poll);
+  }
+
   bool moves_at(const CellIndex& index) const {
-    const Cell* cell = cells_.find(index);
-    if (cell == nullptr || cell->thing < 0) return false;
-    const Poll& poll = polls_[static_cast<std::size_t>(cell->thing)];
+    const std::uint32_t* number = numbers_.find(index);
+    if (number == nullptr || *number == kFree) return false;
+    const int thing = cells_[*number - 1].thing;
+    if (thing == kNone) return false;
+    const Poll& poll = polls_[static_cast<std::size_t>(thing)];
     return poll.voters >= kFewVoters && poll.moves(kThingShare);
   }
 
-  void gather(const CellIndex& first) {
+  void gather(std::size_t first) {
     const auto thing = static_cast<int>(polls_.size());
     polls_.emplace_back();
-    std::vector<CellIndex> open = {first};
-    cells_.find(first)->thing = thing;
+    std::vector<std::size_t> open = {first};
+    cells_[first].thing = thing;
     while (!open.empty()) {
-      const CellIndex at = open.back();
+      const Cell& here = cells_[open.back()];
       open.pop_back();
-      const Cell& here = *cells_.find(at);
-      polls_.back().add({here.voters, here.moving});
+      polls_.back().add(here.poll);
       for (int n = 0; n < 9; ++n) {
-        const CellIndex next = {at.x + n % 3 - 1, at.y + n / 3 - 1};
-        Cell* cell = cells_.find(next);
-        if (cell == nullptr || cell->thing != kNone) continue;
-        cell->thing = thing;
-        open.push_back(next);
+        const std::uint32_t* number =
+            numbers_.find({here.index.x + n % 3 - 1, here.index.y + n / 3 - 1});
+        if (number == nullptr || *number == kFree) continue;
+        Cell& next = cells_[*number - 1];
+        if (next.thing != kNone) continue;
+        next.thing = thing;
+        open.push_back(*number - 1);
       }
     }
   }
 
   const PlacedPoints& points_;
-  CellGrid<Cell> cells_;
+  CellGrid<std::uint32_t> numbers_;  ///< of cells_, plus 1: most cells are free
+  std::vector<Cell> cells_;
   std::vector<Poll> polls_;
 };
 
