@@ -10,7 +10,7 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kBatch = 16;                // clouds in memory at a time
+constexpr std::size_t kBatch = 8;                 // clouds in memory at a time, twice as large
 constexpr std::size_t kVoxelsInMemory = 500'000;  // beyond those that a batch touches
 
 /// Tiles that are filled in the order of the drive. Those that were touched longest ago wait on the

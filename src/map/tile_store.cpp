@@ -42,9 +42,7 @@ void TileStore::insert(const std::vector<Sorted>& clouds) {
   for (auto& [index, parts] : by_tile) work.emplace_back(&tiles_[index], std::move(parts));
   parallel_chunks(work.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (const auto* points : work[i].second) {
-        for (const TilePoint& point : *points) work[i].first->insert(point);
-      }
+      for (const auto* points : work[i].second) work[i].first->insert(*points);
     }
   });
 }

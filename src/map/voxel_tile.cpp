@@ -53,9 +53,24 @@ VoxelTile::VoxelTile(std::vector<Voxel> voxels) : voxels_(std::move(voxels)) {
   make_slots(slots);
 }
 
+void VoxelTile::insert(const std::vector<TilePoint>& points) {
+  // Slots and voxels are fetched while others are worked on: they are nearly never in the cache.
+  constexpr std::size_t kSlotAhead = 16;
+  constexpr std::size_t kVoxelAhead = 8;
+  if (slots_.empty()) make_slots(kFirstSlots);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i + kSlotAhead < points.size())
+      __builtin_prefetch(&slots_[first_slot_of(points[i + kSlotAhead].voxel)]);
+    if (i + kVoxelAhead < points.size()) {
+      const std::uint32_t slot = slots_[first_slot_of(points[i + kVoxelAhead].voxel)];
+      __builtin_prefetch(voxels_.data() + slot);
+    }
+    insert(points[i]);
+  }
+}
+
 void VoxelTile::insert(const TilePoint& point) {
-  if (2 * (voxels_.size() + 1) > slots_.size())
-    make_slots(std::max(kFirstSlots, 2 * slots_.size()));
+  if (2 * (voxels_.size() + 1) > slots_.size()) make_slots(2 * slots_.size());
   std::uint32_t& slot = slots_[slot_of(point.voxel)];
   if (slot == 0) {
     if (voxels_.size() == voxels_.capacity()) voxels_.reserve(roomier(voxels_.size()));
@@ -88,9 +103,13 @@ void VoxelTile::make_slots(std::size_t count) {
   }
 }
 
+std::size_t VoxelTile::first_slot_of(std::uint64_t key) const {
+  return (key * kGoldenRatio >> 32U) & (slots_.size() - 1);
+}
+
 std::size_t VoxelTile::slot_of(std::uint64_t key) const {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = (key * kGoldenRatio >> 32U) & mask;
+  std::size_t slot = first_slot_of(key);
   while (slots_[slot] != 0 && voxels_[slots_[slot] - 1].key != key) slot = (slot + 1) & mask;
   return slot;
 }

@@ -49,14 +49,17 @@ class VoxelTile {
   /// A tile that was taken apart into voxels().
   explicit VoxelTile(std::vector<Voxel> voxels);
 
-  void insert(const TilePoint& point);
+  /// In their order.
+  void insert(const std::vector<TilePoint>& points);
   std::size_t size() const { return voxels_.size(); }
   const std::vector<Voxel>& voxels() const { return voxels_; }
   /// Appends the centroids, moved by `offset`.
   void append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const;
 
  private:
+  void insert(const TilePoint& point);
   void make_slots(std::size_t count);
+  std::size_t first_slot_of(std::uint64_t key) const;
   std::size_t slot_of(std::uint64_t key) const;
 
   std::vector<Voxel> voxels_;

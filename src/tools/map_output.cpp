@@ -13,9 +13,9 @@ namespace {
 using map::MapConfig;
 using session::Session;
 
-/// Clouds are read in the order of the drive, and what moves is judged in batches of key frames:
-/// what was read longer ago comes back once, if at all.
-constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 4;
+/// Clouds are read in the order of the drive, first as witnesses and thirty key frames later to be
+/// judged and put into the map: so much is between the two with 50,000 points each.
+constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
 
 /// `stored`, and over it the command line.
 MapConfig make_config(const MapOutput& output, const config::Source& stored) {
