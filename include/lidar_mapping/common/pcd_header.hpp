@@ -5,8 +5,8 @@
 
 namespace lidar_mapping {
 
-/// Header of a binary PCD file (version 0.7) with x y z intensity as floats; behind it come that
-/// many Points as they are in memory.
-std::string pcd_header(std::size_t points);
+/// Header of a PCD file (version 0.7) with x y z intensity as floats. Behind a "binary" one come
+/// that many Points as they are in memory.
+std::string pcd_header(std::size_t points, const std::string& data = "binary");
 
 }  // namespace lidar_mapping
