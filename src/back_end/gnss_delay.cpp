@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
 #include "lidar_mapping/common/antenna_fit.hpp"
 
@@ -14,72 +14,77 @@ constexpr double kLeastSigma = 0.003;  // s
 constexpr Stamp kWindow = from_seconds(12.0);
 constexpr double kLongestStep = 2.0;  // s between key frames; a vehicle that stood tells no speed
 
-/// Velocities of base_link in its own axes.
-struct Twist {
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+/// Where the antenna was (m) and how fast it moved (m/s), in the axes of some base_link.
+struct Antenna {
+  Eigen::Vector3d place;
+  Eigen::Vector3d velocity;
+};
 
-  Twist plus(const Twist& other, double factor) const {
-    return {linear + factor * other.linear, angular + factor * other.angular};
+/// Key frames before and after a time whose places the antenna's way is drawn through: one on
+/// either side would cut the corners of the speed.
+constexpr int kAround = 2;
+
+/// The polynomial through places at given times (Newton's divided differences).
+class WayPolynomial {
+ public:
+  void add(double seconds, const Eigen::Vector3d& place) {
+    seconds_.push_back(seconds);
+    std::vector<Eigen::Vector3d> differences = {place};
+    for (std::size_t i = 0; i < last_.size(); ++i) {
+      const double span = seconds - seconds_[last_.size() - 1 - i];
+      differences.push_back((differences[i] - last_[i]) / span);
+    }
+    coefficients_.push_back(differences.back());
+    last_ = std::move(differences);
   }
-};
 
-/// That leads by T_start_end on an even arc.
-Twist twist_over(const Pose& T_start_end, double seconds) {
-  const Eigen::Vector3d turn = log_so3(T_start_end.rotation);
-  const Eigen::Vector3d chord = T_start_end.translation;
-  const Eigen::Vector3d arc =
-      chord - 0.5 * turn.cross(chord) + turn.cross(turn.cross(chord)) / 12.0;
-  return {arc / seconds, turn / seconds};
-}
-
-/// `p_base` is where such a motion of `seconds` brings a point of base_link.
-Eigen::Vector3d moved(const Eigen::Vector3d& p_base, const Twist& twist, double seconds) {
-  const Eigen::Vector3d arc = twist.linear * seconds;
-  const Eigen::Vector3d turn = twist.angular * seconds;
-  return exp_so3(turn) * p_base + arc + 0.5 * turn.cross(arc);
-}
-
-/// The motion about a key frame: the twist after s seconds is twist + change s.
-struct Motion {
-  Twist twist;
-  Twist change;
-};
-
-struct Step {
-  double seconds;
-  Twist twist;
-};
-
-/// From one node to its neighbour, before it or after.
-std::optional<Step> step_to(const DriveGraph& drive, int node, int neighbour) {
-  const int later = std::max(node, neighbour);
-  if (std::min(node, neighbour) < 0 || later >= static_cast<int>(drive.nodes.size()) ||
-      !drive.nodes[static_cast<std::size_t>(later)].joined) {
-    return std::nullopt;
+  Antenna at(double seconds) const {
+    Antenna result{coefficients_.back(), Eigen::Vector3d::Zero()};
+    for (std::size_t i = coefficients_.size() - 1; i-- > 0;) {
+      const double since = seconds - seconds_[i];
+      result.velocity = result.place + since * result.velocity;
+      result.place = coefficients_[i] + since * result.place;
+    }
+    return result;
   }
-  const DriveNode& here = drive.nodes[static_cast<std::size_t>(node)];
-  const DriveNode& there = drive.nodes[static_cast<std::size_t>(neighbour)];
-  const double seconds = to_seconds(there.stamp - here.stamp);
-  if (seconds == 0.0 || std::abs(seconds) > kLongestStep) return std::nullopt;
-  return Step{seconds, twist_over(here.T_odom_base.inverse() * there.T_odom_base, seconds)};
+
+ private:
+  std::vector<double> seconds_;
+  std::vector<Eigen::Vector3d> coefficients_;
+  std::vector<Eigen::Vector3d> last_;  ///< differences that end at the last place
+};
+
+double seconds_between(const DriveGraph& drive, int from, int to) {
+  return to_seconds(drive.nodes[static_cast<std::size_t>(to)].stamp -
+                    drive.nodes[static_cast<std::size_t>(from)].stamp);
 }
 
-/// Through the key frames before and after as odometry has them; even with one of them, at rest
-/// without.
-Motion motion_at(const DriveGraph& drive, int node) {
-  const auto before = step_to(drive, node, node - 1);
-  const auto after = step_to(drive, node, node + 1);
-  if (!before || !after) return {before ? before->twist : after ? after->twist : Twist{}, {}};
-  // Each mean is the twist in the middle of its step.
-  const double apart = 0.5 * (after->seconds - before->seconds);
-  const Twist gain = after->twist.plus(before->twist, -1.0);
-  const Twist change{gain.linear / apart, gain.angular / apart};
-  return {after->twist.plus(change, -0.5 * after->seconds), change};
+/// Whether odometry leads from a node to the next without a rest.
+bool goes_on(const DriveGraph& drive, int node) {
+  if (node < 0 || node + 1 >= static_cast<int>(drive.nodes.size())) return false;
+  if (!drive.nodes[static_cast<std::size_t>(node) + 1].joined) return false;
+  const double seconds = seconds_between(drive, node, node + 1);
+  return seconds > 0.0 && seconds <= kLongestStep;
 }
 
-Eigen::Vector3d antenna_velocity(const Motion& motion, const Eigen::Vector3d& arm) {
-  return motion.twist.linear + motion.twist.angular.cross(arm);
+/// The antenna `delay` seconds before a node's stamp, in base_link as it is at the node: between
+/// the key frames about that time, as odometry has them.
+Antenna antenna_before(const DriveGraph& drive, int node, const Eigen::Vector3d& arm,
+                       double delay) {
+  int before = node;
+  while (goes_on(drive, before - 1) && seconds_between(drive, node, before) > -delay) --before;
+  while (goes_on(drive, before) && seconds_between(drive, node, before + 1) <= -delay) ++before;
+  int first = before;
+  while (first > before + 1 - kAround && goes_on(drive, first - 1)) --first;
+  int last = before;
+  while (last < before + kAround && goes_on(drive, last)) ++last;
+  const Pose T_node_odom = drive.nodes[static_cast<std::size_t>(node)].T_odom_base.inverse();
+  WayPolynomial way;
+  for (int i = first; i <= last; ++i) {
+    const Pose T_node_there = T_node_odom * drive.nodes[static_cast<std::size_t>(i)].T_odom_base;
+    way.add(seconds_between(drive, node, i), i == node ? arm : T_node_there * arm);
+  }
+  return way.at(-delay);
 }
 
 const DriveNode& node_of(const DriveGraph& drive, const DriveGnss& gnss) {
@@ -90,16 +95,10 @@ Eigen::Quaterniond R_map_odom(const DriveNode& node) {
   return node.T_map_base.rotation * node.T_odom_base.rotation.conjugate();
 }
 
-/// Where the antenna was `delay` seconds before, in base_link as it is at the node.
-Eigen::Vector3d arm_before(const Motion& motion, const Eigen::Vector3d& arm, double delay) {
-  return moved(arm, motion.twist.plus(motion.change, -0.5 * delay), -delay);
-}
-
 /// Odometry at a node beside its fix, in axes that are level.
 TrackedFix tracked_fix(const DriveGraph& drive, const DriveGnss& gnss,
                        const Eigen::Quaterniond& R_level_odom) {
   const DriveNode& node = node_of(drive, gnss);
-  const Motion motion = motion_at(drive, gnss.node);
   const Eigen::Vector3d& arm = gnss.position.p_base_antenna;
   const Eigen::Quaterniond R_level_base = R_level_odom * node.T_odom_base.rotation;
   TrackedFix fix;
@@ -107,7 +106,7 @@ TrackedFix tracked_fix(const DriveGraph& drive, const DriveGnss& gnss,
   fix.p_enu = gnss.position.p_enu_antenna.head<2>();
   fix.yaw_dr = yaw_of(R_level_base);
   fix.p_dr_base = (R_level_odom * node.T_odom_base.translation).head<2>();
-  fix.v_dr = (R_level_base * antenna_velocity(motion, arm)).head<2>();
+  fix.v_dr = (R_level_base * antenna_before(drive, gnss.node, arm, 0.0).velocity).head<2>();
   fix.p_base_antenna = arm.head<2>();
   return fix;
 }
@@ -164,19 +163,21 @@ void find_gnss_delays(DriveGraph& drive, const BackEndConfig& config) {
 }
 
 Eigen::Vector3d antenna_velocity(const DriveGraph& drive, const DriveGnss& gnss) {
-  return antenna_velocity(motion_at(drive, gnss.node), gnss.position.p_base_antenna);
+  const auto segment = static_cast<std::size_t>(node_of(drive, gnss).segment);
+  return antenna_before(drive, gnss.node, gnss.position.p_base_antenna,
+                        drive.gnss_delays[segment].seconds)
+      .velocity;
 }
 
 GnssPosition timed_position(const DriveGraph& drive, const DriveGnss& gnss) {
   const DriveNode& node = node_of(drive, gnss);
   const auto segment = static_cast<std::size_t>(node.segment);
   const GnssDelay& delay = drive.gnss_delays[segment];
-  const Motion motion = motion_at(drive, gnss.node);
   GnssPosition position = gnss.position;
   position.p_base_antenna.head<2>() += delay.arm_error;
-  position.p_base_antenna = arm_before(motion, position.p_base_antenna, delay.seconds);
-  const Eigen::Vector3d velocity = antenna_velocity(motion, gnss.position.p_base_antenna);
-  const Eigen::Vector2d off = delay.sigma * (node.T_map_base.rotation * velocity).head<2>();
+  const Antenna antenna = antenna_before(drive, gnss.node, position.p_base_antenna, delay.seconds);
+  position.p_base_antenna = antenna.place;
+  const Eigen::Vector2d off = delay.sigma * (node.T_map_base.rotation * antenna.velocity).head<2>();
   position.covariance.topLeftCorner<2, 2>() +=
       drive.in_enu[segment] ? Eigen::Matrix2d(off * off.transpose())
                             : Eigen::Matrix2d(off.squaredNorm() * Eigen::Matrix2d::Identity());

@@ -1,3 +1,5 @@
+#include "lidar_mapping/back_end/gnss_delay.hpp"
+
 #include "back_end_fixture.hpp"
 
 namespace lidar_mapping::back_end {
@@ -93,6 +95,42 @@ TEST(GnssDelay, IsAllowedForWhileItIsUnknown) {
   const Eigen::Matrix3d covariance = back_end.positions()[20].covariance;
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.5, 0.05);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
+}
+
+/// Round bends of 20 m at 3 to 11 m/s.
+Pose pose_in_traffic(double seconds) {
+  const double turned = (7.0 * seconds - 4.0 / 1.1 * std::cos(1.1 * seconds)) / 20.0;
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ())),
+          20.0 * Eigen::Vector3d(std::sin(turned), 1.0 - std::cos(turned), 0.0)};
+}
+
+TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
+  constexpr double kStep = 0.3;  // s
+  const Eigen::Vector3d arm(-1.0, 0.4, 1.5);
+  DriveGraph drive;
+  drive.in_enu = {true};
+  for (int i = 0; i < 100; ++i) {
+    DriveNode node;
+    node.stamp = from_seconds(kStep * i);
+    node.joined = i > 0;
+    node.T_odom_base = pose_in_traffic(kStep * i);
+    drive.nodes.push_back(node);
+  }
+  for (const double delay : {-0.05, 0.05, 0.2}) {
+    drive.gnss_delays = {{delay, 0.003, Eigen::Vector2d::Zero()}};
+    for (int i = 2; i < 98; ++i) {
+      DriveGnss gnss;
+      gnss.node = i;
+      gnss.position.p_base_antenna = arm;
+      const Eigen::Vector3d then =
+          pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay) * arm);
+      ASSERT_LT((timed_position(drive, gnss).p_base_antenna - then).norm(), 0.004) << delay;
+      const Eigen::Vector3d velocity = antenna_velocity(drive, gnss);
+      const Eigen::Vector3d soon =
+          pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay + 1e-4) * arm);
+      ASSERT_LT((velocity - (soon - then) / 1e-4).norm(), 0.1) << delay;
+    }
+  }
 }
 
 TEST(GnssDelay, LearnsWhileDrivingAndBelongsToASegment) {

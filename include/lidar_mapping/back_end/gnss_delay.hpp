@@ -9,7 +9,8 @@ namespace lidar_mapping::back_end {
 /// a delay looks like an antenna farther back, so what the fit makes of its place goes with it.
 void find_gnss_delays(DriveGraph& drive, const BackEndConfig& config);
 
-/// Velocity (m/s) of the antenna in base_link at the key frame of a position, as odometry has it.
+/// Velocity (m/s) of the antenna when a position was measured, in base_link at its key frame, as
+/// odometry has it.
 Eigen::Vector3d antenna_velocity(const DriveGraph& drive, const DriveGnss& gnss);
 
 /// The position as it is known with the delay of its stamp: the lever arm leads to where the
