@@ -75,25 +75,41 @@ void take_over(const DriveFactors& factors, const RobustSolution& solution, Driv
   }
 }
 
-/// What a solution with odometry as it is and with all of its drift shows of its errors, and of
-/// GNSS's delay.
-void learn_errors(const BackEndConfig& config, const DriveFactors& factors,
-                  const RobustSolution& solution, DriveGraph& drive) {
-  const double scatter = position_scatter(factors, solution.used);
-  const SharedErrors shared = find_shared_errors(drive, factors, solution.used, scatter);
-  drive.odometry_errors.stretch = shared.stretch;
+/// Lets the old ones go first: on a long drive two graphs at once are the peak of memory.
+void build_anew(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
+  factors = {};
+  factors = make_factors(drive, config);
+}
+
+bool corrects_delays(const DriveGraph& drive) {
+  return std::any_of(drive.gnss_delays.begin(), drive.gnss_delays.end(),
+                     [](const GnssDelay& delay) { return delay.is_corrected(); });
+}
+
+void correct_delays(const SharedErrors& shared, DriveGraph& drive) {
   for (GnssDelay& delay : drive.gnss_delays) {
     if (!delay.is_corrected()) continue;
     delay.seconds += shared.delay;
     delay.arm_error += shared.arm;
   }
-  drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
 }
 
-/// Lets the old ones go first: on a long drive two graphs at once are the peak of memory.
-void build_anew(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
-  factors = {};
-  factors = make_factors(drive, config);
+/// What a solution with odometry as it is and with all of its drift shows of its errors, and of
+/// GNSS's delay. The factors are made anew with that.
+void learn_errors(const BackEndConfig& config, const RobustSolution& solution,
+                  DriveFactors& factors, DriveGraph& drive) {
+  const double scatter = position_scatter(factors, solution.used);
+  const SharedErrors shared = find_shared_errors(drive, factors, solution.used, scatter);
+  drive.odometry_errors.stretch = shared.stretch;
+  correct_delays(shared, drive);
+  drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
+  build_anew(drive, config, factors);
+  if (!corrects_delays(drive)) return;
+  // Odometry that is believed more shows a delay by the course of whole streets, not of single
+  // bends, where its errors are alike from bend to bend.
+  const SharedErrors rest = find_shared_errors(drive, factors, solution.used, scatter);
+  correct_delays(rest, drive);
+  build_anew(drive, config, factors);
 }
 
 /// Solves once more with what the positions show of odometry; everything stays as it is where that
@@ -101,8 +117,7 @@ void build_anew(const DriveGraph& drive, const BackEndConfig& config, DriveFacto
 void refine(const BackEndConfig& config, DriveFactors& factors, RobustSolution& solution,
             DriveGraph& drive) {
   const std::vector<GnssDelay> delays = drive.gnss_delays;
-  learn_errors(config, factors, solution, drive);
-  build_anew(drive, config, factors);
+  learn_errors(config, solution, factors, drive);
   RobustSolution refined = solve_factors(drive, config, factors, false);
   if (!refined.success) {
     drive.gnss_delays = delays;

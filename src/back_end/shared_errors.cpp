@@ -1,6 +1,7 @@
 #include "lidar_mapping/back_end/shared_errors.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <Eigen/Cholesky>
 
@@ -21,12 +22,32 @@ enum Unknown { kStretch, kDelay, kArmX, kArmY, kCount };
 using UnknownVector = Eigen::Matrix<double, kCount, 1>;
 using Shifts = Eigen::Matrix<double, 3, kCount>;
 
-/// Normal equations of the unknowns at a minimum over the poses.
+/// Of the constraint's kernel at its residual: the poses are at a minimum with kernels.
+double slope(const Constraint& constraint, const Eigen::VectorXd& residual) {
+  const auto kernel = make_kernel(constraint.kernel, constraint.kernel_size);
+  if (!kernel) return 1.0;
+  std::array<double, 3> value{};
+  kernel->Evaluate(residual.squaredNorm(), value.data());
+  return value[1];
+}
+
+/// Normal equations of the unknowns beside the poses.
 class SharedEquations {
  public:
-  explicit SharedEquations(const FactorGraph& graph)
+  SharedEquations(const FactorGraph& graph, const std::vector<bool>& used)
       : graph_(graph),
-        mixed_(Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(graph.states.size()), kCount)) {}
+        pose_gradient_(Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(graph.states.size()))),
+        mixed_(Eigen::MatrixXd::Zero(pose_gradient_.size(), kCount)) {
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (!used[i]) continue;
+      const Constraint& c = graph.constraints[i];
+      const Linearised at = linearised(graph, c);
+      const Eigen::VectorXd pull = slope(c, at.residual) * at.residual;
+      pose_gradient_.segment<6>(6 * c.first) += at.first.transpose() * pull;
+      if (c.second < 0) continue;
+      pose_gradient_.segment<6>(6 * c.second) += at.second.transpose() * pull;
+    }
+  }
 
   /// A unit of each unknown has the effect that its column of `shifts` (m) has on the constraint's
   /// last node, in the node's axes.
@@ -43,14 +64,15 @@ class SharedEquations {
 
   /// Newton's step for unknowns that are near zero, by `stddev`.
   UnknownVector solution(BlockCholesky<6>& poses, const UnknownVector& stddev) const {
-    Eigen::Matrix<double, kCount, kCount> information =
-        curvature_ - mixed_.transpose() * poses.solve(mixed_);
+    const Eigen::MatrixXd by_poses = poses.solve(mixed_);
+    Eigen::Matrix<double, kCount, kCount> information = curvature_ - mixed_.transpose() * by_poses;
     information.diagonal() += stddev.cwiseAbs2().cwiseInverse();
-    return -information.ldlt().solve(gradient_);
+    return -information.ldlt().solve(gradient_ - by_poses.transpose() * pose_gradient_);
   }
 
  private:
   const FactorGraph& graph_;
+  Eigen::VectorXd pose_gradient_;
   UnknownVector gradient_ = UnknownVector::Zero();
   Eigen::Matrix<double, kCount, kCount> curvature_ = Eigen::Matrix<double, kCount, kCount>::Zero();
   Eigen::MatrixXd mixed_;
@@ -102,7 +124,7 @@ SharedErrors find_shared_errors(const DriveGraph& drive, const DriveFactors& fac
                                 const std::vector<bool>& used, double scatter) {
   const std::unique_ptr<BlockCholesky<6>> poses = information_matrix(factors.graph, used);
   if (!poses->factorize()) return {};
-  SharedEquations equations(factors.graph);
+  SharedEquations equations(factors.graph, used);
   add_stretch(drive, factors, equations);
   add_delay_and_arm(drive, factors, used, equations);
   // Covariances that are all too large by one factor leave the poses as they are, but not what they

@@ -105,5 +105,27 @@ TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
   }
 }
 
+// After the weights have changed the poses are no longer at the minimum.
+TEST(SharedErrors, AreTheSameFromPosesOfOtherWeights) {
+  const SyntheticDrive drive = good_drive(0.001, 1e-4);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  add_positions(back_end, drive, 800, 0.02);
+  optimize(back_end, true);
+  const auto problem = back_end.problem();
+  DriveGraph off = problem->drive;
+  off.gnss_delays[0] = {0.004, 0.003, Eigen::Vector2d::Zero()};
+  off.odometry_errors.drift_share.setConstant(0.2);
+  DriveFactors factors = make_factors(off, problem->config);
+  const std::vector<bool> used = factors.marked;
+  const SharedErrors found = find_shared_errors(off, factors, used, 0.2);
+  ASSERT_TRUE(solve_as_marked(factors.graph, used).success);
+  const SharedErrors at_minimum = find_shared_errors(off, factors, used, 0.2);
+  EXPECT_NEAR(found.delay, -0.004, 0.001);
+  EXPECT_NEAR(found.delay, at_minimum.delay, 5e-5);
+  EXPECT_NEAR(found.stretch, at_minimum.stretch, 1e-6);
+  EXPECT_LT((found.arm - at_minimum.arm).norm(), 5e-4);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::back_end

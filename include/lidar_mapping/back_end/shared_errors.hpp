@@ -13,8 +13,8 @@ struct SharedErrors {
   Eigen::Vector2d arm = Eigen::Vector2d::Zero();
 };
 
-/// Finds them beside the poses: a step of Newton's from a minimum over the poses alone, whose
-/// states `factors` has, to that over both. `used` marks the constraints that are believed;
+/// Finds them beside the poses: a step of Newton's from the states that `factors` has, near a
+/// minimum over the poses alone, to that over both. `used` marks the constraints that are believed;
 /// `scatter` is by how much positions scatter beside what their covariances say (drift_share.hpp).
 SharedErrors find_shared_errors(const DriveGraph& drive, const DriveFactors& factors,
                                 const std::vector<bool>& used, double scatter);
