@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 
@@ -21,12 +22,14 @@ constexpr int kGroundNeighbours = 10;  // key frames whose points tell the groun
 constexpr int kGroundStep = 3;         // every so many of the further ones do, too
 constexpr double kRain = 0.002;        // of the points alone in the air: it rains or snows
 
-Marks numbers_of(const std::vector<bool>& moves) {
-  Marks marks;
-  for (std::size_t i = 0; i < moves.size(); ++i) {
-    if (moves[i]) marks.push_back(static_cast<std::uint32_t>(i));
+/// What is on the ground or at the foot of something needs no votes.
+std::vector<std::uint32_t> voted_on(const std::vector<Layer>& layers) {
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(layers.size());
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (layers[i] >= Layer::kBody) numbers.push_back(static_cast<std::uint32_t>(i));
   }
-  return marks;
+  return numbers;
 }
 
 }  // namespace
@@ -121,27 +124,27 @@ class StaticClouds::Impl {
     const PlacedPoints points(cloud, T_map_base);
     const std::vector<const Witness*> witnesses = nearest_first(position);
     std::vector<Layer> layers = layers_of(position, points);
-    std::vector<bool> asked(points.size());
-    for (std::size_t i = 0; i < asked.size(); ++i) asked[i] = layers[i] >= Layer::kBody;
-    const std::vector<Vote> votes = votes_on(cloud, T_map_base, asked, witnesses, config_);
+    const std::vector<Vote> votes =
+        votes_on(cloud, T_map_base, voted_on(layers), witnesses, config_);
     for (const std::uint32_t drop :
          drops_of(cloud, T_map_base, lonely_points(points, votes), witnesses)) {
       layers[drop] = Layer::kAlone;
     }
-    return numbers_of(moving_points(points, votes, layers));
+    return moving_points(points, votes, layers);
   }
 
   /// None where it is dry: few points that are alone belong to things. Who has no neighbours to
   /// decide with has to be seen through more clearly.
-  Marks drops_of(const PointCloud& cloud, const Pose& T_map_base, const std::vector<bool>& alone,
+  Marks drops_of(const PointCloud& cloud, const Pose& T_map_base,
+                 const std::vector<std::uint32_t>& alone,
                  const std::vector<const Witness*>& witnesses) const {
     MovingObjectsConfig surer = config_;
     surer.min_votes *= 2;
     surer.min_share = 0.5 * (1.0 + config_.min_share);
     const std::vector<Vote> votes = votes_on(cloud, T_map_base, alone, witnesses, surer);
-    std::vector<bool> moves(votes.size());
-    for (std::size_t i = 0; i < votes.size(); ++i) moves[i] = votes[i] == Vote::kMoves;
-    Marks drops = numbers_of(moves);
+    Marks drops;
+    std::copy_if(alone.begin(), alone.end(), std::back_inserter(drops),
+                 [&](std::uint32_t i) { return votes[i] == Vote::kMoves; });
     if (static_cast<double>(drops.size()) < kRain * static_cast<double>(cloud.size()))
       drops.clear();
     return drops;

@@ -208,6 +208,9 @@ class Things {
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (cells_[i].poll.moving > 0 && cells_[i].thing == kNone) gather(i);
     }
+    for (const Cell& cell : cells_) {
+      if (goes(cell)) going_.set(bit_of(cell.index));
+    }
   }
 
   /// Whether the thing on which the i-th point is goes as a whole.
@@ -225,6 +228,7 @@ class Things {
  private:
   static constexpr std::uint32_t kFree = 0;  // nothing is there
   static constexpr int kNone = -1;
+  static constexpr std::size_t kWidth = 256;
 
   /// With something on it.
   struct Cell {
@@ -243,13 +247,21 @@ class Things {
     cells_[*number - 1].poll.add(poll);
   }
 
-  bool moves_at(const CellIndex& index) const {
-    const std::uint32_t* number = numbers_.find(index);
-    if (number == nullptr || *number == kFree) return false;
-    const int thing = cells_[*number - 1].thing;
-    if (thing == kNone) return false;
-    const Poll& poll = polls_[static_cast<std::size_t>(thing)];
+  bool goes(const Cell& cell) const {
+    if (cell.thing == kNone) return false;
+    const Poll& poll = polls_[static_cast<std::size_t>(cell.thing)];
     return poll.voters >= kFewVoters && poll.moves(kThingShare);
+  }
+
+  bool moves_at(const CellIndex& index) const {
+    if (!going_[bit_of(index)]) return false;
+    const std::uint32_t* number = numbers_.find(index);
+    return number != nullptr && *number != kFree && goes(cells_[*number - 1]);
+  }
+
+  static std::size_t bit_of(const CellIndex& index) {
+    return static_cast<unsigned>(index.x) % kWidth * kWidth +
+           static_cast<unsigned>(index.y) % kWidth;
   }
 
   void gather(std::size_t first) {
@@ -277,6 +289,7 @@ class Things {
   CellGrid<std::uint32_t> numbers_;  ///< of cells_, plus 1: most cells are free
   std::vector<Cell> cells_;
   std::vector<Poll> polls_;
+  std::bitset<kWidth * kWidth> going_;  ///< cells that may go: few of the others are looked up
 };
 
 bool goes(std::size_t i, Layer layer, const Blocks& blocks, const Things& things) {
@@ -312,25 +325,27 @@ std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
   return layers;
 }
 
-std::vector<bool> lonely_points(const PlacedPoints& points, const std::vector<Vote>& votes) {
+std::vector<std::uint32_t> lonely_points(const PlacedPoints& points,
+                                         const std::vector<Vote>& votes) {
   const Crowds crowds(points, votes);
-  std::vector<bool> lonely(points.size(), false);
+  std::vector<std::uint32_t> lonely;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    lonely[i] = votes[i] == Vote::kMoves && crowds.around(i) <= kFewAround;
+    if (votes[i] == Vote::kMoves && crowds.around(i) <= kFewAround)
+      lonely.push_back(static_cast<std::uint32_t>(i));
   }
   return lonely;
 }
 
-std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,
-                                const std::vector<Layer>& layers) {
-  std::vector<bool> marks(points.size(), false);
+std::vector<std::uint32_t> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,
+                                         const std::vector<Layer>& layers) {
+  std::vector<std::uint32_t> moving;
   const Blocks blocks(points, votes);
-  if (blocks.empty()) return marks;
+  if (blocks.empty()) return moving;
   const Things things(points, votes, layers);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    marks[i] = goes(i, layers[i], blocks, things);
+    if (goes(i, layers[i], blocks, things)) moving.push_back(static_cast<std::uint32_t>(i));
   }
-  return marks;
+  return moving;
 }
 
 }  // namespace lidar_mapping::map

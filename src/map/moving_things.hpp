@@ -29,12 +29,15 @@ struct Grounds {
 /// a roof either, as far ahead with few beams, the wide one. What is out of reach is ground, too.
 std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds);
 
-/// Which of those that are said to move have next to nobody around: drops, flakes, tips of leaves.
-std::vector<bool> lonely_points(const PlacedPoints& points, const std::vector<Vote>& votes);
+/// Numbers of those that are said to move and have next to nobody around: drops, flakes, tips of
+/// leaves.
+std::vector<std::uint32_t> lonely_points(const PlacedPoints& points,
+                                         const std::vector<Vote>& votes);
 
-/// Which points go, after the votes on those above the foot (doc/map.md). Neighbours decide: what
-/// nobody saw follows those around; things that stand alone go as a whole, with their foot.
-std::vector<bool> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,
-                                const std::vector<Layer>& layers);
+/// Numbers of the points that go, after the votes on those above the foot (doc/map.md). Neighbours
+/// decide: what nobody saw follows those around; things that stand alone go as a whole, with their
+/// foot.
+std::vector<std::uint32_t> moving_points(const PlacedPoints& points, const std::vector<Vote>& votes,
+                                         const std::vector<Layer>& layers);
 
 }  // namespace lidar_mapping::map

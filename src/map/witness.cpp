@@ -136,18 +136,14 @@ std::vector<Place> places_of(const std::vector<const Witness*>& witnesses, const
 }  // namespace
 
 std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
-                           const std::vector<bool>& asked,
+                           const std::vector<std::uint32_t>& asked,
                            const std::vector<const Witness*>& witnesses,
                            const MovingObjectsConfig& config) {
   std::vector<Vote> votes(cloud.size(), Vote::kUnseen);
   Court court(places_of(witnesses, T_map_base, config.reach), config);
-  std::vector<std::uint32_t> numbers;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (asked[i]) numbers.push_back(static_cast<std::uint32_t>(i));
-  }
   Cases cases;
-  for (std::size_t i = 0; i < numbers.size(); i += kChunk) {
-    cases.fill(cloud, numbers.data() + i, std::min(kChunk, numbers.size() - i));
+  for (std::size_t i = 0; i < asked.size(); i += kChunk) {
+    cases.fill(cloud, asked.data() + i, std::min(kChunk, asked.size() - i));
     court.judge(cases, votes);
   }
   return votes;

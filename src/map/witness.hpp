@@ -19,10 +19,10 @@ struct Witness {
 /// What the witnesses say of a point.
 enum class Vote : char { kStands, kMoves, kUnseen };
 
-/// The witnesses' verdict on the points of a key frame that are `asked` for; the others are unseen.
+/// The witnesses' verdict on the points of a key frame with those numbers; the others are unseen.
 /// Who is asked first does not matter: a witness is left out only where it could change nothing.
 std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
-                           const std::vector<bool>& asked,
+                           const std::vector<std::uint32_t>& asked,
                            const std::vector<const Witness*>& witnesses,
                            const MovingObjectsConfig& config);
 
