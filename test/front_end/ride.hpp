@@ -72,7 +72,7 @@ inline MotionPrior wheel_speed(const simulation::Drive& drive, Stamp stamp, doub
   std::normal_distribution<double> normal(0.0, noise);
   MotionPrior prior;
   prior.linear_velocity = scale * (state.T_map_base.rotation.conjugate() * state.velocity_map);
-  for (double& component : *prior.linear_velocity) component += normal(engine);
+  for (int axis = 0; axis < 3; ++axis) (*prior.linear_velocity)[axis] += normal(engine);
   return prior;
 }
 
