@@ -90,11 +90,6 @@ sensor_msgs::PointCloud2 to_message(const PointCloud& cloud, Stamp stamp,
                                     const std::string& frame_id) {
   const OutgoingCloud outgoing(cloud, stamp, frame_id);
   sensor_msgs::PointCloud2 message = outgoing.head;
-  if (!cloud.has_times()) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(cloud.points.data());
-    message.data.assign(bytes, bytes + message.row_step);  // without clearing them first
-    return message;
-  }
   message.data.resize(message.row_step);
   outgoing.write_data(message.data.data());
   return message;
