@@ -1,6 +1,8 @@
 #include "range_image.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 namespace lidar_mapping::map {
 
@@ -8,10 +10,13 @@ namespace {
 
 constexpr std::size_t kRow = 2 * kRangeImageColumns;  // values of a row, two a pixel
 constexpr std::uint16_t kNothing = 65'535;
+constexpr std::size_t kWide = kRangeImageColumns + 2;  // pixels of a row with one more at each end
+constexpr std::size_t kAhead = 8;  // windows that are fetched while others are looked at
 
-int wrapped(int column) {
-  if (column < 0) return column + kRangeImageColumns;
-  return column < kRangeImageColumns ? column : column - kRangeImageColumns;
+/// Where the 3x3 window around a pixel begins in the wide rows.
+std::size_t corner_of(int pixel) {
+  const auto number = static_cast<std::size_t>(pixel);
+  return number + number / kRangeImageColumns * (kWide - kRangeImageColumns);
 }
 
 /// Points in directions from a sensor, one array for each quantity.
@@ -78,11 +83,6 @@ Lows windows_of(const Lows& own, int rows) {
   return windows;
 }
 
-/// What lies between the two was not hit: a pixel on an edge sees a thing and a wall behind it.
-bool is_within(int range, int nearest, int farthest) {
-  return range >= nearest && range <= farthest;
-}
-
 }  // namespace
 
 RangeImage::RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
@@ -99,36 +99,61 @@ RangeImage::RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
   }
   const Lows windows = windows_of(own, rows_);
   const std::size_t count = own.values.size() / 2;
-  pixels_.resize(count);
   windows_.resize(count + 1, kSeenHidden);
   for (std::size_t i = 0; i < count; ++i) {
-    pixels_[i] = own.seen(i);
     if (!own.empty(i)) windows_[i] = windows.seen(i);
+  }
+  const auto height = static_cast<std::size_t>(rows_);
+  pixels_.resize((height + 2) * kWide + 1, kSeenHidden);  // four are read at a time
+  for (std::size_t row = 0; row < height; ++row) {
+    Seen* wide = pixels_.data() + (row + 1) * kWide;
+    for (std::size_t i = 0; i < kRangeImageColumns; ++i)
+      wide[i + 1] = own.seen(row * kRangeImageColumns + i);
+    wide[0] = wide[kRangeImageColumns];
+    wide[kWide - 1] = wide[1];
   }
 }
 
 void RangeImage::look(const Aims& aims, std::size_t count, const Counts& counts,
                       int* unclear) const {
   sight_kernels().look(windows_.data(), aims, count, counts, unclear);
+  std::size_t open = 0;  // without branches, which nobody foresees
   for (std::size_t i = 0; i < count; ++i) {
-    if (unclear[i] == 0) continue;
-    if (is_hit_around(aims.pixels[i], aims.nearest[i], aims.farthest[i])) ++counts.hits[i];
+    const int is_unclear = unclear[i];
+    unclear[open] = static_cast<int>(i);
+    open += static_cast<std::size_t>(is_unclear);
+  }
+  for (std::size_t n = 0; n < open; ++n) {
+    if (n + kAhead < open) fetch_around(aims.pixels[unclear[n + kAhead]]);
+    const int i = unclear[n];
+    counts.hits[i] += is_hit_around(aims.pixels[i], aims.nearest[i], aims.farthest[i]);
   }
 }
 
-bool RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
-  const int row = pixel / kRangeImageColumns;
-  const int column = pixel % kRangeImageColumns;
-  for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
-    for (int c = -1; c <= 1; ++c) {
-      const Seen seen = pixels_[pixel_at(wrapped(column + c), r)];
-      if (is_within(static_cast<int>(seen & 0xFFFFU), nearest, farthest) ||
-          is_within(static_cast<int>(seen >> 16U), nearest, farthest)) {
-        return true;
-      }
-    }
+void RangeImage::fetch_around(int pixel) const {
+  const Seen* corner = pixels_.data() + corner_of(pixel);
+  for (std::size_t row = 0; row < 3; ++row) __builtin_prefetch(corner + row * kWide);
+}
+
+/// One or none. What lies between the two of a pixel was not hit: on an edge it sees a thing and a
+/// wall behind it.
+int RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
+  using Ranges = std::uint16_t __attribute__((vector_size(16)));  // of four pixels
+  constexpr auto kAll = std::uint16_t{0xFFFF};
+  constexpr Ranges kThreePixels = {kAll, kAll, kAll, kAll, kAll, kAll, 0, 0};
+  const auto low = static_cast<std::uint16_t>(nearest);
+  const auto width = static_cast<std::uint16_t>(farthest - nearest);
+  const std::size_t corner = corner_of(pixel);
+  Ranges is_hit{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    Ranges ranges;
+    std::memcpy(&ranges, pixels_.data() + corner + row * kWide, sizeof ranges);
+    is_hit |= (ranges - low <= width);
   }
-  return false;
+  is_hit &= kThreePixels;
+  std::array<std::uint64_t, 2> halves{};
+  std::memcpy(halves.data(), &is_hit, sizeof is_hit);
+  return (halves[0] | halves[1]) != 0 ? 1 : 0;
 }
 
 }  // namespace lidar_mapping::map

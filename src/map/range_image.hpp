@@ -19,18 +19,21 @@ class RangeImage {
   int first_row() const { return first_row_; }
   int rows() const { return rows_; }
 
-  /// Counts what the sensor saw of some places; `unclear` holds as many numbers.
+  /// Counts what the sensor saw of some places; `unclear` has room for as many numbers.
   void look(const Aims& aims, std::size_t count, const Counts& counts, int* unclear) const;
 
  private:
   static std::size_t pixel_at(int column, int row) {
     return static_cast<std::size_t>(row) * kRangeImageColumns + static_cast<std::size_t>(column);
   }
-  bool is_hit_around(int pixel, int nearest, int farthest) const;
+  void fetch_around(int pixel) const;
+  int is_hit_around(int pixel, int nearest, int farthest) const;
 
   int first_row_ = 0;
   int rows_ = 0;
-  std::vector<Seen> pixels_;  ///< row by row
+  /// Row by row: first the last column again, behind the last column the first. A row in which
+  /// nothing is within any range is above and one is below.
+  std::vector<Seen> pixels_;
   /// 3x3 around each pixel, hidden where that is empty; then a hidden one for what is outside.
   std::vector<Seen> windows_;
 };

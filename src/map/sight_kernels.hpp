@@ -50,15 +50,15 @@ struct Counts {
   int* hits;     ///< by how many something was seen there
 };
 
-/// The inner loops of looking into range images, compiled once for every processor and once for
-/// AVX2. Both do the same operations in the same order and give the same bits.
+/// The inner loops of looking into range images, compiled for every processor, for AVX2 and for
+/// AVX-512. All do the same operations in the same order and give the same bits.
 struct SightKernels {
   /// Where points are seen from the origin in any range image: column, row and range in units.
   void (*project)(const PointArrays& points, std::size_t count, int* columns, int* rows,
                   int* ranges);
-  /// Adds one to the counts of points in reach.
-  void (*count_reach)(const Viewpoint& view, const PointArrays& points, std::size_t count,
-                      int* counts);
+  /// Adds one to the counts of points in reach; returns how many there are.
+  int (*count_reach)(const Viewpoint& view, const PointArrays& points, std::size_t count,
+                     int* counts);
   /// Takes one from `left` of points in reach.
   void (*aim)(const Viewpoint& view, const PointArrays& points, std::size_t count, const Aims& aims,
               int* left);
@@ -73,5 +73,7 @@ const SightKernels& sight_kernels();
 const SightKernels& portable_sight_kernels();
 /// Null where the compiler or the processor knows no AVX2.
 const SightKernels* avx2_sight_kernels();
+/// Null where the compiler does not know AVX-512 or the processor is not fast with it.
+const SightKernels* avx512_sight_kernels();
 
 }  // namespace lidar_mapping::map

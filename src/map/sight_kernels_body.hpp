@@ -74,16 +74,20 @@ void project(const PointArrays& points, std::size_t count, int* __restrict colum
   }
 }
 
-void count_reach(const Viewpoint& view, const PointArrays& points, std::size_t count,
-                 int* __restrict counts) {
+int count_reach(const Viewpoint& view, const PointArrays& points, std::size_t count,
+                int* __restrict counts) {
   const Viewpoint v = view;
   const PointArrays p = points;
+  int sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const float x = p.x[i] - v.p_points_sensor[0];
     const float y = p.y[i] - v.p_points_sensor[1];
     const float z = p.z[i] - v.p_points_sensor[2];
-    counts[i] += x * x + y * y + z * z <= v.squared_reach ? 1 : 0;
+    const int is_near = x * x + y * y + z * z <= v.squared_reach ? 1 : 0;
+    counts[i] += is_near;
+    sum += is_near;
   }
+  return sum;
 }
 
 void aim(const Viewpoint& view, const PointArrays& points, std::size_t count, const Aims& aims,

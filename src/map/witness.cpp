@@ -1,12 +1,14 @@
 #include "witness.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace lidar_mapping::map {
 
 namespace {
 
 constexpr std::size_t kChunk = 1024;     // points that are asked about together
+constexpr std::size_t kLanes = 16;       // of the longest vectors
 constexpr std::size_t kSettleEvery = 4;  // witnesses; more often costs more than it saves
 
 /// A witness seen from the key frame in question.
@@ -15,21 +17,22 @@ struct Place {
   Viewpoint view;
 };
 
-/// Points that are asked about, and what was said of each.
+/// Points that are asked about, and what was said of each. Arrays are longer than there are cases,
+/// so that kernels may work on whole vectors.
 struct Cases {
-  std::vector<float> x, y, z;  ///< in base_link
-  std::vector<std::uint32_t> points;
-  std::vector<int> left;  ///< witnesses in reach that were not asked yet
-  std::vector<int> through;
-  std::vector<int> hits;
+  std::array<float, kChunk> x{}, y{}, z{};  ///< in base_link
+  std::array<std::uint32_t, kChunk> points{};
+  std::array<int, kChunk> left{};  ///< witnesses in reach that were not asked yet
+  std::array<int, kChunk> through{};
+  std::array<int, kChunk> hits{};
+  std::size_t size = 0;
 
-  std::size_t size() const { return points.size(); }
+  std::size_t padded_size() const { return (size + kLanes - 1) / kLanes * kLanes; }
   PointArrays arrays() const { return {x.data(), y.data(), z.data()}; }
 
   /// Those of a cloud with these numbers.
   void fill(const PointCloud& cloud, const std::uint32_t* numbers, std::size_t count) {
-    resize(0);
-    resize(count);
+    for (std::array<int, kChunk>* counts : {&left, &through, &hits}) counts->fill(0);
     for (std::size_t i = 0; i < count; ++i) {
       const Point& point = cloud.points[numbers[i]];
       points[i] = numbers[i];
@@ -37,17 +40,13 @@ struct Cases {
       y[i] = point.y;
       z[i] = point.z;
     }
-  }
-
-  void resize(std::size_t count) {
-    for (std::vector<float>* values : {&x, &y, &z}) values->resize(count);
-    points.resize(count);
-    for (std::vector<int>* counts : {&left, &through, &hits}) counts->resize(count);
+    size = count;
   }
 
   void move(std::size_t from, std::size_t to) {
-    for (std::vector<float>* values : {&x, &y, &z}) (*values)[to] = (*values)[from];
-    for (std::vector<int>* counts : {&left, &through, &hits}) (*counts)[to] = (*counts)[from];
+    for (std::array<float, kChunk>* values : {&x, &y, &z}) (*values)[to] = (*values)[from];
+    for (std::array<int, kChunk>* counts : {&left, &through, &hits})
+      (*counts)[to] = (*counts)[from];
     points[to] = points[from];
   }
 };
@@ -55,61 +54,71 @@ struct Cases {
 class Court {
  public:
   Court(std::vector<Place> places, const MovingObjectsConfig& config)
-      : places_(std::move(places)), config_(config) {}
+      : places_(std::move(places)), needed_(places_.size() + 1) {
+    int needed = config.min_votes;
+    for (std::size_t votes = 0; votes < needed_.size(); ++votes) {
+      while (needed < config.min_share * static_cast<double>(votes)) ++needed;
+      needed_[votes] = needed;
+    }
+  }
 
   /// Leaves no case behind.
   void judge(Cases& cases, std::vector<Vote>& votes) {
-    for (const Place& place : places_)
-      sight_kernels().count_reach(place.view, cases.arrays(), cases.size(), cases.left.data());
-    for (std::size_t i = 0; i < places_.size(); ++i) {
+    const std::size_t count = cases.padded_size();
+    near_.clear();
+    for (const Place& place : places_) {
+      const int in_reach =
+          sight_kernels().count_reach(place.view, cases.arrays(), count, cases.left.data());
+      if (in_reach > 0) near_.push_back(&place);
+    }
+    for (std::size_t i = 0; i < near_.size(); ++i) {
       if (i % kSettleEvery == 0) settle(cases, votes);
-      ask(places_[i], cases);
+      if (cases.size == 0) return;
+      ask(*near_[i], cases);
     }
     settle(cases, votes);
   }
 
  private:
   void ask(const Place& place, Cases& cases) {
-    const std::size_t count = cases.size();
-    for (std::vector<int>* values : {&pixels_, &nearest_, &farthest_, &unclear_})
-      values->resize(count);
+    const std::size_t count = cases.padded_size();
     const Aims aims = {pixels_.data(), nearest_.data(), farthest_.data()};
     sight_kernels().aim(place.view, cases.arrays(), count, aims, cases.left.data());
     place.image->look(aims, count, {cases.through.data(), cases.hits.data()}, unclear_.data());
   }
 
-  /// Takes away the cases that are certain.
+  /// Takes away the cases that are certain. Without branches, as nobody foresees which they are: of
+  /// the others a verdict is written, too, and written again.
   void settle(Cases& cases, std::vector<Vote>& votes) const {
     std::size_t open = 0;
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      if (is_certain(cases.left[i], cases.through[i], cases.hits[i])) {
-        votes[cases.points[i]] = verdict(cases.through[i], cases.hits[i]);
-      } else {
-        cases.move(i, open++);
-      }
+    for (std::size_t i = 0; i < cases.size; ++i) {
+      const int left = cases.left[i];
+      const int through = cases.through[i];
+      const int hits = cases.hits[i];
+      const int needed = needed_[static_cast<std::size_t>(left + through + hits)];
+      votes[cases.points[i]] = verdict(through, hits, needed);
+      cases.move(i, open);
+      open += is_certain(left, through, hits, needed) ? 0 : 1;
     }
-    cases.resize(open);
-  }
-
-  bool moves(int through, int hits) const {
-    return through >= config_.min_votes && through >= config_.min_share * (through + hits);
+    cases.size = open;
   }
 
   /// Whether the verdict is the same if all that were not asked say one thing or the other.
-  bool is_certain(int left, int through, int hits) const {
-    if (left == 0) return true;
-    if (hits > 0 && !moves(through + left, hits)) return true;
-    return moves(through, hits + left);
+  static bool is_certain(int left, int through, int hits, int needed) {
+    const int stands = (hits > 0 ? 1 : 0) & (through + left < needed ? 1 : 0);
+    return ((left == 0 ? 1 : 0) | stands | (through >= needed ? 1 : 0)) != 0;
   }
 
-  Vote verdict(int through, int hits) const {
-    if (through + hits == 0) return Vote::kUnseen;
-    return moves(through, hits) ? Vote::kMoves : Vote::kStands;
+  /// If all that were not asked say that it stands.
+  static Vote verdict(int through, int hits, int needed) {
+    const Vote other = through + hits == 0 ? Vote::kUnseen : Vote::kStands;
+    return through >= needed ? Vote::kMoves : other;
   }
 
   const std::vector<Place> places_;
-  const MovingObjectsConfig& config_;
-  std::vector<int> pixels_, nearest_, farthest_, unclear_;  ///< of one place
+  std::vector<int> needed_;  ///< by the number of votes: how many for that it moves
+  std::vector<const Place*> near_;
+  std::array<int, kChunk> pixels_{}, nearest_{}, farthest_{}, unclear_{};  ///< of one place
 };
 
 Viewpoint view_of(const Witness& witness, const Pose& T_map_base, double reach) {

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -56,10 +57,10 @@ std::vector<Seen> some_windows() {
 /// All that the kernels give for the same points.
 std::vector<std::vector<int>> results_of(const SightKernels& kernels) {
   const Points points;
-  std::vector<std::vector<int>> results(11, std::vector<int>(kCount, 5));
+  std::vector<std::vector<int>> results(12, std::vector<int>(kCount, 5));
   const auto to = [&](std::size_t i) { return results[i].data(); };
   kernels.project(points.arrays(), kCount, to(0), to(1), to(2));
-  kernels.count_reach(some_viewpoint(), points.arrays(), kCount, to(3));
+  results[11][0] = kernels.count_reach(some_viewpoint(), points.arrays(), kCount, to(3));
   const Aims aims = {to(4), to(5), to(6)};
   kernels.aim(some_viewpoint(), points.arrays(), kCount, aims, to(7));
   kernels.look(some_windows().data(), aims, kCount, {to(8), to(9)}, to(10));
@@ -108,9 +109,23 @@ TEST(SightKernels, CountWhatAWindowSays) {
   EXPECT_EQ(unclear, (std::vector<int>{0, 0, 0, 0, 1, 0}));
 }
 
-TEST(SightKernels, WiderInstructionsGiveTheSame) {
+TEST(SightKernels, CountTheirPointsInReach) {
+  const Points points;
+  std::vector<int> counts(kCount);
+  const int sum = portable_sight_kernels().count_reach(some_viewpoint(), points.arrays(), kCount,
+                                                       counts.data());
+  EXPECT_GT(sum, 0);
+  EXPECT_EQ(sum, std::accumulate(counts.begin(), counts.end(), 0));
+}
+
+TEST(SightKernels, GiveTheSameWithAvx2) {
   if (avx2_sight_kernels() == nullptr) GTEST_SKIP() << "this processor has no AVX2";
   EXPECT_EQ(results_of(*avx2_sight_kernels()), results_of(portable_sight_kernels()));
+}
+
+TEST(SightKernels, GiveTheSameWithAvx512) {
+  if (avx512_sight_kernels() == nullptr) GTEST_SKIP() << "this processor is not fast with AVX-512";
+  EXPECT_EQ(results_of(*avx512_sight_kernels()), results_of(portable_sight_kernels()));
 }
 
 }  // namespace
