@@ -13,6 +13,12 @@ constexpr double kHeightQuantile = 10.8;  // 99.9 %, one degree of freedom
 constexpr double kRoofed = 0.2;           // share; less is a tree or a sign
 constexpr double kGnssQuantile = 3.3;     // standard deviations, the same
 
+// Within these standard deviations there is room for one place only.
+constexpr double kKnownHorizontal = 1.0;      // m
+constexpr double kKnownVertical = 0.5;        // m; storeys are 3 m apart
+constexpr double kKnownRotation = 0.35;       // rad
+constexpr double kInnovationExpected = 12.6;  // 95 %, six degrees of freedom
+
 using Objection = std::optional<Judgement>;
 using Config = LoopClosingConfig;
 
@@ -116,6 +122,13 @@ Judgement judge(const Match& match, const Prior& prior, const LoopClosingConfig&
   return {Verdict::kAccepted,
           figure_sentence("overlap minus twice the free-space violation", margin_of(match.figures),
                           "above", config.overlap_margin_limit, "overlap_margin_limit")};
+}
+
+bool is_beyond_doubt(const Match& match, const Prior& prior) {
+  if (!prior.anchored || prior.jumped > 0.0) return false;
+  return prior.sigma_horizontal <= kKnownHorizontal && prior.sigma_vertical <= kKnownVertical &&
+         prior.sigma_rotation <= kKnownRotation &&
+         innovation_of(prior, match.alignment.T_target_source).whole <= kInnovationExpected;
 }
 
 }  // namespace lidar_mapping::loop_closing

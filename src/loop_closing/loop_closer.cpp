@@ -101,13 +101,18 @@ Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<Qu
   return trial;
 }
 
+/// The most promising first. Where the estimate leaves no room for another place, the others would
+/// only say the same again; where places may be mistaken for each other all have their say.
 std::vector<Trial> LoopCloser::Impl::tried_candidates() {
   const std::vector<Candidate> candidates = chosen();
   if (candidates.empty()) return {};
   key_frames_since_search_ = 0;
   const auto query = submaps_.query(trajectory());
   std::vector<Trial> trials;
-  for (const Candidate& candidate : candidates) trials.push_back(tried(candidate, query));
+  for (const Candidate& candidate : candidates) {
+    trials.push_back(tried(candidate, query));
+    if (settles(trials.back())) break;
+  }
   return trials;
 }
 

@@ -32,7 +32,8 @@ void describe_search(config::Schema<Config>& schema) {
       .real("rotation_drift_deg", &Config::rotation_drift_deg, {0.0, 90.0}, "deg per 100 m",
             "Standard deviation of the estimate's rotation drift per way driven.")
       .integer("max_registrations", &Config::max_registrations, {1, 50}, "",
-               "How many of the best candidates of one search are matched.");
+               "How many of the best candidates of one search are matched at most; where the "
+               "estimate knows the place to a metre, the first that is accepted ends the search.");
 }
 
 void describe_matching(config::Schema<Config>& schema) {

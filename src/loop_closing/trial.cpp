@@ -19,6 +19,10 @@ Covariance6 floored(const Covariance6& covariance, const LoopClosingConfig& conf
 
 }  // namespace
 
+bool settles(const Trial& trial) {
+  return is_accepted(trial) && is_beyond_doubt(trial.match, trial.candidate.prior);
+}
+
 void keep_best(std::vector<Trial>& trials, const Trajectory& trajectory) {
   const auto is_worse = [](const Trial& a, const Trial& b) {
     if (is_accepted(a) != is_accepted(b)) return is_accepted(b);

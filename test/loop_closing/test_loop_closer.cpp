@@ -1,3 +1,5 @@
+#include <map>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
@@ -92,6 +94,31 @@ TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
     EXPECT_LT(verdict.from, verdict.to);
   }
 }
+
+/// The most candidates that one search of a third pass through a street matched: both older passes
+/// are there to be met.
+std::size_t most_matched(double horizontal_drift) {
+  const ToyWorld world = make_town(150.0, 100.0, 2);
+  const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}, {0, 0}, {60, 0}});
+  LoopClosingConfig config;
+  config.horizontal_drift = horizontal_drift;
+  const DriveOutcome outcome = drive(world, truth, truth, config);
+  EXPECT_EQ(outcome.false_loops, 0);
+  std::map<KeyFrameIndex, std::size_t> matched;
+  for (const LoopVerdict& verdict : outcome.verdicts) {
+    if (verdict.to > 70) ++matched[verdict.to];
+  }
+  EXPECT_FALSE(matched.empty());
+  std::size_t most = 0;
+  for (const auto& [to, count] : matched) most = std::max(most, count);
+  return most;
+}
+
+TEST(LoopCloser, MatchesOneCandidateWhereTheEstimateKnowsThePlace) {
+  EXPECT_EQ(most_matched(0.003), 1U);
+}
+
+TEST(LoopCloser, MatchesAllWhereTheEstimateLeavesADoubt) { EXPECT_EQ(most_matched(0.02), 2U); }
 
 // F74: a crossing, where the headings differ by a quarter turn.
 TEST(LoopCloser, ClosesACrossing) {

@@ -15,6 +15,8 @@ struct Trial {
   double margin() const { return margin_of(match.figures); }
 };
 
+/// True if no other candidate need be matched: accepted beyond doubt.
+bool settles(const Trial& trial);
 /// Of several accepted trials only the best stays accepted; the others would say the same again.
 void keep_best(std::vector<Trial>& trials, const Trajectory& trajectory);
 
