@@ -1,15 +1,27 @@
 #include "lidar_mapping/loop_closing/kd_tree.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <limits>
 
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::uint32_t kLeafSize = 12;
+constexpr std::uint32_t kLeafSize = 16;
+constexpr std::uint32_t kLanes = 4;  // what every processor computes with at once
+constexpr int kAxes = 3;
+
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
 using Iterator = std::vector<Eigen::Vector3f>::iterator;
+
+inline Lanes load(const float* values) {
+  Lanes lanes;
+  std::memcpy(&lanes, values, sizeof(lanes));
+  return lanes;
+}
 
 int widest_axis(Iterator begin, Iterator end) {
   Eigen::Vector3f low = *begin;
@@ -23,6 +35,8 @@ int widest_axis(Iterator begin, Iterator end) {
   return axis;
 }
 
+// These are told of points that are closer than their bound only.
+
 /// Keeps the one nearest point.
 struct NearestOne {
   float bound;
@@ -30,8 +44,24 @@ struct NearestOne {
   bool found = false;
 
   void operator()(std::uint32_t candidate, float squared_distance) {
-    if (squared_distance >= bound) return;
     bound = squared_distance;
+    index = candidate;
+    found = true;
+  }
+};
+
+/// Keeps the one nearest point and the distance of the second.
+struct NearestTwo {
+  float bound;  // of the second
+  float nearest = bound;
+  std::uint32_t index = 0;
+  bool found = false;
+
+  void operator()(std::uint32_t candidate, float squared_distance) {
+    bound = squared_distance;
+    if (squared_distance >= nearest) return;
+    bound = nearest;
+    nearest = squared_distance;
     index = candidate;
     found = true;
   }
@@ -44,7 +74,6 @@ struct NearestSeveral {
   std::vector<KdTree::Neighbour> kept = {};
 
   void operator()(std::uint32_t candidate, float squared_distance) {
-    if (squared_distance >= bound) return;
     if (kept.size() < count) kept.emplace_back();
     auto place = kept.end() - 1;
     for (; place != kept.begin() && squared_distance < (place - 1)->squared_distance; --place) {
@@ -58,7 +87,13 @@ struct NearestSeveral {
 }  // namespace
 
 KdTree::KdTree(std::vector<Eigen::Vector3f> points) : points_(std::move(points)) {
-  if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
+  if (points_.empty()) return;
+  build(0, static_cast<std::uint32_t>(points_.size()));
+  for (int axis = 0; axis < kAxes; ++axis) {
+    coordinates_[axis].reserve(points_.size() + kLanes);
+    for (const Eigen::Vector3f& p : points_) coordinates_[axis].push_back(p[axis]);
+    coordinates_[axis].resize(points_.size() + kLanes);
+  }
 }
 
 std::uint32_t KdTree::build(std::uint32_t begin, std::uint32_t end) {
@@ -79,6 +114,23 @@ std::uint32_t KdTree::build(std::uint32_t begin, std::uint32_t end) {
   return self;
 }
 
+// The last lanes may belong to the next leaf; they are left out.
+template <typename Visit>
+inline void KdTree::scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const {
+  const std::uint32_t count = leaf.end - leaf.begin;
+  std::array<float, kLeafSize> squared;
+  for (std::uint32_t i = 0; i < count; i += kLanes) {
+    const Lanes x = load(&coordinates_[0][leaf.begin + i]) - p.x();
+    const Lanes y = load(&coordinates_[1][leaf.begin + i]) - p.y();
+    const Lanes z = load(&coordinates_[2][leaf.begin + i]) - p.z();
+    const Lanes lanes = x * x + (y * y + z * z);  // in the order of Eigen's squaredNorm()
+    std::memcpy(&squared[i], &lanes, sizeof(lanes));
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (squared[i] < visit.bound) visit(leaf.begin + i, squared[i]);
+  }
+}
+
 // `offset` is the vector from p to the cell of the node, so that its length bounds the distance of
 // all points in that cell (Arya and Mount 1993).
 template <typename Visit>
@@ -86,8 +138,7 @@ void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector
                     Visit& visit) const {
   const Node& node = nodes_[index];
   if (node.right == 0) {
-    for (std::uint32_t i = node.begin; i < node.end; ++i) visit(i, (points_[i] - p).squaredNorm());
-    return;
+    return scan(node, p, visit);
   }
   const float side = p[node.axis] - node.split;
   const std::uint32_t near = side < 0.0F ? index + 1 : node.right;
@@ -106,6 +157,15 @@ std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float
   search(0, p, offset, visit);
   if (!visit.found) return std::nullopt;
   return Neighbour{visit.index, visit.bound};
+}
+
+std::optional<KdTree::Lead> KdTree::nearest_with_lead(const Eigen::Vector3f& p, float limit) const {
+  if (nodes_.empty()) return std::nullopt;
+  NearestTwo visit{limit * limit};
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+  search(0, p, offset, visit);
+  if (!visit.found) return std::nullopt;
+  return Lead{{visit.index, visit.nearest}, visit.bound};
 }
 
 std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, std::size_t count) const {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/loop_closing/pair_memory.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -38,14 +40,14 @@ double robust_weight(double residual, double c) {
 }
 
 Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
-                    const Pose& T, const Level& level) {
+                    PairMemory& pairs, const Pose& T, const Level& level) {
   Equations equations;
   const Eigen::Matrix3d R = T.rotation_matrix();
   const std::size_t stride = std::max<std::size_t>(1, source.size() / level.points);
   for (std::size_t i = 0; i < source.size(); i += stride) {
     const Eigen::Vector3d p_source = source[i].cast<double>();
     const Eigen::Vector3d p_target = R * p_source + T.translation;
-    const auto pair = target.tree().nearest(p_target.cast<float>(), level.pair_distance);
+    const auto pair = pairs.nearest(i, p_target.cast<float>(), level.pair_distance);
     if (!pair) continue;
     const Eigen::Vector3d normal = target.normal(pair->index).cast<double>();
     if (normal.isZero()) continue;
@@ -88,11 +90,12 @@ Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
                                const SurfaceCloud& target, const Pose& T_target_source_guess) {
   Alignment result;
   result.T_target_source = T_target_source_guess;
+  PairMemory pairs(target.tree(), source.size());
   Equations equations;
   for (const Level& level : kLevels) {
     result.converged = false;
     for (int i = 0; i < level.iterations && !result.converged; ++i) {
-      equations = linearise(source, target, result.T_target_source, level);
+      equations = linearise(source, target, pairs, result.T_target_source, level);
       if (equations.pairs < kMinPairs) return result;
       const Vector6d step = step_of(equations);
       result.T_target_source = perturbed(result.T_target_source, step);

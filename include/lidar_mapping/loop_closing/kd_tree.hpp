@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -18,12 +19,20 @@ class KdTree {
     float squared_distance = 0.0F;
   };
 
+  /// The nearest point, and how far the one after it is.
+  struct Lead {
+    Neighbour nearest;
+    float next_squared = 0.0F;  ///< of the limit if there is none within it
+  };
+
   KdTree() = default;
   explicit KdTree(std::vector<Eigen::Vector3f> points);
 
   const std::vector<Eigen::Vector3f>& points() const { return points_; }
   /// The nearest point that is closer than `limit` (m).
   std::optional<Neighbour> nearest(const Eigen::Vector3f& p, float limit) const;
+  /// The same with the lead of the nearest one before all others.
+  std::optional<Lead> nearest_with_lead(const Eigen::Vector3f& p, float limit) const;
   /// The `count` nearest points, nearest first; fewer if there are not as many.
   std::vector<Neighbour> nearest(const Eigen::Vector3f& p, std::size_t count) const;
 
@@ -38,10 +47,13 @@ class KdTree {
 
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
   template <typename Visit>
+  void scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const;
+  template <typename Visit>
   void search(std::uint32_t node, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
               Visit& visit) const;
 
   std::vector<Eigen::Vector3f> points_;
+  std::array<std::vector<float>, 3> coordinates_;  ///< the same by axis, and some room behind
   std::vector<Node> nodes_;
 };
 
