@@ -33,41 +33,30 @@ Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
   return solver.eigenvectors().col(0);
 }
 
-/// Lowest height per square cell around the origin.
-class LowestHeights {
+/// Square cells around the origin; the outermost ones are never given out.
+class GroundCells {
  public:
-  explicit LowestHeights(const std::vector<Eigen::Vector3f>& points)
-      : heights_(kWidth * kWidth, std::numeric_limits<float>::infinity()) {
-    for (const auto& p : points) {
-      const int cell = cell_of(p);
-      if (cell < 0) continue;
-      heights_[cell] = std::min(heights_[cell], p.z());
-    }
-  }
-  /// Of the 3 x 3 block of cells around p; infinity outside of the grid.
-  float around(const Eigen::Vector3f& p) const {
-    const int cell = cell_of(p);
-    if (cell < 0) return std::numeric_limits<float>::infinity();
-    float lowest = heights_[cell];
-    for (const int dy : {-kWidth, 0, kWidth}) {
-      for (const int dx : {-1, 0, 1}) lowest = std::min(lowest, heights_[cell + dy + dx]);
-    }
-    return lowest;
-  }
-
- private:
   static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
+  static constexpr int kCount = kWidth * kWidth;
 
-  static int cell_of(const Eigen::Vector3f& p) {
+  /// Number of the cell; -1 outside of the grid.
+  static int of(const Eigen::Vector3f& p) {
     constexpr double kMiddle = kWidth / 2;  // added first, so that casting rounds down
     const double x = p.x() / kGroundCell + kMiddle;
     const double y = p.y() / kGroundCell + kMiddle;
     if (!(x >= 1.0 && y >= 1.0 && x < kWidth - 1 && y < kWidth - 1)) return -1;
     return static_cast<int>(y) * kWidth + static_cast<int>(x);
   }
-
-  std::vector<float> heights_;
 };
+
+/// Lowers each value to the least of itself and those `step` before and behind.
+void spread_lowest(std::vector<float>& heights, int step) {
+  const std::vector<float> own = heights;
+  const auto count = static_cast<int>(own.size());
+  for (int i = step; i < count - step; ++i) {
+    heights[i] = std::min(own[i], std::min(own[i - step], own[i + step]));
+  }
+}
 
 }  // namespace
 
@@ -94,10 +83,18 @@ const Eigen::Vector3f& SurfaceCloud::normal(std::size_t index) const {
 }
 
 std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points) {
-  const LowestHeights lowest(points);
+  std::vector<int> cells(points.size());
+  std::vector<float> lowest(GroundCells::kCount, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    cells[i] = GroundCells::of(points[i]);
+    if (cells[i] >= 0) lowest[cells[i]] = std::min(lowest[cells[i]], points[i].z());
+  }
+  // To 3 x 3 blocks of cells.
+  spread_lowest(lowest, 1);
+  spread_lowest(lowest, GroundCells::kWidth);
   std::vector<bool> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    result[i] = points[i].z() > lowest.around(points[i]) + kClearance;
+    result[i] = cells[i] >= 0 && points[i].z() > lowest[cells[i]] + kClearance;
   }
   return result;
 }

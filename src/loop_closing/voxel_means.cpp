@@ -47,15 +47,14 @@ void VoxelMeans::grow() {
   for (std::uint32_t i = 0; i < voxels_.size(); ++i) slot_of(voxels_[i].cell) = i;
 }
 
-/// Neighbours in a cloud often share a voxel.
 inline std::uint32_t VoxelMeans::find_or_add(const Eigen::Vector3i& cell) {
-  if (last_ < voxels_.size() && voxels_[last_].cell == cell) return last_;
   std::uint32_t& slot = slot_of(cell);
-  if (slot != kFree) return last_ = slot;
-  last_ = slot = static_cast<std::uint32_t>(voxels_.size());
+  if (slot != kFree) return slot;
+  const auto added = static_cast<std::uint32_t>(voxels_.size());
+  slot = added;
   voxels_.push_back({cell, 0.0F, Eigen::Vector3f::Zero()});
   if (2 * voxels_.size() > slots_.size()) grow();
-  return last_;
+  return added;
 }
 
 void VoxelMeans::add(const Eigen::Vector3f& p) {

@@ -38,6 +38,20 @@ TEST(Appearance, GivesHeadingAndPositionOfARevisit) {
   }
 }
 
+// More of them than a byte counts.
+TEST(Appearance, AViewLiesBestOnItself) {
+  std::vector<Eigen::Vector3f> points;
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<float> coordinate(-40.0F, 40.0F);
+  for (int i = 0; i < 900; ++i) {
+    points.emplace_back(coordinate(generator), coordinate(generator), 0.0F);
+  }
+  const BirdsEye view(points, std::vector<bool>(points.size(), true));
+  const ViewMatch match = ViewCorrelator(view).match(view.cells(), 0.0);
+  EXPECT_EQ(match.translation, Eigen::Vector2d::Zero());
+  EXPECT_NEAR(match.score, 1.0, 1e-9);
+}
+
 TEST(Appearance, KeyDoesNotChangeWithTheHeading) {
   const ToyWorld world = make_town(150.0, 100.0, 4);
   const auto key = seen_from(world, planar(0.0, 0.0, 0.0)).descriptor.key();

@@ -33,7 +33,6 @@ class VoxelMeans {
   float per_leaf_ = 0.0F;
   std::vector<Voxel> voxels_;
   std::vector<std::uint32_t> slots_;  // a hash table with linear probing, at most half full
-  std::uint32_t last_ = 0;
 };
 
 }  // namespace lidar_mapping::loop_closing
