@@ -78,14 +78,17 @@ double true_tile_size(const MapConfig& config) {
 void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                  const std::filesystem::path& directory, const TileSink& sink) {
   TileRun run(config, directory);
-  std::vector<PlacedCloud> batch;
-  for (const KeyFramePose& pose : poses.poses) {
-    if (PointCloudPtr cloud = clouds.cloud(pose.index)) batch.push_back({cloud, pose.T_map_base});
-    if (batch.size() < kBatch) continue;
+  for (std::size_t begin = 0; begin < poses.poses.size(); begin += kBatch) {
+    const std::size_t end = std::min(poses.poses.size(), begin + kBatch);
+    std::vector<KeyFrameIndex> indices;
+    for (std::size_t i = begin; i < end; ++i) indices.push_back(poses.poses[i].index);
+    const std::vector<PointCloudPtr> found = clouds.clouds(indices, config.threads);
+    std::vector<PlacedCloud> batch;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (found[i - begin]) batch.push_back({found[i - begin], poses.poses[i].T_map_base});
+    }
     run.add(batch);
-    batch.clear();
   }
-  run.add(batch);
   run.finish(sink);
 }
 

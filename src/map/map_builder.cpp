@@ -170,19 +170,20 @@ class MapBuilder::Impl {
   /// Puts key frames into the tiles of `only`, or, those that are new, into all.
   void add(const std::vector<KeyFrameIndex>& indices, const std::set<TileIndex>* only) {
     for (std::size_t begin = 0; begin < indices.size(); begin += kBatch) {
-      const std::size_t end = std::min(indices.size(), begin + kBatch);
+      const std::size_t count = std::min(indices.size() - begin, kBatch);
+      const std::vector<PointCloudPtr> clouds =
+          clouds_.clouds({&indices[begin], &indices[begin] + count}, config_.threads);
       std::vector<PlacedCloud> batch;
       std::vector<Member*> owners;
-      for (std::size_t i = begin; i < end; ++i) {
-        Member& member = members_.at(indices[i]);
-        const PointCloudPtr cloud = clouds_.cloud(indices[i]);
-        if (!cloud) {
+      for (std::size_t i = 0; i < count; ++i) {
+        Member& member = members_.at(indices[begin + i]);
+        if (!clouds[i]) {
           ++missing_;
           member.placed.reset();
           continue;
         }
         if (!member.placed) member.placed = member.wanted;
-        batch.push_back({cloud, *member.placed});
+        batch.push_back({clouds[i], *member.placed});
         owners.push_back(&member);
       }
       insertions_ += batch.size();

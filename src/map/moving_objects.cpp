@@ -46,13 +46,27 @@ class StaticClouds::Impl {
     for (std::size_t i = 0; i < poses_.size(); ++i) positions_[poses_[i].index] = i;
   }
 
-  /// The points that move, or that do not.
-  PointCloudPtr part(KeyFrameIndex index, bool moving) {
-    const PointCloudPtr cloud = clouds_.cloud(index);
-    const auto position = positions_.find(index);
-    if (!cloud || position == positions_.end()) return cloud;
-    if (!marks_.contains(position->second)) judge_around(position->second);
-    const Marks marks = marks_.get(position->second);
+  /// The points that move, or that do not, of each.
+  std::vector<PointCloudPtr> parts(const std::vector<KeyFrameIndex>& indices, bool moving) {
+    std::vector<PointCloudPtr> clouds = clouds_.clouds(indices, config_.threads);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      const auto position = positions_.find(indices[i]);
+      if (!clouds[i] || position == positions_.end()) continue;
+      if (!marks_.contains(position->second)) judge_around(position->second);
+    }
+    in_parallel(indices.size(), [&](std::size_t i) {
+      const auto position = positions_.find(indices[i]);
+      if (!clouds[i] || position == positions_.end()) return;
+      clouds[i] = part(clouds[i], marks_.get(position->second), moving);
+    });
+    return clouds;
+  }
+
+ private:
+  using Position = std::size_t;  // in poses_
+  using Clouds = std::map<Position, PointCloudPtr>;
+
+  static PointCloudPtr part(const PointCloudPtr& cloud, const Marks& marks, bool moving) {
     auto result = std::make_shared<PointCloud>();
     result->points.reserve(moving ? marks.size() : cloud->size() - marks.size());
     auto next = marks.begin();
@@ -63,10 +77,6 @@ class StaticClouds::Impl {
     }
     return result;
   }
-
- private:
-  using Position = std::size_t;  // in poses_
-  using Clouds = std::map<Position, PointCloudPtr>;
 
   /// Marks the key frames of the batch to which that one belongs.
   void judge_around(Position position) {
@@ -88,19 +98,31 @@ class StaticClouds::Impl {
     const Position last = end_of(end - 1, config_.neighbours);
     witnesses_.erase(witnesses_.begin(), witnesses_.lower_bound(first));
     witnesses_.erase(witnesses_.lower_bound(last), witnesses_.end());
-    Clouds judged;
-    std::vector<std::pair<Position, PointCloudPtr>> fresh;
+    std::vector<Position> wanted;
     for (Position i = first; i < last; ++i) {
-      const bool is_known = witnesses_.count(i) > 0;
       const bool is_judged = i >= begin && i < end;
-      if (is_known && !is_judged) continue;
-      const PointCloudPtr cloud = clouds_.cloud(poses_[i].index);
-      if (!cloud) continue;
-      if (is_judged) judged.emplace(i, cloud);
-      if (!is_known) fresh.emplace_back(i, cloud);
+      if (is_judged || witnesses_.count(i) == 0) wanted.push_back(i);
     }
-    add_witnesses(fresh);
+    Clouds judged;
+    Clouds fresh;
+    for (const auto& [i, cloud] : clouds_at(wanted)) {
+      if (i >= begin && i < end) judged.emplace(i, cloud);
+      if (witnesses_.count(i) == 0) fresh.emplace(i, cloud);
+    }
+    add_witnesses({fresh.begin(), fresh.end()});
     return judged;
+  }
+
+  /// Without those that are missing.
+  Clouds clouds_at(const std::vector<Position>& positions) {
+    std::vector<KeyFrameIndex> indices;
+    for (const Position position : positions) indices.push_back(poses_[position].index);
+    const std::vector<PointCloudPtr> found = clouds_.clouds(indices, config_.threads);
+    Clouds clouds;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (found[i]) clouds.emplace(positions[i], found[i]);
+    }
+    return clouds;
   }
 
   void add_witnesses(const std::vector<std::pair<Position, PointCloudPtr>>& clouds) {
@@ -203,7 +225,15 @@ StaticClouds::StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
     : impl_(std::make_unique<Impl>(clouds, poses, p_base_sensor, config, directory)) {}
 StaticClouds::~StaticClouds() = default;
 
-PointCloudPtr StaticClouds::cloud(KeyFrameIndex index) { return impl_->part(index, false); }
-PointCloudPtr StaticClouds::removed(KeyFrameIndex index) { return impl_->part(index, true); }
+PointCloudPtr StaticClouds::cloud(KeyFrameIndex index) {
+  return impl_->parts({index}, false).front();
+}
+std::vector<PointCloudPtr> StaticClouds::clouds(const std::vector<KeyFrameIndex>& indices,
+                                                int /*threads*/) {
+  return impl_->parts(indices, false);
+}
+PointCloudPtr StaticClouds::removed(KeyFrameIndex index) {
+  return impl_->parts({index}, true).front();
+}
 
 }  // namespace lidar_mapping::map

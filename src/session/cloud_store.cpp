@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "lidar_mapping/common/parallel.hpp"
+
 namespace lidar_mapping::session {
 
 namespace {
@@ -28,6 +30,14 @@ PointCloudPtr CloudStore::cloud(KeyFrameIndex index) {
   } catch (const std::exception&) {
     return nullptr;
   }
+}
+
+std::vector<PointCloudPtr> CloudStore::clouds(const std::vector<KeyFrameIndex>& indices,
+                                              int threads) {
+  std::vector<PointCloudPtr> found(indices.size());
+  parallel_chunks(indices.size(), 1, threads,
+                  [&](std::size_t i, std::size_t) { found[i] = cloud(indices[i]); });
+  return found;
 }
 
 std::filesystem::path CloudStore::file(KeyFrameIndex index) const {

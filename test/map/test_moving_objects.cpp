@@ -199,5 +199,17 @@ TEST(MovingObjects, DoNotDependOnTheNumberOfThreadsOrTheOrderOfQuestions) {
   }
 }
 
+TEST(MovingObjects, GoFromSeveralCloudsAsFromEach) {
+  Street street;
+  StaticClouds clean(street, street.poses, kSensor);
+  StaticClouds together(street, street.poses, kSensor);
+  const std::vector<KeyFrameIndex> indices = {20, 3, 17};
+  const std::vector<PointCloudPtr> clouds = together.clouds(indices, 2);
+  ASSERT_EQ(clouds.size(), indices.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    EXPECT_TRUE(are_equal(*clouds[i], *clean.cloud(indices[i]))) << indices[i];
+  }
+}
+
 }  // namespace
 }  // namespace lidar_mapping::map

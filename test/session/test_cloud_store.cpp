@@ -67,6 +67,21 @@ TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
   EXPECT_EQ(store.cloud(0), zero) << "still the same object: it was used last";
 }
 
+TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  CloudStore(folder.path()).put(4, example_cloud(40, 4));
+  CloudStore(folder.path()).put(7, example_cloud(70, 7));
+  for (const int threads : {1, 3}) {
+    CloudStore store(folder.path());
+    const std::vector<PointCloudPtr> clouds = store.clouds({7, 5, 4, 7}, threads);
+    ASSERT_EQ(clouds.size(), 4U);
+    EXPECT_EQ(clouds[0]->size(), 70U);
+    EXPECT_EQ(clouds[1], nullptr);
+    EXPECT_EQ(clouds[2]->size(), 40U);
+    EXPECT_EQ(clouds[3]->size(), 70U);
+  }
+}
+
 // F61: a missing or cut file is 'no cloud', never an empty one and never a crash.
 TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
   const TemporaryFolder folder;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "lidar_mapping/common/key_frame.hpp"
 
 namespace lidar_mapping {
@@ -11,6 +13,15 @@ class CloudSource {
   virtual ~CloudSource() = default;
   /// The cloud in base_link of that key frame, or null if it is not known or cannot be read.
   virtual PointCloudPtr cloud(KeyFrameIndex index) = 0;
+  /// Those of several, in that order; sources that can be asked by more than one thread fetch them
+  /// with at most so many (0: all cores).
+  virtual std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
+                                            int /*threads*/) {
+    std::vector<PointCloudPtr> found;
+    found.reserve(indices.size());
+    for (const KeyFrameIndex index : indices) found.push_back(cloud(index));
+    return found;
+  }
 };
 
 }  // namespace lidar_mapping

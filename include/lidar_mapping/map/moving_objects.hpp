@@ -30,6 +30,9 @@ class StaticClouds : public CloudSource {
   ~StaticClouds() override;
 
   PointCloudPtr cloud(KeyFrameIndex index) override;
+  /// With the threads of the configuration.
+  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
+                                    int threads) override;
   /// What cloud() leaves out.
   PointCloudPtr removed(KeyFrameIndex index);
 

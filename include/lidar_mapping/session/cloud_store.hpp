@@ -23,6 +23,8 @@ class CloudStore : public CloudSource {
   void put(KeyFrameIndex index, const PointCloudPtr& cloud);
   /// Null if there is no such file or it is damaged.
   PointCloudPtr cloud(KeyFrameIndex index) override;
+  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
+                                    int threads) override;
 
   std::filesystem::path file(KeyFrameIndex index) const;
   bool contains(KeyFrameIndex index) const;
