@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/loop_closing/surface.hpp"
@@ -29,6 +30,48 @@ TEST(SurfaceCloud, HasNormalsOnWallsAndNoneInFoliage) {
   }
   EXPECT_EQ(on_wall, 2000);
   EXPECT_LT(in_foliage, 300);
+}
+
+// Planes of all thicknesses, in all directions, against a solver for any matrix.
+TEST(SurfaceCloud, NormalsAreTheSmallestAxisOfTheScatter) {
+  std::mt19937 generator(2);
+  std::normal_distribution<float> normal;
+  int planes = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3f axis =
+        Eigen::Vector3f(normal(generator), normal(generator), normal(generator)).normalized();
+    const float thickness = 0.002F * static_cast<float>(i);
+    std::vector<Eigen::Vector3f> points;
+    for (int k = 0; k < 10; ++k) {
+      const Eigen::Vector3f p(normal(generator), normal(generator), normal(generator));
+      points.emplace_back(50.0F * axis + p - (1.0F - thickness) * axis.dot(p) * axis);
+    }
+    const SurfaceCloud surface(points);
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const auto& p : points) mean += p.cast<double>() / 10.0;
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const auto& p : points) {
+      const Eigen::Vector3d d = p.cast<double>() - mean;
+      scatter += d * d.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+    const double planarity = solver.eigenvalues()[0] / solver.eigenvalues()[1];
+    if (std::abs(planarity - 0.08) < 1e-3) continue;
+    ASSERT_EQ(surface.normal(0).isZero(), planarity > 0.08) << planarity;
+    if (planarity > 0.08) continue;
+    ++planes;
+    const Eigen::Vector3d expected = solver.eigenvectors().col(0);
+    EXPECT_NEAR(std::abs(surface.normal(0).cast<double>().dot(expected)), 1.0, 1e-5) << planarity;
+  }
+  EXPECT_GT(planes, 50);
+}
+
+TEST(SurfaceCloud, PointsOnALineOrInOnePlaceDoNoHarm) {
+  std::vector<Eigen::Vector3f> line;
+  for (int i = 0; i < 10; ++i) line.emplace_back(0.3F * static_cast<float>(i), 5.0F, 1.0F);
+  EXPECT_TRUE(SurfaceCloud(line).normal(0).allFinite());
+  const std::vector<Eigen::Vector3f> place(10, Eigen::Vector3f(3.0F, 2.0F, 1.0F));
+  EXPECT_TRUE(SurfaceCloud(place).normal(0).isZero());
 }
 
 TEST(AboveGround, FollowsASlope) {
