@@ -30,9 +30,9 @@ class LoopCloser::Impl {
   void update_poses(const KeyFramePoses& poses) { places_.update_poses(poses); }
   void add_gnss(const GnssPosition& position) { places_.add_gnss(position); }
 
-  void take_in(const KeyFrame& key_frame);
+  void take_in(const KeyFrame& key_frame, const PreparedKeyFrame& prepared);
   void take_in(const Loop& loop);
-  LoopClosingResult process(const KeyFrame& key_frame);
+  LoopClosingResult process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared);
 
  private:
   using NodeId = Trajectory::NodeId;
@@ -52,9 +52,11 @@ class LoopCloser::Impl {
   std::optional<double> last_loop_travelled_;
 };
 
-void LoopCloser::Impl::take_in(const KeyFrame& key_frame) {
-  const PointsPtr scan = submaps_.take_newest(key_frame);
-  places_.append(key_frame, scan ? std::optional(appearance_of(*scan)) : std::nullopt);
+void LoopCloser::Impl::take_in(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {
+  const PointsPtr scan = submaps_.take_newest(key_frame, prepared.points);
+  std::optional<Appearance> appearance = prepared.appearance;
+  if (scan && !appearance) appearance = appearance_of(*scan);
+  places_.append(key_frame, appearance);
   ++key_frames_since_search_;
 }
 
@@ -139,8 +141,9 @@ void LoopCloser::Impl::conclude(const Trial& trial, LoopClosingResult& result) {
   }
 }
 
-LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame) {
-  take_in(key_frame);
+LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
+                                            const PreparedKeyFrame& prepared) {
+  take_in(key_frame, prepared);
   if (!is_due()) return {};
   std::vector<Trial> trials = tried_candidates();
   keep_best(trials, trajectory());
@@ -164,12 +167,12 @@ LoopCloser::~LoopCloser() = default;
 void LoopCloser::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
   impl_->set_sensor_origin(p_base_lidar);
 }
-void LoopCloser::restore(const KeyFrame& key_frame) { impl_->take_in(key_frame); }
+void LoopCloser::restore(const KeyFrame& key_frame) { impl_->take_in(key_frame, {}); }
 void LoopCloser::restore(const Loop& loop) { impl_->take_in(loop); }
 void LoopCloser::update_poses(const KeyFramePoses& poses) { impl_->update_poses(poses); }
 void LoopCloser::add_gnss(const GnssPosition& position) { impl_->add_gnss(position); }
-LoopClosingResult LoopCloser::process(const KeyFrame& key_frame) {
-  return impl_->process(key_frame);
+LoopClosingResult LoopCloser::process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {
+  return impl_->process(key_frame, prepared);
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -22,7 +22,11 @@ Eigen::Isometry3f isometry(const Pose& pose) {
 }  // namespace
 
 Submaps::Submaps(const LoopClosingConfig& config, CloudSource& clouds)
-    : config_(config), clouds_(clouds), kept_points_(kMostPoints), kept_submaps_(kMostSubmaps) {}
+    : config_(config),
+      clouds_(clouds),
+      preparation_(config),
+      kept_points_(kMostPoints),
+      kept_submaps_(kMostSubmaps) {}
 
 double Submaps::map_leaf() const {
   return config_.map_filter == FilterMethod::kVoxel ? config_.map_leaf_size : 0.0;
@@ -47,17 +51,17 @@ Points Submaps::thinned(const PointCloud& cloud, double leaf) {
 PointsPtr Submaps::map_points(KeyFrameIndex index) {
   if (const auto* kept = kept_points_.find(index)) return *kept;
   const PointCloudPtr cloud = clouds_.cloud(index);
-  return cloud ? keep(index, *cloud) : nullptr;
+  return cloud ? keep(index, preparation_.thinned(*cloud)) : nullptr;
 }
 
-PointsPtr Submaps::keep(KeyFrameIndex index, const PointCloud& cloud) {
-  const auto points = std::make_shared<const Points>(thinned(cloud, map_leaf()));
+PointsPtr Submaps::keep(KeyFrameIndex index, const PointsPtr& points) {
   return kept_points_.keep(index, points, points->size());
 }
 
-PointsPtr Submaps::take_newest(const KeyFrame& key_frame) {
+PointsPtr Submaps::take_newest(const KeyFrame& key_frame, const PointsPtr& prepared) {
   newest_ = key_frame.cloud ? key_frame.cloud : clouds_.cloud(key_frame.index);
-  return newest_ ? keep(key_frame.index, *newest_) : nullptr;
+  if (newest_ == nullptr) return nullptr;
+  return keep(key_frame.index, prepared ? prepared : preparation_.thinned(*newest_));
 }
 
 /// The newest cloud, thinned as a scan.

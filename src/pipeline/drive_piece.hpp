@@ -6,6 +6,7 @@
 #include "lidar_mapping/common/floor.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/loop_closing/key_frame_preparation.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -23,6 +24,7 @@ struct ScanEntry {
 struct DrivePiece {
   std::vector<ScanEntry> scans;                 ///< the last of them is the key frame's
   std::optional<KeyFrame> key_frame;            ///< none at the end of the drive
+  loop_closing::PreparedKeyFrame prepared;      ///< for the loop search
   std::optional<Floor> floor;                   ///< at the key frame
   std::optional<GeodeticDatum> datum;           ///< where it is new
   std::optional<Eigen::Vector3d> p_base_lidar;  ///< where it is new

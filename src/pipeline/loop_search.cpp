@@ -9,7 +9,8 @@ void LoopSearch::take(DrivePiece& piece) {
   for (const ScanEntry& scan : piece.scans) {
     if (scan.gnss) closer_.add_gnss(*scan.gnss);
   }
-  loop_closing::LoopClosingResult result = closer_.process(*piece.key_frame);
+  loop_closing::LoopClosingResult result = closer_.process(*piece.key_frame, piece.prepared);
+  piece.prepared = {};
   piece.loops = std::move(result.loops);
   piece.verdicts = std::move(result.verdicts);
 }

@@ -49,6 +49,7 @@ class Pipeline::Impl {
        preprocessing::ExtrinsicLookup T_base)
       : threaded_(config.threads != 1),
         keeper_(std::move(session), config.back_end, threaded_, feedback_),
+        loop_preparation_(config.loop_closing),
         search_(config.loop_closing, keeper_.run().session(), feedback_),
         resume_point_(resume_point_of(keeper_.run().session(), kStretch, config.replay_whole)),
         odometry_(
@@ -117,6 +118,8 @@ class Pipeline::Impl {
     if (piece.key_frame) {
       keeper_.run().session().clouds().put(piece.key_frame->index, piece.key_frame->cloud);
       ++key_frames_;
+      // Here, as the search has more to do than this stage.
+      piece.prepared = loop_preparation_.prepare(*piece.key_frame->cloud);
     }
     searching_.push(std::move(piece));
   }
@@ -140,6 +143,7 @@ class Pipeline::Impl {
 
   PoseFeedback feedback_;
   GraphKeeper keeper_;
+  loop_closing::KeyFramePreparation loop_preparation_;
   LoopSearch search_;
   const std::optional<ResumePoint> resume_point_;
   SpareClouds spare_;

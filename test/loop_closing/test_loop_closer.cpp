@@ -308,6 +308,28 @@ TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {
   }
 }
 
+// Whoever has a thread to spare prepares key frames ahead.
+TEST(LoopCloser, GivesTheSameBytesForKeyFramesPreparedAhead) {
+  const ToyWorld world = make_town(60.0, 100.0, 4);
+  const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});
+  const DriveOutcome expected = drive(world, truth, truth);
+  DriveClouds clouds(world, truth);
+  KeyFramePreparation preparation{LoopClosingConfig()};
+  LoopCloser closer({}, clouds);
+  closer.set_sensor_origin(ToyWorld::sensor());
+  DriveOutcome outcome;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const PreparedKeyFrame prepared =
+        preparation.prepare(*clouds.cloud(static_cast<KeyFrameIndex>(i)));
+    append(outcome, closer.process(key_frame(i, truth[i]), prepared), truth);
+  }
+  ASSERT_FALSE(outcome.loops.empty());
+  ASSERT_EQ(outcome.loops.size(), expected.loops.size());
+  for (std::size_t i = 0; i < outcome.loops.size(); ++i) {
+    EXPECT_EQ(outcome.loops[i].T_from_to.matrix(), expected.loops[i].T_from_to.matrix());
+  }
+}
+
 TEST(LoopCloser, GivesTheSameBytesAgain) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});

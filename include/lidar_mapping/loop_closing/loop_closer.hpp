@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/cloud_source.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/loop_closing/key_frame_preparation.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -38,8 +39,9 @@ class LoopCloser {
   void update_poses(const KeyFramePoses& poses);
   /// A position at the stamp of a key frame (before or after the key frame itself).
   void add_gnss(const GnssPosition& position);
-  /// Takes a key frame in (indices increase) and searches for a loop when it is due.
-  LoopClosingResult process(const KeyFrame& key_frame);
+  /// Takes a key frame in (indices increase) and searches for a loop when it is due. What was not
+  /// prepared of its cloud is made now.
+  LoopClosingResult process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared = {});
 
  private:
   class Impl;

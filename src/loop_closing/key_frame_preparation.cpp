@@ -1,0 +1,19 @@
+#include "lidar_mapping/loop_closing/key_frame_preparation.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+KeyFramePreparation::KeyFramePreparation(const LoopClosingConfig& config)
+    : leaf_(config.map_filter == FilterMethod::kVoxel ? config.map_leaf_size : 0.0) {}
+
+PreparedKeyFrame KeyFramePreparation::prepare(const PointCloud& cloud) {
+  const PointsPtr points = thinned(cloud);
+  return {points, appearance_of(*points)};
+}
+
+PointsPtr KeyFramePreparation::thinned(const PointCloud& cloud) {
+  voxels_.restart(leaf_);
+  for (const Point& point : cloud.points) voxels_.add(point.position());
+  return std::make_shared<const Points>(voxels_.points());
+}
+
+}  // namespace lidar_mapping::loop_closing
