@@ -9,9 +9,7 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kColumn = 0.6;  // m
-constexpr int kAround = 2;       // columns in each direction
-constexpr std::size_t kSide = 2 * kAround + 1;
+constexpr std::size_t kSide = GroundArea::kSide;
 constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instead
 constexpr float kNone = LowestPoints::kNone;
 constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
@@ -19,10 +17,12 @@ constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
 }  // namespace
 
 std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
-  CellGrid<LowestPoints> grid(CellArea(points, kColumn, farthest), {});
-  for (const Eigen::Vector3f& point : points.points) {
-    LowestPoints* column = grid.find(grid.cell_of(point));
-    if (column != nullptr) column->take(static_cast<float>(points.origin.z()) + point.z());
+  const PointCells cells(points, GroundArea::kColumn, farthest);
+  CellGrid<LowestPoints> grid(CellArea(cells), {});
+  const std::vector<std::uint32_t> numbers = grid.area().numbers_of(cells);
+  const auto origin_z = static_cast<float>(points.origin.z());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] != CellArea::kOutside) grid.at(numbers[i]).take(origin_z + points.z[i]);
   }
   // In the order of the grid, as others are asked for in theirs.
   std::vector<GroundColumn> columns;
@@ -32,29 +32,25 @@ std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farth
   return columns;
 }
 
-CellArea ground_area(const PlacedPoints& points, float farthest) {
-  return CellArea(points, kColumn, farthest).widened(kAround);
-}
-
-LocalGround::LocalGround(const CellArea& area)
-    : columns_(area, {}), grounds_(area.size(), kNotAsked) {}
+LocalGround::LocalGround(const GroundArea& area)
+    : area_(area), columns_(area.size()), grounds_(area.size(), kNotAsked) {}
 
 void LocalGround::add(const std::vector<GroundColumn>& columns) {
   for (const GroundColumn& column : columns) {
-    LowestPoints* known = columns_.find(column.cell);
-    if (known != nullptr) known->join(column.points);
+    const std::uint32_t number = area_.number_of(column.cell);
+    if (number != GroundArea::kOutside) columns_[number].join(column.points);
   }
 }
 
-float LocalGround::height_above(float z, std::size_t number) {
-  if (number == CellArea::kOutside) return 0.0F;
+float LocalGround::height_above(float z, std::uint32_t number) {
+  if (number == GroundArea::kOutside) return 0.0F;
   float& ground = grounds_[number];
   if (std::isnan(ground)) ground = ground_at(number);
   return ground == kNone ? kNone : z - ground;
 }
 
-float LocalGround::ground_at(std::size_t column) const {
-  const float own = columns_.at(column).second;
+float LocalGround::ground_at(std::uint32_t column) const {
+  const float own = columns_[column].second;
   int known = 0;
   int deeper = 0;
   visit_around(column, [&](float height) {
@@ -66,7 +62,7 @@ float LocalGround::ground_at(std::size_t column) const {
   return lower_quartile_around(column);
 }
 
-float LocalGround::lower_quartile_around(std::size_t column) const {
+float LocalGround::lower_quartile_around(std::uint32_t column) const {
   std::array<float, kSide * kSide> around{};
   std::size_t count = 0;
   visit_around(column, [&](float height) {
@@ -79,12 +75,10 @@ float LocalGround::lower_quartile_around(std::size_t column) const {
 
 /// Second lowest points of the columns around, but not of that one itself.
 template <typename Visitor>
-void LocalGround::visit_around(std::size_t column, const Visitor& visit) const {
-  const std::size_t width = columns_.area().width();
-  const std::size_t corner = column - kAround * width - kAround;
-  for (std::size_t row = 0; row < kSide; ++row) {
-    for (std::size_t i = corner + row * width; i < corner + row * width + kSide; ++i) {
-      if (i != column) visit(columns_.at(i).second);
+void LocalGround::visit_around(std::uint32_t column, const Visitor& visit) const {
+  for (const std::uint32_t first : area_.rows_around(column)) {
+    for (std::uint32_t i = first; i < first + kSide; ++i) {
+      if (i != column) visit(columns_[i].second);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "ground_area.hpp"
 #include "placed_points.hpp"
 
 namespace lidar_mapping::map {
@@ -33,30 +34,27 @@ struct GroundColumn {
 /// The columns of the points that are no further than `farthest` from their origin, m.
 std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest = kFarthest);
 
-/// The columns in which points lie that are no further than `farthest` from their origin, m, and
-/// those around.
-CellArea ground_area(const PlacedPoints& points, float farthest = kFarthest);
-
 /// Height of the ground below points. A column that holds nothing but the roof of a car takes its
 /// ground from the columns around. One thread uses it.
 class LocalGround {
  public:
-  /// For points in that ground_area().
-  explicit LocalGround(const CellArea& area);
+  /// For points of that area, which must outlive this.
+  explicit LocalGround(const GroundArea& area);
 
   /// Before the first question.
   void add(const std::vector<GroundColumn>& columns);
   /// Height above the ground of what is at z, m in the map frame, in that column of the area;
   /// infinity where no ground is known, 0 for what is outside.
-  float height_above(float z, std::size_t column);
+  float height_above(float z, std::uint32_t column);
 
  private:
-  float ground_at(std::size_t column) const;
-  float lower_quartile_around(std::size_t column) const;
+  float ground_at(std::uint32_t column) const;
+  float lower_quartile_around(std::uint32_t column) const;
   template <typename Visitor>
-  void visit_around(std::size_t column, const Visitor& visit) const;
+  void visit_around(std::uint32_t column, const Visitor& visit) const;
 
-  CellGrid<LowestPoints> columns_;
+  const GroundArea& area_;
+  std::vector<LowestPoints> columns_;
   std::vector<float> grounds_;  ///< of the columns, NaN where nobody asked yet
 };
 

@@ -30,7 +30,7 @@ Layer layer_of(float above_own, float above_all) {
   return height < kBodyHeight ? Layer::kBody : Layer::kHigh;
 }
 
-float height_above_all(float z, std::size_t column, Grounds& grounds) {
+float height_above_all(float z, std::uint32_t column, Grounds& grounds) {
   const float near = grounds.near.height_above(z, column);
   if (near >= kGroundHeight) return near;
   const float wide = grounds.wide.height_above(z, column);
@@ -62,8 +62,7 @@ class VoxelKeys {
 
   Key of(std::size_t i) const {
     const auto cell = [&](float value) { return static_cast<Key>(floored(value * scale_)); };
-    const Eigen::Vector3f& p = points_.points[i];
-    return cell(p.x()) * kStepX + cell(p.y()) * kStepY + cell(p.z());
+    return cell(points_.x[i]) * kStepX + cell(points_.y[i]) * kStepY + cell(points_.z[i]);
   }
 
   template <typename Visitor>
@@ -198,12 +197,12 @@ class Things {
  public:
   Things(const PlacedPoints& points, const std::vector<Vote>& votes,
          const std::vector<Layer>& layers)
-      : points_(points),
-        numbers_(CellArea(points, kThingCell, kFarthest,
+      : cells_of_points_(points, kThingCell, kFarthest),
+        numbers_(CellArea(cells_of_points_,
                           [&layers](std::size_t i) { return layers[i] == Layer::kBody; }),
                  kFree) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (layers[i] == Layer::kBody) take(numbers_.cell_of(points.points[i]), poll_of(votes[i]));
+      if (layers[i] == Layer::kBody) take(cells_of_points_.at(i), poll_of(votes[i]));
     }
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (cells_[i].poll.moving > 0 && cells_[i].thing == kNone) gather(i);
@@ -214,11 +213,11 @@ class Things {
   }
 
   /// Whether the thing on which the i-th point is goes as a whole.
-  bool moves(std::size_t i) const { return moves_at(numbers_.cell_of(points_.points[i])); }
+  bool moves(std::size_t i) const { return moves_at(cells_of_points_.at(i)); }
 
   /// Whether a thing that goes stands where the i-th point is or in a cell beside.
   bool moves_beside(std::size_t i) const {
-    const CellIndex at = numbers_.cell_of(points_.points[i]);
+    const CellIndex at = cells_of_points_.at(i);
     for (int n = 0; n < 9; ++n) {
       if (moves_at({at.x + n % 3 - 1, at.y + n / 3 - 1})) return true;
     }
@@ -285,7 +284,7 @@ class Things {
     }
   }
 
-  const PlacedPoints& points_;
+  const PointCells cells_of_points_;
   CellGrid<std::uint32_t> numbers_;  ///< of cells_, plus 1: most cells are free
   std::vector<Cell> cells_;
   std::vector<Poll> polls_;
@@ -316,9 +315,8 @@ std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
   std::vector<Layer> layers(points.size());
   const auto origin_z = static_cast<float>(points.origin.z());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f& point = points.points[i];
-    const float z = origin_z + point.z();
-    const std::size_t column = grounds.area.number_of(grounds.area.cell_of(point));
+    const float z = origin_z + points.z[i];
+    const std::uint32_t column = grounds.area.column_of(i);
     const float above_all = height_above_all(z, column, grounds);
     layers[i] = layer_of(grounds.own.height_above(z, column), above_all);
   }

@@ -15,10 +15,11 @@ enum class Layer : char { kGround, kRaised, kFoot, kBody, kHigh, kAlone };
 /// The ground below the points of a key frame, as it saw it itself, as it and its neighbours saw
 /// it, and as those saw it that come by further away.
 struct Grounds {
-  explicit Grounds(const PlacedPoints& points)
-      : area(ground_area(points)), own(area), near(area), wide(area) {}
+  explicit Grounds(const PlacedPoints& points) : area(points), own(area), near(area), wide(area) {}
+  Grounds(const Grounds&) = delete;
+  Grounds& operator=(const Grounds&) = delete;
 
-  CellArea area;
+  GroundArea area;
   LocalGround own;
   LocalGround near;
   LocalGround wide;

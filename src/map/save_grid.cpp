@@ -71,15 +71,15 @@ class Band {
     constexpr float kAll = std::numeric_limits<float>::infinity();
     const PointCloud cloud = points_around(map);
     const PlacedPoints points(cloud, Pose());
-    const CellArea area = ground_area(points, kAll);
+    const GroundArea area(points, kAll);
     LocalGround ground(area);
     ground.add(ground_columns(points, kAll));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const int row = frame_.row_of(cloud.points[i].y);
       if (row < begin_ || row >= end_) continue;
-      const std::size_t column = area.number_of(area.cell_of(points.points[i]));
-      const float z = static_cast<float>(points.origin.z()) + points.points[i].z();
-      add(at(row, frame_.column_of(cloud.points[i].x)), ground.height_above(z, column), options);
+      const float z = static_cast<float>(points.origin.z()) + points.z[i];
+      add(at(row, frame_.column_of(cloud.points[i].x)), ground.height_above(z, area.column_of(i)),
+          options);
     }
   }
 

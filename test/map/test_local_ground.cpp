@@ -47,13 +47,14 @@ struct Seen {
 
 Seen heights(const Slope& slope) {
   const PlacedPoints points = sloping_street(slope);
-  const CellArea area = ground_area(points);
+  const GroundArea area(points);
   LocalGround ground(area);
   ground.add(ground_columns(points));
   Seen seen{0.0F, kRoof * 10};
-  for (const Eigen::Vector3f& point : points.points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f point(points.x[i], points.y[i], points.z[i]);
     if (point.head<2>().cwiseAbs().maxCoeff() > kInside) continue;
-    const float above = ground.height_above(point.z(), area.number_of(area.cell_of(point)));
+    const float above = ground.height_above(point.z(), area.column_of(i));
     const bool is_roof = point.z() > street(slope, point.x(), point.y()) + 0.5;
     if (is_roof) {
       seen.roof = std::min(seen.roof, above);
