@@ -57,12 +57,28 @@ class VoxelKeys {
   using Key = std::int64_t;
   static constexpr Key kStepX = Key{1} << 40;
   static constexpr Key kStepY = Key{1} << 20;
+  static constexpr std::size_t kColumns = std::size_t{1} << 16U;
 
-  VoxelKeys(const PlacedPoints& points, float voxel) : points_(points), scale_(1.0F / voxel) {}
+  VoxelKeys(const PlacedPoints& points, float voxel)
+      : points_(points), scale_(1.0F / voxel), columns_(points.size()) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto x = static_cast<unsigned>(floored(points.x[i] * scale_));
+      const auto y = static_cast<unsigned>(floored(points.y[i] * scale_));
+      columns_[i] = static_cast<std::uint16_t>(x % kWidth * kWidth + y % kWidth);
+    }
+  }
 
   Key of(std::size_t i) const {
     const auto cell = [&](float value) { return static_cast<Key>(floored(value * scale_)); };
     return cell(points_.x[i]) * kStepX + cell(points_.y[i]) * kStepY + cell(points_.z[i]);
+  }
+
+  /// One of kColumns of a pattern that repeats itself; the same for all in a column of voxels.
+  std::uint16_t column_of(std::size_t i) const { return columns_[i]; }
+  static std::uint16_t column_of(Key key) {
+    // The halves keep a negative cell of a lower axis from counting as one less of the next.
+    const auto cells = static_cast<std::uint64_t>(key + kStepX / 2 + kStepY / 2);
+    return static_cast<std::uint16_t>(cells / kStepX % kWidth * kWidth + cells / kStepY % kWidth);
   }
 
   template <typename Visitor>
@@ -75,8 +91,11 @@ class VoxelKeys {
   }
 
  private:
+  static constexpr unsigned kWidth = 256;
+
   const PlacedPoints& points_;
   float scale_;
+  std::vector<std::uint16_t> columns_;
 };
 
 /// Columns of voxels around some, so that few of the others are looked up in vain.
@@ -88,23 +107,14 @@ class Columns {
   void add_around(Key key, Key reach) {
     for (Key dx = -reach; dx <= reach; ++dx) {
       for (Key dy = -reach; dy <= reach; ++dy) {
-        taken_.set(number_of(key + dx * VoxelKeys::kStepX + dy * VoxelKeys::kStepY));
+        taken_.set(VoxelKeys::column_of(key + dx * VoxelKeys::kStepX + dy * VoxelKeys::kStepY));
       }
     }
   }
-  bool may_hold(Key key) const { return taken_[number_of(key)]; }
+  bool may_hold(std::uint16_t column) const { return taken_[column]; }
 
  private:
-  static constexpr std::size_t kWidth = 256;
-
-  /// The halves keep a negative cell of a lower axis from counting as one less of the next.
-  static std::size_t number_of(Key key) {
-    const auto cells =
-        static_cast<std::uint64_t>(key + VoxelKeys::kStepX / 2 + VoxelKeys::kStepY / 2);
-    return cells / VoxelKeys::kStepX % kWidth * kWidth + cells / VoxelKeys::kStepY % kWidth;
-  }
-
-  std::bitset<kWidth * kWidth> taken_;
+  std::bitset<VoxelKeys::kColumns> taken_;
 };
 
 /// How many points are in the 3x3x3 small voxels around a candidate.
@@ -120,8 +130,7 @@ class Crowds {
     }
     if (is_empty) return;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const VoxelKeys::Key key = keys_.of(i);
-      if (near.may_hold(key)) ++counts_[key];
+      if (near.may_hold(keys_.column_of(i))) ++counts_[keys_.of(i)];
     }
   }
 
@@ -165,9 +174,8 @@ class Blocks {
 
   /// Whether the 3x3x3 voxels around the i-th point together go.
   bool move_around(std::size_t i) const {
-    const Key key = keys_.of(i);
-    if (!near_.may_hold(key)) return false;
-    const auto block = blocks_.find(key);
+    if (!near_.may_hold(keys_.column_of(i))) return false;
+    const auto block = blocks_.find(keys_.of(i));
     return block != blocks_.end() && block->second.moves(kBlockShare);
   }
 
@@ -179,9 +187,8 @@ class Blocks {
     std::unordered_map<Key, Poll> voxels;
     if (blocks_.empty()) return voxels;
     for (std::size_t i = 0; i < votes.size(); ++i) {
-      if (votes[i] == Vote::kUnseen) continue;
-      const Key key = keys_.of(i);
-      if (near_.may_hold(key)) voxels[key].add(poll_of(votes[i]));
+      if (votes[i] == Vote::kUnseen || !near_.may_hold(keys_.column_of(i))) continue;
+      voxels[keys_.of(i)].add(poll_of(votes[i]));
     }
     return voxels;
   }
@@ -189,6 +196,63 @@ class Blocks {
   VoxelKeys keys_;
   std::unordered_map<Key, Poll> blocks_;
   Columns near_;
+};
+
+/// Numbers by cells, in pages that are made where they are needed: most of an area is empty.
+class CellNumbers {
+ public:
+  static constexpr std::uint32_t kFree = 0;
+
+  explicit CellNumbers(const CellArea& area) {
+    if (area.size() == 0) return;
+    first_ = page_of(area.cell_at(0));
+    const CellIndex last = page_of(area.cell_at(area.size() - 1));
+    width_ = last.x - first_.x + 1;
+    height_ = last.y - first_.y + 1;
+    pages_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNoPage);
+  }
+
+  /// kFree at first; for cells of the area.
+  std::uint32_t& at(const CellIndex& cell) {
+    std::uint32_t& page = pages_[position_of(page_of(cell))];
+    if (page == kNoPage) {
+      page = static_cast<std::uint32_t>(numbers_.size());
+      numbers_.resize(numbers_.size() + kSide * kSide, kFree);
+    }
+    return numbers_[page + place_of(cell)];
+  }
+  std::uint32_t find(const CellIndex& cell) const {
+    const CellIndex page = page_of(cell);
+    const bool is_inside = page.x >= first_.x && page.x < first_.x + width_ && page.y >= first_.y &&
+                           page.y < first_.y + height_;
+    if (!is_inside || pages_[position_of(page)] == kNoPage) return kFree;
+    return numbers_[pages_[position_of(page)] + place_of(cell)];
+  }
+
+ private:
+  static constexpr unsigned kSide = 16;
+  static constexpr std::uint32_t kNoPage = std::numeric_limits<std::uint32_t>::max();
+
+  static CellIndex page_of(const CellIndex& cell) {
+    const auto of = [](int value) {
+      return (value - static_cast<int>(static_cast<unsigned>(value) % kSide)) /
+             static_cast<int>(kSide);
+    };
+    return {of(cell.x), of(cell.y)};
+  }
+  static std::uint32_t place_of(const CellIndex& cell) {
+    return static_cast<unsigned>(cell.y) % kSide * kSide + static_cast<unsigned>(cell.x) % kSide;
+  }
+  std::size_t position_of(const CellIndex& page) const {
+    return static_cast<std::size_t>(page.y - first_.y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(page.x - first_.x);
+  }
+
+  CellIndex first_;
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<std::uint32_t> pages_;  ///< by position: where they begin in numbers_
+  std::vector<std::uint32_t> numbers_;
 };
 
 /// Things that stand alone, seen from above: cells with something on them that touch, also at
@@ -199,8 +263,7 @@ class Things {
          const std::vector<Layer>& layers)
       : cells_of_points_(points, kThingCell, kFarthest),
         numbers_(CellArea(cells_of_points_,
-                          [&layers](std::size_t i) { return layers[i] == Layer::kBody; }),
-                 kFree) {
+                          [&layers](std::size_t i) { return layers[i] == Layer::kBody; })) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (layers[i] == Layer::kBody) take(cells_of_points_.at(i), poll_of(votes[i]));
     }
@@ -208,7 +271,9 @@ class Things {
       if (cells_[i].poll.moving > 0 && cells_[i].thing == kNone) gather(i);
     }
     for (const Cell& cell : cells_) {
-      if (goes(cell)) going_.set(bit_of(cell.index));
+      if (!goes(cell)) continue;
+      going_.set(bit_of(cell.index));
+      for (int n = 0; n < 9; ++n) beside_.set(bit_of(neighbour_of(cell.index, n)));
     }
   }
 
@@ -218,14 +283,15 @@ class Things {
   /// Whether a thing that goes stands where the i-th point is or in a cell beside.
   bool moves_beside(std::size_t i) const {
     const CellIndex at = cells_of_points_.at(i);
+    if (!beside_[bit_of(at)]) return false;
     for (int n = 0; n < 9; ++n) {
-      if (moves_at({at.x + n % 3 - 1, at.y + n / 3 - 1})) return true;
+      if (moves_at(neighbour_of(at, n))) return true;
     }
     return false;
   }
 
  private:
-  static constexpr std::uint32_t kFree = 0;  // nothing is there
+  static constexpr std::uint32_t kFree = CellNumbers::kFree;  // nothing is there
   static constexpr int kNone = -1;
   static constexpr std::size_t kWidth = 256;
 
@@ -237,13 +303,13 @@ class Things {
   };
 
   void take(const CellIndex& index, const Poll& poll) {
-    std::uint32_t* number = numbers_.find(index);
-    if (number == nullptr) return;
-    if (*number == kFree) {
+    if (index.x == PointCells::kNone) return;
+    std::uint32_t& number = numbers_.at(index);
+    if (number == kFree) {
       cells_.push_back({index, kNone, {}});
-      *number = static_cast<std::uint32_t>(cells_.size());
+      number = static_cast<std::uint32_t>(cells_.size());
     }
-    cells_[*number - 1].poll.add(poll);
+    cells_[number - 1].poll.add(poll);
   }
 
   bool goes(const Cell& cell) const {
@@ -254,8 +320,13 @@ class Things {
 
   bool moves_at(const CellIndex& index) const {
     if (!going_[bit_of(index)]) return false;
-    const std::uint32_t* number = numbers_.find(index);
-    return number != nullptr && *number != kFree && goes(cells_[*number - 1]);
+    const std::uint32_t number = numbers_.find(index);
+    return number != kFree && goes(cells_[number - 1]);
+  }
+
+  /// The cell itself is among the nine.
+  static CellIndex neighbour_of(const CellIndex& index, int n) {
+    return {index.x + n % 3 - 1, index.y + n / 3 - 1};
   }
 
   static std::size_t bit_of(const CellIndex& index) {
@@ -273,22 +344,22 @@ class Things {
       open.pop_back();
       polls_.back().add(here.poll);
       for (int n = 0; n < 9; ++n) {
-        const std::uint32_t* number =
-            numbers_.find({here.index.x + n % 3 - 1, here.index.y + n / 3 - 1});
-        if (number == nullptr || *number == kFree) continue;
-        Cell& next = cells_[*number - 1];
+        const std::uint32_t number = numbers_.find(neighbour_of(here.index, n));
+        if (number == kFree) continue;
+        Cell& next = cells_[number - 1];
         if (next.thing != kNone) continue;
         next.thing = thing;
-        open.push_back(*number - 1);
+        open.push_back(number - 1);
       }
     }
   }
 
   const PointCells cells_of_points_;
-  CellGrid<std::uint32_t> numbers_;  ///< of cells_, plus 1: most cells are free
+  CellNumbers numbers_;  ///< of cells_, plus 1
   std::vector<Cell> cells_;
   std::vector<Poll> polls_;
-  std::bitset<kWidth * kWidth> going_;  ///< cells that may go: few of the others are looked up
+  std::bitset<kWidth * kWidth> going_;   ///< cells that may go: few of the others are looked up
+  std::bitset<kWidth * kWidth> beside_;  ///< those and the cells around
 };
 
 bool goes(std::size_t i, Layer layer, const Blocks& blocks, const Things& things) {
