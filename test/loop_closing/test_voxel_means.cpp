@@ -59,6 +59,24 @@ TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
   EXPECT_EQ(voxels.points(), std::vector<Eigen::Vector3f>(2, {1.0F, 2.0F, 3.0F}));
 }
 
+// The finest leaf, at the ends of the range.
+TEST(VoxelMeans, KeepsFarAwayCellsApart) {
+  VoxelMeans voxels;
+  voxels.restart(0.05);
+  std::vector<Eigen::Vector3f> corners;
+  for (const float x : {-49'999.0F, 49'999.0F}) {
+    for (const float y : {-49'999.0F, 49'999.0F}) {
+      for (const float z : {-49'999.0F, 0.01F, 49'999.0F}) corners.emplace_back(x, y, z);
+    }
+  }
+  for (const auto& corner : corners) voxels.add(corner);
+  const auto points = voxels.points();
+  ASSERT_EQ(points.size(), corners.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LT((points[i] - corners[i]).norm(), 0.05F);
+  }
+}
+
 TEST(Recent, ForgetsWhatWasNotAskedForTheLongest) {
   Recent<char> recent(10);
   recent.keep(1, 'a', 4);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,20 +18,33 @@ class VoxelMeans {
   void restart(double leaf);
   /// Points that are not finite, or further from the origin than any LiDAR sees, are left out.
   void add(const Eigen::Vector3f& p);
-  std::vector<Eigen::Vector3f> points() const;
+  std::vector<Eigen::Vector3f> points();
 
  private:
+  using Key = std::uint64_t;  ///< the three numbers of a cell, 21 bits each
   struct Voxel {
-    Eigen::Vector3i cell;
+    Key key;
     float count;
     Eigen::Vector3f sum;  // of the offsets from the corner of the cell: small, so float will do
   };
-  std::uint32_t find_or_add(const Eigen::Vector3i& cell);
-  std::uint32_t& slot_of(const Eigen::Vector3i& cell);
+  /// A point on its way to its voxel. A few wait for each other: the processor often guesses wrong
+  /// where one of them goes, and then it should not have begun with the numbers of the next ones.
+  struct Waiting {
+    Key key;
+    Eigen::Vector3f offset;
+  };
+  static constexpr std::size_t kWaiting = 32;
+
+  void settle();
+  std::uint32_t find_or_add(Key key);
+  std::uint32_t& slot_of(Key key);
   void grow();
+  Eigen::Vector3f corner_of(Key key) const;
 
   float leaf_ = 0.0F;
   float per_leaf_ = 0.0F;
+  std::array<Waiting, kWaiting> waiting_;
+  std::size_t waiting_count_ = 0;
   std::vector<Voxel> voxels_;
   std::vector<std::uint32_t> slots_;  // a hash table with linear probing, at most half full
 };
