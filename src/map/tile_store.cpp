@@ -51,7 +51,8 @@ std::vector<TileIndex> TileStore::tiles_of(const PlacedCloud& cloud) const {
   std::set<TileIndex> tiles;
   for (const Point& point : cloud.cloud->points) {
     if (!is_finite(point)) continue;
-    tiles.insert(grid_.cell_of(cloud.T_map_base * point.position().cast<double>()).tile);
+    const Eigen::Vector3d p_map = cloud.T_map_base * point.position().cast<double>();
+    tiles.insert(grid_.square_of(grid_.voxel_of(p_map)).tile());
   }
   return {tiles.begin(), tiles.end()};
 }
@@ -60,18 +61,21 @@ TileStore::Sorted TileStore::sorted_into_tiles(const PlacedCloud& cloud,
                                                const std::set<TileIndex>* only) const {
   Sorted sorted;
   const Eigen::Matrix3d rotation = cloud.T_map_base.rotation_matrix();
-  Sorted::iterator last = sorted.end();  // mostly the next point's, too
+  TileGrid::Square square;
+  std::vector<TilePoint>* points = nullptr;  // null: of a tile that is not wanted
   for (const Point& point : cloud.cloud->points) {
     if (!is_finite(point)) continue;
     const Eigen::Vector3d p_map =
         rotation * point.position().cast<double>() + cloud.T_map_base.translation;
-    const TileGrid::Cell cell = grid_.cell_of(p_map);
-    if (last == sorted.end() || !(last->first == cell.tile)) {
-      if (only != nullptr && only->count(cell.tile) == 0) continue;
-      last = sorted.try_emplace(cell.tile).first;
+    const TileGrid::VoxelIndex voxel = grid_.voxel_of(p_map);
+    if (!square.holds(voxel)) {
+      square = grid_.square_of(voxel);
+      const bool is_wanted = only == nullptr || only->count(square.tile()) > 0;
+      points = is_wanted ? &sorted[square.tile()] : nullptr;
     }
-    const Eigen::Vector3f local = (p_map - grid_.origin_of(cell.tile)).cast<float>();
-    last->second.push_back({cell.voxel, {local.x(), local.y(), local.z(), point.intensity}});
+    if (points == nullptr) continue;
+    const Eigen::Vector3f local = (p_map - square.origin()).cast<float>();
+    points->push_back({square.key_of(voxel), {local.x(), local.y(), local.z(), point.intensity}});
   }
   return sorted;
 }

@@ -29,17 +29,20 @@ TileGrid::TileGrid(double resolution, double tile_size)
       voxels_per_tile_(
           std::clamp<std::int64_t>(std::llround(tile_size / resolution), 1, (1 << 16) - 1)) {}
 
-TileGrid::Cell TileGrid::cell_of(const Eigen::Vector3d& p_map) const {
-  const auto x = floored(p_map.x() / resolution_);
-  const auto y = floored(p_map.y() / resolution_);
-  const auto z = floored(p_map.z() / resolution_);
-  Cell cell;
-  cell.tile = {floor_divided(x, voxels_per_tile_), floor_divided(y, voxels_per_tile_)};
-  const auto local_x = static_cast<std::uint64_t>(x - cell.tile.x * voxels_per_tile_);
-  const auto local_y = static_cast<std::uint64_t>(y - cell.tile.y * voxels_per_tile_);
-  const auto height = static_cast<std::uint32_t>(static_cast<std::int32_t>(z));
-  cell.voxel = std::uint64_t{height} << 32U | local_y << 16U | local_x;
-  return cell;
+TileGrid::VoxelIndex TileGrid::voxel_of(const Eigen::Vector3d& p_map) const {
+  return {floored(p_map.x() / resolution_), floored(p_map.y() / resolution_),
+          floored(p_map.z() / resolution_)};
+}
+
+TileGrid::Square TileGrid::square_of(const VoxelIndex& voxel) const {
+  Square square;
+  square.tile_ = {floor_divided(voxel.x, voxels_per_tile_),
+                  floor_divided(voxel.y, voxels_per_tile_)};
+  square.origin_ = origin_of(square.tile_);
+  square.first_x_ = square.tile_.x * voxels_per_tile_;
+  square.first_y_ = square.tile_.y * voxels_per_tile_;
+  square.width_ = static_cast<std::uint64_t>(voxels_per_tile_);
+  return square;
 }
 
 Eigen::Vector3d TileGrid::origin_of(const TileIndex& tile) const {
@@ -63,7 +66,10 @@ void VoxelTile::insert(const std::vector<TilePoint>& points) {
       __builtin_prefetch(&slots_[first_slot_of(points[i + kSlotAhead].voxel)]);
     if (i + kVoxelAhead < points.size()) {
       const std::uint32_t slot = slots_[first_slot_of(points[i + kVoxelAhead].voxel)];
-      __builtin_prefetch(voxels_.data() + slot);
+      if (slot != 0) {
+        __builtin_prefetch(&voxels_[slot - 1].key);
+        __builtin_prefetch(&voxels_[slot - 1].count);
+      }
     }
     insert(points[i]);
   }

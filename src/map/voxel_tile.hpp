@@ -13,11 +13,43 @@ class TileGrid {
  public:
   TileGrid(double resolution, double tile_size);
 
-  struct Cell {
-    TileIndex tile;
-    std::uint64_t voxel = 0;  ///< key within the tile
+  /// Of the whole map.
+  struct VoxelIndex {
+    std::int64_t x = 0;
+    std::int64_t y = 0;
+    std::int64_t z = 0;
   };
-  Cell cell_of(const Eigen::Vector3d& p_map) const;
+  /// The square of a tile: mostly the next point's, too.
+  class Square {
+   public:
+    Square() = default;
+    const TileIndex& tile() const { return tile_; }
+    const Eigen::Vector3d& origin() const { return origin_; }
+    bool holds(const VoxelIndex& voxel) const {
+      return local(voxel.x, first_x_) < width_ && local(voxel.y, first_y_) < width_;
+    }
+    /// Of a voxel that it holds, within the tile.
+    std::uint64_t key_of(const VoxelIndex& voxel) const {
+      const auto height = static_cast<std::uint32_t>(static_cast<std::int32_t>(voxel.z));
+      return std::uint64_t{height} << 32U | local(voxel.y, first_y_) << 16U |
+             local(voxel.x, first_x_);
+    }
+
+   private:
+    friend class TileGrid;
+    static std::uint64_t local(std::int64_t value, std::int64_t first) {
+      return static_cast<std::uint64_t>(value) - static_cast<std::uint64_t>(first);
+    }
+
+    TileIndex tile_;
+    Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+    std::int64_t first_x_ = 0;
+    std::int64_t first_y_ = 0;
+    std::uint64_t width_ = 0;  ///< voxels; a default one holds none
+  };
+
+  VoxelIndex voxel_of(const Eigen::Vector3d& p_map) const;
+  Square square_of(const VoxelIndex& voxel) const;
   Eigen::Vector3d origin_of(const TileIndex& tile) const;
 
  private:
