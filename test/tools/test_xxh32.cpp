@@ -18,5 +18,13 @@ TEST(Xxh32, GivesWhatIsPublished) {
   EXPECT_EQ(hash_of("Nobody inspects the spammish repetition"), 0xE2293B2FU);
 }
 
+// By another implementation of the specification.
+TEST(Xxh32, GoesThroughManyBlocks) {
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += static_cast<char>('a' + i % 26);
+  EXPECT_EQ(hash_of(text), 0x6D9C405DU);
+  EXPECT_EQ(hash_of(text.substr(0, 240)), 0xC47697A6U);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::tools
