@@ -1,5 +1,7 @@
 #include "ground_area.hpp"
 
+#include <numeric>
+
 namespace lidar_mapping::map {
 
 namespace {
@@ -36,7 +38,8 @@ GroundArea::GroundArea(const PointCells& cells)
   }
   // Nothing is taken at the edges, so that no row reaches into the next.
   const Flags near = joined(joined(taken, 1), width);
-  cells_.resize(rectangle_.size() + 1);  // one more, as what is not counted is written, too
+  // One more, as what is not counted is written, too.
+  cells_.resize(std::accumulate(near.begin(), near.end(), std::size_t{1}));
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     cells_[count] = static_cast<std::uint32_t>(i);

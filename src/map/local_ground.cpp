@@ -14,6 +14,15 @@ constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instea
 constexpr float kNone = LowestPoints::kNone;
 constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
 
+/// Of those that are known.
+template <typename Heights>
+float lower_quartile(Heights heights) {
+  const auto end = std::remove(heights.begin(), heights.end(), kNone);
+  const auto quartile = heights.begin() + (end - heights.begin()) / 4;
+  std::nth_element(heights.begin(), quartile, end);
+  return *quartile;
+}
+
 }  // namespace
 
 std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
@@ -51,36 +60,27 @@ float LocalGround::height_above(float z, std::uint32_t number) {
 
 float LocalGround::ground_at(std::uint32_t column) const {
   const float own = columns_[column].second;
+  const Heights around = heights_around(column);
+  const float deep = own - kDeeper;
   int known = 0;
   int deeper = 0;
-  visit_around(column, [&](float height) {
+  for (const float height : around) {
     known += height != kNone ? 1 : 0;
-    deeper += height < own - kDeeper ? 1 : 0;
-  });
+    deeper += height < deep ? 1 : 0;
+  }
   if (known == 0) return own;
   if (own != kNone && deeper <= known / 4) return own;
-  return lower_quartile_around(column);
+  return lower_quartile(around);
 }
 
-float LocalGround::lower_quartile_around(std::uint32_t column) const {
-  std::array<float, kSide * kSide> around{};
+LocalGround::Heights LocalGround::heights_around(std::uint32_t column) const {
+  Heights heights{};
   std::size_t count = 0;
-  visit_around(column, [&](float height) {
-    if (height != kNone) around[count++] = height;
-  });
-  const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(count / 4);
-  std::nth_element(around.begin(), quartile, around.begin() + static_cast<std::ptrdiff_t>(count));
-  return *quartile;
-}
-
-/// Second lowest points of the columns around, but not of that one itself.
-template <typename Visitor>
-void LocalGround::visit_around(std::uint32_t column, const Visitor& visit) const {
   for (const std::uint32_t first : area_.rows_around(column)) {
-    for (std::uint32_t i = first; i < first + kSide; ++i) {
-      if (i != column) visit(columns_[i].second);
-    }
+    for (std::size_t i = 0; i < kSide; ++i) heights[count++] = columns_[first + i].second;
   }
+  heights[kSide * kSide / 2] = kNone;
+  return heights;
 }
 
 }  // namespace lidar_mapping::map

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -48,10 +49,11 @@ class LocalGround {
   float height_above(float z, std::uint32_t column);
 
  private:
+  using Heights = std::array<float, GroundArea::kSide * GroundArea::kSide>;
+
   float ground_at(std::uint32_t column) const;
-  float lower_quartile_around(std::uint32_t column) const;
-  template <typename Visitor>
-  void visit_around(std::uint32_t column, const Visitor& visit) const;
+  /// Second lowest points of the 5x5 columns around, kNone in the place of that one itself.
+  Heights heights_around(std::uint32_t column) const;
 
   const GroundArea& area_;
   std::vector<LowestPoints> columns_;
