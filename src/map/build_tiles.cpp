@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 
 #include "tile_pages.hpp"
@@ -18,14 +19,14 @@ constexpr std::size_t kVoxelsInMemory = 500'000;  // beyond those that a batch t
 class TileRun {
  public:
   TileRun(const MapConfig& config, const std::filesystem::path& directory)
-      : store_(config.resolution, config.tile_size, config.threads), pages_(directory) {}
+      : threads_(config.threads),
+        store_(config.resolution, config.tile_size, config.threads),
+        pages_(directory) {}
 
   void add(const std::vector<PlacedCloud>& batch) {
     const std::vector<TileStore::Sorted> parts = store_.sorted(batch, nullptr);
     ++batches_;
-    for (const TileStore::Sorted& part : parts) {
-      for (const auto& [index, points] : part) fetch(index);
-    }
+    fetch(parts);
     store_.insert(parts);
     put_away(kVoxelsInMemory);
   }
@@ -41,9 +42,20 @@ class TileRun {
   }
 
  private:
-  void fetch(const TileIndex& index) {
-    if (!store_.contains(index) && pages_.contains(index)) store_.put(index, pages_.get(index));
-    last_use_[index] = batches_;
+  void fetch(const std::vector<TileStore::Sorted>& parts) {
+    std::vector<TileIndex> away;
+    for (const TileStore::Sorted& part : parts) {
+      for (const auto& [index, points] : part) {
+        std::size_t& last_use = last_use_[index];
+        if (last_use == batches_) continue;
+        last_use = batches_;
+        if (!store_.contains(index) && pages_.contains(index)) away.push_back(index);
+      }
+    }
+    std::vector<VoxelTile> tiles(away.size());
+    parallel_chunks(away.size(), 1, threads_,
+                    [&](std::size_t i, std::size_t) { tiles[i] = pages_.get(away[i]); });
+    for (std::size_t i = 0; i < away.size(); ++i) store_.put(away[i], std::move(tiles[i]));
   }
 
   void put_away(std::size_t limit) {
@@ -63,6 +75,7 @@ class TileRun {
     }
   }
 
+  const int threads_;
   TileStore store_;
   TilePages pages_;
   std::map<TileIndex, std::size_t> last_use_;  ///< number of the batch

@@ -13,6 +13,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 
 namespace lidar_mapping::map {
@@ -133,7 +134,7 @@ void refuse_foreign(const fs::path& directory, const fs::path& file) {
 }  // namespace
 
 Files save_map(const CloudParts& map, const MapDescription& description, const fs::path& directory,
-               const std::vector<std::string>& formats) {
+               const std::vector<std::string>& formats, const Meanwhile& meanwhile) {
   const std::vector<std::string> wanted =
       formats.empty() ? std::vector<std::string>{"pcd", "ply"} : formats;
   for (const std::string& format : wanted) {
@@ -147,10 +148,14 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
   map.each(check_range);
   Files files{directory / "map.yaml"};
   write_text_atomically(files.back(), to_yaml(extent, description));
-  for (const std::string& format : wanted) {
-    files.push_back(directory / ("map." + format));
-    format == "pcd" ? write_pcd(files.back(), map) : write_ply(files.back(), map);
-  }
+  const auto write = [&] {
+    for (const std::string& format : wanted) {
+      files.push_back(directory / ("map." + format));
+      format == "pcd" ? write_pcd(files.back(), map) : write_ply(files.back(), map);
+    }
+  };
+  parallel_chunks(meanwhile.work ? 2 : 1, 1, meanwhile.threads,
+                  [&](std::size_t i, std::size_t) { i == 0 ? write() : meanwhile.work(); });
   return files;
 }
 

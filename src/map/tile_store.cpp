@@ -1,5 +1,8 @@
 #include "tile_store.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 #include "lidar_mapping/common/parallel.hpp"
 
 namespace lidar_mapping::map {
@@ -7,6 +10,18 @@ namespace lidar_mapping::map {
 namespace {
 
 bool is_finite(const Point& point) { return point.position().allFinite(); }
+
+/// What falls into a tile, cloud by cloud.
+struct TileWork {
+  std::size_t points() const {
+    return std::accumulate(
+        parts.begin(), parts.end(), std::size_t{0},
+        [](std::size_t sum, const std::vector<TilePoint>* part) { return sum + part->size(); });
+  }
+
+  VoxelTile* tile;
+  std::vector<const std::vector<TilePoint>*> parts;
+};
 
 }  // namespace
 
@@ -38,11 +53,14 @@ void TileStore::insert(const std::vector<Sorted>& clouds) {
   for (const Sorted& cloud : clouds) {
     for (const auto& [index, points] : cloud) by_tile[index].push_back(&points);
   }
-  std::vector<std::pair<VoxelTile*, std::vector<const std::vector<TilePoint>*>>> work;
-  for (auto& [index, parts] : by_tile) work.emplace_back(&tiles_[index], std::move(parts));
+  std::vector<TileWork> work;
+  for (auto& [index, parts] : by_tile) work.push_back({&tiles_[index], std::move(parts)});
+  // Much falls into few of the tiles: what takes longest is begun first.
+  std::sort(work.begin(), work.end(),
+            [](const TileWork& a, const TileWork& b) { return a.points() > b.points(); });
   parallel_chunks(work.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (const auto* points : work[i].second) work[i].first->insert(*points);
+      for (const auto* points : work[i].parts) work[i].tile->insert(*points);
     }
   });
 }

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/map_products.hpp"
 #include "lidar_mapping/map/moving_objects.hpp"
@@ -73,22 +71,19 @@ class Writer {
     }
     if (formats.empty() && !wants("png") && !wants("grid")) return;
     const CloudParts points = stored_parts(tiles(), directory_);
-    const auto save = [&] {
-      if (formats.empty()) return;
-      add(save_map(points, {options_.frame, options_.datum, config_.resolution}, directory_,
-                   formats));
-    };
-    std::optional<TopView> view;
+    Files picture;
     const auto draw = [&] {
-      if (wants("png")) view = top_view(points, options_.pixel);
+      if (!wants("png")) return;
+      picture = {directory_ / "top_view.png"};
+      write_png(picture.front(), top_view(points, options_.pixel));
     };
-    // Packing takes long, and one thread. Nothing is drawn of an empty map, which is refused first.
-    parallel_chunks(2, 1, products_.points > 0 ? config_.threads : 1,
-                    [&](std::size_t i, std::size_t) { i == 0 ? save() : draw(); });
-    if (view) {
-      write_png(directory_ / "top_view.png", *view);
-      add({directory_ / "top_view.png"});
+    if (formats.empty()) {
+      draw();
+    } else {
+      add(save_map(points, {options_.frame, options_.datum, config_.resolution}, directory_,
+                   formats, {draw, config_.threads}));
     }
+    add(picture);
     if (wants("grid")) add(save_grid(points, {}, directory_));
   }
 

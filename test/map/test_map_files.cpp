@@ -93,6 +93,18 @@ TEST(SaveMap, DescribesTheMapBesideIt) {
   EXPECT_NEAR(yaml["max"][0].as<double>(), 99.9, 1e-3);
 }
 
+TEST(SaveMap, HasSomethingElseDoneOnceFilesCanBeWritten) {
+  const TemporaryFolder folder;
+  for (const int threads : {1, 2}) {
+    int done = 0;
+    const Meanwhile meanwhile = {[&done] { ++done; }, threads};
+    EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}, meanwhile), InputError);
+    EXPECT_EQ(done, 0);
+    save_map(example_map(), {}, folder.path(), {}, meanwhile);
+    EXPECT_EQ(done, 1);
+  }
+}
+
 // F55: what cannot be done is said.
 TEST(SaveMap, RefusesUnknownFormatsEmptyMapsAndUnwritableFolders) {
   const TemporaryFolder folder;

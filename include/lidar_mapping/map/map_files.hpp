@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,13 +21,21 @@ struct MapDescription {
 /// Names of files that were written.
 using Files = std::vector<std::filesystem::path>;
 
+/// What another thread does while files are written, as packing takes long and one thread.
+struct Meanwhile {
+  std::function<void()> work;
+  int threads = 1;  ///< with one it is done afterwards; 0: all cores
+};
+
 /// Writes map.pcd (write_pcd()) and map.ply (binary), as `formats` ("pcd", "ply"; empty:
 /// both) says, and map.yaml (frame, datum, resolution, number of points, bounds) beside them. Files
 /// appear whole or not at all. Points stay in the local frame: nothing is added to them. Throws
 /// InputError for another format or an empty map, FileError for the disk, and where the folder
-/// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it).
+/// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it);
+/// what is to be done meanwhile is not begun then.
 Files save_map(const CloudParts& map, const MapDescription& description,
-               const std::filesystem::path& directory, const std::vector<std::string>& formats);
+               const std::filesystem::path& directory, const std::vector<std::string>& formats,
+               const Meanwhile& meanwhile = {});
 
 /// Throws InputError if a point lies more than 100 km from the origin: the files' floats would be
 /// off by centimetres there.
