@@ -27,16 +27,17 @@ float lower_quartile(Heights heights) {
 
 std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
   const PointCells cells(points, GroundArea::kColumn, farthest);
-  CellGrid<LowestPoints> grid(CellArea(cells), {});
-  const std::vector<std::uint32_t> numbers = grid.area().numbers_of(cells);
+  const CellArea area(cells);
+  const std::vector<std::uint32_t> numbers = area.numbers_of(cells);
+  std::vector<LowestPoints> grid(area.size());
   const auto origin_z = static_cast<float>(points.origin.z());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (numbers[i] != CellArea::kOutside) grid.at(numbers[i]).take(origin_z + points.z[i]);
+    if (numbers[i] != CellArea::kOutside) grid[numbers[i]].take(origin_z + points.z[i]);
   }
   // In the order of the grid, as others are asked for in theirs.
   std::vector<GroundColumn> columns;
-  for (std::size_t i = 0; i < grid.area().size(); ++i) {
-    if (grid.at(i).lowest != kNone) columns.push_back({grid.area().cell_at(i), grid.at(i)});
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid[i].lowest != kNone) columns.push_back({area.cell_at(i), grid[i]});
   }
   return columns;
 }

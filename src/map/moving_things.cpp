@@ -1,6 +1,7 @@
 #include "moving_things.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cstdint>
 #include <unordered_map>
@@ -198,60 +199,46 @@ class Blocks {
   Columns near_;
 };
 
-/// Numbers by cells, in pages that are made where they are needed: most of an area is empty.
+/// A set of cells.
+class CellSet {
+ public:
+  explicit CellSet(std::size_t cells) : words_(cells / kBits + 1) {}
+
+  void add(std::uint32_t cell) { words_[cell / kBits] |= bit(cell); }
+  bool has(std::uint32_t cell) const { return (words_[cell / kBits] & bit(cell)) != 0; }
+
+ private:
+  static constexpr std::uint32_t kBits = 64;
+  static std::uint64_t bit(std::uint32_t cell) { return std::uint64_t{1} << (cell % kBits); }
+
+  std::vector<std::uint64_t> words_;
+};
+
+/// Numbers of cells, in pages that are made where one is set: most cells have none.
 class CellNumbers {
  public:
-  static constexpr std::uint32_t kFree = 0;
+  static constexpr std::uint32_t kNone = 0;
 
-  explicit CellNumbers(const CellArea& area) {
-    if (area.size() == 0) return;
-    first_ = page_of(area.cell_at(0));
-    const CellIndex last = page_of(area.cell_at(area.size() - 1));
-    width_ = last.x - first_.x + 1;
-    height_ = last.y - first_.y + 1;
-    pages_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNoPage);
-  }
+  explicit CellNumbers(std::size_t cells) : pages_(cells / kPage + 1, kNoPage) {}
 
-  /// kFree at first; for cells of the area.
-  std::uint32_t& at(const CellIndex& cell) {
-    std::uint32_t& page = pages_[position_of(page_of(cell))];
+  void set(std::uint32_t cell, std::uint32_t number) {
+    std::uint32_t& page = pages_[cell / kPage];
     if (page == kNoPage) {
       page = static_cast<std::uint32_t>(numbers_.size());
-      numbers_.resize(numbers_.size() + kSide * kSide, kFree);
+      numbers_.resize(numbers_.size() + kPage, kNone);
     }
-    return numbers_[page + place_of(cell)];
+    numbers_[page + cell % kPage] = number;
   }
-  std::uint32_t find(const CellIndex& cell) const {
-    const CellIndex page = page_of(cell);
-    const bool is_inside = page.x >= first_.x && page.x < first_.x + width_ && page.y >= first_.y &&
-                           page.y < first_.y + height_;
-    if (!is_inside || pages_[position_of(page)] == kNoPage) return kFree;
-    return numbers_[pages_[position_of(page)] + place_of(cell)];
+  std::uint32_t at(std::uint32_t cell) const {
+    const std::uint32_t page = pages_[cell / kPage];
+    return page == kNoPage ? kNone : numbers_[page + cell % kPage];
   }
 
  private:
-  static constexpr unsigned kSide = 16;
+  static constexpr std::uint32_t kPage = 32;
   static constexpr std::uint32_t kNoPage = std::numeric_limits<std::uint32_t>::max();
 
-  static CellIndex page_of(const CellIndex& cell) {
-    const auto of = [](int value) {
-      return (value - static_cast<int>(static_cast<unsigned>(value) % kSide)) /
-             static_cast<int>(kSide);
-    };
-    return {of(cell.x), of(cell.y)};
-  }
-  static std::uint32_t place_of(const CellIndex& cell) {
-    return static_cast<unsigned>(cell.y) % kSide * kSide + static_cast<unsigned>(cell.x) % kSide;
-  }
-  std::size_t position_of(const CellIndex& page) const {
-    return static_cast<std::size_t>(page.y - first_.y) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(page.x - first_.x);
-  }
-
-  CellIndex first_;
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<std::uint32_t> pages_;  ///< by position: where they begin in numbers_
+  std::vector<std::uint32_t> pages_;  ///< where they begin in numbers_
   std::vector<std::uint32_t> numbers_;
 };
 
@@ -261,105 +248,86 @@ class Things {
  public:
   Things(const PlacedPoints& points, const std::vector<Vote>& votes,
          const std::vector<Layer>& layers)
-      : cells_of_points_(points, kThingCell, kFarthest),
-        numbers_(CellArea(cells_of_points_,
-                          [&layers](std::size_t i) { return layers[i] == Layer::kBody; })) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (layers[i] == Layer::kBody) take(cells_of_points_.at(i), poll_of(votes[i]));
-    }
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      if (cells_[i].poll.moving > 0 && cells_[i].thing == kNone) gather(i);
-    }
-    for (const Cell& cell : cells_) {
-      if (!goes(cell)) continue;
-      going_.set(bit_of(cell.index));
-      for (int n = 0; n < 9; ++n) beside_.set(bit_of(neighbour_of(cell.index, n)));
-    }
-  }
+      : Things(PointCells(points, kThingCell, kFarthest), votes, layers) {}
 
   /// Whether the thing on which the i-th point is goes as a whole.
-  bool moves(std::size_t i) const { return moves_at(cells_of_points_.at(i)); }
+  bool moves(std::size_t i) const { return is_inside(i) && going_.has(cells_of_points_[i]); }
 
   /// Whether a thing that goes stands where the i-th point is or in a cell beside.
   bool moves_beside(std::size_t i) const {
-    const CellIndex at = cells_of_points_.at(i);
-    if (!beside_[bit_of(at)]) return false;
-    for (int n = 0; n < 9; ++n) {
-      if (moves_at(neighbour_of(at, n))) return true;
-    }
-    return false;
+    return is_inside(i) && beside_.has(cells_of_points_[i]);
   }
 
  private:
-  static constexpr std::uint32_t kFree = CellNumbers::kFree;  // nothing is there
-  static constexpr int kNone = -1;
-  static constexpr std::size_t kWidth = 256;
-
-  /// With something on it.
-  struct Cell {
-    CellIndex index;
-    int thing = kNone;
-    Poll poll;
-  };
-
-  void take(const CellIndex& index, const Poll& poll) {
-    if (index.x == PointCells::kNone) return;
-    std::uint32_t& number = numbers_.at(index);
-    if (number == kFree) {
-      cells_.push_back({index, kNone, {}});
-      number = static_cast<std::uint32_t>(cells_.size());
+  Things(const PointCells& cells, const std::vector<Vote>& votes, const std::vector<Layer>& layers)
+      : area_(CellArea(cells, [&layers](std::size_t i) { return layers[i] == Layer::kBody; })
+                  .widened(1)),
+        cells_of_points_(area_.numbers_of(cells)),
+        taken_(area_.size()),
+        things_(area_.size()),
+        going_(area_.size()),
+        beside_(area_.size()) {
+    const auto each_body = [&](const auto& visit) {
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        if (layers[i] == Layer::kBody && is_inside(i)) visit(cells_of_points_[i], votes[i]);
+      }
+    };
+    each_body([&](std::uint32_t cell, Vote) { taken_.add(cell); });
+    each_body([&](std::uint32_t cell, Vote vote) {
+      if (vote == Vote::kMoves && things_.at(cell) == CellNumbers::kNone) gather(cell);
+    });
+    each_body([&](std::uint32_t cell, Vote vote) {
+      const std::uint32_t thing = things_.at(cell);
+      if (thing != CellNumbers::kNone) polls_[thing - 1].add(poll_of(vote));
+    });
+    for (const std::uint32_t cell : gathered_) {
+      if (goes(polls_[things_.at(cell) - 1])) let_go(cell);
     }
-    cells_[number - 1].poll.add(poll);
   }
 
-  bool goes(const Cell& cell) const {
-    if (cell.thing == kNone) return false;
-    const Poll& poll = polls_[static_cast<std::size_t>(cell.thing)];
+  bool is_inside(std::size_t i) const { return cells_of_points_[i] != CellArea::kOutside; }
+
+  static bool goes(const Poll& poll) {
     return poll.voters >= kFewVoters && poll.moves(kThingShare);
   }
 
-  bool moves_at(const CellIndex& index) const {
-    if (!going_[bit_of(index)]) return false;
-    const std::uint32_t number = numbers_.find(index);
-    return number != kFree && goes(cells_[number - 1]);
-  }
-
-  /// The cell itself is among the nine.
-  static CellIndex neighbour_of(const CellIndex& index, int n) {
-    return {index.x + n % 3 - 1, index.y + n / 3 - 1};
-  }
-
-  static std::size_t bit_of(const CellIndex& index) {
-    return static_cast<unsigned>(index.x) % kWidth * kWidth +
-           static_cast<unsigned>(index.y) % kWidth;
-  }
-
-  void gather(std::size_t first) {
-    const auto thing = static_cast<int>(polls_.size());
+  void gather(std::uint32_t first) {
     polls_.emplace_back();
-    std::vector<std::size_t> open = {first};
-    cells_[first].thing = thing;
-    while (!open.empty()) {
-      const Cell& here = cells_[open.back()];
-      open.pop_back();
-      polls_.back().add(here.poll);
-      for (int n = 0; n < 9; ++n) {
-        const std::uint32_t number = numbers_.find(neighbour_of(here.index, n));
-        if (number == kFree) continue;
-        Cell& next = cells_[number - 1];
-        if (next.thing != kNone) continue;
-        next.thing = thing;
-        open.push_back(number - 1);
+    const auto thing = static_cast<std::uint32_t>(polls_.size());
+    std::size_t next = gathered_.size();
+    const auto reach = [&](std::uint32_t cell) {
+      things_.set(cell, thing);
+      gathered_.push_back(cell);
+    };
+    reach(first);
+    for (; next < gathered_.size(); ++next) {
+      for (const std::uint32_t cell : block_around(gathered_[next])) {
+        if (taken_.has(cell) && things_.at(cell) == CellNumbers::kNone) reach(cell);
       }
     }
   }
 
-  const PointCells cells_of_points_;
-  CellNumbers numbers_;  ///< of cells_, plus 1
-  std::vector<Cell> cells_;
-  std::vector<Poll> polls_;
-  std::bitset<kWidth * kWidth> going_;   ///< cells that may go: few of the others are looked up
-  std::bitset<kWidth * kWidth> beside_;  ///< those and the cells around
+  void let_go(std::uint32_t cell) {
+    going_.add(cell);
+    for (const std::uint32_t near : block_around(cell)) beside_.add(near);
+  }
+
+  /// The nine of which that is the middle; one with something on it is not at the area's edge.
+  std::array<std::uint32_t, 9> block_around(std::uint32_t cell) const {
+    const auto width = static_cast<std::uint32_t>(area_.width());
+    std::array<std::uint32_t, 9> block{};
+    for (std::uint32_t n = 0; n < 9; ++n) block[n] = cell - width - 1 + n / 3 * width + n % 3;
+    return block;
+  }
+
+  const CellArea area_;
+  const std::vector<std::uint32_t> cells_of_points_;
+  CellSet taken_;  ///< with something on it
+  CellNumbers things_;
+  std::vector<std::uint32_t> gathered_;  ///< cells, thing by thing
+  std::vector<Poll> polls_;              ///< of the things, which begin with 1
+  CellSet going_;
+  CellSet beside_;  ///< those that go and those around
 };
 
 bool goes(std::size_t i, Layer layer, const Blocks& blocks, const Things& things) {

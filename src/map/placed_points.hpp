@@ -147,27 +147,4 @@ class CellArea {
   int height_ = 0;
 };
 
-/// Values by cells, as an array over an area.
-template <typename Value>
-class CellGrid {
- public:
-  CellGrid(const CellArea& area, const Value& value) : area_(area), values_(area.size(), value) {}
-
-  const CellArea& area() const { return area_; }
-  /// Null outside the area.
-  Value* find(const CellIndex& cell) { return found(values_, area_.number_of(cell)); }
-  const Value* find(const CellIndex& cell) const { return found(values_, area_.number_of(cell)); }
-  Value& at(std::size_t number) { return values_[number]; }
-  const Value& at(std::size_t number) const { return values_[number]; }
-
- private:
-  template <typename Values>
-  static auto found(Values& values, std::uint32_t number) {
-    return number == CellArea::kOutside ? nullptr : &values[number];
-  }
-
-  CellArea area_;
-  std::vector<Value> values_;
-};
-
 }  // namespace lidar_mapping::map
