@@ -167,7 +167,6 @@ TEST(Floor, ARampIsNotFlattened) {
   EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.08), 1.01 * off);
 }
 
-// F34: two storeys with floors of their own, joined by a ramp.
 // What neighbours see alike, as where a ramp begins, does not pass for drift of an odometry that is
 // good to millimetres.
 TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
@@ -192,6 +191,7 @@ TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
   EXPECT_LT(test::aligned_rmse(back_end, drive), 0.0095);
 }
 
+// F34: two storeys with floors of their own, joined by a ramp.
 TEST(Floor, TwoStoreysStayApart) {
   DriveSettings settings;
   settings.hill = 3.0;
