@@ -34,6 +34,11 @@ LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
   return y < 0.0F ? -angle : angle;
 }
 
+/// Truncated; 0 for what is not a number, too.
+LIDAR_MAPPING_INLINE int whole_of(float value) {
+  return static_cast<int>(value > 0.0F ? value : 0.0F);
+}
+
 struct Direction {
   int column;
   int row;
@@ -43,10 +48,10 @@ struct Direction {
 LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
   const float squared = x * x + y * y;
   const float azimuth = angle_of(y, x) + kPi;
-  const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kPi;  // above 0: truncated below
-  const int turned = static_cast<int>(azimuth * kColumnsPerRadian);
+  const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kPi;
+  const int turned = whole_of(azimuth * kColumnsPerRadian);
   return {turned < kRangeImageColumns ? turned : turned - kRangeImageColumns,
-          static_cast<int>(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};
+          whole_of(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};
 }
 
 LIDAR_MAPPING_INLINE int units_of(float range) {

@@ -161,10 +161,12 @@ TEST(MovingObjects, DropsGoAndWhatTheyFallOnStays) {
   StaticClouds clean(rain, street.poses, kSensor);
   std::map<bool, double> all, gone;  // of drops, and of what stands
   for (KeyFrameIndex index = 5; index < 25; ++index) {
-    for (const Point& point : rain.cloud(index)->points) {
+    const PointCloudPtr cloud = rain.cloud(index);
+    for (const Point& point : cloud->points) {
       if (!street.on_moving_car(index, point)) all[point.intensity == Rain::kDrop] += 1.0;
     }
-    for (const Point& point : clean.removed(index)->points) {
+    const PointCloudPtr removed = clean.removed(index);
+    for (const Point& point : removed->points) {
       if (!street.on_moving_car(index, point)) gone[point.intensity == Rain::kDrop] += 1.0;
     }
   }
