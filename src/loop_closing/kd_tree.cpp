@@ -137,9 +137,7 @@ template <typename Visit>
 void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
                     Visit& visit) const {
   const Node& node = nodes_[index];
-  if (node.right == 0) {
-    return scan(node, p, visit);
-  }
+  if (node.right == 0) return scan(node, p, visit);
   const float side = p[node.axis] - node.split;
   const std::uint32_t near = side < 0.0F ? index + 1 : node.right;
   const std::uint32_t far = side < 0.0F ? node.right : index + 1;
@@ -150,30 +148,31 @@ void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector
   offset[node.axis] = kept;
 }
 
-std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float limit) const {
-  if (nodes_.empty()) return std::nullopt;
-  NearestOne visit{limit * limit};
+template <typename Visit>
+void KdTree::search(const Eigen::Vector3f& p, Visit& visit) const {
   Eigen::Vector3f offset = Eigen::Vector3f::Zero();
-  search(0, p, offset, visit);
+  if (!nodes_.empty()) search(0, p, offset, visit);
+}
+
+std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float limit) const {
+  NearestOne visit{limit * limit};
+  search(p, visit);
   if (!visit.found) return std::nullopt;
   return Neighbour{visit.index, visit.bound};
 }
 
 std::optional<KdTree::Lead> KdTree::nearest_with_lead(const Eigen::Vector3f& p, float limit) const {
-  if (nodes_.empty()) return std::nullopt;
   NearestTwo visit{limit * limit};
-  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
-  search(0, p, offset, visit);
+  search(p, visit);
   if (!visit.found) return std::nullopt;
   return Lead{{visit.index, visit.nearest}, visit.bound};
 }
 
 std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, std::size_t count) const {
-  if (nodes_.empty() || count == 0) return {};
+  if (count == 0) return {};
   NearestSeveral visit{count};
   visit.kept.reserve(count);
-  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
-  search(0, p, offset, visit);
+  search(p, visit);
   return std::move(visit.kept);
 }
 

@@ -4,81 +4,33 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
-constexpr double kPlanarity = 0.08;      // smallest to middle eigenvalue
+constexpr float kPlanarity = 0.08F;      // smallest to middle eigenvalue
 constexpr float kClearance = 0.6F;       // m above the ground
 constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its middle
 constexpr double kGroundExtent = 250.0;  // m; what is further away counts as ground
 
-/// Second moments of points about their mean.
-struct Scatter {
-  double xx = 0.0, yy = 0.0, zz = 0.0, xy = 0.0, yz = 0.0, zx = 0.0;
-
-  void add(const Eigen::Vector3d& d) {
-    xx += d.x() * d.x();
-    yy += d.y() * d.y();
-    zz += d.z() * d.z();
-    xy += d.x() * d.y();
-    yz += d.y() * d.z();
-    zx += d.z() * d.x();
-  }
-  double trace() const { return xx + yy + zz; }
-  double minors() const { return xx * yy + yy * zz + zz * xx - xy * xy - yz * yz - zx * zx; }
-  double determinant() const {
-    return xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
-  }
-};
-
-Scatter scatter_of(const std::vector<Eigen::Vector3f>& points,
-                   const std::vector<KdTree::Neighbour>& neighbours) {
+Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
+                              const std::vector<KdTree::Neighbour>& neighbours) {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   for (const auto& n : neighbours) mean += points[n.index];
   mean /= static_cast<float>(neighbours.size());
-  Scatter scatter;
-  for (const auto& n : neighbours) scatter.add((points[n.index] - mean).cast<double>());
-  return scatter;
-}
-
-/// Root of the characteristic polynomial by Newton's method from zero, where all eigenvalues are to
-/// the right: it never steps too far, and is there soon if the smallest one is far from the others.
-double smallest_eigenvalue(double trace, double minors, double determinant) {
-  constexpr int kMaxSteps = 20;
-  double value = 0.0;
-  for (int i = 0; i < kMaxSteps; ++i) {
-    const double slope = (2.0 * trace - 3.0 * value) * value - minors;
-    if (!(slope < 0.0)) break;
-    const double step = -(((trace - value) * value - minors) * value + determinant) / slope;
-    value += step;
-    if (!(std::abs(step) > 1e-9 * value)) break;
+  Eigen::Matrix3f scatter = Eigen::Matrix3f::Zero();
+  for (const auto& n : neighbours) {
+    const Eigen::Vector3f d = points[n.index] - mean;
+    scatter += d * d.transpose();
   }
-  return std::max(value, 0.0);
-}
-
-/// The larger of two remaining eigenvalues has no say.
-double middle_eigenvalue(double trace, double minors, double smallest) {
-  const double sum = trace - smallest;
-  const double product = minors - smallest * sum;
-  return 0.5 * (sum - std::sqrt(std::max(0.0, sum * sum - 4.0 * product)));
-}
-
-Eigen::Vector3f planar_normal(const Scatter& s) {
-  const double smallest = smallest_eigenvalue(s.trace(), s.minors(), s.determinant());
-  if (!(smallest < kPlanarity * middle_eigenvalue(s.trace(), s.minors(), smallest))) {
-    return Eigen::Vector3f::Zero();
-  }
-  // All rows are at right angles to the eigenvector; the longest product knows it best.
-  const Eigen::Vector3d x(s.xx - smallest, s.xy, s.zx);
-  const Eigen::Vector3d y(s.xy, s.yy - smallest, s.yz);
-  const Eigen::Vector3d z(s.zx, s.yz, s.zz - smallest);
-  Eigen::Vector3d normal = x.cross(y);
-  for (const Eigen::Vector3d& other : {y.cross(z), z.cross(x)}) {
-    if (other.squaredNorm() > normal.squaredNorm()) normal = other;
-  }
-  return normal.normalized().cast<float>();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(scatter);
+  const Eigen::Vector3f& values = solver.eigenvalues();
+  if (!(values[0] < kPlanarity * values[1])) return Eigen::Vector3f::Zero();
+  return solver.eigenvectors().col(0);
 }
 
 /// Square cells around the origin; the outermost ones are never given out.
@@ -126,8 +78,7 @@ const Eigen::Vector3f& SurfaceCloud::normal(std::size_t index) const {
   if (is_known_[index]) return normals_[index];
   is_known_[index] = true;
   const auto neighbours = tree_.nearest(tree_.points()[index], kNeighbours);
-  if (neighbours.size() == kNeighbours)
-    normals_[index] = planar_normal(scatter_of(tree_.points(), neighbours));
+  if (neighbours.size() == kNeighbours) normals_[index] = planar_normal(tree_.points(), neighbours);
   return normals_[index];
 }
 

@@ -49,6 +49,8 @@ class KdTree {
   template <typename Visit>
   void scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const;
   template <typename Visit>
+  void search(const Eigen::Vector3f& p, Visit& visit) const;
+  template <typename Visit>
   void search(std::uint32_t node, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
               Visit& visit) const;
 
