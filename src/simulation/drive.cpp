@@ -16,7 +16,13 @@ namespace lidar_mapping::simulation {
 namespace {
 
 /// Streams of noise, apart from each other.
-enum Stream : std::uint64_t { kScanNoise = 0x100, kImuNoise, kVelocityNoise, kGnssNoise };
+enum Stream : std::uint64_t {
+  kScanNoise = 0x100,
+  kImuNoise,
+  kVelocityNoise,
+  kGnssNoise,
+  kScanFaults
+};
 
 /// The first scan begins when every sensor has given samples.
 constexpr Stamp kFirstScanAfter = 200'000'000;
@@ -67,7 +73,8 @@ class Drive::Impl {
         lidar_(lidar_model(options.lidar)),
         scenario_(make_scenario(options)),
         caster_(scenario_.world),
-        period_(from_seconds(1.0 / options.scan_rate)) {
+        period_(from_seconds(1.0 / options.scan_rate)),
+        faults_(options.scan_faults, noise_seed(kScanFaults)) {
     const Stamp last = scenario_.trajectory.end();
     const Stamp cut =
         options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;
@@ -93,9 +100,19 @@ class Drive::Impl {
   SimulatedScan scan(std::size_t index) const {
     require(index < scan_count_, "scan " + std::to_string(index) + " is not one of the drive's " +
                                      std::to_string(scan_count_));
-    return take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar,
-                      scan_stamp(index), period_, options_.undistorted, options_.range_noise,
-                      noise_seed(kScanNoise) ^ mixed(index)});
+    const std::size_t source = faults_.source(index, period_);
+    SimulatedScan scan =
+        take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar,
+                   scan_stamp(source), period_, options_.undistorted, options_.range_noise,
+                   noise_seed(kScanNoise) ^ mixed(source)});
+    faults_.spoil(scan, source, lidar_, options_.range_noise);
+    scan.stamp = reported_stamp(index);
+    scan.end = scan_stamp(index) + period_;
+    return scan;
+  }
+
+  Stamp reported_stamp(std::size_t index) const {
+    return scan_stamp(index) + faults_.stamp_error(index, period_);
   }
 
   std::uint64_t noise_seed(Stream stream) const {
@@ -117,6 +134,7 @@ class Drive::Impl {
   Scenario scenario_;
   RayCaster caster_;
   Stamp period_;
+  ScanFaults faults_;
   Stamp end_ = 0;
   std::size_t scan_count_ = 0;
   std::vector<GnssOutage> outages_;
@@ -134,6 +152,7 @@ const LidarModel& Drive::lidar() const { return impl_->lidar_; }
 GeodeticDatum Drive::datum() const { return kDatum; }
 std::size_t Drive::scan_count() const { return impl_->scan_count_; }
 Stamp Drive::scan_stamp(std::size_t index) const { return impl_->scan_stamp(index); }
+Stamp Drive::reported_stamp(std::size_t index) const { return impl_->reported_stamp(index); }
 SimulatedScan Drive::scan(std::size_t index) const { return impl_->scan(index); }
 
 Scan Drive::base_scan(std::size_t index) const {

@@ -6,6 +6,7 @@
 #include "lidar_mapping/simulation/random.hpp"
 
 #include "palette.hpp"
+#include "ray_returns.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -16,33 +17,13 @@ constexpr double kLossAtBest = 0.01;
 constexpr double kLossOnGlass = 0.6;
 constexpr double kFaintSignal = 2.3e-6;
 
-Stamp column_delay(const ScanRequest& request, int column) {
-  return request.period * column / request.lidar.columns;
-}
-
-/// Direction of a beam in the LiDAR's frame.
-Eigen::Vector3d beam_direction(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-          std::sin(elevation)};
-}
-
-std::vector<Eigen::Vector3d> all_directions(const LidarModel& lidar) {
-  std::vector<Eigen::Vector3d> directions;
-  directions.reserve(lidar.elevations.size() * lidar.columns);
-  for (int column = 0; column < lidar.columns; ++column) {
-    for (const double elevation : lidar.elevations) {
-      directions.push_back(beam_direction(column_azimuth(lidar, column), elevation));
-    }
-  }
-  return directions;
-}
-
 std::vector<Ray> make_rays(const ScanRequest& request,
                            const std::vector<Eigen::Vector3d>& directions) {
   std::vector<Ray> rays(directions.size());
   const std::size_t beams = request.lidar.elevations.size();
   for (int column = 0; column < request.lidar.columns; ++column) {
-    const Stamp delay = request.undistorted ? 0 : column_delay(request, column);
+    const Stamp delay =
+        request.undistorted ? 0 : column_delay(request.lidar, request.period, column);
     const Pose T_map_lidar = request.trajectory.pose(request.stamp + delay) * request.T_base_lidar;
     const Eigen::Matrix3d rotation = T_map_lidar.rotation_matrix();
     for (std::size_t i = column * beams; i < (column + 1) * beams; ++i) {
@@ -71,7 +52,7 @@ float measured_intensity(const Hit& hit, Random& random) {
 }  // namespace
 
 SimulatedScan take_scan(const ScanRequest& request) {
-  const std::vector<Eigen::Vector3d> directions = all_directions(request.lidar);
+  const std::vector<Eigen::Vector3d> directions = ray_directions(request.lidar);
   const std::vector<Ray> rays = make_rays(request, directions);
   const double begin_s = to_seconds(request.stamp - request.trajectory.begin());
   const double end_s = begin_s + to_seconds(request.period);
@@ -92,7 +73,7 @@ SimulatedScan take_scan(const ScanRequest& request) {
         {p_lidar.x(), p_lidar.y(), p_lidar.z(), measured_intensity(hits[i], random)});
     scan.moving.push_back(hits[i].moving ? 1 : 0);
     if (request.undistorted) continue;
-    const Stamp delay = column_delay(request, static_cast<int>(i / beams));
+    const Stamp delay = column_delay(request.lidar, request.period, static_cast<int>(i / beams));
     scan.cloud.times.push_back(static_cast<float>(to_seconds(delay)));
   }
   return scan;

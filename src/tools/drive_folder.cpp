@@ -33,7 +33,7 @@ std::string times_text(const simulation::Drive& drive) {
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     char line[32];
     std::snprintf(line, sizeof line, "%.9f\n",
-                  to_seconds(drive.scan_stamp(i) - drive.scan_stamp(0)));
+                  to_seconds(drive.reported_stamp(i) - drive.reported_stamp(0)));
     text += line;
   }
   return text;

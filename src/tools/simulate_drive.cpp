@@ -38,6 +38,26 @@ std::pair<double, double> split(const std::string& text, const char* option) {
   return {first, second};
 }
 
+std::string fault_names() {
+  std::string names = "outliers=SHARE, rain=SHARE, wall, jitter=S, frozen=TIMES,EVERY_S, sparse=N";
+  for (const auto& [name, fault] : tools::bag_faults()) names += ", " + name;
+  return names;
+}
+
+/// What is wrong with the bag, or else with each scan.
+void add_fault(const std::string& text, Options& options) {
+  const auto of_bag = tools::bag_faults().find(text);
+  if (of_bag != tools::bag_faults().end()) {
+    options.content.faults.insert(of_bag->second);
+    return;
+  }
+  try {
+    options.drive.scan_faults.push_back(simulation::parse_scan_fault(text));
+  } catch (const ConfigError& error) {
+    throw ConfigError(std::string("--") + error.what() + " (all faults: " + fault_names() + ")");
+  }
+}
+
 void add_arguments(CLI::App& app, Options& options) {
   simulation::DriveOptions& drive = options.drive;
   app.add_option("bag", options.bag, "bag to write");
@@ -66,10 +86,8 @@ void add_arguments(CLI::App& app, Options& options) {
   without("--no-movers", drive.movers, "no moving cars and people");
   app.add_flag("--undistorted", drive.undistorted,
                "take each scan in one instant, without time per point");
-  std::vector<std::string> faults;
-  for (const auto& [name, fault] : tools::bag_faults()) faults.push_back(name);
-  app.add_option("--fault", options.faults, "spoil the bag (repeatable)")
-      ->check(CLI::IsMember(faults))
+  app.add_option("--fault", options.faults,
+                 "spoil the scans or the bag (repeatable): " + fault_names())
       ->allow_extra_args(false);
   without("--no-lidar", options.content.lidar, "leave the clouds out");
   without("--no-imu", options.content.imu, "leave the IMU out");
@@ -100,9 +118,7 @@ void run(Options& options) {
     const auto [at, metres] = split(text, "--gnss-jump");
     options.drive.gnss_jumps.push_back({at, metres});
   }
-  for (const std::string& name : options.faults) {
-    options.content.faults.insert(tools::bag_faults().at(name));
-  }
+  for (const std::string& text : options.faults) add_fault(text, options);
   if (options.content.has(tools::BagFault::kDeskewedTwice)) options.drive.undistorted = true;
   if (options.rounds->count() > 0 && options.drive.drive != "city") {
     throw ConfigError("--rounds has no meaning for the drive '" + options.drive.drive +

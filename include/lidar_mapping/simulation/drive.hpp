@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
+#include "lidar_mapping/simulation/scan_faults.hpp"
 #include "lidar_mapping/simulation/smooth_trajectory.hpp"
 #include "lidar_mapping/simulation/world.hpp"
 
@@ -46,6 +47,7 @@ struct DriveOptions {
   double gnss_noise = 0.02;        ///< m, standard deviation east and north; 1.5 times that upwards
   std::vector<GnssOutage> gnss_outages;
   std::vector<GnssJump> gnss_jumps;
+  std::vector<ScanFault> scan_faults;
 };
 
 /// Where the sensors sit on the vehicle.
@@ -83,7 +85,10 @@ class Drive {
   GeodeticDatum datum() const;
 
   std::size_t scan_count() const;
+  /// When the turn begins.
   Stamp scan_stamp(std::size_t index) const;
+  /// The stamp that the scan comes with: the same, unless stamps jitter.
+  Stamp reported_stamp(std::size_t index) const;
   SimulatedScan scan(std::size_t index) const;
   /// The scan in base_link as the stages take it; `times` are kept.
   Scan base_scan(std::size_t index) const;
