@@ -6,11 +6,14 @@
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/front_end/cloud_fingerprint.hpp"
+#include "lidar_mapping/front_end/coasting.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
+#include "lidar_mapping/front_end/surface_support.hpp"
 #include "lidar_mapping/front_end/tracker.hpp"
 
 namespace lidar_mapping::front_end {
@@ -54,10 +57,15 @@ class FrontEnd::Impl {
     if (config.odometry == OdometrySource::kLidar) tracker_ = make_tracker(config);
   }
 
-  FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
-    check_stamp(scan.stamp);
+  FrontEndResult process(const Scan& taken, const MotionPrior& prior) {
+    check_stamp(taken.stamp);
+    if (tracker_ && repeated_.repeats(taken.cloud) && tracked_) return coast(taken.stamp);
+    timer_.start("support");
+    const Scan& scan = tracker_ ? support_.supported(taken) : taken;
+    timer_.stop();
     const TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
-    last_stamp_ = scan.stamp;
+    tracked_ = tracked;
+    last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
     std::vector<FrontEndResult> settled;
     if (tracked.new_segment || !tracked.provisional) settled = release(tracked.revisions);
@@ -87,12 +95,15 @@ class FrontEnd::Impl {
     initial_ = T_odom_base;
     last_key_frame_.reset();
     last_.reset();
+    tracked_.reset();
+    repeated_.forget();
     held_.clear();
     if (tracker_) tracker_->restart(T_odom_base);
   }
 
   void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
     if (tracker_) tracker_->set_sensor_origin(p_base_sensor);
+    support_.set_sensor_origin(p_base_sensor);
   }
 
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
@@ -111,9 +122,20 @@ class FrontEnd::Impl {
                      std::to_string(*last_stamp_) + " ns; drop scans that are out of order");
   }
 
+  /// A scan that came again is not matched: it would fit where the last one did.
+  FrontEndResult coast(Stamp stamp) {
+    std::vector<FrontEndResult> settled = settle();
+    last_stamp_ = stamp;
+    FrontEndResult result =
+        result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
+    result.settled = std::move(settled);
+    return result;
+  }
+
   FrontEndResult result_of(Stamp stamp, const TrackedScan& tracked) {
     FrontEndResult result;
     result.stamp = stamp;
+    result.segment = segment_;
     result.T_odom_base = tracked.T_odom_base;
     result.twist = tracked.twist;
     result.acceleration = tracked.acceleration;
@@ -222,12 +244,16 @@ class FrontEnd::Impl {
   StepTimer timer_;
   ScanSampler sampler_{19};
   KeyFrameRule rule_;
+  RepeatedScans repeated_;
+  SurfaceSupport support_;
   std::unique_ptr<Tracker> tracker_;
   Pose initial_;
   std::optional<Pose> T_odom_external_;
   std::vector<Held> held_;
   std::optional<TrackedScan> last_;
   std::optional<Stamp> last_stamp_;
+  std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
+  Stamp tracked_stamp_ = 0;
   std::optional<TrackedScan> last_key_frame_;
   Stamp key_frame_stamp_ = 0;
   KeyFrameIndex next_index_ = 0;

@@ -23,6 +23,8 @@ constexpr double kMinUsualOverlap = 0.15;
 constexpr double kDoubtfulInnovation = 6.0;
 constexpr double kLostInnovation = 12.0;
 constexpr double kLearningRate = 0.1;
+/// Two turns a second.
+constexpr double kFastestTurn = 4.0 * M_PI;  // rad/s
 
 /// Length of the pose's innovation in standard deviations of the prediction.
 double innovation(const registration::NdtMatch& match,
@@ -63,6 +65,11 @@ TrackingState MatchJudge::judge(const registration::NdtMatch& match,
     return TrackingState::kLost;
   }
   return below(kPoorQuality, match) ? TrackingState::kDegraded : TrackingState::kTracking;
+}
+
+bool MatchJudge::is_possible_motion(const Pose& T_from_to, double seconds) const {
+  return T_from_to.translation.norm() <= max_speed_ * seconds &&
+         rotation_angle(T_from_to.rotation) <= kFastestTurn * seconds;
 }
 
 void MatchJudge::learn(const registration::NdtMatch& match) {

@@ -151,6 +151,7 @@ class NdtTracker::Impl {
     const auto [found, believed] = locate(seconds, prediction);
     describe(found, result.status);
     result.status.state = judge_.judge(found.match, believed);
+    if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;
@@ -163,6 +164,14 @@ class NdtTracker::Impl {
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
     result.revisions = beginning_.look_again(filter_, judge_, map_);
+  }
+
+  /// The way since the last match, not the motion during the sweep: a jump of the pose says
+  /// nothing about that. How a map of one scan was reached is not known yet.
+  bool is_possible(const NdtMatch& match, double seconds) const {
+    return !beginning_.motion_known() ||
+           judge_.is_possible_motion(last_good_.inverse() * match.state.T_map_sensor,
+                                     lost_time_ + seconds);
   }
 
   /// The match, and what was believed before it.

@@ -259,7 +259,13 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
     ROS_INFO_STREAM(front_end::elevation_notice(shift));
   }
-  if (poor && limiter_.due(front_end::to_string(state))) {
+  if (result.status.repeated) {
+    if (limiter_.due("repeated")) {
+      ROS_WARN(
+          "the same scan came again under a new stamp: the LiDAR's driver hangs; the pose is a "
+          "guess until new points come");
+    }
+  } else if (poor && limiter_.due(front_end::to_string(state))) {
     ROS_WARN_STREAM("odometry is " << front_end::to_string(state) << ": overlap "
                                    << result.status.overlap << ", fitness " << result.status.fitness
                                    << " m^2");

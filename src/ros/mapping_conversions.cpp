@@ -190,6 +190,7 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.overlap = status.overlap;
   message.degenerate_directions = to_messages(status.degenerate_directions);
   message.rescued = status.rescued;
+  message.repeated = status.repeated;
   message.elevation_shift = status.elevation_shift;
   message.key_frame = result.key_frame.has_value();
   if (result.key_frame) message.key_frame_index = result.key_frame->index;

@@ -100,6 +100,7 @@ Json figures_of(const std::vector<ScanRecord>& records) {
           {"degraded", count_of(records, TrackingState::kDegraded)},
           {"lost", count_of(records, TrackingState::kLost)},
           {"rescued", flagged([](const ScanRecord& r) { return r.status.rescued; })},
+          {"repeated", flagged([](const ScanRecord& r) { return r.status.repeated; })},
           {"elevation_shift_deg",
            records.empty() ? 0.0 : records.back().status.elevation_shift * 180.0 / M_PI}};
 }

@@ -40,12 +40,14 @@ TEST(BenchmarkFigures, CountStates) {
   scans[1].status.state = TrackingState::kDegenerate;
   scans[2].status.state = TrackingState::kLost;
   scans[3].status.rescued = true;
+  scans[2].status.repeated = true;
   scans[0].key_frame = scans[4].key_frame = true;
   const auto figures = figures_of(scans);
   EXPECT_EQ(figures["degenerate"], 1);
   EXPECT_EQ(figures["lost"], 1);
   EXPECT_EQ(figures["degraded"], 0);
   EXPECT_EQ(figures["rescued"], 1);
+  EXPECT_EQ(figures["repeated"], 1);
   EXPECT_EQ(figures["key_frames"], 2);
 }
 

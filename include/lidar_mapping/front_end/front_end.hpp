@@ -25,6 +25,7 @@ struct FrontEndResult {
   /// If this scan was chosen. The first one is as soon as its points are deskewed or can be: where
   /// they have times, that is once the motion is known.
   std::optional<KeyFrame> key_frame;
+  std::uint32_t segment = 0;  ///< poses of one segment of the trajectory hang together
   FrontEndStatus status;
   /// The scan will be looked at again, with more of its surroundings known: what it is now may do
   /// for those who cannot wait. So it is with the first scan, and with those after it for up to 6 s

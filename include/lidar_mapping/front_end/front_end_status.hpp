@@ -27,6 +27,7 @@ struct FrontEndStatus {
   double overlap = 0.0;          ///< 0 to 1
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
   bool rescued = false;                                ///< more than one start was needed
+  bool repeated = false;  ///< the points are those of the scan before, as of a driver that hangs
   /// What the sensor's elevations were found to lack, rad: points are turned upwards by that, in
   /// steps that no match feels.
   double elevation_shift = 0.0;

@@ -17,6 +17,9 @@ class MatchJudge {
   /// kTracking, kDegraded or kLost.
   TrackingState judge(const registration::NdtMatch& match,
                       const registration::MotionBelief& prediction) const;
+  /// False for a step that no vehicle makes: faster than the largest speed, or than two turns a
+  /// second.
+  bool is_possible_motion(const Pose& T_from_to, double seconds) const;
   /// Takes an accepted match into what is usual.
   void learn(const registration::NdtMatch& match);
   void reset() { usual_ = usual_pair_quality_ = 0.0; }

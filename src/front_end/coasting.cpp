@@ -1,0 +1,32 @@
+#include "lidar_mapping/front_end/coasting.hpp"
+
+#include "lidar_mapping/front_end/motion_filter.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+// A vehicle that brakes or steers firmly.
+constexpr double kAcceleration = 3.0;         // m/s^2
+constexpr double kAngularAcceleration = 1.0;  // rad/s^2
+
+}  // namespace
+
+TrackedScan coasted(const TrackedScan& tracked, double seconds) {
+  TrackedScan result = tracked;
+  const Pose T_tracked_now = moved(Pose::Identity(), tracked.twist, seconds);
+  result.T_odom_base = tracked.T_odom_base * T_tracked_now;
+  const double reach = 0.5 * seconds * seconds;
+  result.covariance =
+      compose_covariance(tracked.covariance, T_tracked_now,
+                         diagonal_covariance(reach * kAcceleration, reach * kAngularAcceleration));
+  result.acceleration.setZero();
+  result.status = {};
+  result.status.state = TrackingState::kLost;
+  result.status.repeated = true;
+  result.status.elevation_shift = tracked.status.elevation_shift;
+  result.new_segment = result.provisional = false;
+  result.revisions.clear();
+  return result;
+}
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,167 @@
+#include "campaign_case.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/lidar_model.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+double number_of(const std::string& key, const std::string& text) {
+  std::istringstream stream(text);
+  double value = 0.0;
+  if (!(stream >> value) || !stream.eof()) {
+    throw ConfigError("case: " + key + "=" + text + " is not a number");
+  }
+  return value;
+}
+
+/// Shortest text of a number of few digits.
+std::string text_of(double value) {
+  std::ostringstream stream;
+  stream << value;
+  return stream.str();
+}
+
+void set(CampaignCase& result, const std::string& key, const std::string& value) {
+  if (key == "drive") {
+    result.drive = value;
+  } else if (key == "lidar") {
+    result.lidar = value;
+  } else if (key == "seed") {
+    result.seed = static_cast<std::uint64_t>(number_of(key, value));
+  } else if (key == "start") {
+    result.start = number_of(key, value);
+  } else if (key == "scan_rate") {
+    result.scan_rate = number_of(key, value);
+  } else if (key == "range_noise") {
+    result.range_noise = number_of(key, value);
+  } else if (key == "every") {
+    const double every = number_of(key, value);
+    if (!(every >= 1.0)) throw ConfigError("case: every=" + value + "; use 1 or more");
+    result.every = static_cast<std::size_t>(every);
+  } else if (key == "undistorted") {
+    result.undistorted = number_of(key, value) != 0.0;
+  } else if (key == "method") {
+    result.method = value;
+  } else if (key == "fault") {
+    simulation::parse_scan_fault(value);
+    result.faults.push_back(value);
+  } else {
+    throw ConfigError("case: '" + key +
+                      "' is unknown; use drive, lidar, seed, start, scan_rate, range_noise, every, "
+                      "undistorted, method or fault");
+  }
+}
+
+template <typename T>
+const T& one_of(const std::vector<T>& values, simulation::Random& random) {
+  return values[static_cast<std::size_t>(random.integer(0, static_cast<int>(values.size()) - 1))];
+}
+
+std::string random_fault(simulation::Random& random) {
+  const auto share = [&](double most) {
+    return "=" + text_of(std::round(100.0 * random.uniform(0.01, most)) / 100.0);
+  };
+  switch (random.integer(0, 5)) {
+    case 0:
+      return "outliers" + share(0.35);
+    case 1:
+      return "rain" + share(0.35);
+    case 2:
+      return "wall";
+    case 3:
+      return "jitter" + share(0.03);
+    case 4:
+      return "frozen=" + std::to_string(random.integer(1, 15)) + ",8";
+    default:
+      return "sparse=" + std::to_string(random.integer(3, 40) * 100);
+  }
+}
+
+}  // namespace
+
+CampaignCase parse_case(const std::string& line) {
+  std::istringstream words(line);
+  CampaignCase result;
+  if (!(words >> result.name)) throw ConfigError("case: the line is empty; begin with a name");
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos) {
+      throw ConfigError("case: '" + word + "' is not of the form key=value");
+    }
+    set(result, word.substr(0, equals), word.substr(equals + 1));
+  }
+  return result;
+}
+
+std::string to_line(const CampaignCase& c) {
+  const CampaignCase usual;
+  std::string line = c.name;
+  if (c.drive != usual.drive) line += " drive=" + c.drive;
+  if (!c.lidar.empty()) line += " lidar=" + c.lidar;
+  if (c.seed) line += " seed=" + std::to_string(*c.seed);
+  if (c.start != usual.start) line += " start=" + text_of(c.start);
+  if (c.scan_rate != usual.scan_rate) line += " scan_rate=" + text_of(c.scan_rate);
+  if (c.range_noise != usual.range_noise) line += " range_noise=" + text_of(c.range_noise);
+  if (c.every != usual.every) line += " every=" + std::to_string(c.every);
+  if (c.undistorted) line += " undistorted=1";
+  if (c.method != usual.method) line += " method=" + c.method;
+  for (const std::string& fault : c.faults) line += " fault=" + fault;
+  return line;
+}
+
+std::vector<CampaignCase> read_cases(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read " + path);
+  std::vector<CampaignCase> cases;
+  std::size_t number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
+    try {
+      cases.push_back(parse_case(line));
+    } catch (const ConfigError& error) {
+      throw ConfigError(path + ", line " + std::to_string(number) + ": " + error.what());
+    }
+  }
+  if (cases.empty()) throw ConfigError(path + " has no cases; write 'NAME key=value ...' a line");
+  return cases;
+}
+
+std::vector<CampaignCase> usual_cases() {
+  std::vector<CampaignCase> cases;
+  for (const char* line :
+       {"clean", "outliers_5 fault=outliers=0.05", "outliers_15 fault=outliers=0.15",
+        "outliers_30 fault=outliers=0.3", "rain_15 fault=rain=0.15", "rain_30 fault=rain=0.3",
+        "wall fault=wall", "sparse_500 fault=sparse=500", "sparse_2000 fault=sparse=2000",
+        "frozen_1 fault=frozen=1,5", "frozen_3 fault=frozen=3,5", "frozen_10 fault=frozen=10,5",
+        "jitter_20ms fault=jitter=0.02", "every_4th every=4"}) {
+    cases.push_back(parse_case(line));
+  }
+  return cases;
+}
+
+CampaignCase random_case(simulation::Random& random) {
+  CampaignCase result;
+  result.name = "random";
+  result.drive = one_of(simulation::drive_names(), random);
+  result.lidar = one_of(simulation::lidar_names(), random);
+  result.seed = static_cast<std::uint64_t>(random.integer(1000, 999999));
+  result.start = random.integer(0, 20);
+  result.scan_rate = random.chance(0.8) ? 10.0 : 5.0;
+  result.range_noise = random.chance(0.8) ? 0.02 : 0.04;
+  result.every = random.chance(0.85) ? 1 : static_cast<std::size_t>(random.integer(2, 4));
+  result.undistorted = random.chance(0.2);
+  const int faults = random.integer(0, 2);
+  for (int i = 0; i < faults; ++i) result.faults.push_back(random_fault(random));
+  return result;
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,135 @@
+// Runs the front end over simulated drives with faults and tells where it was wrong in silence.
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/simulation/lidar_model.hpp"
+
+#include "campaign_case.hpp"
+#include "campaign_run.hpp"
+#include "json.hpp"
+#include "number_checks.hpp"
+
+namespace {
+
+using namespace lidar_mapping;
+using tools::CampaignCase;
+using tools::CampaignFigures;
+using tools::Json;
+
+struct Options {
+  std::vector<std::string> lidars = {"hdl64", "vlp16"};
+  std::vector<std::uint64_t> seeds = {51};
+  std::string cases;
+  std::vector<std::string> lines;
+  std::size_t random = 0;
+  std::uint64_t seed = 1;
+  double duration = 30.0;
+  std::string json;
+};
+
+/// Every case with every sensor and seed that it does not fix itself, then the random ones.
+std::vector<CampaignCase> all_runs(const Options& options) {
+  std::vector<CampaignCase> cases;
+  if (!options.cases.empty()) cases = tools::read_cases(options.cases);
+  for (const std::string& line : options.lines) cases.push_back(tools::parse_case(line));
+  if (cases.empty() && options.random == 0) cases = tools::usual_cases();
+  std::vector<CampaignCase> runs;
+  for (const CampaignCase& c : cases) {
+    const auto lidars = c.lidar.empty() ? options.lidars : std::vector<std::string>{c.lidar};
+    const auto seeds = c.seed ? std::vector<std::uint64_t>{*c.seed} : options.seeds;
+    for (const std::string& lidar : lidars) {
+      for (const std::uint64_t seed : seeds) {
+        runs.push_back(c);
+        runs.back().lidar = lidar;
+        runs.back().seed = seed;
+      }
+    }
+  }
+  simulation::Random random(options.seed);
+  for (std::size_t i = 0; i < options.random; ++i) runs.push_back(tools::random_case(random));
+  return runs;
+}
+
+void print(const CampaignFigures& f, const std::string& line) {
+  char drift[32] = "-";
+  if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
+  std::printf("%8s %5zu %6zu %5zu %8zu %10zu %9.3f %9.2f %7.2f  %s\n", drift, f.scans, f.silent,
+              f.lost, f.degraded, f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms,
+              line.c_str());
+  std::fflush(stdout);
+}
+
+Json to_json(const CampaignFigures& f, const std::string& line) {
+  Json json = {{"case", line},
+               {"scans", f.scans},
+               {"drift_percent", nullptr},
+               {"silent", f.silent},
+               {"lost", f.lost},
+               {"degraded", f.degraded},
+               {"degenerate", f.degenerate},
+               {"largest_error_m", f.largest_error},
+               {"largest_error_deg", f.largest_error_deg},
+               {"cpu_ms", f.cpu_ms}};
+  if (f.drift_percent) json["drift_percent"] = *f.drift_percent;
+  return json;
+}
+
+void run(const Options& options) {
+  const std::vector<CampaignCase> runs = all_runs(options);
+  std::printf("%8s %5s %6s %5s %8s %10s %9s %9s %7s  %s\n", "drift %", "scans", "silent", "lost",
+              "degraded", "degenerate", "largest m", "largest d", "cpu ms", "case");
+  Json all = Json::array();
+  std::size_t scans = 0, silent = 0, lost = 0;
+  for (const CampaignCase& c : runs) {
+    const std::string line = tools::to_line(c);
+    const CampaignFigures figures = tools::run_case(c, options.duration);
+    print(figures, line);
+    all.push_back(to_json(figures, line));
+    scans += figures.scans;
+    silent += figures.silent;
+    lost += figures.lost;
+  }
+  std::printf("%zu runs, %zu scans, %zu silent, %zu lost\n", runs.size(), scans, silent, lost);
+  if (options.json.empty()) return;
+  std::ofstream file(options.json);
+  file << Json{{"duration_s", options.duration}, {"runs", all}}.dump(2) << "\n";
+  if (!file.flush()) throw FileError("cannot write " + options.json);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Odometry over simulated drives with faults: drift, wrong steps, what was said"};
+  Options options;
+  app.add_option("--lidars", options.lidars, "sensors, with commas between")
+      ->check(CLI::IsMember(simulation::lidar_names()))
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--seeds", options.seeds, "seeds of the worlds, with commas between")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--cases", options.cases,
+                 "file with a case per line, 'NAME drive=town fault=rain=0.15 ...'; else each "
+                 "fault alone");
+  app.add_option("--case", options.lines, "one case more, in the same form (repeatable)")
+      ->allow_extra_args(false);
+  app.add_option("--random", options.random, "so many random mixtures of worlds and faults");
+  app.add_option("--seed", options.seed, "of the random mixtures")->capture_default_str();
+  app.add_option("--duration", options.duration, "seconds of each drive")
+      ->check(tools::above_zero())
+      ->capture_default_str();
+  app.add_option("--json", options.json, "write the figures");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "odometry_campaign: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

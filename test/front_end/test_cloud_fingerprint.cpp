@@ -1,0 +1,72 @@
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/cloud_fingerprint.hpp"
+#include "lidar_mapping/front_end/coasting.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+PointCloud cloud_of(std::size_t size) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto f = static_cast<float>(i);
+    cloud.points.push_back({0.37F * f, 5.0F - 0.011F * f, 0.2F, f});
+  }
+  return cloud;
+}
+
+TEST(RepeatedScans, AreToldFromNewOnes) {
+  RepeatedScans scans;
+  PointCloud cloud = cloud_of(3000);
+  EXPECT_FALSE(scans.repeats(cloud));
+  EXPECT_TRUE(scans.repeats(cloud));
+  EXPECT_TRUE(scans.repeats(cloud));
+  for (Point& point : cloud.points) point.x += 0.001F;
+  EXPECT_FALSE(scans.repeats(cloud));
+  EXPECT_TRUE(scans.repeats(cloud));
+  cloud.points.pop_back();
+  EXPECT_FALSE(scans.repeats(cloud));
+}
+
+TEST(RepeatedScans, IgnoreIntensitiesAndTheLastBits) {
+  RepeatedScans scans;
+  PointCloud cloud = cloud_of(3000);
+  scans.repeats(cloud);
+  for (Point& point : cloud.points) {
+    point.intensity += 1.0F;
+    point.y *= 1.0F + std::numeric_limits<float>::epsilon();
+  }
+  // A coordinate may lie between two steps; those of this cloud do not.
+  EXPECT_TRUE(scans.repeats(cloud));
+}
+
+TEST(RepeatedScans, ThatAreNearlyEmptyAreNone) {
+  RepeatedScans scans;
+  EXPECT_FALSE(scans.repeats(cloud_of(10)));
+  EXPECT_FALSE(scans.repeats(cloud_of(10)));
+  EXPECT_FALSE(scans.repeats({}));
+}
+
+TEST(Coasting, GoesOnAsBeforeAndIsEverLessSure) {
+  TrackedScan tracked;
+  tracked.covariance = diagonal_covariance(0.01, 0.001);
+  tracked.twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.5;
+  tracked.status.state = TrackingState::kTracking;
+  double last_variance = tracked.covariance.trace();
+  for (const double seconds : {0.1, 0.2, 1.0}) {
+    const TrackedScan coasting = coasted(tracked, seconds);
+    EXPECT_EQ(coasting.status.state, TrackingState::kLost);
+    EXPECT_TRUE(coasting.status.repeated);
+    EXPECT_NEAR(coasting.T_odom_base.translation.norm(), 10.0 * seconds, 0.2 * seconds);
+    EXPECT_NEAR(yaw_of(coasting.T_odom_base.rotation), 0.5 * seconds, 1e-9);
+    EXPECT_TRUE(is_valid_covariance(coasting.covariance));
+    EXPECT_GT(coasting.covariance.trace(), last_variance);
+    last_variance = coasting.covariance.trace();
+  }
+  EXPECT_GT(std::sqrt(last_variance), 1.5) << "a vehicle that brakes is that far off after 1 s";
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end

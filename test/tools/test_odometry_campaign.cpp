@@ -1,0 +1,91 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+#include "campaign_case.hpp"
+#include "campaign_run.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using front_end::TrackingState;
+
+Pose at(double x, double yaw = 0.0) { return {exp_so3({0.0, 0.0, yaw}), {x, 0.0, 0.0}}; }
+
+TEST(StepChecker, CountsWrongStepsThatAreCalledTracking) {
+  StepChecker steps;
+  steps.take(at(0.0), at(0.0), TrackingState::kTracking, false);
+  steps.take(at(1.0), at(1.29), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.silent(), 0U);
+  steps.take(at(2.0), at(2.65), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.silent(), 1U);
+  EXPECT_NEAR(steps.largest_error(), 0.36, 1e-9);
+  steps.take(at(3.0), at(3.65, 0.02), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.silent(), 2U) << "1.1 degrees";
+  steps.take(at(4.0), at(9.0), TrackingState::kDegenerate, false);
+  EXPECT_EQ(steps.silent(), 2U) << "it was said";
+}
+
+TEST(StepChecker, LeavesOutWhatIsCalledLostAndComparesAcrossIt) {
+  StepChecker steps;
+  steps.take(at(0.0), at(0.0), TrackingState::kTracking, false);
+  steps.take(at(1.0), at(7.0), TrackingState::kLost, false);
+  steps.take(at(2.0), at(2.0), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.silent(), 0U);
+  steps.take(at(3.0), at(3.0), TrackingState::kLost, false);
+  steps.take(at(4.0), at(5.0), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.silent(), 1U) << "found again at a wrong place";
+  steps.take(at(5.0), at(0.0), TrackingState::kLost, true);
+  steps.take(at(6.0), at(1.0), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.silent(), 1U) << "a new segment hangs together with nothing before it";
+}
+
+TEST(CampaignCases, AreReadAndWrittenAlike) {
+  for (const char* line :
+       {"a",
+        "b drive=tunnel lidar=vlp16 seed=7 start=3 scan_rate=5 range_noise=0.04 every=4 "
+        "undistorted=1 method=VGICP fault=outliers=0.15 fault=wall"}) {
+    EXPECT_EQ(to_line(parse_case(line)), line);
+  }
+  for (const char* line : {"", "a fog=1", "a every=0", "a seed=x", "a fault=fog", "a drive"}) {
+    EXPECT_THROW(parse_case(line), ConfigError) << line;
+  }
+}
+
+TEST(CampaignCases, OfAFileNameTheLineThatIsWrong) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "cases.txt").string();
+  std::ofstream(path) << "# comment\n\nclean\nrain fault=rain=2\n";
+  try {
+    read_cases(path);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("line 4"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(read_cases(path + "x"), FileError);
+}
+
+TEST(CampaignCases, OfASeedAreTheSame) {
+  simulation::Random a(5), b(5), c(6);
+  EXPECT_EQ(to_line(random_case(a)), to_line(random_case(b)));
+  EXPECT_NE(to_line(random_case(a)), to_line(random_case(c)));
+  for (int i = 0; i < 50; ++i) {
+    const CampaignCase random = random_case(c);
+    EXPECT_EQ(to_line(parse_case(to_line(random))), to_line(random));
+  }
+}
+
+TEST(CampaignRun, CountsScansAndFindsACleanDriveInOrder) {
+  const CampaignFigures figures = run_case(parse_case("tunnel drive=tunnel lidar=vlp16 seed=1"), 6);
+  EXPECT_EQ(figures.scans, 58U);
+  EXPECT_EQ(figures.silent, 0U);
+  EXPECT_EQ(figures.lost, 0U);
+  EXPECT_LT(figures.largest_error, 0.1);
+  EXPECT_GT(figures.cpu_ms, 0.0);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
