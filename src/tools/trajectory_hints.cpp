@@ -84,9 +84,11 @@ std::string sentence(const Proposal& proposal, double now) {
 /// Roll, pitch and yaw in degrees.
 Eigen::Vector3d angles_of(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d R = rotation.toRotationMatrix();
-  return kDegrees * Eigen::Vector3d(std::atan2(R(2, 1), R(2, 2)),
-                                    std::asin(std::max(-1.0, std::min(1.0, -R(2, 0)))),
-                                    std::atan2(R(1, 0), R(0, 0)));
+  const Eigen::Vector3d angles(std::atan2(R(2, 1), R(2, 2)),
+                               std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                               std::atan2(R(1, 0), R(0, 0)));
+  // To a tenth; the sum makes 0 of -0.
+  return (10.0 * kDegrees * angles).array().round() / 10.0 + 0.0;
 }
 
 }  // namespace
