@@ -33,9 +33,9 @@ install_missing() {
   done
   [ ${#missing[@]} -gt 0 ] || return 0
   say "Installing ${#missing[@]} packages"
-  as_root apt-get update -qq
-  as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  logged packages.log as_root apt-get update -q
+  logged packages.log as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -q --no-install-recommends "${missing[@]}"
 }
 
 source_ros() {
@@ -50,7 +50,6 @@ source_ros() {
 # build_package [CMAKE ARGUMENT ...]
 build_package() {
   say "Building in $build"
-  mkdir -p "$build"
   source_ros
   local launcher=()
   if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
@@ -59,11 +58,30 @@ build_package() {
   source_ros
 }
 
-# logged FILE COMMAND ...: the output goes to a file; its end is shown if the command fails
+# logged FILE COMMAND ...: the output goes to a file; a terminal shows meanwhile how far it is; its
+# end is shown if the command fails
 logged() {
   local log=$build/$1
   shift
-  "$@" >"$log" 2>&1 || { tail -n 60 "$log"; echo "Failed; all of the output: $log" >&2; return 1; }
+  mkdir -p "$build"
+  if [ -t 2 ]; then
+    "$@" 2>&1 | show_progress "$log"
+  else
+    "$@" >"$log" 2>&1
+  fi || { tail -n 60 "$log"; echo "Failed; all of the output: $log" >&2; return 1; }
+}
+
+# show_progress FILE: writes its input to a file, and the newest line that tells of progress (of make,
+# of apt-get, of a test program) to standard error, each over the one before
+show_progress() {
+  local line columns
+  local telling='^(\[ *[0-9]+%\]|Get:[0-9]+|Unpacking|Setting up|\[ RUN)'
+  columns=$(tput cols 2>/dev/null || echo 80)
+  while IFS= read -r line; do
+    printf '%s\n' "$line"
+    if [[ $line =~ $telling ]]; then printf '\r\033[K%.*s' "$((columns - 1))" "$line" >&2; fi
+  done >"$1"
+  printf '\r\033[K' >&2
 }
 
 # ROS's tools need a name for this machine that resolves; a bare one may have none.

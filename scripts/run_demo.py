@@ -124,6 +124,22 @@ def wait_until_idle(session):
         time.sleep(0.5)
 
 
+def play(bag, rate, log):
+    """Play the bag; on a terminal say how far it is."""
+    with open(log, 'w') as file, subprocess.Popen(
+            ['rosbag', 'play', '--clock', '-d', '3', '-r', str(rate), str(bag)], text=True,
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        for line in process.stdout:  # it ends its lines with a carriage return
+            file.write(line)
+            played = re.search(r'Duration: ([\d.]+) / ([\d.]+)', line)
+            if played and sys.stdout.isatty():
+                print(f'\r{float(played[1]):.0f} of {float(played[2]):.0f} s', end='', flush=True)
+        if sys.stdout.isatty():
+            print('\r\033[K', end='')
+    if process.returncode != 0:
+        sys.exit(f'demo: rosbag play failed with status {process.returncode}; its output: {log}')
+
+
 def scans_in(bag):
     topics = yaml.safe_load(run('rosbag', 'info', '-y', '-k', 'topics', bag,
                                 capture_output=True, text=True).stdout)
@@ -136,8 +152,7 @@ def map_drive(options, bag, sessions, log):
         say(f'Note: the bag is played at {options.rate} times the real speed')
     with nodes(sessions, log):
         say('Playing the bag to the nodes')
-        run('rosbag', 'play', '--clock', '--quiet', '-d', '3',
-            '-r', options.rate, bag, stdin=subprocess.DEVNULL)
+        play(bag, options.rate, log.with_name('play.log'))
         session = (sessions / 'latest').resolve()
         wait_until_idle(session)
         say('Optimising and saving the map')

@@ -1,15 +1,17 @@
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+#include "lidar_mapping/common/instruction_set.hpp"
+
 #include "hash_kernel.hpp"
 
-#ifdef __AVX2__
+#ifdef LIDAR_MAPPING_HAS_AVX2
 #include "hash_kernel_body.hpp"
 #endif
 
 namespace lidar_mapping::front_end {
 
 HashKernel avx2_hash_kernel() {
-#ifdef __AVX2__
-  return __builtin_cpu_supports("avx2") ? hash_points : nullptr;
+#ifdef LIDAR_MAPPING_HAS_AVX2
+  return processor_has(InstructionSet::kAvx2) ? hash_points : nullptr;
 #else
   return nullptr;
 #endif

@@ -1,15 +1,17 @@
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+#include "lidar_mapping/common/instruction_set.hpp"
+
 #include "sight_kernels.hpp"
 
-#ifdef __AVX2__
+#ifdef LIDAR_MAPPING_HAS_AVX2
 #include "sight_kernels_body.hpp"
 #endif
 
 namespace lidar_mapping::map {
 
 const SightKernels* avx2_sight_kernels() {
-#ifdef __AVX2__
-  return __builtin_cpu_supports("avx2") ? &kKernels : nullptr;
+#ifdef LIDAR_MAPPING_HAS_AVX2
+  return processor_has(InstructionSet::kAvx2) ? &kKernels : nullptr;
 #else
   return nullptr;
 #endif

@@ -62,7 +62,7 @@ using MoveKernel = MoveResult (*)(const PointSource& source, const PointSink& si
 /// distance, and by which of two neighbouring slots they take.
 MoveKernel move_kernel();
 MoveKernel portable_move_kernel();
-/// Null where the compiler or the processor knows no AVX2 with FMA, no AVX-512.
+/// Null where the compiler does not know these instructions or the processor is not fast with them.
 MoveKernel avx2_move_kernel();
 MoveKernel avx512_move_kernel();
 

@@ -1,7 +1,9 @@
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+#include "lidar_mapping/common/instruction_set.hpp"
+
 #include "times_kernel.hpp"
 
-#ifdef __AVX2__
+#ifdef LIDAR_MAPPING_HAS_AVX2
 #include <cstring>
 
 #include <immintrin.h>
@@ -9,7 +11,7 @@
 
 namespace lidar_mapping::preprocessing {
 
-#ifdef __AVX2__
+#ifdef LIDAR_MAPPING_HAS_AVX2
 
 namespace {
 
@@ -63,7 +65,9 @@ Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
 
 }  // namespace
 
-TimesKernel avx2_times_kernel() { return __builtin_cpu_supports("avx2") ? copy_floats : nullptr; }
+TimesKernel avx2_times_kernel() {
+  return processor_has(InstructionSet::kAvx2) ? copy_floats : nullptr;
+}
 
 #else
 

@@ -1,16 +1,18 @@
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+#include "lidar_mapping/common/instruction_set.hpp"
+
 #include "ndt_kernels.hpp"
 
-#ifdef __AVX2__
+#ifdef LIDAR_MAPPING_HAS_AVX2
 #include "ndt_kernels_body.hpp"
 #endif
 
 namespace lidar_mapping::registration {
 
 const NdtKernels* avx2_ndt_kernels() {
-#ifdef __AVX2__
+#ifdef LIDAR_MAPPING_HAS_AVX2
   static const NdtKernels kernels{place, accumulate};
-  return __builtin_cpu_supports("avx2") ? &kernels : nullptr;
+  return processor_has(InstructionSet::kAvx2) ? &kernels : nullptr;
 #else
   return nullptr;
 #endif

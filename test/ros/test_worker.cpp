@@ -124,7 +124,7 @@ TEST(Worker, RunsTheIdleTaskOnceAfterWork) {
   const auto channel = worker.add_channel("scans", 10);
   worker.set_idle_task(std::chrono::milliseconds(1), [&] { idle.set_value(); });
   worker.post(channel, [] {});
-  EXPECT_EQ(idle.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(idle.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
 }
 
 // F11: computations blocked the handling of messages.
