@@ -43,7 +43,7 @@ std::pair<double, double> split(const std::string& text, const char* option) {
 void add_arguments(CLI::App& app, Options& options) {
   simulation::DriveOptions& drive = options.drive;
   app.add_option("bag", options.bag, "bag to write");
-  app.add_option("--drive", drive.drive, "world and way")
+  app.add_option("--drive", drive.drive, "world and path")
       ->check(CLI::IsMember(simulation::drive_names()))
       ->capture_default_str();
   app.add_option("--lidar", drive.lidar, "sensor")
