@@ -127,6 +127,9 @@ class Data:
         for name, source in (('drive.bag', 'drive.bag'), ('BAG', 'drive.bag'), ('a_0.bag', 'a_0.bag'),
                              ('a_1.bag', 'a_1.bag'), ('truth.tum', 'truth.tum'), ('T.tum', 'truth.tum')):
             (folder / name).symlink_to(self.folder / source)
+        (folder / 'recordings').mkdir()
+        for name in ('a_0.bag', 'a_1.bag'):
+            (folder / 'recordings' / name).symlink_to(self.folder / name)
         for name, source in (('monday', 'monday'), ('tuesday', 'tuesday'), ('MONDAY', 'monday'),
                              ('TUESDAY', 'tuesday'), ('SESSION', 'monday')):
             shutil.copytree(self.folder / source, folder / name)

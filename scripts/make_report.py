@@ -44,7 +44,9 @@ def embedded(figure, kind='svg'):
     """The figure as an image source."""
     buffer = io.BytesIO()
     metadata = {'Date': None} if kind == 'svg' else None
-    figure.savefig(buffer, format=kind, dpi=130, metadata=metadata)
+    # Tight: a title longer than its axis is not cut.
+    figure.savefig(buffer, format=kind, dpi=130, metadata=metadata, bbox_inches='tight',
+                   pad_inches=0.04)
     plt.close(figure)
     mime = {'svg': 'image/svg+xml', 'png': 'image/png'}[kind]
     return f'data:{mime};base64,' + base64.b64encode(buffer.getvalue()).decode()
@@ -98,24 +100,36 @@ def plan(report, trajectory):
     return embedded(figure)
 
 
-def along(series, ylabel, height=1.9, limits=None, legend=False):
-    """Lines along the way: a list of (way, value, colour, label, style)."""
+def widen(axis, least):
+    """Let the axis show at least so much: what is smaller is rounding, and no figure."""
+    low, high = axis.get_ylim()
+    if high - low < least:
+        middle = 0.5 * (low + high)
+        axis.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
+
+
+def along(series, ylabel, least, height=2.2, from_zero=False, legend=False):
+    """Lines along the path: a list of (distance, value, colour, label, style)."""
     figure, axis = plt.subplots(figsize=(WIDTH, height))
-    for way, value, colour, label, style in series:
-        axis.plot(way, value, style, color=colour, linewidth=1.4, markersize=3, label=label)
-    axis.set(xlabel='way (m)', ylabel=ylabel)
+    for distance, value, colour, label, style in series:
+        axis.plot(distance, value, style, color=colour, linewidth=1.4, markersize=3, label=label)
+    axis.set(xlabel='distance travelled (m)', ylabel=ylabel)
     axis.margins(x=0.01, y=0.12)
-    if limits:
-        axis.set_ylim(*limits)
+    axis.ticklabel_format(useOffset=False)
+    if from_zero:
+        axis.set_ylim(0, max(least, axis.get_ylim()[1]))
+    else:
+        widen(axis, least)
     if legend:
         axis.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8)
     return embedded(figure)
 
 
-def histogram(values, xlabel, colour=BLUE):
+def histogram(values, xlabel, least, colour=BLUE):
     figure, axis = plt.subplots(figsize=(0.5 * WIDTH, 1.9))
-    axis.hist(values, bins=24, color=colour, rwidth=0.9)
-    axis.set(xlabel=xlabel, ylabel='number')
+    axis.hist(values, bins=24, range=(0, max(least, max(values))), color=colour, rwidth=0.9)
+    axis.set(xlabel=xlabel, ylabel='loops')
+    axis.yaxis.set_major_locator(matplotlib.ticker.MaxNLocator(4, integer=True))
     axis.grid(axis='x', visible=False)
     axis.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(4))
     return embedded(figure)
@@ -178,41 +192,44 @@ def place_picture(data):
 
 def pictures(report, data_directory):
     trajectory = table(report['trajectory'])
-    way = trajectory['way']
+    distance = trajectory['distance']
     images = {
         'map': embedded_file(data_directory / 'top_view.png'),
         'plan': plan(report, trajectory),
-        'height': along([(way, trajectory['odometry_z'], GREY, 'odometry alone', '--'),
-                         (way, trajectory['z'], BLUE, 'map', '-')], 'height (m)', legend=True),
-        'odometry': along(
-            [(way, np.hypot(trajectory['odometry_x'] - trajectory['x'],
+        'height': along([(distance, trajectory['odometry_z'], GREY, 'odometry alone', '--'),
+                         (distance, trajectory['z'], BLUE, 'map', '-')], 'height (m)', 0.2,
+                        legend=True)}
+    if max(report['trajectory']['odometry_max_m'], 0.0) > 1e-6:  # else the map is the odometry
+        images['odometry'] = along(
+            [(distance, np.hypot(trajectory['odometry_x'] - trajectory['x'],
                             trajectory['odometry_y'] - trajectory['y']), BLUE, 'horizontal', '-'),
-             (way, trajectory['odometry_z'] - trajectory['z'], ORANGE, 'vertical', '-')],
-            'odometry − map (m)', legend=True)}
+             (distance, trajectory['odometry_z'] - trajectory['z'], ORANGE, 'vertical', '-')],
+            'odometry − map (m)', 0.02, legend=True)
     residuals = [1000.0 * loop['residual_m'] for loop in report['loops']['candidates']
                  if loop['verdict'] == 'accepted' and 'residual_m' in loop]
     if residuals:
         angles = [loop['residual_deg'] for loop in report['loops']['candidates']
                   if loop['verdict'] == 'accepted' and 'residual_deg' in loop]
-        images['loop_metres'] = histogram(residuals, 'loop residual (mm)', GREEN)
-        images['loop_degrees'] = histogram(angles, 'loop residual (deg)', GREEN)
+        images['loop_metres'] = histogram(residuals, 'loop residual (mm)', 1.0, GREEN)
+        images['loop_degrees'] = histogram(angles, 'loop residual (deg)', 0.01, GREEN)
     gnss = table(report['gnss'])
-    if len(gnss['way']):
+    if len(gnss['distance']):
         images['gnss'] = along(
-            [(gnss['way'], 1000.0 * gnss['east'], BLUE, 'east', '-'),
-             (gnss['way'], 1000.0 * gnss['north'], ORANGE, 'north', '-'),
-             (gnss['way'], 1000.0 * gnss['up'], GREY, 'up', '-')],
-            'GNSS − map (mm)', height=2.1, legend=True)
-    hold = table(report['hold'])
-    if len(hold['way']):
-        images['hold'] = along([(hold['way'], hold['sigma_m'], BLUE, None, '-o')],
-                               'standard deviation (m)', limits=(0, None))
+            [(gnss['distance'], 1000.0 * gnss['east'], BLUE, 'east', '-'),
+             (gnss['distance'], 1000.0 * gnss['north'], ORANGE, 'north', '-'),
+             (gnss['distance'], 1000.0 * gnss['up'], GREY, 'up', '-')],
+            'GNSS − map (mm)', 1.0, legend=True)
+    uncertainty = table(report['uncertainty'])
+    if len(uncertainty['distance']):
+        images['uncertainty'] = along(
+            [(uncertainty['distance'], uncertainty['sigma_m'], BLUE, None, '-o')],
+            'standard deviation (m)', 0.01, from_zero=True)
     if report['ghosts']:
         images['ghosts'] = ghost_plan(report, trajectory)
     if report['truth']:
         truth = table(report['truth'])
-        images['truth'] = along([(truth['way'], 1000.0 * truth['error_m'], RED, None, '-')],
-                                'error of the position (mm)', limits=(0, None))
+        images['truth'] = along([(truth['distance'], 1000.0 * truth['error_m'], RED, None, '-')],
+                                'position error (mm)', 1.0, from_zero=True)
     places = json.loads((data_directory / 'places.json').read_text())
     images['places'] = [place_picture(place) for place in places]
     return images
@@ -227,6 +244,15 @@ def scale_bar(data_directory, share=0.2):
     return {'length': f'{length:g}', 'percent': 100.0 * length / (right - left)}
 
 
+def size_of(number):
+    """A number of bytes as people say it."""
+    for unit in ('B', 'kB', 'MB'):
+        if number < 1000:
+            return f'{number:.3g} {unit}'
+        number /= 1000.0
+    return f'{number:.3g} GB'
+
+
 def main(json_path, data_path, page_path):
     report = json.loads(pathlib.Path(json_path).read_text())
     data_directory = pathlib.Path(data_path)
@@ -234,6 +260,7 @@ def main(json_path, data_path, page_path):
         loader=jinja2.FileSystemLoader(os.path.dirname(os.path.realpath(__file__))),
         autoescape=True, trim_blocks=True, lstrip_blocks=True)
     templates.filters['mm'] = lambda metres: str(round(1000.0 * metres))
+    templates.filters['size'] = size_of
     templates.filters['degrees'] = lambda angle: f'{round(angle, 2) + 0.0:.2f}'  # no -0.00
     page = templates.get_template('report.html.j2').render(
         report=report, images=pictures(report, data_directory), scale=scale_bar(data_directory))

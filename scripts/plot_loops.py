@@ -24,11 +24,11 @@ def table(part):
 
 
 def draw_plan(axis, report):
-    way = table(report['trajectory'])
-    axis.plot(way['odometry_x'], way['odometry_y'], '--', color=BEFORE, linewidth=1.2,
+    path = table(report['trajectory'])
+    axis.plot(path['odometry_x'], path['odometry_y'], '--', color=BEFORE, linewidth=1.2,
               label='before: odometry')
-    axis.plot(way['x'], way['y'], color=AFTER, linewidth=1.6, label='after optimisation')
-    at = {int(k): (x, y) for k, x, y in zip(way['key_frame'], way['x'], way['y'])}
+    axis.plot(path['x'], path['y'], color=AFTER, linewidth=1.6, label='after optimisation')
+    at = {int(k): (x, y) for k, x, y in zip(path['key_frame'], path['x'], path['y'])}
     for verdict, colour in (('refused', REFUSED), ('accepted', TAKEN)):
         label = 'loop' if verdict == 'accepted' else f'candidate {verdict}'
         for loop in report['loops']['candidates']:
@@ -58,17 +58,17 @@ def draw_errors(axis, report):
         axis.set_visible(False)
         return
     errors = table(report['truth'])
-    axis.plot(errors['way'], 1000.0 * errors['odometry_error_m'], color=BEFORE, label='before')
-    axis.plot(errors['way'], 1000.0 * errors['error_m'], color=AFTER, label='after')
-    axis.set(xlabel='way (m)', ylabel='position error (mm)', ylim=(0, None))
+    axis.plot(errors['distance'], 1000.0 * errors['odometry_error_m'], color=BEFORE, label='before')
+    axis.plot(errors['distance'], 1000.0 * errors['error_m'], color=AFTER, label='after')
+    axis.set(xlabel='distance travelled (m)', ylabel='position error (mm)', ylim=(0, None))
     axis.legend(loc='upper left', ncol=2, frameon=False)
 
 
 def main(report_path, picture_path):
     with open(report_path) as file:
         report = json.load(file)
-    way = table(report['trajectory'])
-    plan = plan_height(np.column_stack([way['x'], way['y']]))
+    path = table(report['trajectory'])
+    plan = plan_height(np.column_stack([path['x'], path['y']]))
     figure = plt.figure(figsize=(12, plan + 3), constrained_layout=True)
     grid = figure.add_gridspec(2, 2, height_ratios=[plan, 3])
     axes = [figure.add_subplot(cell) for cell in (grid[0, :], grid[1, 0], grid[1, 1])]

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Plot two trajectories and the error along the way.
+"""Plot two trajectories and the error along the path.
 
 usage: plot_trajectories.py DATA.json PICTURE.png
-DATA.json: a list of [way, true x y z, estimated x y z, error in m, error in degrees] per pose.
+DATA.json: a list of [distance travelled, true x y z, estimated x y z, error in m, error in degrees] per pose.
 """
 import json
 import sys
@@ -25,28 +25,28 @@ def plan_height(points):
 def main(data_path, picture_path):
     with open(data_path) as file:
         poses = np.array(json.load(file))
-    way, truth, estimate, metres, degrees = (
+    distance, truth, estimate, metres, degrees = (
         poses[:, 0], poses[:, 1:4], poses[:, 4:7], poses[:, 7], poses[:, 8])
     plan = plan_height(truth)
     figure = plt.figure(figsize=(12, plan + 3), constrained_layout=True)
     grid = figure.add_gridspec(2, 3, height_ratios=[plan, 3])
     view = figure.add_subplot(grid[0, :])
-    height, distance, angle = (figure.add_subplot(grid[1, column]) for column in range(3))
+    height, error, angle = (figure.add_subplot(grid[1, column]) for column in range(3))
     view.plot(truth[:, 0], truth[:, 1], color=TRUTH, linewidth=4, label='truth')
     view.plot(estimate[:, 0], estimate[:, 1], color=ESTIMATE, linewidth=1.4, label='estimate')
     view.plot(*truth[0, :2], 'o', color='black', markersize=6, label='start')
     view.set(aspect='equal', xlabel='x (m)', ylabel='y (m)')
     view.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncol=3, frameon=False)
-    height.plot(way, truth[:, 2], color=TRUTH, linewidth=4)
-    height.plot(way, estimate[:, 2], color=ESTIMATE, linewidth=1.4)
+    height.plot(distance, truth[:, 2], color=TRUTH, linewidth=4)
+    height.plot(distance, estimate[:, 2], color=ESTIMATE, linewidth=1.4)
     height.set(ylabel='height (m)')
-    distance.plot(way, 1000.0 * metres, color=ERROR, linewidth=0.9)
-    distance.set(ylabel='position error (mm)', ylim=(0, None))
-    angle.plot(way, degrees, color=ERROR, linewidth=0.9)
+    error.plot(distance, 1000.0 * metres, color=ERROR, linewidth=0.9)
+    error.set(ylabel='position error (mm)', ylim=(0, None))
+    angle.plot(distance, degrees, color=ERROR, linewidth=0.9)
     angle.set(ylabel='angle error (deg)', ylim=(0, None))
-    for axis in (height, distance, angle):
-        axis.set(xlabel='way (m)')
-    for axis in (view, height, distance, angle):
+    for axis in (height, error, angle):
+        axis.set(xlabel='distance travelled (m)')
+    for axis in (view, height, error, angle):
         axis.grid(color='0.9')
         axis.spines[['top', 'right']].set_visible(False)
     figure.savefig(picture_path, dpi=110)

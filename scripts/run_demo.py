@@ -68,7 +68,7 @@ def simulate(options, bag, truth):
              '--truth', truth]
     if options.duration:
         words += ['--duration', options.duration]
-    rosrun('simulate_drive', bag, *words)
+    rosrun('simulate_drive', bag, '--force', *words)
 
 
 @contextlib.contextmanager

@@ -49,7 +49,10 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
   return pairs;
 }
 
-Pose rigid_alignment(const std::vector<PosePair>& pairs) {
+namespace {
+
+/// Umeyama's matrix: rotation times scale, and translation.
+Eigen::Matrix4d umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   if (pairs.size() < 3) {
     throw InputError("an alignment needs at least 3 common poses, there are " +
                      std::to_string(pairs.size()));
@@ -61,7 +64,25 @@ Pose rigid_alignment(const std::vector<PosePair>& pairs) {
     truth.col(i) = pairs[static_cast<std::size_t>(i)].truth.translation;
     estimate.col(i) = pairs[static_cast<std::size_t>(i)].estimate.translation;
   }
-  return Pose::from_matrix(Eigen::umeyama(estimate, truth, false));
+  return Eigen::umeyama(estimate, truth, with_scale);
+}
+
+}  // namespace
+
+Pose rigid_alignment(const std::vector<PosePair>& pairs) {
+  return Pose::from_matrix(umeyama(pairs, false));
+}
+
+SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs) {
+  Eigen::Matrix4d matrix = umeyama(pairs, true);
+  const double scale = matrix.topLeftCorner<3, 3>().col(0).norm();
+  matrix.topLeftCorner<3, 3>() /= scale;
+  return {Pose::from_matrix(matrix), scale};
+}
+
+std::vector<PosePair> scaled(std::vector<PosePair> pairs, double scale) {
+  for (PosePair& pair : pairs) pair.estimate.translation *= scale;
+  return pairs;
 }
 
 std::vector<PosePair> aligned(std::vector<PosePair> pairs, const Pose& T_truth_estimate) {

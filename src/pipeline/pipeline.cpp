@@ -61,6 +61,8 @@ class Pipeline::Impl {
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },
             [this](const std::string& notice) { say(notice); }) {
     if (!resume_point_) return;
+    key_frames_ = keeper_.run().session().key_frame_count();
+    loops_ = keeper_.run().session().loops().size();
     search_.restore(keeper_.run());
     odometry_.resume(*resume_point_);
   }

@@ -55,11 +55,16 @@ InputReport examine_headers(const std::string& input, const TopicFlow& flow,
   report.found = text("%.1f Hz, frame %s", flow.rate(),
                       flow.frame_id.empty() ? "(none)" : flow.frame_id.c_str());
   const std::string frame = flow.frame();
+  const std::string without = input == "points"
+                                  ? "map_bag takes the frame of the scans for that of the vehicle; "
+                                  : "without it the sensor is not used; ";
   if (frame.empty()) {
-    add_fault(report, "the messages name no frame", "the driver must set header.frame_id");
+    add_warning(report, "the messages name no frame",
+                without + "the driver must set header.frame_id");
   } else if (!lookup(frame)) {
-    add_fault(report, "no transform from '" + frame + "' to the vehicle's frame",
-              "publish it on /tf_static (static_transform_publisher), or set base_frame");
+    add_warning(
+        report, "no transform from '" + frame + "' to the vehicle's frame",
+        without + "publish it on /tf_static (static_transform_publisher), or set base_frame");
   }
   if (frame != flow.frame_id) {
     add_warning(report, "frame '" + flow.frame_id + "' has a leading slash, which tf2 refuses",

@@ -12,6 +12,9 @@
 #include "lidar_mapping/ros/open_bag.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 
+#include "bag_paths.hpp"
+#include "config_path.hpp"
+
 namespace {
 
 using namespace lidar_mapping;
@@ -25,8 +28,9 @@ struct Options {
 };
 
 void add_arguments(CLI::App& app, Options& options) {
-  app.add_option("bags", options.bags, "bags of one drive")->required();
-  app.add_option("--config", options.config, "preprocessing.yaml to judge by");
+  app.add_option("bags", options.bags, "bags of one drive, or a folder of them")->required();
+  app.add_option("--config", options.config,
+                 std::string(tools::kConfigHelp) + "; the parameters to judge by");
   app.add_option("--base-frame", options.base_frame, "frame of the vehicle")->capture_default_str();
   app.add_option("--points", options.topics.points, "topic (found by its type if left out)");
   app.add_option("--imu", options.topics.imu, "topic");
@@ -45,12 +49,12 @@ void print(const preprocessing::InputReport& report, const std::string& topic) {
 
 /// A line per input and its findings; true if there are none.
 bool run(const Options& options) {
-  const PreprocessingConfig config = options.config.empty()
-                                         ? PreprocessingConfig()
-                                         : config::load_file<PreprocessingConfig>(options.config);
+  const std::string file = tools::only_stage_file(options.config, "preprocessing");
+  const PreprocessingConfig config =
+      file.empty() ? PreprocessingConfig() : config::load_file<PreprocessingConfig>(file);
   std::vector<std::unique_ptr<rosbag::Bag>> bags;
   ros_border::RecordingCheck recording;
-  for (const std::string& path : options.bags) {
+  for (const std::string& path : tools::with_bags_of_folders(options.bags)) {
     bags.push_back(ros_border::open_bag(path));
     recording.bags.push_back(bags.back().get());
   }

@@ -6,6 +6,7 @@
 #include "lidar_mapping/pipeline/folder_input.hpp"
 
 #include "bag_input.hpp"
+#include "bag_paths.hpp"
 #include "pcd_scan.hpp"
 
 namespace lidar_mapping::tools {
@@ -24,6 +25,7 @@ OpenDrive open_folder(const DriveSelection& selection,
   auto folder = std::make_unique<pipeline::FolderInput>(selection.paths.front(), options);
   OpenDrive drive;
   drive.lines.push_back(folder->description());
+  drive.paths = selection.paths;
   drive.input = std::move(folder);
   return drive;
 }
@@ -60,18 +62,27 @@ OpenDrive open_bags(const DriveSelection& selection,
     for (const std::string& line : drive.lines) text += "\n" + line;
     throw InputError(text);
   }
+  const ros_border::SensorTopics& topics = bags->topics();
+  drive.topics = {{"points", topics.points},
+                  {"imu", topics.imu},
+                  {"velocity", topics.velocity},
+                  {"gnss", topics.gnss}};
+  drive.paths = selection.paths;
   drive.input = std::move(bags);
   return drive;
 }
 
 }  // namespace
 
-OpenDrive open_drive(const DriveSelection& selection,
+OpenDrive open_drive(const DriveSelection& given,
                      const preprocessing::PreprocessingConfig& config) {
+  DriveSelection selection = given;
+  selection.paths = with_bags_of_folders(given.paths);
   for (const std::string& path : selection.paths) {
     if (!std::filesystem::is_directory(path)) continue;
     if (selection.paths.size() == 1) return open_folder(selection, config);
-    throw InputError(path + " is a folder; several inputs must all be bags");
+    throw InputError(
+        path + " is a folder without bags; several inputs must all be bags or folders of bags");
   }
   return open_bags(selection, config);
 }

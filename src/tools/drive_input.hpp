@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace lidar_mapping::tools {
 
 /// Where a drive is, and what is to be read of it.
 struct DriveSelection {
-  std::vector<std::string> paths;  ///< bags, or one folder of scans
+  std::vector<std::string> paths;  ///< bags, folders of bags, or one folder of scans
   ros_border::SensorTopics topics;
   std::string base_frame = "base_link";
   double sensor_height = 1.73;  ///< of folders, m
@@ -21,6 +22,8 @@ struct DriveSelection {
 struct OpenDrive {
   std::unique_ptr<pipeline::InputSource> input;
   std::vector<std::string> lines;
+  std::vector<std::string> paths;             ///< bags, or the folder of scans
+  std::map<std::string, std::string> topics;  ///< by sensor; empty for folders of scans
 };
 
 /// Opens bags or a folder and looks at the first seconds with the rules of check_bag. Throws

@@ -1,7 +1,6 @@
 // Compares a trajectory with the truth: absolute, relative and KITTI's errors.
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -9,10 +8,13 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
+#include "child_program.hpp"
 #include "json.hpp"
 #include "number_checks.hpp"
+#include "trajectory_hints.hpp"
 
 namespace {
 
@@ -24,6 +26,11 @@ struct Options {
   std::string truth;
   std::string estimate;
   bool align = false;
+  bool correct_scale = false;
+  bool align_origin = false;
+  std::size_t to_align = 0;  ///< poses; 0: all
+  std::vector<double> lever_arm;
+  std::vector<double> lever_rotation_deg;
   double delta_m = 10.0;
   std::vector<double> lengths_m;
   std::size_t step = 1;
@@ -43,13 +50,52 @@ Json to_json(const PoseErrors& errors) {
           {"rotation_deg", to_json(errors.rotation_deg)}};
 }
 
+/// How the estimate was laid onto the truth.
+struct Alignment {
+  std::string name = "none";
+  double scale = 1.0;
+};
+
+/// T_estimate_truth of the frame in which the truth was measured.
+Pose lever_arm_of(const Options& options) {
+  Pose pose;
+  if (!options.lever_arm.empty()) pose.translation = Eigen::Vector3d(options.lever_arm.data());
+  if (!options.lever_rotation_deg.empty()) {
+    const Eigen::Vector3d angles =
+        Eigen::Vector3d(options.lever_rotation_deg.data()) * M_PI / 180.0;
+    pose.rotation = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+                    Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+                    Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+  }
+  return pose;
+}
+
+/// As evo has it: a scale alone, a rigid motion, or both, from all poses or the first ones.
+Alignment align(const Options& options, std::vector<PosePair>& pairs) {
+  std::vector<PosePair> first = pairs;
+  if (options.to_align > 0 && options.to_align < first.size()) first.resize(options.to_align);
+  Alignment alignment;
+  if (options.correct_scale) {
+    const SimilarityAlignment found = similarity_alignment(first);
+    pairs = scaled(pairs, found.scale);
+    if (options.align) pairs = aligned(pairs, found.T_truth_estimate);
+    alignment = {options.align ? "similarity" : "scale", found.scale};
+  } else if (options.align) {
+    pairs = aligned(pairs, rigid_alignment(first));
+    alignment.name = "rigid";
+  } else if (options.align_origin) {
+    pairs = aligned(pairs, pairs.front().truth * pairs.front().estimate.inverse());
+    alignment.name = "origin";
+  }
+  return alignment;
+}
+
 Json evaluate(const Options& options, const std::vector<PosePair>& pairs) {
   const std::vector<double> lengths =
       options.lengths_m.empty() ? usual_segment_lengths(pairs) : options.lengths_m;
   const KittiErrors kitti = kitti_errors(pairs, lengths, options.step);
   return {{"poses", pairs.size()},
           {"length_m", travelled_distances(pairs).back()},
-          {"aligned", options.align},
           {"ape", to_json(absolute_pose_error(pairs))},
           {"rpe", to_json(relative_pose_error(pairs, options.delta_m))},
           {"rpe_delta_m", options.delta_m},
@@ -62,17 +108,22 @@ Json evaluate(const Options& options, const std::vector<PosePair>& pairs) {
 }
 
 void print(const Json& result) {
-  const auto row = [](const char* name, const Json& statistics, const char* unit) {
-    std::printf("%-24s rmse %9.4f  mean %9.4f  median %9.4f  max %9.4f  %s\n", name,
+  const auto row = [](const std::string& name, const Json& statistics, const char* unit) {
+    std::printf("%-24s rmse %9.4f  mean %9.4f  median %9.4f  max %9.4f  %s\n", name.c_str(),
                 statistics["rmse"].get<double>(), statistics["mean"].get<double>(),
                 statistics["median"].get<double>(), statistics["max"].get<double>(), unit);
   };
-  std::printf("%zu poses, %.1f m%s\n", result["poses"].get<std::size_t>(),
-              result["length_m"].get<double>(), result["aligned"] ? ", rigidly aligned" : "");
+  std::printf("%zu poses, %.1f m, alignment: %s", result["poses"].get<std::size_t>(),
+              result["length_m"].get<double>(), result["alignment"].get<std::string>().c_str());
+  const double scale = result["scale"];
+  scale == 1.0 ? std::printf("\n") : std::printf(", scale %.6f\n", scale);
+  char delta[40] = "each step";
+  const double metres = result["rpe_delta_m"];
+  if (metres > 0.0) std::snprintf(delta, sizeof delta, "%g m", metres);
   row("APE translation", result["ape"]["translation_m"], "m");
   row("APE rotation", result["ape"]["rotation_deg"], "deg");
-  row("RPE translation", result["rpe"]["translation_m"], "m");
-  row("RPE rotation", result["rpe"]["rotation_deg"], "deg");
+  row(std::string("RPE translation, ") + delta, result["rpe"]["translation_m"], "m");
+  row(std::string("RPE rotation, ") + delta, result["rpe"]["rotation_deg"], "deg");
   const Json& kitti = result["kitti"];
   if (kitti["segments"] == 0) {
     std::printf("KITTI: the path is shorter than the shortest segment\n");
@@ -93,22 +144,27 @@ void write_text(const std::string& path, const std::string& text) {
 /// The plot is made by a script beside this program, from a file of all poses.
 void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
   Json poses = Json::array();
-  const std::vector<double> way = travelled_distances(pairs);
+  const std::vector<double> distance = travelled_distances(pairs);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d& t = pairs[i].truth.translation;
     const Eigen::Vector3d& e = pairs[i].estimate.translation;
     const Pose error = pairs[i].truth.inverse() * pairs[i].estimate;
-    poses.push_back({way[i], t.x(), t.y(), t.z(), e.x(), e.y(), e.z(), error.translation.norm(),
-                     rotation_angle(error.rotation) * 180.0 / M_PI});
+    poses.push_back({distance[i], t.x(), t.y(), t.z(), e.x(), e.y(), e.z(),
+                     error.translation.norm(), rotation_angle(error.rotation) * 180.0 / M_PI});
   }
   const std::string data = picture + ".json";
   write_text(data, poses.dump());
-  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const std::string script = (program / "plot_trajectories.py").string();
-  const std::string command = "'" + script + "' '" + data + "' '" + picture + "'";
-  const int status = std::system(command.c_str());
+  tools::run_program(tools::program_beside("plot_trajectories.py"), {data, picture});
   std::filesystem::remove(data);
-  if (status != 0) throw FileError("could not plot to " + picture + " with " + script);
+}
+
+void check(const Options& options) {
+  if (options.align_origin && (options.align || options.correct_scale)) {
+    throw ConfigError("--align-origin and --align or --correct-scale exclude each other");
+  }
+  if (options.to_align > 0 && !options.align && !options.correct_scale) {
+    throw ConfigError("--n-to-align has no meaning without --align or --correct-scale");
+  }
 }
 
 void run(const Options& options) {
@@ -118,9 +174,19 @@ void run(const Options& options) {
     throw InputError("no pose of " + options.estimate + " lies within the time of " +
                      options.truth + "; check the clocks of both");
   }
-  if (options.align) pairs = aligned(pairs, rigid_alignment(pairs));
-  const Json result = evaluate(options, pairs);
+  pairs = moved_on_vehicle(pairs, lever_arm_of(options));
+  const Alignment alignment = align(options, pairs);
+  const auto hints = tools::trajectory_hints(
+      pairs,
+      {alignment.name != "none", !options.lever_arm.empty(), !options.lever_rotation_deg.empty()});
+  Json result = evaluate(options, pairs);
+  result["alignment"] = alignment.name;
+  result["scale"] = alignment.scale;
+  result["lever_arm_m"] = options.lever_arm;
+  result["lever_rotation_deg"] = options.lever_rotation_deg;
+  result["hints"] = hints;
   print(result);
+  for (const std::string& hint : hints) std::printf("hint: %s\n", hint.c_str());
   if (!options.json.empty()) write_text(options.json, result.dump(2) + "\n");
   if (!options.plot.empty()) plot(options.plot, pairs);
 }
@@ -132,8 +198,21 @@ int main(int argc, char** argv) {
   Options options;
   app.add_option("truth", options.truth, "true trajectory")->required();
   app.add_option("estimate", options.estimate, "trajectory to judge")->required();
-  app.add_flag("--align", options.align, "move the estimate rigidly onto the truth first");
-  app.add_option("--delta", options.delta_m, "way of the relative pose error, m; 0: pose to pose")
+  app.add_flag("-a,--align", options.align, "move the estimate rigidly onto the truth first");
+  app.add_flag("-s,--correct-scale", options.correct_scale,
+               "scale the estimate; with --align a similarity is found");
+  app.add_option("--n-to-align", options.to_align, "align by so many of the first poses alone")
+      ->check(tools::at_least(3.0, true, "3 or more"));
+  app.add_flag("--align-origin", options.align_origin,
+               "lay the first pose onto the first true one");
+  app.add_option("--lever-arm", options.lever_arm,
+                 "X Y Z of the point that the truth is of, in the estimated frame, m")
+      ->expected(3);
+  app.add_option("--lever-rotation", options.lever_rotation_deg,
+                 "ROLL PITCH YAW of the truth's axes in the estimated frame, deg")
+      ->expected(3);
+  app.add_option("--delta", options.delta_m,
+                 "path length of the relative pose error, m; 0: pose to pose")
       ->check(tools::not_negative());
   app.add_option("--lengths", options.lengths_m, "segment lengths of KITTI's error, m")
       ->check(tools::above_zero());
@@ -143,6 +222,7 @@ int main(int argc, char** argv) {
   app.add_option("--plot", options.plot, "write a picture of both trajectories and the error");
   CLI11_PARSE(app, argc, argv);
   try {
+    check(options);
     run(options);
   } catch (const std::exception& error) {
     std::cerr << "evaluate_trajectory: " << error.what() << "\n";

@@ -20,6 +20,7 @@
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include "number_checks.hpp"
+#include "overwriting.hpp"
 #include "progress_bar.hpp"
 
 namespace {
@@ -201,8 +202,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--start", options.start, "time of the first scan, s since 1970")
       ->capture_default_str();
+  bool force = false;
+  app.add_flag("--force", force, "overwrite a bag that exists");
   CLI11_PARSE(app, argc, argv);
   try {
+    tools::check_overwriting({options.bag}, force);
     const bool is_raw = std::filesystem::is_directory(options.folder + "/velodyne_points");
     is_raw ? convert_raw(options) : convert_odometry(options);
   } catch (const std::exception& error) {

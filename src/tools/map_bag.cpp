@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
+#include <ctime>
 #include <iostream>
+#include <limits>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -16,19 +16,22 @@
 #include "lidar_mapping/pipeline/pipeline.hpp"
 #include "lidar_mapping/pipeline/thread_time.hpp"
 
+#include "child_program.hpp"
+#include "config_path.hpp"
 #include "drive_input.hpp"
 #include "map_output.hpp"
 #include "mapping_figures.hpp"
 #include "mapping_progress.hpp"
 #include "number_checks.hpp"
 #include "process_memory.hpp"
+#include "run_record.hpp"
+#include "session_output.hpp"
 #include "stage_files.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
 
-namespace fs = std::filesystem;
 using session::Session;
 
 constexpr int kFailed = 1;
@@ -38,11 +41,14 @@ constexpr int kStoppedAtOnce = 130;
 struct Options {
   DriveSelection drive;
   std::string output;
-  std::string config;
-  std::string sensor;
+  ParameterSources parameters;
   std::string figures;
+  std::string command;    ///< as it was typed
+  double start = 0.0;     ///< s of the recording that are left out
+  double duration = 0.0;  ///< s that are mapped; 0: to the end
   int threads = 0;
   bool resume = false;
+  bool quick_resume = false;
   bool no_map = false;
   bool report = false;
   MapOutput map;
@@ -57,13 +63,18 @@ extern "C" void ask_to_stop(int) {
 
 void add_arguments(CLI::App& app, Options& options) {
   app.add_option("input", options.drive.paths,
-                 "bags of one drive, or a folder: KITTI raw, KITTI odometry, *.pcd or *.bin")
+                 "bags of one drive, a folder of them, or a folder of scans: KITTI raw, KITTI "
+                 "odometry, *.pcd or *.bin")
       ->required();
   app.add_option("-o,--output", options.output, "new folder for the session and the map")
       ->required();
-  app.add_option("--config", options.config, "folder of <stage>.yaml; defaults if left out");
-  app.add_option("--sensor", options.sensor,
+  app.add_option("--config", options.parameters.config,
+                 std::string(kConfigHelp) + "; defaults if left out");
+  app.add_option("--sensor", options.parameters.overlay,
                  "overlay of parameters: a name in config/sensors, or the path of a file");
+  app.add_option("--parameter", options.parameters.parameters,
+                 "a single one, as 'stage/name: value' (repeatable)")
+      ->allow_extra_args(false);
   app.add_option("--points", options.drive.topics.points, "topic (found by type if left out)");
   app.add_option("--imu", options.drive.topics.imu, "topic");
   app.add_option("--velocity", options.drive.topics.velocity, "topic");
@@ -71,9 +82,16 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--sensor-height", options.drive.sensor_height,
                  "of folders: the LiDAR over base_link, m")
       ->capture_default_str();
+  app.add_option("--start", options.start, "leave out so many seconds of the beginning")
+      ->check(not_negative());
+  app.add_option("--duration", options.duration, "end so many seconds after the start")
+      ->check(above_zero());
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores")
       ->check(not_negative());
-  app.add_flag("--resume", options.resume, "go on with the session in the output folder");
+  app.add_flag("--resume", options.resume,
+               "complete the session in the output folder: to the same bytes as without a break");
+  app.add_flag("--quick-resume", options.quick_resume,
+               "the same from near its end on: faster, to within centimetres");
   app.add_option("--formats", options.map.products.formats, "of the map, as build_map has them")
       ->delimiter(',')
       ->check(CLI::IsMember(map::product_formats()));
@@ -86,40 +104,37 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_option("--figures", options.figures, "write times and counts to this JSON file");
 }
 
-/// A process that was killed at once leaves the lock alone.
-bool holds_more_than_lock(const fs::path& folder) {
-  const fs::directory_iterator entries(folder);
-  return std::any_of(begin(entries), end(entries),
-                     [](const auto& entry) { return entry.path().filename() != "lock"; });
+Resume resume_of(const Options& options) {
+  if (options.quick_resume) return Resume::kQuick;
+  return options.resume ? Resume::kExact : Resume::kNo;
 }
 
-/// What the folder must be: new or empty, or with --resume a session.
-Session open_session(const Options& options) {
-  if (options.resume && fs::exists(fs::path(options.output) / "session.db")) {
-    return Session::open(options.output, Session::Access::kWrite);
-  }
-  if (fs::exists(options.output) && !fs::is_directory(options.output)) {
-    throw FileError(options.output + " is no folder; name a new one");
-  }
-  if (fs::exists(options.output) && holds_more_than_lock(options.output)) {
-    throw FileError(options.output +
-                    " is not empty; name a new folder, or give --resume to go "
-                    "on with a session that was broken off");
-  }
-  return Session::create_in(options.output);
-}
+/// Tells where the part of a recording ends that is wanted. A single stamp may be astray.
+class EndOfPart {
+ public:
+  explicit EndOfPart(Stamp end) : end_(end) {}
 
-/// Another program of this package, which lies beside this one.
-void run_beside(const std::string& program, const std::string& words) {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  const std::string command = "'" + (folder / program).string() + "' " + words;
-  if (std::system(command.c_str()) != 0) throw FileError("this failed: " + command);
-}
+  /// True for what is not wanted any more.
+  bool is_behind(const pipeline::Input& input) {
+    const auto* scan = std::get_if<pipeline::RecordedScan>(&input);
+    if (scan == nullptr) return false;
+    scans_ = scan->stamp >= end_ ? scans_ + 1 : 0;
+    return scans_ > 0;
+  }
+  bool is_over() const { return scans_ >= kCertain; }
+
+ private:
+  static constexpr int kCertain = 5;
+  Stamp end_;
+  int scans_ = 0;  ///< in a row behind the end
+};
 
 class MappingRun {
  public:
   explicit MappingRun(const Options& options)
-      : options_(options), stages_(read_stage_files(options.config, options.sensor)) {
+      : options_(options),
+        stages_(read_stage_files(options.parameters)),
+        output_(options.output, resume_of(options)) {
     stages_.pipeline.threads =
         options.threads > 0 ? options.threads
                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -139,34 +154,83 @@ class MappingRun {
     OpenDrive drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
     for (const std::string& line : drive.lines) std::printf("%s\n", line.c_str());
     std::fflush(stdout);
-    begin_ = drive.input->begin();
-    end_ = drive.input->end();
+    record_ = record_of(drive);
+    output_.check(record_, stages_.texts);
+    choose_part(*drive.input);
     progress_ = std::make_unique<MappingProgress>(begin_, end_);
+    if (output_.is_resumed()) say_what_is_there();
+    if (output_.is_complete()) return output_.set_map_parameters(stages_.texts.at("map"));
     try {
       map(*drive.input, false);
     } catch (const pipeline::ResumeFailure&) {
       std::printf(
-          "going over the whole recording again: its last stretch alone does not lead to "
+          "going over the whole recording again: its last part alone does not lead to "
           "where the session ends\n");
       drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
       map(*drive.input, true);
     }
     pipeline_.reset();
+    record_.is_complete = stop_asked == 0 && options_.duration == 0.0 && report_.progress.scans > 0;
+    if (output_.keep(record_, report_.optimization.key_frames)) return;
+    std::printf("the session of %zu key frames stays as it was: this run came to %zu\n",
+                output_.key_frames_before(), report_.optimization.key_frames);
+  }
+
+  RunRecord record_of(const OpenDrive& drive) const {
+    RunRecord record;
+    record.software = std::string("lidar_mapping ") + LIDAR_MAPPING_VERSION;
+    record.command = options_.command;
+    record.date = utc(std::time(nullptr));
+    for (const std::string& path : drive.paths) record.files.push_back(recorded_file(path));
+    record.begin = drive.input->begin();
+    record.end = drive.input->end();
+    record.start = options_.start;
+    record.topics = drive.topics;
+    record.sensor_height = drive.topics.empty() ? options_.drive.sensor_height : 0.0;
+    record.sensors = drive.lines;
+    return record;
+  }
+
+  /// --start and --duration.
+  void choose_part(const pipeline::InputSource& input) {
+    begin_ = input.begin() + from_seconds(options_.start);
+    end_ = input.end();
+    if (begin_ >= end_ && options_.start > 0.0) {
+      throw InputError("--start " + std::to_string(options_.start) + ": the recording lasts " +
+                       std::to_string(to_seconds(input.end() - input.begin())) + " s");
+    }
+    if (options_.duration > 0.0) end_ = std::min(end_, begin_ + from_seconds(options_.duration));
+  }
+
+  void say_what_is_there() const {
+    const char* rest =
+        output_.is_complete() ? "all of the recording is mapped"
+        : options_.quick_resume
+            ? "it is gone on with near its end"
+            : "they are made again from the beginning of the recording on, to the same "
+              "bytes as without a break (--quick-resume goes on near the end)";
+    std::printf("%s holds %zu key frames; %s\n", options_.output.c_str(),
+                output_.key_frames_before(), rest);
+    std::fflush(stdout);
   }
 
   void map(pipeline::InputSource& input, bool whole) {
     pipeline_.reset();  // lets go of the session
-    Session session = open_session(options_);
+    Session session = output_.open(record_);
     for (const auto& [stage, text] : stages_.texts) session.set_configuration(stage, text);
     stages_.pipeline.replay_whole = whole;
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         stages_.pipeline, std::move(session),
         [&input](const std::string& frame) { return input.T_base(frame); });
-    if (const auto stamp = pipeline_->resumes_from()) input.skip_to(*stamp);
+    mapped_from_ = std::max(begin_, pipeline_->resumes_from().value_or(begin_));
+    if (mapped_from_ > input.begin()) input.skip_to(mapped_from_);
+    progress_->begin_at(mapped_from_);
     const pipeline::ThreadTime reading;
-    while (stop_asked == 0) {
+    EndOfPart part(options_.duration > 0.0 ? end_ : std::numeric_limits<Stamp>::max());
+    while (stop_asked == 0 && !part.is_over()) {
       auto datum = input.next();
       if (!datum) break;
+      if (part.is_behind(*datum)) continue;
       pipeline_->add(std::move(*datum));
       say(input);
       progress_->show(pipeline_->progress());
@@ -195,7 +259,7 @@ class MappingRun {
     if (report_.progress.scans == 0 && session.key_frame_count() == 0) {
       throw InputError("no scan could be used, so there is no map; the lines above say why");
     }
-    std::printf("%s\n", report_.optimization.message.c_str());
+    if (!output_.is_complete()) std::printf("%s\n", report_.optimization.message.c_str());
     double products = 0.0;
     if (!options_.no_map) {
       for (const auto& file : write_map(session, options_.map)) {
@@ -203,15 +267,20 @@ class MappingRun {
       }
       products = progress_->seconds() - mapped;
     }
+    if (output_.is_complete()) return finish_report(0);
     const double driven =
-        to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - begin_));
+        to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - mapped_from_));
     const auto figures = mapping_figures(report_, driven, times(mapped, products));
     std::printf("%s", to_text(figures).c_str());
     if (!options_.figures.empty()) {
       write_text_atomically(options_.figures, figures.dump(2) + "\n");
     }
-    if (options_.report) run_beside("map_quality", "'" + options_.output + "' --report");
-    return stop_asked != 0 ? kStoppedEarly : 0;
+    return finish_report(stop_asked != 0 ? kStoppedEarly : 0);
+  }
+
+  int finish_report(int status) const {
+    if (options_.report) run_program(program_beside("map_quality"), {options_.output, "--report"});
+    return status;
   }
 
   RunTimes times(double mapped, double map) const {
@@ -220,8 +289,11 @@ class MappingRun {
 
   Options options_;
   StageFiles stages_;
-  Stamp begin_ = 0;
+  SessionOutput output_;
+  RunRecord record_;
+  Stamp begin_ = 0;  ///< of what is wanted of the recording
   Stamp end_ = 0;
+  Stamp mapped_from_ = 0;  ///< later where a session is gone on with
   std::unique_ptr<MappingProgress> progress_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   pipeline::PipelineReport report_;
@@ -239,6 +311,7 @@ int main(int argc, char** argv) {
   tools::Options options;
   tools::add_arguments(app, options);
   CLI11_PARSE(app, argc, argv);
+  options.command = tools::command_line({argv, argv + argc});
   std::signal(SIGINT, tools::ask_to_stop);
   std::signal(SIGTERM, tools::ask_to_stop);
   const tools::ReturnedMemory returned_memory;

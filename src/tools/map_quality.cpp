@@ -3,7 +3,7 @@
 #include "lidar_mapping/map/map_quality.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -14,6 +14,7 @@
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
+#include "child_program.hpp"
 #include "number_checks.hpp"
 #include "report_figures.hpp"
 
@@ -34,7 +35,7 @@ struct Options {
 };
 
 constexpr std::size_t kPictures = 6;          // places that are shown
-constexpr double kSlice = 1.5;                // m along the way, either side of a cross-section
+constexpr double kSlice = 1.5;                // m along the path, either side of a cross-section
 constexpr double kPictureReach = 15.0;        // m to the side and along
 constexpr std::size_t kPicturePoints = 9000;  // of a pass and place
 
@@ -102,8 +103,10 @@ Json to_json(const Judged& found, const map::QualityConfig& config) {
 Json report_of(const tools::ReportInput& input, const Judged& found,
                const map::QualityConfig& config) {
   const auto graph = tools::solved_graph(input.session);
-  Json report = {{"format", 1},
+  Json report = {{"format", 2},
                  {"session", input.session.directory().filename().string()},
+                 {"origin", tools::origin_figures(input)},
+                 {"products", tools::product_figures(input)},
                  {"drive", tools::drive_figures(input)}};
   report.update(to_json(found, config));
   report["entropy"] = tools::to_json(map::mean_map_entropy(input.poses, input.session.clouds()));
@@ -111,13 +114,14 @@ Json report_of(const tools::ReportInput& input, const Judged& found,
   report["loops"] = tools::loop_figures(input);
   report["gnss"] = tools::gnss_figures(input, *graph);
   report["scans"] = tools::scan_figures(input);
-  report["hold"] = tools::hold_figures(input, *graph);
+  report["uncertainty"] = tools::uncertainty_figures(input, *graph);
   report["truth"] = tools::truth_figures(input);
   report["verdicts"] = tools::verdicts(report);
+  report["overall"] = tools::overall_verdict(report);
   return report;
 }
 
-/// Points of a slice across the way (left, up) or, seen from above, of a band (along, left).
+/// Points of a slice across the path (left, up) or, seen from above, of a band (along, left).
 Json slice_of(const std::vector<Eigen::Vector3f>& points, bool from_above) {
   std::vector<Eigen::Vector2f> chosen;
   for (const Eigen::Vector3f& p : points) {
@@ -153,37 +157,34 @@ void write_picture_data(const tools::ReportInput& input, const Judged& found,
   write_text_atomically(directory / "top_view.json", frame.dump());
 }
 
-/// The page is made by a script beside this program.
-void write_page(const std::filesystem::path& json, const std::filesystem::path& data,
-                const std::filesystem::path& page) {
-  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const std::string command = "'" + (program / "make_report.py").string() + "' '" + json.string() +
-                              "' '" + data.string() + "' '" + page.string() + "'";
-  if (std::system(command.c_str()) != 0) throw FileError("could not make a page with " + command);
+void print_verdicts(const Json& report) {
+  std::printf("%s\n", report["overall"].get<std::string>().c_str());
+  for (const Json& line : report["verdicts"]) {
+    const char* judgement = line["good"].is_null() ? "" : line["good"] ? "good" : "look here";
+    std::printf("%-9s %-26s %s\n", judgement, line["name"].get<std::string>().c_str(),
+                line["value"].get<std::string>().c_str());
+  }
 }
 
 void write_report(const tools::ReportInput& input, const Judged& found,
-                  const map::QualityConfig& config) {
+                  const map::QualityConfig& config, const Json& report) {
   const std::filesystem::path directory = input.session.directory();
-  const Json report = report_of(input, found, config);
-  for (const Json& line : report["verdicts"]) {
-    std::printf("%-9s %-26s %s\n",
-                line["good"].is_null() ? ""
-                : line["good"]         ? "good"
-                                       : "look here",
-                line["name"].get<std::string>().c_str(), line["value"].get<std::string>().c_str());
-  }
   write_text_atomically(directory / "report.json", report.dump() + "\n");
   const std::filesystem::path data = directory / ".report";
   std::filesystem::create_directories(data);
   write_picture_data(input, found, config, data);
-  write_page(directory / "report.json", data, directory / "report.html");
+  const std::filesystem::path page = directory / "report.html";
+  tools::run_program(tools::program_beside("make_report.py"),
+                     {directory / "report.json", data, page});
   std::filesystem::remove_all(data);
-  std::printf("%s\n", (directory / "report.html").c_str());
+  std::printf("%s\n", page.c_str());
 }
 
 void judge(const Options& options) {
   const Session session = Session::open(options.session, Session::Access::kRead);
+  // Before all that takes long: a truth that cannot be read is noticed at once.
+  std::optional<Trajectory> truth;
+  if (!options.truth.empty()) truth = read_trajectory(options.truth);
   map::QualityConfig config;
   config.range_noise = options.range_noise;
   const auto sensor = sensor_origin_of(options, session);
@@ -192,13 +193,17 @@ void judge(const Options& options) {
     std::cerr << "map_quality: the session does not know where the LiDAR is in base_link; give "
                  "--sensor-origin x y z for the ratio to the noise\n";
   }
-  const tools::ReportInput input = tools::report_input(session, options.truth);
+  const tools::ReportInput input = tools::report_input(session, truth);
   const Judged found = judged(input, config, sensor.has_value());
+  const Json report = report_of(input, found, config);
   print(found, options.places);
+  print_verdicts(report);
   if (!options.json.empty()) {
-    write_text_atomically(options.json, to_json(found, config).dump(2) + "\n");
+    Json figures = to_json(found, config);
+    for (const char* part : {"verdicts", "truth"}) figures[part] = report[part];
+    write_text_atomically(options.json, figures.dump(2) + "\n");
   }
-  if (options.report) write_report(input, found, config);
+  if (options.report) write_report(input, found, config, report);
 }
 
 }  // namespace
@@ -214,9 +219,10 @@ int main(int argc, char** argv) {
   app.add_option("--places", options.places, "places to print; 10 if left out");
   app.add_option("--sensor-origin", options.sensor_origin, "the LiDAR in base_link, m; as recorded")
       ->expected(3);
-  app.add_option("--json", options.json, "write thickness and ghost vectors to this file");
+  app.add_option("--json", options.json,
+                 "write thickness, ghost vectors, verdicts and errors to this file");
   app.add_flag("--report", options.report, "write report.html and report.json to the session");
-  app.add_option("--truth", options.truth, "true trajectory (TUM), for the report's errors");
+  app.add_option("--truth", options.truth, "true trajectory (TUM) to compare with");
   CLI11_PARSE(app, argc, argv);
   try {
     judge(options);

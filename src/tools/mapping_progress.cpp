@@ -31,7 +31,11 @@ std::string bar_of(double share) {
 }  // namespace
 
 MappingProgress::MappingProgress(Stamp begin, Stamp end)
-    : begin_(begin), end_(end), terminal_(isatty(STDERR_FILENO) != 0), shown_(start_) {}
+    : begin_(begin),
+      end_(end),
+      mapped_from_(begin),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      shown_(start_) {}
 
 double MappingProgress::seconds() const { return seconds_between(start_, Clock::now()); }
 
@@ -46,13 +50,14 @@ void MappingProgress::show(const pipeline::Progress& progress) {
   shown_ = now;
   shown_tenth_ = tenth;
   const double spent = seconds();
-  const double left = share > 0.0 ? spent * (1.0 - share) / share : 0.0;
+  const double speed = std::max(0.0, to_seconds(progress.newest - mapped_from_)) / spent;
+  const double left = speed > 0.0 ? (whole - driven) / speed : 0.0;
   std::fprintf(stderr,
                "%s%s %3.0f %%, %.0f of %.0f s driven, %.1f x real time, %zu key frames, "
                "%zu loops, %.0f MB, %.0f s left%s",
                terminal_ ? "\r\033[K" : "",
-               terminal_ ? bar_of(share).c_str() : "mapping:", 100.0 * share, driven, whole,
-               driven / spent, progress.key_frames, progress.loops,
+               terminal_ ? bar_of(share).c_str() : "mapping:", 100.0 * share, driven, whole, speed,
+               progress.key_frames, progress.loops,
                static_cast<double>(resident_bytes()) / kMegabyte, left, terminal_ ? "" : "\n");
   open_line_ = terminal_;
 }

@@ -12,6 +12,8 @@ class MappingProgress {
  public:
   MappingProgress(Stamp begin, Stamp end);
 
+  /// What lies before was mapped by an earlier run: it counts as driven, but not for the speed.
+  void begin_at(Stamp stamp) { mapped_from_ = stamp; }
   void show(const pipeline::Progress& progress);
   /// Ends the bar's line, so that other text can follow.
   void end_line();
@@ -21,6 +23,7 @@ class MappingProgress {
  private:
   Stamp begin_;
   Stamp end_;
+  Stamp mapped_from_;
   bool terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point shown_;

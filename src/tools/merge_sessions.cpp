@@ -8,6 +8,8 @@
 #include "lidar_mapping/pipeline/merge.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
+#include "config_path.hpp"
+
 namespace {
 
 using namespace lidar_mapping;
@@ -23,10 +25,8 @@ struct Options {
 template <typename Config>
 Config make_config(const Options& options, const Session& first) {
   std::vector<config::Source> sources{pipeline::stored_configuration<Config>(first)};
-  const auto file = std::filesystem::path(options.config) / (Config::schema().stage() + ".yaml");
-  if (!options.config.empty() && std::filesystem::exists(file)) {
-    sources.push_back(config::read_yaml_file(file.string()));
-  }
+  const std::string file = tools::stage_file(options.config, Config::schema().stage());
+  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
   return config::load<Config>(sources);
 }
 
@@ -63,13 +63,12 @@ void check_arguments(const Options& options) {
       throw InputError(options.sessions[i] + " is given twice; name each drive once");
     }
   }
-  const fs::path folder = options.config;
-  if (folder.empty() || fs::exists(folder / "back_end.yaml") ||
-      fs::exists(folder / "loop_closing.yaml")) {
+  if (options.config.empty() || !tools::stage_file(options.config, "back_end").empty() ||
+      !tools::stage_file(options.config, "loop_closing").empty()) {
     return;
   }
   throw FileError("there is no back_end.yaml nor loop_closing.yaml in " + options.config +
-                  "; --config names their folder");
+                  "; --config names a " + tools::kConfigHelp);
 }
 
 void merge(const Options& options) {
@@ -103,7 +102,8 @@ int main(int argc, char** argv) {
       ->expected(2, 1000);
   app.add_option("-o,--output", options.output, "folder for the new session")->required();
   app.add_option("--config", options.config,
-                 "folder with back_end.yaml, loop_closing.yaml; as in the first drive if left out");
+                 std::string(tools::kConfigHelp) +
+                     " (back_end, loop_closing); as in the first drive if left out");
   CLI11_PARSE(app, argc, argv);
   try {
     merge(options);

@@ -15,6 +15,7 @@
 
 #include "article_odometry.hpp"
 #include "benchmark_figures.hpp"
+#include "config_path.hpp"
 #include "json.hpp"
 #include "number_checks.hpp"
 #include "recording.hpp"
@@ -49,7 +50,8 @@ struct Options {
 /// Defaults, then the file, then the method, then single parameters.
 front_end::FrontEndConfig make_config(const Options& options) {
   std::vector<config::Source> sources;
-  if (!options.config.empty()) sources.push_back(config::read_yaml_file(options.config));
+  const std::string file = tools::only_stage_file(options.config, "front_end");
+  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
   if (!options.method.empty() && options.method != kArticles) {
     sources.push_back(config::parse_yaml("registration_method: " + options.method, "--method"));
   }
@@ -184,7 +186,8 @@ int main(int argc, char** argv) {
   app.add_option("--method", options.method,
                  "registration_method, or " + kArticles + " for the scheme of the articles");
   app.add_option("--threads", options.threads, "at most so many threads; 0: all cores");
-  app.add_option("--config", options.config, "parameters of the front end, a YAML file");
+  app.add_option("--config", options.config,
+                 std::string(tools::kConfigHelp) + "; parameters of the front end");
   app.add_option("--parameter", options.parameters,
                  "one parameter more, as 'name: value' (repeatable)")
       ->allow_extra_args(false);

@@ -10,6 +10,8 @@
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
+#include "config_path.hpp"
+
 namespace {
 
 using namespace lidar_mapping;
@@ -29,7 +31,8 @@ struct Options {
 /// What was in force during the drive, then the file, then single parameters.
 BackEndConfig make_config(const Options& options, const Session& session) {
   std::vector<config::Source> sources{pipeline::stored_configuration<BackEndConfig>(session)};
-  if (!options.config.empty()) sources.push_back(config::read_yaml_file(options.config));
+  const std::string file = tools::only_stage_file(options.config, "back_end");
+  if (!file.empty()) sources.push_back(config::read_yaml_file(file));
   for (const std::string& parameter : options.parameters) {
     sources.push_back(config::parse_yaml(parameter, "--parameter"));
   }
@@ -123,7 +126,8 @@ int main(int argc, char** argv) {
   app.add_option("--use-loops", options.use_loops, "true or false; as in the drive if left out");
   app.add_option("--loops", options.loops,
                  "list of loops to accept, refuse or add, as loops.txt of the session");
-  app.add_option("--config", options.config, "YAML file of the back end's parameters");
+  app.add_option("--config", options.config,
+                 std::string(tools::kConfigHelp) + "; parameters of the back end");
   app.add_option("--parameter", options.parameters, "a single one, as 'name: value' (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--output", options.output,

@@ -38,14 +38,13 @@ Json loop_row(const LoopVerdict& verdict) {
           {"reason", verdict.reason}};
 }
 
-/// Whether the graph put the map into East-North-Up.
+}  // namespace
+
 bool is_in_enu(const session::Session& session) {
   const auto config = config::load<back_end::BackEndConfig>(
       {pipeline::stored_configuration<back_end::BackEndConfig>(session)});
   return config.use_gnss && session.datum().has_value();
 }
-
-}  // namespace
 
 Json loop_figures(const ReportInput& input) {
   const PoseOf poses = by_index(input.poses);
@@ -58,7 +57,7 @@ Json loop_figures(const ReportInput& input) {
     const auto from = poses.find(loop.from);
     const auto to = poses.find(loop.to);
     if (from == poses.end() || to == poses.end()) continue;
-    const Pose left_over = loop.T_from_to.inverse() * (from->second.inverse() * to->second);
+    const Pose residual = loop.T_from_to.inverse() * (from->second.inverse() * to->second);
     LoopVerdict verdict{loop.from, loop.to, loop.stamp, loop.source, Verdict::kAccepted,
                         "",        0.0,     0.0,        0.0,         0.0,
                         0.0,       0.0};
@@ -68,11 +67,11 @@ Json loop_figures(const ReportInput& input) {
       verdicts.erase(known);
     }
     Json row = loop_row(verdict);
-    row["residual_m"] = left_over.translation.norm();
+    row["residual_m"] = residual.translation.norm();
     row["odometry_residual_m"] =
         (loop.T_from_to.inverse() * (odometry.at(loop.from).inverse() * odometry.at(loop.to)))
             .translation.norm();
-    row["residual_deg"] = rotation_angle(left_over.rotation) * kDegrees;
+    row["residual_deg"] = rotation_angle(residual.rotation) * kDegrees;
     if (verdict.verdict == Verdict::kAccepted) {
       metres.push_back(row["residual_m"]);
       degrees.push_back(row["residual_deg"]);
@@ -110,13 +109,13 @@ Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end) {
   }
   const bool in_enu = is_in_enu(input.session);
   if (!in_enu && pairs.size() >= 3) pairs = aligned(pairs, evaluation::rigid_alignment(pairs));
-  const auto ways = ways_of(input.poses);
+  const auto distances = distances_of(input.poses);
   Json rows = Json::array();
   std::vector<double> horizontal;
   std::vector<double> vertical;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d d = pairs[i].truth.translation - pairs[i].estimate.translation;
-    rows.push_back({ways[at.at(pairs[i].stamp)], d.x(), d.y(), d.z(), sigmas[i],
+    rows.push_back({distances[at.at(pairs[i].stamp)], d.x(), d.y(), d.z(), sigmas[i],
                     pairs[i].truth.translation.x(), pairs[i].truth.translation.y()});
     horizontal.push_back(d.head<2>().norm());
     vertical.push_back(std::abs(d.z()));
@@ -128,7 +127,7 @@ Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end) {
           {"median_vertical_m", quantile(vertical, 0.5)},
           {"p95_vertical_m", quantile(vertical, 0.95)},
           {"median_stated_sigma_m", quantile(sigmas, 0.5)},
-          {"columns", {"way", "east", "north", "up", "stated_sigma", "x", "y"}},
+          {"columns", {"distance", "east", "north", "up", "stated_sigma", "x", "y"}},
           {"rows", rows}};
 }
 

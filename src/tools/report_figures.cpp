@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
 
@@ -12,6 +14,9 @@
 namespace lidar_mapping::tools {
 
 namespace {
+
+constexpr double kRelativeDelta = 10.0;  // m, of the relative pose error
+constexpr std::size_t kFewestPairs = 3;  // that can be aligned
 
 /// Scans in a row that were not tracked.
 Json stretches(const std::vector<session::ScanRecord>& scans) {
@@ -38,24 +43,29 @@ std::vector<evaluation::PosePair> aligned_pairs(const Trajectory& truth,
     estimate.poses.push_back({pose.stamp, pose.T_map_base});
   }
   const auto pairs = evaluation::associate(truth, estimate);
+  if (pairs.size() < kFewestPairs) {
+    throw InputError("only " + std::to_string(pairs.size()) +
+                     " key frames lie within the time of the true trajectory; check the clocks of "
+                     "both");
+  }
   return evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
 }
 
 }  // namespace
 
-ReportInput report_input(const session::Session& session, const std::string& truth) {
+ReportInput report_input(const session::Session& session, std::optional<Trajectory> truth) {
   map::KeyFrameTrack track;
   for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
   track.update(session.poses());
-  return {session, track.poses(), track.odometry(), truth};
+  return {session, track.poses(), track.odometry(), std::move(truth)};
 }
 
 Json drive_figures(const ReportInput& input) {
   const auto& poses = input.poses.poses;
-  const auto ways = ways_of(input.poses);
+  const auto distances = distances_of(input.poses);
   Json figures = {
       {"key_frames", poses.size()},
-      {"length_m", ways.empty() ? 0.0 : ways.back()},
+      {"length_m", distances.empty() ? 0.0 : distances.back()},
       {"seconds", poses.empty() ? 0.0 : to_seconds(poses.back().stamp - poses.front().stamp)},
       {"revision", input.poses.revision},
       {"datum", nullptr}};
@@ -66,23 +76,23 @@ Json drive_figures(const ReportInput& input) {
 }
 
 Json trajectory_figures(const ReportInput& input) {
-  const auto ways = ways_of(input.poses);
+  const auto distances = distances_of(input.poses);
   Json rows = Json::array();
   double farthest = 0.0;
   double vertical = 0.0;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
+  for (std::size_t i = 0; i < distances.size(); ++i) {
     const Pose& map_pose = input.poses.poses[i].T_map_base;
     const Pose& odometry = input.odometry.poses[i].T_map_base;
     const Eigen::Vector3d& p = map_pose.translation;
     const Eigen::Vector3d& q = odometry.translation;
     const double turned = yaw_of(odometry.rotation * map_pose.rotation.conjugate()) * kDegrees;
-    rows.push_back(
-        {input.poses.poses[i].index, ways[i], p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), turned});
+    rows.push_back({input.poses.poses[i].index, distances[i], p.x(), p.y(), p.z(), q.x(), q.y(),
+                    q.z(), turned});
     farthest = std::max(farthest, (q - p).norm());
     vertical = std::max(vertical, std::abs(q.z() - p.z()));
   }
   return {{"columns",
-           {"key_frame", "way", "x", "y", "z", "odometry_x", "odometry_y", "odometry_z",
+           {"key_frame", "distance", "x", "y", "z", "odometry_x", "odometry_y", "odometry_z",
             "odometry_yaw_deg"}},
           {"rows", rows},
           {"odometry_max_m", farthest},
@@ -116,30 +126,31 @@ Json scan_figures(const ReportInput& input) {
 }
 
 Json truth_figures(const ReportInput& input) {
-  if (input.truth.empty()) return nullptr;
-  const Trajectory truth = read_trajectory(input.truth);
+  if (!input.truth) return nullptr;
+  const Trajectory& truth = *input.truth;
   const auto pairs = aligned_pairs(truth, input.poses);
   const auto of_odometry = aligned_pairs(truth, input.odometry);
   const auto ape = evaluation::absolute_pose_error(pairs);
-  const auto rpe = evaluation::relative_pose_error(pairs, 10.0);
+  const auto rpe = evaluation::relative_pose_error(pairs, kRelativeDelta);
   const auto kitti = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
-  const auto ways = evaluation::travelled_distances(pairs);
+  const auto distances = evaluation::travelled_distances(pairs);
   Json rows = Json::array();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pose error = pairs[i].truth.inverse() * pairs[i].estimate;
     const Pose before = of_odometry[i].truth.inverse() * of_odometry[i].estimate;
-    rows.push_back({ways[i], error.translation.norm(), rotation_angle(error.rotation) * kDegrees,
-                    before.translation.norm()});
+    rows.push_back({distances[i], error.translation.norm(),
+                    rotation_angle(error.rotation) * kDegrees, before.translation.norm()});
   }
   return {{"poses", pairs.size()},
           {"ape_rmse_m", ape.translation_m.rmse},
           {"ape_max_m", ape.translation_m.max},
           {"ape_rmse_deg", ape.rotation_deg.rmse},
-          {"rpe_10m_rmse_m", rpe.translation_m.rmse},
-          {"rpe_10m_rmse_deg", rpe.rotation_deg.rmse},
+          {"rpe_delta_m", kRelativeDelta},
+          {"rpe_rmse_m", rpe.translation_m.rmse},
+          {"rpe_rmse_deg", rpe.rotation_deg.rmse},
           {"kitti_translation_percent", kitti.translation_percent},
           {"kitti_rotation_deg_per_100m", kitti.rotation_deg_per_100m},
-          {"columns", {"way", "error_m", "error_deg", "odometry_error_m"}},
+          {"columns", {"distance", "error_m", "error_deg", "odometry_error_m"}},
           {"rows", rows}};
 }
 
@@ -171,7 +182,7 @@ Json to_json(const map::GhostVector& ghost) {
           {"yaw_deg", ghost.yaw * kDegrees},
           {"size_m", ghost.size()},
           {"planes", ghost.planes},
-          {"left_over_m", ghost.residual}};
+          {"residual_m", ghost.residual}};
 }
 
 Json to_json(const map::MapEntropy& entropy) {

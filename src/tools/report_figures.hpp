@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/back_end/back_end.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -19,25 +20,32 @@ struct ReportInput {
   const session::Session& session;
   KeyFramePoses poses;     ///< newest, T_map_base
   KeyFramePoses odometry;  ///< laid so that the first key frame is where it is in `poses`
-  std::string truth;       ///< file, or empty
+  std::optional<Trajectory> truth;
 };
 
 /// Optimised poses, with odometry behind the last of them.
-ReportInput report_input(const session::Session& session, const std::string& truth);
+ReportInput report_input(const session::Session& session, std::optional<Trajectory> truth = {});
+/// Whether the graph put the map into East-North-Up.
+bool is_in_enu(const session::Session& session);
 /// The session's graph, solved again.
 std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session);
 
 // Parts of report.json; lengths in m, angles in deg.
+/// Recording, sensors, software, command and coordinates; null for what is not known.
+Json origin_figures(const ReportInput& input);
+/// Files of the session and its map, with their sizes, and the map's extent where there is one.
+Json product_figures(const ReportInput& input);
 Json drive_figures(const ReportInput& input);
-/// Way, position and distance from odometry of every key frame.
+/// Path length, position and distance from odometry of every key frame.
 Json trajectory_figures(const ReportInput& input);
 /// What loops and GNSS say against the newest poses.
 Json loop_figures(const ReportInput& input);
 Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 Json scan_figures(const ReportInput& input);
-/// Standard deviations of poses along the way, and the longest way without a loop or GNSS.
-Json hold_figures(const ReportInput& input, const back_end::BackEnd& back_end);
-/// APE, RPE and KITTI's errors; null without truth. Throws FileError, InputError.
+/// Standard deviations of poses along the path, and the longest part of it without a loop or GNSS.
+Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end);
+/// APE, RPE and KITTI's errors; null without truth. Throws InputError where the truth has none of
+/// the session's time.
 Json truth_figures(const ReportInput& input);
 
 Json to_json(const map::LocalThickness& thickness, bool has_ratio);
@@ -46,5 +54,8 @@ Json to_json(const map::MapEntropy& entropy);
 
 /// A line per figure: name, value in words, whether it is good, what it means, and what is good.
 Json verdicts(const Json& report);
+
+/// One sentence on the whole: what a person has to look at.
+std::string overall_verdict(const Json& report);
 
 }  // namespace lidar_mapping::tools

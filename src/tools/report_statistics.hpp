@@ -10,14 +10,14 @@ namespace lidar_mapping::tools {
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-/// Way from the first pose to each, m.
-inline std::vector<double> ways_of(const KeyFramePoses& poses) {
-  std::vector<double> ways(poses.poses.size(), 0.0);
-  for (std::size_t i = 1; i < ways.size(); ++i) {
+/// Distance travelled from the first pose to each, m.
+inline std::vector<double> distances_of(const KeyFramePoses& poses) {
+  std::vector<double> distances(poses.poses.size(), 0.0);
+  for (std::size_t i = 1; i < distances.size(); ++i) {
     const auto position = [&](std::size_t k) { return poses.poses[k].T_map_base.translation; };
-    ways[i] = ways[i - 1] + (position(i) - position(i - 1)).norm();
+    distances[i] = distances[i - 1] + (position(i) - position(i - 1)).norm();
   }
-  return ways;
+  return distances;
 }
 
 /// The value below which a share of all lies; 0 of none.

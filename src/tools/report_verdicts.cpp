@@ -14,7 +14,7 @@ constexpr double kMaxGhostSide = 0.05;     // m, left and up
 constexpr double kMaxGhostAlong = 0.2;     // m
 constexpr double kMaxGhostYaw = 0.2;       // deg
 constexpr double kMaxLoopResidual = 0.15;  // m
-constexpr double kMaxCorrection = 0.01;    // of the way
+constexpr double kMaxCorrection = 0.01;    // of the distance travelled
 constexpr double kMaxSigma = 0.5;          // m
 constexpr double kMaxGnssSigmas = 4.0;     // 95 % of the residuals, against the stated sigma
 constexpr double kMinGnssResidual = 0.1;   // m, never called too much
@@ -103,9 +103,15 @@ Json odometry_line(const Json& report) {
   const double vertical = report["trajectory"]["odometry_max_vertical_m"];
   const double length = report["drive"]["length_m"];
   const double limit = std::max(0.5, kMaxCorrection * length);
-  return line("Odometry against the map", text("up to %.2f m apart", farthest), farthest < limit,
+  const char* name = "Odometry against the map";
+  const bool has_gnss = report["gnss"]["positions"] > 0 && report["gnss"]["used_by_graph"];
+  if (report["loops"]["used"] == 0 && !has_gnss) {
+    return line(name, "not known", nullptr,
+                "the map is the odometry: no loop and no GNSS position corrected it");
+  }
+  return line(name, text("up to %.2f m apart", farthest), farthest < limit,
               text("up to %.2f m in height, over %.0f m", vertical, length),
-              text("below %.1f m on a way of this length", limit));
+              text("below %.1f m on a path of this length", limit));
 }
 
 Json scan_line(const Json& scans) {
@@ -117,13 +123,13 @@ Json scan_line(const Json& scans) {
               "all tracked, none dropped");
 }
 
-Json hold_line(const Json& hold) {
-  const double sigma = hold["largest_sigma_m"];
-  const Json& gap = hold["longest_without_constraint"];
-  return line("Poses held", text("standard deviation up to %.2f m", sigma), sigma < kMaxSigma,
-              text("longest way without loop or GNSS: %.0f m, from %.0f m on",
+Json uncertainty_line(const Json& uncertainty) {
+  const double sigma = uncertainty["largest_sigma_m"];
+  const Json& gap = uncertainty["longest_without_constraint"];
+  return line("Pose uncertainty", text("standard deviation up to %.2f m", sigma), sigma < kMaxSigma,
+              text("longest path without loop or GNSS: %.0f m, from %.0f m on",
                    gap["length_m"].get<double>(), gap["begin_m"].get<double>()),
-              text("below %.1f m; loops or GNSS on that way hold poses better", kMaxSigma));
+              text("below %.1f m; loops or GNSS on that path make it smaller", kMaxSigma));
 }
 
 Json truth_line(const Json& truth) {
@@ -131,9 +137,9 @@ Json truth_line(const Json& truth) {
               text("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
                    1000.0 * truth["ape_max_m"].get<double>()),
               nullptr,
-              text("after rigid alignment; RPE over 10 m %.1f mm, %.3f deg",
-                   1000.0 * truth["rpe_10m_rmse_m"].get<double>(),
-                   truth["rpe_10m_rmse_deg"].get<double>()));
+              text("after rigid alignment; RPE over %.0f m %.1f mm, %.3f deg",
+                   truth["rpe_delta_m"].get<double>(), 1000.0 * truth["rpe_rmse_m"].get<double>(),
+                   truth["rpe_rmse_deg"].get<double>()));
 }
 
 }  // namespace
@@ -146,9 +152,23 @@ Json verdicts(const Json& report) {
                 gnss_line(report["gnss"]),
                 odometry_line(report),
                 scan_line(report["scans"]),
-                hold_line(report["hold"])};
+                uncertainty_line(report["uncertainty"])};
   if (!report["truth"].is_null()) lines.push_back(truth_line(report["truth"]));
   return lines;
+}
+
+std::string overall_verdict(const Json& report) {
+  std::string faults;
+  for (const Json& line : report["verdicts"]) {
+    if (line["good"] != false) continue;
+    faults += (faults.empty() ? "" : ", ") + line["name"].get<std::string>();
+  }
+  std::string text =
+      faults.empty() ? "Good: nothing that a person would have to look at" : "Look at: " + faults;
+  if (report["ghosts"].empty()) {
+    text += "; no place was driven twice, so only local quality could be judged";
+  }
+  return text;
 }
 
 }  // namespace lidar_mapping::tools

@@ -10,6 +10,7 @@
 
 #include "drive_output.hpp"
 #include "number_checks.hpp"
+#include "overwriting.hpp"
 
 namespace {
 
@@ -25,6 +26,7 @@ struct Options {
   std::vector<std::string> jumps;
   std::vector<std::string> faults;
   int threads = 0;
+  bool force = false;
   const CLI::Option* rounds = nullptr;
 };
 
@@ -61,7 +63,7 @@ void add_fault(const std::string& text, Options& options) {
 void add_arguments(CLI::App& app, Options& options) {
   simulation::DriveOptions& drive = options.drive;
   app.add_option("bag", options.bag, "bag to write");
-  app.add_option("--drive", drive.drive, "world and way")
+  app.add_option("--drive", drive.drive, "world and path")
       ->check(CLI::IsMember(simulation::drive_names()))
       ->capture_default_str();
   app.add_option("--lidar", drive.lidar, "sensor")
@@ -107,6 +109,18 @@ void add_arguments(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--truth", options.truth, "write the true poses of base_link to this TUM file");
   app.add_option("--kitti", options.folder, "write the scans into this new folder");
+  app.add_flag("--force", options.force, "overwrite files that exist");
+}
+
+/// What of the drive is written, which --start and --duration may cut.
+void print(const Options& options, const simulation::Drive& drive) {
+  const std::size_t scans = drive.scan_count();
+  const Stamp begin = scans > 0 ? drive.scan_stamp(0) : 0;
+  const Stamp end = scans > 0 ? drive.scan_stamp(scans - 1) : 0;
+  std::printf("%s, seed %llu: %.0f m, %.0f s, %zu scans of %s\n", options.drive.drive.c_str(),
+              static_cast<unsigned long long>(options.drive.seed),
+              drive.trajectory().length(begin, end), to_seconds(end - begin), scans,
+              drive.lidar().name.c_str());
 }
 
 void run(Options& options) {
@@ -127,12 +141,9 @@ void run(Options& options) {
   if (options.bag.empty() && options.folder.empty() && options.truth.empty()) {
     throw ConfigError("nothing to write; name a bag, --kitti FOLDER or --truth FILE");
   }
+  tools::check_overwriting({options.bag, options.truth}, options.force);
   const simulation::Drive drive(options.drive);
-  const auto& way = drive.trajectory();
-  std::printf("%s, seed %llu: %.0f m, %.0f s, %zu scans of %s\n", options.drive.drive.c_str(),
-              static_cast<unsigned long long>(options.drive.seed),
-              way.length(way.begin(), way.end()), to_seconds(way.end() - way.begin()),
-              drive.scan_count(), drive.lidar().name.c_str());
+  print(options, drive);
   if (!options.truth.empty()) tools::write_truth(drive, options.truth);
   if (!options.folder.empty()) tools::write_folder(drive, options.folder, options.threads);
   if (!options.bag.empty()) tools::write_bag(drive, options.bag, options.content, options.threads);

@@ -2,10 +2,13 @@
 
 #include <filesystem>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
+
+#include "config_path.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -48,11 +51,10 @@ std::string overlay_file(const std::string& name_or_path) {
 
 class StageReader {
  public:
-  StageReader(const std::string& folder, const std::string& overlay) : folder_(folder) {
-    if (!folder.empty() && !fs::is_directory(folder)) {
-      throw FileError("no folder " + folder + "; --config names the folder of <stage>.yaml files");
-    }
+  explicit StageReader(const ParameterSources& sources) : config_(sources.config) {
+    const std::string& overlay = sources.overlay;
     if (!overlay.empty()) overlay_ = config::read_yaml_file(overlay_file(overlay));
+    for (const std::string& parameter : sources.parameters) add_parameter(parameter);
     if (const auto* part = overlay_part("nodes")) {
       config::Source nodes{overlay_.origin, *part};
       pass_over_nodes(nodes);
@@ -63,12 +65,15 @@ class StageReader {
   Config read() {
     const std::string& stage = Config::schema().stage();
     std::vector<config::Source> sources;
-    const fs::path file = fs::path(folder_) / (stage + ".yaml");
-    if (!folder_.empty() && fs::exists(file)) {
+    const std::string file = stage_file(config_, stage);
+    if (!file.empty()) {
       sources.push_back(config::read_yaml_file(file));
       found_file_ = true;
     }
     if (const auto* part = overlay_part(stage)) sources.push_back({overlay_.origin, *part});
+    for (const auto& [name, source] : parameters_) {
+      if (name == stage) sources.push_back(source);
+    }
     for (config::Source& source : sources) pass_over_nodes(source);
     const Config config = config::load<Config>(sources);
     result.texts[stage] = config::to_yaml(config);
@@ -77,13 +82,19 @@ class StageReader {
 
   /// Throws if something that was given has had no effect. Call it when all stages are read.
   void finish() {
-    if (!folder_.empty() && !found_file_) {
-      throw FileError("there is no <stage>.yaml in " + folder_ + "; --config names their folder");
+    std::string stages;
+    for (const auto& [stage, text] : result.texts) stages += (stages.empty() ? "" : ", ") + stage;
+    if (!config_.empty() && !found_file_) {
+      throw FileError("there is no <stage>.yaml in " + config_ + "; the stages are " + stages);
+    }
+    for (const auto& [stage, source] : parameters_) {
+      if (result.texts.count(stage) > 0) continue;
+      throw ConfigError("--parameter: no stage has the name '" + stage + "'; the stages are " +
+                        stages);
     }
     const auto* parts = std::get_if<config::Value::Map>(&overlay_.values.data);
     if (parts == nullptr) return;
-    std::string stages = "nodes";
-    for (const auto& [stage, text] : result.texts) stages += ", " + stage;
+    stages = "nodes, " + stages;
     for (const auto& [name, part] : *parts) {
       if (name == "nodes" || result.texts.count(name) > 0) continue;
       throw ConfigError(overlay_.origin + ": no stage has the name '" + name +
@@ -94,6 +105,20 @@ class StageReader {
   StageFiles result;
 
  private:
+  /// "stage/name: value"
+  void add_parameter(const std::string& text) {
+    const config::Source source = config::parse_yaml(text, "--parameter '" + text + "'");
+    for (const auto& [name, value] : config::flattened(source.values)) {
+      const std::size_t slash = name.find('/');
+      if (slash == std::string::npos) {
+        throw ConfigError(source.origin + ": it is not of the form 'stage/name: value', as in " +
+                          "'back_end/use_gnss: false'");
+      }
+      const config::Value::Map field = {{name.substr(slash + 1), value}};
+      parameters_.push_back({name.substr(0, slash), {source.origin, {field}}});
+    }
+  }
+
   const config::Value* overlay_part(const std::string& stage) const {
     const auto* parts = std::get_if<config::Value::Map>(&overlay_.values.data);
     if (parts == nullptr) return nullptr;
@@ -111,15 +136,16 @@ class StageReader {
     values->erase(base);
   }
 
-  std::string folder_;
+  std::string config_;
   config::Source overlay_;
+  std::vector<std::pair<std::string, config::Source>> parameters_;  ///< with their stage
   bool found_file_ = false;
 };
 
 }  // namespace
 
-StageFiles read_stage_files(const std::string& folder, const std::string& overlay) {
-  StageReader reader(folder, overlay);
+StageFiles read_stage_files(const ParameterSources& sources) {
+  StageReader reader(sources);
   pipeline::PipelineConfig config;
   config.preprocessing = reader.read<preprocessing::PreprocessingConfig>();
   config.floor_detection = reader.read<preprocessing::FloorDetectionConfig>();

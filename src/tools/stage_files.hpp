@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "lidar_mapping/map/map_config.hpp"
 #include "lidar_mapping/pipeline/pipeline_config.hpp"
@@ -16,9 +17,15 @@ struct StageFiles {
   std::map<std::string, std::string> texts;  ///< of each stage, all fields as YAML
 };
 
-/// Reads <stage>.yaml of `folder` (empty, or a file that is not there: defaults), then the parts of
-/// `overlay` (empty: none) as the launch file does: a name in config/sensors, or the path of a
-/// file. What only nodes need is passed over. Throws ConfigError and FileError.
-StageFiles read_stage_files(const std::string& folder, const std::string& overlay);
+/// Where parameters come from; later ones go over earlier ones.
+struct ParameterSources {
+  std::string config;   ///< folder of <stage>.yaml files or one of them; empty: defaults
+  std::string overlay;  ///< a name in config/sensors, or the path of a file; empty: none
+  std::vector<std::string> parameters;  ///< single ones, as "stage/name: value"
+};
+
+/// Reads the parameters of all stages, as the launch file does. What only nodes need is passed
+/// over. Throws ConfigError and FileError.
+StageFiles read_stage_files(const ParameterSources& sources);
 
 }  // namespace lidar_mapping::tools

@@ -165,6 +165,18 @@ TEST(Pipeline, GoesOnWithASessionAsIfItHadNotBeenBrokenOff) {
   }
 }
 
+TEST(Pipeline, CountsTheKeyFramesThatASessionHas) {
+  const SimulatedInput input(short_drive());
+  const TemporaryFolder folder;
+  break_off(input, folder.path(), 1500);
+  Session session = Session::open(folder.path(), Session::Access::kWrite);
+  const std::size_t key_frames = session.key_frame_count();
+  ASSERT_GT(key_frames, 0U);
+  const Pipeline pipeline({}, std::move(session),
+                          [](const std::string&) { return Pose::Identity(); });
+  EXPECT_EQ(pipeline.progress().key_frames, key_frames);
+}
+
 TEST(Pipeline, RefusesToGoOnWithAnotherRecording) {
   const SimulatedInput input(short_drive());
   const TemporaryFolder folder;

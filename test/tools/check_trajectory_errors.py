@@ -71,6 +71,31 @@ def associated(truth, estimate):
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
+def on_vehicle(estimate, position, angles_deg):
+    """The estimate of another frame on the vehicle, whose place and angles are given."""
+    lever = np.eye(4)
+    if position:
+        lever[:3, 3] = position
+    if angles_deg:
+        (a, b, c), (d, e, f) = np.cos(np.radians(angles_deg)), np.sin(np.radians(angles_deg))
+        roll = np.array([[1, 0, 0], [0, a, -d], [0, d, a]])
+        pitch = np.array([[b, 0, e], [0, 1, 0], [-e, 0, b]])
+        yaw = np.array([[c, -f, 0], [f, c, 0], [0, 0, 1]])
+        lever[:3, :3] = yaw @ pitch @ roll
+    return estimate @ lever
+
+
+def scaled(truth, estimate):
+    """By the scale of Umeyama (1991), equation 42."""
+    p = estimate[:, :3, 3] - estimate[:, :3, 3].mean(0)
+    q = truth[:, :3, 3] - truth[:, :3, 3].mean(0)
+    u, d, vt = np.linalg.svd(q.T @ p)
+    d[2] *= np.sign(np.linalg.det(u @ vt))
+    result = estimate.copy()
+    result[:, :3, 3] *= d.sum() / (p**2).sum()
+    return result
+
+
 def aligned(truth, estimate):
     """Kabsch: the rotation from the singular values of the covariance of the positions."""
     p, q = estimate[:, :3, 3], truth[:, :3, 3]
@@ -124,8 +149,13 @@ def main():
     truth, estimate = associated(read(sys.argv[1]), read(sys.argv[2]))
     with open(sys.argv[3]) as file:
         told = json.load(file)
-    if told["aligned"]:
+    estimate = on_vehicle(estimate, told["lever_arm_m"], told["lever_rotation_deg"])
+    if told["alignment"] in ("scale", "similarity"):
+        estimate = scaled(truth, estimate)
+    if told["alignment"] in ("rigid", "similarity"):
         estimate = aligned(truth, estimate)
+    if told["alignment"] == "origin":
+        estimate = truth[0] @ np.linalg.inv(estimate[0]) @ estimate
     steps = np.linalg.norm(np.diff(truth[:, :3, 3], axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(steps)])
     relative = []

@@ -91,7 +91,99 @@ TEST_P(EvaluateTrajectory, IsRightWhereStampsDiffer) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EvaluateTrajectory,
-                         testing::Values("", "--align", "--delta 50 --align --lengths 100 300"));
+                         testing::Values("", "--align", "--delta 50 --align --lengths 100 300",
+                                         "--align-origin", "--correct-scale", "-a -s",
+                                         "-a --lever-arm 1.2 -0.9 0.4 --lever-rotation 10 -5 90"));
+
+/// What the program says of two trajectories.
+class EvaluateTrajectoryCommand : public testing::Test {
+ protected:
+  void write(const Trajectory& truth, const Trajectory& estimate) const {
+    std::ofstream(folder_.path() / "truth") << to_tum(truth);
+    std::ofstream(folder_.path() / "estimate") << to_tum(estimate);
+  }
+  std::string output_of(const std::string& options) const {
+    const std::string said = folder_.path() / "said";
+    const std::string command = std::string(LIDAR_MAPPING_EVALUATE_TRAJECTORY) + " '" +
+                                (folder_.path() / "truth").string() + "' '" +
+                                (folder_.path() / "estimate").string() + "' " + options + " > '" +
+                                said + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    std::ifstream stream(said);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  /// The truth as another frame on the vehicle has it, in a world of its own.
+  static Trajectory seen_from(const Pose& T_base_frame, const Pose& T_world,
+                              Trajectory trajectory) {
+    for (StampedPose& pose : trajectory.poses) pose.pose = T_world * pose.pose * T_base_frame;
+    return trajectory;
+  }
+
+  const test::TemporaryFolder folder_;
+  const Trajectory drive_ = Drive().truth;
+  const Pose lever_arm_{Eigen::Quaterniond::Identity(), {1.2, -0.9, 0.0}};
+  const Pose elsewhere_{exp_so3({0.0, 0.0, 2.0}), {400.0, -30.0, 5.0}};
+};
+
+TEST_F(EvaluateTrajectoryCommand, ProposesToAlign) {
+  write(seen_from(Pose::Identity(), elsewhere_, drive_), drive_);
+  const std::string said = output_of("");
+  EXPECT_NE(said.find("with --align: the trajectories lie in different frames"), std::string::npos)
+      << said;
+  EXPECT_EQ(output_of("--align").find("hint"), std::string::npos);
+}
+
+TEST_F(EvaluateTrajectoryCommand, ProposesALeverArm) {
+  write(seen_from(lever_arm_, Pose::Identity(), drive_), drive_);
+  EXPECT_NE(output_of("").find("with --lever-arm 1.20 -0.90 "), std::string::npos) << output_of("");
+  write(seen_from(lever_arm_, elsewhere_, drive_), drive_);
+  for (const char* options : {"", "--align"}) {
+    const std::string said = output_of(options);
+    EXPECT_NE(said.find("with --align --lever-arm 1.20 -0.90 "), std::string::npos) << said;
+  }
+  const std::string said = output_of("--align --lever-arm 1.2 -0.9 0");
+  EXPECT_EQ(said.find("hint"), std::string::npos) << said;
+  EXPECT_NE(said.find("APE translation          rmse    0.0000"), std::string::npos) << said;
+}
+
+TEST_F(EvaluateTrajectoryCommand, ProposesTheAxesOfTheTruth) {
+  const Pose turned{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::Zero()};
+  write(seen_from(turned, Pose::Identity(), drive_), drive_);
+  EXPECT_NE(output_of("").find("--lever-rotation 0.0 0.0 90.0"), std::string::npos)
+      << output_of("");
+}
+
+// An error that grows is no frame and no lever arm.
+TEST_F(EvaluateTrajectoryCommand, ProposesNothingForDrift) {
+  const Drive drive;
+  Trajectory near = drive.estimate;
+  const Pose back = drive.truth.poses[0].pose * near.poses[0].pose.inverse();
+  for (StampedPose& pose : near.poses) pose.pose = back * pose.pose;
+  write(drive.truth, near);
+  EXPECT_EQ(output_of("--align").find("lever-arm"), std::string::npos) << output_of("--align");
+}
+
+TEST_F(EvaluateTrajectoryCommand, SaysOverWhatTheRelativeErrorIs) {
+  write(drive_, drive_);
+  EXPECT_NE(output_of("--delta 25").find("RPE translation, 25 m"), std::string::npos);
+  EXPECT_NE(output_of("--delta 0").find("RPE rotation, each step"), std::string::npos);
+}
+
+TEST_F(EvaluateTrajectoryCommand, AlignsByTheFirstPosesAlone) {
+  Trajectory bent = drive_;
+  for (std::size_t i = 100; i < bent.poses.size(); ++i) bent.poses[i].pose.translation.z() += 1.0;
+  write(drive_, bent);
+  const std::string said = output_of("--align --n-to-align 100");
+  const std::string largest = "max    1.0000  m\nAPE rotation";
+  EXPECT_NE(said.find(largest), std::string::npos) << said;
+  EXPECT_EQ(output_of("--align").find(largest), std::string::npos);
+}
+
+TEST_F(EvaluateTrajectoryCommand, PlotsToAnyName) {
+  write(drive_, drive_);
+  output_of("--plot \"" + (folder_.path() / "it's here.png").string() + "\"");
+  EXPECT_TRUE(fs::exists(folder_.path() / "it's here.png"));
+}
 
 }  // namespace
 }  // namespace lidar_mapping::tools

@@ -46,19 +46,36 @@ TEST_P(Mistakes, AreAnswered) {
 const Mistake kMistakes[] = {
     {"check_bag", {"FOLDER"}, "it is a folder"},
     {"check_bag", {"FILE"}, "it is no bag"},
-    {"check_bag", {"FILE", "--config", "FOLDER"}, "it is a folder"},
+    {"check_bag", {"FILE", "--config", "FOLDER"}, "there is no preprocessing.yaml in"},
+    {"check_bag", {"FILE", "--config", "missing"}, "no folder or file missing"},
     {"map_bag", {"FILE", "-o", "FOLDER", "--config", "FOLDER"}, "there is no <stage>.yaml in"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--config", "FILE"}, "there is no <stage>.yaml in"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--config", "missing"}, "no folder or file missing"},
+    {"map_bag",
+     {"FILE", "-o", "FOLDER", "--parameter", "frontend/threads: 2"},
+     "no stage has the name 'frontend'; the stages are back_end"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--parameter", "threads: 2"}, "'stage/name: value'"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--parameter", "front_end/thread: 2"}, "thread"},
+    {"map_bag", {"FILE", "-o", "FOLDER", "--duration", "0"}, "0 is not a number above 0"},
     {"map_bag", {"FILE", "-o", "FOLDER", "--threads", "-1"}, "-1 is not 0 or a number above"},
     {"map_bag", {"FILE", "-o", "FOLDER", "--resolution", "0"}, "allowed: real number from 0.01"},
     {"build_map", {"FOLDER", "--pixel", "0"}, "0 is not a number above 0"},
     {"build_map", {"FOLDER"}, "there is no session in"},
     {"merge_sessions", {"FOLDER", "FOLDER", "-o", "new"}, "is given twice"},
     {"merge_sessions", {"FOLDER", "FILE", "-o", "new", "--config", "FOLDER"}, "no back_end.yaml"},
+    {"optimize_session", {"FOLDER", "--config", "FOLDER"}, "there is no session in"},
+    {"odometry_benchmark", {"FOLDER", "--config", "FOLDER"}, "there is no front_end.yaml in"},
     {"optimize_graph", {"FOLDER", "FILE"}, "optimize_graph: cannot read"},
     {"optimize_graph", {"missing.g2o", "FILE"}, "missing.g2o: No such file or directory"},
     {"evaluate_trajectory", {"FOLDER", "FOLDER"}, "it is a folder"},
     {"evaluate_trajectory", {"FILE", "FILE", "--lengths", "0"}, "0 is not a number above 0"},
     {"evaluate_trajectory", {"FILE", "FILE", "--delta", "-4"}, "-4 is not 0 or a number above"},
+    {"evaluate_trajectory", {"FILE", "FILE", "--align", "--align-origin"}, "exclude each other"},
+    {"evaluate_trajectory", {"FILE", "FILE", "--n-to-align", "5"}, "has no meaning without"},
+    {"evaluate_trajectory", {"FILE", "FILE", "--n-to-align", "2"}, "2 is not 3 or more"},
+    {"simulate_drive", {"FILE"}, "exists; name another file, or give --force"},
+    {"simulate_drive", {"--truth", "FILE"}, "exists; name another file, or give --force"},
+    {"kitti_to_bag", {"FOLDER", "FILE"}, "exists; name another file, or give --force"},
     {"simulate_drive", {"FOLDER", "--range-noise", "-1"}, "-1 is not 0 or a number above"},
     {"simulate_drive",
      {"new.bag", "--rounds", "4"},
@@ -66,6 +83,30 @@ const Mistake kMistakes[] = {
     {"kitti_to_bag", {"FOLDER", "new.bag"}, "name the folder above it"},
 };
 INSTANTIATE_TEST_SUITE_P(Commands, Mistakes, testing::ValuesIn(kMistakes));
+
+TEST_F(Mistakes, LeaveFilesAsTheyWere) {
+  Program program("simulate_drive", {filled_in("FILE"), "--duration", "2"},
+                  folder_.path() / "said");
+  EXPECT_EQ(program.wait(), 1);
+  std::ifstream file(filled_in("FILE"));
+  std::string word;
+  file >> word;
+  EXPECT_EQ(word, "word");
+}
+
+TEST_F(Mistakes, InADumpLeaveNoFolder) {
+  for (const char* graph : {"", "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"}) {
+    std::ofstream(folder_.path() / "empty" / "graph.g2o") << graph;
+    Program program("hdl_dump",
+                    {"import", filled_in("FOLDER"), "-o", folder_.path() / "new session"},
+                    folder_.path() / "said");
+    EXPECT_EQ(program.wait(), 1) << program.output();
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      EXPECT_EQ(entry.path().filename().string().find("new session"), std::string::npos)
+          << entry.path();
+    }
+  }
+}
 
 TEST_F(Mistakes, LeaveNoScanToTheBenchmark) {
   const std::filesystem::path scans = folder_.path() / "empty/velodyne";

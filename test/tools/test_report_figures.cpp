@@ -1,11 +1,13 @@
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/common/atomic_file.hpp"
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
 #include "report_figures.hpp"
+#include "run_record.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
@@ -51,7 +53,7 @@ class ReportFigures : public testing::Test {
 };
 
 TEST_F(ReportFigures, TellHowFarOdometryIsFromTheMap) {
-  const Json figures = trajectory_figures(report_input(session_, ""));
+  const Json figures = trajectory_figures(report_input(session_));
   EXPECT_EQ(figures["rows"].size(), 11U);
   EXPECT_NEAR(figures["odometry_max_m"], 0.25, 1e-9);
   EXPECT_NEAR(figures["odometry_max_vertical_m"], 0.25, 1e-9);
@@ -67,7 +69,7 @@ TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
   refused.verdict = Verdict::kRefused;
   refused.reason = "the graph leaves it out";
   session_.add_verdict(refused);
-  const Json figures = loop_figures(report_input(session_, ""));
+  const Json figures = loop_figures(report_input(session_));
   EXPECT_EQ(figures["used"], 2);
   EXPECT_EQ(figures["dropped_by_graph"], 1);
   EXPECT_NEAR(figures["max_residual_m"], 0.03, 1e-9);
@@ -77,7 +79,7 @@ TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
 
 TEST_F(ReportFigures, FindTheLongestWayWithoutAConstraint) {
   session_.add_loop(loop(0, 3, 0.0));
-  const Json figures = hold_figures(report_input(session_, ""), *solved_graph(session_));
+  const Json figures = uncertainty_figures(report_input(session_), *solved_graph(session_));
   EXPECT_NEAR(figures["longest_without_constraint"]["length_m"], 7.0, 0.1);
   EXPECT_NEAR(figures["longest_without_constraint"]["begin_m"], 3.0, 0.1);
   EXPECT_GT(figures["largest_sigma_m"], 0.0);
@@ -91,7 +93,7 @@ TEST_F(ReportFigures, NameTheScansThatWereNotTracked) {
     scan.scans_dropped = i == 9 ? 3 : 0;
     session_.add_scan(scan);
   }
-  const Json figures = scan_figures(report_input(session_, ""));
+  const Json figures = scan_figures(report_input(session_));
   EXPECT_EQ(figures["dropped"], 3);
   EXPECT_EQ(figures["states"]["lost"], 2);
   ASSERT_EQ(figures["stretches"].size(), 1U);
@@ -107,13 +109,38 @@ TEST_F(ReportFigures, CompareWithTheTruthAfterAlignment) {
     moved.translation.y() += 0.02 * std::sin(1.0 + pose.index);
     truth.poses.push_back({pose.stamp, moved});
   }
-  const auto path = folder_.path() / "truth.tum";
-  write_text_atomically(path, to_tum(truth));
-  const Json figures = truth_figures(report_input(session_, path.string()));
+  const Json figures = truth_figures(report_input(session_, truth));
   EXPECT_EQ(figures["poses"], 11);
   EXPECT_GT(figures["ape_rmse_m"], 0.002);
   EXPECT_LT(figures["ape_max_m"], 0.03);
-  EXPECT_TRUE(truth_figures(report_input(session_, "")).is_null());
+  EXPECT_EQ(figures["rpe_delta_m"], 10.0);
+  EXPECT_TRUE(truth_figures(report_input(session_)).is_null());
+}
+
+TEST_F(ReportFigures, RefuseATruthOfAnotherTime) {
+  Trajectory truth;
+  for (int i = 0; i < 5; ++i) truth.poses.push_back({from_seconds(9e5 + i), Pose::Identity()});
+  EXPECT_THROW(truth_figures(report_input(session_, truth)), InputError);
+}
+
+TEST_F(ReportFigures, TellWhereTheMapComesFrom) {
+  EXPECT_TRUE(origin_figures(report_input(session_))["recording"].is_null());
+  RunRecord record;
+  record.software = "lidar_mapping 0.1.0";
+  record.command = "map_bag drive.bag -o town";
+  record.files = {{"drive.bag", 12345, "ab"}};
+  write_run_record(session_.directory(), record);
+  session_.set_datum({49.0, 8.4, 110.0});
+  const Json origin = origin_figures(report_input(session_));
+  EXPECT_EQ(origin["recording"][0]["name"], "drive.bag");
+  EXPECT_EQ(origin["command"], record.command);
+  EXPECT_NE(origin["coordinates"].get<std::string>().find("49.0000000"), std::string::npos);
+  std::filesystem::create_directory(session_.directory() / "map");
+  std::ofstream(session_.directory() / "map" / "map.yaml")
+      << "points: 3\nmin: [-1.5000, 2.0000, 0.0000]\nmax: [7.0000, 8.0000, 9.0000]\n";
+  const Json products = product_figures(report_input(session_));
+  EXPECT_EQ(products["map_min_m"][0], -1.5);
+  EXPECT_EQ(products["map_max_m"][2], 9.0);
 }
 
 }  // namespace

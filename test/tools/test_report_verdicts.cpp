@@ -34,7 +34,7 @@ Json good_report() {
           {"trajectory", {{"odometry_max_m", 0.3}, {"odometry_max_vertical_m", 0.1}}},
           {"drive", {{"length_m", 1000.0}}},
           {"scans", {{"scans", 50}, {"dropped", 0}, {"states", {{"tracking", 50}}}}},
-          {"hold",
+          {"uncertainty",
            {{"largest_sigma_m", 0.1},
             {"longest_without_constraint", {{"length_m", 10.0}, {"begin_m", 0.0}}}}},
           {"truth", nullptr}};
@@ -63,9 +63,9 @@ TEST(ReportVerdicts, SayWhereToLook) {
   report["gnss"]["p95_horizontal_m"] = 0.5;
   report["trajectory"]["odometry_max_m"] = 11.0;
   report["scans"]["dropped"] = 2;
-  report["hold"]["largest_sigma_m"] = 0.6;
+  report["uncertainty"]["largest_sigma_m"] = 0.6;
   for (const char* name : {"Walls", "Repeated passes", "Loops", "GNSS", "Odometry against the map",
-                           "Scans", "Poses held"}) {
+                           "Scans", "Pose uncertainty"}) {
     EXPECT_EQ(verdict_on(report, name), false) << name;
   }
   EXPECT_EQ(verdict_on(report, "Ground"), true);
@@ -81,6 +81,32 @@ TEST(ReportVerdicts, SayNothingOfWhatIsNotThere) {
   for (const char* name : {"Repeated passes", "GNSS", "Loops"}) {
     EXPECT_TRUE(verdict_on(report, name).is_null()) << name;
   }
+}
+
+// Without loops and GNSS the map is the odometry: that both agree says nothing.
+TEST(ReportVerdicts, DoNotPraiseOdometryForAgreeingWithItself) {
+  Json report = good_report();
+  report["loops"]["used"] = 0;
+  report["gnss"]["positions"] = 0;
+  report["trajectory"]["odometry_max_m"] = 0.0;
+  EXPECT_TRUE(verdict_on(report, "Odometry against the map").is_null());
+  report["gnss"]["positions"] = 5;
+  EXPECT_EQ(verdict_on(report, "Odometry against the map"), true);
+  report["gnss"]["used_by_graph"] = false;
+  EXPECT_TRUE(verdict_on(report, "Odometry against the map").is_null());
+}
+
+TEST(ReportVerdicts, AreSummedUp) {
+  Json report = good_report();
+  report["verdicts"] = verdicts(report);
+  EXPECT_EQ(overall_verdict(report), "Good: nothing that a person would have to look at");
+  report["scans"]["dropped"] = 2;
+  report["uncertainty"]["largest_sigma_m"] = 0.6;
+  report["ghosts"] = Json::array();
+  report["verdicts"] = verdicts(report);
+  EXPECT_EQ(overall_verdict(report),
+            "Look at: Scans, Pose uncertainty; no place was driven twice, so only local quality "
+            "could be judged");
 }
 
 }  // namespace

@@ -24,6 +24,16 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
 /// pairs.
 Pose rigid_alignment(const std::vector<PosePair>& pairs);
 
+/// The same with a scale of the estimated positions, which is to be applied first.
+struct SimilarityAlignment {
+  Pose T_truth_estimate;
+  double scale = 1.0;
+};
+SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs);
+
+/// The pairs with the estimated positions multiplied by `scale`.
+std::vector<PosePair> scaled(std::vector<PosePair> pairs, double scale);
+
 /// The pairs with their estimates moved by T_truth_estimate.
 std::vector<PosePair> aligned(std::vector<PosePair> pairs, const Pose& T_truth_estimate);
 

@@ -22,8 +22,8 @@ class ResumeFailure : public Error {
 struct Progress {
   Stamp newest = 0;  ///< of the scans that the front end has taken
   std::size_t scans = 0;
-  std::size_t key_frames = 0;
-  std::size_t loops = 0;
+  std::size_t key_frames = 0;  ///< with those of a session that is gone on with
+  std::size_t loops = 0;       ///< likewise
 };
 
 /// What was done, and what it took.

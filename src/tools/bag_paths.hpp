@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace lidar_mapping::tools {
+
+/// The paths with the bags (*.bag, by name) of a folder in the place of each folder that holds any.
+std::vector<std::string> with_bags_of_folders(const std::vector<std::string>& paths);
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,155 @@
+#include "session_output.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+using session::Session;
+
+constexpr const char* kAside = ".resumed";
+
+/// A process that was killed at once leaves these alone.
+bool holds_more_than_beginnings(const fs::path& folder) {
+  const fs::directory_iterator entries(folder);
+  return std::any_of(begin(entries), end(entries), [](const auto& entry) {
+    const fs::path name = entry.path().filename();
+    return name != "lock" && name != "run.json";
+  });
+}
+
+void check_new(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) {
+    throw FileError(folder.string() + " is no folder; name a new one");
+  }
+  if (!holds_more_than_beginnings(folder)) return;
+  throw FileError(folder.string() +
+                  " is not empty; name a new folder, or give --resume to go on with a session that "
+                  "was broken off");
+}
+
+void refuse_edited(const Session& session) {
+  const auto loops = session.loops();
+  const bool is_edited = std::any_of(loops.begin(), loops.end(), [](const Loop& loop) {
+    return loop.decision != LoopDecision::kAuto || loop.source == LoopSource::kManual;
+  });
+  if (!is_edited) return;
+  throw InputError("in " + session.directory().string() +
+                   " a person has decided about loops, which would be lost if it were made again; "
+                   "--quick-resume goes on with it as it is");
+}
+
+/// Database logs of a session that nobody writes to any more; beside another database they would be
+/// taken for its own.
+void remove_logs(const fs::path& folder) {
+  for (const char* log : {"session.db-wal", "session.db-shm"}) fs::remove(folder / log);
+}
+
+/// What write_atomically() leaves of a file when the process is killed.
+void remove_unfinished(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    if (name.front() == '.' && entry.path().extension() == ".part") files.push_back(entry.path());
+  }
+  for (const fs::path& file : files) fs::remove(file);
+}
+
+}  // namespace
+
+SessionOutput::SessionOutput(fs::path folder, Resume resume)
+    : folder_(std::move(folder)), aside_(folder_ / kAside), resume_(resume) {
+  if (resume_ == Resume::kNo || !fs::exists(folder_ / "session.db")) {
+    check_new(folder_);
+    return;
+  }
+  is_there_ = true;
+  old_ = Session::open(folder_, Session::Access::kWrite);
+  key_frames_before_ = old_->key_frame_count();
+  parameters_ = old_->configurations();
+  record_ = read_run_record(folder_);
+  if (resume_ == Resume::kExact) refuse_edited(*old_);
+}
+
+SessionOutput::~SessionOutput() {
+  if (!is_made_again()) return;
+  std::error_code ignored;
+  fs::remove_all(aside_, ignored);
+}
+
+void SessionOutput::check(const RunRecord& record,
+                          const std::map<std::string, std::string>& parameters) const {
+  if (!is_there_) return;
+  const std::string remedy = "; name a new folder for this recording";
+  if (!record_ && resume_ == Resume::kExact && key_frames_before_ > 0) {
+    throw InputError("nothing in " + folder_.string() +
+                     " says of which recording its session was made" + remedy +
+                     ", or give --quick-resume if you know that it is this one");
+  }
+  std::string difference;
+  if (record_) difference = recording_difference(*record_, record);
+  if (!difference.empty()) {
+    throw InputError("the session in " + folder_.string() +
+                     " is of another recording: " + difference + remedy);
+  }
+  std::map<std::string, std::string> of_stages = parameters;
+  of_stages.erase("map");
+  difference = parameter_difference(parameters_, of_stages);
+  if (difference.empty()) return;
+  throw InputError("the session in " + folder_.string() + " was made with other parameters: " +
+                   difference + "; give the same, or name a new folder");
+}
+
+Session SessionOutput::open(const RunRecord& record) {
+  if (is_made_again()) {
+    fs::remove_all(aside_);
+    return Session::create_in(aside_);
+  }
+  if (is_there_) {
+    old_.reset();
+    return Session::open(folder_, Session::Access::kWrite);
+  }
+  if (fs::exists(folder_ / "session.db")) {  // begun by this run, and to be begun anew
+    return Session::open(folder_, Session::Access::kWrite);
+  }
+  write_run_record(folder_, record);
+  return Session::create_in(folder_);
+}
+
+bool SessionOutput::keep(const RunRecord& record, std::size_t key_frames) {
+  if (is_made_again()) {
+    if (key_frames < key_frames_before_) return false;
+    move_into_place();
+  }
+  write_run_record(folder_, record);
+  return true;
+}
+
+/// Clouds first: those that the old session names have the same bytes.
+void SessionOutput::move_into_place() {
+  old_.reset();
+  fs::create_directories(folder_ / "key_frames");
+  for (const char* part : {"key_frames", "trajectory"}) {
+    if (!fs::exists(aside_ / part)) continue;
+    fs::create_directories(folder_ / part);
+    for (const auto& entry : fs::directory_iterator(aside_ / part)) {
+      fs::rename(entry.path(), folder_ / part / entry.path().filename());
+    }
+    remove_unfinished(folder_ / part);
+  }
+  remove_unfinished(folder_);
+  remove_logs(folder_);
+  for (const auto& entry : fs::directory_iterator(aside_)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "lock") continue;
+    fs::rename(entry.path(), folder_ / entry.path().filename());
+  }
+}
+
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,87 @@
+#include <nlohmann/json.hpp>
+
+#include "lidar_mapping/common/trajectory.hpp"
+
+#include "mapped_drive.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+class MapQualityCommand : public test::MappedDrive {
+ protected:
+  MapQualityCommand() { fs::copy(whole(), session_, fs::copy_options::recursive); }
+
+  /// The lines that judge: the sentence on the whole and those on single figures.
+  static std::string verdict() {
+    const std::string text = said();
+    const std::size_t begin = std::min(text.find("Good: "), text.find("Look at: "));
+    return begin == std::string::npos ? "" : text.substr(begin, text.find('/', begin) - begin);
+  }
+  /// A true trajectory: that of the session, moved.
+  std::string write_truth() const {
+    std::ifstream stream(session_ / "trajectory" / "optimized.tum");
+    Trajectory truth = read_trajectory(session_ / "trajectory" / "optimized.tum");
+    const Pose elsewhere{exp_so3({0.0, 0.0, 1.0}), {100.0, 0.0, 3.0}};
+    for (StampedPose& pose : truth.poses) pose.pose = elsewhere * pose.pose;
+    const std::string file = folder_.path() / "truth.tum";
+    std::ofstream(file) << to_tum(truth);
+    return file;
+  }
+
+  const TemporaryFolder folder_;
+  const fs::path session_ = folder_.path() / "it's a session";
+};
+
+TEST_F(MapQualityCommand, JudgesWithAndWithoutAReport) {
+  ASSERT_EQ(run("map_quality", {session_}), 0) << said();
+  const std::string without = verdict();
+  EXPECT_NE(without.find("Walls"), std::string::npos) << said();
+  EXPECT_NE(without.find("Pose uncertainty"), std::string::npos) << said();
+  ASSERT_EQ(run("map_quality", {session_, "--report"}), 0) << said();
+  EXPECT_EQ(verdict(), without);
+  std::ifstream stream(session_ / "report.json");
+  const auto report = nlohmann::json::parse(stream);
+  EXPECT_EQ(without.find(report["overall"].get<std::string>()), 0U) << report["overall"];
+  EXPECT_NE(content(session_ / "report.html").find(report["overall"].get<std::string>()),
+            std::string::npos);
+}
+
+TEST_F(MapQualityCommand, ComparesWithTheTruthWithAndWithoutAReport) {
+  const std::string truth = write_truth();
+  for (const test::Words& words : {test::Words{session_, "--truth", truth},
+                                   test::Words{session_, "--truth", truth, "--report"}}) {
+    ASSERT_EQ(run("map_quality", words), 0) << said();
+    EXPECT_TRUE(has_said("Against the truth          APE 0 mm")) << said();
+  }
+}
+
+TEST_F(MapQualityCommand, MissesATruthThatIsNotThere) {
+  for (const test::Words& words : {test::Words{session_, "--truth", "no_such.tum"},
+                                   test::Words{session_, "--truth", "no_such.tum", "--report"}}) {
+    EXPECT_EQ(run("map_quality", words), 1);
+    EXPECT_TRUE(has_said("no_such.tum")) << said();
+  }
+  const std::string other = folder_.path() / "other_day.tum";
+  std::ofstream(other) << "1.0 0 0 0 0 0 0 1\n2.0 1 0 0 0 0 0 1\n";
+  EXPECT_EQ(run("map_quality", {session_, "--truth", other}), 1);
+  EXPECT_TRUE(has_said("check the clocks")) << said();
+}
+
+TEST_F(MapQualityCommand, SaysInTheReportWhereItComesFrom) {
+  ASSERT_EQ(run("map_quality", {session_, "--report"}), 0) << said();
+  const std::string page = content(session_ / "report.html");
+  for (const char* part :
+       {"drive.bag", "/kitti/velo/pointcloud", "lidar_mapping 0.", "--threads 2", "East-North-Up",
+        "map/map.pcd", "Extent of the map: x", "use_gnss: true", "Height above the ground"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  for (const char* part : {"way (m)", "Poses held", "left over"}) {
+    EXPECT_EQ(page.find(part), std::string::npos) << part;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools

@@ -1,0 +1,223 @@
+#include <cstdlib>
+#include <random>
+
+#include <sys/mount.h>
+
+#include "mapped_drive.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using session::Session;
+using test::Program;
+using test::TemporaryFolder;
+
+/// Runs of map_bag that were broken off, and gone on with.
+class Resume : public test::MappedDrive {
+ protected:
+  /// Begins a run and kills it. False if it was through before.
+  static bool is_killed_after(double seconds, const fs::path& folder) {
+    Program program("map_bag", with_bag({"-o", folder, "--formats", "pcd,ply,png"}),
+                    root() / "log");
+    const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+    while (program.is_running() && Clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    program.kill(SIGKILL);
+    return program.wait() == 128 + SIGKILL;
+  }
+  /// Maps some seconds of the drive.
+  static fs::path broken_off(const TemporaryFolder& parent) {
+    const fs::path folder = parent.path() / "session";
+    EXPECT_EQ(map({"-o", folder, "--duration", "6", "--formats", "pcd"}), 0) << said();
+    EXPECT_GT(key_frames_in(folder), 0U);
+    EXPECT_LT(key_frames_in(folder), key_frames_in(whole()));
+    return folder;
+  }
+  /// All that the undisturbed run left is in the folder, byte for byte, and nothing half done.
+  static void expect_same_bytes(const fs::path& folder) {
+    for (const auto& entry : fs::recursive_directory_iterator(whole())) {
+      const fs::path name = fs::relative(entry.path(), whole());
+      // What readers share is no content.
+      if (!entry.is_regular_file() || name == "run.json" || name == "lock" ||
+          name == "session.db-shm") {
+        continue;
+      }
+      EXPECT_TRUE(content(entry.path()) == content(folder / name)) << name;
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+      EXPECT_NE(entry.path().filename(), ".resumed");
+    }
+    EXPECT_EQ(key_frames_in(folder), files_in(folder / "key_frames"));
+  }
+  /// The largest distance between key frames of two sessions with the same stamps.
+  static double difference_to_whole(const fs::path& folder) {
+    const auto poses_in = [](const fs::path& path) {
+      return Session::open(path, Session::Access::kRead).poses().poses;
+    };
+    const auto expected = poses_in(whole());
+    const auto poses = poses_in(folder);
+    if (poses.size() != expected.size() || poses.empty()) return 1e9;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (poses[i].stamp != expected[i].stamp) return 1e9;
+      const Eigen::Vector3d difference =
+          poses[i].T_map_base.translation - expected[i].T_map_base.translation;
+      largest = std::max(largest, difference.norm());
+    }
+    return largest;
+  }
+};
+
+// The moments are spread over a whole run, the writing of the map included; the variable KILLS
+// asks for more of them.
+TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAKillAtAnyMoment) {
+  const char* asked = std::getenv("KILLS");
+  const int kills = asked != nullptr ? std::atoi(asked) : 4;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> within(0.0, 1.0);
+  for (int i = 0; i < kills; ++i) {
+    const TemporaryFolder parent;
+    const fs::path folder = parent.path() / "session";
+    const double moment = whole_seconds() * (i + within(random)) / kills;
+    if (!is_killed_after(moment, folder)) continue;
+    for (const char* file : {"map.pcd", "map.ply", "top_view.png"}) {
+      if (!fs::exists(folder / "map" / file)) continue;
+      EXPECT_EQ(content(folder / "map" / file), content(whole() / "map" / file)) << file;
+    }
+    EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+    expect_same_bytes(folder);
+  }
+}
+
+TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAStop) {
+  const TemporaryFolder parent;
+  const fs::path folder = parent.path() / "session";
+  Program program("map_bag", with_bag({"-o", folder, "--formats", "pcd"}), root() / "log");
+  wait_for_key_frames(program, folder, 5);
+  program.kill(SIGINT);
+  EXPECT_EQ(program.wait(), 3) << said();
+  EXPECT_TRUE(fs::exists(folder / "map" / "map.pcd"));
+  EXPECT_TRUE(fs::exists(folder / "trajectory" / "optimized.tum"));
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  expect_same_bytes(folder);
+}
+
+TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAPart) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  EXPECT_TRUE(has_said("key frames; they are made again")) << said();
+  expect_same_bytes(folder);
+}
+
+// The old session stays until the new one has come at least as far.
+TEST_F(Resume, TakesNothingAwayIfItIsBrokenOffToo) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  const std::string before = content(folder / "trajectory" / "optimized.tum");
+  Program program("map_bag", with_bag({"-o", folder, "--resume"}), root() / "log");
+  wait_for_key_frames(program, folder / ".resumed", 2);
+  program.kill(SIGKILL);
+  program.wait();
+  EXPECT_EQ(content(folder / "trajectory" / "optimized.tum"), before);
+  ASSERT_EQ(map({"-o", folder, "--resume", "--duration", "2", "--no-map"}), 0) << said();
+  EXPECT_TRUE(has_said("stays as it was")) << said();
+  EXPECT_EQ(content(folder / "trajectory" / "optimized.tum"), before);
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  expect_same_bytes(folder);
+}
+
+TEST_F(Resume, MakesTheMapAloneOfASessionThatIsComplete) {
+  const TemporaryFolder parent;
+  const fs::path folder = parent.path() / "session";
+  fs::copy(whole(), folder, fs::copy_options::recursive);
+  fs::remove_all(folder / "map");
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  EXPECT_TRUE(has_said("all of the recording is mapped")) << said();
+  EXPECT_FALSE(has_said("times real time")) << said();
+  expect_same_bytes(folder);
+}
+
+TEST_F(Resume, QuicklyGoesOnNearTheEnd) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  EXPECT_EQ(map({"-o", folder, "--quick-resume", "--no-map"}), 0) << said();
+  EXPECT_LT(difference_to_whole(folder), 0.02);
+}
+
+TEST_F(Resume, RefusesAnotherRecording) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  const std::string before = content(folder / "session.db");
+  const std::string other = parent.path() / "other.bag";
+  ASSERT_EQ(run("simulate_drive", {other, "--lidar", "vlp16", "--duration", "3", "--seed", "2"}),
+            0);
+  for (const char* how : {"--resume", "--quick-resume"}) {
+    EXPECT_EQ(run("map_bag", {other, "-o", folder, how}), 1) << said();
+    EXPECT_TRUE(has_said("is of another recording: it was made from drive.bag")) << said();
+  }
+  EXPECT_EQ(map({"-o", folder, "--resume", "--parameter", "back_end/use_gnss: false"}), 1);
+  EXPECT_TRUE(has_said("other parameters: back_end had 'use_gnss: true'")) << said();
+  EXPECT_EQ(map({"-o", folder, "--resume", "--start", "1"}), 1);
+  EXPECT_TRUE(has_said("--start")) << said();
+  EXPECT_EQ(content(folder / "session.db"), before);
+}
+
+TEST_F(Resume, TakesTheRecordingWhereverItLies) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  const std::string moved = parent.path() / "renamed.bag";
+  fs::create_hard_link(bag(), moved);
+  EXPECT_EQ(run("map_bag", {moved, "-o", folder, "--resume", "--no-map"}), 0) << said();
+  EXPECT_EQ(key_frames_in(folder), key_frames_in(whole()));
+}
+
+TEST_F(Resume, RefusesASessionOfUnknownOrigin) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  fs::remove(folder / "run.json");
+  EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
+  EXPECT_TRUE(has_said("of which recording")) << said();
+}
+
+TEST_F(Resume, KeepsWhatAPersonDecided) {
+  const TemporaryFolder parent;
+  const fs::path folder = broken_off(parent);
+  {
+    Session session = Session::open(folder, Session::Access::kWrite);
+    Loop loop;
+    loop.to = 2;
+    session.add_loop(loop);
+    session.set_loop_decision(0, 2, LoopDecision::kRefuse);
+  }
+  EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
+  EXPECT_TRUE(has_said("a person has decided about loops")) << said();
+}
+
+TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
+  const TemporaryFolder disk;
+  if (mount("tmpfs", disk.path().c_str(), "tmpfs", 0, "size=3m") != 0) {
+    GTEST_SKIP() << "may not mount a small disk";
+  }
+  const fs::path folder = disk.path() / "session";
+  EXPECT_EQ(map({"-o", folder.string(), "--no-map"}), 1);
+  EXPECT_NE(said().find((folder / "key_frames").string()), std::string::npos) << said();
+  {
+    const Session session = Session::open(folder, Session::Access::kRead);
+    EXPECT_GT(session.key_frame_count(), 0U);
+    for (const KeyFrame& key_frame : session.key_frames()) {
+      EXPECT_NE(session.clouds().cloud(key_frame.index), nullptr) << key_frame.index;
+    }
+  }
+  ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT, "size=100m"), 0);
+  EXPECT_EQ(map({"-o", folder.string(), "--resume", "--no-map"}), 0) << said();
+  EXPECT_EQ(key_frames_in(folder), key_frames_in(whole()));
+  EXPECT_LT(difference_to_whole(folder), 1e-9);
+  umount(disk.path().c_str());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
