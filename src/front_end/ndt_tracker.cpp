@@ -298,6 +298,7 @@ class NdtTracker::Impl {
     result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
+    result.status.map_points_dropped = map_.dropped_points();
     result.status.step_seconds = timer_.take();
   }
 

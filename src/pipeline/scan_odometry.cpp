@@ -80,6 +80,10 @@ void ScanOdometry::take(const preprocessing::SyncedScan& synced,
 }
 
 void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
+  if (status.map_points_dropped > 2 * map_points_dropped_) {
+    map_points_dropped_ = status.map_points_dropped;
+    say_(front_end::full_map_notice(map_points_dropped_));
+  }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;
   say_(front_end::elevation_notice(elevation_shift_));

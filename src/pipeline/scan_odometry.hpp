@@ -43,6 +43,7 @@ class ScanOdometry {
   std::optional<ResumedOdometry> resumed_;
   bool has_begun_ = false;
   double elevation_shift_ = 0.0;                 ///< that was last spoken of
+  std::size_t map_points_dropped_ = 0;           ///< the same
   std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
   DrivePiece piece_;
 };
