@@ -132,7 +132,8 @@ void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {
   for (const Loop& loop : result.loops) {
     loop_.publish(to_message(loop, run_id_, config_.node.base_frame));
     ROS_INFO_STREAM("loop: key frame " << loop.to << " sees key frame " << loop.from
-                                       << " again, overlap " << loop.overlap);
+                                       << " again, overlap " << loop.overlap << ", fitness "
+                                       << loop.fitness << " m^2");
   }
   for (const LoopVerdict& verdict : result.verdicts) {
     verdict_.publish(to_message(verdict, run_id_, config_.node.base_frame));
