@@ -133,8 +133,7 @@ config::Schema<Config> make_schema() {
               "Kernel of the GNSS positions that are believed.")
       .choice("imu_robust_kernel", &Config::imu_robust_kernel, kernels,
               "Kernel of orientations, headings and accelerations.")
-      .choice("floor_robust_kernel", &Config::floor_robust_kernel, kernels,
-              "Kernel of floors.")
+      .choice("floor_robust_kernel", &Config::floor_robust_kernel, kernels, "Kernel of floors.")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
             "Where the kernels begin to bend.")
       .check([](const Config& c) {
@@ -155,8 +154,9 @@ config::Schema<Config> make_schema() {
         const auto& stddevs = c.fix_first_node_stddev;
         const bool positive = std::all_of(stddevs.begin(), stddevs.end(),
                                           [](double s) { return s >= 1e-6 && s <= 1e6; });
-        return positive ? std::string()
-                        : std::string("fix_first_node_stddev must hold numbers from 1e-06 to 1e+06");
+        return positive
+                   ? std::string()
+                   : std::string("fix_first_node_stddev must hold numbers from 1e-06 to 1e+06");
       })
       .check([](const Config& c) {
         return c.georeference_only && !c.use_gnss

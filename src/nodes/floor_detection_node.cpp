@@ -35,8 +35,7 @@ class FloorDetectionNode {
     const Floor floor = stage_.process(scan, is_watched ? &points : nullptr);
     floor_.publish(to_message(floor, config_.node.base_frame));
     if (is_watched) {
-      filtered_points_.publish(
-          to_message(points.filtered, scan.stamp, config_.node.base_frame));
+      filtered_points_.publish(to_message(points.filtered, scan.stamp, config_.node.base_frame));
       floor_points_.publish(to_message(points.inliers, scan.stamp, config_.node.base_frame));
     }
     context_.diagnostics.count_output(scan.stamp);

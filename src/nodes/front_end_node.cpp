@@ -39,8 +39,9 @@ std::string new_run_id() {
 }  // namespace
 
 /// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
-/// initialpose (before the first scan), external_odom (with `odometry: external`). Published: laser_odom, key_frame, front_end_status,
-/// current_scan, local_map, tf odom -> base_link. Asks get_key_frames once, at the first scan.
+/// initialpose (before the first scan), external_odom (with `odometry: external`). Published:
+/// laser_odom, key_frame, front_end_status, current_scan, local_map, tf odom -> base_link. Asks
+/// get_key_frames once, at the first scan.
 class FrontEndNode {
  public:
   using Config = LidarNodeConfig<front_end::FrontEndConfig>;

@@ -24,8 +24,8 @@ enum Field : std::size_t {
   kFields = 12
 };
 
-/// What a quality of the sentence means: the status in sensor_msgs/NavSatFix, and the error (m) that
-/// the dilution multiplies. Receivers do not say it; these are a driver's usual ones.
+/// What a quality of the sentence means: the status in sensor_msgs/NavSatFix, and the error (m)
+/// that the dilution multiplies. Receivers do not say it; these are a driver's usual ones.
 struct Quality {
   int status;
   double sigma;
@@ -65,9 +65,8 @@ std::optional<std::string> body_of(const std::string& sentence) {
   const std::size_t begin = sentence.find('$');
   if (begin == std::string::npos) return std::nullopt;
   const std::size_t end = sentence.find_first_of("*\r\n", begin);
-  const std::string body = sentence.substr(begin + 1, end == std::string::npos
-                                                          ? std::string::npos
-                                                          : end - begin - 1);
+  const std::string body =
+      sentence.substr(begin + 1, end == std::string::npos ? std::string::npos : end - begin - 1);
   if (end == std::string::npos || sentence[end] != '*') return body;
   unsigned sum = 0;
   for (const char c : body) sum ^= static_cast<unsigned char>(c);
@@ -86,7 +85,8 @@ std::optional<double> number(const std::string& field) {
   return value;
 }
 
-/// "4807.038" and "N" as degrees: the last two digits before the point and what follows are minutes.
+/// "4807.038" and "N" as degrees: the last two digits before the point and what follows are
+/// minutes.
 std::optional<double> degrees(const std::string& field, const std::string& side, char positive,
                               char negative, double most) {
   const auto value = number(field);

@@ -13,9 +13,10 @@ void add_sensors(Schema& schema) {
   schema.boolean("use_imu", &Config::use_imu, "Use the IMU where there is one.")
       .boolean("use_velocity", &Config::use_velocity, "Use the velocity where there is one.")
       .boolean("use_gnss", &Config::use_gnss, "Use GNSS positions where there are any.")
-      .boolean("enable_robot_odometry_init_guess", &Config::enable_robot_odometry_init_guess,
-               "Take the velocity from tf, from how base_link moves in robot_odom_frame_id, instead "
-               "of from messages: it predicts the motion and compensates that during the scan.")
+      .boolean(
+          "enable_robot_odometry_init_guess", &Config::enable_robot_odometry_init_guess,
+          "Take the velocity from tf, from how base_link moves in robot_odom_frame_id, instead "
+          "of from messages: it predicts the motion and compensates that during the scan.")
       .text("robot_odom_frame_id", &Config::robot_odom_frame_id,
             "Frame in which a wheel odometry gives tf the pose of base_link, or which it gives in "
             "base_link; not the frame of this package's own odometry.");

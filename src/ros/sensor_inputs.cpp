@@ -34,9 +34,8 @@ const std::vector<std::string>& velocity_types() {
 }
 
 const std::vector<std::string>& gnss_types() {
-  static const std::vector<std::string> types = {type_of<sensor_msgs::NavSatFix>(),
-                                                 type_of<GeoPointStamped>(),
-                                                 type_of<NmeaSentence>()};
+  static const std::vector<std::string> types = {
+      type_of<sensor_msgs::NavSatFix>(), type_of<GeoPointStamped>(), type_of<NmeaSentence>()};
   return types;
 }
 
@@ -71,8 +70,7 @@ SensorInput<GnssFix> input_of(const GeoPointStamped& message) {
 }
 
 std::optional<SensorInput<GnssFix>> input_of(const NmeaSentence& message) {
-  const auto fix =
-      preprocessing::fix_of_nmea(message.sentence, from_ros(message.header.stamp));
+  const auto fix = preprocessing::fix_of_nmea(message.sentence, from_ros(message.header.stamp));
   if (!fix) return std::nullopt;
   return SensorInput<GnssFix>{*fix, message.header.frame_id};
 }

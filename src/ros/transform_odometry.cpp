@@ -38,8 +38,8 @@ std::vector<VelocitySample> TransformOdometry::add(const tf2_msgs::TFMessage& me
     if (!upright && !(parent == base_frame_ && child == odom_frame_)) continue;
     const std::optional<Pose> T_parent_child = pose_of(transform.transform);
     if (!T_parent_child) continue;
-    const auto velocity = follow({from_ros(transform.header.stamp),
-                                  upright ? *T_parent_child : T_parent_child->inverse()});
+    const auto velocity = follow(
+        {from_ros(transform.header.stamp), upright ? *T_parent_child : T_parent_child->inverse()});
     if (velocity) velocities.push_back(*velocity);
   }
   return velocities;

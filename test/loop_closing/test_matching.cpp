@@ -104,8 +104,7 @@ TEST_P(MatchingBy, IsNotConvergedWhereNothingIsNear) {
   config.registration_method = GetParam();
   ScanAlignment alignment(config);
   const Pose far = street.T_true * planar(500.0, 0.0, 0.0);
-  EXPECT_FALSE(
-      alignment.align(street.query->points, street.submap->surface, far).converged);
+  EXPECT_FALSE(alignment.align(street.query->points, street.submap->surface, far).converged);
 }
 
 using registration::Method;

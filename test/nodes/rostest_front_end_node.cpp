@@ -221,8 +221,7 @@ TEST_F(FrontEndNode, TakesTheMotionFromOutsideWhenToldTo) {
 
 /// As rviz's "2D Pose Estimate" gives it.
 TEST_F(FrontEndNode, BeginsAtTheInitialPoseAndSaysWhenItComesTooLate) {
-  const auto initial =
-      connected_publisher<geometry_msgs::PoseWithCovarianceStamped>("initialpose");
+  const auto initial = connected_publisher<geometry_msgs::PoseWithCovarianceStamped>("initialpose");
   ASSERT_TRUE(wait_until([] { return is_connected("initialpose"); }));
   const auto publish = [&](const std::string& frame) {
     geometry_msgs::PoseWithCovarianceStamped message;

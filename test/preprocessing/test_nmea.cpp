@@ -43,17 +43,17 @@ TEST(Nmea, KnowsAllConstellationsHemispheresAndQualities) {
 }
 
 TEST(Nmea, TakesNothingFromWhatHoldsNoFixOrIsDamaged) {
-  for (const std::string& sentence : {
-           std::string(), std::string("$"), std::string("$GPGGA"), std::string(30, ','),
-           std::string("$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A"),
-           std::string("$GPGGA,123519,,,,,0,00,99.99,,,,,,*48"),                        // no fix
-           std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*48"),
-           std::string("$GPGGA,123519,4807.038,N,01131.000,E,0,08,0.9,545.4,M,46.9,M,,"),
-           std::string("$GPGGA,123519,4867.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
-           std::string("$GPGGA,123519,9107.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
-           std::string("$GPGGA,123519,nan,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
-           std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,,M,46.9,M,,"),
-           kGga.substr(0, 30)}) {
+  for (const std::string& sentence :
+       {std::string(), std::string("$"), std::string("$GPGGA"), std::string(30, ','),
+        std::string("$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A"),
+        std::string("$GPGGA,123519,,,,,0,00,99.99,,,,,,*48"),  // no fix
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*48"),
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,0,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,4867.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,9107.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,nan,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,,M,46.9,M,,"),
+        kGga.substr(0, 30)}) {
     EXPECT_FALSE(fix_of_nmea(sentence, kStamp)) << sentence;
   }
 }

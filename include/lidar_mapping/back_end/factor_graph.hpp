@@ -69,7 +69,8 @@ using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
 
 /// Moves the nodes to the least sum over the `used` constraints: by the package's own Gauss-Newton
 /// (gauss_newton.hpp) where the trust region does not bind; where that fails to lower the cost, or
-/// where damping is asked for, by Levenberg-Marquardt in Ceres. Both factorise by a sparse Cholesky.
+/// where damping is asked for, by Levenberg-Marquardt in Ceres. Both factorise by a sparse
+/// Cholesky.
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings);
 
