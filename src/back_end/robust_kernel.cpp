@@ -98,6 +98,23 @@ class SaturatedLoss : public ceres::LossFunction {
   double c2_;
 };
 
+/// Tukey's biweight, c^2 / 3 (1 - (1 - s / c^2)^3) up to c and constant beyond. That of older Ceres
+/// has half the slope.
+class TukeyLoss : public ceres::LossFunction {
+ public:
+  explicit TukeyLoss(double squared_size) : c2_(squared_size) {}
+
+  void Evaluate(double s, double rho[3]) const override {
+    const double rest = s <= c2_ ? 1.0 - s / c2_ : 0.0;
+    rho[0] = c2_ / 3.0 * (1.0 - rest * rest * rest);
+    rho[1] = rest * rest;
+    rho[2] = -2.0 / c2_ * rest;
+  }
+
+ private:
+  double c2_;
+};
+
 /// c^2 (1 - exp(-s / c^2)).
 class WelschLoss : public ceres::LossFunction {
  public:
@@ -158,7 +175,7 @@ std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double siz
     case RobustKernel::kSaturated:
       return std::make_unique<SaturatedLoss>(size * size);
     case RobustKernel::kTukey:
-      return std::make_unique<ceres::TukeyLoss>(size);
+      return std::make_unique<TukeyLoss>(size * size);
     case RobustKernel::kWelsch:
       return std::make_unique<WelschLoss>(size * size);
     case RobustKernel::kCauchy:

@@ -43,21 +43,22 @@ Constraint rows(int count, int block, const Eigen::Vector3d& measured = {1.0, 2.
 class RowCount : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMostRows + 1));
 
-TEST_P(RowCount, AllReachTheMinimumThatTheyShareWithAWeakPrior) {
+TEST_P(RowCount, AllReachTheMinimum) {
   FactorGraph graph;
   graph.planar = true;
   graph.add_node(Pose());
-  const Eigen::Vector3d truth(1.0, 2.0, 0.5);
-  graph.add(rows(GetParam(), kPlanarBlockSize, truth));
-  graph.add(rows(3, kPlanarBlockSize, truth));
-  const std::vector<bool> all(2, true);
+  const Eigen::Vector3d here(1.0, 2.0, 0.5);
+  const Eigen::Vector3d there(4.0, 3.0, 0.6);
+  graph.add(rows(GetParam(), kPlanarBlockSize, here));
+  graph.add(rows(3, kPlanarBlockSize, there));
   const LossOf none = [](const Constraint&) { return nullptr; };
-  const MinimizerSummary summary = gauss_newton(graph, all, none, {});
+  const MinimizerSummary summary = gauss_newton(graph, std::vector<bool>(2, true), none, {});
   EXPECT_TRUE(summary.usable) << summary.message;
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(graph.states[0][i], truth[static_cast<Eigen::Index>(i)], 1e-9);
+  for (int i = 0; i < 3; ++i) {
+    const double count = (GetParam() + 2 - i) / 3;  // rows of the first that measure coordinate i
+    const double mean = (count * here[i] + there[i]) / (count + 1.0);
+    EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
   }
-  EXPECT_NEAR(total_chi2(graph, all), 0.0, 1e-12);
 }
 
 TEST_P(RowCount, AllAreLinearisedWhole) {

@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(All, SlidingWindow,
                                          registration::Method::kGicp),
                          [](const auto& instance) { return to_string(instance.param); });
 
-TEST(SlidingWindow, IsWhatNdtMatchesAgainstWhereThatIsAsked) {
+TEST(SlidingWindowTracker, IsWhatNdtMatchesAgainstWhereThatIsAsked) {
   FrontEndConfig config = config_for(registration::Method::kNdt);
   const auto is_window = [&] {
     const std::unique_ptr<Tracker> tracker = make_tracker(config);
