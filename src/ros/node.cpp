@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include <CLI/CLI.hpp>
+#include <ros/param.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/warning_limiter.hpp"
