@@ -292,14 +292,15 @@ TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {
   EXPECT_THROW(front_end.process(late), InputError);
 }
 
-/// Begins at x = 3 m, y = -2 m, turned to the left by 90 degrees.
+/// Where a front end begins, by what a person says and by what GNSS says.
 Pose begun(const FrontEndConfig& config, const std::optional<Pose>& said, const Pose& by_gnss) {
   FrontEnd front_end(config);
   if (said) front_end.set_initial_pose(*said);
   MotionPrior prior;
   prior.T_odom_base_initial = by_gnss;
   prior.T_external_base = Pose{Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0}};
-  const FrontEndResult result = front_end.process(town().base_scan(0), prior);
+  static const Scan scan = town().base_scan(0);
+  const FrontEndResult result = front_end.process(scan, prior);
   EXPECT_THROW(front_end.set_initial_pose(Pose::Identity()), InputError) << "it has begun";
   return result.T_odom_base;
 }
