@@ -122,7 +122,7 @@ void FrontEndNode::subscribe_sensors() {
                   subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
                                                 go_on([this](const auto& m) { take_gnss(m); }))};
   subscribers_.push_back(subscribe<geometry_msgs::PoseWithCovarianceStamped>(
-      context_, "initialpose", 1, [this](const auto& m) { take_initial_pose(*m); }));
+      context_, "initialpose", capacity, [this](const auto& m) { take_initial_pose(*m); }));
   if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
   subscribers_.push_back(subscribe<nav_msgs::Odometry>(
       context_, "external_odom", 10 * capacity, go_on([this](const auto& m) {
