@@ -451,7 +451,7 @@ def check(names, work):
 
 def main():
     options = arguments()
-    names = options.pages or ['README.md'] + sorted(f'doc/{path.name}' for path in (ROOT / 'doc').glob('*.md'))
+    names = options.pages or ['README.md'] + sorted(str(path.relative_to(ROOT)) for path in (ROOT / 'doc').rglob('*.md'))
     if options.keep:
         options.keep.mkdir(parents=True)
         return check(names, options.keep.resolve())
