@@ -8,6 +8,13 @@ namespace {
 // A vehicle that brakes or steers firmly.
 constexpr double kAcceleration = 3.0;         // m/s^2
 constexpr double kAngularAcceleration = 1.0;  // rad/s^2
+// 1 cm and 0.1 degrees from scan to scan at 10 Hz: slower than a vehicle drives.
+constexpr double kRestSpeed = 0.1;  // m/s
+constexpr double kRestTurn = 0.02;  // rad/s
+
+bool is_at_rest(const Vector6d& twist) {
+  return twist.head<3>().norm() < kRestSpeed && twist.tail<3>().norm() < kRestTurn;
+}
 
 }  // namespace
 
@@ -21,7 +28,7 @@ TrackedScan coasted(const TrackedScan& tracked, double seconds) {
                          diagonal_covariance(reach * kAcceleration, reach * kAngularAcceleration));
   result.acceleration.setZero();
   result.status = {};
-  result.status.state = TrackingState::kLost;
+  result.status.state = is_at_rest(tracked.twist) ? TrackingState::kDegraded : TrackingState::kLost;
   result.status.repeated = true;
   result.status.unobserved_stddev = tracked.status.unobserved_stddev;
   result.status.elevation_shift = tracked.status.elevation_shift;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include <CLI/CLI.hpp>
+#include <ros/param.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/warning_limiter.hpp"
@@ -25,6 +26,13 @@ std::string without_digits(std::string text) {
                             [](unsigned char c) { return std::isdigit(c) != 0; }),
              text.end());
   return text;
+}
+
+/// roscpp asks the master for this parameter at the first line that is logged, and a master that
+/// does not answer would hold up the scans then. Asked for once, it is known.
+void prepare_log() {
+  bool is_disabled = false;
+  ros::param::getCached("/rosout_disable_topics_generation", is_disabled);
 }
 
 void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) {
@@ -86,6 +94,7 @@ NodeOptions start_ros(int argc, char** argv, const std::string& name, const std:
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error) {
   // Without a node handle roscpp shuts down, and its log with it.
   const ros::NodeHandle keeps_log;
+  prepare_log();
   try {
     run_to_end(make);
     return 0;

@@ -68,5 +68,15 @@ TEST(Coasting, GoesOnAsBeforeAndIsEverLessSure) {
   EXPECT_GT(std::sqrt(last_variance), 1.5) << "a vehicle that brakes is that far off after 1 s";
 }
 
+// A simulated sensor without noise that stands still sees the same points again and again.
+TEST(Coasting, IsNotLostAtRest) {
+  TrackedScan tracked;
+  tracked.covariance = diagonal_covariance(0.01, 0.001);
+  tracked.twist << 0.02, 0.0, 0.01, 0.0, 0.0, 0.005;
+  EXPECT_EQ(coasted(tracked, 0.1).status.state, TrackingState::kDegraded);
+  tracked.twist << 0.0, 0.0, 0.0, 0.0, 0.0, 0.05;
+  EXPECT_EQ(coasted(tracked, 0.1).status.state, TrackingState::kLost);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::front_end
