@@ -29,6 +29,11 @@ constexpr double kMostPeriod = 2.1;
 constexpr double kScattering = 1.3;
 constexpr double kWandering = 0.8;
 
+/// A stamp that is later than expected by this share of the period belongs to a later turn. A scan
+/// is missing less often than a stamp is off by half a period; what is overlooked the next scan
+/// shows.
+constexpr double kMissing = 0.6;
+
 double phase_angle(double seconds, double period) { return 2.0 * M_PI * seconds / period; }
 
 }  // namespace
@@ -139,10 +144,11 @@ void SweepClock::count_turns(double period) {
   fit();
 }
 
-/// By the line so far.
+/// By the line so far: the next turn, unless a scan must be missing.
 double SweepClock::turns_of_last() const {
-  const double turn = std::round((window_.back().middle - fit_.begin) / fit_.period);
-  return std::max(window_[window_.size() - 2].turn + 1.0, turn);
+  const double turn = (window_.back().middle - fit_.begin) / fit_.period;
+  const double next = window_[window_.size() - 2].turn + 1.0;
+  return turn < next + kMissing ? next : std::round(turn);
 }
 
 void SweepClock::fit() {
