@@ -65,7 +65,8 @@ class BackEndNode {
   void take_solution(const back_end::OptimizationSolution& solution, double seconds,
                      const std::shared_ptr<Run>& solved_run);
   void take_failure(const std::string& problem);
-  void end_solving(const back_end::OptimizationReport& report);
+  void end_solving(back_end::OptimizationReport report);
+  void add_doubt(std::string& message) const;
   void publish_poses();
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
   void write_files();

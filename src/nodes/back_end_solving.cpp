@@ -54,14 +54,26 @@ void BackEndNode::take_failure(const std::string& problem) {
 }
 
 /// Gives the answers that waited for this optimisation, and begins the next that was asked for.
-void BackEndNode::end_solving(const back_end::OptimizationReport& report) {
+void BackEndNode::end_solving(back_end::OptimizationReport report) {
   solving_ = false;
   context_.diagnostics.set_state(Diagnostics::Level::kOk, report.message);
-  if (!answers_.empty()) write_files();
+  if (!answers_.empty()) {
+    write_files();
+    add_doubt(report.message);
+  }
   for (OptimizeAnswer& answer : answers_) answer.set_value(report);
   answers_ = std::move(next_answers_);
   next_answers_.clear();
   if (!answers_.empty()) start_solving(true);
+}
+
+/// Who asks for the map is told where not to trust it.
+void BackEndNode::add_doubt(std::string& message) const {
+  if (!run_) return;
+  for (const std::string& warning : run_->warnings()) {
+    ROS_WARN_STREAM(warning);
+    message += ". " + warning;
+  }
 }
 
 void BackEndNode::publish_poses() {

@@ -290,6 +290,10 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
       ROS_WARN_STREAM(front_end::full_map_notice(result.status.map_points_dropped));
     }
   }
+  const double jitter = result.status.stamp_jitter;
+  if (jitter > 0.0 && limiter_.due("jitter")) {
+    ROS_WARN_STREAM(front_end::jitter_notice(jitter));
+  }
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {
       ROS_WARN(
