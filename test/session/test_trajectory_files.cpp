@@ -82,7 +82,7 @@ TEST(TrajectoryFiles, AreTakenByEvoAsTheyAre) {
   Session session = example_session(folder.path() / "session");
   write_trajectories(session, example_poses(), session.gnss(), folder.path() / "trajectory");
   const std::string files = (folder.path() / "trajectory").string();
-  for (const std::string command :
+  for (const std::string& command :
        {"evo_ape tum " + files + "/optimized.tum " + files + "/laser_odom.tum",
         "evo_ape kitti " + files + "/optimized.txt " + files + "/laser_odom.txt"}) {
     EXPECT_EQ(std::system((command + " >/dev/null").c_str()), 0) << command;
