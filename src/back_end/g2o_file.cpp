@@ -46,6 +46,14 @@ class Line {
     return value;
   }
 
+  /// Of a pose: m, rad or of a quaternion.
+  double coordinate() {
+    constexpr double kFarthest = 1e9;
+    const double value = number();
+    if (std::abs(value) > kFarthest) fail("a pose is beyond a million kilometres");
+    return value;
+  }
+
   std::int64_t id() {
     char* end = nullptr;
     const std::int64_t value = std::strtoll(rest_, &end, 10);
@@ -67,8 +75,8 @@ class Line {
 
 Pose read_pose(Line& line) {
   Pose pose;
-  for (int i = 0; i < 3; ++i) pose.translation[i] = line.number();
-  for (int i = 0; i < 4; ++i) pose.rotation.coeffs()[i] = line.number();
+  for (int i = 0; i < 3; ++i) pose.translation[i] = line.coordinate();
+  for (int i = 0; i < 4; ++i) pose.rotation.coeffs()[i] = line.coordinate();
   if (pose.rotation.norm() < 1e-6) line.fail("the quaternion is zero");
   pose.rotation.normalize();
   return pose;
@@ -76,8 +84,8 @@ Pose read_pose(Line& line) {
 
 Pose read_planar_pose(Line& line) {
   Pose pose;
-  for (int i = 0; i < 2; ++i) pose.translation[i] = line.number();
-  pose.rotation = exp_so3({0.0, 0.0, line.number()});
+  for (int i = 0; i < 2; ++i) pose.translation[i] = line.coordinate();
+  pose.rotation = exp_so3({0.0, 0.0, line.coordinate()});
   return pose;
 }
 

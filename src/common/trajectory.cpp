@@ -1,10 +1,12 @@
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 namespace lidar_mapping {
 
@@ -23,10 +25,10 @@ void append_number(std::string& line, double number, const char* format) {
 
 /// Seconds as text to nanoseconds without passing through a double, which would round.
 Stamp parse_seconds(const std::string& text) {
+  const double seconds = finite_number(text);
+  const Stamp rounded = stamp_of_seconds(seconds);
+  if (text.find_first_not_of("0123456789.") != std::string::npos) return rounded;
   const std::size_t point = text.find('.');
-  if (text.find_first_not_of("0123456789.") != std::string::npos) {
-    return from_seconds(std::stod(text));
-  }
   std::string fraction = point == std::string::npos ? "" : text.substr(point + 1);
   fraction.resize(9, '0');
   const std::string whole = text.substr(0, point);
@@ -42,19 +44,25 @@ std::vector<std::string> words_of(const std::string& line) {
 
 StampedPose from_tum(const std::vector<std::string>& words) {
   double v[kTumColumns];
-  for (std::size_t i = 1; i < kTumColumns; ++i) v[i] = std::stod(words[i]);
+  for (std::size_t i = 1; i < kTumColumns; ++i) v[i] = coordinate(words[i]);
   const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
-  if (!(rotation.norm() > 0.5)) throw InputError("quaternion is not of unit length");
+  if (std::abs(rotation.norm() - 1.0) > 0.5) throw InputError("quaternion is not of unit length");
   return {parse_seconds(words[0]), {rotation.normalized(), {v[1], v[2], v[3]}}};
 }
 
 Pose from_kitti(const std::vector<std::string>& words) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  for (int i = 0; i < 12; ++i) matrix(i / 4, i % 4) = std::stod(words[static_cast<std::size_t>(i)]);
-  return Pose::from_matrix(matrix);
+  for (int i = 0; i < 12; ++i)
+    matrix(i / 4, i % 4) = coordinate(words[static_cast<std::size_t>(i)]);
+  return rigid_pose(matrix);
 }
 
 void append_line(Trajectory& trajectory, const std::vector<std::string>& words) {
+  const bool is_other =
+      !trajectory.poses.empty() && trajectory.has_stamps != (words.size() == kTumColumns);
+  if (is_other && (words.size() == kTumColumns || words.size() == kKittiColumns)) {
+    throw InputError("lines of 8 numbers (TUM) and of 12 (KITTI) are mixed");
+  }
   if (words.size() == kTumColumns) {
     trajectory.poses.push_back(from_tum(words));
   } else if (words.size() == kKittiColumns) {
@@ -106,7 +114,8 @@ Trajectory read_trajectory(const std::string& path) {
     try {
       append_line(trajectory, words);
     } catch (const std::exception& error) {
-      throw InputError(path + ":" + std::to_string(number) + ": " + error.what());
+      throw InputError(path + ":" + std::to_string(number) + ": " + error.what() +
+                       "; mend or remove the line");
     }
   }
   return trajectory;

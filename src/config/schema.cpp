@@ -84,7 +84,9 @@ std::string read_value(const Value& value, std::size_t size, std::vector<double>
   if (list->size() != size) return "has " + std::to_string(list->size()) + " elements";
   std::vector<double> numbers(size);
   for (std::size_t i = 0; i < size; ++i) {
-    if (!to_double((*list)[i], numbers[i])) return "holds something that is not a number";
+    if (!to_double((*list)[i], numbers[i]) || !std::isfinite(numbers[i])) {
+      return "holds something that is not a finite number";
+    }
   }
   field = std::move(numbers);
   return "";

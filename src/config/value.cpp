@@ -1,6 +1,8 @@
 #include "lidar_mapping/config/value.hpp"
 
 #include <cmath>
+#include <cstring>
+#include <iterator>
 #include <sstream>
 
 #include <yaml-cpp/yaml.h>
@@ -24,19 +26,72 @@ Value scalar_from(const YAML::Node& node) {
   return {word};
 }
 
-Value value_from(const YAML::Node& node) {
-  if (node.IsScalar()) return scalar_from(node);
-  if (node.IsSequence()) {
+/// A document becomes values; what only an attack or a damaged file has ends it: an alias that
+/// contains itself, groups in groups without end.
+class Conversion {
+ public:
+  Value value_from(const YAML::Node& node) {
+    if (++values_ > kMostValues) fail(node, "it has too many values");
+    if (node.IsScalar()) return scalar_from(node);
+    if (!node.IsSequence() && !node.IsMap()) return {};
+    if (++depth_ > kDeepest) fail(node, "its groups are nested too deeply");
+    const Value value = node.IsSequence() ? Value{list_from(node)} : Value{map_from(node)};
+    --depth_;
+    return value;
+  }
+
+ private:
+  static constexpr int kMostValues = 100'000;
+  static constexpr int kDeepest = 30;
+
+  [[noreturn]] static void fail(const YAML::Node& node, const std::string& problem) {
+    throw YAML::ParserException(node.Mark(), problem);
+  }
+
+  Value::List list_from(const YAML::Node& node) {
     Value::List list;
     for (const YAML::Node& element : node) list.push_back(value_from(element));
-    return {list};
+    return list;
   }
-  if (node.IsMap()) {
+
+  Value::Map map_from(const YAML::Node& node) {
     Value::Map map;
-    for (const auto& entry : node) map[entry.first.as<std::string>()] = value_from(entry.second);
-    return {map};
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) fail(entry.first, "the name of a value is to be one word");
+      map[entry.first.Scalar()] = value_from(entry.second);
+    }
+    return map;
   }
-  return {};
+
+  int values_ = 0;
+  int depth_ = 0;
+};
+
+[[noreturn]] void refuse(const std::string& origin, std::size_t line, const std::string& problem) {
+  throw ConfigError(origin + ":" + std::to_string(line) + ": " + problem +
+                    "; see config/ for how such a file looks");
+}
+
+/// The parser calls itself for every bracket that is open and every column of indentation, and ends
+/// with the stack where somebody writes ten thousand of them.
+void check_nesting(const std::string& text, const std::string& origin) {
+  constexpr std::size_t kLargest = 1'000'000;  // bytes
+  constexpr std::size_t kMostOpen = 100;
+  constexpr std::size_t kWidest = 200;  // columns of indentation and indicators
+  if (text.size() > kLargest) refuse(origin, 1, "it is larger than a file of parameters is");
+  std::size_t line = 1, open = 0, indentation = 0;
+  bool in_front = true;
+  for (const char c : text) {
+    if (c == '\0') refuse(origin, line, "it has a zero byte, so it is no text");
+    if (c == '\n') ++line;
+    in_front = c == '\n' || (in_front && std::strchr(" -?:!&*[{", c) != nullptr);
+    indentation = c == '\n' ? 0 : indentation + (in_front ? 1 : 0);
+    if (c == '[' || c == '{') ++open;
+    if ((c == ']' || c == '}') && open > 0) --open;
+    if (open > kMostOpen || indentation > kWidest) {
+      refuse(origin, line, "it is nested too deeply for parameters");
+    }
+  }
 }
 
 Source source_from(const YAML::Node& root, const std::string& origin) {
@@ -44,7 +99,18 @@ Source source_from(const YAML::Node& root, const std::string& origin) {
   if (!root.IsMap()) {
     throw ConfigError(origin + ": expected lines of the form 'key: value'");
   }
-  return {origin, value_from(root)};
+  return {origin, Conversion().value_from(root)};
+}
+
+/// YAML::Exception is not only of the parser: also of what it made, where that has no sense.
+Source parsed(const std::string& text, const std::string& origin) {
+  check_nesting(text, origin);
+  try {
+    return source_from(YAML::Load(text), origin);
+  } catch (const YAML::Exception& error) {
+    const bool has_line = !error.mark.is_null();
+    refuse(origin, has_line ? static_cast<std::size_t>(error.mark.line) + 1 : 1, error.msg);
+  }
 }
 
 void flatten(const std::string& prefix, const Value& value, std::map<std::string, Value>& leaves) {
@@ -60,20 +126,12 @@ void flatten(const std::string& prefix, const Value& value, std::map<std::string
 }  // namespace
 
 Source read_yaml_file(const std::string& path) {
-  try {
-    std::ifstream file = open_for_reading(path);
-    return source_from(YAML::Load(file), path);
-  } catch (const YAML::ParserException& error) {
-    throw ConfigError(path + ": " + error.what());
-  }
+  std::ifstream file = open_for_reading(path);
+  return parsed({std::istreambuf_iterator<char>(file), {}}, path);
 }
 
 Source parse_yaml(const std::string& text, const std::string& origin) {
-  try {
-    return source_from(YAML::Load(text), origin);
-  } catch (const YAML::ParserException& error) {
-    throw ConfigError(origin + ": " + error.what());
-  }
+  return parsed(text, origin);
 }
 
 std::map<std::string, Value> flattened(const Value& values) {

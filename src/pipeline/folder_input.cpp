@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -23,6 +22,7 @@ constexpr char kImuFrame[] = "imu_link";
 constexpr double kUsualPeriod = 0.1;              // s, where nothing says otherwise
 constexpr Stamp kHalfTurn = from_seconds(0.05);   // from a scan's stamp to its last point
 constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s; a smaller number in a name counts scans
+constexpr Stamp kLastPlausibleTime = 9'000'000'000;
 
 std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& endings) {
   std::vector<fs::path> files;
@@ -52,7 +52,8 @@ void check_count(const fs::path& file, std::size_t times, std::size_t scans) {
 Stamp stamp_in(const std::string& name) {
   const std::size_t point = std::min(name.find('.'), name.size());
   const Stamp seconds = std::strtoll(name.substr(0, point).c_str(), nullptr, 10);
-  if (seconds < kFirstPlausibleTime || point == name.size()) return 0;
+  const bool is_time = seconds >= kFirstPlausibleTime && seconds < kLastPlausibleTime;
+  if (!is_time || point == name.size()) return 0;
   std::string fraction = name.substr(point + 1);
   fraction.resize(9, '0');
   return seconds * 1'000'000'000 + std::strtoll(fraction.c_str(), nullptr, 10);
@@ -64,8 +65,7 @@ std::vector<Stamp> stamps_of(const std::vector<fs::path>& scans, const FolderOpt
   std::vector<Stamp> stamps;
   const Stamp start = from_seconds(options.start);
   if (fs::exists(file)) {
-    std::ifstream times(file);
-    for (double seconds = 0.0; times >> seconds;) stamps.push_back(start + from_seconds(seconds));
+    for (const Stamp stamp : read_times(file)) stamps.push_back(start + stamp);
     check_count(file, stamps.size(), scans.size());
     return stamps;
   }
@@ -126,7 +126,7 @@ void FolderInput::read_raw(const std::string& path, const FolderOptions&) {
   // Some recordings lack scans in the middle: their names tell which dates are theirs.
   for (const fs::path& scan : scans) {
     const auto number = static_cast<std::size_t>(std::strtoull(scan.stem().c_str(), nullptr, 10));
-    check_count(velodyne / "timestamps.txt", stamps.size(), number + 1);
+    check_count(velodyne / "timestamps.txt", stamps.size(), std::max(number, number + 1));
     add_scan(stamps[number], [scan] { return read_scan(scan); });
   }
   description_ = "KITTI raw recording, " + std::to_string(scans.size()) + " scans";

@@ -1,11 +1,15 @@
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <type_traits>
 
 #include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -29,61 +33,127 @@ struct DumpedFrame {
   std::optional<Eigen::Quaterniond> orientation;
 };
 
-template <int Size>
-Eigen::Matrix<double, Size, 1> take_vector(std::istream& stream) {
-  Eigen::Matrix<double, Size, 1> vector;
-  for (int i = 0; i < Size; ++i) stream >> vector[i];
-  return vector;
-}
+/// The words of a file, which knows where it is in it.
+class FrameWords {
+ public:
+  explicit FrameWords(const fs::path& path) : path_(path), file_(open_for_reading(path)) {}
 
-Pose take_matrix(std::istream& stream) {
-  Eigen::Matrix4d matrix;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) stream >> matrix(row, column);
+  /// Empty at the end.
+  std::string next() {
+    std::string word;
+    while (!(line_ >> word)) {
+      std::string text;
+      if (!std::getline(file_, text)) return "";
+      ++number_;
+      line_ = std::istringstream(text);
+    }
+    return word;
   }
-  return Pose::from_matrix(matrix);
-}
 
-Floor take_floor(std::istream& stream) {
-  const Eigen::Vector4d plane = take_vector<4>(stream);
+  double number() {
+    return checked([this] { return coordinate(next()); });
+  }
+
+  template <int Size>
+  Eigen::Matrix<double, Size, 1> vector() {
+    Eigen::Matrix<double, Size, 1> vector;
+    for (int i = 0; i < Size; ++i) vector[i] = number();
+    return vector;
+  }
+
+  Pose pose() {
+    Eigen::Matrix4d matrix;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) matrix(row, column) = number();
+    }
+    return checked([&] { return rigid_pose(matrix); });
+  }
+
+  std::int64_t whole_number(double most) {
+    const double value = checked([this] { return finite_number(next()); });
+    if (value < 0.0 || value > most || value != std::floor(value)) fail("it is no whole number");
+    return static_cast<std::int64_t>(value);
+  }
+
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw FileError(path_.string() + ":" + std::to_string(number_) + ": " + problem +
+                    "; is this a dump of hdl_graph_slam?");
+  }
+
+ private:
+  template <typename Read>
+  std::invoke_result_t<Read> checked(const Read& read) const {
+    try {
+      return read();
+    } catch (const InputError& error) {
+      fail(error.what());
+    }
+  }
+
+  fs::path path_;
+  std::ifstream file_;
+  std::istringstream line_;
+  int number_ = 0;
+};
+
+Floor take_floor(FrameWords& words) {
+  const Eigen::Vector4d plane = words.vector<4>();
   Floor floor;
   floor.found = true;
   floor.normal = plane.head<3>();
   floor.offset = plane[3];
+  if (std::abs(floor.normal.norm() - 1.0) > 0.1)
+    words.fail("the floor's normal has no unit length");
   return floor;
 }
 
-void take_field(const std::string& name, std::istream& stream, DumpedFrame& frame) {
+Eigen::Quaterniond take_orientation(FrameWords& words) {
+  const Eigen::Vector4d q = words.vector<4>();
+  if (std::abs(q.norm() - 1.0) > 0.5) words.fail("the quaternion is not of unit length");
+  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+}
+
+Stamp take_stamp(FrameWords& words) {
+  constexpr double kLatest = 4.5e9, kNanoseconds = 999'999'999;
+  const std::int64_t seconds = words.whole_number(kLatest);
+  return seconds * 1'000'000'000 + words.whole_number(kNanoseconds);
+}
+
+void take_field(const std::string& name, FrameWords& words, DumpedFrame& frame) {
   if (name == "stamp") {
-    std::int64_t seconds = 0;
-    std::int64_t nanoseconds = 0;
-    stream >> seconds >> nanoseconds;
-    frame.stamp = seconds * 1'000'000'000 + nanoseconds;
+    frame.stamp = take_stamp(words);
   } else if (name == "estimate") {
-    frame.T_map_base = take_matrix(stream);
+    frame.T_map_base = words.pose();
   } else if (name == "odom") {
-    frame.T_odom_base = take_matrix(stream);
+    frame.T_odom_base = words.pose();
   } else if (name == "floor_coeffs") {
-    frame.floor = take_floor(stream);
+    frame.floor = take_floor(words);
   } else if (name == "utm_coord") {
-    frame.p_utm = take_vector<3>(stream);
+    frame.p_utm = words.vector<3>();
   } else if (name == "acceleration") {
-    frame.acceleration = take_vector<3>(stream);
+    frame.acceleration = words.vector<3>();
   } else if (name == "orientation") {
-    const Eigen::Vector4d q = take_vector<4>(stream);
-    frame.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+    frame.orientation = take_orientation(words);
   } else if (name == "id") {
-    stream >> frame.id;
+    constexpr double kLargest = 9e15;  // of whole numbers that a double holds
+    frame.id = words.whole_number(kLargest);
+  } else if (name == "accum_distance") {
+    words.number();
+  } else {
+    words.fail("'" + name.substr(0, 40) + "' is no field of a key frame");
   }
 }
 
 DumpedFrame read_frame(const fs::path& path) {
-  std::ifstream file(path);
+  FrameWords words(path);
   DumpedFrame frame;
-  for (std::string name; file >> name;) take_field(name, file, frame);
-  const bool broken = file.bad() || (file.fail() && !file.eof());
-  if (broken || frame.id < 0 || !is_finite(frame.T_odom_base) || !is_finite(frame.T_map_base)) {
-    throw FileError(path.string() + " is missing or damaged; is this a dump of hdl_graph_slam?");
+  std::set<std::string> there;
+  for (std::string name = words.next(); !name.empty(); name = words.next()) {
+    take_field(name, words, frame);
+    there.insert(name);
+  }
+  for (const char* name : {"stamp", "estimate", "odom", "id"}) {
+    if (there.count(name) == 0) words.fail(std::string("the field '") + name + "' is missing");
   }
   return frame;
 }

@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -48,15 +49,13 @@ std::vector<std::string> scan_names(const fs::path& folder) {
 
 std::vector<Stamp> read_stamps(const fs::path& path, std::size_t count) {
   std::vector<Stamp> stamps;
-  std::ifstream file(path);
-  if (!file) {
+  if (!fs::exists(path)) {
     for (std::size_t i = 0; i < count; ++i) {
       stamps.push_back(from_seconds(kUsualPeriod * static_cast<double>(i)));
     }
     return stamps;
   }
-  double seconds = 0.0;
-  while (file >> seconds) stamps.push_back(from_seconds(seconds));
+  stamps = read_times(path);
   if (stamps.size() < count) {
     throw FileError(path.string() + " has " + std::to_string(stamps.size()) + " times for " +
                     std::to_string(count) + " scans");
@@ -70,6 +69,19 @@ float time_from_azimuth(const Point& point) {
 }
 
 }  // namespace
+
+std::vector<Stamp> read_times(const fs::path& path) {
+  std::vector<Stamp> stamps;
+  for (const double seconds : read_numbers(path)) {
+    try {
+      stamps.push_back(stamp_of_seconds(seconds));
+    } catch (const InputError& error) {
+      throw FileError(path.string() + ", time " + std::to_string(stamps.size() + 1) + ": " +
+                      error.what());
+    }
+  }
+  return stamps;
+}
 
 std::vector<Point> read_points(const std::string& path) { return read_array<Point>(path); }
 

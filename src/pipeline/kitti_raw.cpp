@@ -8,6 +8,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -33,15 +34,23 @@ enum Column {
 
 constexpr int kMinSatellites = 4;
 
+/// Whether the numbers are those of a day and time between 1970 and 2200.
+bool is_plausible(const std::tm& date) {
+  const auto within = [](int value, int least, int most) {
+    return value >= least && value <= most;
+  };
+  return within(date.tm_year, 1970, 2200) && within(date.tm_mon, 1, 12) &&
+         within(date.tm_mday, 1, 31) && within(date.tm_hour, 0, 23) && within(date.tm_min, 0, 59) &&
+         within(date.tm_sec, 0, 60);
+}
+
 Stamp date_of(const std::string& line, const fs::path& path, std::size_t number) {
   std::tm date{};
-  double seconds = 0.0;
-  long long fraction = 0;
   char digits[10] = "";
   const int found =
-      std::sscanf(line.c_str(), "%d-%d-%d %d:%d:%d.%9[0-9]", &date.tm_year, &date.tm_mon,
+      std::sscanf(line.c_str(), "%4d-%2d-%2d %2d:%2d:%2d.%9[0-9]", &date.tm_year, &date.tm_mon,
                   &date.tm_mday, &date.tm_hour, &date.tm_min, &date.tm_sec, digits);
-  if (found < 6) {
+  if (found < 6 || !is_plausible(date)) {
     throw FileError(path.string() + ", line " + std::to_string(number) + ": '" + line +
                     "' is no date like 2011-09-26 13:02:25.967790592");
   }
@@ -49,16 +58,7 @@ Stamp date_of(const std::string& line, const fs::path& path, std::size_t number)
   date.tm_mon -= 1;
   std::string padded = digits;
   padded.resize(9, '0');
-  fraction = std::stoll(padded);
-  seconds = static_cast<double>(timegm(&date));
-  return static_cast<Stamp>(seconds) * 1'000'000'000 + fraction;
-}
-
-std::vector<double> numbers_in(const fs::path& path) {
-  std::ifstream file = open_for_reading(path);
-  std::vector<double> values;
-  for (double value = 0.0; file >> value;) values.push_back(value);
-  return values;
+  return static_cast<Stamp>(timegm(&date)) * 1'000'000'000 + std::stoll(padded);
 }
 
 Eigen::Vector3d vector_at(const std::vector<double>& values, std::size_t first) {
@@ -103,7 +103,7 @@ std::vector<OxtsSample> read_oxts(const fs::path& folder) {
   }
   std::vector<OxtsSample> samples;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::vector<double> values = numbers_in(files[i]);
+    const std::vector<double> values = read_numbers(files[i]);
     if (values.size() < kColumns) {
       throw FileError(files[i].string() + " has " + std::to_string(values.size()) +
                       " numbers, not " + std::to_string(kColumns) + "; copy it again");
@@ -114,7 +114,7 @@ std::vector<OxtsSample> read_oxts(const fs::path& folder) {
 }
 
 PointCloud read_text_scan(const fs::path& path) {
-  const std::vector<double> values = numbers_in(path);
+  const std::vector<double> values = read_numbers(path);
   if (values.size() % 4 != 0) {
     throw FileError(path.string() + " has " + std::to_string(values.size()) +
                     " numbers, no multiple of four; copy it again");
@@ -147,7 +147,11 @@ std::optional<Pose> read_imu_to_velo(const fs::path& path) {
   if (!has_rotation || !has_translation) {
     throw FileError(path.string() + " lacks the lines 'R:' or 'T:'; copy it again");
   }
-  return Pose::from_matrix(matrix);
+  try {
+    return rigid_pose(matrix);
+  } catch (const InputError& error) {
+    throw FileError(path.string() + ": " + error.what() + "; copy it again");
+  }
 }
 
 }  // namespace lidar_mapping::pipeline

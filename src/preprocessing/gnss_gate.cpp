@@ -96,10 +96,9 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
   const Eigen::Vector3d step = fix.p_enu - last_good_->p_enu;
   const double sigma = std::hypot(horizontal_sigma(fix), horizontal_sigma(*last_good_));
   const double seconds = to_seconds(fix.stamp - last_good_->stamp);
-  if (!has_motion_ || matches_.empty()) {
-    const double limit = kFastest * seconds + kSigmas * sigma + kSlack;
-    return step.norm() > limit ? jump_text("since the last fix", step.norm(), limit) : "";
-  }
+  const double drivable = kFastest * seconds + kSigmas * sigma + kSlack;
+  if (step.norm() > drivable) return jump_text("since the last fix", step.norm(), drivable);
+  if (!has_motion_ || matches_.empty()) return "";
   const double way = way_ - last_match_.way;
   if (way > kLongestWithout) return "";
   const double sigma_z = std::sqrt(fix.covariance(2, 2) + last_good_->covariance(2, 2));

@@ -10,6 +10,9 @@ namespace {
 constexpr Stamp kJumpBack = from_seconds(2.0);
 constexpr std::size_t kMostPending = 200;
 constexpr double kLongestMotion = 10.0;  // s; dead reckoning beyond says little
+constexpr double kElsewhere = 1000.0;    // m from the first fix; less mends itself on the way
+constexpr double kAgreeing = 20.0;       // m between two fixes
+constexpr double kFastest = 70.0;        // m/s
 constexpr double kSmallestStep = 0.001;  // s; by less a correction is not changed
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
@@ -53,7 +56,7 @@ FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
                                  ", their covariance says " + metres(scatter_.stated()) +
                                  "; it is raised to what they do");
   }
-  pending_.insert(at, {local, delay_});
+  pending_.insert(at, {fix, local, delay_});
   if (pending_.size() > kMostPending) pending_.pop_front();
   return {Insertion::kTaken, ""};
 }
@@ -70,16 +73,69 @@ std::vector<std::string> GnssTrack::settle(MotionSensors& sensors, Stamp now, St
     pending_.pop_front();
     sensors.check_velocity(fix);
     const std::string problem = judge(pending, sensors);
-    last_judged_ = fix.stamp;
     if (!problem.empty() && config_.gnss_gating) {
+      if (begins_elsewhere(pending)) {
+        begin_with(*rival_, pending, sensors);
+        continue;
+      }
+      last_judged_ = fix.stamp;
+      rival_ = pending;
       refused.push_back(problem);
       continue;
     }
+    last_judged_ = fix.stamp;
     if (problem.empty()) compare(pending, sensors);
-    fix.stamp += from_seconds(pending.taken_off);
-    stream_.insert(fix, frame_id_);
+    take(pending);
   }
   return refused;
+}
+
+void GnssTrack::take(PendingFix pending) {
+  taken_ = std::min<std::size_t>(taken_ + 1, 2);
+  pending.fix.stamp += from_seconds(pending.taken_off);
+  stream_.insert(pending.fix, frame_id_);
+}
+
+/// Whether the drive is there where this fix and the one before are, both refused, and not where
+/// the first fix says.
+bool GnssTrack::begins_elsewhere(const PendingFix& pending) const {
+  if (taken_ != 1 || !rival_ || stream_.buffer().empty()) return false;
+  const double off = (pending.fix.p_enu - stream_.buffer().newest().p_enu).norm();
+  const double seconds = to_seconds(pending.fix.stamp - rival_->fix.stamp);
+  const double step = (pending.fix.p_enu - rival_->fix.p_enu).norm();
+  return off > kElsewhere && step < kAgreeing + kFastest * seconds;
+}
+
+/// Everything is forgotten that came from the first fix, and the frame begins anew.
+void GnssTrack::begin_with(PendingFix first, PendingFix& second, const MotionSensors& sensors) {
+  const double off = (first.fix.p_enu - stream_.buffer().newest().p_enu).norm();
+  notices_.warn("start", "gnss: the first fix is " + std::to_string(std::lround(off / 1e3)) +
+                             " km from the next ones, which agree; it is left out and the drive "
+                             "begins with these");
+  local_frame_.begin_at(first.given);
+  stream_.clear();
+  gate_.clear();
+  scatter_.clear();
+  antenna_fit_.begin_window();
+  rival_.reset();
+  taken_ = 0;
+  const auto place = [this](PendingFix& pending) {
+    pending.fix.p_enu = local_frame_.to_local(pending.given).p_enu;
+    scatter_.add(pending.fix);
+  };
+  place(first);
+  place(second);
+  for (PendingFix& pending : pending_) place(pending);
+  gate_.judge(first.fix, lever_arm(), std::nullopt);
+  take(first);
+  last_judged_ = first.fix.stamp;
+  if (judge(second, sensors).empty()) take(second);
+  last_judged_ = second.fix.stamp;
+}
+
+std::optional<GeodeticDatum> GnssTrack::datum() const {
+  const bool is_sure = config_.use_datum || !config_.gnss_gating || taken_ > 1;
+  return is_sure ? local_frame_.datum() : std::nullopt;
 }
 
 std::string GnssTrack::judge(const PendingFix& pending, const MotionSensors& sensors) {
@@ -172,6 +228,7 @@ bool GnssTrack::trusts_heading(const GnssPosition& position, const Eigen::Quater
 void GnssTrack::clear() {
   stream_.clear();
   pending_.clear();
+  rival_.reset();
   last_judged_ = 0;
   gate_.clear();
   scatter_.clear();

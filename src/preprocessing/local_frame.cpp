@@ -110,11 +110,14 @@ LocalFrame::LocalFrame(const PreprocessingConfig& config) : config_(config) {
 
 LocalFrame::~LocalFrame() = default;
 
+void LocalFrame::begin_at(const GnssFix& fix) {
+  if (config_.use_datum) return;
+  projection_ = std::make_unique<Projection>(
+      GeodeticDatum{fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+}
+
 LocalFix LocalFrame::to_local(const GnssFix& fix) {
-  if (!projection_) {
-    projection_ = std::make_unique<Projection>(
-        GeodeticDatum{fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
-  }
+  if (!projection_) begin_at(fix);
   return {fix.stamp, projection_->forward(fix), believed_covariance(fix, config_), fix.status};
 }
 

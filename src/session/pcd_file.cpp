@@ -1,6 +1,4 @@
 #include <fstream>
-#include <optional>
-#include <sstream>
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
@@ -37,51 +35,41 @@ bool has_intensity(const pcl::PCLPointCloud2& cloud) {
   return false;
 }
 
-struct Header {
-  std::string text;
-  std::size_t points = 0;
-};
-
-/// Nothing if the header does not end, as in a file that was cut, on which PCL's reader crashes.
-std::optional<Header> read_header(std::istream& file) {
-  Header header;
-  std::optional<std::size_t> points;
-  for (std::string line; std::getline(file, line);) {
-    header.text += line + "\n";
-    std::istringstream words(line);
-    std::string key;
-    words >> key;
-    if (std::size_t count = 0; key == "POINTS" && words >> count) points = count;
-    if (key != "DATA") continue;
-    if (!points) return std::nullopt;
-    header.points = *points;
-    return header;
-  }
-  return std::nullopt;
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem) {
+  throw FileError("cannot read " + path.string() + ": " + problem +
+                  "; it is no PCD file or a damaged one");
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path) {
-  throw FileError("cannot read " + path.string() + ": missing or damaged PCD file");
+/// What the header says has been checked.
+pcl::PCLPointCloud2 read_with_pcl(const std::filesystem::path& path) {
+  pcl::PCLPointCloud2 raw;
+  try {
+    if (pcl::PCDReader().read(path.string(), raw) < 0) refuse(path, "its points cannot be read");
+  } catch (const FileError&) {
+    throw;
+  } catch (const std::exception& error) {  // of PCL, such as std::out_of_range of a short line
+    refuse(path, std::string("its points cannot be read (") + error.what() + ")");
+  }
+  return raw;
 }
 
 }  // namespace
 
 PointCloud read_pcd(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::optional<Header> header = read_header(file);
-  if (!header) refuse(path);
-  if (header->points == 0) return {};  // PCL does not read it
-  if (header->text == pcd_header(header->points)) {
-    const auto bytes = header->points * sizeof(Point);
-    if (std::filesystem::file_size(path) < header->text.size() + bytes) refuse(path);
+  const PcdHeader header = read_pcd_header(path);
+  if (!header.has_float_coordinates()) refuse(path, "it has no fields x y z of 4-byte floats");
+  if (header.points == 0) return {};  // PCL does not read it
+  if (header.text == pcd_header(header.points)) {
+    std::ifstream file(path, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(header.text.size()));
     PointCloud cloud;
-    cloud.points.resize(header->points);
-    file.read(reinterpret_cast<char*>(cloud.points.data()), static_cast<std::streamsize>(bytes));
-    if (!file) refuse(path);
+    cloud.points.resize(header.points);
+    file.read(reinterpret_cast<char*>(cloud.points.data()),
+              static_cast<std::streamsize>(header.points * sizeof(Point)));
+    if (!file) refuse(path, "its end is missing");
     return cloud;
   }
-  pcl::PCLPointCloud2 raw;
-  if (pcl::PCDReader().read(path.string(), raw) < 0) refuse(path);
+  const pcl::PCLPointCloud2 raw = read_with_pcl(path);
   return has_intensity(raw) ? from_pcl<pcl::PointXYZI>(raw) : from_pcl<pcl::PointXYZ>(raw);
 }
 

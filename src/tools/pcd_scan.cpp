@@ -1,11 +1,12 @@
 #include "pcd_scan.hpp"
 
-#include <fstream>
+#include <exception>
 
 #include <pcl/io/pcd_io.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/pcd_header.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
@@ -13,20 +14,6 @@
 namespace lidar_mapping::tools {
 
 namespace {
-
-/// More than x y z intensity, which need no decoder. PCL's reader crashes on files whose header was
-/// cut off; they count as plain, and the session's reader refuses them.
-bool has_more_fields(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  bool has_more = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.rfind("DATA", 0) == 0) return has_more;
-    if (line.rfind("FIELDS ", 0) == 0) {
-      has_more = line != "FIELDS x y z" && line != "FIELDS x y z intensity";
-    }
-  }
-  return false;
-}
 
 /// The same layout under other names; the numbers of the datatypes are the same.
 sensor_msgs::PointCloud2 to_message(const pcl::PCLPointCloud2& cloud, Stamp stamp) {
@@ -49,15 +36,30 @@ sensor_msgs::PointCloud2 to_message(const pcl::PCLPointCloud2& cloud, Stamp stam
   return message;
 }
 
+/// What the header says has been checked.
+pcl::PCLPointCloud2 read_with_pcl(const std::string& path) {
+  pcl::PCLPointCloud2 cloud;
+  int status = -1;
+  std::string problem;
+  try {
+    status = pcl::PCDReader().read(path, cloud);
+  } catch (const std::exception& error) {  // of PCL, such as std::out_of_range of a short line
+    problem = std::string(" (") + error.what() + ")";
+  }
+  if (status < 0) {
+    throw FileError("cannot read " + path + ": its points cannot be read" + problem +
+                    "; it is a damaged PCD file");
+  }
+  return cloud;
+}
+
 }  // namespace
 
 preprocessing::RawScan read_pcd_scan(const std::string& path, Stamp stamp,
                                      const preprocessing::PreprocessingConfig& config) {
-  if (!has_more_fields(path)) return {stamp, "", session::read_pcd(path)};
-  pcl::PCLPointCloud2 cloud;
-  if (pcl::PCDReader().read(path, cloud) < 0) {
-    throw FileError("cannot read " + path + ": missing or damaged PCD file");
-  }
+  const PcdHeader header = read_pcd_header(path);
+  if (!header.has_more_fields() || header.points == 0) return {stamp, "", session::read_pcd(path)};
+  const pcl::PCLPointCloud2 cloud = read_with_pcl(path);
   return ros_border::decode(to_message(cloud, stamp), config).scan;
 }
 

@@ -8,6 +8,8 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "temporary_folder.hpp"
+
 namespace lidar_mapping {
 namespace {
 
@@ -63,6 +65,37 @@ TEST_F(TrajectoryFile, NamesTheMalformedLine) {
 
 TEST(Trajectory, SaysWhichFileIsMissing) {
   EXPECT_THROW(read_trajectory("/nonexistent.tum"), FileError);
+}
+
+// Of what no vehicle can have been at: nan, inf, beyond the Moon, no rotation.
+TEST(TrajectoryTest, RefusesNonsenseWithFileAndLine) {
+  const std::string good_tum = "100.5 1 2 3 0 0 0 1\n";
+  const std::string good_kitti = "1 0 0 5 0 1 0 6 0 0 1 7\n";
+  const std::string bad[] = {good_tum + "101 nan 2 3 0 0 0 1\n",
+                             good_tum + "101 1 inf 3 0 0 0 1\n",
+                             good_tum + "nan 1 2 3 0 0 0 1\n",
+                             good_tum + "1e30 1 2 3 0 0 0 1\n",
+                             good_tum + "101 1e200 2 3 0 0 0 1\n",
+                             good_tum + "101 1 2 3x 0 0 0 1\n",
+                             good_tum + "101 1 2 3 0 0 0 0\n",
+                             good_tum + "101 1 2 3 0 0 nan 1\n",
+                             good_tum + "1.2.3 1 2 3 0 0 0 1\n",
+                             good_tum + "99999999999999999999 1 2 3 0 0 0 1\n",
+                             good_tum + good_kitti,
+                             good_kitti + "1 0 0 nan 0 1 0 6 0 0 1 7\n",
+                             good_kitti + "1 0 0 5 0 1 0 6 0 0 7 7\n",
+                             good_kitti + "1 0 0 5 0 1 0 6 0 0 -1 7\n"};
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "poses.txt").string();
+  for (const std::string& text : bad) {
+    std::ofstream(path) << text;
+    try {
+      read_trajectory(path);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).rfind(path + ":2: ", 0), 0U) << error.what();
+    }
+  }
 }
 
 }  // namespace

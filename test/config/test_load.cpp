@@ -147,5 +147,39 @@ TEST(ReadYamlFile, SaysWhichFileIsMissing) {
   EXPECT_THROW(read_yaml_file("/nonexistent.yaml"), FileError);
 }
 
+// What ends the parser, or would go on for ever; all of it has been seen in damaged files.
+TEST(Load, RefusesDamagedFilesWithFileAndLine) {
+  const auto repeated = [](const std::string& part, int times) {
+    std::string text;
+    for (int i = 0; i < times; ++i) text += part;
+    return text;
+  };
+  std::string laughs = "a0: &a0 [1, 1]\n";
+  for (int i = 1; i < 28; ++i) {
+    const std::string before = std::to_string(i - 1), now = std::to_string(i);
+    laughs += "a" + now + ": &a" + now + " [*a" + before + ", *a" + before + "]\n";
+  }
+  const std::pair<std::string, std::string> bad[] = {
+      {"b: 1\na: &ring [*ring]\n", "a.yaml:2: "},
+      {"b: 1\na: " + repeated("[", 20'000) + "\n", "a.yaml:2: "},
+      {"b: 1\na: " + repeated("{a: ", 20'000) + "\n", "a.yaml:2: "},
+      {"b: 1\n" + repeated("- ", 20'000) + "\n", "a.yaml:2: "},
+      {"b: 1\n" + repeated("? ", 20'000) + "\n", "a.yaml:2: "},
+      {"b: 1\n[1, 2]: 3\n", "a.yaml:2: "},
+      {"b: 1\na: {c: ]\n", "a.yaml:2: "},
+      {"b: 1\n\tc: 2\n", "a.yaml:"},
+      {"b: 1\na: *none\n", "a.yaml:2: "},
+      {std::string("b: 1\na: \0 1\n", 13), "a.yaml:2: "},
+      {laughs, "a.yaml:"}};
+  for (const auto& [text, place] : bad) {
+    try {
+      parse_yaml(text, "a.yaml");
+      ADD_FAILURE() << text.substr(0, 60);
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(std::string(error.what()).rfind(place, 0), 0U) << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lidar_mapping::config

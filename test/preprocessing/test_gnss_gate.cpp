@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -23,8 +24,11 @@ struct Outcome {
   std::size_t refused = 0;
 };
 
+using Spoil = std::function<void(std::vector<GnssFix>&)>;
+
 Outcome drive_with(const simulation::Drive& drive, bool with_motion, bool gating,
-                   double delay = 0.0) {
+                   double delay = 0.0,
+                   const std::function<void(std::vector<GnssFix>&)>& spoil = nullptr) {
   PreprocessingConfig config;
   config.gnss_gating = gating;
   const GeodeticDatum datum = drive.datum();
@@ -39,6 +43,7 @@ Outcome drive_with(const simulation::Drive& drive, bool with_motion, bool gating
   const auto velocities = drive.velocity();
   auto fixes = drive.gnss();
   for (GnssFix& fix : fixes) fix.stamp += from_seconds(delay);
+  if (spoil) spoil(fixes);
   std::size_t i = 0, v = 0, g = 0;
   std::vector<SyncedScan> scans;
   for (std::size_t k = 0; k < drive.scan_count(); ++k) {
@@ -125,6 +130,65 @@ TEST(GnssGate, WithoutMotionRefusesWhatNobodyCanDrive) {
   const Outcome outcome = drive_with(simulation::Drive(options), false, true);
   EXPECT_GT(outcome.refused, 3U);
   EXPECT_GT(outcome.with_gnss, outcome.scans - 120);
+}
+
+/// Five degrees are 550 km.
+void throw_first(std::vector<GnssFix>& fixes, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) fixes[i].latitude_deg += 5.0;
+}
+
+TEST(GnssTrack, LeavesOutAFirstFixThatIsElsewhere) {
+  simulation::DriveOptions options;
+  options.duration = 60.0;
+  const simulation::Drive drive(options);
+  for (const bool with_motion : {true, false}) {
+    const Outcome outcome = drive_with(drive, with_motion, true, 0.0,
+                                       [](std::vector<GnssFix>& fixes) { throw_first(fixes, 1); });
+    EXPECT_LT(outcome.worst, 1.0);
+    EXPECT_GE(outcome.with_gnss, outcome.scans - 6);
+  }
+}
+
+TEST(GnssTrack, BeginsItsFrameWhereTheNextFixesAgree) {
+  simulation::DriveOptions options;
+  options.duration = 20.0;
+  const simulation::Drive drive(options);
+  auto fixes = drive.gnss();
+  throw_first(fixes, 1);
+  Preprocessor stage({}, [](const std::string&) { return Pose::Identity(); });
+  std::vector<SyncedScan> scans;
+  std::size_t g = 0;
+  for (std::size_t k = 0; k < drive.scan_count(); ++k) {
+    const Stamp stamp = drive.scan_stamp(k);
+    for (; g < fixes.size() && fixes[g].stamp <= stamp; ++g) stage.add_gnss(fixes[g], "gps");
+    EXPECT_EQ(g == 1 && stage.datum(), false) << "of a fix that nothing confirms";
+    test::append(scans, stage.process(test::ring_scan(stamp)));
+  }
+  test::append(scans, stage.flush());
+  ASSERT_TRUE(stage.datum());
+  EXPECT_EQ(stage.datum()->latitude_deg, fixes[1].latitude_deg);
+  std::size_t with_gnss = 0;
+  for (const SyncedScan& scan : scans) {
+    if (!scan.gnss) continue;
+    ++with_gnss;
+    EXPECT_LT(scan.gnss->p_enu_antenna.norm(), 1000.0);
+  }
+  EXPECT_GE(with_gnss, scans.size() - 6);
+  std::string said;
+  for (const Notice& notice : stage.take_notices()) said += notice.text + "\n";
+  EXPECT_NE(said.find("gnss: the first fix is 556 km from the next ones"), std::string::npos)
+      << said;
+}
+
+/// Nobody knows then which ones are wrong; what was placed once stays.
+TEST(GnssTrack, NeverLeapsToWhereNobodyCanDrive) {
+  simulation::DriveOptions options;
+  const simulation::Drive drive(options);
+  const Outcome outcome = drive_with(drive, true, true, 0.0, [](std::vector<GnssFix>& fixes) {
+    for (std::size_t i = fixes.size() / 2; i < fixes.size(); ++i) fixes[i].latitude_deg += 5.0;
+  });
+  EXPECT_LT(outcome.worst, 1.0);
+  EXPECT_GT(outcome.refused, 10U);
 }
 
 }  // namespace

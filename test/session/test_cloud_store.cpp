@@ -136,5 +136,58 @@ TEST(PcdFile, ReadsOtherLayoutsThanItsOwn) {
   EXPECT_EQ(cloud.points[0].intensity, 4.0F);
 }
 
+/// A whole file of two points; `line` of its header gives way to `other`.
+std::string pcd_with(const std::string& line, const std::string& other) {
+  std::string text =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
+      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA binary\n" +
+      std::string(24, 'p');
+  const std::size_t at = text.find(line);
+  return text.replace(at, line.size(), other);
+}
+
+// PCL's reader writes beyond its memory for most of these.
+TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.pcd";
+  const auto write = [&](const std::string& line, const std::string& other) {
+    std::ofstream(path, std::ios::binary) << pcd_with(line, other);
+  };
+  write("", "");
+  EXPECT_EQ(read_pcd(path).size(), 2U);
+  const std::pair<const char*, const char*> damages[] = {
+      {"POINTS 2\n", ""},
+      {"HEIGHT 1\n", ""},
+      {"WIDTH 2\n", ""},
+      {"SIZE 4 4 4\n", ""},
+      {"TYPE F F F\n", ""},
+      {"FIELDS x y z\n", ""},
+      {"FIELDS x y z", "FIELDS a y z"},
+      {"FIELDS x y z", "FIELDS x y"},
+      {"DATA binary\n", ""},
+      {"DATA binary", "DATA"},
+      {"DATA binary", "DATA binary_compressed"},
+      {"POINTS 2", "POINTS 3"},
+      {"POINTS 2", "POINTS -2"},
+      {"WIDTH 2", "WIDTH 4294967297"},
+      {"WIDTH 2\nHEIGHT 1", "WIDTH 65536\nHEIGHT 65536"},
+      {"SIZE 4 4 4", "SIZE 4 4 400"},
+      {"COUNT 1 1 1", "COUNT 1 1 0"},
+      {"COUNT 1 1 1", "COUNT 1 1 2"},
+      {"POINTS 2\n", "POINTS 2\nCOUNT 1 1 9\n"},
+      {"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0"},
+      {"VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 nan 1 0 0 0"},
+      {"pppp", ""}};
+  for (const auto& [line, other] : damages) {
+    write(line, other);
+    try {
+      read_pcd(path);
+      ADD_FAILURE() << line << " -> " << other;
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find("a.pcd"), std::string::npos) << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lidar_mapping::session

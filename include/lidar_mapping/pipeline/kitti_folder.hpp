@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,9 @@ class KittiFolder {
   std::vector<std::string> scans_;  ///< names without folder and ending, in order
   std::vector<Stamp> stamps_;
 };
+
+/// A times.txt: seconds, one per scan. Throws FileError with the place of what is none.
+std::vector<Stamp> read_times(const std::filesystem::path& path);
 
 /// The points of a .bin file. Throws FileError as KittiFolder::scan() does.
 std::vector<Point> read_points(const std::string& path);

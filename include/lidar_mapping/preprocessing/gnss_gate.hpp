@@ -13,7 +13,7 @@ namespace lidar_mapping::preprocessing {
 /// laid over the last good fixes (a turn about the vertical and a shift, least squares); a fix has
 /// to lie where the way goes on, within three standard deviations of both plus the drift since the
 /// last good fix. So a jump is refused when it begins, while it lasts, and the return is taken.
-/// Without measured motion only what no vehicle can drive is refused.
+/// What no vehicle can drive is refused always, and without measured motion only that.
 class GnssGate {
  public:
   /// `motion` is T_previous_now of base_link since the fix before, whatever became of that one;

@@ -23,9 +23,11 @@ struct FixVerdict {
   std::string problem;
 };
 
-/// GNSS fixes as a track in the local frame. Covariances that are too small for the fixes' scatter
-/// are raised. Stamps that are late (or early) beside the measured motion are named, and judged as
-/// if they were not, but left as they are: who knows the whole drive corrects all of them.
+/// GNSS fixes as a track in the local frame. A first fix that is kilometres from the next two,
+/// which agree, is left out, and the frame begins with these. Covariances that are too small for
+/// the fixes' scatter are raised. Stamps that are late (or early) beside the measured motion are
+/// named, and judged as if they were not, but left as they are: who knows the whole drive corrects
+/// all of them.
 class GnssTrack {
  public:
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);
@@ -48,7 +50,8 @@ class GnssTrack {
   const HeadingCheck& heading_check() const { return heading_check_; }
   const AntennaFit& antenna_fit() const { return antenna_fit_; }
   const FixScatter& scatter() const { return scatter_; }
-  std::optional<GeodeticDatum> datum() const { return local_frame_.datum(); }
+  /// Nothing before two fixes agree: the first may be anywhere.
+  std::optional<GeodeticDatum> datum() const;
   std::vector<Notice> take_notices() { return notices_.take(); }
   void give_up_if_silent() {
     if (pending_.empty()) stream_.give_up_if_silent();
@@ -58,10 +61,14 @@ class GnssTrack {
 
  private:
   struct PendingFix {
+    GnssFix given;
     LocalFix fix;
     double taken_off = 0.0;  ///< s, of its stamp, to be judged
   };
 
+  bool begins_elsewhere(const PendingFix& pending) const;
+  void begin_with(PendingFix first, PendingFix& second, const MotionSensors& sensors);
+  void take(PendingFix pending);
   std::string judge(const PendingFix& pending, const MotionSensors& sensors);
   std::optional<Pose> motion_until(Stamp stamp, const MotionSensors& sensors) const;
   Eigen::Vector3d lever_arm() const;
@@ -74,6 +81,8 @@ class GnssTrack {
   LocalFrame local_frame_;
   std::deque<PendingFix> pending_;  ///< in the order of their stamps
   Stamp last_judged_ = 0;
+  std::size_t taken_ = 0;            ///< fixes, up to two
+  std::optional<PendingFix> rival_;  ///< was refused just before, while only the first is taken
   GnssGate gate_;
   FixScatter scatter_;
   AntennaFit antenna_fit_;

@@ -31,6 +31,8 @@ class LocalFrame {
 
   /// The fix in the local frame, with a covariance that is at least the floor. The fix is usable.
   LocalFix to_local(const GnssFix& fix);
+  /// The datum becomes that fix, unless it is configured. What is local already is to be made anew.
+  void begin_at(const GnssFix& fix);
   std::optional<GeodeticDatum> datum() const;
 
  private:

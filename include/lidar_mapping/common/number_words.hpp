@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping {
+
+/// A number as people and programs write it. Throws InputError for whatever else the word holds:
+/// letters behind it, nothing, nan or inf.
+double finite_number(const std::string& word);
+
+/// The same for a coordinate or a distance, which is at most 1e9 m: no place on Earth is farther
+/// away in any frame, and squares of it stay far from the end of the numbers.
+double coordinate(const std::string& word);
+
+/// Seconds since any epoch as a time. Throws InputError beyond 142 years (2112, after 1970).
+Stamp stamp_of_seconds(double seconds);
+
+/// From the upper 3x4 of a homogeneous matrix. Throws InputError if it holds no rotation: its axes
+/// are to be at right angles and of unit length within 5 %, as many digits as people keep.
+Pose rigid_pose(const Eigen::Matrix4d& matrix);
+
+/// All numbers of a text file, between which there is white space. Throws FileError with the line
+/// of a word that is no finite number.
+std::vector<double> read_numbers(const std::filesystem::path& path);
+
+}  // namespace lidar_mapping

@@ -1,0 +1,74 @@
+#include "lidar_mapping/common/number_words.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/input_file.hpp"
+
+namespace lidar_mapping {
+
+namespace {
+
+constexpr double kFarthest = 1e9;      // m
+constexpr double kLatest = 4.5e9;      // s, in the year 2112; ROS knows no later ones
+constexpr double kNotRotation = 0.05;  // of the products of axes
+constexpr std::size_t kShown = 40;     // characters of a word that are repeated
+
+std::string quoted(const std::string& word) {
+  return "'" + word.substr(0, kShown) + (word.size() > kShown ? "..." : "") + "'";
+}
+
+}  // namespace
+
+double finite_number(const std::string& word) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  if (word.empty() || end != word.c_str() + word.size() || !std::isfinite(value)) {
+    throw InputError(quoted(word) + " is no finite number");
+  }
+  return value;
+}
+
+double coordinate(const std::string& word) {
+  const double value = finite_number(word);
+  if (std::abs(value) > kFarthest) throw InputError(quoted(word) + " m is no place on Earth");
+  return value;
+}
+
+Stamp stamp_of_seconds(double seconds) {
+  if (!(std::abs(seconds) < kLatest)) {
+    throw InputError(std::to_string(seconds) + " s is no time; wanted seconds since 1970");
+  }
+  return from_seconds(seconds);
+}
+
+Pose rigid_pose(const Eigen::Matrix4d& matrix) {
+  const Eigen::Matrix3d axes = matrix.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d products = axes.transpose() * axes;
+  const double off = (products - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(off < kNotRotation) || axes.determinant() < 0.0) {
+    throw InputError("the matrix holds no rotation");
+  }
+  return Pose::from_matrix(matrix);
+}
+
+std::vector<double> read_numbers(const std::filesystem::path& path) {
+  std::ifstream file = open_for_reading(path);
+  std::vector<double> values;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    std::istringstream words(line);
+    for (std::string word; words >> word;) {
+      try {
+        values.push_back(finite_number(word));
+      } catch (const InputError& error) {
+        throw FileError(path.string() + ":" + std::to_string(number) + ": " + error.what());
+      }
+    }
+  }
+  return values;
+}
+
+}  // namespace lidar_mapping
