@@ -22,6 +22,7 @@ import numpy as np  # noqa: E402
 
 INK, GREY, FAINT = '#1f2933', '#7b8794', '#e4e7eb'
 BLUE, ORANGE, RED, GREEN = '#1463a5', '#d97706', '#b91c1c', '#2f855a'
+YELLOW = '#f2c94c'
 WIDTH = 5.8  # inches of a picture in one of the two columns
 LOOP_COLOURS = {'accepted': GREEN, 'refused': GREY, 'undecided': ORANGE}
 
@@ -73,6 +74,17 @@ def draw_loops(axis, report, at, verdict, label, **style):
         drawn = True
 
 
+def draw_doubt(axis, report, trajectory):
+    """Stretches of the way that are doubtful, under the trajectory."""
+    labels = {True: 'doubtful', False: 'not to be trusted'}
+    for stretch in sorted(report['doubt']['stretches'], key=lambda s: not s['trusted']):
+        rows = slice(stretch['rows'][0], stretch['rows'][1] + 1)
+        trusted = stretch['trusted']
+        axis.plot(trajectory['x'][rows], trajectory['y'][rows], '-',
+                  color=YELLOW if trusted else RED, linewidth=6, alpha=0.55, solid_capstyle='round',
+                  label=labels.pop(trusted, None), zorder=1.5)
+
+
 def plan_size(trajectory):
     """Size of a picture in which the drive fills the width, or the height if it is a tall one."""
     wide = np.ptp(trajectory['x']) + 20.0
@@ -88,6 +100,7 @@ def plan(report, trajectory):
         axis.plot(gnss['x'], gnss['y'], '.', color='#9fb3c8', markersize=5, label='GNSS')
     axis.plot(trajectory['odometry_x'], trajectory['odometry_y'], '--', color=GREY, linewidth=1,
               label='odometry alone')
+    draw_doubt(axis, report, trajectory)
     axis.plot(trajectory['x'], trajectory['y'], color=BLUE, linewidth=1.6, label='map')
     at = positions(trajectory)
     draw_loops(axis, report, at, 'refused', 'candidate refused', linewidth=0.8, zorder=3)

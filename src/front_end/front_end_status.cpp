@@ -27,4 +27,13 @@ std::string elevation_notice(double elevation_shift) {
          "vertical_angle_correction_deg to have it from the start";
 }
 
+std::string jitter_notice(double jitter) {
+  char milliseconds[32];
+  std::snprintf(milliseconds, sizeof(milliseconds), "%.0f", 1e3 * jitter);
+  return std::string("the stamps of the scans scatter by ") + milliseconds +
+         " ms while the sensor turns regularly: the odometry counts turns instead; IMU, velocity "
+         "and GNSS are still taken at the stamps, so have the driver stamp scans by the sensor's "
+         "clock";
+}
+
 }  // namespace lidar_mapping::front_end

@@ -1,10 +1,12 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include <Eigen/LU>
 
+#include "lidar_mapping/front_end/blind_way.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/elevation_calibration.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
@@ -16,6 +18,7 @@
 #include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/ring_spacing.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
+#include "lidar_mapping/front_end/sweep_clock.hpp"
 #include "lidar_mapping/front_end/sweep_matcher.hpp"
 #include "lidar_mapping/front_end/sweep_sampler.hpp"
 #include "lidar_mapping/front_end/unnoticed_motion.hpp"
@@ -63,8 +66,8 @@ class NdtTracker::Impl {
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
-    const double last_reference = sampler_.reference();
     sampler_.take(scan, scans_++);
+    const double seconds = clock_.advance(scan.stamp, sampler_.reference(), sampler_.duration());
     TrackedScan result;
     result.status.elevation_shift = elevation_.found();
     result.elevation_shift = elevation_.applied();
@@ -72,12 +75,9 @@ class NdtTracker::Impl {
       if (prior.T_odom_base_initial) start_ = *prior.T_odom_base_initial;
       begin(scan, start_, result.status);
     } else {
-      const double seconds =
-          to_seconds(scan.stamp - stamp_) + sampler_.reference() - last_reference;
       timer_.start("matching");
       follow(scan, seconds, prior, predict(seconds, prior), result);
     }
-    stamp_ = scan.stamp;
     timer_.start("ageing");
     map_.follow(filter_.state().T_map_sensor.translation);
     report(result);
@@ -105,6 +105,7 @@ class NdtTracker::Impl {
     elevation_.interrupt();
     beginning_.forget();
     unnoticed_.forget();
+    blind_way_.interrupt();
     lost_time_ = 0.0;
   }
 
@@ -138,10 +139,9 @@ class NdtTracker::Impl {
 
   Prediction predict(double seconds, const MotionPrior& prior) {
     MotionFilter agile = filter_.agile();
-    for (MotionFilter* filter : {&filter_, &agile}) {
-      filter->predict(seconds);
-      measured_.take(prior, *filter);
-    }
+    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(seconds);
+    unmeasured_speed_ = speed_covariance(filter_.covariance());
+    for (MotionFilter* filter : {&filter_, &agile}) measured_.take(prior, *filter);
     agile_ = agile;
     return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
   }
@@ -161,6 +161,7 @@ class NdtTracker::Impl {
       unnoticed_.insert(beginning_.first_points(), beginning_.first_state(found.match.state.twist));
     }
     accept(found, prior, result.status);
+    follow_blindly(found, prediction.where_blind, seconds);
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
     result.revisions = beginning_.look_again(filter_, judge_, map_);
@@ -177,6 +178,7 @@ class NdtTracker::Impl {
   /// The match, and what was believed before it.
   std::pair<SweepMatcher::Found, MotionBelief> locate(double seconds,
                                                       const Prediction& prediction) {
+    beside_rings_ = false;
     if (!beginning_.motion_known()) {
       return {beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_),
               prediction.agile};
@@ -193,6 +195,7 @@ class NdtTracker::Impl {
 
   /// The match where upright points have put the filter.
   std::pair<SweepMatcher::Found, MotionBelief> match_beside_rings() {
+    beside_rings_ = true;
     beginning_.settle();
     judge_.reset();
     const MotionBelief believed = filter_.belief();
@@ -238,9 +241,33 @@ class NdtTracker::Impl {
     lost_time_ = 0.0;
   }
 
+  /// How far off the way may be: where planes leave a direction open, it is only what is believed
+  /// of the speed. Upright points that stand in for the rings observe the place.
+  void follow_blindly(const SweepMatcher::Found& found, const MotionBelief& where_blind,
+                      double seconds) {
+    if (found.degenerate_directions.empty() || beside_rings_) {
+      const Eigen::Matrix3d covariance = speed_covariance(filter_.covariance());
+      blind_way_.see(found.match.state.twist.head<3>().norm(), covariance.trace(), seconds);
+      return;
+    }
+    const Eigen::Matrix3d measured = speed_covariance(where_blind.information.inverse());
+    double before = 0.0;
+    double after = 0.0;
+    for (const Eigen::Vector3d& d : found.degenerate_directions) {
+      before += d.dot(unmeasured_speed_ * d);
+      after += d.dot(measured * d);
+    }
+    blind_way_.pass(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
+  }
+
+  static Eigen::Matrix3d speed_covariance(const Matrix12d& covariance) {
+    return covariance.block<3, 3>(6, 6);
+  }
+
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
     beginning_.settle();
+    blind_way_.interrupt();
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
@@ -298,11 +325,14 @@ class NdtTracker::Impl {
     result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
+    result.status.unobserved_stddev = blind_way_.stddev();
+    result.status.stamp_jitter = clock_.jitter();
     result.status.step_seconds = timer_.take();
   }
 
   const FrontEndConfig config_;
   SweepSampler sampler_;
+  SweepClock clock_;
   LocalMap map_;
   MotionFilter filter_;
   MotionFilter agile_ = filter_;
@@ -312,14 +342,16 @@ class NdtTracker::Impl {
   ElevationCalibration elevation_;
   MapBeginning beginning_;
   UnnoticedMotion unnoticed_;
+  BlindWay blind_way_;
   StepTimer timer_;
 
-  Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
+  Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< covariance, predicted alone
+  bool beside_rings_ = false;                                   ///< the scan was matched like that
+  Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
   double parting_variance_ = 1.0;
   std::optional<Eigen::Vector3d> sensor_origin_;
   HeededRings rings_;
   std::size_t scans_ = 0;
-  Stamp stamp_ = 0;
   Pose start_;              ///< where a map begins, at the stamp of its first scan
   Pose inserted_;           ///< of the scan last put into the map
   Pose last_good_;          ///< of the scan last matched

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/front_end/blind_way.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
@@ -33,6 +34,9 @@ constexpr double kSweepSmoothing = 0.4;
 // Of a pose that was predicted, not measured.
 constexpr double kLostSigma = 1.0;       // m
 constexpr double kLostAngleSigma = 0.1;  // rad
+
+/// Of a speed between two matches, and of one that was measured.
+constexpr double kSpeedVariance = 0.01;  // m^2/s^2
 
 /// The match, but for the directions that it did not observe: there the prediction stays.
 Pose held_back(const Pose& predicted, const Pose& matched,
@@ -72,7 +76,7 @@ class SlidingWindowTracker::Impl {
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
     timer_.start("matching");
     TrackedScan tracked = judge(find(sample, predicted, seconds), predicted, seconds);
-    follow(tracked, scan.stamp);
+    follow(tracked, scan.stamp, prior.linear_velocity.has_value());
     timer_.start("insertion");
     if (lost_for(scan.stamp) > config_.max_lost_time) {
       window_.clear();
@@ -184,14 +188,26 @@ class SlidingWindowTracker::Impl {
   }
 
   /// Takes the pose over; the velocity only from poses that were measured.
-  void follow(const TrackedScan& tracked, Stamp stamp) {
-    if (tracked.status.state != TrackingState::kLost) {
+  void follow(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
+    if (tracked.status.state == TrackingState::kLost) {
+      blind_way_.interrupt();
+    } else {
       twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
       speed_known_ = true;
       tracked_stamp_ = stamp;
+      follow_blindly(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
     }
+    tracked.status.unobserved_stddev = blind_way_.stddev();
     T_odom_base_ = tracked.T_odom_base;
     stamp_ = stamp;
+  }
+
+  void follow_blindly(const FrontEndStatus& status, double seconds, bool speed_is_measured) {
+    if (status.degenerate_directions.empty()) {
+      blind_way_.see(twist_.head<3>().norm(), kSpeedVariance, seconds);
+    } else {
+      blind_way_.pass(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
+    }
   }
 
   double lost_for(Stamp now) const { return to_seconds(now - tracked_stamp_); }
@@ -217,6 +233,7 @@ class SlidingWindowTracker::Impl {
   KeyFrameRule rule_;
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
+  BlindWay blind_way_;
   StepTimer timer_;
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan

@@ -44,11 +44,12 @@ nav_msgs::Odometry moved(const nav_msgs::Odometry& odometry, const Pose& T_map_o
 
 session::ScanRecord to_record(const FrontEndStatusMessage& status) {
   return {from_ros(status.header.stamp),
-          status.state,
+          status.repeated ? "repeated" : status.state,
           status.fitness,
           status.overlap,
           status.seconds,
-          std::int64_t{status.scans_dropped}};
+          std::int64_t{status.scans_dropped},
+          status.unobserved_stddev};
 }
 
 }  // namespace

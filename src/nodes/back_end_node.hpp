@@ -65,7 +65,8 @@ class BackEndNode {
   void take_solution(const back_end::OptimizationSolution& solution, double seconds,
                      const std::shared_ptr<Run>& solved_run);
   void take_failure(const std::string& problem);
-  void end_solving(const OptimizeMap::Response& answer);
+  void end_solving(OptimizeMap::Response answer);
+  void add_doubt(std::string& message) const;
   void say_state();
   void publish_poses();
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);

@@ -66,10 +66,13 @@ void BackEndNode::take_failure(const std::string& problem) {
 }
 
 /// Gives the answers that waited for this optimisation, and begins the next that was asked for.
-void BackEndNode::end_solving(const OptimizeMap::Response& answer) {
+void BackEndNode::end_solving(OptimizeMap::Response answer) {
   solving_ = false;
   say_state();
-  if (!answers_.empty()) write_files();
+  if (!answers_.empty()) {
+    write_files();
+    add_doubt(answer.message);
+  }
   for (OptimizeAnswer& waiting : answers_) waiting.set_value(answer);
   answers_ = std::move(next_answers_);
   next_answers_.clear();
@@ -84,6 +87,15 @@ void BackEndNode::say_state() {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, failure_);
   } else if (run_) {
     context_.diagnostics.set_state(Diagnostics::Level::kOk, "mapping");
+  }
+}
+
+/// Who asks for the map is told where not to trust it.
+void BackEndNode::add_doubt(std::string& message) const {
+  if (!run_) return;
+  for (const std::string& warning : run_->warnings()) {
+    ROS_WARN_STREAM(warning);
+    message += " Mind: " + warning + ".";
   }
 }
 

@@ -266,6 +266,10 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
     ROS_INFO_STREAM(front_end::elevation_notice(shift));
   }
+  const double jitter = result.status.stamp_jitter;
+  if (jitter > 0.0 && limiter_.due("jitter")) {
+    ROS_WARN_STREAM(front_end::jitter_notice(jitter));
+  }
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {
       ROS_WARN(

@@ -4,6 +4,7 @@
 
 #include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/pipeline/datum.hpp"
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
 
@@ -139,6 +140,10 @@ std::vector<LoopVerdict> RecordedBackEnd::verdicts() const {
   return verdicts;
 }
 
+std::vector<std::string> RecordedBackEnd::warnings() const {
+  return pipeline::warnings(drive_doubt(session_, back_end_, poses()));
+}
+
 void RecordedBackEnd::write_files() const {
   write_results(session_, back_end_, poses(), session_.directory());
 }
@@ -173,6 +178,7 @@ void write_results(const session::Session& session, const back_end::BackEnd& bac
   session::write_loops_csv(session, directory / "loops.csv");
   session::write_candidates_csv(session, directory / "candidates.csv");
   session::write_loop_list(session, directory / "loops.txt");
+  write_doubt(drive_doubt(session, back_end, poses), directory / "doubt.csv");
   back_end::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
 }
 

@@ -24,9 +24,10 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
 session::ScanRecord record_of(const front_end::FrontEndResult& result) {
   session::ScanRecord record;
   record.stamp = result.stamp;
-  record.state = front_end::to_string(result.status.state);
+  record.state = result.status.repeated ? "repeated" : front_end::to_string(result.status.state);
   record.fitness = result.status.fitness;
   record.overlap = result.status.overlap;
+  record.unobserved_stddev = result.status.unobserved_stddev;
   return record;
 }
 
@@ -80,6 +81,10 @@ void ScanOdometry::take(const preprocessing::SyncedScan& synced,
 }
 
 void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
+  if (status.stamp_jitter > 0.0 && !jitter_mentioned_) {
+    jitter_mentioned_ = true;
+    say_(front_end::jitter_notice(status.stamp_jitter));
+  }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;
   say_(front_end::elevation_notice(elevation_shift_));

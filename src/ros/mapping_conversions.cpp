@@ -192,6 +192,8 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.rescued = status.rescued;
   message.repeated = status.repeated;
   message.elevation_shift = status.elevation_shift;
+  message.stamp_jitter = status.stamp_jitter;
+  message.unobserved_stddev = status.unobserved_stddev;
   message.key_frame = result.key_frame.has_value();
   if (result.key_frame) message.key_frame_index = result.key_frame->index;
   message.scans_dropped = scans_dropped;

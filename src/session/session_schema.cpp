@@ -7,9 +7,10 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
-constexpr std::int64_t kVersion = 2;
-constexpr std::int64_t kWithoutDecisions =
-    1;  // can be read, and is brought up to date to be written
+constexpr std::int64_t kVersion = 3;
+// Older ones can be read, and are brought up to date to be written.
+constexpr std::int64_t kWithoutDecisions = 1;
+constexpr std::int64_t kWithoutUnobserved = 2;
 
 // Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
 // by row, in the order translation, rotation (axes of the child frame).
@@ -64,9 +65,14 @@ std::int64_t pragma(const Database& database, const std::string& name) {
   return row.step() ? row.take_integer() : 0;
 }
 
-/// From version 1 to 2.
-void add_decisions(Database& database) {
-  database.execute(kDecisions);
+/// From version 2 to 3.
+constexpr const char* kUnobserved =
+    "ALTER TABLE scans ADD COLUMN unobserved_stddev REAL DEFAULT 0.0";
+
+/// From a version on to the newest.
+void bring_up_to_date(Database& database, std::int64_t version) {
+  if (version <= kWithoutDecisions) database.execute(kDecisions);
+  if (version <= kWithoutUnobserved) database.execute(kUnobserved);
   database.execute("PRAGMA user_version = " + std::to_string(kVersion));
 }
 
@@ -76,7 +82,7 @@ void create_tables(Database& database) {
   Transaction transaction(database);
   database.execute(kTables);
   database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
-  add_decisions(database);
+  bring_up_to_date(database, kWithoutDecisions);
   transaction.commit();
 }
 
@@ -85,9 +91,10 @@ bool is_empty(const Database& database) {
 }
 
 void upgrade_tables(Database& database) {
-  if (pragma(database, "user_version") != kWithoutDecisions) return;
+  const std::int64_t version = pragma(database, "user_version");
+  if (version == kVersion) return;
   Transaction transaction(database);
-  add_decisions(database);
+  bring_up_to_date(database, version);
   transaction.commit();
 }
 
@@ -95,12 +102,16 @@ bool has_loop_decisions(const Database& database) {
   return pragma(database, "user_version") > kWithoutDecisions;
 }
 
+bool has_unobserved_stddev(const Database& database) {
+  return pragma(database, "user_version") > kWithoutUnobserved;
+}
+
 void check_tables(const Database& database, const std::filesystem::path& path) {
   if (pragma(database, "application_id") != kApplicationId) {
     throw FileError(path.string() + " is no session of lidar_mapping");
   }
   const std::int64_t version = pragma(database, "user_version");
-  if (version == kVersion || version == kWithoutDecisions) return;
+  if (version >= kWithoutDecisions && version <= kVersion) return;
   throw FileError(path.string() + " has version " + std::to_string(version) +
                   " of the session's tables, this program knows version " +
                   std::to_string(kVersion) + "; use the lidar_mapping that made it");

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <thread>
@@ -13,6 +14,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
 #include "lidar_mapping/pipeline/thread_time.hpp"
 
@@ -36,6 +38,7 @@ using session::Session;
 
 constexpr int kFailed = 1;
 constexpr int kStoppedEarly = 3;
+constexpr int kDoubtful = 4;
 constexpr int kStoppedAtOnce = 130;
 
 struct Options {
@@ -51,6 +54,7 @@ struct Options {
   bool quick_resume = false;
   bool no_map = false;
   bool report = false;
+  bool allow_doubt = false;
   MapOutput map;
 };
 
@@ -101,7 +105,13 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_flag("--no-map", options.no_map, "the session alone; build_map makes a map of it later");
   app.add_flag("--report", options.report,
                "judge the map and write report.html, as map_quality does");
+  app.add_flag("--allow-doubt", options.allow_doubt,
+               "end with status 0 even if parts of the map cannot be trusted");
   app.add_option("--figures", options.figures, "write times and counts to this JSON file");
+  app.footer(
+      "exit status: 0 all is well; 1 no map, the message says why; 3 stopped early by Ctrl-C, what "
+      "was mapped is whole; 4 parts of the map cannot be trusted (said at the end, and in "
+      "doubt.csv), unless --allow-doubt; 130 ended at once by a second Ctrl-C");
 }
 
 Resume resume_of(const Options& options) {
@@ -267,7 +277,7 @@ class MappingRun {
       }
       products = progress_->seconds() - mapped;
     }
-    if (output_.is_complete()) return finish_report(0);
+    if (output_.is_complete()) return finish(0);
     const double driven =
         to_seconds(std::max<Stamp>(0, std::min(end_, report_.progress.newest) - mapped_from_));
     const auto figures = mapping_figures(report_, driven, times(mapped, products));
@@ -275,12 +285,26 @@ class MappingRun {
     if (!options_.figures.empty()) {
       write_text_atomically(options_.figures, figures.dump(2) + "\n");
     }
-    return finish_report(stop_asked != 0 ? kStoppedEarly : 0);
+    return finish(stop_asked != 0 ? kStoppedEarly : 0);
   }
 
-  int finish_report(int status) const {
+  int finish(int status) const {
     if (options_.report) run_program(program_beside("map_quality"), {options_.output, "--report"});
-    return status;
+    const bool is_trusted = tell_doubt();
+    return status == 0 && !is_trusted && !options_.allow_doubt ? kDoubtful : status;
+  }
+
+  /// Last of all, where it is seen. Sessions of older versions have no such file.
+  bool tell_doubt() const {
+    const std::filesystem::path file = std::filesystem::path(options_.output) / "doubt.csv";
+    if (!std::filesystem::exists(file)) return true;
+    const pipeline::DriveDoubt doubt = pipeline::read_doubt(file);
+    const std::string noticed = pipeline::remark(doubt);
+    if (!noticed.empty()) std::printf("%s\n", noticed.c_str());
+    for (const std::string& warning : pipeline::warnings(doubt)) {
+      std::printf("%s\n", warning.c_str());
+    }
+    return doubt.is_trusted();
   }
 
   RunTimes times(double mapped, double map) const {

@@ -115,6 +115,7 @@ Json report_of(const tools::ReportInput& input, const Judged& found,
   report["gnss"] = tools::gnss_figures(input, *graph);
   report["scans"] = tools::scan_figures(input);
   report["uncertainty"] = tools::uncertainty_figures(input, *graph);
+  report["doubt"] = tools::doubt_figures(input, *graph);
   report["truth"] = tools::truth_figures(input);
   report["verdicts"] = tools::verdicts(report);
   report["overall"] = tools::overall_verdict(report);
@@ -159,6 +160,9 @@ void write_picture_data(const tools::ReportInput& input, const Judged& found,
 
 void print_verdicts(const Json& report) {
   std::printf("%s\n", report["overall"].get<std::string>().c_str());
+  for (const Json& warning : report["doubt"]["warnings"]) {
+    std::printf("%s\n", warning.get<std::string>().c_str());
+  }
   for (const Json& line : report["verdicts"]) {
     const char* judgement = line["good"].is_null() ? "" : line["good"] ? "good" : "look here";
     std::printf("%-9s %-26s %s\n", judgement, line["name"].get<std::string>().c_str(),

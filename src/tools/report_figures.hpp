@@ -44,6 +44,8 @@ Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 Json scan_figures(const ReportInput& input);
 /// Standard deviations of poses along the path, and the longest part of it without a loop or GNSS.
 Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end);
+/// Stretches of the map that are doubtful, with the key frames around them; see drive_doubt().
+Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 /// APE, RPE and KITTI's errors; null without truth. Throws InputError where the truth has none of
 /// the session's time.
 Json truth_figures(const ReportInput& input);

@@ -132,6 +132,35 @@ Json uncertainty_line(const Json& uncertainty) {
               text("below %.1f m; loops or GNSS on that path make it smaller", kMaxSigma));
 }
 
+/// The worst of what is not to be relied on.
+Json doubt_line(const Json& doubt) {
+  const char* name = "Motion observed";
+  const std::string limit =
+      "parts of the map joined, and errors of the way that nothing observed below 1 % of it";
+  const Json* worst = nullptr;
+  std::size_t untrusted = 0;
+  for (const Json& stretch : doubt["stretches"]) {
+    if (stretch["trusted"]) continue;
+    ++untrusted;
+    // Null is unknown, and worse than any error.
+    const auto is_worse = [](const Json& a, const Json& b) {
+      return !b.is_null() && (a.is_null() || a.get<double>() > b.get<double>());
+    };
+    if (worst == nullptr || is_worse(stretch["error_m"], (*worst)["error_m"])) worst = &stretch;
+  }
+  if (worst == nullptr) {
+    return line(name, "all along", true,
+                text("%zu remarks in doubt.csv", doubt["stretches"].size()), limit);
+  }
+  const Json& error = (*worst)["error_m"];
+  const std::string value =
+      error.is_null()
+          ? text("lost at %.1f s, parts not joined", (*worst)["begin_s"].get<double>())
+          : text("not between %.1f and %.1f s, error %.1f m", (*worst)["begin_s"].get<double>(),
+                 (*worst)["end_s"].get<double>(), error.get<double>());
+  return line(name, value, false, text("%zu stretches are not to be trusted", untrusted), limit);
+}
+
 Json truth_line(const Json& truth) {
   return line("Against the truth",
               text("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
@@ -152,7 +181,8 @@ Json verdicts(const Json& report) {
                 gnss_line(report["gnss"]),
                 odometry_line(report),
                 scan_line(report["scans"]),
-                uncertainty_line(report["uncertainty"])};
+                uncertainty_line(report["uncertainty"]),
+                doubt_line(report["doubt"])};
   if (!report["truth"].is_null()) lines.push_back(truth_line(report["truth"]));
   return lines;
 }

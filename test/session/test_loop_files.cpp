@@ -162,15 +162,22 @@ TEST(LoopFiles, DecisionsOutliveTheLoopThatIsReplaced) {
 TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
   const TemporaryFolder folder;
   session_with_loops(folder.path());
-  execute(folder.path(), "DROP TABLE loop_decisions; PRAGMA user_version = 1");
+  execute(folder.path(),
+          "DROP TABLE loop_decisions; DROP TABLE scans; CREATE TABLE scans (stamp INTEGER PRIMARY "
+          "KEY, state TEXT, fitness REAL, overlap REAL, seconds REAL, scans_dropped INTEGER); "
+          "INSERT INTO scans VALUES (5, 'lost', 0.0, 0.0, 0.0, 0); PRAGMA user_version = 1");
   {
     const Session old = Session::open(folder.path(), Session::Access::kRead);
     ASSERT_EQ(old.loops().size(), 3U);
     EXPECT_EQ(old.loops()[0].decision, LoopDecision::kAuto);
+    ASSERT_EQ(old.scans().size(), 1U);
+    EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.0);
   }
   Session session = Session::open(folder.path(), Session::Access::kWrite);
   session.set_loop_decision(0, 5, LoopDecision::kRefuse);
   EXPECT_EQ(session.loops()[0].decision, LoopDecision::kRefuse);
+  session.add_scan({6, "degenerate", 0.0, 0.0, 0.0, 0, 0.5});
+  EXPECT_EQ(session.scans().back().unobserved_stddev, 0.5);
 }
 
 }  // namespace

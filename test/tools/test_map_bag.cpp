@@ -16,7 +16,7 @@ class MapBag : public test::MappedDrive {};
 
 TEST_F(MapBag, MakesASessionAndItsMap) {
   for (const char* name : {"session.db", "config.yaml", "trajectory/optimized.tum", "map/map.pcd",
-                           "map/map.yaml", "graph.g2o", "key_frames/000000.pcd"}) {
+                           "map/map.yaml", "graph.g2o", "key_frames/000000.pcd", "doubt.csv"}) {
     EXPECT_TRUE(fs::exists(whole() / name)) << name;
   }
   EXPECT_GT(Session::open(whole(), Session::Access::kRead).key_frame_count(), 10U);
@@ -145,6 +145,51 @@ TEST_F(MapBag, TakesAFolderOfBags) {
   EXPECT_GT(key_frames_in(folder), 0U);
   EXPECT_LE(run("check_bag", {parent.path() / "bags"}), 1) << said();  // 2: it cannot be read
   EXPECT_TRUE(has_said("/kitti/velo/pointcloud")) << said();
+}
+
+/// A simulated tunnel with the time around it, by the LiDAR alone but for a measured velocity.
+class MapBagInATunnel : public MapBag {
+ protected:
+  static int map_tunnel(const fs::path& session, const Words& more) {
+    const fs::path bag = root() / "tunnel.bag";
+    if (!fs::exists(bag)) {
+      EXPECT_EQ(run("simulate_drive", {bag, "--drive", "tunnel", "--lidar", "vlp16", "--start", "8",
+                                       "--duration", "48", "--no-imu", "--no-gnss"}),
+                0)
+          << said();
+    }
+    Words words = {bag, "-o", session, "--no-map"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run("map_bag", words);
+  }
+};
+
+TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
+  const TemporaryFolder parent;
+  const fs::path session = parent.path() / "s";
+  const Words alone = {"--parameter", "preprocessing/use_velocity: false"};
+  EXPECT_EQ(map_tunnel(session, alone), 4) << said();
+  EXPECT_TRUE(has_said("Do not trust this map between")) << said();
+  EXPECT_NE(content(session / "doubt.csv").find("\ndegenerate,"), std::string::npos);
+  // Neither a second look at a session that is complete nor its report is kinder.
+  Words again = alone;
+  again.emplace_back("--resume");
+  EXPECT_EQ(map_tunnel(session, again), 4) << said();
+  again.emplace_back("--allow-doubt");
+  EXPECT_EQ(map_tunnel(session, again), 0) << said();
+  EXPECT_TRUE(has_said("Do not trust this map between")) << said();
+  EXPECT_EQ(run("map_quality", {session, "--report"}), 0) << said();
+  EXPECT_TRUE(has_said("Do not trust this map between")) << said();
+  EXPECT_TRUE(has_said("Motion observed")) << said();
+  EXPECT_FALSE(has_said("Good: ")) << said();
+  EXPECT_NE(content(session / "report.html").find("Do not trust this map between"),
+            std::string::npos);
+}
+
+TEST_F(MapBagInATunnel, TrustsAMapWhoseSpeedWasMeasured) {
+  const TemporaryFolder parent;
+  EXPECT_EQ(map_tunnel(parent.path() / "s", {}), 0) << said();
+  EXPECT_FALSE(has_said("Do not trust")) << said();
 }
 
 // A shell would end the first word at the quote, and the next at the space.

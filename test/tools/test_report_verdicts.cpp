@@ -37,7 +37,16 @@ Json good_report() {
           {"uncertainty",
            {{"largest_sigma_m", 0.1},
             {"longest_without_constraint", {{"length_m", 10.0}, {"begin_m", 0.0}}}}},
+          {"doubt", {{"stretches", Json::array()}, {"warnings", Json::array()}}},
           {"truth", nullptr}};
+}
+
+Json stretch(bool trusted, const Json& error) {
+  return {{"kind", "degenerate"},
+          {"begin_s", 12.3},
+          {"end_s", 40.1},
+          {"error_m", error},
+          {"trusted", trusted}};
 }
 
 Json verdict_on(const Json& report, const std::string& name) {
@@ -69,6 +78,19 @@ TEST(ReportVerdicts, SayWhereToLook) {
     EXPECT_EQ(verdict_on(report, name), false) << name;
   }
   EXPECT_EQ(verdict_on(report, "Ground"), true);
+}
+
+TEST(ReportVerdicts, CannotBeGoodWhereTheMotionWasNotObserved) {
+  Json report = good_report();
+  report["doubt"]["stretches"].push_back(stretch(true, 0.2));
+  EXPECT_EQ(verdict_on(report, "Motion observed"), true);
+  report["doubt"]["stretches"].push_back(stretch(false, 20.0));
+  report["verdicts"] = verdicts(report);
+  EXPECT_EQ(verdict_on(report, "Motion observed"), false);
+  EXPECT_EQ(report["verdicts"].back()["value"], "not between 12.3 and 40.1 s, error 20.0 m");
+  EXPECT_EQ(overall_verdict(report), "Look at: Motion observed");
+  report["doubt"]["stretches"].push_back(stretch(false, nullptr));
+  EXPECT_EQ(verdicts(report).back()["value"], "lost at 12.3 s, parts not joined");
 }
 
 // Nothing measured is neither good nor bad.

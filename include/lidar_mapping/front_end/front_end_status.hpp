@@ -28,9 +28,15 @@ struct FrontEndStatus {
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
   bool rescued = false;                                ///< more than one start was needed
   bool repeated = false;  ///< the points are those of the scan before, as of a driver that hangs
+  /// Standard deviation (m) of the way since the beginning that comes from directions that neither
+  /// the points nor other sensors observed (BlindWay): it grows where the state is degenerate.
+  double unobserved_stddev = 0.0;
   /// What the sensor's elevations were found to lack, rad: points are turned upwards by that, in
   /// steps that no match feels.
   double elevation_shift = 0.0;
+  /// Scatter of the stamps, s, where they are so irregular that turns of the sensor are counted
+  /// instead (SweepClock); 0 elsewhere.
+  double stamp_jitter = 0.0;
   /// For whole scan and for its steps: the only figures that are not the same in each run.
   double seconds = 0.0;
   std::vector<std::pair<std::string, double>> step_seconds;
@@ -38,5 +44,7 @@ struct FrontEndStatus {
 
 /// Says that points are turned upwards by `elevation_shift` (rad) from now on.
 std::string elevation_notice(double elevation_shift);
+/// Says that stamps scatter by `jitter` (s) and what is done about it.
+std::string jitter_notice(double jitter);
 
 }  // namespace lidar_mapping::front_end

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -63,6 +64,9 @@ class RecordedBackEnd {
   session::Session& session() { return session_; }
   const session::Session& session() const { return session_; }
 
+  /// Where the map as it is now is doubtful (drive_doubt.hpp), as sentences; empty: nowhere.
+  std::vector<std::string> warnings() const;
+
   /// Brings trajectory/, the files about loops and graph.g2o up to date. Throws FileError.
   void write_files() const;
 
@@ -84,8 +88,8 @@ void replay(const session::Session& session, const std::vector<Loop>& loops,
 /// The same with the session's own loops.
 void replay(const session::Session& session, back_end::BackEnd& back_end);
 
-/// Writes trajectory/, loops.csv, candidates.csv, loops.txt and graph.g2o of a session, with these
-/// poses, to `directory`.
+/// Writes trajectory/, loops.csv, candidates.csv, loops.txt, doubt.csv and graph.g2o of a session,
+/// with these poses, to `directory`.
 void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory);
 

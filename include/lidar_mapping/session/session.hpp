@@ -18,11 +18,13 @@ namespace lidar_mapping::session {
 /// What the front end said of one scan.
 struct ScanRecord {
   Stamp stamp = 0;
-  std::string state;  ///< tracking, degenerate, degraded or lost
+  std::string state;  ///< tracking, degenerate, degraded, lost or repeated
   double fitness = 0.0;
   double overlap = 0.0;
   double seconds = 0.0;
   std::int64_t scans_dropped = 0;  ///< since the start of the run
+  /// Of the way since the start, from directions that nothing observed, m; 0: not known.
+  double unobserved_stddev = 0.0;
 };
 
 /// What one optimisation did.

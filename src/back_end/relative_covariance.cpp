@@ -1,0 +1,75 @@
+#include "lidar_mapping/back_end/relative_covariance.hpp"
+
+#include <algorithm>
+
+#include "lidar_mapping/back_end/drive_factors.hpp"
+#include "lidar_mapping/back_end/linearisation.hpp"
+#include "lidar_mapping/back_end/optimization.hpp"
+
+namespace lidar_mapping::back_end {
+
+namespace {
+
+constexpr double kKnown = 1e8;     // information of the key frame that is known: 0.1 mm
+constexpr double kUnknown = 1e-6;  // of each, so that none is free: a kilometre
+
+/// What odometry says, and nothing else.
+std::vector<bool> odometry_marks(const DriveFactors& factors) {
+  std::vector<bool> marked(factors.marked.size(), false);
+  for (const int motion : factors.motion_of) {
+    if (motion >= 0) marked[static_cast<std::size_t>(motion)] = true;
+  }
+  return marked;
+}
+
+}  // namespace
+
+class RelativeCovariance::Impl {
+ public:
+  Impl(const OptimizationProblem& problem, KeyFrameIndex from, Given given)
+      : nodes_(problem.drive.nodes) {
+    const DriveFactors factors = make_factors(problem.drive, problem.config);
+    states_ = static_cast<int>(factors.graph.states.size());
+    system_ = information_matrix(factors.graph,
+                                 given == Given::kAll ? factors.marked : odometry_marks(factors));
+    for (int i = 0; i < states_; ++i) {
+      system_->add_diagonal(i, kUnknown * Matrix6d::Identity());
+    }
+    if (const auto row = row_of(from)) system_->add_diagonal(*row, kKnown * Matrix6d::Identity());
+    is_solvable_ = system_->factorize();
+  }
+
+  std::optional<Covariance6> of(KeyFrameIndex to) const {
+    const auto row = row_of(to);
+    if (!row || !is_solvable_) return std::nullopt;
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(Eigen::Index{6} * states_, 6);
+    unit.middleRows<6>(Eigen::Index{6} * *row).setIdentity();
+    const Matrix6d covariance = system_->solve(unit).middleRows<6>(Eigen::Index{6} * *row);
+    // The tangent has half angles.
+    const Vector6d angles = (Vector6d() << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0).finished();
+    return Covariance6(angles.asDiagonal() * (0.5 * (covariance + covariance.transpose())) *
+                       angles.asDiagonal());
+  }
+
+ private:
+  std::optional<int> row_of(KeyFrameIndex index) const {
+    const auto found = std::find_if(nodes_.begin(), nodes_.end(),
+                                    [&](const DriveNode& node) { return node.index == index; });
+    if (found == nodes_.end()) return std::nullopt;
+    return static_cast<int>(found - nodes_.begin());
+  }
+
+  std::vector<DriveNode> nodes_;
+  int states_ = 0;
+  std::unique_ptr<BlockCholesky<6>> system_;
+  bool is_solvable_ = false;
+};
+
+RelativeCovariance::RelativeCovariance(const OptimizationProblem& problem, KeyFrameIndex from,
+                                       Given given)
+    : impl_(std::make_unique<Impl>(problem, from, given)) {}
+RelativeCovariance::~RelativeCovariance() = default;
+
+std::optional<Covariance6> RelativeCovariance::of(KeyFrameIndex to) const { return impl_->of(to); }
+
+}  // namespace lidar_mapping::back_end

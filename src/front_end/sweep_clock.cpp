@@ -1,0 +1,182 @@
+#include "lidar_mapping/front_end/sweep_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// How many sweeps the period is found from, and how many are enough to see that a sweep is a turn.
+constexpr std::size_t kWindow = 64;
+constexpr std::size_t kEnough = 16;
+/// A gap of so many seconds begins anew: the period may be another by then.
+constexpr double kLongestGap = 5.0;
+/// Scatter of the stamps, as a share of the period, below which they are taken as they are: the
+/// prediction is off by that share of the way between two scans.
+constexpr double kIrregular = 0.04;
+/// Square of the mean of n phases, as vectors, times n: above c with a probability of exp(-c) where
+/// there is no such period. For a sweep that is a turn, and for the best of some three hundred.
+constexpr double kInPhase = 2.5;
+constexpr double kBestInPhase = 8.0;
+/// Periods are looked for between these multiples of a sweep.
+constexpr double kLeastPeriod = 0.95;
+constexpr double kMostPeriod = 2.1;
+/// Variance of the steps in units of that of the stamps: nearly 2 where these scatter about a grid;
+/// less, the longer one looks, where they wander (1 over 16 scans, 0.2 over 64), as of scans that
+/// are taken when somebody asks for them. To begin with, and to go on.
+constexpr double kScattering = 1.3;
+constexpr double kWandering = 0.8;
+
+/// A stamp that is later than expected by this share of the period belongs to a later turn. A scan
+/// is missing less often than a stamp is off by half a period; what is overlooked the next scan
+/// shows.
+constexpr double kMissing = 0.6;
+
+double phase_angle(double seconds, double period) { return 2.0 * M_PI * seconds / period; }
+
+}  // namespace
+
+void SweepClock::begin_window(Stamp stamp, double reference, double duration) {
+  window_.clear();
+  window_stamp_ = stamp;
+  window_.push_back({reference, duration, 0.0});
+  fit_ = {};
+  jitter_ = 0.0;
+}
+
+double SweepClock::advance(Stamp stamp, double reference, double duration) {
+  const bool is_first = window_.empty();
+  const double stamped = to_seconds(stamp - stamp_) + reference - reference_;
+  const double moved = reference - reference_;
+  stamp_ = stamp;
+  reference_ = reference;
+  if (is_first || duration <= 0.0 || stamped > kLongestGap) {
+    begin_window(stamp, reference, duration);
+    return is_first ? 0.0 : stamped;
+  }
+  window_.push_back({to_seconds(stamp - window_stamp_) + reference, duration, 0.0});
+  if (window_.size() > kWindow) window_.pop_front();
+  const bool was_counting = std::exchange(jitter_, 0.0) > 0.0;
+  look_at_steps();
+  if (fit_.period > 0.0) {
+    window_.back().turn = turns_of_last();
+    fit();
+  } else if (window_.size() >= kEnough && is_irregular()) {
+    find_period();
+  }
+  if (fit_.period == 0.0) return stamped;
+  if (fit_.scatter < kIrregular * fit_.period || is_wandering(was_counting)) {
+    fit_ = {};
+    return stamped;
+  }
+  jitter_ = fit_.scatter;
+  const double turns = window_.back().turn - window_[window_.size() - 2].turn;
+  // A sweep that lasts a turn says so better than few stamps that scatter.
+  const bool is_whole_turn =
+      std::abs(fit_.period - fit_.duration) < 2.0 * fit_.period_sigma + 0.002 * fit_.period;
+  return turns * (is_whole_turn ? fit_.duration : fit_.period) + moved;
+}
+
+/// Scans that are missing make steps of several turns.
+void SweepClock::look_at_steps() {
+  steps_.clear();
+  for (std::size_t i = 1; i < window_.size(); ++i) {
+    steps_.push_back(window_[i].middle - window_[i - 1].middle);
+  }
+  const auto middle = steps_.begin() + static_cast<std::ptrdiff_t>(steps_.size() / 2);
+  std::nth_element(steps_.begin(), middle, steps_.end());
+  usual_step_ = *middle;
+  step_variance_ = 0.0;
+  for (const double step : steps_) {
+    const double off = step - usual_step_ * std::max(1.0, std::round(step / usual_step_));
+    step_variance_ += off * off / static_cast<double>(steps_.size());
+  }
+}
+
+/// A sensor that does not spin may look when it likes. A step has the errors of two stamps.
+bool SweepClock::is_irregular() const {
+  return usual_step_ < kMostPeriod * window_.back().duration &&
+         step_variance_ > 2.0 * kIrregular * kIrregular * usual_step_ * usual_step_;
+}
+
+bool SweepClock::is_wandering(bool was_counting) const {
+  const double least = was_counting ? kWandering : kScattering;
+  return step_variance_ < least * fit_.scatter * fit_.scatter;
+}
+
+void SweepClock::find_period() {
+  // First whether a sweep is a turn; not by many, as it may be a turn but for a few columns.
+  std::deque<Sweep> latest(window_.end() - kEnough, window_.end());
+  double sweep = 0.0;
+  for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kEnough);
+  if (phase_power(latest, sweep) > kInPhase) {
+    window_ = std::move(latest);
+    return count_turns(sweep);
+  }
+  if (window_.size() < kWindow) return;
+  // So finely that over the window a step is a quarter of a turn.
+  const double step = 0.25 * sweep * sweep / (window_.back().middle - window_.front().middle);
+  double best = 0.0;
+  double best_power = kBestInPhase;
+  for (double period = kLeastPeriod * sweep; period < kMostPeriod * sweep; period += step) {
+    const double power = phase_power(window_, period);
+    if (power < best_power) continue;
+    best_power = power;
+    best = period;
+  }
+  if (best > 0.0) count_turns(best);
+}
+
+double SweepClock::phase_power(const std::deque<Sweep>& sweeps, double period) {
+  std::complex<double> sum;
+  for (const Sweep& s : sweeps) sum += std::polar(1.0, phase_angle(s.middle, period));
+  return std::norm(sum) / static_cast<double>(sweeps.size());
+}
+
+/// For all sweeps of the window, from their mean phase.
+void SweepClock::count_turns(double period) {
+  std::complex<double> sum;
+  for (const Sweep& s : window_) sum += std::polar(1.0, phase_angle(s.middle, period));
+  const double begin = std::arg(sum) / (2.0 * M_PI) * period;
+  for (Sweep& s : window_) s.turn = std::round((s.middle - begin) / period);
+  fit();
+}
+
+/// By the line so far: the next turn, unless a scan must be missing.
+double SweepClock::turns_of_last() const {
+  const double turn = (window_.back().middle - fit_.begin) / fit_.period;
+  const double next = window_[window_.size() - 2].turn + 1.0;
+  return turn < next + kMissing ? next : std::round(turn);
+}
+
+void SweepClock::fit() {
+  fit_ = {};
+  const auto count = static_cast<double>(window_.size());
+  double turn = 0.0;
+  double middle = 0.0;
+  for (const Sweep& sweep : window_) {
+    turn += sweep.turn / count;
+    middle += sweep.middle / count;
+    fit_.duration += sweep.duration / count;
+  }
+  double squares = 0.0;
+  double products = 0.0;
+  for (const Sweep& sweep : window_) {
+    squares += (sweep.turn - turn) * (sweep.turn - turn);
+    products += (sweep.turn - turn) * (sweep.middle - middle);
+  }
+  if (squares == 0.0) return;
+  fit_.period = products / squares;
+  fit_.begin = middle - fit_.period * turn;
+  double residuals = 0.0;
+  for (const Sweep& sweep : window_) {
+    const double residual = sweep.middle - fit_.begin - fit_.period * sweep.turn;
+    residuals += residual * residual;
+  }
+  fit_.scatter = std::sqrt(residuals / count);
+  fit_.period_sigma = fit_.scatter / std::sqrt(squares);
+}
+
+}  // namespace lidar_mapping::front_end

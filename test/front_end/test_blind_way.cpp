@@ -1,0 +1,90 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/blind_way.hpp"
+#include "lidar_mapping/simulation/random.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kStep = 0.1;  // s
+
+/// Drives with a speed that changes as at random (0.4 m/s in a second), the first 10 s of each
+/// seen, the next 20 s not.
+struct Drives {
+  double error = 0.0;   ///< root mean square of the way, m
+  double stated = 0.0;  ///< the same of what BlindWay said, m
+};
+
+/// `noise` (m/s) is that of a measured speed; 0: none is measured.
+Drives drives(double noise) {
+  constexpr int kDrives = 300;
+  Drives result;
+  simulation::Random random(7);
+  for (int drive = 0; drive < kDrives; ++drive) {
+    BlindWay way;
+    double speed = 10.0;
+    const auto go_on = [&] { speed += 0.4 * std::sqrt(kStep) * random.normal(); };
+    for (int i = 0; i < 100; ++i) {
+      go_on();
+      way.see(speed, 1e-4, kStep);
+    }
+    double believed = speed;
+    double variance = 1e-4;
+    double error = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      go_on();
+      variance += 0.016;
+      const double information = noise > 0.0 ? 1.0 / (noise * noise) : 0.0;
+      const double gain = information / (information + 1.0 / variance);
+      if (noise > 0.0) believed += gain * (speed + noise * random.normal() - believed);
+      variance = 1.0 / (information + 1.0 / variance);
+      error += kStep * (believed - speed);
+      way.pass(information, kStep);
+    }
+    result.error += error * error / kDrives;
+    result.stated += way.stddev() * way.stddev() / kDrives;
+  }
+  return {std::sqrt(result.error), std::sqrt(result.stated)};
+}
+
+TEST(BlindWay, KnowsHowFarOffAWayIsThatNothingSaw) {
+  const Drives unseen = drives(0.0);
+  EXPECT_GT(unseen.error, 10.0);
+  EXPECT_NEAR(unseen.stated / unseen.error, 1.0, 0.3);
+}
+
+TEST(BlindWay, KnowsHowMuchAMeasuredSpeedHelps) {
+  const Drives measured = drives(0.1);
+  EXPECT_LT(measured.error, 0.3);
+  EXPECT_NEAR(measured.stated / measured.error, 1.0, 0.3);
+}
+
+TEST(BlindWay, LearnsHowSteadilyTheVehicleGoes) {
+  BlindWay steady;
+  BlindWay jerky;
+  for (int i = 0; i < 600; ++i) {
+    steady.see(5.0, 1e-4, kStep);
+    jerky.see(5.0 + (i / 10 % 2), 1e-4, kStep);
+  }
+  for (int i = 0; i < 100; ++i) {
+    steady.pass(0.0, kStep);
+    jerky.pass(0.0, kStep);
+  }
+  EXPECT_LT(3.0 * steady.stddev(), jerky.stddev());
+}
+
+TEST(BlindWay, AddsUpOnlyWhatWasNotSeen) {
+  BlindWay way;
+  for (int i = 0; i < 50; ++i) way.see(5.0, 1e-4, kStep);
+  EXPECT_EQ(way.stddev(), 0.0);
+  for (int i = 0; i < 50; ++i) way.pass(0.0, kStep);
+  const double passed = way.stddev();
+  EXPECT_GT(passed, 0.5);
+  for (int i = 0; i < 50; ++i) way.see(5.0, 1e-4, kStep);
+  EXPECT_EQ(way.stddev(), passed) << "what was driven blindly stays as wrong as it is";
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end

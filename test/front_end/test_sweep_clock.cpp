@@ -1,0 +1,97 @@
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/sweep_clock.hpp"
+#include "lidar_mapping/simulation/random.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kPeriod = 0.1;    // s
+constexpr double kSweep = 0.0999;  // s
+constexpr int kScans = 200;
+
+struct Times {
+  double largest_error = 0.0;  ///< of the time between two sweeps after the first 70, s
+  double jitter = 0.0;         ///< said at the end, s
+  bool is_as_stamped = true;   ///< each time is that between the stamps
+};
+
+/// `error` (s) of a scan's stamp; scans that `is_there` says no to are left out. True sweeps begin
+/// every 0.1 s.
+Times times(
+    const std::function<double(int)>& error, double sweep = kSweep,
+    const std::function<bool(int)>& is_there = [](int) { return true; }) {
+  SweepClock clock;
+  Times result;
+  int before = 0;
+  Stamp stamp_before = 0;
+  for (int i = 0; i < kScans; ++i) {
+    if (!is_there(i)) continue;
+    const Stamp stamp = from_seconds(1000.0 + kPeriod * i + error(i));
+    const double seconds = clock.advance(stamp, 0.5 * sweep, sweep);
+    if (i > 0) {
+      result.is_as_stamped &=
+          seconds == to_seconds(stamp - stamp_before) + 0.5 * sweep - 0.5 * sweep;
+    }
+    if (i > 70) {
+      result.largest_error =
+          std::max(result.largest_error, std::abs(seconds - kPeriod * (i - before)));
+    }
+    before = i;
+    stamp_before = stamp;
+  }
+  result.jitter = clock.jitter();
+  return result;
+}
+
+/// Normally distributed, of this standard deviation, s.
+std::function<double(int)> scatter(double sigma) {
+  return [sigma](int i) {
+    const double error = sigma * simulation::Random(static_cast<std::uint64_t>(i), 3).normal();
+    return std::max(-0.045, std::min(0.045, error));
+  };
+}
+
+TEST(SweepClock, LeavesRegularStampsAsTheyAre) {
+  EXPECT_TRUE(times([](int) { return 0.0; }).is_as_stamped);
+  EXPECT_TRUE(times(scatter(0.001)).is_as_stamped);
+  EXPECT_EQ(times(scatter(0.001)).jitter, 0.0);
+}
+
+TEST(SweepClock, CountsTurnsWhereStampsScatter) {
+  const Times found = times(scatter(0.02));
+  EXPECT_LT(found.largest_error, 0.001);
+  EXPECT_NEAR(found.jitter, 0.02, 0.005);
+}
+
+TEST(SweepClock, CountsTurnsOverScansThatAreMissing) {
+  const Times found =
+      times(scatter(0.015), kSweep, [](int i) { return i % 7 != 3 && (i < 90 || i > 110); });
+  EXPECT_LT(found.largest_error, 0.003);
+  EXPECT_GT(found.jitter, 0.01);
+}
+
+// A view of 300 degrees: the sweep is shorter than the turn, which shows in the stamps.
+TEST(SweepClock, FindsThePeriodOfSweepsThatAreShorter) {
+  EXPECT_LT(times(scatter(0.02), 0.083).largest_error, 0.004);
+}
+
+// Scans that are taken when somebody asks for them are where their stamps say.
+TEST(SweepClock, BelievesStampsThatWander) {
+  double wandered = 0.0;
+  const Times found = times([&](int i) {
+    return wandered += 0.01 * simulation::Random(static_cast<std::uint64_t>(i), 4).normal();
+  });
+  EXPECT_EQ(found.jitter, 0.0);
+}
+
+TEST(SweepClock, BelievesStampsOfSensorsThatDoNotSpin) {
+  EXPECT_TRUE(times(scatter(0.02), 0.0).is_as_stamped);
+  EXPECT_TRUE(times(scatter(0.02), 0.01).is_as_stamped);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
