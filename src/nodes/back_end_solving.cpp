@@ -95,7 +95,7 @@ void BackEndNode::add_doubt(std::string& message) const {
   if (!run_) return;
   for (const std::string& warning : run_->warnings()) {
     ROS_WARN_STREAM(warning);
-    message += " Mind: " + warning + ".";
+    message += " " + warning + ".";
   }
 }
 
