@@ -35,11 +35,11 @@ class BackEnd::Impl {
   std::shared_ptr<const OptimizationProblem> problem(bool thorough) const {
     auto problem = std::make_shared<OptimizationProblem>();
     problem->config = config_;
-    problem->config.imu_orientation_stddev_deg = tilt_stddev_deg(drive_, config_);
     problem->key_frames = drive_.nodes.size();
     problem->thorough = thorough;
     if (!thorough && !whole_due()) problem->window = window_of_news(drive_, config_);
     problem->drive = problem->window ? cut(drive_, *problem->window) : drive_;
+    problem->drive.tilt_stddev_deg = tilt_stddev_deg(drive_, config_);
     problem->judged = count_judgements(drive_);
     return problem;
   }

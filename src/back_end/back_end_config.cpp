@@ -1,5 +1,8 @@
 #include "lidar_mapping/back_end/back_end_config.hpp"
 
+#include <algorithm>
+#include <cctype>
+
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -9,7 +12,22 @@ using Config = BackEndConfig;
 constexpr config::Range kStddev = {1e-6, 1e3};
 constexpr config::Range kSteps = {1, 1e9};
 
+/// Also in capital and in small letters, which files of other programs have.
+std::vector<std::pair<std::string, RobustKernel>> kernels_in_any_case() {
+  std::vector<std::pair<std::string, RobustKernel>> choices = robust_kernel_names();
+  for (const auto& [name, kernel] : robust_kernel_names()) {
+    std::string small = name;
+    std::string capital = name;
+    for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (char& c : capital) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    choices.emplace_back(small, kernel);
+    choices.emplace_back(capital, kernel);
+  }
+  return choices;
+}
+
 config::Schema<Config> make_schema() {
+  const auto kernels = kernels_in_any_case();
   config::Schema<Config> schema("back_end",
                                 "Pose graph of the drive: constraints and when to solve");
   schema.boolean("use_gnss", &Config::use_gnss, "Whether GNSS positions are used at all.")
@@ -41,6 +59,12 @@ config::Schema<Config> make_schema() {
             "Added to the covariance of every loop.")
       .real("loop_min_stddev_deg", &Config::loop_min_stddev_deg, kStddev, "deg",
             "Added to the covariance of every loop.")
+      .boolean("fix_first_node", &Config::fix_first_node,
+               "Hold the first key frame where it began, as firmly as fix_first_node_stddev says, "
+               "instead of as firmly as suits the other constraints.")
+      .reals("fix_first_node_stddev", &Config::fix_first_node_stddev, 6,
+             "m and rad: x y z roll pitch yaw",
+             "With fix_first_node: standard deviations of its pose, in the axes of base_link.")
       .boolean("use_const_inf_matrix", &Config::use_const_inf_matrix,
                "Weigh all motions and loops by const_stddev_x and const_stddev_q instead of their "
                "covariances.")
@@ -101,16 +125,15 @@ config::Schema<Config> make_schema() {
             "How much the slope of the floor differs from the plane, added to its covariance.")
       .real("floor_stddev_m", &Config::floor_stddev_m, kStddev, "m",
             "How much the height of the floor differs from the plane, added to its covariance.")
-      .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, robust_kernel_names(),
+      .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, kernels,
               "Kernel of odometry constraints.")
-      .choice("loop_robust_kernel", &Config::loop_robust_kernel, robust_kernel_names(),
+      .choice("loop_robust_kernel", &Config::loop_robust_kernel, kernels,
               "Kernel of the loops that are believed.")
-      .choice("gnss_robust_kernel", &Config::gnss_robust_kernel, robust_kernel_names(),
+      .choice("gnss_robust_kernel", &Config::gnss_robust_kernel, kernels,
               "Kernel of the GNSS positions that are believed.")
-      .choice("imu_robust_kernel", &Config::imu_robust_kernel, robust_kernel_names(),
+      .choice("imu_robust_kernel", &Config::imu_robust_kernel, kernels,
               "Kernel of orientations, headings and accelerations.")
-      .choice("floor_robust_kernel", &Config::floor_robust_kernel, robust_kernel_names(),
-              "Kernel of floors.")
+      .choice("floor_robust_kernel", &Config::floor_robust_kernel, kernels, "Kernel of floors.")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
             "Where the kernels begin to bend.")
       .check([](const Config& c) {
@@ -126,6 +149,14 @@ config::Schema<Config> make_schema() {
                          "min_stddev_x and min_stddev_q must not be above max_stddev_x and "
                          "max_stddev_q")
                    : std::string();
+      })
+      .check([](const Config& c) {
+        const auto& stddevs = c.fix_first_node_stddev;
+        const bool positive = std::all_of(stddevs.begin(), stddevs.end(),
+                                          [](double s) { return s >= 1e-6 && s <= 1e6; });
+        return positive
+                   ? std::string()
+                   : std::string("fix_first_node_stddev must hold numbers from 1e-06 to 1e+06");
       })
       .check([](const Config& c) {
         return c.georeference_only && !c.use_gnss

@@ -29,7 +29,13 @@ Covariance6 prior_covariance(const Pose& T_map_base, bool firm_place, bool firm_
   return covariance;
 }
 
-void add_priors(const DriveGraph& drive, bool with_gnss, bool with_vertical, FactorGraph& graph) {
+/// As the parameters have it, the squares of x y z roll pitch yaw.
+Covariance6 asked_covariance(const BackEndConfig& config) {
+  return Eigen::Map<const Vector6d>(config.fix_first_node_stddev.data()).cwiseAbs2().asDiagonal();
+}
+
+void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_gnss,
+                bool with_vertical, FactorGraph& graph) {
   const std::vector<int> connected = connected_segments(drive, true);
   for (std::size_t segment = 0; segment < drive.segment_starts.size(); ++segment) {
     const int node = drive.segment_starts[segment];
@@ -39,7 +45,9 @@ void add_priors(const DriveGraph& drive, bool with_gnss, bool with_vertical, Fac
     // loops be refused.
     const bool alone = connected[segment] == static_cast<int>(segment);
     const bool firm = alone && !(with_gnss && drive.in_enu[segment]);
-    const Covariance6 covariance = prior_covariance(pose, firm, firm && !with_vertical);
+    const Covariance6 covariance = segment == 0 && config.fix_first_node
+                                       ? asked_covariance(config)
+                                       : prior_covariance(pose, firm, firm && !with_vertical);
     graph.add({prior_residual(pose, g2o_information(covariance)), node});
   }
 }
@@ -106,7 +114,7 @@ DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) 
   const bool with_gnss = config.use_gnss && !config.georeference_only;
   const bool with_vertical =
       !drive.imu.empty() && (config.enable_imu_orientation || config.enable_imu_acceleration);
-  add_priors(drive, with_gnss, with_vertical, factors.graph);
+  add_priors(drive, config, with_gnss, with_vertical, factors.graph);
   add_odometry(drive, config, factors);
   add_verticals(drive, config, factors.graph);
   if (with_gnss && config.enable_imu_heading) add_headings(drive, config, factors.graph);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
 
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
 #include "lidar_mapping/back_end/gauss_newton.hpp"
+#include "lidar_mapping/common/errors.hpp"
 
 #include "openmp_silence.hpp"
 
@@ -113,7 +115,38 @@ class GraphProblem {
   std::vector<bool> added_;
 };
 
+/// What keeps a constraint from being solved with the graph; empty if nothing does.
+std::string problem_of(const Constraint& constraint, const FactorGraph& graph) {
+  if (constraint.residual == nullptr) return "has no residual; give it a ceres::CostFunction";
+  const int rows = constraint.degrees_of_freedom();
+  if (rows < 1 || rows > kMostRows) {
+    return "has a residual of " + std::to_string(rows) + " rows; 1 to " +
+           std::to_string(kMostRows) + " are solved, so split it into several constraints";
+  }
+  const std::vector<std::int32_t> expected(constraint.second < 0 ? 1 : 2,
+                                           graph.planar ? kPlanarBlockSize : kPoseBlockSize);
+  if (constraint.residual->parameter_block_sizes() != expected) {
+    return "has a residual with other blocks than " + std::to_string(expected.size()) + " of " +
+           std::to_string(expected.front()) + " numbers; it must take one for each of its nodes";
+  }
+  const int nodes = static_cast<int>(graph.states.size());
+  if (constraint.first < 0 || std::max(constraint.first, constraint.second) >= nodes) {
+    return "is between nodes " + std::to_string(constraint.first) + " and " +
+           std::to_string(constraint.second) + ", but there are " + std::to_string(nodes) +
+           "; add the nodes first";
+  }
+  return "";
+}
+
 }  // namespace
+
+void FactorGraph::add(Constraint constraint) {
+  const std::string problem = problem_of(constraint, *this);
+  if (!problem.empty()) {
+    throw InputError("constraint " + std::to_string(constraints.size()) + " " + problem);
+  }
+  constraints.push_back(std::move(constraint));
+}
 
 int FactorGraph::add_node(const Pose& pose, bool hold) {
   states.push_back(planar ? to_planar_block(pose) : to_block(pose));
@@ -135,7 +168,7 @@ double chi2(const FactorGraph& graph, const Constraint& constraint) {
       static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
   const std::array<const double*, 2> blocks = {
       graph.states[static_cast<std::size_t>(constraint.first)].data(), graph.states[second].data()};
-  std::array<double, 6> residual{};
+  std::array<double, kMostRows> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
   double sum = 0.0;
   for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {

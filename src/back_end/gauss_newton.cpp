@@ -99,8 +99,12 @@ class NormalEquations {
         return add_rows<2>(term);
       case 3:
         return add_rows<3>(term);
-      default:
-        return add_rows<6>(term);
+      case 4:
+        return add_rows<4>(term);
+      case 5:
+        return add_rows<5>(term);
+      default:  // FactorGraph::add() takes no more than these
+        return add_rows<kMostRows>(term);
     }
   }
 

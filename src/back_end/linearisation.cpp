@@ -5,7 +5,7 @@
 namespace lidar_mapping::back_end {
 
 Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, 6>;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMostRows>;
   const bool pair = constraint.second >= 0;
   const auto block = [&](int node) { return graph.states[static_cast<std::size_t>(node)].data(); };
   const std::array<const double*, 2> blocks = {block(constraint.first),
@@ -14,7 +14,7 @@ Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
   std::array<Rows, 2> jacobians = {Rows::Zero(count, kPoseBlockSize),
                                    Rows::Zero(count, kPoseBlockSize)};
   std::array<double*, 2> pointers = {jacobians[0].data(), jacobians[1].data()};
-  std::array<double, 6> residual{};
+  std::array<double, kMostRows> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), pointers.data());
   return {Eigen::Map<const Eigen::VectorXd>(residual.data(), count), jacobians[0].leftCols<6>(),
           jacobians[1].leftCols<6>()};

@@ -19,9 +19,9 @@ double sign_of_gravity(const DriveGraph& drive) {
   return votes < 0.0 ? -1.0 : 1.0;
 }
 
-Vertical by_orientation(const DriveImu& imu, const BackEndConfig& config) {
+Vertical by_orientation(const DriveImu& imu, double stddev_deg) {
   return {imu.node, imu.sample.orientation->conjugate() * Eigen::Vector3d::UnitZ(),
-          config.imu_orientation_stddev_deg * kRadPerDeg};
+          stddev_deg * kRadPerDeg};
 }
 
 Vertical by_acceleration(const DriveImu& imu, double sign, const BackEndConfig& config) {
@@ -38,9 +38,10 @@ Vertical by_acceleration(const DriveImu& imu, double sign, const BackEndConfig& 
 std::vector<Vertical> verticals(const DriveGraph& drive, const BackEndConfig& config) {
   std::vector<Vertical> result;
   const double sign = sign_of_gravity(drive);
+  const double stddev_deg = drive.tilt_stddev_deg.value_or(config.imu_orientation_stddev_deg);
   for (const DriveImu& imu : drive.imu) {
     if (config.enable_imu_orientation && imu.sample.orientation) {
-      result.push_back(by_orientation(imu, config));
+      result.push_back(by_orientation(imu, stddev_deg));
     }
     if (config.enable_imu_acceleration && imu.sample.linear_acceleration.norm() > 0.0) {
       result.push_back(by_acceleration(imu, sign, config));

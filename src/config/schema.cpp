@@ -1,10 +1,29 @@
 #include "lidar_mapping/config/schema.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace lidar_mapping::config {
 
 namespace {
+
+bool is_same_word(const std::string& a, const std::string& b) {
+  const auto is_same = [](unsigned char x, unsigned char y) {
+    return std::tolower(x) == std::tolower(y);
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_same);
+}
+
+/// Without those that differ from an earlier one by capital letters alone.
+std::vector<std::string> told_apart(const std::vector<std::string>& words) {
+  std::vector<std::string> result;
+  for (const std::string& word : words) {
+    const auto is_same = [&](const std::string& other) { return is_same_word(word, other); };
+    if (std::none_of(result.begin(), result.end(), is_same)) result.push_back(word);
+  }
+  return result;
+}
 
 std::string check_range(double number, const Range& range) {
   if (std::isnan(number)) return "is not a number";
@@ -98,7 +117,8 @@ std::string describe(const char* type, const Range& range) {
   return std::string(type) + " from " + low + " to " + high;
 }
 
-std::string describe_choices(const std::vector<std::string>& choices) {
+std::string describe_choices(const std::vector<std::string>& names) {
+  const std::vector<std::string> choices = told_apart(names);
   std::string text;
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (i > 0) text += i + 1 == choices.size() ? " or " : ", ";

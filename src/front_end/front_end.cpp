@@ -37,6 +37,16 @@ Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) 
       kExternalAngleSigma + kExternalError * rotation_angle(T_from_to.rotation));
 }
 
+/// From x y z roll pitch yaw.
+Pose pose_of(const Vector6d& values) {
+  Pose pose;
+  pose.translation = values.head<3>();
+  pose.rotation = Eigen::AngleAxisd(values[5], Eigen::Vector3d::UnitZ()) *
+                  Eigen::AngleAxisd(values[4], Eigen::Vector3d::UnitY()) *
+                  Eigen::AngleAxisd(values[3], Eigen::Vector3d::UnitX());
+  return pose;
+}
+
 PointCloud picked(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
   PointCloud result;
   result.points.reserve(indices.size());
@@ -55,6 +65,17 @@ class FrontEnd::Impl {
       : config_(config),
         rule_{config.key_frame_distance, config.key_frame_angle, config.key_frame_interval} {
     if (config.odometry == OdometrySource::kLidar) tracker_ = make_tracker(config);
+    const Eigen::Map<const Vector6d> given(config.initial_pose.data());
+    if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
+  }
+
+  void set_initial_pose(const Pose& T_odom_base) {
+    if (last_stamp_) {
+      throw InputError("an initial pose after the first scan; give it before, or start anew");
+    }
+    initial_ = T_odom_base;
+    initial_given_ = true;
+    if (tracker_) tracker_->restart(T_odom_base);
   }
 
   FrontEndResult process(const Scan& taken, const MotionPrior& prior) {
@@ -63,7 +84,7 @@ class FrontEnd::Impl {
     timer_.start("support");
     const Scan& scan = tracker_ ? support_.supported(taken) : taken;
     timer_.stop();
-    const TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
+    const TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
@@ -93,6 +114,7 @@ class FrontEnd::Impl {
     next_index_ = next_index;
     segment_ = next_segment;
     initial_ = T_odom_base;
+    initial_given_ = false;
     last_key_frame_.reset();
     last_.reset();
     tracked_.reset();
@@ -182,6 +204,12 @@ class FrontEnd::Impl {
     last_key_frame_.reset();
   }
 
+  /// What a person says of the beginning goes before what other sensors say.
+  TrackedScan track(const Scan& scan, MotionPrior prior) {
+    if (initial_given_) prior.T_odom_base_initial.reset();
+    return tracker_->track(scan, prior);
+  }
+
   /// `odometry: external`.
   TrackedScan follow(const Scan& scan, const MotionPrior& prior) {
     if (!prior.T_external_base) {
@@ -248,6 +276,7 @@ class FrontEnd::Impl {
   SurfaceSupport support_;
   std::unique_ptr<Tracker> tracker_;
   Pose initial_;
+  bool initial_given_ = false;
   std::optional<Pose> T_odom_external_;
   std::vector<Held> held_;
   std::optional<TrackedScan> last_;
@@ -272,6 +301,8 @@ std::vector<FrontEndResult> FrontEnd::settle() { return impl_->settle(); }
 void FrontEnd::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
   impl_->set_sensor_origin(p_base_sensor);
 }
+
+void FrontEnd::set_initial_pose(const Pose& T_odom_base) { impl_->set_initial_pose(T_odom_base); }
 
 void FrontEnd::resume(KeyFrameIndex next_index, std::uint32_t next_segment,
                       const Pose& T_odom_base) {

@@ -19,6 +19,11 @@ void describe_key_frames(config::Schema<Config>& schema) {
 
 void describe_sequential_ndt(config::Schema<Config>& schema) {
   schema
+      .choice(
+          "local_map_method", &Config::local_map_method,
+          {{"voxels", LocalMapMethod::kVoxels}, {"sliding_window", LocalMapMethod::kSlidingWindow}},
+          "What NDT matches against: voxels that are never rebuilt, or the clouds of the last "
+          "local_frame_num key frames, as all other methods do.")
       .real("voxel_size", &Config::voxel_size, {0.2, 10.0}, "m",
             "Edge of the voxels of the NDT's local map.")
       .real("local_map_radius", &Config::local_map_radius, {5.0, 400.0}, "m",
@@ -48,12 +53,17 @@ config::Schema<Config> make_schema() {
       .choice("odometry", &Config::odometry,
               {{"lidar", OdometrySource::kLidar}, {"external", OdometrySource::kExternal}},
               "Where the motion comes from: scan matching, or an odometry from outside.")
+      .reals(
+          "initial_pose", &Config::initial_pose, 6, "m and rad: x y z roll pitch yaw",
+          "Pose of base_link at the first scan; zeros: what GNSS and IMU say, or else the origin.")
       .include(&Config::registration, registration::RegistrationConfig::schema());
   describe_key_frames(schema);
   describe_sequential_ndt(schema);
   schema
       .integer("local_frame_num", &Config::local_frame_num, {1, 1000}, "key frames",
-               "Size of the sliding window of the methods other than NDT.")
+               "Size of the sliding window: of NDT with local_map_method: sliding_window, and of "
+               "all other "
+               "methods.")
       .real("frame_filter_resolution", &Config::frame_filter_resolution, {0.0, 10.0}, "m",
             "Edge of the voxels that thin out a scan for the sliding window; 0 keeps all points.")
       .real("local_map_filter_resolution", &Config::local_map_filter_resolution, {0.0, 10.0}, "m",

@@ -27,6 +27,12 @@ std::string elevation_notice(double elevation_shift) {
          "vertical_angle_correction_deg to have it from the start";
 }
 
+std::string full_map_notice(std::size_t map_points_dropped) {
+  return "the odometry's local map is full: " + std::to_string(map_points_dropped) +
+         " points found no room in it so far; a larger voxel_size or a smaller local_map_radius " +
+         "makes room";
+}
+
 std::string jitter_notice(double jitter) {
   char milliseconds[32];
   std::snprintf(milliseconds, sizeof(milliseconds), "%.0f", 1e3 * jitter);

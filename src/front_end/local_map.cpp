@@ -91,6 +91,7 @@ void LocalMap::clear() {
 }
 
 void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
+  const std::size_t before = fine_.dropped_points() + coarse_.dropped_points();
   place(points, state, fine_.origin(), placed_);
   std::optional<Eigen::Vector3f> viewpoint;
   if (points.viewpoint) {
@@ -99,6 +100,7 @@ void LocalMap::insert(const SampledPoints& points, const registration::MotionSta
   }
   fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size(), viewpoint);
   insert_thinned(placed_, coarse_);
+  dropped_points_ += fine_.dropped_points() + coarse_.dropped_points() - before;
 }
 
 void LocalMap::follow(const Eigen::Vector3d& position) {

@@ -5,7 +5,8 @@ namespace lidar_mapping::front_end {
 
 std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config) {
   using registration::Method;
-  if (registration::implemented_by(config.registration.method) == Method::kNdt) {
+  const bool is_ndt = registration::implemented_by(config.registration.method) == Method::kNdt;
+  if (is_ndt && config.local_map_method == LocalMapMethod::kVoxels) {
     return std::make_unique<NdtTracker>(config);
   }
   return std::make_unique<SlidingWindowTracker>(config);

@@ -325,6 +325,7 @@ class NdtTracker::Impl {
     result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
+    result.status.map_points_dropped = map_.dropped_points();
     result.status.unobserved_stddev = blind_way_.stddev();
     result.status.stamp_jitter = clock_.jitter();
     result.status.step_seconds = timer_.take();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "lidar_mapping/loop_closing/scan_alignment.hpp"
 #include "lidar_mapping/loop_closing/segment_joins.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
 #include "lidar_mapping/loop_closing/trial.hpp"
@@ -20,6 +21,7 @@ class LoopCloser::Impl {
  public:
   Impl(const LoopClosingConfig& config, CloudSource& clouds, const std::filesystem::path& directory)
       : config_(config),
+        alignment_(config),
         submaps_(config, clouds),
         places_(config, directory),
         joins_(config.unanchored_stretch) {}
@@ -45,6 +47,7 @@ class LoopCloser::Impl {
   void conclude(const Trial& trial, LoopClosingResult& result);
 
   LoopClosingConfig config_;
+  ScanAlignment alignment_;
   Submaps submaps_;
   Places places_;
   SegmentJoins joins_;
@@ -95,7 +98,7 @@ Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<Qu
   trial.match.alignment.T_target_source = candidate.T_from_to;
   const auto submap = submaps_.around(trajectory(), candidate.node);
   if (!query || submap == nullptr) return trial;
-  trial.match.alignment = align_point_to_plane(query->points, submap->surface, candidate.T_from_to);
+  trial.match.alignment = alignment_.align(query->points, submap->surface, candidate.T_from_to);
   trial.match.figures = measure_match(*query, *submap, trial.match.alignment.T_target_source,
                                       config_.fitness_score_max_range);
   if (candidate.prior.jumped > 0.0) trial.match.figures.roofed = roofed_share(*submap);

@@ -36,6 +36,14 @@ void describe_search(config::Schema<Config>& schema) {
                "estimate knows the place to a metre, the first that is accepted ends the search.");
 }
 
+std::vector<std::pair<std::string, LoopMethod>> methods() {
+  std::vector<std::pair<std::string, LoopMethod>> result = {{"POINT_TO_PLANE", {}}};
+  for (const auto& [name, method] : registration::method_names()) {
+    result.push_back({name, {false, method}});
+  }
+  return result;
+}
+
 void describe_matching(config::Schema<Config>& schema) {
   const std::vector<std::pair<std::string, FilterMethod>> filters = {
       {"voxel_filter", FilterMethod::kVoxel}, {"no_filter", FilterMethod::kNone}};
@@ -47,7 +55,11 @@ void describe_matching(config::Schema<Config>& schema) {
       .real("voxel_filter/map/leaf_size", &Config::map_leaf_size, {0.05, 5.0}, "m",
             "Edge of the submap's voxels.")
       .real("voxel_filter/scan/leaf_size", &Config::scan_leaf_size, {0.05, 5.0}, "m",
-            "Edge of the scan's voxels.");
+            "Edge of the scan's voxels.")
+      .choice("registration_method", &Config::registration_method, methods(),
+              "How a scan is aligned with a submap: POINT_TO_PLANE is the package's own way for "
+              "loops, from coarse to fine; the reg_ parameters are for the others.")
+      .include(&Config::registration, registration::RegistrationConfig::parameters());
 }
 
 void describe_verification(config::Schema<Config>& schema) {

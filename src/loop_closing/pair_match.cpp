@@ -5,6 +5,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
+#include "lidar_mapping/loop_closing/scan_alignment.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
 #include "lidar_mapping/loop_closing/trial.hpp"
 
@@ -63,13 +64,13 @@ LoopClosingConfig trusting(LoopClosingConfig config) {
 }
 
 Trial tried(const QueryScan& query, const Submap& submap, Trajectory::NodeId from,
-            const Pose& start, const LoopClosingConfig& config) {
+            const Pose& start, const LoopClosingConfig& config, ScanAlignment& alignment) {
   Trial trial;
   trial.candidate.node = from;
   trial.candidate.source = LoopSource::kManual;
   trial.candidate.T_from_to = start;
   trial.candidate.prior.T_from_to = start;
-  trial.match.alignment = align_point_to_plane(query.points, submap.surface, start);
+  trial.match.alignment = alignment.align(query.points, submap.surface, start);
   trial.match.figures = measure_match(query, submap, trial.match.alignment.T_target_source,
                                       config.fitness_score_max_range);
   trial.judgement = judge(trial.match, trial.candidate.prior, config);
@@ -112,9 +113,10 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
     return result;
   }
   const LoopClosingConfig rules = trusting(config);
+  ScanAlignment alignment(config);
   std::optional<Trial> best;
   for (const Pose& start : starts_for(clouds, from, to, guess)) {
-    const Trial trial = tried(*query, *submap, older, start, rules);
+    const Trial trial = tried(*query, *submap, older, start, rules, alignment);
     if (!best || is_better(trial, *best)) best = trial;
   }
   result.verdict = to_verdict(*best, trajectory);

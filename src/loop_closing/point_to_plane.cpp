@@ -107,4 +107,13 @@ Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
   return result;
 }
 
+std::optional<Covariance6> point_to_plane_covariance(const std::vector<Eigen::Vector3f>& source,
+                                                     const SurfaceCloud& target,
+                                                     const Pose& T_target_source) {
+  PairMemory pairs(target.tree(), source.size());
+  const Equations equations = linearise(source, target, pairs, T_target_source, kLevels.back());
+  if (equations.pairs < kMinPairs) return std::nullopt;
+  return covariance_of(equations);
+}
+
 }  // namespace lidar_mapping::loop_closing

@@ -7,7 +7,8 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Subscribed: synced_cloud. Published: floor, for every scan, also where there is none.
+/// Subscribed: synced_cloud. Published: floor, for every scan, also where there is none; for who
+/// subscribes floor_filtered_points (in which it is sought) and floor_points (on its plane).
 class FloorDetectionNode {
  public:
   using Config = NodeConfig<preprocessing::FloorDetectionConfig>;
@@ -17,6 +18,9 @@ class FloorDetectionNode {
         context_(context),
         stage_(config.stage),
         floor_(context.node.advertise<FloorMessage>("floor", kPublisherQueue)),
+        filtered_points_(
+            context.node.advertise<sensor_msgs::PointCloud2>("floor_filtered_points", 1)),
+        floor_points_(context.node.advertise<sensor_msgs::PointCloud2>("floor_points", 1)),
         cloud_(subscribe<sensor_msgs::PointCloud2>(
             context, "synced_cloud", config.node.queue_size,
             [this](const auto& message) { process(*message); }, Numbered::kYes)) {}
@@ -25,8 +29,15 @@ class FloorDetectionNode {
   void process(const sensor_msgs::PointCloud2& message) {
     const Scan scan{from_ros(message.header.stamp), from_message(message)};
     context_.diagnostics.count_input(scan.stamp);
-    const Floor floor = stage_.process(scan);
+    const bool is_watched =
+        filtered_points_.getNumSubscribers() > 0 || floor_points_.getNumSubscribers() > 0;
+    preprocessing::FloorPoints points;
+    const Floor floor = stage_.process(scan, is_watched ? &points : nullptr);
     floor_.publish(to_message(floor, config_.node.base_frame));
+    if (is_watched) {
+      filtered_points_.publish(to_message(points.filtered, scan.stamp, config_.node.base_frame));
+      floor_points_.publish(to_message(points.inliers, scan.stamp, config_.node.base_frame));
+    }
     context_.diagnostics.count_output(scan.stamp);
     ++(floor.found ? found_ : missing_);
     context_.diagnostics.set_state(Diagnostics::Level::kOk,
@@ -40,7 +51,7 @@ class FloorDetectionNode {
   preprocessing::FloorDetector stage_;
   std::size_t found_ = 0;
   std::size_t missing_ = 0;
-  ros::Publisher floor_;
+  ros::Publisher floor_, filtered_points_, floor_points_;
   ros::Subscriber cloud_;
 };
 

@@ -1,5 +1,6 @@
 #include <ctime>
 
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <std_msgs/UInt32.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -39,9 +40,9 @@ std::string new_run_id() {
 }  // namespace
 
 /// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
-/// scans_lost, external_odom (with `odometry: external`). Published: laser_odom, key_frame,
-/// front_end_status, current_scan, local_map, tf odom -> base_link. Asks get_key_frames once, at
-/// the first scan.
+/// scans_lost, initialpose (before the first scan), external_odom (with `odometry: external`).
+/// Published: laser_odom, key_frame, front_end_status, current_scan, local_map, tf odom ->
+/// base_link. Asks get_key_frames once, at the first scan.
 class FrontEndNode {
  public:
   using Config = LidarNodeConfig<front_end::FrontEndConfig>;
@@ -53,6 +54,7 @@ class FrontEndNode {
   void take_cloud(const sensor_msgs::PointCloud2& message);
   bool is_played_again(Stamp stamp);
   void take_gnss(const nav_msgs::Odometry& message);
+  void take_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void process(std::vector<AssembledScan> scans);
   void process(const AssembledScan& assembled);
   void begin_run();
@@ -123,6 +125,8 @@ void FrontEndNode::subscribe_sensors() {
                                                 go_on([this](const auto& m) { take_gnss(m); })),
                   subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
                                               [this](const auto& m) { lost_before_ = m->data; })};
+  subscribers_.push_back(subscribe<geometry_msgs::PoseWithCovarianceStamped>(
+      context_, "initialpose", capacity, [this](const auto& m) { take_initial_pose(*m); }));
   if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
   subscribers_.push_back(subscribe<nav_msgs::Odometry>(
       context_, "external_odom", 10 * capacity, go_on([this](const auto& m) {
@@ -169,6 +173,24 @@ void FrontEndNode::take_gnss(const nav_msgs::Odometry& message) {
   const auto T_base_antenna =
       sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
   if (T_base_antenna) assembler_.add_gnss(from_message(message, T_base_antenna->translation));
+}
+
+/// rviz's "2D Pose Estimate", or a person's. Odometry cannot be moved once it has begun: other
+/// nodes hold what it said.
+void FrontEndNode::take_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  const std::string frame = frame_name(message.header.frame_id);
+  if (frame != config_.node.map_frame && frame != config_.node.odom_frame) {
+    throw InputError("the initial pose is in frame '" + frame + "'; give it in '" +
+                     config_.node.map_frame + "' or '" + config_.node.odom_frame + "'");
+  }
+  const Pose T_odom_base = from_message(message.pose.pose);
+  if (previous_) {
+    throw InputError(
+        "the initial pose comes after the first scan; give it before, or start the nodes again");
+  }
+  front_end_.set_initial_pose(T_odom_base);
+  ROS_INFO_STREAM("the drive begins at " << T_odom_base.translation.transpose() << " m, heading "
+                                         << yaw_of(T_odom_base.rotation) << " rad");
 }
 
 void FrontEndNode::process(std::vector<AssembledScan> scans) {
@@ -265,6 +287,13 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
     ROS_INFO_STREAM(front_end::elevation_notice(shift));
+  }
+  if (result.status.map_points_dropped > 0) {
+    context_.diagnostics.set("points without room in the local map",
+                             std::to_string(result.status.map_points_dropped));
+    if (limiter_.due("full map")) {
+      ROS_WARN_STREAM(front_end::full_map_notice(result.status.map_points_dropped));
+    }
   }
   const double jitter = result.status.stamp_jitter;
   if (jitter > 0.0 && limiter_.due("jitter")) {

@@ -26,7 +26,8 @@ std::string news_of(const Loop& loop, std::size_t count) {
   std::ostringstream text;
   text.precision(2);
   text << "loops: " << count << "; the newest: key frame " << loop.to << " sees key frame "
-       << loop.from << " again, overlap " << std::fixed << loop.overlap;
+       << loop.from << " again, overlap " << std::fixed << loop.overlap << std::defaultfloat
+       << ", fitness " << loop.fitness << " m^2";
   return text.str();
 }
 

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include <std_msgs/UInt32.h>
+#include <tf2_msgs/TFMessage.h>
 #include <topic_tools/shape_shifter.h>
 
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -21,6 +23,7 @@
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/silent_topic.hpp"
 #include "lidar_mapping/ros/topic_choice.hpp"
+#include "lidar_mapping/ros/transform_odometry.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -78,6 +81,7 @@ class PreprocessingNode {
   void take(const SensorInput<ImuSample>& input);
   void take(const SensorInput<VelocitySample>& input);
   void take(const SensorInput<GnssFix>& input);
+  void follow_transforms();
   template <typename Sample>
   void take_if_read(const std::string& topic, const topic_tools::ShapeShifter& message,
                     const std::optional<SensorInput<Sample>>& input);
@@ -159,11 +163,6 @@ void PreprocessingNode::subscribe_sensors() {
   subscribers_ = {
       subscribe<sensor_msgs::Imu>(context_, "imu", samples,
                                   [this](const auto& message) { take(input_of(*message)); }),
-      subscribe<topic_tools::ShapeShifter>(context_, "velocity", samples,
-                                           [this](const auto& message) {
-                                             take_if_read("velocity", *message,
-                                                          read_velocity(*message));
-                                           }),
       subscribe<topic_tools::ShapeShifter>(
           context_, "gnss", samples,
           [this](const auto& message) { take_if_read("gnss", *message, read_gnss(*message)); }),
@@ -180,6 +179,29 @@ void PreprocessingNode::subscribe_sensors() {
             const std::lock_guard<std::mutex> lock(numbers_mutex_);
             numbers_.take(message.header.seq);
           })};
+  if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
+  subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
+      context_, "velocity", samples, [this](const auto& message) {
+        take_if_read("velocity", *message, read_velocity(*message));
+      }));
+}
+
+/// The velocity of a wheel odometry that is known by its transforms.
+void PreprocessingNode::follow_transforms() {
+  if (config_.stage.robot_odom_frame_id == config_.node.odom_frame) {
+    throw ConfigError("robot_odom_frame_id: '" + config_.node.odom_frame +
+                      "' is the frame of this package's own odometry (odom_frame); give one of the "
+                      "two another name");
+  }
+  auto odometry = std::make_shared<TransformOdometry>(config_.stage.robot_odom_frame_id,
+                                                      config_.node.base_frame);
+  subscribers_.push_back(subscribe<tf2_msgs::TFMessage>(
+      context_, "/tf", kSamplesPerScan * config_.node.queue_size,
+      [this, odometry](const auto& message) {
+        for (const VelocitySample& sample : odometry->add(*message)) {
+          take(SensorInput<VelocitySample>{sample, config_.node.base_frame});
+        }
+      }));
 }
 
 void PreprocessingNode::take(const SensorInput<ImuSample>& input) {
@@ -209,6 +231,7 @@ void PreprocessingNode::take_if_read(const std::string& topic,
                                      const topic_tools::ShapeShifter& message,
                                      const std::optional<SensorInput<Sample>>& input) {
   if (input) return take(*input);
+  if (is_velocity_type(message.getDataType()) || is_gnss_type(message.getDataType())) return;
   ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
                         << " holds " << message.getDataType()
                         << ", which is not read; doc/preprocessing.md has the types that are");

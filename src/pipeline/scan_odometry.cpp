@@ -81,6 +81,10 @@ void ScanOdometry::take(const preprocessing::SyncedScan& synced,
 }
 
 void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
+  if (status.map_points_dropped > 2 * map_points_dropped_) {
+    map_points_dropped_ = status.map_points_dropped;
+    say_(front_end::full_map_notice(map_points_dropped_));
+  }
   if (status.stamp_jitter > 0.0 && !jitter_mentioned_) {
     jitter_mentioned_ = true;
     say_(front_end::jitter_notice(status.stamp_jitter));

@@ -42,7 +42,8 @@ class ScanOdometry {
   Say say_;
   std::optional<ResumedOdometry> resumed_;
   bool has_begun_ = false;
-  double elevation_shift_ = 0.0;  ///< that was last spoken of
+  double elevation_shift_ = 0.0;        ///< that was last spoken of
+  std::size_t map_points_dropped_ = 0;  ///< the same
   bool jitter_mentioned_ = false;
   std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
   DrivePiece piece_;

@@ -122,11 +122,30 @@ bool extends_outward(const Points& points, const std::vector<std::size_t>& inlie
   return wide >= kSectorsOfFloor;
 }
 
+Points picked(const Points& points, const std::vector<std::size_t>& indices) {
+  Points result;
+  result.reserve(indices.size());
+  for (const std::size_t i : indices) result.push_back(points[i]);
+  return result;
+}
+
+/// In base_link again.
+PointCloud cloud_of(const Points& points_level, const Eigen::Quaterniond& R_level_base) {
+  const Eigen::Matrix3d R_base_level = R_level_base.conjugate().toRotationMatrix();
+  PointCloud cloud;
+  cloud.points.reserve(points_level.size());
+  for (const Eigen::Vector3d& p_level : points_level) {
+    const Eigen::Vector3f p = (R_base_level * p_level).cast<float>();
+    cloud.points.push_back({p.x(), p.y(), p.z(), 0.0F});
+  }
+  return cloud;
+}
+
 }  // namespace
 
 FloorDetector::FloorDetector(const FloorDetectionConfig& config) : config_(config) {}
 
-Floor FloorDetector::process(const Scan& scan) const {
+Floor FloorDetector::process(const Scan& scan, FloorPoints* shown) const {
   Floor floor;
   floor.stamp = scan.stamp;
   const auto enough = static_cast<std::size_t>(config_.floor_pts_thresh);
@@ -138,6 +157,7 @@ Floor FloorDetector::process(const Scan& scan) const {
   if (config_.use_normal_filtering) {
     points = level_places(points, config_.normal_filter_thresh * kDegree);
   }
+  if (shown != nullptr) *shown = {cloud_of(points, R_level_base), {}};
   if (points.size() < enough) return floor;
   const auto found = search_plane(points, config_.floor_distance_thresh, largest_lean);
   if (!found) return floor;
@@ -148,6 +168,7 @@ Floor FloorDetector::process(const Scan& scan) const {
       std::abs(fit->surface.curvature()) > kSharpestCurvature) {
     return floor;
   }
+  if (shown != nullptr) shown->inliers = cloud_of(picked(points, fit->inliers), R_level_base);
   floor.found = true;
   floor.normal = R_level_base.conjugate() * below.normal;
   floor.offset = below.offset;

@@ -12,7 +12,14 @@ using Schema = config::Schema<Config>;
 void add_sensors(Schema& schema) {
   schema.boolean("use_imu", &Config::use_imu, "Use the IMU where there is one.")
       .boolean("use_velocity", &Config::use_velocity, "Use the velocity where there is one.")
-      .boolean("use_gnss", &Config::use_gnss, "Use GNSS positions where there are any.");
+      .boolean("use_gnss", &Config::use_gnss, "Use GNSS positions where there are any.")
+      .boolean(
+          "enable_robot_odometry_init_guess", &Config::enable_robot_odometry_init_guess,
+          "Take the velocity from tf, from how base_link moves in robot_odom_frame_id, instead "
+          "of from messages: it predicts the motion and compensates that during the scan.")
+      .text("robot_odom_frame_id", &Config::robot_odom_frame_id,
+            "Frame in which a wheel odometry gives tf the pose of base_link, or which it gives in "
+            "base_link; not the frame of this package's own odometry.");
 }
 
 void add_time(Schema& schema) {
@@ -151,6 +158,9 @@ std::string contradiction(const Config& c) {
     if (c.vehicle_box[axis] > c.vehicle_box[axis + 3]) {
       return "vehicle_box: the first three numbers are the lower corner; swap them";
     }
+  }
+  if (c.enable_robot_odometry_init_guess && c.robot_odom_frame_id.empty()) {
+    return "enable_robot_odometry_init_guess needs robot_odom_frame_id";
   }
   if (c.use_datum && (std::abs(c.datum[0]) > 90.0 || std::abs(c.datum[1]) > 180.0)) {
     return "datum: latitude within 90 and longitude within 180 degrees";

@@ -42,7 +42,6 @@ const Finding kNoClouds = {Severity::kFault,
 
 /// Messages that hold a receiver's data, but no fix.
 const std::map<std::string, std::string> kRawFixes = {
-    {"nmea_msgs/Sentence", "convert them with nmea_navsat_driver's nmea_topic_driver"},
     {"ublox_msgs/NavPVT", "convert them with ublox_gps, which publishes sensor_msgs/NavSatFix"},
     {"novatel_gps_msgs/NovatelPosition", "record novatel_gps_driver's fix beside them"}};
 

@@ -1,7 +1,10 @@
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 
+#include <algorithm>
+
 #include <sensor_msgs/NavSatStatus.h>
 
+#include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -17,6 +20,10 @@ VelocitySample velocity(const std_msgs::Header& header, const geometry_msgs::Twi
   return {from_ros(header.stamp), from_message(twist.linear), from_message(twist.angular)};
 }
 
+bool contains(const std::vector<std::string>& types, const std::string& type) {
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
+
 }  // namespace
 
 const std::vector<std::string>& velocity_types() {
@@ -27,10 +34,14 @@ const std::vector<std::string>& velocity_types() {
 }
 
 const std::vector<std::string>& gnss_types() {
-  static const std::vector<std::string> types = {type_of<sensor_msgs::NavSatFix>(),
-                                                 type_of<GeoPointStamped>()};
+  static const std::vector<std::string> types = {
+      type_of<sensor_msgs::NavSatFix>(), type_of<GeoPointStamped>(), type_of<NmeaSentence>()};
   return types;
 }
+
+bool is_velocity_type(const std::string& type) { return contains(velocity_types(), type); }
+
+bool is_gnss_type(const std::string& type) { return contains(gnss_types(), type); }
 
 SensorInput<ImuSample> input_of(const sensor_msgs::Imu& message) {
   return {from_message(message), message.header.frame_id};
@@ -56,6 +67,12 @@ SensorInput<GnssFix> input_of(const GeoPointStamped& message) {
   return {{from_ros(message.header.stamp), message.latitude, message.longitude, message.altitude,
            sensor_msgs::NavSatStatus::STATUS_FIX, std::nullopt},
           message.header.frame_id};
+}
+
+std::optional<SensorInput<GnssFix>> input_of(const NmeaSentence& message) {
+  const auto fix = preprocessing::fix_of_nmea(message.sentence, from_ros(message.header.stamp));
+  if (!fix) return std::nullopt;
+  return SensorInput<GnssFix>{*fix, message.header.frame_id};
 }
 
 }  // namespace lidar_mapping::ros_border

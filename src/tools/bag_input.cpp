@@ -1,6 +1,7 @@
 #include "bag_input.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <iomanip>
 #include <sstream>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
+#include "lidar_mapping/ros/transform_odometry.hpp"
 
 #include "bag_stream.hpp"
 
@@ -88,13 +90,18 @@ class BagInput::Impl {
     topics_ = ros_border::topics_in(all_bags(), wanted);
     read_frames();
     settle_base_frame();
+    if (config.enable_robot_odometry_init_guess) {
+      topics_.velocity.clear();
+      wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
+    }
     rosbag::View all;
-    add_query(all, wanted_topics());
+    add_query(all, sensor_topics());
     begin_ = ros_border::from_ros(all.getBeginTime());
     end_ = ros_border::from_ros(all.getEndTime());
   }
 
   std::optional<Input> next() {
+    if (!waiting_.empty()) return take_waiting();
     while (const auto message = stream().next()) {
       mention_damage();
       if (auto input = readable(*message)) return input;
@@ -123,8 +130,13 @@ class BagInput::Impl {
   std::optional<Pose> T_base(const std::string& frame) const { return frames_.T_base(frame); }
 
  private:
-  std::vector<std::string> wanted_topics() const {
+  std::vector<std::string> sensor_topics() const {
     return {topics_.points, topics_.imu, topics_.velocity, topics_.gnss};
+  }
+  std::vector<std::string> wanted_topics() const {
+    std::vector<std::string> topics = sensor_topics();
+    if (wheels_) topics.emplace_back("/tf");
+    return topics;
   }
 
   /// With it, rosbag's index is let go: it grows with the recording.
@@ -209,7 +221,26 @@ class BagInput::Impl {
     notices_.push_back(text.str());
   }
 
+  std::optional<Input> take_waiting() {
+    std::optional<Input> input(std::move(waiting_.front()));
+    waiting_.pop_front();
+    return input;
+  }
+
+  /// A message of /tf may hold several poses.
+  std::optional<Input> read_wheels(const tf2_msgs::TFMessage& message) {
+    for (const VelocitySample& sample : wheels_->add(message)) {
+      waiting_.push_back(FramedSample<VelocitySample>{sample, frames_.base_frame()});
+    }
+    return waiting_.empty() ? std::nullopt : take_waiting();
+  }
+
   std::optional<Input> readable(const BagMessage& message) try {
+    if (wheels_) {
+      if (const auto frames = message.instantiate<tf2_msgs::TFMessage>()) {
+        return read_wheels(*frames);
+      }
+    }
     return read(message);
   } catch (const ros::Exception&) {
     ++damaged_messages_;
@@ -240,6 +271,8 @@ class BagInput::Impl {
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
   std::string frames_notice_;
+  std::optional<ros_border::TransformOdometry> wheels_;  ///< where the velocity comes from tf
+  std::deque<Input> waiting_;                            ///< of a message that held several
   Stamp begin_ = 0;
   Stamp end_ = 0;
   std::optional<BagStream> stream_;

@@ -76,6 +76,8 @@ void add_arguments(CLI::App& app, Options& options) {
                  std::string(kConfigHelp) + "; defaults if left out");
   app.add_option("--sensor", options.parameters.overlay,
                  "overlay of parameters: a name in config/sensors, or the path of a file");
+  app.add_option("--preset", options.parameters.preset,
+                 "overlay for the kind of place: a name in config/presets, or the path of a file");
   app.add_option("--parameter", options.parameters.parameters,
                  "a single one, as 'stage/name: value' (repeatable)")
       ->allow_extra_args(false);

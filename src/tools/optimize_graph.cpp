@@ -42,9 +42,7 @@ GraphOptions options_of(const Arguments& arguments) {
   options.graduated = arguments.robust == kGraduated;
   options.kernel_size = arguments.kernel_size;
   options.tolerance = arguments.tolerance;
-  for (const auto& [name, kernel] : robust_kernel_names()) {
-    if (name == arguments.robust) options.kernel = kernel;
-  }
+  if (!options.graduated) options.kernel = robust_kernel_of(arguments.robust);
   return options;
 }
 
@@ -111,7 +109,7 @@ int main(int argc, char** argv) {
   app.add_option("output", arguments.output, "g2o file to write")->required();
   app.add_option("--robust", arguments.robust,
                  "graduated: decide which loops to believe; or a kernel on all loops")
-      ->check(CLI::IsMember(robust_names()))
+      ->transform(CLI::IsMember(robust_names(), CLI::ignore_case))
       ->capture_default_str();
   app.add_option("--kernel-size", arguments.kernel_size, "standard deviations")
       ->check(tools::above_zero())

@@ -21,12 +21,12 @@ const std::set<std::string> kOfNodes = {"map_frame",         "odom_frame", "queu
                                         "session_directory", "data_path",  "resume",
                                         "lidar_frame"};
 
-/// config/sensors of the package: installed beside this program, or where it was built.
-fs::path sensor_folder() {
+/// A folder in config/ of the package: installed beside this program, or where it was built.
+fs::path config_folder(const std::string& name) {
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
-  const fs::path installed = programs / "../../share/lidar_mapping/config/sensors";
+  const fs::path installed = programs / "../../share/lidar_mapping/config" / name;
   return fs::is_directory(installed) ? installed.lexically_normal()
-                                     : fs::path(LIDAR_MAPPING_CONFIG) / "sensors";
+                                     : fs::path(LIDAR_MAPPING_CONFIG) / name;
 }
 
 std::string names_in(const fs::path& folder) {
@@ -40,25 +40,24 @@ std::string names_in(const fs::path& folder) {
   return text;
 }
 
-std::string overlay_file(const std::string& name_or_path) {
+/// `kind` is sensor or preset.
+std::string overlay_file(const std::string& kind, const std::string& name_or_path) {
   const bool is_path = name_or_path.find('/') != std::string::npos;
   if (is_path || fs::exists(name_or_path)) return name_or_path;
-  const fs::path file = sensor_folder() / (name_or_path + ".yaml");
+  const fs::path folder = config_folder(kind + "s");
+  const fs::path file = folder / (name_or_path + ".yaml");
   if (fs::exists(file)) return file;
-  throw ConfigError("no sensor " + name_or_path + " in " + sensor_folder().string() +
-                    "; there are " + names_in(sensor_folder()) + "; or name a file");
+  throw ConfigError("no " + kind + " " + name_or_path + " in " + folder.string() + "; there are " +
+                    names_in(folder) + "; or name a file");
 }
 
 class StageReader {
  public:
   explicit StageReader(const ParameterSources& sources) : config_(sources.config) {
-    const std::string& overlay = sources.overlay;
-    if (!overlay.empty()) overlay_ = config::read_yaml_file(overlay_file(overlay));
+    add_overlay("sensor", sources.overlay);
+    add_overlay("preset", sources.preset);
     for (const std::string& parameter : sources.parameters) add_parameter(parameter);
-    if (const auto* part = overlay_part("nodes")) {
-      config::Source nodes{overlay_.origin, *part};
-      pass_over_nodes(nodes);
-    }
+    for (config::Source& nodes : overlay_parts("nodes")) pass_over_nodes(nodes);
   }
 
   template <typename Config>
@@ -70,7 +69,7 @@ class StageReader {
       sources.push_back(config::read_yaml_file(file));
       found_file_ = true;
     }
-    if (const auto* part = overlay_part(stage)) sources.push_back({overlay_.origin, *part});
+    for (const config::Source& part : overlay_parts(stage)) sources.push_back(part);
     for (const auto& [name, source] : parameters_) {
       if (name == stage) sources.push_back(source);
     }
@@ -92,19 +91,27 @@ class StageReader {
       throw ConfigError("--parameter: no stage has the name '" + stage + "'; the stages are " +
                         stages);
     }
-    const auto* parts = std::get_if<config::Value::Map>(&overlay_.values.data);
-    if (parts == nullptr) return;
-    stages = "nodes, " + stages;
-    for (const auto& [name, part] : *parts) {
-      if (name == "nodes" || result.texts.count(name) > 0) continue;
-      throw ConfigError(overlay_.origin + ": no stage has the name '" + name +
-                        "'; an overlay has groups of the names " + stages);
-    }
+    for (const config::Source& overlay : overlays_) check_groups(overlay, "nodes, " + stages);
   }
 
   StageFiles result;
 
  private:
+  void add_overlay(const std::string& kind, const std::string& name_or_path) {
+    if (name_or_path.empty()) return;
+    overlays_.push_back(config::read_yaml_file(overlay_file(kind, name_or_path)));
+  }
+
+  void check_groups(const config::Source& overlay, const std::string& stages) const {
+    const auto* parts = std::get_if<config::Value::Map>(&overlay.values.data);
+    if (parts == nullptr) return;
+    for (const auto& [name, part] : *parts) {
+      if (name == "nodes" || result.texts.count(name) > 0) continue;
+      throw ConfigError(overlay.origin + ": no stage has the name '" + name +
+                        "'; an overlay has groups of the names " + stages);
+    }
+  }
+
   /// "stage/name: value"
   void add_parameter(const std::string& text) {
     const config::Source source = config::parse_yaml(text, "--parameter '" + text + "'");
@@ -119,11 +126,15 @@ class StageReader {
     }
   }
 
-  const config::Value* overlay_part(const std::string& stage) const {
-    const auto* parts = std::get_if<config::Value::Map>(&overlay_.values.data);
-    if (parts == nullptr) return nullptr;
-    const auto part = parts->find(stage);
-    return part == parts->end() ? nullptr : &part->second;
+  /// What the overlays have of a stage; later ones go over earlier ones.
+  std::vector<config::Source> overlay_parts(const std::string& stage) const {
+    std::vector<config::Source> found;
+    for (const config::Source& overlay : overlays_) {
+      const auto* parts = std::get_if<config::Value::Map>(&overlay.values.data);
+      if (parts == nullptr || parts->count(stage) == 0) continue;
+      found.push_back({overlay.origin, parts->at(stage)});
+    }
+    return found;
   }
 
   void pass_over_nodes(config::Source& source) {
@@ -137,7 +148,7 @@ class StageReader {
   }
 
   std::string config_;
-  config::Source overlay_;
+  std::vector<config::Source> overlays_;
   std::vector<std::pair<std::string, config::Source>> parameters_;  ///< with their stage
   bool found_file_ = false;
 };

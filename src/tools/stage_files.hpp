@@ -21,6 +21,7 @@ struct StageFiles {
 struct ParameterSources {
   std::string config;   ///< folder of <stage>.yaml files or one of them; empty: defaults
   std::string overlay;  ///< a name in config/sensors, or the path of a file; empty: none
+  std::string preset;   ///< the same in config/presets; goes over that of the sensor
   std::vector<std::string> parameters;  ///< single ones, as "stage/name: value"
 };
 

@@ -5,7 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/back_end/optimization.hpp"
 #include "lidar_mapping/back_end/tilt_scatter.hpp"
+#include "lidar_mapping/back_end/vertical.hpp"
+
+#include "back_end_fixture.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -92,6 +96,30 @@ TEST(TiltScatter, IsAsConfiguredWhereOnlyOdometryHoldsTheHeight) {
   EXPECT_LT(tilt_stddev_deg(drive, config), 1.2);
   config.georeference_only = true;
   EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
+}
+
+TEST(TiltScatter, WeighsTheTiltAndLeavesTheParameterAlone) {
+  const BackEndConfig config;
+  DriveGraph drive = round_drive(1, noise(0.8, 0.0));
+  EXPECT_NEAR(verticals(drive, config).front().stddev, 2.0 * kDeg, 1e-12);
+  drive.tilt_stddev_deg = 0.7;
+  EXPECT_NEAR(verticals(drive, config).front().stddev, 0.7 * kDeg, 1e-12);
+
+  const test::SyntheticDrive laps = test::make_drive();
+  BackEnd back_end(config);
+  std::mt19937 engine(3);
+  for (std::size_t i = 0; i < laps.truth.size(); ++i) {
+    back_end.add_key_frame(laps.key_frames[i]);
+    ImuSample sample;
+    sample.stamp = laps.key_frames[i].stamp;
+    sample.orientation = laps.key_frames[i].T_odom_base.rotation;
+    back_end.add_imu(sample);
+  }
+  test::add_lap_loops(back_end, laps, 400, 5, engine);
+  const auto problem = back_end.problem(true);
+  EXPECT_EQ(problem->config.imu_orientation_stddev_deg, config.imu_orientation_stddev_deg);
+  ASSERT_TRUE(problem->drive.tilt_stddev_deg);
+  EXPECT_LT(*problem->drive.tilt_stddev_deg, config.imu_orientation_stddev_deg);
 }
 
 TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {

@@ -122,6 +122,35 @@ TEST(Weights, KernelsBendWhereTheyShould) {
   EXPECT_EQ(make_kernel(RobustKernel::kNone, 1.0), nullptr);
 }
 
+TEST(Weights, KernelsEndWhereTheirNamesSay) {
+  const auto pull = [](RobustKernel kernel, double s) {
+    double rho[3];
+    make_kernel(kernel, 2.0)->Evaluate(s, rho);
+    return rho[1];
+  };
+  for (const auto& [name, kernel] : robust_kernel_names()) {
+    if (kernel == RobustKernel::kNone) continue;
+    EXPECT_NEAR(pull(kernel, 0.0), 1.0, 1e-12) << name;
+    EXPECT_LT(pull(kernel, 1e4), 0.03) << name;
+  }
+  EXPECT_EQ(pull(RobustKernel::kSaturated, 4.1), 0.0);
+  EXPECT_EQ(pull(RobustKernel::kTukey, 4.1), 0.0);
+  EXPECT_NEAR(pull(RobustKernel::kFair, 4.0), 0.5, 1e-12);
+  EXPECT_NEAR(pull(RobustKernel::kPseudoHuber, 12.0), 0.5, 1e-12);
+  EXPECT_NEAR(pull(RobustKernel::kWelsch, 4.0), std::exp(-1.0), 1e-12);
+}
+
+TEST(Weights, KernelsAreKnownByTheNamesOfG2oInAnyCase) {
+  for (const char* name : {"NONE", "Huber", "Cauchy", "DCS", "Fair", "GemanMcClure", "PseudoHuber",
+                           "Saturated", "Tukey", "Welsch", "tukey", "PSEUDOHUBER", "dcs"}) {
+    EXPECT_NO_THROW(robust_kernel_of(name)) << name;
+    const std::string text = std::string("loop_robust_kernel: ") + name + "\n";
+    const auto config = config::load<BackEndConfig>({config::parse_yaml(text, "back_end.yaml")});
+    EXPECT_EQ(config.loop_robust_kernel, robust_kernel_of(name)) << name;
+  }
+  EXPECT_THROW(robust_kernel_of("Tuckey"), InputError);
+}
+
 TEST(Weights, KernelsHaveExactDerivatives) {
   for (const auto& [name, kernel] : robust_kernel_names()) {
     const auto loss = make_kernel(kernel, 1.5);

@@ -292,6 +292,70 @@ TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {
   EXPECT_THROW(front_end.process(late), InputError);
 }
 
+/// Where a front end begins, by what a person says and by what GNSS says.
+Pose begun(const FrontEndConfig& config, const std::optional<Pose>& said, const Pose& by_gnss) {
+  FrontEnd front_end(config);
+  if (said) front_end.set_initial_pose(*said);
+  MotionPrior prior;
+  prior.T_odom_base_initial = by_gnss;
+  prior.T_external_base = Pose{Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0}};
+  static const Scan scan = town().base_scan(0);
+  const FrontEndResult result = front_end.process(scan, prior);
+  EXPECT_THROW(front_end.set_initial_pose(Pose::Identity()), InputError) << "it has begun";
+  return result.T_odom_base;
+}
+
+TEST(FrontEnd, BeginsWhereAPersonSaysOrElseWhereGnssDoes) {
+  const Pose by_gnss{Eigen::Quaterniond::Identity(), {7.0, 7.0, 7.0}};
+  const Pose said{Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())),
+                  {3.0, -2.0, 0.5}};
+  FrontEndConfig config;
+  const auto distance = [](const Pose& a, const Pose& b) { return difference(a, b).norm(); };
+  EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), by_gnss), 1e-9);
+  EXPECT_LT(distance(begun(config, said, by_gnss), said), 1e-9);
+  config.initial_pose = {3.0, -2.0, 0.5, 0.0, 0.0, 0.5 * M_PI};
+  for (const OdometrySource source : {OdometrySource::kLidar, OdometrySource::kExternal}) {
+    config.odometry = source;
+    EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), said), 1e-9);
+  }
+  config.odometry = OdometrySource::kLidar;
+  config.registration.method = registration::Method::kVgicp;
+  EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), said), 1e-9);
+}
+
+TEST(FrontEnd, GoesOnWhereItWasAfterARestartWhateverTheInitialPose) {
+  FrontEndConfig config;
+  config.initial_pose = {3.0, -2.0, 0.5, 0.0, 0.0, 0.0};
+  FrontEnd front_end(config);
+  const Pose last{Eigen::Quaterniond::Identity(), {100.0, 0.0, 0.0}};
+  front_end.resume(7, 1, last);
+  EXPECT_NEAR(front_end.process(town().base_scan(0)).T_odom_base.translation.x(), 100.0, 1e-9);
+}
+
+/// A plain and a wall, finer than the voxels.
+Scan wide_scan(double reach) {
+  Scan scan;
+  scan.stamp = kScanPeriod;
+  const auto add = [&](double x, double y, double z) {
+    scan.cloud.points.push_back(
+        {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0.0F});
+  };
+  for (double x = -reach; x < reach; x += 0.2) {
+    for (double y = -reach; y < reach; y += 0.2) add(x, y, -1.7);
+  }
+  return scan;
+}
+
+TEST(FrontEnd, SaysHowManyPointsFoundNoRoomInTheLocalMap) {
+  FrontEndConfig config;
+  const Scan scan = wide_scan(60.0);
+  EXPECT_EQ(FrontEnd(config).process(scan).status.map_points_dropped, 0U);
+  config.voxel_size = config.insertion_resolution = 0.2;
+  const std::size_t dropped = FrontEnd(config).process(scan).status.map_points_dropped;
+  EXPECT_GT(dropped, 10000U);
+  EXPECT_NE(full_map_notice(dropped).find("voxel_size"), std::string::npos);
+}
+
 TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {
   const simulation::Drive drive = town();
   FrontEndConfig config;

@@ -105,10 +105,21 @@ TEST_P(SlidingWindow, FollowsADrive) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SlidingWindow,
-                         testing::Values(registration::Method::kVgicp,
+                         testing::Values(registration::Method::kNdt, registration::Method::kVgicp,
                                          registration::Method::kPclNdt, registration::Method::kIcp,
                                          registration::Method::kGicp),
                          [](const auto& instance) { return to_string(instance.param); });
+
+TEST(SlidingWindowTracker, IsWhatNdtMatchesAgainstWhereThatIsAsked) {
+  FrontEndConfig config = config_for(registration::Method::kNdt);
+  const auto is_window = [&] {
+    const std::unique_ptr<Tracker> tracker = make_tracker(config);
+    return dynamic_cast<SlidingWindowTracker*>(tracker.get()) != nullptr;
+  };
+  EXPECT_FALSE(is_window());
+  config.local_map_method = LocalMapMethod::kSlidingWindow;
+  EXPECT_TRUE(is_window());
+}
 
 // F40, F41: the prediction is one of velocity, by stamps.
 TEST(SlidingWindowTracker, BearsTheLossOfScansAtSpeed) {

@@ -102,13 +102,18 @@ TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
   expect(judged(match), Verdict::kRefused, "vertical_drift");
 }
 
-TEST(Judge, TheFitnessCountsOnlyOnRequest) {
+TEST(Judge, TheFitnessHasAFarLimitUnlessAnotherOneOrNoneIsAskedFor) {
+  const auto config_of = [](const std::string& limit) {
+    return config::load<LoopClosingConfig>(
+        {config::parse_yaml("fitness_score_thresh: " + limit + "\n", "hdl")});
+  };
   Match match = good_match();
-  match.figures.fitness = 3.0;
+  match.figures.fitness = 0.4;  // more than any true loop of the simulated drives has
   expect(judged(match), Verdict::kAccepted, "");
-  const auto config =
-      config::load<LoopClosingConfig>({config::parse_yaml("fitness_score_thresh: 2.5\n", "hdl")});
-  expect(judged(match, certain_prior(), config), Verdict::kRefused, "fitness_score_limit");
+  match.figures.fitness = 2.0;
+  expect(judged(match), Verdict::kRefused, "fitness_score_limit");
+  expect(judged(match, certain_prior(), config_of("2.5")), Verdict::kAccepted, "");
+  expect(judged(match, certain_prior(), config_of("0.0")), Verdict::kAccepted, "");
 }
 
 TEST(Judge, GnssContradicts) {

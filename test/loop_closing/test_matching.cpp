@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/loop_closing/judgement.hpp"
+#include "lidar_mapping/loop_closing/scan_alignment.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
 
 #include "drive.hpp"
@@ -73,6 +75,63 @@ TEST(Matching, ConvergesFromWhatTheAppearanceGives) {
       EXPECT_EQ(judge(match, anything(), {}).verdict, Verdict::kAccepted);
     }
   }
+}
+
+class MatchingBy : public testing::TestWithParam<LoopMethod> {};
+
+TEST_P(MatchingBy, FindsTheTruePlaceAndStatesTheSameCovariance) {
+  const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
+  const Pose guess = street.T_true * planar(0.2, -0.15, 0.02);
+  LoopClosingConfig config;
+  config.registration_method = GetParam();
+  ScanAlignment alignment(config);
+  Match match;
+  match.alignment = alignment.align(street.query->points, street.submap->surface, guess);
+  EXPECT_TRUE(match.alignment.converged);
+  const Vector6d error = difference(street.T_true, match.alignment.T_target_source);
+  EXPECT_LT(error.head<3>().norm(), 0.1);
+  EXPECT_LT(error.tail<3>().norm(), 0.01);
+  EXPECT_TRUE(is_valid_covariance(match.alignment.covariance));
+  EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
+  match.figures =
+      measure_match(*street.query, *street.submap, match.alignment.T_target_source, 2.0);
+  EXPECT_EQ(judge(match, anything(), config).verdict, Verdict::kAccepted);
+}
+
+TEST_P(MatchingBy, IsNotConvergedWhereNothingIsNear) {
+  const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
+  LoopClosingConfig config;
+  config.registration_method = GetParam();
+  ScanAlignment alignment(config);
+  const Pose far = street.T_true * planar(500.0, 0.0, 0.0);
+  EXPECT_FALSE(alignment.align(street.query->points, street.submap->surface, far).converged);
+}
+
+using registration::Method;
+INSTANTIATE_TEST_SUITE_P(All, MatchingBy,
+                         testing::Values(LoopMethod{}, LoopMethod{false, Method::kNdt},
+                                         LoopMethod{false, Method::kVgicp},
+                                         LoopMethod{false, Method::kPclNdt},
+                                         LoopMethod{false, Method::kIcp},
+                                         LoopMethod{false, Method::kGicp}),
+                         [](const auto& instance) {
+                           return instance.param.point_to_plane
+                                      ? std::string("POINT_TO_PLANE")
+                                      : registration::to_string(instance.param.other);
+                         });
+
+TEST(Matching, IsDoneByTheMethodThatTheConfigurationNames) {
+  const auto load = [](const std::string& text) {
+    return config::load<LoopClosingConfig>({config::parse_yaml(text, "loop_closing.yaml")});
+  };
+  EXPECT_TRUE(load("").registration_method.point_to_plane);
+  const LoopClosingConfig config =
+      load("registration_method: FAST_GICP\nreg_resolution: 0.5\nreg_maximum_iterations: 30\n");
+  EXPECT_EQ(config.registration_method, (LoopMethod{false, Method::kFastGicp}));
+  EXPECT_EQ(config.registration.resolution, 0.5);
+  EXPECT_EQ(config.registration.max_iterations, 30);
+  EXPECT_NE(config::to_yaml(config).find("registration_method: FAST_GICP"), std::string::npos);
+  EXPECT_THROW(load("registration_method: FOO\n"), ConfigError);
 }
 
 TEST(Matching, CovarianceIsThatOfTheErrors) {

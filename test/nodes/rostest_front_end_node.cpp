@@ -1,6 +1,7 @@
 #include <limits>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -231,6 +232,35 @@ TEST_F(FrontEndNode, TakesTheMotionFromOutsideWhenToldTo) {
                   odometry_.messages.front().pose.pose.position.y,
               1.1, 1e-6);
   EXPECT_TRUE(key_frames_.wait_for(3));
+}
+
+/// As rviz's "2D Pose Estimate" gives it.
+TEST_F(FrontEndNode, BeginsAtTheInitialPoseAndSaysWhenItComesTooLate) {
+  const auto initial = connected_publisher<geometry_msgs::PoseWithCovarianceStamped>("initialpose");
+  ASSERT_TRUE(wait_until([] { return is_connected("initialpose"); }));
+  const auto publish = [&](const std::string& frame) {
+    geometry_msgs::PoseWithCovarianceStamped message;
+    message.header.frame_id = frame;
+    message.pose.pose = ros_border::to_message(Pose{exp_so3({0.0, 0.0, 0.5 * M_PI}), {20, 30, 1}});
+    initial.publish(message);
+  };
+  const auto says = [&](const std::string& words) {
+    return node_->output().find(words) != std::string::npos;
+  };
+  publish("map");
+  publish("elsewhere");  // one after the other: when this is refused that is taken
+  ASSERT_TRUE(wait_until([&] { return says("the initial pose is in frame 'elsewhere'"); }))
+      << node_->output();
+  drive(0, 8);
+  ASSERT_TRUE(odometry_.wait_for(8));
+  EXPECT_NEAR(odometry_.messages.back().pose.pose.position.x, 20.0, 0.2);
+  EXPECT_NEAR(odometry_.messages.back().pose.pose.position.y, 33.5, 0.3);
+  EXPECT_NEAR(odometry_.messages.back().pose.pose.position.z, 1.0, 0.1);
+  EXPECT_TRUE(wait_until([&] {  // warnings of one topic come at most once in 5 s
+    publish("map");
+    ros::WallDuration(0.1).sleep();
+    return says("the initial pose comes after the first scan");
+  })) << node_->output();
 }
 
 /// A back end that starts in mid-drive must not lack what was sent before it was connected.

@@ -11,6 +11,7 @@
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/UInt32.h>
+#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -268,6 +269,58 @@ TEST_F(PreprocessingNode, TakesWheelOdometryAndGeoPoints) {
   EXPECT_NEAR(synced_velocity.messages.back().twist.linear.x, 1.0, 1e-9);
   ASSERT_TRUE(datum_.wait_for(1)) << node_->output();
   EXPECT_NEAR(datum_.messages.back().altitude, 100.0, 1e-9);
+}
+
+/// hdl_graph_slam's enable_robot_odometry_init_guess, and a receiver without a driver for fixes.
+TEST_F(PreprocessingNode, TakesTransformsOfAWheelOdometryAndSentencesOfAReceiver) {
+  node_->kill();
+  gnss_.shutdown();
+  ros::NodeHandle handle;
+  const auto sentences = handle.advertise<ros_border::NmeaSentence>("gnss", 1000);
+  const auto transforms = handle.advertise<tf2_msgs::TFMessage>("/tf", 1000);
+  Listener<geometry_msgs::TwistStamped> synced_velocity("synced_velocity");
+  node_ = std::make_unique<NodeProcess>(
+      "preprocessing_node",
+      std::vector<std::string>{"_max_latency:=2.0", "_enable_robot_odometry_init_guess:=true",
+                               "_robot_odom_frame_id:=wheels"});
+  ASSERT_TRUE(wait_until([&] {
+    return node_->is_running() && connected() && is_connected("/tf") &&
+           is_connected("synced_velocity");
+  }));
+  send_transform();
+  for (int half_step = 0; half_step < 20; ++half_step) {
+    const Stamp stamp = kBegin + half_step * kPeriod / 2;
+    geometry_msgs::TransformStamped wheels;
+    wheels.header.stamp = to_ros(stamp);
+    wheels.header.frame_id = "wheels";
+    wheels.child_frame_id = "base_link";
+    wheels.transform =
+        ros_border::to_transform(Pose{Eigen::Quaterniond::Identity(), {0.1 * half_step, 0.0, 0.0}});
+    tf2_msgs::TFMessage message;
+    message.transforms = {wheels};
+    transforms.publish(message);
+    ros_border::NmeaSentence sentence;
+    sentence.header.stamp = to_ros(stamp);
+    sentence.header.frame_id = "lidar";
+    sentence.sentence = "$GPRMC,123519,A,4900.000,N,00824.000,E,022.4,084.4,230394,,";
+    sentences.publish(sentence);
+    sentence.sentence = "$GPGGA,123519,4900.000,N,00824.000,E,1,08,0.9,60.0,M,40.0,M,,";
+    sentences.publish(sentence);
+    if (half_step % 2 == 1) send_cloud(half_step / 2);
+  }
+  ASSERT_TRUE(synced_velocity.wait_for(5)) << node_->output();
+  EXPECT_NEAR(synced_velocity.messages.back().twist.linear.x, 2.0, 1e-6);
+  ASSERT_TRUE(datum_.wait_for(1)) << node_->output();
+  EXPECT_NEAR(datum_.messages.back().altitude, 100.0, 1e-6);
+  EXPECT_EQ(node_->output().find("which is not read"), std::string::npos) << node_->output();
+}
+
+TEST_F(PreprocessingNode, RefusesItsOwnOdometryAsThatOfTheWheels) {
+  NodeProcess other("preprocessing_node", {"__name:=other", "_robot_odom_frame_id:=odom",
+                                           "_enable_robot_odometry_init_guess:=true"});
+  EXPECT_EQ(other.wait(), 1);
+  EXPECT_NE(other.output().find("robot_odom_frame_id: 'odom'"), std::string::npos)
+      << other.output();
 }
 
 TEST_F(PreprocessingNode, NamesATypeThatItDoesNotRead) {

@@ -76,6 +76,19 @@ TEST(TrajectoryFiles, AreReadByAnIndependentReader) {
   EXPECT_EQ(std::system(("python3 session/read_trajectory_files.py " + files).c_str()), 0);
 }
 
+TEST(TrajectoryFiles, AreTakenByEvoAsTheyAre) {
+  if (std::system("command -v evo_ape >/dev/null 2>&1") != 0) GTEST_SKIP() << "evo is not here";
+  const TemporaryFolder folder;
+  Session session = example_session(folder.path() / "session");
+  write_trajectories(session, example_poses(), session.gnss(), folder.path() / "trajectory");
+  const std::string files = (folder.path() / "trajectory").string();
+  for (const std::string command :
+       {"evo_ape tum " + files + "/optimized.tum " + files + "/laser_odom.tum",
+        "evo_ape kitti " + files + "/optimized.txt " + files + "/laser_odom.txt"}) {
+    EXPECT_EQ(std::system((command + " >/dev/null").c_str()), 0) << command;
+  }
+}
+
 // F59: the GNSS track is there under its honest name, and lines correspond.
 TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
   const TemporaryFolder folder;

@@ -1,9 +1,11 @@
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
@@ -12,6 +14,7 @@
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
 #include "config_documents.hpp"
+#include "stage_files.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
@@ -54,6 +57,44 @@ TEST(ConfigDocuments, ShippedFilesLoadAsTheDefaults) {
   expect_loads_as_default<loop_closing::LoopClosingConfig>();
   expect_loads_as_default<back_end::BackEndConfig>();
   expect_loads_as_default<map::MapConfig>();
+}
+
+/// The overlays in a folder of config/, by name.
+std::vector<std::string> overlays_in(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("../config/" + folder)) {
+    names.push_back(entry.path().stem().string());
+  }
+  return names;
+}
+
+TEST(Overlays, OfThePackageAreReadWhole) {
+  for (const std::string& sensor : overlays_in("sensors")) {
+    EXPECT_NO_THROW(read_stage_files({"", sensor, "", {}})) << sensor;
+  }
+  for (const std::string& preset : overlays_in("presets")) {
+    EXPECT_NO_THROW(read_stage_files({"", "", preset, {}})) << preset;
+  }
+}
+
+TEST(Overlays, OfThePlaceGoOverThatOfTheSensorAndSingleParametersOverBoth) {
+  const StageFiles outdoor = read_stage_files({"", "vlp16", "", {}});
+  const StageFiles indoor = read_stage_files({"", "vlp16", "indoor", {}});
+  EXPECT_EQ(indoor.pipeline.preprocessing.distance_near_thresh,
+            outdoor.pipeline.preprocessing.distance_near_thresh);
+  EXPECT_LT(indoor.pipeline.front_end.key_frame_distance,
+            outdoor.pipeline.front_end.key_frame_distance);
+  EXPECT_LT(indoor.map.resolution, outdoor.map.resolution);
+  const StageFiles asked =
+      read_stage_files({"", "vlp16", "indoor", {"front_end/key_frame_distance: 0.7"}});
+  EXPECT_EQ(asked.pipeline.front_end.key_frame_distance, 0.7);
+  try {
+    read_stage_files({"", "", "outdoors", {}});
+    ADD_FAILURE() << "there is no such preset";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("there are indoor"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(ConfigDocuments, EveryFieldSaysWhatItMeans) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "lidar_mapping/back_end/robust_kernel.hpp"
 #include "lidar_mapping/config/schema.hpp"
 
@@ -26,6 +28,10 @@ struct BackEndConfig {
   double odometry_degenerate_drift = 0.2;
   double loop_min_stddev_m = 0.02;
   double loop_min_stddev_deg = 0.1;
+
+  bool fix_first_node = false;
+  /// x, y, z in m; roll, pitch, yaw in rad; in the axes of base_link.
+  std::vector<double> fix_first_node_stddev = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 
   bool use_const_inf_matrix = false;
   bool use_fitness_inf_matrix = false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
@@ -76,6 +77,9 @@ struct DriveGraph {
   std::vector<bool> in_enu;            ///< per segment: lies in East-North-Up
   std::vector<GnssDelay> gnss_delays;  ///< per segment
   OdometryErrors odometry_errors;
+  /// Of the tilt by the IMU's orientation, deg, as the drive shows it (tilt_scatter.hpp); none: as
+  /// configured.
+  std::optional<double> tilt_stddev_deg;
   std::vector<int> segment_starts;  ///< position of each segment's first node; none in a window
 
   /// The correction between odometry and map at the newest node.

@@ -11,7 +11,10 @@
 
 namespace lidar_mapping::back_end {
 
-/// A whitened residual on one or two nodes.
+/// Rows that a residual may have: as many as a pose has degrees of freedom.
+constexpr int kMostRows = 6;
+
+/// A whitened residual of 1 to kMostRows rows on one or two nodes.
 struct Constraint {
   CostPtr residual;
   int first = 0;
@@ -32,7 +35,9 @@ struct FactorGraph {
   std::vector<Constraint> constraints;
 
   int add_node(const Pose& pose, bool hold = false);
-  void add(Constraint constraint) { constraints.push_back(std::move(constraint)); }
+  /// Throws InputError unless the constraint has 1 to kMostRows rows, a block for each of its nodes
+  /// in the size of this graph's states, and nodes that are there already.
+  void add(Constraint constraint);
   Pose pose(int node) const;
   void set_pose(int node, const Pose& pose);
 };
@@ -45,7 +50,8 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used);
 /// How a minimisation is run; the defaults are a Gauss-Newton that falls back on damping.
 struct MinimizerSettings {
   int max_iterations = 50;
-  double initial_radius = 1e10;  ///< of the trust region
+  /// Of the trust region. From 1e10 on it does not bind, and undamped steps are tried first.
+  double initial_radius = 1e10;
   /// Relative to the cost: ends when further steps can be expected to gain less than this.
   double tolerance = 1e-7;
 };
@@ -61,8 +67,10 @@ struct MinimizerSummary {
 /// The loss of a constraint during one minimisation; null for least squares. Who gives it keeps it.
 using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
 
-/// Moves the nodes to the least sum over the `used` constraints (Levenberg-Marquardt in Ceres with
-/// a sparse Cholesky factorisation).
+/// Moves the nodes to the least sum over the `used` constraints: by the package's own Gauss-Newton
+/// (gauss_newton.hpp) where the trust region does not bind; where that fails to lower the cost, or
+/// where damping is asked for, by Levenberg-Marquardt in Ceres. Both factorise by a sparse
+/// Cholesky.
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings);
 

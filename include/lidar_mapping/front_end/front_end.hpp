@@ -54,6 +54,10 @@ class FrontEnd {
   /// Without it they are not.
   void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
 
+  /// The first scan lies at this pose in odom, whatever other sensors say. Throws InputError if
+  /// there was a scan already.
+  void set_initial_pose(const Pose& T_odom_base);
+
   /// Goes on after a restart: the next scan begins a new segment, at this pose; the next key frame
   /// is `next_index`.
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base);

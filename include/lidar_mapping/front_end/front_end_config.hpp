@@ -1,15 +1,21 @@
 #pragma once
 
+#include <vector>
+
 #include "lidar_mapping/config/schema.hpp"
 #include "lidar_mapping/registration/registration_config.hpp"
 
 namespace lidar_mapping::front_end {
 
 enum class OdometrySource { kLidar, kExternal };
+/// What NDT matches against.
+enum class LocalMapMethod { kVoxels, kSlidingWindow };
 
 /// Parameters of the stage; each is described once, in schema().
 struct FrontEndConfig {
   OdometrySource odometry = OdometrySource::kLidar;
+  /// x, y, z in m; roll, pitch, yaw in rad; zeros: not given.
+  std::vector<double> initial_pose = std::vector<double>(6, 0.0);
   registration::RegistrationConfig registration;
 
   double key_frame_distance = 2.0;
@@ -17,6 +23,7 @@ struct FrontEndConfig {
   double key_frame_interval = 0.0;
   double key_frame_cloud_resolution = 0.1;
 
+  LocalMapMethod local_map_method = LocalMapMethod::kVoxels;
   // The sequential NDT.
   double voxel_size = 1.0;
   double local_map_radius = 110.0;

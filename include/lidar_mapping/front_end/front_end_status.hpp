@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,9 @@ struct FrontEndStatus {
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
   bool rescued = false;                                ///< more than one start was needed
   bool repeated = false;  ///< the points are those of the scan before, as of a driver that hangs
+  /// Points since the beginning that the local map had no room for: it is full, and what is new to
+  /// it is not matched against later.
+  std::size_t map_points_dropped = 0;
   /// Standard deviation (m) of the way since the beginning that comes from directions that neither
   /// the points nor other sensors observed (BlindWay): it grows where the state is degenerate.
   double unobserved_stddev = 0.0;
@@ -44,6 +48,8 @@ struct FrontEndStatus {
 
 /// Says that points are turned upwards by `elevation_shift` (rad) from now on.
 std::string elevation_notice(double elevation_shift);
+/// Says that the local map is full, and what makes room.
+std::string full_map_notice(std::size_t map_points_dropped);
 /// Says that stamps scatter by `jitter` (s) and what is done about it.
 std::string jitter_notice(double jitter);
 

@@ -29,6 +29,8 @@ class LocalMap {
   /// To be called once per scan: keeps the origin near the sensor and lets go of what is far away.
   void follow(const Eigen::Vector3d& position);
 
+  /// Points so far, over all insertions, that found a table full and are not in the map.
+  std::size_t dropped_points() const { return dropped_points_; }
   registration::GaussianVoxelMap& fine() { return fine_; }
   registration::GaussianVoxelMap& coarse() { return coarse_; }
   /// One point per voxel of the fine map, in odom.
@@ -41,6 +43,7 @@ class LocalMap {
   registration::GaussianVoxelMap fine_;
   registration::GaussianVoxelMap coarse_;
   SampledPoints placed_;
+  std::size_t dropped_points_ = 0;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
@@ -20,5 +21,11 @@ struct Alignment {
 /// the number of points grows (doc/loop_closing.md). Converges from 2 m and 5 degrees.
 Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
                                const SurfaceCloud& target, const Pose& T_target_source_guess);
+
+/// The covariance that align_point_to_plane() would state if it had ended at this pose; none where
+/// too few points have a partner there.
+std::optional<Covariance6> point_to_plane_covariance(const std::vector<Eigen::Vector3f>& source,
+                                                     const SurfaceCloud& target,
+                                                     const Pose& T_target_source);
 
 }  // namespace lidar_mapping::loop_closing

@@ -6,13 +6,20 @@
 
 namespace lidar_mapping::preprocessing {
 
+/// What a floor was sought in, for display; in base_link.
+struct FloorPoints {
+  PointCloud filtered;  ///< after height clip and normal filter
+  PointCloud inliers;   ///< on the plane that was found; empty without one
+};
+
 /// Finds the floor below the vehicle: height clip, normal filter, RANSAC plane, refinement
 /// (the method of hdl_graph_slam, Koide et al. 2019). No floor is no error: Floor::found.
 class FloorDetector {
  public:
   explicit FloorDetector(const FloorDetectionConfig& config);
 
-  Floor process(const Scan& scan) const;
+  /// The points are filled in where they are asked for.
+  Floor process(const Scan& scan, FloorPoints* points = nullptr) const;
 
  private:
   FloorDetectionConfig config_;

@@ -34,6 +34,9 @@ struct PreprocessingConfig {
   bool use_imu = true;
   bool use_velocity = true;
   bool use_gnss = true;
+  /// The velocity comes from how tf's transform between this frame and base_link changes.
+  bool enable_robot_odometry_init_guess = false;
+  std::string robot_odom_frame_id = "robot_odom";
 
   // Time
   ScanStamp scan_stamp = ScanStamp::kStart;

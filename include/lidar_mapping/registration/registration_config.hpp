@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lidar_mapping/config/schema.hpp"
 #include "lidar_mapping/registration/neighbor_search.hpp"
@@ -29,7 +31,12 @@ struct RegistrationConfig {
   double fitness_max_range = 1.0;  ///< m
 
   static const config::Schema<RegistrationConfig>& schema();
+  /// Without the method and the fitness, for a stage that has a choice and a fitness of its own.
+  static const config::Schema<RegistrationConfig>& parameters();
 };
+
+/// The names of the methods in configuration files.
+const std::vector<std::pair<std::string, Method>>& method_names();
 
 /// The method of this package that does the work of `method`.
 Method implemented_by(Method method);

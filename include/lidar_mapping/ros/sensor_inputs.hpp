@@ -11,6 +11,7 @@
 #include <sensor_msgs/NavSatFix.h>
 
 #include "lidar_mapping/ros/geo_point_stamped.hpp"
+#include "lidar_mapping/ros/nmea_sentence.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 namespace lidar_mapping::ros_border {
@@ -20,8 +21,8 @@ namespace lidar_mapping::ros_border {
 /// something else (a velocity in East-North-Up, an odometry that leaves its twist empty).
 const std::vector<std::string>& velocity_types();
 
-/// Types of message that fixes are read from; the first is preferred. A GeoPoint has neither status
-/// nor covariance: it counts as a fix of unknown accuracy.
+/// Types of message that fixes are read from; the earlier are preferred. A GeoPoint has neither
+/// status nor covariance: it counts as a fix of unknown accuracy. Of NMEA sentences GGA is read.
 const std::vector<std::string>& gnss_types();
 
 /// A sample, and the frame of its sensor as the message names it.
@@ -37,6 +38,8 @@ SensorInput<VelocitySample> input_of(const geometry_msgs::TwistWithCovarianceSta
 SensorInput<VelocitySample> input_of(const nav_msgs::Odometry& message);
 SensorInput<GnssFix> input_of(const sensor_msgs::NavSatFix& message);
 SensorInput<GnssFix> input_of(const GeoPointStamped& message);
+/// Nothing in a sentence that holds no fix, as most do.
+std::optional<SensorInput<GnssFix>> input_of(const NmeaSentence& message);
 
 /// What a message of any type holds if it is one of `Messages`. `AnyMessage` is
 /// rosbag::MessageInstance or topic_tools::ShapeShifter.
@@ -62,7 +65,11 @@ std::optional<SensorInput<VelocitySample>> read_velocity(const AnyMessage& any) 
 
 template <typename AnyMessage>
 std::optional<SensorInput<GnssFix>> read_gnss(const AnyMessage& any) {
-  return read_one_of<GnssFix, sensor_msgs::NavSatFix, GeoPointStamped>(any);
+  return read_one_of<GnssFix, sensor_msgs::NavSatFix, GeoPointStamped, NmeaSentence>(any);
 }
+
+/// Whether messages of this type are read at all: one of them may hold nothing.
+bool is_velocity_type(const std::string& type);
+bool is_gnss_type(const std::string& type);
 
 }  // namespace lidar_mapping::ros_border

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
+#include <std_msgs/Header.h>
+
+namespace lidar_mapping::ros_border {
+
+/// nmea_msgs/Sentence as it is on the wire, which drivers of GNSS receivers publish: its package is
+/// not everywhere where ROS is.
+struct NmeaSentence {
+  std_msgs::Header header;
+  std::string sentence;
+};
+
+}  // namespace lidar_mapping::ros_border
+
+namespace ros {
+namespace message_traits {
+
+template <>
+struct DataType<lidar_mapping::ros_border::NmeaSentence> {
+  static const char* value() { return "nmea_msgs/Sentence"; }
+  static const char* value(const lidar_mapping::ros_border::NmeaSentence&) { return value(); }
+};
+
+template <>
+struct MD5Sum<lidar_mapping::ros_border::NmeaSentence> {
+  static const char* value() { return "9f221efc5f4b3bac7ce4af102b32308b"; }
+  static const char* value(const lidar_mapping::ros_border::NmeaSentence&) { return value(); }
+};
+
+template <>
+struct Definition<lidar_mapping::ros_border::NmeaSentence> {
+  static const char* value() {
+    return "Header header\n"
+           "string sentence\n"
+           "================================================================================\n"
+           "MSG: std_msgs/Header\n"
+           "uint32 seq\n"
+           "time stamp\n"
+           "string frame_id\n";
+  }
+  static const char* value(const lidar_mapping::ros_border::NmeaSentence&) { return value(); }
+};
+
+template <>
+struct HasHeader<lidar_mapping::ros_border::NmeaSentence> : TrueType {};
+
+}  // namespace message_traits
+
+namespace serialization {
+
+template <>
+struct Serializer<lidar_mapping::ros_border::NmeaSentence> {
+  template <typename Stream, typename Message>
+  static void allInOne(Stream& stream, Message m) {
+    stream.next(m.header);
+    stream.next(m.sentence);
+  }
+  ROS_DECLARE_ALLINONE_SERIALIZER
+};
+
+}  // namespace serialization
+}  // namespace ros

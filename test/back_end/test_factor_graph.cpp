@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/back_end/drive_factors.hpp"
+#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/back_end/gauss_newton.hpp"
+#include "lidar_mapping/back_end/linearisation.hpp"
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/load.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+/// Any number of rows: row i measures the coordinate i mod 3 of the state as `measured[i mod 3]`.
+class Rows : public ceres::CostFunction {
+ public:
+  Rows(int rows, int block, const Eigen::Vector3d& measured) : measured_(measured) {
+    set_num_residuals(rows);
+    mutable_parameter_block_sizes()->push_back(block);
+  }
+
+  bool Evaluate(const double* const* states, double* residuals, double** jacobians) const override {
+    const int block = parameter_block_sizes().front();
+    for (int row = 0; row < num_residuals(); ++row) {
+      residuals[row] = states[0][row % 3] - measured_[row % 3];
+      if (jacobians == nullptr || jacobians[0] == nullptr) continue;
+      for (int column = 0; column < block; ++column) {
+        jacobians[0][row * block + column] = column == row % 3 ? 1.0 : 0.0;
+      }
+    }
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d measured_;
+};
+
+Constraint rows(int count, int block, const Eigen::Vector3d& measured = {1.0, 2.0, 0.5}) {
+  Constraint constraint;
+  constraint.residual = std::make_unique<Rows>(count, block, measured);
+  return constraint;
+}
+
+class RowCount : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMostRows + 1));
+
+TEST_P(RowCount, AllReachTheMinimum) {
+  FactorGraph graph;
+  graph.planar = true;
+  graph.add_node(Pose());
+  const Eigen::Vector3d here(1.0, 2.0, 0.5);
+  const Eigen::Vector3d there(4.0, 3.0, 0.6);
+  graph.add(rows(GetParam(), kPlanarBlockSize, here));
+  graph.add(rows(3, kPlanarBlockSize, there));
+  const LossOf none = [](const Constraint&) { return nullptr; };
+  const MinimizerSummary summary = gauss_newton(graph, std::vector<bool>(2, true), none, {});
+  EXPECT_TRUE(summary.usable) << summary.message;
+  for (int i = 0; i < 3; ++i) {
+    const double count = (GetParam() + 2 - i) / 3;  // rows of the first that measure coordinate i
+    const double mean = (count * here[i] + there[i]) / (count + 1.0);
+    EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
+  }
+}
+
+TEST_P(RowCount, AllAreLinearisedWhole) {
+  FactorGraph graph;
+  graph.add_node(Pose());
+  graph.add(rows(GetParam(), kPoseBlockSize));
+  const Linearised linear = linearised(graph, graph.constraints.front());
+  ASSERT_EQ(linear.residual.size(), GetParam());
+  EXPECT_EQ(linear.first.rows(), GetParam());
+  EXPECT_DOUBLE_EQ(linear.residual.squaredNorm(), chi2(graph, graph.constraints.front()));
+  EXPECT_EQ(linear.first.sum(), GetParam());
+  EXPECT_GT(contradiction_limit(GetParam()), 6.0);
+}
+
+std::string refusal(FactorGraph& graph, Constraint constraint) {
+  try {
+    graph.add(std::move(constraint));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FactorGraph, RefusesWhatItCannotSolve) {
+  FactorGraph graph;
+  graph.add_node(Pose());
+  EXPECT_NE(refusal(graph, rows(7, kPoseBlockSize)).find("7 rows"), std::string::npos);
+  EXPECT_NE(refusal(graph, rows(3, kPlanarBlockSize)).find("1 of 7 numbers"), std::string::npos);
+  EXPECT_NE(refusal(graph, Constraint()).find("no residual"), std::string::npos);
+  Constraint elsewhere = rows(3, kPoseBlockSize);
+  elsewhere.first = 1;
+  EXPECT_NE(refusal(graph, std::move(elsewhere)).find("add the nodes first"), std::string::npos);
+  Constraint single = rows(3, kPoseBlockSize);
+  single.second = 0;  // of one block, between two nodes
+  EXPECT_NE(refusal(graph, std::move(single)).find("2 of 7 numbers"), std::string::npos);
+  EXPECT_TRUE(graph.constraints.empty());
+  EXPECT_THROW(contradiction_limit(0), InputError);
+  EXPECT_THROW(contradiction_limit(7), InputError);
+}
+
+/// chi2 of the first key frame's prior with the map moved by half a metre along x.
+double cost_of_half_a_metre(const BackEndConfig& config) {
+  DriveGraph drive;
+  drive.nodes.resize(2);
+  drive.nodes[1].joined = true;
+  drive.in_enu = {false};
+  drive.segment_starts = {0};
+  DriveFactors factors = make_factors(drive, config);
+  Pose moved;
+  moved.translation.x() = 0.5;
+  factors.graph.set_pose(0, moved);
+  return chi2(factors.graph, factors.graph.constraints.front());
+}
+
+TEST(FirstNode, IsHeldAsFirmlyAsIsAsked) {
+  BackEndConfig config;
+  EXPECT_GT(cost_of_half_a_metre(config), 1e5);
+  config.fix_first_node = true;
+  EXPECT_NEAR(cost_of_half_a_metre(config), 0.25, 1e-9);
+  config.fix_first_node_stddev[0] = 0.1;
+  EXPECT_NEAR(cost_of_half_a_metre(config), 25.0, 1e-6);
+}
+
+TEST(FirstNode, NeedsSixStandardDeviationsAboveZero) {
+  const auto load = [](const std::string& stddev) {
+    return config::load<BackEndConfig>(
+        {config::parse_yaml("fix_first_node_stddev: " + stddev + "\n", "back_end.yaml")});
+  };
+  EXPECT_EQ(load("[10, 10, 10, 1, 1, 1]").fix_first_node_stddev[2], 10.0);
+  EXPECT_THROW(load("[1, 1, 1, 1, 1]"), ConfigError);
+  EXPECT_THROW(load("[1, 1, 0, 1, 1, 1]"), ConfigError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end

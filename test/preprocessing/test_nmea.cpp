@@ -1,0 +1,62 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/nmea.hpp"
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+constexpr Stamp kStamp = 1317384506123456789;
+
+/// The example of the standard's descriptions, with an altitude of 545.4 m above a geoid that is
+/// 46.9 m above the ellipsoid.
+const std::string kGga = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47";
+
+TEST(Nmea, ReadsTheFixOfAGgaSentence) {
+  const auto fix = fix_of_nmea(kGga + "\r\n", kStamp);
+  ASSERT_TRUE(fix);
+  EXPECT_EQ(fix->stamp, kStamp);
+  EXPECT_NEAR(fix->latitude_deg, 48.0 + 7.038 / 60.0, 1e-12);
+  EXPECT_NEAR(fix->longitude_deg, 11.0 + 31.0 / 60.0, 1e-12);
+  EXPECT_NEAR(fix->altitude_m, 592.3, 1e-9);
+  EXPECT_EQ(fix->status, 0);
+  ASSERT_TRUE(fix->covariance);
+  EXPECT_NEAR(std::sqrt((*fix->covariance)(0, 0)), 3.6, 1e-9);
+  EXPECT_NEAR(std::sqrt((*fix->covariance)(2, 2)), 7.2, 1e-9);
+}
+
+TEST(Nmea, KnowsAllConstellationsHemispheresAndQualities) {
+  const auto fix =
+      fix_of_nmea("$GNGGA,123519.25,3351.5,S,15112.5,W,4,20,0.5,10.0,M,-3.0,M,1.0,0001", kStamp);
+  ASSERT_TRUE(fix) << "a sentence without a checksum is taken";
+  EXPECT_NEAR(fix->latitude_deg, -(33.0 + 51.5 / 60.0), 1e-12);
+  EXPECT_NEAR(fix->longitude_deg, -(151.0 + 12.5 / 60.0), 1e-12);
+  EXPECT_NEAR(fix->altitude_m, 7.0, 1e-12);
+  EXPECT_EQ(fix->status, 2) << "RTK";
+  EXPECT_LT(std::sqrt((*fix->covariance)(0, 0)), 0.02);
+  const auto vague = fix_of_nmea("$GPGGA,1,4807.0,N,01131.0,E,2,08,,545.4,M,,M,,", kStamp);
+  ASSERT_TRUE(vague);
+  EXPECT_EQ(vague->status, 1);
+  EXPECT_EQ(vague->altitude_m, 545.4);
+  EXPECT_FALSE(vague->covariance) << "without a dilution nobody knows";
+}
+
+TEST(Nmea, TakesNothingFromWhatHoldsNoFixOrIsDamaged) {
+  for (const std::string& sentence :
+       {std::string(), std::string("$"), std::string("$GPGGA"), std::string(30, ','),
+        std::string("$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A"),
+        std::string("$GPGGA,123519,,,,,0,00,99.99,,,,,,*48"),  // no fix
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*48"),
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,0,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,4867.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,9107.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,nan,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,,M,46.9,M,,"),
+        kGga.substr(0, 30)}) {
+    EXPECT_FALSE(fix_of_nmea(sentence, kStamp)) << sentence;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::preprocessing
