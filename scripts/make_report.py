@@ -182,8 +182,8 @@ def telling_corner(points):
 
 def place_picture(data):
     """A place from above, a corner of it enlarged, and across: the passes on top of each other."""
-    above, across = ([np.array(part, dtype=float).reshape(-1, 2) / 1000.0 for part in data[view]]
-                     for view in ('above', 'across'))
+    above, across = ([np.array(part, dtype=float).reshape(-1, 2) / 1000.0
+                      for part in data[view]['passes']] for view in ('above', 'across'))
     figure = plt.figure(figsize=(WIDTH, 4.3))
     grid = figure.add_gridspec(2, 2, height_ratios=[2.2, 1])
     view, zoom = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
@@ -194,11 +194,11 @@ def place_picture(data):
     x, y = telling_corner(above)
     view.add_patch(plt.Rectangle((x, y), 2, 2, fill=False, edgecolor=INK, linewidth=1))
     view.set(xlabel='along (m)', ylabel='left (m)')
-    view.set_title('From above, 0.5 to 3 m up', loc='left')
+    view.set_title(data['above']['title'], loc='left')
     zoom.set(xlim=(x, x + 2), ylim=(y, y + 2), xlabel='along (m)')
     zoom.set_title('The square, enlarged', loc='left')
     cut.set(xlabel='left (m)', ylabel='up (m)')
-    cut.set_title('Across, a slice of 3 m', loc='left')
+    cut.set_title(data['across']['title'], loc='left')
     cut.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncol=2, fontsize=8, markerscale=6)
     return embedded(figure, 'png')
 

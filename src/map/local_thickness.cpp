@@ -39,7 +39,8 @@ Cells gather(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfi
     const PointCloudPtr cloud = clouds.cloud(poses.poses[i].index);
     if (!cloud) continue;
     const Pose& T_map_base = poses.poses[i].T_map_base;
-    const Eigen::Vector3d sensor = T_map_base * config.p_base_sensor;
+    const Eigen::Vector3d sensor =
+        T_map_base * config.p_base_sensor.value_or(Eigen::Vector3d::Zero());
     for (const Point& point : cloud->points) {
       const Eigen::Vector3d p = T_map_base * point.position().cast<double>();
       const Eigen::Vector3d beam = p - sensor;

@@ -1,16 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <limits>
-
-#include <Eigen/Geometry>
+#include <optional>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_products.hpp"
 
-#include "local_ground.hpp"
+#include "free_space.hpp"
+#include "grid_frame.hpp"
+#include "ground_raster.hpp"
 
 namespace lidar_mapping::map {
 
@@ -21,136 +21,176 @@ constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFree = 254;
 constexpr std::uint8_t kUnknown = 205;
 
-constexpr std::size_t kBandCells = 16'000'000;  // in memory at a time
-constexpr float kGroundMargin = 2.0F;           // m; the ground of a band needs so much around it
+// Edge of a block, of which one is in memory at a time with all of its points.
+constexpr double kBlockEdge = 400.0;  // m
+constexpr int kBlockCells = 4000;
 
-/// Where the grid lies; rows are counted from below.
-struct Frame {
-  Frame(const CloudParts& map, double cell_size) : cell(cell_size) {
-    Eigen::AlignedBox2f bounds;
-    map.each([&](const PointCloud& part) {
-      for (const Point& point : part.points) bounds.extend(point.position().head<2>());
-    });
-    if (bounds.isEmpty()) throw InputError("the map has no points; there is no grid to make");
-    x_min = cell * std::floor(static_cast<double>(bounds.min().x()) / cell);
-    y_min = cell * std::floor(static_cast<double>(bounds.min().y()) / cell);
-    columns = column_of(bounds.max().x()) + 1;
-    rows = row_of(bounds.max().y()) + 1;
-  }
-
-  int column_of(float x) const { return static_cast<int>((static_cast<double>(x) - x_min) / cell); }
-  int row_of(float y) const { return static_cast<int>((static_cast<double>(y) - y_min) / cell); }
-
-  std::string yaml() const {
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  "image: grid.pgm\nresolution: %.9g\norigin: [%.6f, %.6f, 0.0]\nnegate: 0\n"
-                  "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                  cell, x_min, y_min);
-    return text;
-  }
-
-  double cell;
-  double x_min = 0.0;
-  double y_min = 0.0;
-  int columns = 0;
-  int rows = 0;
-};
-
-/// The rows [begin, end) of the grid.
-class Band {
+/// What the points say of a block's cells.
+class PointEvidence {
  public:
-  Band(const Frame& frame, int begin, int end)
-      : frame_(frame),
-        begin_(begin),
-        end_(end),
-        obstacles_(static_cast<std::size_t>(frame.columns) * static_cast<std::size_t>(end - begin)),
-        ground_(obstacles_.size()) {}
+  explicit PointEvidence(const GridBlock& block)
+      : block_(block), obstacles_(block.size()), ground_(block.size()) {}
 
-  void fill(const CloudParts& map, const GridOptions& options) {
-    constexpr float kAll = std::numeric_limits<float>::infinity();
-    const PointCloud cloud = points_around(map);
-    const PlacedPoints points(cloud, Pose());
-    const GroundArea area(points, kAll);
-    LocalGround ground(area);
-    ground.add(ground_columns(points, kAll));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const int row = frame_.row_of(cloud.points[i].y);
-      if (row < begin_ || row >= end_) continue;
-      const float z = static_cast<float>(points.origin.z()) + points.z[i];
-      add(at(row, frame_.column_of(cloud.points[i].x)), ground.height_above(z, area.column_of(i)),
-          options);
+  void take(const GridFrame& frame, const PointCloud& cloud, const PlacedPoints& points,
+            const GroundArea& area, LocalGround& ground, const GridOptions& options) {
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const int column = frame.column_of(cloud.points[i].x);
+      const int row = frame.row_of(cloud.points[i].y);
+      if (!block_.holds(column, row)) continue;
+      const float height = ground.height_above(points.z[i], area.column_of(i));
+      take(block_.number_of(column, row), static_cast<double>(height), options);
     }
   }
 
-  /// Pixels, the uppermost row first.
-  std::string pixels(const GridOptions& options) const {
-    std::string text;
-    text.reserve(obstacles_.size());
-    for (int row = end_ - 1; row >= begin_; --row) {
-      for (int column = 0; column < frame_.columns; ++column) {
-        const std::size_t i = at(row, column);
-        const std::uint8_t value = obstacles_[i] >= options.min_points ? kOccupied
-                                   : ground_[i] != 0                   ? kFree
-                                                                       : kUnknown;
-        text += static_cast<char>(value);
-      }
-    }
-    return text;
-  }
+  int obstacles(std::size_t cell) const { return obstacles_[cell]; }
+  bool has_ground(std::size_t cell) const { return ground_[cell] != 0; }
 
  private:
-  PointCloud points_around(const CloudParts& map) const {
-    const auto y_of = [&](int row) { return static_cast<float>(frame_.y_min + row * frame_.cell); };
-    const float low = y_of(begin_) - kGroundMargin;
-    const float high = y_of(end_) + kGroundMargin;
-    PointCloud cloud;
-    map.each([&](const PointCloud& part) {
-      for (const Point& point : part.points) {
-        if (point.y >= low && point.y <= high) cloud.points.push_back(point);
-      }
-    });
-    return cloud;
-  }
-
-  std::size_t at(int row, int column) const {
-    return static_cast<std::size_t>(row - begin_) * static_cast<std::size_t>(frame_.columns) +
-           static_cast<std::size_t>(column);
-  }
-
-  void add(std::size_t cell, float height, const GridOptions& options) {
-    if (static_cast<double>(height) < options.lowest) {
+  void take(std::size_t cell, double height, const GridOptions& options) {
+    if (height < options.lowest) {
       ground_[cell] = 1;
-    } else if (static_cast<double>(height) <= options.highest) {
+    } else if (height <= options.highest && obstacles_[cell] < kMany) {
       ++obstacles_[cell];
     }
   }
 
-  const Frame& frame_;
-  int begin_;
-  int end_;
-  std::vector<int> obstacles_;
-  std::vector<char> ground_;
+  static constexpr std::uint8_t kMany = 255;
+
+  const GridBlock block_;
+  std::vector<std::uint8_t> obstacles_;  ///< points in the way, up to kMany
+  std::vector<std::uint8_t> ground_;     ///< 1 where there is a point of it
+};
+
+std::uint8_t value_of(int obstacles, bool has_ground, bool passed, const GridOptions& options) {
+  if (obstacles >= options.min_points) return kOccupied;
+  // A single point may be all that is known of something thin: a ray beside it is no answer.
+  return has_ground || (passed && obstacles == 0) ? kFree : kUnknown;
+}
+
+/// The points of a block, and of what its ground depends on.
+PointCloud points_around(const CloudParts& map, const GridFrame& frame, const GridBlock& block) {
+  constexpr double kMargin = static_cast<double>(GroundRaster::kReach);
+  const auto x_low = static_cast<float>(frame.x_of(block.column) - kMargin);
+  const auto x_high = static_cast<float>(frame.x_of(block.column + block.columns) + kMargin);
+  const auto y_low = static_cast<float>(frame.y_of(block.row) - kMargin);
+  const auto y_high = static_cast<float>(frame.y_of(block.row + block.rows) + kMargin);
+  PointCloud cloud;
+  map.each([&](const PointCloud& part) {
+    for (const Point& point : part.points) {
+      const bool is_near =
+          point.x >= x_low && point.x <= x_high && point.y >= y_low && point.y <= y_high;
+      if (is_near) cloud.points.push_back(point);
+    }
+  });
+  return cloud;
+}
+
+/// Values of a block's cells, from below.
+std::vector<std::uint8_t> values_of(const CloudParts& map, const GridFrame& frame,
+                                    const GridBlock& block, const GridOptions& options,
+                                    const std::optional<GridRays>& rays) {
+  constexpr float kAll = std::numeric_limits<float>::infinity();
+  const PointCloud cloud = points_around(map, frame, block);
+  const PlacedPoints points(cloud, Pose());
+  const GroundArea area(points, kAll);
+  LocalGround ground(area);
+  ground.add(ground_columns(points, kAll));
+  PointEvidence evidence(block);
+  evidence.take(frame, cloud, points, area, ground, options);
+  const GroundRaster raster(points, area, ground);
+  FreeSpace space(frame, block, raster, options);
+  if (rays) space.carve(*rays);
+  std::vector<std::uint8_t> values(block.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = value_of(evidence.obstacles(i), evidence.has_ground(i), space.passed(i), options);
+  }
+  return values;
+}
+
+/// The blocks of a grid, row by row.
+class Blocks {
+ public:
+  Blocks(const CloudParts& map, const GridFrame& frame)
+      : frame_(frame),
+        edge_(std::clamp(static_cast<int>(kBlockEdge / frame.cell), 1, kBlockCells)),
+        columns_((frame.columns + edge_ - 1) / edge_),
+        rows_((frame.rows + edge_ - 1) / edge_),
+        has_points_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
+    map.each([&](const PointCloud& part) {
+      for (const Point& point : part.points) {
+        const int column = frame_.column_of(point.x) / edge_;
+        const int row = frame_.row_of(point.y) / edge_;
+        has_points_[static_cast<std::size_t>(row * columns_ + column)] = 1;
+      }
+    });
+  }
+
+  std::size_t size() const { return has_points_.size(); }
+  bool has_points(std::size_t i) const { return has_points_[i] != 0; }
+  GridBlock at(std::size_t i) const {
+    const int column = static_cast<int>(i) % columns_ * edge_;
+    const int row = static_cast<int>(i) / columns_ * edge_;
+    return {column, row, std::min(edge_, frame_.columns - column),
+            std::min(edge_, frame_.rows - row)};
+  }
+
+ private:
+  const GridFrame& frame_;
+  int edge_;  ///< cells
+  int columns_;
+  int rows_;
+  std::vector<std::uint8_t> has_points_;
+};
+
+/// A grey picture that is written block by block, the uppermost row first.
+class Picture {
+ public:
+  Picture(const std::filesystem::path& path, const GridFrame& frame)
+      : frame_(frame), file_(path, std::ios::binary | std::ios::trunc) {
+    file_ << "P5\n" << frame.columns << " " << frame.rows << "\n255\n";
+    begin_ = file_.tellp();
+  }
+
+  void write(const GridBlock& block, const std::vector<std::uint8_t>& values) {
+    for (int i = 0; i < block.rows; ++i) {
+      const std::streamoff line = frame_.rows - 1 - (block.row + i);
+      file_.seekp(begin_ + line * frame_.columns + block.column);
+      file_.write(reinterpret_cast<const char*>(values.data()) +
+                      static_cast<std::ptrdiff_t>(i) * block.columns,
+                  block.columns);
+    }
+  }
+
+  /// False if something could not be written.
+  bool close() {
+    file_.close();
+    return static_cast<bool>(file_);
+  }
+
+ private:
+  const GridFrame& frame_;
+  std::ofstream file_;
+  std::streamoff begin_ = 0;
 };
 
 }  // namespace
 
 Files save_grid(const CloudParts& map, const GridOptions& options,
-                const std::filesystem::path& directory) {
-  const Frame frame(map, options.cell);
+                const std::filesystem::path& directory, const std::optional<GridRays>& rays) {
+  const GridFrame frame(map, options.cell);
+  const Blocks blocks(map, frame);
   const Files files = {directory / "grid.pgm", directory / "grid.yaml"};
-  const int rows = static_cast<int>(
-      std::max<std::size_t>(1, kBandCells / static_cast<std::size_t>(frame.columns)));
   write_atomically(files[0], [&](const std::filesystem::path& temporary) {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file << "P5\n" << frame.columns << " " << frame.rows << "\n255\n";
-    for (int end = frame.rows; end > 0; end -= rows) {
-      Band band(frame, std::max(0, end - rows), end);
-      band.fill(map, options);
-      file << band.pixels(options);
+    Picture picture(temporary, frame);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const GridBlock block = blocks.at(i);
+      picture.write(block, blocks.has_points(i)
+                               ? values_of(map, frame, block, options, rays)
+                               : std::vector<std::uint8_t>(block.size(), kUnknown));
     }
-    file.close();
-    if (!file) throw FileError("cannot write " + files[0].string() + "; check the free space");
+    if (!picture.close()) {
+      throw FileError("cannot write " + files[0].string() + "; check the free space");
+    }
   });
   write_text_atomically(files[1], frame.yaml());
   return files;

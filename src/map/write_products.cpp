@@ -1,6 +1,9 @@
 #include "lidar_mapping/map/write_products.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <map>
 #include <memory>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -17,25 +20,77 @@ bool is_among(const std::string& format, const std::vector<std::string>& formats
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
-void check(const std::vector<std::string>& formats) {
+/// In small letters. Throws InputError for one that is not known.
+std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
+  std::vector<std::string> result;
   for (const std::string& format : formats) {
-    if (is_among(format, product_formats())) continue;
+    std::string small = format;
+    for (char& letter : small) {
+      letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+    result.push_back(small);
+    if (is_among(small, product_formats())) continue;
     std::string known;
     for (const std::string& name : product_formats()) known += (known.empty() ? "" : ", ") + name;
     throw InputError("map format '" + format + "' is not known; use " + known);
   }
+  return result;
 }
+
+std::string text_of(const Eigen::Vector3d& p) {
+  char text[96];
+  std::snprintf(text, sizeof text, "(%g, %g, %g)", p.x(), p.y(), p.z());
+  return text;
+}
+
+/// What of the clouds lies in a box of the map.
+class CroppedClouds : public CloudSource {
+ public:
+  CroppedClouds(CloudSource& clouds, const KeyFramePoses& poses, const Eigen::AlignedBox3d& box)
+      : clouds_(clouds), box_(box) {
+    for (const KeyFramePose& pose : poses.poses) poses_[pose.index] = pose.T_map_base;
+  }
+
+  PointCloudPtr cloud(KeyFrameIndex index) override { return cropped(clouds_.cloud(index), index); }
+  std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
+                                    int threads) override {
+    std::vector<PointCloudPtr> found = clouds_.clouds(indices, threads);
+    for (std::size_t i = 0; i < found.size(); ++i) found[i] = cropped(found[i], indices[i]);
+    return found;
+  }
+
+ private:
+  PointCloudPtr cropped(const PointCloudPtr& cloud, KeyFrameIndex index) const {
+    const auto pose = poses_.find(index);
+    if (!cloud || pose == poses_.end()) return nullptr;
+    auto inside = std::make_shared<PointCloud>();
+    for (const Point& point : cloud->points) {
+      if (box_.contains(pose->second * point.position().cast<double>())) {
+        inside->points.push_back(point);
+      }
+    }
+    return inside;
+  }
+
+  CloudSource& clouds_;
+  const Eigen::AlignedBox3d box_;
+  std::map<KeyFrameIndex, Pose> poses_;
+};
 
 class Writer {
  public:
   Writer(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
          const ProductOptions& options, const std::filesystem::path& directory)
       : poses_(poses), clouds_(clouds), config_(config), options_(options), directory_(directory) {
-    if (!options.p_base_sensor) return;
-    MovingObjectsConfig removal;
-    removal.threads = config.threads;
-    fixed_ =
-        std::make_unique<StaticClouds>(clouds, poses, *options.p_base_sensor, removal, directory);
+    if (options.p_base_sensor && !options.keep_moving) {
+      MovingObjectsConfig removal;
+      removal.threads = config.threads;
+      fixed_ =
+          std::make_unique<StaticClouds>(clouds, poses, *options.p_base_sensor, removal, directory);
+    }
+    if (options.crop) {
+      cropped_ = std::make_unique<CroppedClouds>(uncropped(), poses, *options.crop);
+    }
   }
 
   Products write() {
@@ -48,9 +103,13 @@ class Writer {
  private:
   bool wants(const std::string& format) const { return is_among(format, options_.formats); }
 
-  CloudSource& source() {
+  CloudSource& uncropped() {
     if (fixed_) return *fixed_;
     return clouds_;
+  }
+  CloudSource& source() {
+    if (cropped_) return *cropped_;
+    return uncropped();
   }
 
   TileSource tiles() {
@@ -60,6 +119,11 @@ class Writer {
         products_.points += tile.cloud.size();
         sink(tile);
       });
+      if (options_.crop && products_.points == 0) {
+        throw InputError("no point of the map lies in the box from " +
+                         text_of(options_.crop->min()) + " to " + text_of(options_.crop->max()) +
+                         "; map.yaml of the whole map tells its bounds");
+      }
     };
   }
 
@@ -84,7 +148,19 @@ class Writer {
                    formats, {draw, config_.threads}));
     }
     add(picture);
-    if (wants("grid")) add(save_grid(points, {}, directory_));
+    if (wants("grid")) add(save_grid(points, grid_options(), directory_, rays()));
+  }
+
+  GridOptions grid_options() const {
+    GridOptions options;
+    options.cell = grid_cell(config_);
+    options.threads = config_.threads;
+    return options;
+  }
+
+  std::optional<GridRays> rays() {
+    if (!options_.p_base_sensor) return std::nullopt;
+    return GridRays{poses_, uncropped(), *options_.p_base_sensor};
   }
 
   void write_tiled() {
@@ -133,6 +209,7 @@ class Writer {
   const ProductOptions& options_;
   const std::filesystem::path& directory_;
   std::unique_ptr<StaticClouds> fixed_;
+  std::unique_ptr<CroppedClouds> cropped_;
   Products products_;
 };
 
@@ -143,9 +220,25 @@ const std::vector<std::string>& product_formats() {
   return formats;
 }
 
+std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners) {
+  if (corners.empty()) return std::nullopt;
+  if (corners.size() != 6) {
+    throw InputError("a box has six numbers, x0 y0 z0 x1 y1 z1 in m; there are " +
+                     std::to_string(corners.size()));
+  }
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(corners.data()), Eigen::Vector3d(&corners[3]));
+  if (!(box.min().array() < box.max().array()).all()) {
+    throw InputError("the box from " + text_of(box.min()) + " to " + text_of(box.max()) +
+                     " is empty; give the lower corner first, x0 y0 z0 x1 y1 z1");
+  }
+  return box;
+}
+
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
-                        const ProductOptions& options, const std::filesystem::path& directory) {
-  check(options.formats);
+                        const ProductOptions& given, const std::filesystem::path& directory) {
+  ProductOptions options = given;
+  options.formats = known_formats(given.formats);
+  if (is_among("grid", options.formats)) grid_cell(config);
   return Writer(poses, clouds, config, options, directory).write();
 }
 

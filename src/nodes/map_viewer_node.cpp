@@ -290,9 +290,11 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   if (!request.formats.empty()) options.formats = request.formats;
   options.frame = config_.node.map_frame;
   options.datum = datum_;
-  if (!request.keep_moving) options.p_base_sensor = sensor_origin();
+  options.p_base_sensor = sensor_origin();
+  options.keep_moving = request.keep_moving;
   SaveMap::Response response;
   try {
+    options.crop = map::crop_box(request.crop);
     const std::filesystem::path directory = directory_for(request.directory);
     const map::Products products = map::write_products(
         poses, run->clouds, with_resolution(config_.stage, request.resolution), options, directory);

@@ -19,7 +19,7 @@ Pose checked(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translat
     throw InputError("a pose is not finite or its quaternion has length " + std::to_string(length) +
                      " instead of 1");
   }
-  return {rotation.normalized(), translation};
+  return {unit(rotation), translation};
 }
 
 Eigen::Matrix<double, 6, 6, Eigen::RowMajor> symmetric(const Covariance6& covariance) {
@@ -27,6 +27,12 @@ Eigen::Matrix<double, 6, 6, Eigen::RowMajor> symmetric(const Covariance6& covari
 }
 
 }  // namespace
+
+Eigen::Quaterniond unit(const Eigen::Quaterniond& rotation) {
+  constexpr double kRounding = 1e-14;
+  if (std::abs(rotation.squaredNorm() - 1.0) < kRounding) return rotation;
+  return rotation.normalized();
+}
 
 ros::Time to_ros(Stamp stamp) {
   constexpr Stamp kLast =

@@ -22,7 +22,7 @@ std::optional<Eigen::Quaterniond> orientation_of(const sensor_msgs::Imu& message
   const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
   const double length = rotation.norm();
   if (!is_provided(message.orientation_covariance) || !(length > 0.9 && length < 1.1)) return {};
-  return rotation.normalized();
+  return unit(rotation);
 }
 
 std_msgs::Header header_of(Stamp stamp, const std::string& frame_id) {

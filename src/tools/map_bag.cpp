@@ -100,7 +100,7 @@ void add_arguments(CLI::App& app, Options& options) {
                "the same from near its end on: faster, to within centimetres");
   app.add_option("--formats", options.map.products.formats, "of the map, as build_map has them")
       ->delimiter(',')
-      ->check(CLI::IsMember(map::product_formats()));
+      ->check(CLI::IsMember(map::product_formats(), CLI::ignore_case));
   app.add_option("--resolution", options.map.resolution, "edge of the map's voxels, m");
   app.add_flag("--keep-moving", options.map.keep_moving,
                "leave points of moving objects in the map");

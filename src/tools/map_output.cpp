@@ -1,5 +1,6 @@
 #include "map_output.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -26,47 +27,60 @@ MapConfig make_config(const MapOutput& output, const config::Source& stored) {
   if (output.tile_size) {
     sources.push_back({"--tile-size", {config::Value::Map{{"tile_size", {*output.tile_size}}}}});
   }
+  if (output.grid_cell) {
+    sources.push_back({"--cell", {config::Value::Map{{"grid_cell", {*output.grid_cell}}}}});
+  }
   MapConfig config = config::load<MapConfig>(sources);
   config.threads = output.threads;
   return config;
 }
 
-/// Optimised poses, and odometry behind the last of them.
-KeyFramePoses poses_of(const Session& session) {
-  map::KeyFrameTrack track;
-  for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
-  track.update(session.poses());
-  return track.poses();
-}
-
-/// From the command line, or else from the session; none if the points that move are to stay.
+/// From the command line, or else from the session.
 std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const Session& session) {
-  if (output.keep_moving) return std::nullopt;
   if (output.sensor_origin.size() == 3) return Eigen::Vector3d(output.sensor_origin.data());
   const auto origin = session.sensor_origin();
   if (!origin) {
-    std::cerr << "the session does not know where the LiDAR is in base_link, so points "
-                 "of moving objects stay; give --sensor-origin x y z to remove them\n";
+    std::cerr << "the session does not know where the LiDAR is in base_link, so points of moving "
+                 "objects stay and the grid is unknown where no point lies; give --sensor-origin "
+                 "x y z\n";
   }
   return origin;
 }
 
 }  // namespace
 
-void check_numbers(const MapOutput& output) { make_config(output, {}); }
+void check_numbers(const MapOutput& output) {
+  const MapConfig config = make_config(output, {});
+  const auto& formats = output.products.formats;
+  if (std::find(formats.begin(), formats.end(), "grid") != formats.end()) map::grid_cell(config);
+}
+
+KeyFramePoses key_frame_poses(const Session& session) {
+  map::KeyFrameTrack track;
+  for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
+  track.update(session.poses());
+  return track.poses();
+}
+
+std::filesystem::path map_folder(const Session& session, const MapOutput& output) {
+  return output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
+}
 
 map::Files write_map(const Session& session, const MapOutput& output) {
+  session.clouds().set_cache_bytes(kCacheBytes);
+  return write_map(session, output, key_frame_poses(session), session.clouds(), "key frames");
+}
+
+map::Files write_map(const Session& session, const MapOutput& output, const KeyFramePoses& poses,
+                     CloudSource& clouds, const std::string& name) {
   const MapConfig config = make_config(output, pipeline::stored_configuration<MapConfig>(session));
   map::ProductOptions options = output.products;
   options.datum = session.datum();
   options.p_base_sensor = sensor_origin_of(output, session);
-  const KeyFramePoses poses = poses_of(session);
-  session.clouds().set_cache_bytes(kCacheBytes);
-  const auto folder =
-      output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
+  options.keep_moving = output.keep_moving;
   const map::Products products =
-      map::write_products(poses, session.clouds(), config, options, folder);
-  std::printf("%zu points of %zu key frames\n", products.points, poses.poses.size());
+      map::write_products(poses, clouds, config, options, map_folder(session, output));
+  std::printf("%zu points of %zu %s\n", products.points, poses.poses.size(), name.c_str());
   if (options.save_removed) std::printf("%zu points of moving objects\n", products.removed);
   return products.files;
 }

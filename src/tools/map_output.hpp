@@ -14,17 +14,28 @@ struct MapOutput {
   std::string folder;                ///< for the files; empty: map/ of the session
   std::optional<double> resolution;  ///< m; none: as in the drive
   std::optional<double> tile_size;   ///< m; none: as in the drive
+  std::optional<double> grid_cell;   ///< m; none: as in the drive
   int threads = 0;                   ///< 0: all cores
   bool keep_moving = false;
   std::vector<double> sensor_origin;  ///< empty: as the session has it
   map::ProductOptions products;
 };
 
-/// Throws ConfigError if a number is not allowed, which is better known before the drive is mapped.
+/// Throws ConfigError or InputError if a number is not allowed, which is better known before the
+/// drive is mapped.
 void check_numbers(const MapOutput& output);
+
+/// Of the session's key frames: optimised poses, and odometry behind the last of them.
+KeyFramePoses key_frame_poses(const session::Session& session);
+
+/// The folder for the files.
+std::filesystem::path map_folder(const session::Session& session, const MapOutput& output);
 
 /// Builds the map from the session's newest poses and writes it; prints what it makes of it.
 /// Returns the files. Throws FileError, and InputError for a session without points.
 map::Files write_map(const session::Session& session, const MapOutput& output);
+/// The same of other clouds than those of the key frames; `name` says in the plural what they are.
+map::Files write_map(const session::Session& session, const MapOutput& output,
+                     const KeyFramePoses& poses, CloudSource& clouds, const std::string& name);
 
 }  // namespace lidar_mapping::tools

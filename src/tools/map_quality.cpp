@@ -16,6 +16,7 @@
 
 #include "child_program.hpp"
 #include "number_checks.hpp"
+#include "place_pictures.hpp"
 #include "report_figures.hpp"
 
 namespace {
@@ -34,10 +35,7 @@ struct Options {
   bool report = false;
 };
 
-constexpr std::size_t kPictures = 6;          // places that are shown
-constexpr double kSlice = 1.5;                // m along the path, either side of a cross-section
-constexpr double kPictureReach = 15.0;        // m to the side and along
-constexpr std::size_t kPicturePoints = 9000;  // of a pass and place
+constexpr std::size_t kPictures = 6;  // places that are shown
 
 /// From the command line, or else from the session.
 std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Session& session) {
@@ -122,24 +120,6 @@ Json report_of(const tools::ReportInput& input, const Judged& found,
   return report;
 }
 
-/// Points of a slice across the path (left, up) or, seen from above, of a band (along, left).
-Json slice_of(const std::vector<Eigen::Vector3f>& points, bool from_above) {
-  std::vector<Eigen::Vector2f> chosen;
-  for (const Eigen::Vector3f& p : points) {
-    const bool inside = from_above ? std::abs(p.x()) < kPictureReach && p.z() > 0.5F && p.z() < 3.0F
-                                   : std::abs(p.x()) < kSlice && p.z() < 8.0F;
-    if (!inside || std::abs(p.y()) > kPictureReach) continue;
-    chosen.push_back(from_above ? Eigen::Vector2f(p.x(), p.y()) : Eigen::Vector2f(p.y(), p.z()));
-  }
-  Json rows = Json::array();
-  const std::size_t step = chosen.size() / kPicturePoints + 1;
-  const auto millimetres = [](float value) { return std::round(1000.0F * value); };
-  for (std::size_t i = 0; i < chosen.size(); i += step) {
-    rows.push_back({millimetres(chosen[i].x()), millimetres(chosen[i].y())});
-  }
-  return rows;
-}
-
 /// What the pictures of the report need beside its figures: files in `directory`.
 void write_picture_data(const tools::ReportInput& input, const Judged& found,
                         const map::QualityConfig& config, const std::filesystem::path& directory) {
@@ -147,8 +127,8 @@ void write_picture_data(const tools::ReportInput& input, const Judged& found,
   Json places = Json::array();
   for (std::size_t i = 0; i < std::min(kPictures, found.ghosts.size()); ++i) {
     const auto points = map::place_points(input.poses, clouds, config, found.ghosts[i]);
-    places.push_back({{"across", {slice_of(points.earlier, false), slice_of(points.later, false)}},
-                      {"above", {slice_of(points.earlier, true), slice_of(points.later, true)}}});
+    places.push_back({{"across", tools::place_picture(points, tools::View::kAcross)},
+                      {"above", tools::place_picture(points, tools::View::kFromAbove)}});
   }
   write_text_atomically(directory / "places.json", places.dump());
   const auto view = map::top_view(map::build_map(input.poses, clouds, {}), 0.25, 1600);
@@ -192,10 +172,11 @@ void judge(const Options& options) {
   map::QualityConfig config;
   config.range_noise = options.range_noise;
   const auto sensor = sensor_origin_of(options, session);
-  config.p_base_sensor = sensor.value_or(Eigen::Vector3d::Zero());
+  config.p_base_sensor = sensor;
   if (!sensor) {
     std::cerr << "map_quality: the session does not know where the LiDAR is in base_link; give "
-                 "--sensor-origin x y z for the ratio to the noise\n";
+                 "--sensor-origin x y z for the ratio to the noise, and to tell the sides of a "
+                 "surface apart\n";
   }
   const tools::ReportInput input = tools::report_input(session, truth);
   const Judged found = judged(input, config, sensor.has_value());

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include <GeographicLib/LocalCartesian.hpp>
 #include <GeographicLib/UTMUPS.hpp>
@@ -10,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/map_config.hpp"
 #include "lidar_mapping/map/map_products.hpp"
 
 #include "temporary_folder.hpp"
@@ -129,7 +131,7 @@ TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
     }
     if (i % 20 == 5) map.points.push_back({x, y, ground + 3.0F, 0.0F});
   }
-  save_grid(map, {}, folder.path());
+  save_grid(map, {0.1}, folder.path());
   const std::string pgm = content_of(folder.path() / "grid.pgm");
   const std::size_t begin = pgm.find("255\n") + 4;
   ASSERT_EQ(pgm.substr(0, 3), "P5\n");
@@ -142,6 +144,75 @@ TEST(SaveGrid, MarksObstaclesAboveTheLocalGround) {
   const YAML::Node yaml = YAML::LoadFile((folder.path() / "grid.yaml").string());
   EXPECT_EQ(yaml["resolution"].as<double>(), 0.1);
   EXPECT_NEAR(yaml["origin"][0].as<double>(), 0.0, 1e-6);
+}
+
+/// One key frame at the origin.
+class OneCloud : public CloudSource {
+ public:
+  explicit OneCloud(const PointCloud& cloud) : cloud_(std::make_shared<PointCloud>(cloud)) {}
+  PointCloudPtr cloud(KeyFrameIndex /*index*/) override { return cloud_; }
+
+ private:
+  PointCloudPtr cloud_;
+};
+
+/// Value of the cell of 0.2 m at x of the row of cells along y = 0.1 m.
+int value_along(const fs::path& folder, double x) {
+  const std::string pgm = content_of(folder / "grid.pgm");
+  int columns = 0;
+  int rows = 0;
+  std::istringstream(pgm.substr(3)) >> columns >> rows;
+  const YAML::Node yaml = YAML::LoadFile((folder / "grid.yaml").string());
+  const int column = static_cast<int>((x - yaml["origin"][0].as<double>()) / 0.2);
+  const int row = static_cast<int>((0.1 - yaml["origin"][1].as<double>()) / 0.2);
+  const std::size_t begin = pgm.find("255\n") + 4;
+  return static_cast<unsigned char>(
+      pgm[begin + static_cast<std::size_t>((rows - 1 - row) * columns + column)]);
+}
+
+// Ground up to 4 m, a pole at 6 m, a wall at 12 m, more of it behind; rays reach the wall. Between
+// 4 and 7 m nothing lies, but the ground around is known.
+TEST(SaveGrid, IsFreeWhereRaysPassed) {
+  const TemporaryFolder folder;
+  PointCloud map;
+  for (int i = 0; i < 160; ++i) {
+    const float x = 0.1F * static_cast<float>(i) + 0.05F;
+    if (x > 4.0F && x < 7.0F) continue;
+    for (const float y : {-0.35F, -0.15F, 0.05F, 0.25F}) {
+      map.points.push_back({x, y, 0.0F, 0.0F});
+      map.points.push_back({x, y, 0.01F, 0.0F});
+    }
+  }
+  std::vector<Point> seen;
+  for (const float z : {0.5F, 0.7F, 0.9F, 1.1F}) {
+    map.points.push_back({6.1F, 0.1F, z, 0.0F});
+    map.points.push_back({12.1F, 0.1F, z, 0.0F});
+    seen.push_back({12.1F, 0.1F, z, 0.0F});
+  }
+  OneCloud clouds({seen, {}});
+  KeyFramePoses poses;
+  poses.poses.push_back({0, 0, Pose()});
+  const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);
+
+  save_grid(map, {}, folder.path());
+  EXPECT_EQ(value_along(folder.path(), 5.1), 205) << "no ray, no knowledge";
+  save_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
+  EXPECT_EQ(value_along(folder.path(), 2.1), 254) << "ground";
+  EXPECT_EQ(value_along(folder.path(), 5.1), 254) << "a ray passed";
+  EXPECT_EQ(value_along(folder.path(), 6.1), 0) << "rays that pass a pole leave it";
+  EXPECT_EQ(value_along(folder.path(), 12.1), 0) << "the wall that they end at";
+  const Eigen::Vector3d high(0.0, 0.1, 40.0);
+  save_grid(map, {}, folder.path(), GridRays{poses, clouds, high});
+  EXPECT_EQ(value_along(folder.path(), 5.1), 205) << "far above a vehicle";
+}
+
+TEST(GridCell, IsNotSmallerThanTheVoxels) {
+  MapConfig config;
+  EXPECT_EQ(grid_cell(config), config.resolution);
+  config.grid_cell = 0.5;
+  EXPECT_EQ(grid_cell(config), 0.5);
+  config.grid_cell = 0.1;
+  EXPECT_THROW(grid_cell(config), InputError);
 }
 
 // 25 million cells are more than are in memory at a time.

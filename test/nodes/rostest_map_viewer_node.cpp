@@ -95,7 +95,8 @@ class MapViewerNode : public testing::Test {
 
   /// Calls the service while the services and topics of this process go on.
   SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {},
-                         bool keep_moving = false, double resolution = 0.0) {
+                         bool keep_moving = false, double resolution = 0.0,
+                         std::vector<double> crop = {}) {
     ros::AsyncSpinner spinner(1);
     spinner.start();
     SaveMap request;
@@ -103,6 +104,7 @@ class MapViewerNode : public testing::Test {
     request.request.formats = std::move(formats);
     request.request.keep_moving = keep_moving;
     request.request.resolution = resolution;
+    request.request.crop = std::move(crop);
     ros::service::waitForService("save_map", ros::Duration(20.0));
     ros::service::call("save_map", request);
     return request.response;
@@ -271,6 +273,18 @@ TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
   EXPECT_TRUE(answer.success) << answer.message << node.output();
   ASSERT_EQ(answer.files.size(), 2U);
   for (const std::string& file : answer.files) EXPECT_TRUE(fs::exists(file)) << file;
+
+  const PointCloud whole = session::read_pcd(folder_.path() / "map" / "map.pcd");
+  ASSERT_GT(whole.size(), 100U);
+  const double x = static_cast<double>(whole.points[whole.size() / 2].x);
+  const SaveMap::Response half =
+      save(folder_.path() / "half", {"PCD"}, false, 0.0, {-1e4, -1e4, -1e4, x, 1e4, 1e4});
+  EXPECT_TRUE(half.success) << half.message;
+  const PointCloud part = session::read_pcd(folder_.path() / "half" / "map.pcd");
+  EXPECT_LT(part.size(), whole.size());
+  for (const Point& point : part.points) ASSERT_LE(static_cast<double>(point.x), x + 1e-3);
+  EXPECT_NE(save(folder_.path(), {"pcd"}, false, 0.0, {1, 2, 3}).message.find("six numbers"),
+            std::string::npos);
 }
 
 // It wrote to a folder of the name ~ below the node's working directory.

@@ -63,6 +63,21 @@ TEST(PoseConversion, ComesBackTheSame) {
   expect_same(from_message(to_transform(some_pose())), some_pose());
 }
 
+// Two maps of one drive differed by a point, as each message turned its poses by a last digit.
+TEST(PoseConversion, KeepsEveryBitOfARotation) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  Pose pose;
+  for (int i = 0; i < 1000; ++i) {
+    Vector6d step;
+    for (int k = 0; k < 6; ++k) step[k] = normal(random);
+    pose = perturbed(pose, step);
+    const Pose sent = from_message(to_message(pose));
+    ASSERT_EQ(sent.rotation.coeffs(), pose.rotation.coeffs()) << i;
+    ASSERT_EQ(sent.translation, pose.translation) << i;
+  }
+}
+
 TEST(PoseConversion, RefusesWhatIsNoPose) {
   geometry_msgs::Pose zero_quaternion;
   EXPECT_THROW(from_message(zero_quaternion), InputError);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include "lidar_mapping/common/cloud_source.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/map/map_tile.hpp"
@@ -25,17 +26,28 @@ void write_las(const std::filesystem::path& path, const TileSource& tiles,
                const std::optional<GeodeticDatum>& datum, float max_intensity);
 
 /// What stands in the way of a vehicle: a cell with points between these heights above the local
-/// ground is occupied, one with ground alone is free, others are unknown.
+/// ground is occupied; one with ground alone is free, and one without points through which a ray
+/// of the LiDAR passed lower than `highest`; others are unknown.
 struct GridOptions {
-  double cell = 0.1;     ///< m
+  double cell = 0.2;     ///< m; with less than the map's voxels walls have gaps
   double lowest = 0.3;   ///< m above the ground
   double highest = 2.0;  ///< m above the ground
   int min_points = 2;    ///< in a cell, to be occupied
+  int threads = 0;       ///< 0: all cores
 };
 
-/// grid.pgm and grid.yaml for map_server, made band by band. Throws InputError for a map without
-/// points, FileError.
+/// Key frames whose rays, from the LiDAR to each of their points, carve free space: clouds without
+/// what moved, and the LiDAR's place in base_link, m.
+struct GridRays {
+  const KeyFramePoses& poses;
+  CloudSource& clouds;
+  Eigen::Vector3d p_base_sensor;
+};
+
+/// grid.pgm and grid.yaml for map_server, made block by block; without rays only what has points is
+/// known. Throws InputError for a map without points, FileError.
 Files save_grid(const CloudParts& map, const GridOptions& options,
-                const std::filesystem::path& directory);
+                const std::filesystem::path& directory,
+                const std::optional<GridRays>& rays = std::nullopt);
 
 }  // namespace lidar_mapping::map

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/cloud_source.hpp"
@@ -9,7 +10,9 @@ namespace lidar_mapping::map {
 /// How a map is judged without truth (doc/map_quality.md).
 struct QualityConfig {
   double range_noise = 0.02;  ///< m, standard deviation of the sensor's ranges
-  Eigen::Vector3d p_base_sensor = Eigen::Vector3d::Zero();  ///< the LiDAR in base_link, m
+  /// The LiDAR in base_link, m. Without it the ratio to the noise means nothing, and surfaces are
+  /// not told apart by the side from which they were seen.
+  std::optional<Eigen::Vector3d> p_base_sensor = Eigen::Vector3d::Zero();
   double reach = 30.0;  ///< m, points farther from their key frame are left out
   int group = 5;        ///< consecutive key frames whose points are one group
 };
@@ -49,8 +52,8 @@ struct GhostVector {
 };
 
 /// A vector for each 10 m of the way on which the vehicle came back to a place, by registering the
-/// planes of the later pass onto those of the earlier ones; places with fewer than 15 common planes
-/// have none.
+/// planes of the later pass onto those of the earlier ones that were seen from the same side, on
+/// the same storey; places with fewer than 15 common planes have none.
 std::vector<GhostVector> ghost_vectors(const KeyFramePoses& poses, CloudSource& clouds,
                                        const QualityConfig& config);
 

@@ -5,15 +5,21 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "lidar_mapping/common/cloud_source.hpp"
 #include "lidar_mapping/map/map_config.hpp"
 #include "lidar_mapping/map/map_files.hpp"
 
 namespace lidar_mapping::map {
 
-/// What ProductOptions::formats may hold: pcd, ply, png (view from above), las, tiles (Autoware),
-/// grid (map_server).
+/// What ProductOptions::formats may hold, in capitals or not: pcd, ply, png (view from above), las,
+/// tiles (Autoware), grid (map_server).
 const std::vector<std::string>& product_formats();
+
+/// The box of x0 y0 z0 x1 y1 z1, m; none of no numbers. Throws InputError for another count, and
+/// where it is empty.
+std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners);
 
 /// What is made of a map, and how.
 struct ProductOptions {
@@ -21,8 +27,12 @@ struct ProductOptions {
   double pixel = 0.2;  ///< of the view from above, m
   std::string frame = "map";
   std::optional<GeodeticDatum> datum;
-  /// The LiDAR in base_link, m; points of moving objects are left out if it is known.
+  /// The LiDAR in base_link, m. If it is known points of moving objects are left out, and the grid
+  /// is free where rays passed.
   std::optional<Eigen::Vector3d> p_base_sensor;
+  /// Only what lies in this box of the map frame (m) is put into the map.
+  std::optional<Eigen::AlignedBox3d> crop;
+  bool keep_moving = false;   ///< leaves points of moving objects in
   bool save_removed = false;  ///< writes the points left out to moving_objects.pcd
 };
 
@@ -34,7 +44,7 @@ struct Products {
 
 /// Builds the map of the poses tile by tile and writes it into the folder (map_files.hpp,
 /// map_products.hpp, top_view.hpp). Throws FileError, and InputError for a format that is not
-/// known or a map without points.
+/// known, a map (or box) without points, or cells of the grid that are smaller than the voxels.
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                         const ProductOptions& options, const std::filesystem::path& directory);
 

@@ -22,6 +22,10 @@ using CovarianceArray = boost::array<double, 36>;
 ros::Time to_ros(Stamp stamp);
 Stamp from_ros(const ros::Time& time);
 
+/// Of length 1. One that has it but for rounding stays as it is, bit for bit: to divide it by its
+/// length once more would change its last digits with every message that it travels in.
+Eigen::Quaterniond unit(const Eigen::Quaterniond& rotation);
+
 geometry_msgs::Pose to_message(const Pose& pose);
 geometry_msgs::Transform to_transform(const Pose& pose);
 /// Throws InputError for values that are not finite or a quaternion whose length is not near 1.

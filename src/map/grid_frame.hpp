@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+
+#include "lidar_mapping/map/cloud_parts.hpp"
+
+namespace lidar_mapping::map {
+
+/// Where the 2D grid of a map lies: cells of the map frame's x-y plane, rows counted from below.
+struct GridFrame {
+  /// Around all points. Throws InputError for a map without points.
+  GridFrame(const CloudParts& map, double cell_size);
+
+  int column_of(float x) const { return static_cast<int>((static_cast<double>(x) - x_min) / cell); }
+  int row_of(float y) const { return static_cast<int>((static_cast<double>(y) - y_min) / cell); }
+  double x_of(double column) const { return x_min + column * cell; }
+  double y_of(double row) const { return y_min + row * cell; }
+  /// What map_server wants to know beside the picture.
+  std::string yaml() const;
+
+  double cell;  ///< m
+  double x_min = 0.0;
+  double y_min = 0.0;
+  int columns = 0;
+  int rows = 0;
+};
+
+/// A rectangle of its cells, numbered row by row.
+struct GridBlock {
+  bool holds(int a_column, int a_row) const {
+    return a_column >= column && a_column < column + columns && a_row >= row && a_row < row + rows;
+  }
+  std::size_t size() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+  /// Of a cell that it holds.
+  std::size_t number_of(int a_column, int a_row) const {
+    return static_cast<std::size_t>(a_row - row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(a_column - column);
+  }
+
+  int column = 0;  ///< of the lower left corner
+  int row = 0;
+  int columns = 0;
+  int rows = 0;
+};
+
+}  // namespace lidar_mapping::map

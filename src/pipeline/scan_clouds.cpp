@@ -1,0 +1,105 @@
+#include "lidar_mapping/pipeline/scan_clouds.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/parallel.hpp"
+#include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/front_end/deskew.hpp"
+
+#include "scan_preparation.hpp"
+
+namespace lidar_mapping::pipeline {
+
+namespace {
+
+constexpr Stamp kMargin = from_seconds(20.0);  // sensors come late, and preprocessing has to begin
+
+/// Takes what preprocessing gives and keeps what is wanted.
+class Collector {
+ public:
+  Collector(const std::vector<PlacedScan>& scans, const ScanSelection& selection,
+            ScanClouds& clouds)
+      : scans_(scans), selection_(selection), clouds_(clouds) {}
+
+  void take(preprocessing::SyncedScan&& synced) {
+    const Stamp stamp = synced.scan.stamp;
+    const auto found =
+        std::lower_bound(scans_.begin(), scans_.end(), stamp,
+                         [](const PlacedScan& scan, Stamp wanted) { return scan.stamp < wanted; });
+    if (found == scans_.end() || found->stamp != stamp) return;
+    if (count_++ % selection_.every != 0) return;
+    Vector6d acceleration = found->acceleration;
+    // The gyro has already made the turning uniform (preprocessing::SyncedScan).
+    if (synced.imu && synced.imu->has_angular_velocity) acceleration.tail<3>().setZero();
+    const PointCloud still = front_end::deskewed(std::move(synced.scan.cloud), found->twist,
+                                                 acceleration, selection_.threads);
+    const auto number = static_cast<KeyFrameIndex>(clouds_.size());
+    clouds_.add(voxel_filtered(still, selection_.resolution));
+    poses_.poses.push_back({number, stamp, found->T_map_base});
+  }
+
+  const KeyFramePoses& poses() const { return poses_; }
+
+ private:
+  const std::vector<PlacedScan>& scans_;
+  const ScanSelection selection_;
+  ScanClouds& clouds_;
+  int count_ = 0;
+  KeyFramePoses poses_;
+};
+
+}  // namespace
+
+void ScanClouds::add(const PointCloud& cloud) {
+  const std::uint64_t begin = begins_.empty() ? 0 : begins_.back() + sizes_.back();
+  file_.write(begin * sizeof(Point), cloud.points.data(), cloud.size() * sizeof(Point));
+  begins_.push_back(begin);
+  sizes_.push_back(cloud.size());
+}
+
+PointCloudPtr ScanClouds::cloud(KeyFrameIndex index) {
+  if (index >= sizes_.size()) return nullptr;
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->points.resize(sizes_[index]);
+  file_.read(begins_[index] * sizeof(Point), cloud->points.data(), sizes_[index] * sizeof(Point));
+  return cloud;
+}
+
+std::vector<PointCloudPtr> ScanClouds::clouds(const std::vector<KeyFrameIndex>& indices,
+                                              int threads) {
+  std::vector<PointCloudPtr> found(indices.size());
+  parallel_chunks(indices.size(), 1, threads,
+                  [&](std::size_t i, std::size_t) { found[i] = cloud(indices[i]); });
+  return found;
+}
+
+KeyFramePoses add_scans(InputSource& recording, const std::vector<PlacedScan>& scans,
+                        const preprocessing::PreprocessingConfig& config,
+                        const ScanSelection& selection, ScanClouds& clouds) {
+  Collector collector(scans, selection, clouds);
+  SpareClouds spare;
+  ScanPreparation preparation(
+      config, [&](const std::string& frame) { return recording.T_base(frame); }, spare,
+      [&](PreparedScan&& scan) { collector.take(std::move(scan.synced)); },
+      [](const std::string& /*notice*/) {});  // was said when the drive was mapped
+  if (!scans.empty()) {
+    const Stamp first = scans.front().stamp - kMargin;
+    const Stamp last = scans.back().stamp + kMargin;
+    recording.skip_to(first);
+    while (auto datum = recording.next()) {
+      const auto* scan = std::get_if<RecordedScan>(&*datum);
+      if (scan != nullptr && (scan->stamp < first || scan->stamp > last)) continue;
+      preparation.take(std::move(*datum));
+    }
+    preparation.flush();
+  }
+  if (collector.poses().poses.empty()) {
+    throw InputError("none of the session's " + std::to_string(scans.size()) +
+                     " scans is in the recording; name the one that it was made of");
+  }
+  return collector.poses();
+}
+
+}  // namespace lidar_mapping::pipeline

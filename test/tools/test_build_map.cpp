@@ -1,0 +1,76 @@
+// build_map through the command itself.
+#include <gtest/gtest.h>
+
+#include "mapped_drive.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+using test::Words;
+
+class BuildMap : public test::MappedDrive {
+ protected:
+  /// Its map of the session, as the options want it.
+  PointCloud built(const Words& options) {
+    const fs::path target = folder_.path() / std::to_string(++runs_);
+    Words words = {whole(), "-o", target};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_EQ(run("build_map", words), 0) << said();
+    return session::read_pcd(target / "map.pcd");
+  }
+
+  TemporaryFolder folder_;
+  int runs_ = 0;
+};
+
+TEST_F(BuildMap, TakesFormatsInCapitals) {
+  EXPECT_GT(built({"--formats", "PCD,Png"}).size(), 1000U);
+  EXPECT_TRUE(fs::exists(folder_.path() / "1" / "top_view.png"));
+}
+
+TEST_F(BuildMap, CropsToABox) {
+  const PointCloud whole_map = built({"--formats", "pcd"});
+  const Words box = {"-10", "-5", "0.5", "20", "8.5", "3"};
+  Words words = {"--formats", "pcd", "--crop"};
+  words.insert(words.end(), box.begin(), box.end());
+  const PointCloud part = built(words);
+  ASSERT_GT(part.size(), 100U);
+  std::size_t inside = 0;
+  const auto is_in = [](const Point& p, float margin) {
+    return p.x > -10.0F + margin && p.x < 20.0F - margin && p.y > -5.0F + margin &&
+           p.y < 8.5F - margin && p.z > 0.5F + margin && p.z < 3.0F - margin;
+  };
+  for (const Point& point : whole_map.points) inside += is_in(point, 0.0F) ? 1 : 0;
+  for (const Point& point : part.points) EXPECT_TRUE(is_in(point, -1e-4F));
+  EXPECT_NEAR(static_cast<double>(part.size()), static_cast<double>(inside),
+              0.1 * static_cast<double>(inside));
+
+  words = {whole(), "--crop", "10", "0", "0", "5", "1", "1"};
+  EXPECT_EQ(run("build_map", words), 1);
+  EXPECT_TRUE(has_said("is empty; give the lower corner first")) << said();
+  words = {whole(), "-o", folder_.path() / "none", "--crop", "9000", "0", "0", "9001", "1", "1"};
+  EXPECT_EQ(run("build_map", words), 1);
+  EXPECT_TRUE(has_said("no point of the map lies in the box")) << said();
+}
+
+TEST_F(BuildMap, RefusesCellsSmallerThanTheVoxels) {
+  EXPECT_EQ(run("build_map", {whole(), "--formats", "grid", "--cell", "0.1"}), 1);
+  EXPECT_TRUE(has_said("smaller than the map's voxels")) << said();
+}
+
+TEST_F(BuildMap, PutsAllScansIntoTheMap) {
+  const std::size_t key_frames = built({"--formats", "pcd", "--resolution", "0.05"}).size();
+  const std::size_t scans =
+      built({"--formats", "pcd", "--resolution", "0.05", "--scans", bag()}).size();
+  EXPECT_GT(scans, 3 * key_frames / 2);
+  EXPECT_TRUE(has_said(" scans\n")) << said();
+  const std::size_t full = built({"--formats", "pcd", "--resolution", "0.05", "--every", "2",
+                                  "--scan-resolution", "0", "--scans", bag()})
+                               .size();
+  EXPECT_GT(full, key_frames);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
