@@ -58,6 +58,7 @@ class BackEnd::Impl {
   }
 
   KeyFramePoses poses() const { return poses_of(drive_, revision_); }
+  KeyFramePoses odometry() const { return odometry_of(drive_, revision_); }
   PoseGraph graph() const { return pose_graph_of(drive_, config_); }
 
  private:
@@ -127,6 +128,7 @@ KeyFramePoses BackEnd::apply(const OptimizationSolution& solution) {
   return impl_->apply(solution);
 }
 KeyFramePoses BackEnd::poses() const { return impl_->poses(); }
+KeyFramePoses BackEnd::odometry() const { return impl_->odometry(); }
 Pose BackEnd::T_map_odom() const { return impl_->drive().T_map_odom(); }
 std::vector<std::pair<Loop, bool>> BackEnd::loops() const { return loops_of(impl_->drive()); }
 std::vector<GnssPosition> BackEnd::positions() const { return positions_of(impl_->drive()); }

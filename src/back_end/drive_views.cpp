@@ -18,6 +18,17 @@ KeyFramePoses poses_of(const DriveGraph& drive, std::uint32_t revision) {
   return result;
 }
 
+KeyFramePoses odometry_of(const DriveGraph& drive, std::uint32_t revision) {
+  KeyFramePoses result = poses_of(drive, revision);
+  if (drive.nodes.empty()) return result;
+  const DriveNode& first = drive.nodes.front();
+  const Pose T_map_odom = first.T_map_base * first.T_odom_base.inverse();
+  for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
+    result.poses[i].T_map_base = T_map_odom * drive.nodes[i].T_odom_base;
+  }
+  return result;
+}
+
 std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive) {
   std::vector<std::pair<Loop, bool>> result;
   for (const DriveLoop& loop : drive.loops) {

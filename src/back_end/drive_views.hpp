@@ -7,6 +7,7 @@ namespace lidar_mapping::back_end {
 
 /// A drive as others want to see it; see BackEnd.
 KeyFramePoses poses_of(const DriveGraph& drive, std::uint32_t revision);
+KeyFramePoses odometry_of(const DriveGraph& drive, std::uint32_t revision);
 std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive);
 std::vector<GnssPosition> positions_of(const DriveGraph& drive);
 std::vector<int> parts_of(const DriveGraph& drive);

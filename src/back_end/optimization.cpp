@@ -175,12 +175,13 @@ void tell_placement(const DriveGraph& drive, const Georeference& placed,
   std::ostringstream text;
   text.precision(3);
   if (placed.fitting > 0) {
-    text << "; placed in East-North-Up without bending it, " << placed.rms_horizontal
+    text << "placed in East-North-Up without bending it, " << placed.rms_horizontal
          << " m rms from " << placed.fitting << " positions";
   } else {
-    text << "; not placed in East-North-Up, the positions do not show how the map lies";
+    text << "not placed in East-North-Up, the positions do not show how the map lies";
   }
-  report.message += text.str();
+  report.message += "; " + text.str();
+  report.remarks.push_back("the map is " + text.str());
 }
 
 /// How firmly the least known motion is held: a map that nothing ties down shows here.
@@ -190,8 +191,11 @@ void tell_firmness(const DriveFactors& factors, const RobustSolution& solution,
   std::ostringstream text;
   text.precision(3);
   text << "; smallest eigenvalue of the information matrix " << report.least_eigenvalue;
-  if (report.least_eigenvalue < kWeaklyHeld) text << ": the constraints hardly hold the map";
   report.message += text.str();
+  if (report.least_eigenvalue >= kWeaklyHeld) return;
+  const std::string warning = "the constraints hardly hold the map";
+  report.message += ": " + warning;
+  report.remarks.push_back(warning + ", parts of it may lie metres away from where they are");
 }
 
 }  // namespace

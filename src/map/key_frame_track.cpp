@@ -3,7 +3,8 @@
 namespace lidar_mapping::map {
 
 void KeyFrameTrack::add(const KeyFrame& key_frame) {
-  nodes_[key_frame.index] = {key_frame.stamp, key_frame.segment, key_frame.T_odom_base};
+  nodes_[key_frame.index] = {key_frame.stamp, key_frame.segment,
+                             !key_frame.degenerate_directions.empty(), key_frame.T_odom_base};
 }
 
 void KeyFrameTrack::update(const KeyFramePoses& poses) {
@@ -39,10 +40,15 @@ KeyFramePoses KeyFrameTrack::odometry() const {
   return result;
 }
 
-std::vector<std::uint32_t> KeyFrameTrack::segments() const {
-  std::vector<std::uint32_t> segments;
-  for (const auto& [index, node] : nodes_) segments.push_back(node.segment);
-  return segments;
+std::vector<TrackedKeyFrame> KeyFrameTrack::key_frames() const {
+  const KeyFramePoses all = poses();
+  std::vector<TrackedKeyFrame> result;
+  result.reserve(nodes_.size());
+  auto pose = all.poses.begin();
+  for (const auto& [index, node] : nodes_) {
+    result.push_back({*pose++, node.segment, node.degenerate});
+  }
+  return result;
 }
 
 Pose KeyFrameTrack::T_map_odom() const {

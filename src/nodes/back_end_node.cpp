@@ -1,7 +1,6 @@
 #include "back_end_node.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <ctime>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include <sensor_msgs/NavSatFix.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/home_path.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
@@ -27,12 +27,6 @@ constexpr std::size_t kEarlyMeasurements = 1000;
 constexpr std::size_t kEarlyLoops = 1000;
 /// Files are brought up to date when nothing has come for so long.
 constexpr std::chrono::milliseconds kIdle{2000};
-
-fs::path expanded(const std::string& path) {
-  const char* home = std::getenv("HOME");
-  if (path.empty() || path[0] != '~' || home == nullptr) return path;
-  return home + path.substr(1);
-}
 
 /// Position and attitude of `T_map_base` with the covariance and the twist of odometry.
 nav_msgs::Odometry moved(const nav_msgs::Odometry& odometry, const Pose& T_map_odom,
@@ -92,8 +86,9 @@ void BackEndNode::resume() {
   const bool was_killed =
       context_.node.getParam(kRunSession, folder) && fs::exists(fs::path(folder) / "session.db");
   if (!was_killed && config_.resume.empty()) return;
-  const fs::path asked = config_.resume == "latest" ? expanded(config_.session_directory) / "latest"
-                                                    : expanded(config_.resume);
+  const fs::path asked = config_.resume == "latest"
+                             ? path_of_person(config_.session_directory) / "latest"
+                             : path_of_person(config_.resume);
   auto session = session::Session::open(was_killed ? fs::path(folder) : asked,
                                         session::Session::Access::kWrite);
   const std::string run_id = session.run_id();
@@ -109,8 +104,9 @@ BackEndNode::~BackEndNode() {
   try {
     settle();
     write_files();
+    say_session();
   } catch (const Error& error) {
-    ROS_ERROR_STREAM(error.what());
+    say_at_end(error.what());
   }
 }
 
@@ -171,8 +167,16 @@ void BackEndNode::take_key_frame(const KeyFrame& key_frame) {
   files_are_old_ = true;
   keep_sensor_origin();
   context_.diagnostics.set("key frames", std::to_string(key_frame.index + 1));
+  say_state();
   take_early_loops();
   optimize_if_due();
+}
+
+/// At the end, where what was said at the start has long scrolled away.
+void BackEndNode::say_session() const {
+  if (!run_) return;
+  say_at_end("session " + run_->session().directory().string() + ": " +
+             std::to_string(run_->session().key_frame_count()) + " key frames");
 }
 
 /// What waits for a key frame that will not come need wait no longer.
@@ -201,23 +205,13 @@ void BackEndNode::take_loop(const LoopMessage& message) {
                      "'; start loop_closing_node again if it lasts");
   }
   const Loop loop = from_message(message);
-  if (is_known(loop)) return;
+  if (run_->has_loop(loop)) return;
   if (!run_->add_loop(loop)) {
     throw InputError("the loop from key frame " + std::to_string(message.from) + " to " +
                      std::to_string(message.to) + " does not fit the graph");
   }
   files_are_old_ = true;
   optimize_if_due();
-}
-
-/// A loop that loop_closing_node gave, or found, again; one that a person corrects is another.
-bool BackEndNode::is_known(const Loop& loop) const {
-  const std::vector<Loop> loops = run_->session().loops();
-  return std::any_of(loops.begin(), loops.end(), [&](const Loop& other) {
-    return other.from == loop.from && other.to == loop.to &&
-           (loop.source != LoopSource::kManual ||
-            difference(other.T_from_to, loop.T_from_to).norm() < 1e-9);
-  });
 }
 
 void BackEndNode::take_early_loops() {
@@ -265,7 +259,8 @@ void BackEndNode::begin_run(const std::string& run_id) {
   if (auto session = session_of(run_id)) {
     use(std::move(*session), run_id);
   } else {
-    use(session::Session::create(expanded(config_.session_directory), std::time(nullptr)), run_id);
+    use(session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
+        run_id);
   }
   for (const auto& add : early_) add(*run_);
   early_.clear();
@@ -273,7 +268,7 @@ void BackEndNode::begin_run(const std::string& run_id) {
 
 /// The newest session, if it is one of that run.
 std::optional<session::Session> BackEndNode::session_of(const std::string& run_id) const {
-  const fs::path latest = expanded(config_.session_directory) / "latest";
+  const fs::path latest = path_of_person(config_.session_directory) / "latest";
   if (!fs::exists(latest / "session.db")) return std::nullopt;
   try {
     auto session = session::Session::open(latest, session::Session::Access::kWrite);
@@ -297,6 +292,7 @@ void BackEndNode::use(session::Session session, const std::string& run_id) {
   context_.diagnostics.set("session", folder);
   ROS_INFO_STREAM((known > 0 ? "going on with session " : "session ") << folder);
   if (known == 0) return;
+  say_state();
   ROS_INFO_STREAM(known << " key frames of run " << run_id << " are there already");
   publish_poses();
 }

@@ -19,6 +19,7 @@
 #include "lidar_mapping/ros/transforms.hpp"
 
 #include "back_end_node_config.hpp"
+#include "optimization_answer.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -36,7 +37,7 @@ class BackEndNode {
 
  private:
   using Run = pipeline::RecordedBackEnd;
-  using OptimizeAnswer = std::promise<back_end::OptimizationReport>;
+  using OptimizeAnswer = std::promise<OptimizeMap::Response>;
 
   void resume();
   void subscribe_all();
@@ -46,7 +47,6 @@ class BackEndNode {
 
   KeyFrameIndex go_on_with(const std::string& run_id);
   void take_key_frame(const KeyFrame& key_frame);
-  bool is_known(const Loop& loop) const;
   void take_early_loops();
   void settle();
   void keep_sensor_origin();
@@ -65,11 +65,13 @@ class BackEndNode {
   void take_solution(const back_end::OptimizationSolution& solution, double seconds,
                      const std::shared_ptr<Run>& solved_run);
   void take_failure(const std::string& problem);
-  void end_solving(back_end::OptimizationReport report);
+  void end_solving(OptimizeMap::Response answer);
   void add_doubt(std::string& message) const;
+  void say_state();
   void publish_poses();
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
   void write_files();
+  void say_session() const;
 
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
@@ -94,6 +96,7 @@ class BackEndNode {
   std::deque<LoopMessage> early_loops_;
   std::optional<GeodeticDatum> datum_;
   bool solving_ = false;
+  std::string failure_;                  ///< of the newest optimisation; empty: it succeeded
   std::vector<OptimizeAnswer> answers_;  ///< to be given after the optimisation that runs
   std::vector<OptimizeAnswer> next_answers_;
   bool files_are_old_ = false;

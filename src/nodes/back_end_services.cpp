@@ -42,12 +42,12 @@ void BackEndNode::serve() {
 
 bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& response) {
   auto answer = std::make_shared<OptimizeAnswer>();
-  std::future<back_end::OptimizationReport> future = answer->get_future();
+  std::future<OptimizeMap::Response> future = answer->get_future();
   context_.worker.post(requests_, [this, answer] {
     if (!run_) {
-      back_end::OptimizationReport report;
-      report.message = "there are no key frames yet; nothing to optimise";
-      return answer->set_value(report);
+      OptimizeMap::Response nothing;
+      nothing.message = "there are no key frames yet; nothing to optimise";
+      return answer->set_value(nothing);
     }
     settle();
     (solving_ ? next_answers_ : answers_).push_back(std::move(*answer));
@@ -55,17 +55,7 @@ bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& res
   });
   answer.reset();
   try {
-    const back_end::OptimizationReport report = future.get();
-    response.success = report.success;
-    response.message = report.message;
-    response.key_frames = static_cast<std::uint32_t>(report.key_frames);
-    response.loops_used = static_cast<std::uint32_t>(report.loops_used);
-    response.loops_refused = static_cast<std::uint32_t>(report.loops_refused);
-    response.gnss_used = static_cast<std::uint32_t>(report.gnss_used);
-    response.gnss_refused = static_cast<std::uint32_t>(report.gnss_refused);
-    response.cost_before = report.cost_before;
-    response.cost_after = report.cost_after;
-    response.seconds = report.seconds;
+    response = future.get();
   } catch (const std::future_error&) {
     response.success = false;
     response.message = "the back end is ending";
@@ -103,12 +93,14 @@ GetKeyFrames::Response BackEndNode::key_frames_without_clouds(
     const std::vector<KeyFrameIndex>& wanted) {
   GetKeyFrames::Response response;
   if (!run_) return response;
-  for (const KeyFrame& key_frame : run_->session().key_frames()) {
-    if (!wanted.empty() &&
-        std::find(wanted.begin(), wanted.end(), key_frame.index) == wanted.end()) {
-      continue;
-    }
+  const auto give = [&](const KeyFrame& key_frame) {
     response.key_frames.push_back(to_message(key_frame, run_id_, config_.node.base_frame));
+  };
+  if (wanted.empty()) {
+    for (const KeyFrame& key_frame : run_->session().key_frames()) give(key_frame);
+  }
+  for (const KeyFrameIndex index : std::set<KeyFrameIndex>(wanted.begin(), wanted.end())) {
+    if (const auto key_frame = run_->session().key_frame(index)) give(*key_frame);
   }
   response.poses = to_message(run_->poses(), run_id_, config_.node.map_frame);
   if (wanted.empty()) add_loops_and_fixes(response);

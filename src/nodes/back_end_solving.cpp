@@ -11,7 +11,7 @@ void BackEndNode::optimize_if_due() {
 
 void BackEndNode::start_solving(bool thorough) {
   solving_ = true;
-  context_.diagnostics.set_state(Diagnostics::Level::kOk, "optimising");
+  say_state();
   solver_.post(problems_, [this, problem = run_->problem(thorough), run = run_] {
     const ros::WallTime begin = ros::WallTime::now();
     std::shared_ptr<const back_end::OptimizationSolution> solution;
@@ -30,41 +30,64 @@ void BackEndNode::start_solving(bool thorough) {
 
 void BackEndNode::take_solution(const back_end::OptimizationSolution& solution, double seconds,
                                 const std::shared_ptr<Run>& solved_run) {
-  back_end::OptimizationReport report = back_end::report_of(solution);
-  report.seconds = seconds;
+  MapOptimization done;
+  done.report = back_end::report_of(solution);
+  done.report.seconds = seconds;
+  done.save_map = context_.node.resolveName("save_map");
   if (solved_run == run_) {
+    const KeyFramePoses before = run_->poses();
     const pipeline::AppliedSolution applied = run_->apply(solution, seconds);
+    done.moved = back_end::change_between(before, applied.poses);
+    done.corrected = back_end::change_between(run_->odometry(), applied.poses);
+    if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;
+    done.session = run_->session().directory().string();
     files_are_old_ = true;
     publish_poses();
     publish_verdicts(applied.verdicts);
   }
+  const back_end::OptimizationReport& report = done.report;
   context_.diagnostics.set("loops used", std::to_string(report.loops_used));
   context_.diagnostics.set("loops refused", std::to_string(report.loops_refused));
   context_.diagnostics.set("GNSS positions used", std::to_string(report.gnss_used));
+  context_.diagnostics.set("GNSS positions refused", std::to_string(report.gnss_refused));
   context_.diagnostics.set("seconds per optimisation", std::to_string(seconds));
-  end_solving(report);
+  context_.diagnostics.set("last optimisation", report.message);
+  failure_ = report.success ? "" : report.message;
+  end_solving(to_answer(done));
 }
 
 /// The poses stay as they were.
 void BackEndNode::take_failure(const std::string& problem) {
-  back_end::OptimizationReport report;
-  report.message = "the optimisation failed: " + problem;
-  ROS_ERROR_STREAM(report.message);
-  end_solving(report);
+  failure_ = "the optimisation failed: " + problem;
+  ROS_ERROR_STREAM(failure_);
+  OptimizeMap::Response answer;
+  answer.message = failure_;
+  end_solving(answer);
 }
 
 /// Gives the answers that waited for this optimisation, and begins the next that was asked for.
-void BackEndNode::end_solving(back_end::OptimizationReport report) {
+void BackEndNode::end_solving(OptimizeMap::Response answer) {
   solving_ = false;
-  context_.diagnostics.set_state(Diagnostics::Level::kOk, report.message);
+  say_state();
   if (!answers_.empty()) {
     write_files();
-    add_doubt(report.message);
+    add_doubt(answer.message);
   }
-  for (OptimizeAnswer& answer : answers_) answer.set_value(report);
+  for (OptimizeAnswer& waiting : answers_) waiting.set_value(answer);
   answers_ = std::move(next_answers_);
   next_answers_.clear();
   if (!answers_.empty()) start_solving(true);
+}
+
+/// With every key frame too: a drive of the LiDAR alone without loops is never optimised unasked.
+void BackEndNode::say_state() {
+  if (solving_) {
+    context_.diagnostics.set_state(Diagnostics::Level::kOk, "optimising");
+  } else if (!failure_.empty()) {
+    context_.diagnostics.set_state(Diagnostics::Level::kWarning, failure_);
+  } else if (run_) {
+    context_.diagnostics.set_state(Diagnostics::Level::kOk, "mapping");
+  }
 }
 
 /// Who asks for the map is told where not to trust it.
@@ -72,7 +95,7 @@ void BackEndNode::add_doubt(std::string& message) const {
   if (!run_) return;
   for (const std::string& warning : run_->warnings()) {
     ROS_WARN_STREAM(warning);
-    message += ". " + warning;
+    message += " " + warning + ".";
   }
 }
 

@@ -1,6 +1,7 @@
 #include <ctime>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <std_msgs/UInt32.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
@@ -39,9 +40,9 @@ std::string new_run_id() {
 }  // namespace
 
 /// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
-/// initialpose (before the first scan), external_odom (with `odometry: external`). Published:
-/// laser_odom, key_frame, front_end_status, current_scan, local_map, tf odom -> base_link. Asks
-/// get_key_frames once, at the first scan.
+/// scans_lost, initialpose (before the first scan), external_odom (with `odometry: external`).
+/// Published: laser_odom, key_frame, front_end_status, current_scan, local_map, tf odom ->
+/// base_link. Asks get_key_frames once, at the first scan.
 class FrontEndNode {
  public:
   using Config = LidarNodeConfig<front_end::FrontEndConfig>;
@@ -77,6 +78,7 @@ class FrontEndNode {
   Covariance6 covariance_ = Covariance6::Zero();  ///< of T_odom_base, axes of base_link
   std::optional<front_end::FrontEndResult> previous_;
   std::size_t scans_played_again_ = 0;
+  std::uint32_t lost_before_ = 0;  ///< scans that did not come to preprocessing, or not through it
   ros::Publisher laser_odom_, status_, current_scan_, local_map_;
   RepeatingPublisher<KeyFrameMessage> key_frame_;
   std::vector<ros::Subscriber> subscribers_;
@@ -120,7 +122,9 @@ void FrontEndNode::subscribe_sensors() {
                       context_, "synced_velocity", capacity,
                       go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
                   subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
-                                                go_on([this](const auto& m) { take_gnss(m); }))};
+                                                go_on([this](const auto& m) { take_gnss(m); })),
+                  subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
+                                              [this](const auto& m) { lost_before_ = m->data; })};
   subscribers_.push_back(subscribe<geometry_msgs::PoseWithCovarianceStamped>(
       context_, "initialpose", capacity, [this](const auto& m) { take_initial_pose(*m); }));
   if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
@@ -220,7 +224,8 @@ void FrontEndNode::publish_verdict(const front_end::FrontEndResult& result) {
   if (result.key_frame) {
     key_frame_.publish(to_message(*result.key_frame, run_id_, config_.node.base_frame));
   }
-  const auto dropped = static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
+  const auto dropped =
+      lost_before_ + static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
   status_.publish(to_message(result, dropped, config_.node.base_frame));
 }
 

@@ -1,5 +1,8 @@
+#include <sstream>
+
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
+#include "lidar_mapping/ros/line_limiter.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
@@ -15,6 +18,22 @@ namespace {
 
 /// Loops that are given again to a back end that starts again.
 constexpr std::uint32_t kRepeatedLoops = 100;
+/// The newest count of loops is said when no key frame has come for so long.
+constexpr std::chrono::milliseconds kIdle{10000};
+
+/// A line for the log: the count so far, and the newest loop.
+std::string news_of(const Loop& loop, std::size_t count) {
+  std::ostringstream text;
+  text.precision(2);
+  text << "loops: " << count << "; the newest: key frame " << loop.to << " sees key frame "
+       << loop.from << " again, overlap " << std::fixed << loop.overlap << std::defaultfloat
+       << ", fitness " << loop.fitness << " m^2";
+  return text.str();
+}
+
+void say(const std::optional<std::string>& line) {
+  if (line) ROS_INFO_STREAM(*line);
+}
 
 }  // namespace
 
@@ -25,6 +44,9 @@ class LoopClosingNode {
   using Config = LidarNodeConfig<loop_closing::LoopClosingConfig>;
 
   LoopClosingNode(const Config& config, NodeContext& context);
+  ~LoopClosingNode() {
+    if (const auto line = news_.rest()) say_at_end(*line);
+  }
 
  private:
   /// Clouds of one run and the search in them.
@@ -55,6 +77,7 @@ class LoopClosingNode {
   std::optional<RunState> memory_;  ///< of a run that goes on, until its old key frames are back
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
+  LineLimiter news_;
   RepeatingPublisher<LoopMessage> loop_;
   ros::Publisher verdict_;
   KeyFrameSubscription key_frames_;
@@ -74,6 +97,7 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
                                       [this](const auto& message) { take_poses(*message); }),
       subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
                                     [this](const auto& message) { take_gnss(*message); })};
+  context.worker.set_idle_task(kIdle, [this] { say(news_.rest()); });
 }
 
 void LoopClosingNode::begin_run(const std::string& run_id) {
@@ -131,15 +155,12 @@ void LoopClosingNode::take_gnss(const nav_msgs::Odometry& message) {
 void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {
   for (const Loop& loop : result.loops) {
     loop_.publish(to_message(loop, run_id_, config_.node.base_frame));
-    ROS_INFO_STREAM("loop: key frame " << loop.to << " sees key frame " << loop.from
-                                       << " again, overlap " << loop.overlap << ", fitness "
-                                       << loop.fitness << " m^2");
+    say(news_.add(news_of(loop, ++accepted_), ros::WallTime::now().toSec()));
   }
   for (const LoopVerdict& verdict : result.verdicts) {
     verdict_.publish(to_message(verdict, run_id_, config_.node.base_frame));
     if (verdict.verdict == Verdict::kRefused) ++refused_;
   }
-  accepted_ += result.loops.size();
 }
 
 void LoopClosingNode::report() {

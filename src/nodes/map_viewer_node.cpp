@@ -1,16 +1,21 @@
 #include <filesystem>
 #include <future>
+#include <utility>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/home_path.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
@@ -18,7 +23,7 @@
 #include "lidar_mapping/ros/scratch_folder.hpp"
 #include "lidar_mapping/session/session.hpp"
 
-#include "map_viewer_display.hpp"
+#include "drive_display.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -37,9 +42,10 @@ map::MapConfig with_resolution(const map::MapConfig& stage, double resolution) {
 
 }  // namespace
 
-/// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, gnss_datum.
-/// Published, all latched: global_map, odom_path, optimized_path, graph_markers. Service: save_map.
-/// Asks get_key_frames for what it missed; a restart loses nothing.
+/// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, synced_gnss,
+/// gnss_datum, front_end_status, /diagnostics. Published: global_map, odom_path, optimized_path
+/// (latched), graph_markers (changes; the whole to who comes). Service: save_map. Asks
+/// get_key_frames for what it missed; a restart loses nothing.
 class MapViewerNode {
  public:
   using Config = NodeConfig<map::MapConfig>;
@@ -48,21 +54,15 @@ class MapViewerNode {
   ~MapViewerNode();
 
  private:
-  using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
-
-  /// What is known of one run. The clouds and the builder belong to the thread that builds.
+  /// The clouds of one run, and the map of them; both belong to the thread that builds.
   struct Run {
     Run(const map::MapConfig& config, const std::filesystem::path& folder)
         : clouds(folder), builder(config, clouds) {}
     session::CloudStore clouds;
     map::MapBuilder builder;
-    map::KeyFrameTrack track;
-    Verdicts loops;       ///< with what the graph thinks of them
-    Verdicts candidates;  ///< that matching did not accept
   };
 
-  template <typename Message>
-  ros::Publisher latched(const std::string& topic, std::function<void()> show);
+  ros::Publisher advertise_map();
   void subscribe_all();
   void begin_run(const std::string& run_id);
   void take_key_frame(const RunKeyFrame& received);
@@ -70,7 +70,8 @@ class MapViewerNode {
   void take_loop(const LoopMessage& message);
   void take_candidate(const LoopVerdictMessage& message);
   void take_verdict(const LoopVerdictMessage& message);
-  void show_graph();
+  void take_status(const FrontEndStatusMessage& message);
+  void take_diagnostics(const diagnostic_msgs::DiagnosticArray& message);
   void show_map(bool always);
   void build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses, bool always);
   void take_newest_poses();
@@ -87,11 +88,13 @@ class MapViewerNode {
   std::string run_id_;
   std::size_t runs_ = 0;
   std::shared_ptr<Run> run_;
+  DriveView view_;
   std::optional<GeodeticDatum> datum_;
   Worker::ChannelId requests_;
   Worker builder_;
   Worker::ChannelId builds_, saves_;
-  ros::Publisher global_map_, odom_path_, optimized_path_, graph_markers_;
+  ros::Publisher global_map_;
+  DriveDisplay display_;
   KeyFrameSubscription key_frames_;
   std::vector<ros::Subscriber> subscribers_;
   ros::CallbackQueue service_queue_;
@@ -109,11 +112,8 @@ MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
       }),
       builds_(builder_.add_channel("building the map", 1)),
       saves_(builder_.add_channel("saving the map", kPublisherQueue)),
-      global_map_(latched<sensor_msgs::PointCloud2>("global_map", [this] { show_map(true); })),
-      odom_path_(latched<nav_msgs::Path>("odom_path", [this] { show_graph(); })),
-      optimized_path_(latched<nav_msgs::Path>("optimized_path", [this] { show_graph(); })),
-      graph_markers_(
-          latched<visualization_msgs::MarkerArray>("graph_markers", [this] { show_graph(); })),
+      global_map_(advertise_map()),
+      display_(context, config.node, [this]() -> const DriveView& { return view_; }),
       key_frames_(context, config.node.queue_size,
                   [this](const RunKeyFrame& received) { take_key_frame(received); }) {
   subscribe_all();
@@ -128,14 +128,13 @@ MapViewerNode::~MapViewerNode() {
   service_spinner_.stop();
 }
 
-/// What has no listener is not made; `show` makes it when somebody comes.
-template <typename Message>
-ros::Publisher MapViewerNode::latched(const std::string& topic, std::function<void()> show) {
-  const auto task = [this, show] {
-    if (run_) show();
+/// A map that has no listener is not made, but when somebody comes.
+ros::Publisher MapViewerNode::advertise_map() {
+  const auto task = [this] {
+    if (run_) show_map(true);
   };
-  return context_.node.advertise<Message>(
-      topic, 1, [this, task](const auto&) { context_.worker.post(requests_, task); },
+  return context_.node.advertise<sensor_msgs::PointCloud2>(
+      "global_map", 1, [this, task](const auto&) { context_.worker.post(requests_, task); },
       ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
 }
 
@@ -149,12 +148,23 @@ void MapViewerNode::subscribe_all() {
                                     [this](const auto& m) { take_candidate(*m); }),
       subscribe<LoopVerdictMessage>(context_, "graph_verdict", 10 * capacity,
                                     [this](const auto& m) { take_verdict(*m); }),
+      subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
+                                    [this](const auto& m) {
+                                      if (view_.add_fix(from_message(m->pose.pose).translation))
+                                        display_.graph_changed();
+                                    }),
+      subscribe<FrontEndStatusMessage>(context_, "front_end_status", capacity,
+                                       [this](const auto& m) { take_status(*m); }),
+      subscribe<diagnostic_msgs::DiagnosticArray>(context_, "/diagnostics", capacity,
+                                                  [this](const auto& m) { take_diagnostics(*m); }),
       subscribe<sensor_msgs::NavSatFix>(context_, "gnss_datum", 1, [this](const auto& m) {
         datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
       })};
 }
 
+/// What came before the first key frame belongs to its run.
 void MapViewerNode::begin_run(const std::string& run_id) {
+  if (run_) view_ = {};
   run_id_ = run_id;
   run_ = std::make_shared<Run>(config_.stage, scratch_.path() / std::to_string(++runs_));
 }
@@ -164,16 +174,18 @@ void MapViewerNode::take_key_frame(const RunKeyFrame& received) {
   const KeyFrame& key_frame = received.key_frame;
   context_.diagnostics.count_input(key_frame.stamp);
   if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
-  run_->track.add(key_frame);
-  show_graph();
+  view_.track.add(key_frame);
+  context_.diagnostics.set_state(Diagnostics::Level::kOk, "following the drive");
+  context_.diagnostics.set("key frames", std::to_string(view_.track.size()));
+  display_.graph_changed();
   if (key_frame.index % kKeyFramesPerStep == 0) show_map(false);
 }
 
 void MapViewerNode::take_poses(const KeyFramePosesMessage& message) {
   key_frames_.note({message.run_id, message.indices});
   if (!run_ || message.run_id != run_id_) return;
-  run_->track.update(from_message(message));
-  show_graph();
+  view_.track.update(from_message(message));
+  display_.graph_changed();
   show_map(false);
 }
 
@@ -182,48 +194,47 @@ void MapViewerNode::take_loop(const LoopMessage& message) {
   LoopVerdict verdict;
   verdict.from = message.from;
   verdict.to = message.to;
-  run_->loops.try_emplace({message.from, message.to}, verdict);
+  view_.loops.try_emplace({message.from, message.to}, verdict);
+  display_.graph_changed();
 }
 
 void MapViewerNode::take_candidate(const LoopVerdictMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
   const LoopVerdict verdict = from_message(message);
   if (verdict.verdict == Verdict::kAccepted) {
-    run_->candidates.erase({message.from, message.to});
+    view_.candidates.erase({message.from, message.to});
   } else {
-    run_->candidates[{message.from, message.to}] = verdict;
+    view_.candidates[{message.from, message.to}] = verdict;
   }
-  show_graph();
+  display_.graph_changed();
 }
 
 void MapViewerNode::take_verdict(const LoopVerdictMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
-  run_->loops[{message.from, message.to}] = from_message(message);
-  show_graph();
+  view_.loops[{message.from, message.to}] = from_message(message);
+  display_.graph_changed();
 }
 
-void MapViewerNode::show_graph() {
-  const std::string& frame = config_.node.map_frame;
-  if (odom_path_.getNumSubscribers() > 0) {
-    odom_path_.publish(to_path(run_->track.odometry(), frame));
+void MapViewerNode::take_status(const FrontEndStatusMessage& message) {
+  view_.newest_scan = ros::WallTime::now();
+  if (std::exchange(view_.state, message.state) != message.state) display_.status_changed();
+}
+
+/// Why nothing comes is said where people look.
+void MapViewerNode::take_diagnostics(const diagnostic_msgs::DiagnosticArray& message) {
+  if (!view_.state.empty()) return;
+  for (const auto& status : message.status) {
+    const bool has_reason = status.level != diagnostic_msgs::DiagnosticStatus::OK &&
+                            status.name.find("preprocessing_node") != std::string::npos;
+    if (!has_reason || std::exchange(view_.problem, status.message) == status.message) continue;
+    display_.status_changed();
   }
-  if (optimized_path_.getNumSubscribers() > 0) {
-    optimized_path_.publish(to_path(run_->track.poses(), frame));
-  }
-  if (graph_markers_.getNumSubscribers() == 0) return;
-  const auto listed = [](const Verdicts& verdicts) {
-    std::vector<LoopVerdict> list;
-    for (const auto& [pair, verdict] : verdicts) list.push_back(verdict);
-    return list;
-  };
-  graph_markers_.publish(
-      to_markers(run_->track, listed(run_->loops), listed(run_->candidates), frame));
 }
 
 /// A map that waits to be built is replaced by a newer one.
 void MapViewerNode::show_map(bool always) {
   if (global_map_.getNumSubscribers() == 0) return;
-  builder_.post(builds_, [this, run = run_, poses = run_->track.poses(), always] {
+  builder_.post(builds_, [this, run = run_, poses = view_.track.poses(), always] {
     build_and_publish(run, poses, always);
   });
 }
@@ -237,7 +248,6 @@ void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const Key
   const Stamp stamp = poses.poses.back().stamp;
   global_map_.publish(to_message(map, stamp, config_.node.map_frame));
   context_.diagnostics.count_output(stamp);
-  context_.diagnostics.set_state(Diagnostics::Level::kOk, "showing the map");
   context_.diagnostics.set("points", std::to_string(map.size()));
   context_.diagnostics.set("clouds missing", std::to_string(run->builder.missing_clouds()));
 }
@@ -248,7 +258,7 @@ void MapViewerNode::take_newest_poses() {
   const auto state = back_end_.run();
   if (!state) return;
   key_frames_.note(state->indices());
-  if (run_ && state->run_id == run_id_) run_->track.update(state->poses);
+  if (run_ && state->run_id == run_id_) view_.track.update(state->poses);
 }
 
 bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
@@ -261,7 +271,7 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
       nothing.message = "there are no key frames yet; nothing to save";
       return answer->set_value(nothing);
     }
-    builder_.post(saves_, [this, answer, request, run = run_, poses = run_->track.poses()] {
+    builder_.post(saves_, [this, answer, request, run = run_, poses = view_.track.poses()] {
       answer->set_value(save(run, poses, request));
     });
   });
@@ -285,13 +295,14 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   SaveMap::Response response;
   try {
     options.crop = map::crop_box(request.crop);
-    const map::Products products =
-        map::write_products(poses, run->clouds, with_resolution(config_.stage, request.resolution),
-                            options, directory_for(request.directory));
+    const std::filesystem::path directory = directory_for(request.directory);
+    const map::Products products = map::write_products(
+        poses, run->clouds, with_resolution(config_.stage, request.resolution), options, directory);
     for (const auto& file : products.files) response.files.push_back(file.string());
     response.success = true;
     response.message = std::to_string(products.points) + " points of " +
-                       std::to_string(poses.poses.size()) + " key frames";
+                       std::to_string(poses.poses.size()) + " key frames, written to " +
+                       directory.string();
     if (!options.p_base_sensor && !request.keep_moving) {
       response.message += ", with those of moving objects: no session says where the LiDAR is";
     }
@@ -313,7 +324,7 @@ std::optional<Eigen::Vector3d> MapViewerNode::sensor_origin() const {
 }
 
 std::filesystem::path MapViewerNode::directory_for(const std::string& asked) {
-  if (!asked.empty()) return std::filesystem::absolute(asked);
+  if (!asked.empty()) return path_of_person(asked);
   std::string session;
   if (context_.node.getParam("session_folder", session)) {
     return std::filesystem::path(session) / "map";

@@ -1,8 +1,10 @@
 #include <atomic>
+#include <mutex>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include <std_msgs/UInt32.h>
 #include <tf2_msgs/TFMessage.h>
 #include <topic_tools/shape_shifter.h>
 
@@ -13,8 +15,10 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
+#include "lidar_mapping/ros/overlooked_sensors.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
+#include "lidar_mapping/ros/scan_numbers.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
 #include "lidar_mapping/ros/silent_topic.hpp"
@@ -34,6 +38,8 @@ constexpr int kSamplesPerScan = 20;
 constexpr double kLook = 5.0;
 /// Wall time after which it says why nothing came; again when the reason is another one.
 constexpr double kPatience = 5.0;
+/// So often it looks, once scans come, for sensors under other names: drivers start one by one.
+constexpr int kLooks = 12;
 
 /// Whole: a master may round numbers.
 std::string to_text(const GeodeticDatum& datum) {
@@ -60,7 +66,8 @@ preprocessing::PreprocessingConfig with_datum_of_the_run(preprocessing::Preproce
 }  // namespace
 
 /// Subscribed: points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
-/// synced_velocity, synced_gnss, all with the stamp of their scan; gnss_datum (latched).
+/// synced_velocity, synced_gnss, all with the stamp of their scan; gnss_datum, scans_lost (both
+/// latched).
 class PreprocessingNode {
  public:
   using Config = NodeConfig<preprocessing::PreprocessingConfig>;
@@ -85,7 +92,12 @@ class PreprocessingNode {
   std::optional<Pose> T_base(const std::string& frame);
   void look_at(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded);
   void say_what_was_found();
+  void tick();
   void say_if_nothing_came();
+  void look_for_other_sensors();
+  std::set<std::string> own_topics() const;
+  OverlookedSensors optional_inputs() const;
+  void count_losses();
   std::string why_silent_here(const std::string& input, const std::string& type) const;
 
   Config config_;
@@ -96,11 +108,20 @@ class PreprocessingNode {
   std::atomic<bool> has_scans_{false};
   ros::WallTimer patience_;
   std::string said_;  ///< why there are no scans
+  OverlookedSensors overlooked_;
+  int looks_ = 0;
+  std::mutex numbers_mutex_;
+  ScanNumbers numbers_;         ///< of the scans that arrive
+  std::size_t missing_ = 0;     ///< scans that were said to be missing
+  std::size_t scans_lost_ = 0;  ///< that were published
+  WarningLimiter limiter_;
   preprocessing::Preprocessor stage_;
   PointCloud spare_;  ///< memory of a cloud that has been sent, for the next one
   std::string antenna_frame_;
   std::optional<GeodeticDatum> datum_;  ///< that was published
-  ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_, gnss_datum_;
+  ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_, gnss_datum_, lost_;
+  Worker looker_;  ///< asks the master, who may be slow
+  Worker::ChannelId look_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -108,13 +129,18 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
       doctor_(std::make_unique<preprocessing::InputDoctor>(config.stage)),
+      overlooked_(optional_inputs()),
       stage_(with_datum_of_the_run(config.stage, context.node),
-             [this](const std::string& frame) { return T_base(frame); }) {
+             [this](const std::string& frame) { return T_base(frame); }),
+      looker_([](const std::string& what, const std::string& problem) {
+        ROS_WARN_STREAM(what << ": " << problem);
+      }),
+      look_(looker_.add_channel("looking for sensors", 1)) {
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
-  patience_ = context.node.createWallTimer(
-      ros::WallDuration(kPatience), [this](const ros::WallTimerEvent&) { say_if_nothing_came(); });
+  patience_ = context.node.createWallTimer(ros::WallDuration(kPatience),
+                                           [this](const ros::WallTimerEvent&) { tick(); });
 }
 
 /// Who ends as asked ends the run; who was killed goes on with it.
@@ -128,6 +154,7 @@ void PreprocessingNode::advertise() {
       node.advertise<geometry_msgs::TwistStamped>("synced_velocity", kPublisherQueue);
   synced_gnss_ = node.advertise<nav_msgs::Odometry>("synced_gnss", kPublisherQueue);
   gnss_datum_ = node.advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
+  lost_ = node.advertise<std_msgs::UInt32>("scans_lost", 1, true);
 }
 
 void PreprocessingNode::subscribe_sensors() {
@@ -139,12 +166,19 @@ void PreprocessingNode::subscribe_sensors() {
       subscribe<topic_tools::ShapeShifter>(
           context_, "gnss", samples,
           [this](const auto& message) { take_if_read("gnss", *message, read_gnss(*message)); }),
-      subscribe<sensor_msgs::PointCloud2>(context_, "points", scans, [this](const auto& message) {
-        context_.diagnostics.count_input(from_ros(message->header.stamp));
-        DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_));
-        look_at(*message, decoded);
-        publish(stage_.process(std::move(decoded.scan)));
-      })};
+      subscribe<sensor_msgs::PointCloud2>(
+          context_, "points", scans,
+          [this](const auto& message) {
+            context_.diagnostics.count_input(from_ros(message->header.stamp));
+            DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_));
+            look_at(*message, decoded);
+            publish(stage_.process(std::move(decoded.scan)));
+          },
+          Numbered::kNo,
+          [this](const sensor_msgs::PointCloud2& message) {
+            const std::lock_guard<std::mutex> lock(numbers_mutex_);
+            numbers_.take(message.header.seq);
+          })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
       context_, "velocity", samples, [this](const auto& message) {
@@ -171,18 +205,21 @@ void PreprocessingNode::follow_transforms() {
 }
 
 void PreprocessingNode::take(const SensorInput<ImuSample>& input) {
+  overlooked_.heard("imu");
   if (doctor_) doctor_->see_imu(input.sample, input.frame_id);
   stage_.add_imu(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
 void PreprocessingNode::take(const SensorInput<VelocitySample>& input) {
+  overlooked_.heard("velocity");
   if (doctor_) doctor_->see_velocity(input.sample, input.frame_id);
   stage_.add_velocity(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
 void PreprocessingNode::take(const SensorInput<GnssFix>& input) {
+  overlooked_.heard("gnss");
   if (doctor_) doctor_->see_gnss(input.sample, input.frame_id);
   antenna_frame_ = frame_name(input.frame_id);
   stage_.add_gnss(input.sample, antenna_frame_);
@@ -226,16 +263,44 @@ void PreprocessingNode::say_what_was_found() {
   }
 }
 
-std::string PreprocessingNode::why_silent_here(const std::string& input,
-                                               const std::string& type) const {
+std::set<std::string> PreprocessingNode::own_topics() const {
   std::set<std::string> own;
   for (const std::string& name : own_outputs()) own.insert(context_.node.resolveName(name));
-  return why_silent(context_.node.resolveName(input), type, published_topics(), own, input);
+  return own;
+}
+
+std::string PreprocessingNode::why_silent_here(const std::string& input,
+                                               const std::string& type) const {
+  return why_silent(context_.node.resolveName(input), type, published_topics(), own_topics(),
+                    input);
+}
+
+OverlookedSensors PreprocessingNode::optional_inputs() const {
+  const auto input = [this](const char* name, const std::vector<std::string>& types) {
+    return OptionalInput{name, context_.node.resolveName(name), types};
+  };
+  return {{input("imu", {ros::message_traits::DataType<sensor_msgs::Imu>::value()}),
+           input("velocity", velocity_types()), input("gnss", gnss_types())},
+          own_topics()};
+}
+
+void PreprocessingNode::tick() {
+  if (!has_scans_) return say_if_nothing_came();
+  // The others have had as long as the scans at least.
+  if (++looks_ > kLooks || overlooked_.done()) return patience_.stop();
+  if (looks_ > 1) looker_.post(look_, [this] { look_for_other_sensors(); });
+}
+
+/// A sensor under another name would be lost without a word: only the points are needed.
+void PreprocessingNode::look_for_other_sensors() {
+  for (const auto& [input, line] : overlooked_.look(published_topics())) {
+    ROS_WARN_STREAM(input << ": " << line);
+    context_.diagnostics.set(input, line);
+  }
 }
 
 /// In roscpp's thread: nothing has arrived, so nothing else is running.
 void PreprocessingNode::say_if_nothing_came() {
-  if (has_scans_) return patience_.stop();
   std::string reason = why_silent_here("points", "sensor_msgs/PointCloud2");
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";
@@ -255,7 +320,33 @@ void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
     ROS_LOG_STREAM(is_info ? ros::console::levels::Info : ros::console::levels::Warn,
                    ROSCONSOLE_DEFAULT_NAME, notice.text);
   }
-  if (!scans.empty()) report();
+  if (scans.empty()) return;
+  count_losses();
+  report();
+}
+
+/// Scans that did not come this far, so that nobody takes a map with holes for a whole one.
+void PreprocessingNode::count_losses() {
+  ScanNumbers numbers;
+  {
+    const std::lock_guard<std::mutex> lock(numbers_mutex_);
+    numbers = numbers_;
+  }
+  // A vehicle's driver has sent scans before anybody wanted them; a recording has them all.
+  const std::size_t missing = ros::Time::isSimTime() ? numbers.missing() : numbers.between();
+  context_.diagnostics.set("scans missing by their numbers", std::to_string(missing));
+  if (missing != missing_ && limiter_.due("missing")) {
+    missing_ = missing;
+    ROS_WARN_STREAM("scans that the recording has and that never came: "
+                    << missing << " (by their numbers), " << numbers.before_first()
+                    << " of them before the first one: play with -d 3, which gives the nodes the "
+                       "time to connect; slower (-r 0.5) where some are missing later");
+  }
+  const std::size_t lost = missing + context_.worker.losses("points");
+  if (std::exchange(scans_lost_, lost) == lost) return;
+  std_msgs::UInt32 message;
+  message.data = static_cast<std::uint32_t>(lost);
+  lost_.publish(message);
 }
 
 void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {

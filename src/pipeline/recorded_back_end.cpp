@@ -60,6 +60,7 @@ void RecordedBackEnd::go_on() {
   first_revision_ = session_.poses().revision;
   for (const auto& [loop, used] : back_end_.loops()) {
     opinions_.push_back(used ? Verdict::kAccepted : Verdict::kRefused);
+    loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
   }
 }
 
@@ -73,7 +74,16 @@ void RecordedBackEnd::add_key_frame(const KeyFrame& key_frame) {
 bool RecordedBackEnd::add_loop(const Loop& loop) {
   if (!back_end_.add_loop(loop)) return false;
   session_.add_loop(loop);
+  loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
   return true;
+}
+
+bool RecordedBackEnd::has_loop(const Loop& loop) const {
+  constexpr double kSamePose = 1e-9;  // m and rad: what a message carries is bit for bit the same
+  const auto known = loop_poses_.find({loop.from, loop.to});
+  return known != loop_poses_.end() &&
+         (loop.source != LoopSource::kManual ||
+          difference(known->second, loop.T_from_to).norm() < kSamePose);
 }
 
 void RecordedBackEnd::add_gnss(const GnssPosition& position) {

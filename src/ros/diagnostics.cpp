@@ -1,6 +1,9 @@
 #include "lidar_mapping/ros/diagnostics.hpp"
 
+#include <array>
+
 #include <ros/console.h>
+#include <unistd.h>
 
 namespace lidar_mapping::ros_border {
 
@@ -20,6 +23,12 @@ unsigned char to_byte(Diagnostics::Level level) {
   }
 }
 
+/// What a lag or a loss belongs to. A node has no hardware but the computer that it runs on.
+std::string computer() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown computer";
+}
+
 std::size_t losses(const Worker::ChannelStatistics& channel) {
   return channel.dropped + channel.lost;
 }
@@ -29,7 +38,7 @@ std::size_t losses(const Worker::ChannelStatistics& channel) {
 Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                          const Worker& worker)
     : worker_(worker), reported_at_(ros::WallTime::now()), updater_(node, private_node) {
-  updater_.setHardwareID("none");
+  updater_.setHardwareID(computer());
   updater_.add("state", [this](diagnostic_updater::DiagnosticStatusWrapper& s) { fill(s); });
   timer_ = node.createWallTimer(kReportInterval, [this](const ros::WallTimerEvent&) { tick(); });
 }
@@ -88,8 +97,9 @@ void Diagnostics::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.addf("lag (s)", "%.3f", to_seconds(*input_.newest - *output_.newest));
   }
   for (const auto& channel : channels) {
-    status.addf(channel.name, "%zu waiting, %zu handled, %zu dropped, %zu lost, %zu refused",
-                channel.waiting, channel.handled, channel.dropped, channel.lost, channel.refused);
+    status.addf("queue " + channel.name,
+                "%zu waiting, %zu handled, %zu dropped, %zu lost, %zu refused", channel.waiting,
+                channel.handled, channel.dropped, channel.lost, channel.refused);
     if (losses(channel) > 0) {
       status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, channel.name + " lost messages");
     }

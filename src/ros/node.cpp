@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
@@ -67,6 +68,11 @@ std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequ
   publisher_ = publisher;
   newest_ = sequence;
   return missing;
+}
+
+void say_at_end(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
 }
 
 NodeOptions start_ros(int argc, char** argv, const std::string& name, const std::string& stage) {

@@ -60,9 +60,10 @@ Kind kind_of(const sensor_msgs::PointCloud2& cloud) try {
 }  // namespace
 
 const std::vector<std::string>& own_outputs() {
-  static const std::vector<std::string> names = {"synced_cloud", "current_scan",    "local_map",
-                                                 "global_map",   "synced_imu",      "synced_gnss",
-                                                 "gnss_datum",   "synced_velocity", "laser_odom"};
+  static const std::vector<std::string> names = {"synced_cloud",   "current_scan",    "local_map",
+                                                 "global_map",     "synced_imu",      "synced_gnss",
+                                                 "gnss_datum",     "synced_velocity", "laser_odom",
+                                                 "optimized_odom", "ground_truth"};
   return names;
 }
 

@@ -20,6 +20,13 @@ std::vector<KeyFrame> Session::key_frames() const {
   return impl_->all("SELECT * FROM key_frames ORDER BY key_frame", read_key_frame);
 }
 
+std::optional<KeyFrame> Session::key_frame(KeyFrameIndex index) const {
+  Statement row =
+      impl_->database.query("SELECT * FROM key_frames WHERE key_frame = ?", {std::int64_t{index}});
+  if (!row.step()) return std::nullopt;
+  return read_key_frame(row);
+}
+
 std::size_t Session::key_frame_count() const {
   Statement row = impl_->database.query("SELECT COUNT(*) FROM key_frames");
   return row.step() ? static_cast<std::size_t>(row.take_integer()) : 0;

@@ -1,3 +1,4 @@
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <tf2_msgs/TFMessage.h>
@@ -70,6 +71,11 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   EXPECT_TRUE(answer.success) << answer.message;
   EXPECT_EQ(answer.key_frames, static_cast<std::uint32_t>(kRound));
   EXPECT_EQ(answer.loops_used, 1U);
+  EXPECT_NE(answer.message.find("Loops: 1 used, 0 refused"), std::string::npos) << answer.message;
+  EXPECT_NE(answer.message.find("/save_map"), std::string::npos) << answer.message;
+  EXPECT_GT(answer.corrected_largest, 0.2) << "odometry alone does not come back to its start";
+  EXPECT_GT(answer.corrected_farthest, 0U);
+  EXPECT_EQ(answer.session, sessions().front().string());
   const KeyFramePoses poses = ros_border::from_message(known().poses);
   ASSERT_EQ(poses.poses.size(), static_cast<std::size_t>(kRound));
   EXPECT_LT(poses.poses.back().T_map_base.translation.norm(), 0.1);
@@ -78,6 +84,22 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   for (const char* name : {"optimized.txt", "optimized.tum", "laser_odom.txt"}) {
     EXPECT_TRUE(fs::exists(trajectory / name)) << name;
   }
+  node->stop();
+  const std::string end = sessions().front().string() + ": " + std::to_string(kRound);
+  EXPECT_NE(node->output().find("session " + end + " key frames"), std::string::npos)
+      << node->output();
+}
+
+/// Without loops and GNSS nothing is optimised unasked; the node is at work all the same.
+TEST_F(BackEndNode, SaysThatItMapsADriveOfTheLidarAlone) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  const auto node = start();
+  publish(0, 5);
+  ASSERT_TRUE(wait_for_key_frames(5));
+  EXPECT_TRUE(wait_until([&] {
+    return !diagnostics.messages.empty() &&
+           diagnostics.messages.back().status.at(0).message == "mapping";
+  })) << diagnostics.messages.back().status.at(0).message;
 }
 
 // F55: an empty graph says so.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/UInt32.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -80,6 +81,20 @@ TEST_F(FrontEndNode, GivesOdometryForEachScanWithItsStampBitForBit) {
   ASSERT_TRUE(status_.wait_for(12));
   EXPECT_EQ(from_ros(status_.messages[5].header.stamp), stamp_of(5));
   EXPECT_EQ(status_.messages[5].state, "tracking");
+}
+
+/// A scan that never reached preprocessing is not in the map either.
+TEST_F(FrontEndNode, CountsTheScansThatWereLostBeforeIt) {
+  const auto lost = connected_publisher<std_msgs::UInt32>("scans_lost");
+  std_msgs::UInt32 six;
+  six.data = 6;
+  lost.publish(six);
+  int step = 0;
+  EXPECT_TRUE(wait_until([&] {
+    drive(step, step + 1);
+    ++step;
+    return !status_.messages.empty() && status_.messages.back().scans_dropped == 6;
+  }));
 }
 
 // F48: no covariance, no twist, no tf.

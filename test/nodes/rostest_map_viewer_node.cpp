@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <cstdlib>
+#include <set>
 
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -134,7 +137,35 @@ TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
   EXPECT_EQ(ros_border::from_ros(map.messages[0].header.stamp), round_key_frame(kRound - 1).stamp);
   EXPECT_GT(map.messages[0].width * map.messages[0].height, 500U);
   EXPECT_EQ(odometry.messages[0].poses.size(), static_cast<std::size_t>(kRound));
-  EXPECT_EQ(markers.messages[0].markers.size(), 4U);
+  std::set<std::string> shown;
+  for (const auto& marker : markers.messages[0].markers) shown.insert(marker.ns);
+  EXPECT_EQ(shown, std::set<std::string>({"", "key_frames", "odometry", "status"}));
+}
+
+/// An empty grid says nothing.
+TEST_F(MapViewerNode, SaysThatItWaitsForScansThenHowTheDriveGoesAndWhereTheFixesAre) {
+  const NodeProcess node("map_viewer_node");
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  const auto shown = [&](const std::string& name, const std::string& text) {
+    return std::any_of(markers.messages.begin(), markers.messages.end(), [&](const auto& message) {
+      return std::any_of(message.markers.begin(), message.markers.end(), [&](const auto& marker) {
+        return marker.ns == name && marker.text.find(text) != std::string::npos;
+      });
+    });
+  };
+  ASSERT_TRUE(wait_until([&] { return shown("status", "waiting for scans"); })) << node.output();
+  const auto fixes = connected_publisher<nav_msgs::Odometry>("synced_gnss");
+  const auto states = connected_publisher<FrontEndStatusMessage>("front_end_status");
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  nav_msgs::Odometry fix;
+  fix.pose.pose.orientation.w = 1.0;
+  fixes.publish(fix);
+  FrontEndStatusMessage state;
+  state.state = "degenerate";
+  states.publish(state);
+  live.publish(round_message(0));
+  EXPECT_TRUE(wait_until([&] { return shown("status", "degenerate") && shown("gnss", ""); }))
+      << node.output();
 }
 
 TEST_F(MapViewerNode, ShowsCandidatesThatMatchingDidNotAccept) {
@@ -149,14 +180,18 @@ TEST_F(MapViewerNode, ShowsCandidatesThatMatchingDidNotAccept) {
     verdict.verdict = fate;
     verdicts.publish(ros_border::to_message(verdict, "run", "base_link"));
   }
-  const auto candidates = [&] {
-    const auto& shown = markers.messages.back().markers;
-    return std::find_if(shown.begin(), shown.end(),
-                        [](const auto& marker) { return marker.ns == "candidates"; });
+  visualization_msgs::Marker candidates;
+  const auto newest = [&] {
+    for (const auto& message : markers.messages) {
+      for (const auto& marker : message.markers) {
+        if (marker.ns == "candidates") candidates = marker;
+      }
+    }
+    return candidates;
   };
-  ASSERT_TRUE(wait_until([&] { return candidates()->points.size() == 4; })) << node.output();
-  EXPECT_LT(candidates()->colors[0].g, 0.5F) << "refused: red";
-  EXPECT_GT(candidates()->colors[2].g, 0.5F) << "undecided: yellow";
+  ASSERT_TRUE(wait_until([&] { return newest().points.size() == 4; })) << node.output();
+  EXPECT_LT(candidates.colors[0].g, 0.5F) << "refused: red";
+  EXPECT_GT(candidates.colors[2].g, 0.5F) << "undecided: yellow";
 }
 
 /// A key frame that was published while the viewer was connecting, and that none follows.
@@ -250,6 +285,24 @@ TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
   for (const Point& point : part.points) ASSERT_LE(static_cast<double>(point.x), x + 1e-3);
   EXPECT_NE(save(folder_.path(), {"pcd"}, false, 0.0, {1, 2, 3}).message.find("six numbers"),
             std::string::npos);
+}
+
+// It wrote to a folder of the name ~ below the node's working directory.
+TEST_F(MapViewerNode, SavesToTheHomeFolderAndSaysWhere) {
+  store(kRound);
+  const std::string before = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
+  setenv("HOME", folder_.path().c_str(), 1);
+  const NodeProcess node("map_viewer_node");
+  setenv("HOME", before.c_str(), 1);
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  const SaveMap::Response answer = save("~/maps", {"pcd"});
+  EXPECT_TRUE(answer.success) << answer.message << node.output();
+  const std::string place = (folder_.path() / "maps").string();
+  EXPECT_NE(answer.message.find("written to " + place), std::string::npos) << answer.message;
+  EXPECT_TRUE(fs::exists(folder_.path() / "maps/map.pcd"));
+  EXPECT_NE(save("~nobody/maps", {"pcd"}).message.find("give the whole path"), std::string::npos);
 }
 
 // The same products as build_map makes of the session.

@@ -1,3 +1,7 @@
+#include <filesystem>
+#include <fstream>
+#include <set>
+
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -86,6 +90,21 @@ TEST_P(EveryNode, StaysAndDoesNothingWhereItWouldBeStartedAgain) {
   EXPECT_EQ(node.wait(0.0), 1);
 }
 
+TEST_P(EveryNode, ReportsWhereItRunsAndEachFigureOnce) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  const NodeProcess node(name());
+  ASSERT_TRUE(diagnostics.wait_for(2)) << node.output();
+  for (const auto& message : diagnostics.messages) {
+    const auto& status = message.status.at(0);
+    EXPECT_NE(status.hardware_id, "");
+    EXPECT_NE(status.hardware_id, "none");
+    std::set<std::string> keys;
+    for (const auto& value : status.values) {
+      EXPECT_TRUE(keys.insert(value.key).second) << value.key << " twice";
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Nodes, EveryNode,
                          testing::Values("preprocessing_node", "floor_detection_node",
                                          "front_end_node", "loop_closing_node", "back_end_node",
@@ -108,6 +127,35 @@ TEST(Launch, AWrongParameterIsSaidOnceByEachNodeAndNoneIsStartedAgain) {
   launch.stop();
   ros::param::del("/nodes");
   ros::param::del("/use_sim_time");
+}
+
+TEST(Launch, ListsEveryArgumentAsOptionalAndWithItsMeaning) {
+  for (const char* file : {"mapping.launch", "demo.launch"}) {
+    NodeProcess launch("/usr/bin/env", {"roslaunch", "--ros-args", "lidar_mapping", file});
+    EXPECT_EQ(launch.wait(), 0) << launch.output();
+    EXPECT_NE(launch.output().find("Optional Arguments"), std::string::npos) << launch.output();
+    EXPECT_EQ(launch.output().find("Required Arguments"), std::string::npos) << launch.output();
+    EXPECT_EQ(launch.output().find("undocumented"), std::string::npos) << launch.output();
+  }
+}
+
+/// No shell does it in `config:=~/my_config`.
+TEST(Launch, FindsTheHomeFolder) {
+  const TemporaryFolder home;
+  const std::filesystem::path folder = home.path() / "my_config";
+  std::filesystem::create_directory(folder);
+  for (const char* stage : {"preprocessing", "floor_detection", "front_end", "loop_closing",
+                            "back_end", "map", "overlay"}) {
+    std::ofstream(folder / (std::string(stage) + ".yaml")) << stage << "_mark: 7\n";
+  }
+  NodeProcess launch("/usr/bin/env",
+                     {"HOME=" + home.path().string(), "roslaunch", "--dump-params", "lidar_mapping",
+                      "mapping.launch", "config:=~/my_config", "sensor:=~/my_config/overlay.yaml"});
+  EXPECT_EQ(launch.wait(), 0) << launch.output();
+  for (const char* mark : {"/preprocessing_node/preprocessing_mark: 7",
+                           "/map_viewer_node/map_mark: 7", "/overlay_mark: 7"}) {
+    EXPECT_NE(launch.output().find(mark), std::string::npos) << mark << "\n" << launch.output();
+  }
 }
 
 TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {

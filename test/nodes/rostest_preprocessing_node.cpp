@@ -1,5 +1,7 @@
 #include <csignal>
+#include <set>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TwistStamped.h>
 #include <gtest/gtest.h>
@@ -8,6 +10,7 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/UInt32.h>
 #include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -138,9 +141,15 @@ class StoppedMaster {
 
 // F94: nothing is asked of the master while scans go through, once it knows the datum of the run.
 TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   send_transform();
   drive(0, 5);
   ASSERT_TRUE(synced_.wait_for(5));
+  // The first report asks for the interval of the reports, once.
+  ASSERT_TRUE(wait_until([&] {
+    return !diagnostics.messages.empty() &&
+           !diagnostics.messages.back().status.at(0).values.empty();
+  })) << node_->output();
   // On a busy machine all five scans may be there before the first fix is.
   ASSERT_TRUE(datum_.wait_for(1)) << node_->output();
   const StoppedMaster master;
@@ -148,6 +157,24 @@ TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
   drive(5, 25);
   EXPECT_TRUE(synced_.wait_for(25)) << node_->output();
   EXPECT_EQ(from_ros(synced_.messages.back().header.stamp), stamp_of(24));
+}
+
+/// What the input doctor found and what waits in the queue of a topic have names of their own.
+TEST_F(PreprocessingNode, ReportsEachFigureOnceAfterItHasLookedAtTheInput) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  send_transform();
+  drive(0, 55);
+  ASSERT_TRUE(synced_.wait_for(50)) << node_->output();
+  std::multiset<std::string> keys;
+  ASSERT_TRUE(wait_until([&] {
+    keys.clear();
+    if (diagnostics.messages.empty()) return false;
+    for (const auto& value : diagnostics.messages.back().status.at(0).values)
+      keys.insert(value.key);
+    return keys.count("points") > 0;
+  })) << node_->output();
+  for (const std::string& key : keys) EXPECT_EQ(keys.count(key), 1U) << key;
+  EXPECT_EQ(keys.count("queue points"), 1U);
 }
 
 /// The most frequent fault of all: a topic of another name.
@@ -160,6 +187,40 @@ TEST_F(PreprocessingNode, NamesTheTopicsThatCouldBeMeantWhereNothingComes) {
                "are published: /velodyne_points (choose one with "
                "points:=TOPIC)") != std::string::npos;
   })) << node_->output();
+}
+
+/// Only the points are needed: a velocity under another name was left out without a word.
+TEST_F(PreprocessingNode, NamesASensorThatIsPublishedUnderAnotherName) {
+  const auto wheels = ros::NodeHandle().advertise<geometry_msgs::TwistStamped>("wheel_speed", 1);
+  send_transform();
+  drive(0, 5);
+  EXPECT_TRUE(wait_until([&] {
+    return node_->output().find(
+               "velocity: nobody publishes /velocity, so the map is made without; "
+               "published and not used: /wheel_speed") != std::string::npos;
+  })) << node_->output();
+  EXPECT_EQ(node_->output().find("imu: nobody"), std::string::npos) << "it is there";
+}
+
+/// As `rosbag play` does, which sends before everybody is connected.
+TEST_F(PreprocessingNode, CountsTheScansOfARecordingThatNobodyGot) {
+  node_->stop();
+  ASSERT_TRUE(wait_until([&] { return clouds_.getNumSubscribers() == 0; }));
+  for (int step = 0; step < 6; ++step) send_cloud(step);
+  ros::param::set("/use_sim_time", true);
+  node_ = start();
+  ASSERT_TRUE(wait_until([&] { return node_->is_running() && connected(); }));
+  ros::param::del("/use_sim_time");
+  Listener<std_msgs::UInt32> lost("scans_lost");
+  send_transform();
+  drive(6, 10);
+  ASSERT_TRUE(synced_.wait_for(4)) << node_->output();
+  ASSERT_TRUE(lost.wait_for(1)) << node_->output();
+  EXPECT_EQ(lost.messages.back().data, 6U);
+  EXPECT_NE(
+      node_->output().find("never came: 6 (by their numbers), 6 of them before the first one"),
+      std::string::npos)
+      << node_->output();
 }
 
 /// The map's frame would jump otherwise.

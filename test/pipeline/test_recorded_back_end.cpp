@@ -134,6 +134,32 @@ TEST(RecordedBackEnd, KnowsLoopsAgainAfterARestart) {
   EXPECT_THROW(back_end.add_key_frame(drifting_key_frame(3)), InputError);
 }
 
+/// Loops come again when loop_closing_node starts again, and when a back end does.
+TEST(RecordedBackEnd, TellsLoopsThatItHasFromNewOnesAlsoAfterARestart) {
+  const TemporaryFolder folder;
+  Loop corrected = closing_loop();
+  corrected.source = LoopSource::kManual;
+  corrected.T_from_to.translation.x() += 0.1;
+  Loop reversed = closing_loop();
+  std::swap(reversed.from, reversed.to);
+  const auto expect_known = [&](const RecordedBackEnd& back_end) {
+    EXPECT_TRUE(back_end.has_loop(closing_loop()));
+    EXPECT_FALSE(back_end.has_loop(corrected)) << "a person gives another pose";
+    EXPECT_FALSE(back_end.has_loop(reversed));
+  };
+  {
+    RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+    drive(back_end, 0, kKeyFrames);
+    EXPECT_FALSE(back_end.has_loop(closing_loop()));
+    ASSERT_TRUE(back_end.add_loop(closing_loop()));
+    expect_known(back_end);
+  }
+  RecordedBackEnd back_end(reopened(folder), {});
+  expect_known(back_end);
+  ASSERT_TRUE(back_end.add_loop(corrected));
+  EXPECT_TRUE(back_end.has_loop(corrected));
+}
+
 // A finished session that a new drive extends keeps its frame.
 TEST(RecordedBackEnd, TurnsPositionsToTheDatumOfTheSession) {
   const TemporaryFolder folder;

@@ -31,6 +31,8 @@ struct OptimizationReport {
   /// least known motion of the map is held; 0: not computed, or not held at all.
   double least_eigenvalue = 0.0;
   double seconds = 0.0;  ///< filled in by who calls solve(); the core owns no clock
+  /// What a person has to know of the map beside the figures; no full stop at the end.
+  std::vector<std::string> remarks;
 };
 
 /// Everything that solve() needs, as a value: a worker thread solves it while sensor data go on.
@@ -70,6 +72,8 @@ class BackEnd {
   KeyFramePoses apply(const OptimizationSolution& solution);
 
   KeyFramePoses poses() const;
+  /// Odometry alone, laid so that the first key frame is where it is in poses().
+  KeyFramePoses odometry() const;
   /// The correction between odometry and map: T_map_odom of the newest key frame.
   Pose T_map_odom() const;
   /// All loops with the graph's present opinion of them; those that no solution has judged yet

@@ -1,10 +1,18 @@
 #pragma once
 
 #include <map>
+#include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
 
 namespace lidar_mapping::map {
+
+/// A key frame as it lies in the map.
+struct TrackedKeyFrame {
+  KeyFramePose pose;
+  std::uint32_t segment = 0;
+  bool degenerate = false;  ///< odometry did not see all of the motion to it
+};
 
 /// Where the key frames of a run lie in the map: optimised poses where the back end has given some,
 /// odometry moved by the newest correction behind them. Odometry is kept as it came, so corrections
@@ -19,8 +27,9 @@ class KeyFrameTrack {
   KeyFramePoses poses() const;
   /// Odometry alone, laid so that the first key frame is where it is in poses().
   KeyFramePoses odometry() const;
-  /// Number of the segment of each key frame, in the order of poses().
-  std::vector<std::uint32_t> segments() const;
+  /// The same as poses(), with what else there is to show of them.
+  std::vector<TrackedKeyFrame> key_frames() const;
+  std::size_t size() const { return nodes_.size(); }
   /// Of the newest key frame with an optimised pose; identity if there is none.
   Pose T_map_odom() const;
 
@@ -28,6 +37,7 @@ class KeyFrameTrack {
   struct Node {
     Stamp stamp = 0;
     std::uint32_t segment = 0;
+    bool degenerate = false;
     Pose T_odom_base;
   };
   std::map<KeyFrameIndex, Node> nodes_;

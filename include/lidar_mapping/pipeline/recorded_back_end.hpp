@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end.hpp"
@@ -27,6 +29,10 @@ class RecordedBackEnd {
   void add_key_frame(const KeyFrame& key_frame);
   /// False (and nothing is changed) if an index is unknown or both are the same.
   bool add_loop(const Loop& loop);
+  /// Whether add_loop() has taken this one before: matching that finds the same two key frames
+  /// again finds nothing new, whereas a person who gives another pose corrects the loop. Costs a
+  /// look-up, however many loops there are.
+  bool has_loop(const Loop& loop) const;
   void add_gnss(const GnssPosition& position);
   void add_imu(const ImuSample& sample_base);
   void add_floor(const Floor& floor);
@@ -46,6 +52,8 @@ class RecordedBackEnd {
 
   /// Revisions count on over the whole session.
   KeyFramePoses poses() const;
+  /// See BackEnd::odometry().
+  KeyFramePoses odometry() const { return back_end_.odometry(); }
   Pose T_map_odom() const { return back_end_.T_map_odom(); }
   /// See BackEnd::parts().
   std::vector<int> parts() const { return back_end_.parts(); }
@@ -70,6 +78,8 @@ class RecordedBackEnd {
   Pose T_session_gnss_;  ///< from the frame of the positions to that of the session's datum
   std::uint32_t first_revision_ = 0;
   std::vector<Verdict> opinions_;  ///< of the graph, loop by loop
+  /// T_from_to of every loop in the graph, the newest of those between the same two.
+  std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, Pose> loop_poses_;
 };
 
 /// Puts key frames and their measurements of a session, and these loops, into a back end.

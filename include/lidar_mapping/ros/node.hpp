@@ -46,22 +46,24 @@ enum class Numbered { kNo, kYes };
 constexpr std::uint32_t kTransportQueue = 100;
 
 /// Subscribes `topic`; `handle` gets the messages in the worker's thread. Up to `capacity` messages
-/// may wait there.
+/// may wait there. `arrived` sees each when it arrives, also those that are dropped later.
 template <typename Message>
 ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
-                          Numbered numbered = Numbered::kNo) {
+                          Numbered numbered = Numbered::kNo,
+                          std::function<void(const Message&)> arrived = {}) {
   const auto channel = context.worker.add_channel(topic, static_cast<std::size_t>(capacity));
   auto gaps = std::make_shared<SequenceGaps>();
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
-      [&worker = context.worker, channel, numbered, gaps,
-       handle = std::move(handle)](const ros::MessageEvent<const Message>& event) {
+      [&worker = context.worker, channel, numbered, gaps, handle = std::move(handle),
+       arrived = std::move(arrived)](const ros::MessageEvent<const Message>& event) {
         const boost::shared_ptr<const Message> message = event.getConstMessage();
         if constexpr (ros::message_traits::HasHeader<Message>::value) {
           if (numbered == Numbered::kYes) {
             worker.add_lost(channel, gaps->check(event.getPublisherName(), message->header.seq));
           }
         }
+        if (arrived) arrived(*message);
         worker.post(channel, [handle, message] { handle(message); });
       };
   ros::SubscribeOptions options;
@@ -70,6 +72,9 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return context.node.subscribe(options);
 }
+
+/// A line of a node that is about to go: roscpp's log has ended with roscpp by then.
+void say_at_end(const std::string& line);
 
 /// Queue of a publisher: subscribers take messages in at once, so few ever wait.
 constexpr std::uint32_t kPublisherQueue = 100;

@@ -7,8 +7,8 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What this package's nodes publish with the types of sensors' messages, without namespace: it may
-/// be in a recording, and is no sensor.
+/// What this package's nodes, and its simulator, publish with the types of sensors' messages,
+/// without namespace: it may be in a recording, and is no sensor.
 const std::vector<std::string>& own_outputs();
 
 /// The topic of that type with most messages, not counting what this package publishes; empty if

@@ -104,6 +104,8 @@ class Session {
   void set_configuration(const std::string& stage, const std::string& yaml);
 
   std::vector<KeyFrame> key_frames() const;  ///< by index, without clouds
+  /// Without its cloud; none if the index is not known. Costs a look-up, however long the drive is.
+  std::optional<KeyFrame> key_frame(KeyFrameIndex index) const;
   std::size_t key_frame_count() const;
   std::vector<Loop> loops() const;  ///< in the order in which they came
   std::vector<LoopVerdict> verdicts() const;

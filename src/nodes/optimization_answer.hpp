@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/back_end/pose_change.hpp"
+#include "lidar_mapping/ros/messages.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// What an optimisation that was asked for did to the map.
+struct MapOptimization {
+  back_end::OptimizationReport report;
+  back_end::PoseChange moved;      ///< by this optimisation
+  back_end::PoseChange corrected;  ///< from odometry alone
+  Stamp begin = 0;                 ///< of the first key frame
+  std::string session;             ///< its folder
+  std::string save_map;            ///< name of the service that writes the map
+};
+
+/// The answer of optimize_map: figures, and sentences for people.
+OptimizeMap::Response to_answer(const MapOptimization& optimization);
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,20 @@
+#include "lidar_mapping/ros/line_limiter.hpp"
+
+#include <utility>
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+constexpr double kInterval = 10.0;  // s
+}
+
+std::optional<std::string> LineLimiter::add(std::string line, double now) {
+  unsaid_ = std::move(line);
+  if (said_at_ && now - *said_at_ < kInterval) return std::nullopt;
+  said_at_ = now;
+  return rest();
+}
+
+std::optional<std::string> LineLimiter::rest() { return std::exchange(unsaid_, std::nullopt); }
+
+}  // namespace lidar_mapping::ros_border
