@@ -1,18 +1,17 @@
 #include "lidar_mapping/ros/recording_check.hpp"
 
+#include <limits>
 #include <map>
 #include <optional>
-#include <set>
 
-#include <rosbag/view.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
@@ -25,7 +24,6 @@ namespace {
 using preprocessing::Finding;
 using preprocessing::InputReport;
 using preprocessing::Severity;
-using Bags = std::vector<const rosbag::Bag*>;
 
 /// Messages that hold a LiDAR's data, but no cloud, and what makes one of them.
 const std::map<std::string, std::string> kRawScans = {
@@ -46,18 +44,14 @@ const std::map<std::string, std::string> kRawFixes = {
     {"novatel_gps_msgs/NovatelPosition", "record novatel_gps_driver's fix beside them"}};
 
 /// What to do about a recording without what `known` could be made into.
-std::optional<Finding> raw_data_in(const Bags& bags,
+std::optional<Finding> raw_data_in(const BagSet& bags,
                                    const std::map<std::string, std::string>& known,
                                    Severity severity, const std::string& wanted) {
-  for (const rosbag::Bag* bag : bags) {
-    rosbag::View view(*bag);
-    for (const auto* connection : view.getConnections()) {
-      const auto found = known.find(connection->datatype);
-      if (found == known.end()) continue;
-      return Finding{severity,
-                     connection->topic + " holds " + connection->datatype + ", not " + wanted,
-                     found->second};
-    }
+  for (const BagTopic& topic : bags.topics()) {
+    const auto found = known.find(topic.type);
+    if (found == known.end()) continue;
+    return Finding{severity, topic.name + " holds " + topic.type + ", not " + wanted,
+                   found->second};
   }
   return std::nullopt;
 }
@@ -65,20 +59,18 @@ std::optional<Finding> raw_data_in(const Bags& bags,
 /// "; other clouds: /a, /b" or nothing.
 std::string other_clouds(const RecordingCheck& recording) {
   std::string names;
-  for (const std::string& topic : cloud_topics(recording.bags)) {
+  for (const std::string& topic : cloud_topics(*recording.bags)) {
     if (topic != recording.topics.points) names += (names.empty() ? "" : ", ") + topic;
   }
   return names.empty() ? names : "; other clouds: " + names;
 }
 
 /// Up to where it is looked at.
-ros::Time end_of(const RecordingCheck& recording) {
-  if (recording.seconds <= 0.0) return ros::TIME_MAX;
-  rosbag::View all;
-  for (const rosbag::Bag* bag : recording.bags) {
-    all.addQuery(*bag, rosbag::TopicQuery(recording.topics.points));
-  }
-  return all.size() == 0 ? ros::TIME_MAX : all.getBeginTime() + ros::Duration(recording.seconds);
+Stamp end_of(const RecordingCheck& recording) {
+  constexpr Stamp kForever = std::numeric_limits<Stamp>::max();
+  if (recording.seconds <= 0.0) return kForever;
+  const auto times = recording.bags->times_of({recording.topics.points});
+  return times ? times->first + from_seconds(recording.seconds) : kForever;
 }
 
 class Examination {
@@ -86,18 +78,26 @@ class Examination {
   Examination(const RecordingCheck& recording, const preprocessing::PreprocessingConfig& config)
       : config_(config), doctor_(config), frames_(recording.base_frame) {}
 
-  void see(const rosbag::MessageInstance& message) {
-    if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
-      see(*cloud, message.getTime());
+  void see(const BagMessage& message) try {
+    if (message.holds<sensor_msgs::PointCloud2>()) {
+      see(read_cloud(message), message.recorded);
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       doctor_.see_imu(from_message(*imu), imu->header.frame_id);
     } else if (const auto velocity = read_velocity(message)) {
       doctor_.see_velocity(velocity->sample, velocity->frame_id);
     } else if (const auto fix = read_gnss(message)) {
       doctor_.see_gnss(fix->sample, fix->frame_id);
-    } else if (const auto frames = message.instantiate<tf2_msgs::TFMessage>()) {
-      frames_.add(*frames, message.getTopic() == "/tf_static");
+    } else if (const auto frames = read_transforms(message)) {
+      frames_.add(*frames, message.topic() == "/tf_static");
     }
+  } catch (const ros::Exception& error) {
+    if (damaged_++ == 0) damage_ = "a message on " + message.topic() + ": " + error.what();
+  }
+
+  /// What of the bags themselves could not be read.
+  void see(const BagDamage& damage) {
+    if (damage.places > 0) damage_ = damage.reason;
+    damaged_ += damage.places;
   }
 
   std::vector<InputReport> reports() const {
@@ -108,13 +108,20 @@ class Examination {
            std::to_string(unreadable_) + " clouds cannot be read, first " + problem_,
            "they are dropped"});
     }
+    if (damaged_ > 0) {
+      reports.front().findings.push_back(
+          {Severity::kFault,
+           std::to_string(damaged_) + " places of the recording are damaged, among them " + damage_,
+           "copy it again; what is damaged is left out"});
+    }
     return reports;
   }
 
  private:
-  void see(const sensor_msgs::PointCloud2& message, const ros::Time& delivery) try {
-    preprocessing::CloudSummary summary = summary_of(message, decode(message, config_));
-    summary.delay = to_seconds(from_ros(delivery) - summary.stamp);
+  void see(const RecordedCloud& cloud, Stamp delivery) try {
+    const CloudView view = cloud.view();
+    preprocessing::CloudSummary summary = summary_of(view, decode(view, config_));
+    summary.delay = to_seconds(delivery - summary.stamp);
     doctor_.see_scan(summary);
   } catch (const InputError& error) {
     if (unreadable_++ == 0) problem_ = error.what();
@@ -125,6 +132,8 @@ class Examination {
   RecordedFrames frames_;
   std::size_t unreadable_ = 0;
   std::string problem_;  ///< of the first of them
+  std::size_t damaged_ = 0;
+  std::string damage_;  ///< one of them
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -135,15 +144,10 @@ std::string joined(const std::vector<std::string>& words) {
 
 /// Looks whether the topic that is wanted is there; if none is, takes the usual one if that is.
 void settle(std::string& wanted, const std::string& usual, const std::vector<std::string>& types,
-            const Bags& bags) {
-  std::set<std::string> there;
-  for (const rosbag::Bag* bag : bags) {
-    rosbag::View view(*bag, rosbag::TypeQuery(types));
-    for (const auto* connection : view.getConnections()) there.insert(connection->topic);
-  }
+            const BagSet& bags) {
   if (wanted.empty()) {
-    if (there.count(usual) > 0) wanted = usual;
-  } else if (there.count(wanted) == 0) {
+    if (bags.has(usual, types)) wanted = usual;
+  } else if (!bags.has(wanted, types)) {
     throw InputError("there is no topic " + wanted + " of type " + joined(types) +
                      " in the bags; rosbag info shows what there is");
   }
@@ -151,7 +155,7 @@ void settle(std::string& wanted, const std::string& usual, const std::vector<std
 
 }  // namespace
 
-SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted) {
+SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
   settle(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
   settle(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
   settle(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
@@ -170,23 +174,23 @@ SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics
 std::vector<InputReport> check(const RecordingCheck& recording,
                                const preprocessing::PreprocessingConfig& config) {
   const SensorTopics& t = recording.topics;
-  const rosbag::TopicQuery topics(
-      std::vector<std::string>{t.points, t.imu, t.velocity, t.gnss, "/tf", "/tf_static"});
-  const ros::Time end = end_of(recording);
-  rosbag::View view;
-  for (const rosbag::Bag* bag : recording.bags) {
-    view.addQuery(*bag, topics, ros::TIME_MIN, end);
-  }
+  const Stamp end = end_of(recording);
+  BagStream messages =
+      recording.bags->messages_of({t.points, t.imu, t.velocity, t.gnss, "/tf", "/tf_static"});
   Examination examination(recording, config);
-  for (const rosbag::MessageInstance& message : view) examination.see(message);
+  for (auto message = messages.next(); message && message->recorded <= end;
+       message = messages.next()) {
+    examination.see(*message);
+  }
+  examination.see(messages.damage());
   std::vector<InputReport> reports = examination.reports();
   reports.front().found += other_clouds(recording);
   if (t.points.empty()) {
-    const auto raw = raw_data_in(recording.bags, kRawScans, Severity::kFault, "PointCloud2");
+    const auto raw = raw_data_in(*recording.bags, kRawScans, Severity::kFault, "PointCloud2");
     reports.front().findings = {raw ? *raw : kNoClouds};
   }
   if (t.gnss.empty()) {
-    const auto raw = raw_data_in(recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");
+    const auto raw = raw_data_in(*recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");
     if (raw) reports.back().findings.push_back(*raw);
   }
   return reports;

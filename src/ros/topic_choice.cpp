@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <tuple>
 
-#include <rosbag/view.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/recorded_cloud.hpp"
 
 #include "point_fields.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
-
-using Bags = std::vector<const rosbag::Bag*>;
 
 bool is_own_output(const std::string& topic) {
   const std::vector<std::string>& own = own_outputs();
@@ -24,33 +23,18 @@ bool is_own_output(const std::string& topic) {
 }
 
 /// Number of messages of each topic of that type.
-std::map<std::string, std::size_t> topics_of(const Bags& bags, const std::string& type) {
+std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::string& type) {
   std::map<std::string, std::size_t> sizes;
-  for (const rosbag::Bag* bag : bags) {
-    rosbag::View view(*bag, rosbag::TypeQuery(type));
-    std::map<std::string, std::size_t> here;
-    for (const auto* connection : view.getConnections()) {
-      if (!is_own_output(connection->topic)) here[connection->topic] = 0;
-    }
-    for (auto& [topic, size] : here) {
-      sizes[topic] += rosbag::View(*bag, rosbag::TopicQuery(topic)).size();
-    }
+  for (const BagTopic& topic : bags.topics()) {
+    if (topic.type == type && !is_own_output(topic.name)) sizes[topic.name] += topic.messages;
   }
   return sizes;
-}
-
-sensor_msgs::PointCloud2ConstPtr first_cloud(const Bags& bags, const std::string& topic) {
-  for (const rosbag::Bag* bag : bags) {
-    rosbag::View view(*bag, rosbag::TopicQuery(topic));
-    if (view.size() > 0) return view.begin()->instantiate<sensor_msgs::PointCloud2>();
-  }
-  return nullptr;
 }
 
 /// What the fields of a cloud say of its sensor; the larger, the surer it is a LiDAR.
 enum class Kind { kUnknown, kReflecting, kScanning };
 
-Kind kind_of(const sensor_msgs::PointCloud2& cloud) try {
+Kind kind_of(const CloudView& cloud) try {
   if (find_any_field(cloud, kTimeNames) || find_field(cloud, "ring")) return Kind::kScanning;
   return find_any_field(cloud, kIntensityNames) ? Kind::kReflecting : Kind::kUnknown;
 } catch (const InputError&) {
@@ -67,20 +51,33 @@ const std::vector<std::string>& own_outputs() {
   return names;
 }
 
-std::string busiest_topic(const Bags& bags, const std::string& type) {
+std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic) {
+  BagStream messages = bags.messages_of({topic});
+  while (const auto message = messages.next()) {
+    if (!message->holds<sensor_msgs::PointCloud2>()) continue;
+    try {
+      return read_cloud(*message);
+    } catch (const ros::Exception&) {
+      continue;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string busiest_topic(const BagSet& bags, const std::string& type) {
   const auto sizes = topics_of(bags, type);
   const auto most = std::max_element(
       sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   return most == sizes.end() ? std::string() : most->first;
 }
 
-std::vector<std::string> cloud_topics(const Bags& bags) {
+std::vector<std::string> cloud_topics(const BagSet& bags) {
   using Candidate = std::tuple<Kind, std::size_t, std::string>;
   std::vector<Candidate> candidates;
   for (const auto& [topic, size] : topics_of(bags, "sensor_msgs/PointCloud2")) {
     const auto cloud = first_cloud(bags, topic);
     if (!cloud) continue;
-    candidates.emplace_back(kind_of(*cloud), size * cloud->data.size(), topic);
+    candidates.emplace_back(kind_of(cloud->view()), size * cloud->data.size, topic);
   }
   std::sort(candidates.rbegin(), candidates.rend());
   std::vector<std::string> topics;

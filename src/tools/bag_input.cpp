@@ -1,27 +1,24 @@
 #include "bag_input.hpp"
 
-#include <algorithm>
 #include <deque>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 #include <utility>
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/open_bag.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/recorded_cloud.hpp"
 #include "lidar_mapping/ros/recorded_frames.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
-
-#include "bag_stream.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -29,10 +26,15 @@ namespace {
 
 using pipeline::FramedSample;
 using pipeline::Input;
+using ros_border::BagDamage;
+using ros_border::BagMessage;
+using ros_border::BagSet;
+using ros_border::BagStream;
+using ros_border::RecordedCloud;
 using ros_border::SensorTopics;
 
 /// Sensors are bolted on: what /tf says of them at the beginning stays.
-const ros::Duration kFramesLook(20.0);
+constexpr Stamp kFramesLook = from_seconds(20.0);
 
 /// Simulators begin at 0, where a stamp of 0 is one.
 const ros::Time kSimulatedUntil(1e6);
@@ -49,55 +51,24 @@ Input framed(ros_border::SensorInput<Sample> input, const ros::Time& recorded) {
   return FramedSample<Sample>{input.sample, ros_border::frame_name(input.frame_id)};
 }
 
-/// A cloud that was left where it lies in the recording.
-struct RecordedCloud {
-  sensor_msgs::PointCloud2 message;  ///< without the data
-  ByteRange data;
-  std::shared_ptr<const void> memory;
-};
-
-RecordedCloud read_cloud(const BagMessage& recorded) {
-  RecordedCloud cloud;
-  sensor_msgs::PointCloud2& message = cloud.message;
-  ros::serialization::IStream stream = recorded.stream();
-  stream.next(message.header);
-  stream.next(message.height);
-  stream.next(message.width);
-  stream.next(message.fields);
-  stream.next(message.is_bigendian);
-  stream.next(message.point_step);
-  stream.next(message.row_step);
-  std::uint32_t length = 0;
-  stream.next(length);
-  cloud.data = {stream.advance(length), length};
-  cloud.memory = recorded.memory;
-  return cloud;
-}
-
-FileError unreadable(const std::string& path, const ros::Exception& error) {
-  return FileError("cannot read the bag " + path + ": " + error.what() + "; try rosbag reindex");
-}
-
 }  // namespace
 
-/// Looks at the bags with rosbag, and reads them with a stream.
 class BagInput::Impl {
  public:
   Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
        const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
-      : paths_(paths), config_(config), frames_(base_frame) {
-    for (const std::string& path : paths) bags_.push_back(ros_border::open_bag(path));
-    topics_ = ros_border::topics_in(all_bags(), wanted);
+      : bags_(paths), config_(config), frames_(base_frame) {
+    topics_ = ros_border::topics_in(bags_, wanted);
     read_frames();
     settle_base_frame();
     if (config.enable_robot_odometry_init_guess) {
       topics_.velocity.clear();
       wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
     }
-    rosbag::View all;
-    add_query(all, sensor_topics());
-    begin_ = ros_border::from_ros(all.getBeginTime());
-    end_ = ros_border::from_ros(all.getEndTime());
+    const auto times = bags_.times_of(sensor_topics());
+    if (!times) return;
+    begin_ = times->first;
+    end_ = times->second;
   }
 
   std::optional<Input> next() {
@@ -115,10 +86,8 @@ class BagInput::Impl {
 
   std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
 
-  std::vector<preprocessing::InputReport> examine(double seconds) const try {
-    return ros_border::check({all_bags(), topics_, frames_.base_frame(), seconds}, config_);
-  } catch (const rosbag::BagException& error) {
-    throw unreadable(bags_.front()->getFileName(), error);
+  std::vector<preprocessing::InputReport> examine(double seconds) const {
+    return ros_border::check({&bags_, topics_, frames_.base_frame(), seconds}, config_);
   }
 
   void skip_to(Stamp stamp) { stream().skip_to(stamp); }
@@ -139,45 +108,39 @@ class BagInput::Impl {
     return topics;
   }
 
-  /// With it, rosbag's index is let go: it grows with the recording.
   BagStream& stream() {
-    if (!stream_) {
-      stream_.emplace(paths_, wanted_topics());
-      bags_.clear();
-    }
+    if (!stream_) stream_.emplace(bags_.messages_of(wanted_topics()));
     return *stream_;
   }
 
-  std::vector<const rosbag::Bag*> all_bags() const {
-    std::vector<const rosbag::Bag*> bags;
-    for (const auto& bag : bags_) bags.push_back(bag.get());
-    return bags;
-  }
-
-  void add_query(rosbag::View& view, const std::vector<std::string>& topics) const {
-    for (const auto& bag : bags_) view.addQuery(*bag, rosbag::TopicQuery(topics));
-  }
-
   void read_frames() {
-    rosbag::View fixed;
-    add_query(fixed, {"/tf_static"});
-    for (const rosbag::MessageInstance& message : fixed) add_frames(message);
-    const ros::Time from = begin_of(topics_.points);
-    rosbag::View moving;
-    for (const auto& bag : bags_) {
-      moving.addQuery(*bag, rosbag::TopicQuery("/tf"), from, from + kFramesLook);
+    add_frames({"/tf_static"}, std::numeric_limits<Stamp>::min(),
+               std::numeric_limits<Stamp>::max());
+    const auto scans = bags_.times_of({topics_.points});
+    const Stamp from = scans ? scans->first : 0;
+    add_frames({"/tf"}, from, from + kFramesLook);
+  }
+
+  /// What was recorded from one time until another; damaged messages are passed over.
+  void add_frames(const std::vector<std::string>& topics, Stamp from, Stamp until) {
+    BagStream messages = bags_.messages_of(topics);
+    messages.skip_to(from);
+    for (auto message = messages.next(); message && message->recorded <= until;
+         message = messages.next()) {
+      try {
+        const auto frames = ros_border::read_transforms(*message);
+        if (frames) frames_.add(*frames, message->topic() == "/tf_static");
+      } catch (const ros::Exception&) {
+        continue;
+      }
     }
-    for (const rosbag::MessageInstance& message : moving) add_frames(message);
   }
 
   /// Where nothing says where the LiDAR is on the vehicle, its frame stands for the vehicle's.
   void settle_base_frame() {
-    rosbag::View scans;
-    add_query(scans, {topics_.points});
-    if (scans.size() == 0) return;
-    const auto cloud = scans.begin()->instantiate<sensor_msgs::PointCloud2>();
+    const auto cloud = ros_border::first_cloud(bags_, topics_.points);
     if (!cloud) return;
-    const std::string lidar_frame = ros_border::frame_name(cloud->header.frame_id);
+    const std::string lidar_frame = ros_border::frame_name(cloud->message.header.frame_id);
     if (frames_.T_base(lidar_frame)) return;
     frames_notice_ = lidar_frame.empty() ? "the scans name no frame"
                                          : "nothing in the recording leads from '" + lidar_frame +
@@ -189,24 +152,11 @@ class BagInput::Impl {
   }
 
   preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp, PointCloud buffer) const {
-    const ros_border::CloudView view(cloud.message, cloud.data.first, cloud.data.size);
     preprocessing::RawScan scan =
-        ros_border::decode_lazily(view, cloud.memory, config_, std::move(buffer)).scan;
+        ros_border::decode_lazily(cloud.view(), cloud.memory, config_, std::move(buffer)).scan;
     scan.stamp = stamp;
     if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
     return scan;
-  }
-
-  ros::Time begin_of(const std::string& topic) const {
-    rosbag::View view;
-    add_query(view, {topic});
-    return view.size() == 0 ? ros::TIME_MIN : view.getBeginTime();
-  }
-
-  void add_frames(const rosbag::MessageInstance& message) {
-    if (const auto frames = message.instantiate<tf2_msgs::TFMessage>()) {
-      frames_.add(*frames, message.getTopic() == "/tf_static");
-    }
   }
 
   std::size_t damaged() const { return stream_->damage().places + damaged_messages_; }
@@ -237,9 +187,7 @@ class BagInput::Impl {
 
   std::optional<Input> readable(const BagMessage& message) try {
     if (wheels_) {
-      if (const auto frames = message.instantiate<tf2_msgs::TFMessage>()) {
-        return read_wheels(*frames);
-      }
+      if (const auto frames = ros_border::read_transforms(message)) return read_wheels(*frames);
     }
     return read(message);
   } catch (const ros::Exception&) {
@@ -250,7 +198,7 @@ class BagInput::Impl {
   std::optional<Input> read(const BagMessage& message) const {
     const ros::Time recorded = ros_border::to_ros(message.recorded);
     if (message.holds<sensor_msgs::PointCloud2>()) {
-      const RecordedCloud cloud = read_cloud(message);
+      const RecordedCloud cloud = ros_border::read_cloud(message);
       const Stamp stamp =
           given_or_recorded(ros_border::from_ros(cloud.message.header.stamp), recorded);
       return pipeline::RecordedScan{stamp, [cloud, stamp, this](PointCloud buffer) {
@@ -265,9 +213,8 @@ class BagInput::Impl {
     return std::nullopt;
   }
 
-  std::vector<std::string> paths_;
+  BagSet bags_;
   preprocessing::PreprocessingConfig config_;
-  std::vector<std::unique_ptr<rosbag::Bag>> bags_;
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
   std::string frames_notice_;

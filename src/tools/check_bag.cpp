@@ -1,7 +1,6 @@
 // Looks at the sensors' messages in bags and says what is wrong with them.
 
 #include <cstdio>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,7 +8,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
-#include "lidar_mapping/ros/open_bag.hpp"
+#include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"
 
 #include "bag_paths.hpp"
@@ -52,14 +51,11 @@ bool run(const Options& options) {
   const std::string file = tools::only_stage_file(options.config, "preprocessing");
   const PreprocessingConfig config =
       file.empty() ? PreprocessingConfig() : config::load_file<PreprocessingConfig>(file);
-  std::vector<std::unique_ptr<rosbag::Bag>> bags;
+  const ros_border::BagSet bags(tools::with_bags_of_folders(options.bags));
   ros_border::RecordingCheck recording;
-  for (const std::string& path : tools::with_bags_of_folders(options.bags)) {
-    bags.push_back(ros_border::open_bag(path));
-    recording.bags.push_back(bags.back().get());
-  }
+  recording.bags = &bags;
   recording.base_frame = options.base_frame;
-  recording.topics = ros_border::topics_in(recording.bags, options.topics);
+  recording.topics = ros_border::topics_in(bags, options.topics);
   const ros_border::SensorTopics& t = recording.topics;
   const std::string topics[] = {t.points, t.imu, t.velocity, t.gnss};
   std::size_t findings = 0, index = 0;
@@ -80,9 +76,6 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     return run(options) ? 0 : 1;
-  } catch (const rosbag::BagException& error) {
-    std::fprintf(stderr, "check_bag: cannot read the recording: %s; rosbag reindex may repair it\n",
-                 error.what());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "check_bag: %s\n", error.what());
   }

@@ -41,10 +41,10 @@ std::vector<std::string> findings_in(const simulation::DriveOptions& options,
   const test::TemporaryFolder folder;
   const std::string path = (folder.path() / "drive.bag").string();
   write_bag(simulation::Drive(options), path, content, 1);
-  const rosbag::Bag bag(path);
+  const ros_border::BagSet bags({path});
   ros_border::RecordingCheck recording;
-  recording.bags = {&bag};
-  recording.topics = ros_border::topics_in(recording.bags);
+  recording.bags = &bags;
+  recording.topics = ros_border::topics_in(bags);
   std::vector<std::string> findings;
   for (const auto& report : ros_border::check(recording, {})) {
     if (report.input == "points" && !content.lidar) continue;

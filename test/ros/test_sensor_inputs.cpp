@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <topic_tools/shape_shifter.h>
 
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -99,6 +98,9 @@ void expect_the_fix(const std::optional<SensorInput<GnssFix>>& input) {
   EXPECT_FALSE(input->sample.covariance);
 }
 
+constexpr auto velocity_of = [](const BagMessage& message) { return read_velocity(message); };
+constexpr auto fix_of = [](const BagMessage& message) { return read_gnss(message); };
+
 class SensorInputs : public testing::Test {
  protected:
   SensorInputs() : bag_((folder_.path() / "drive.bag").string(), rosbag::bagmode::Write) {}
@@ -107,20 +109,16 @@ class SensorInputs : public testing::Test {
   void record(const std::string& topic, const Message& message) {
     bag_.write(topic, to_ros(kStamp), message);
   }
-  /// The messages of a topic; the bag is read from here on.
-  rosbag::View recorded(const std::string& topic) {
-    read();
-    return {bag_, rosbag::TopicQuery(topic)};
+  /// The first message of a topic, by `read`; nothing more is recorded from here on.
+  template <typename Read>
+  auto recorded(const std::string& topic, const Read& read) {
+    BagStream messages = bags().messages_of({topic});
+    return read(*messages.next());
   }
-  SensorTopics topics() {
-    read();
-    return topics_in({&bag_});
-  }
-  rosbag::Bag& read() {
-    if (bag_.getMode() == rosbag::bagmode::Read) return bag_;
+  SensorTopics topics() { return topics_in(bags()); }
+  BagSet bags() {
     bag_.close();
-    bag_.open((folder_.path() / "drive.bag").string(), rosbag::bagmode::Read);
-    return bag_;
+    return BagSet({(folder_.path() / "drive.bag").string()});
   }
 
   const test::TemporaryFolder folder_;
@@ -136,16 +134,16 @@ TEST_F(SensorInputs, AreReadFromEveryTypeThatABagHolds) {
   record("/f", header());
   for (const char* topic : {"/a", "/b", "/c"}) {
     SCOPED_TRACE(topic);
-    expect_the_velocity(read_velocity(*recorded(topic).begin()));
-    EXPECT_FALSE(read_gnss(*recorded(topic).begin()));
+    expect_the_velocity(recorded(topic, velocity_of));
+    EXPECT_FALSE(recorded(topic, fix_of));
   }
   for (const char* topic : {"/d", "/e"}) {
     SCOPED_TRACE(topic);
-    expect_the_fix(read_gnss(*recorded(topic).begin()));
-    EXPECT_FALSE(read_velocity(*recorded(topic).begin()));
+    expect_the_fix(recorded(topic, fix_of));
+    EXPECT_FALSE(recorded(topic, velocity_of));
   }
-  EXPECT_FALSE(read_velocity(*recorded("/f").begin()));
-  EXPECT_FALSE(read_gnss(*recorded("/f").begin()));
+  EXPECT_FALSE(recorded("/f", velocity_of));
+  EXPECT_FALSE(recorded("/f", fix_of));
 }
 
 TEST(SensorInputsReceived, AreReadFromEveryType) {
@@ -172,11 +170,15 @@ TEST_F(SensorInputs, FixesAreReadFromTheSentencesOfAReceiver) {
   record("/nmea_sentence", sentence("$GPRMC,123519,A,4900.600,N,00825.800,E,0,0,230394,,"));
   record("/nmea_sentence", sentence(kGga));
   EXPECT_EQ(topics().gnss, "/nmea_sentence");
-  rosbag::View view = recorded("/nmea_sentence");
-  auto message = view.begin();
-  EXPECT_FALSE(read_gnss(*message)) << "only some sentences hold a fix";
-  EXPECT_TRUE(is_gnss_type(message->getDataType()));
-  const auto fix = read_gnss(*++message);
+  const BagSet there = bags();
+  BagStream messages = there.messages_of({"/nmea_sentence"});
+  const auto other = messages.next();
+  ASSERT_TRUE(other);
+  EXPECT_FALSE(read_gnss(*other)) << "only some sentences hold a fix";
+  EXPECT_TRUE(is_gnss_type(other->getDataType()));
+  const auto message = messages.next();
+  ASSERT_TRUE(message);
+  const auto fix = read_gnss(*message);
   ASSERT_TRUE(fix);
   EXPECT_EQ(fix->sample.stamp, kStamp);
   EXPECT_EQ(fix->frame_id, "sensor");
@@ -184,7 +186,7 @@ TEST_F(SensorInputs, FixesAreReadFromTheSentencesOfAReceiver) {
   EXPECT_NEAR(fix->sample.altitude_m, 115.5, 1e-9);
   EXPECT_TRUE(read_gnss(as_received(sentence(kGga))));
   RecordingCheck recording;
-  recording.bags = {&read()};
+  recording.bags = &there;
   recording.topics = topics();
   for (const auto& finding : check(recording, {}).back().findings) {
     EXPECT_EQ(finding.text.find("not NavSatFix"), std::string::npos) << finding.text;

@@ -33,10 +33,9 @@ class TopicChoice : public testing::Test {
   void record(const std::string& topic, const Message& message, int count) {
     for (int i = 0; i < count; ++i) bag_.write(topic, ros::Time(100 + i), message);
   }
-  const rosbag::Bag* recorded() {
+  BagSet recorded() {
     bag_.close();
-    bag_.open(path(), rosbag::bagmode::Read);
-    return &bag_;
+    return BagSet({path()});
   }
 
   const test::TemporaryFolder folder_;
@@ -51,25 +50,25 @@ TEST_F(TopicChoice, TakesCloudsForALidarsByTheirFieldsThenByTheirSize) {
   record("/front/points", cloud({"intensity", "time"}, 1000), 10);
   const std::vector<std::string> expected = {"/front/points", "/rear/points", "/registered",
                                              "/radar", "/depth/points"};
-  EXPECT_EQ(cloud_topics({recorded()}), expected);
-  EXPECT_EQ(topics_in({&bag_}).points, "/front/points");
+  EXPECT_EQ(cloud_topics(recorded()), expected);
+  EXPECT_EQ(topics_in(recorded()).points, "/front/points");
 }
 
 TEST_F(TopicChoice, PrefersTheTopicsOfTheLaunchFile) {
   record("/front/points", cloud({"intensity", "time"}, 1000), 20);
   record("/kitti/velo/pointcloud", cloud({"intensity"}, 900), 10);
-  EXPECT_EQ(topics_in({recorded()}).points, "/kitti/velo/pointcloud");
+  EXPECT_EQ(topics_in(recorded()).points, "/kitti/velo/pointcloud");
 }
 
 TEST_F(TopicChoice, RefusesATopicThatIsNotThere) {
   record("/points", cloud({"intensity"}, 900), 10);
   SensorTopics wanted;
   wanted.points = "/pionts";
-  EXPECT_THROW(topics_in({recorded()}, wanted), InputError);
+  EXPECT_THROW(topics_in(recorded(), wanted), InputError);
   wanted.points = "/points";
-  EXPECT_EQ(topics_in({&bag_}, wanted).points, "/points");
+  EXPECT_EQ(topics_in(recorded(), wanted).points, "/points");
   wanted.imu = "/points";  // of another type
-  EXPECT_THROW(topics_in({&bag_}, wanted), InputError);
+  EXPECT_THROW(topics_in(recorded(), wanted), InputError);
 }
 
 TEST_F(TopicChoice, LeavesOutWhatThisPackagePublishes) {
@@ -78,16 +77,17 @@ TEST_F(TopicChoice, LeavesOutWhatThisPackagePublishes) {
   record("/points", cloud({"intensity"}, 1000), 10);
   record("/gnss_datum", sensor_msgs::NavSatFix(), 2);
   record("/fix", sensor_msgs::NavSatFix(), 1);
-  EXPECT_EQ(cloud_topics({recorded()}), std::vector<std::string>{"/points"});
-  EXPECT_EQ(topics_in({&bag_}).gnss, "/fix");
+  EXPECT_EQ(cloud_topics(recorded()), std::vector<std::string>{"/points"});
+  EXPECT_EQ(topics_in(recorded()).gnss, "/fix");
 }
 
 TEST_F(TopicChoice, NamesTheCloudsThatAreNotUsed) {
   record("/front/points", cloud({"intensity", "ring"}, 1000), 10);
   record("/rear/points", cloud({"intensity", "ring"}, 100), 10);
   RecordingCheck recording;
-  recording.bags = {recorded()};
-  recording.topics = topics_in(recording.bags);
+  const BagSet bags = recorded();
+  recording.bags = &bags;
+  recording.topics = topics_in(bags);
   EXPECT_NE(check(recording, {}).front().found.find("; other clouds: /rear/points"),
             std::string::npos);
 }

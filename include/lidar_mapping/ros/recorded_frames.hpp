@@ -7,8 +7,13 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/ros/bag_stream.hpp"
 
 namespace lidar_mapping::ros_border {
+
+/// What a message of /tf or /tf_static holds; nothing if it holds another type. Throws
+/// ros::Exception if it is damaged.
+std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded);
 
 /// The transforms of a recording, put together.
 class RecordedFrames {

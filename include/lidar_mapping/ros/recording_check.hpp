@@ -3,10 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <rosbag/bag.h>
-
 #include "lidar_mapping/preprocessing/finding.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/ros/bag_set.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -20,7 +19,7 @@ struct SensorTopics {
 
 /// What is to be looked at.
 struct RecordingCheck {
-  std::vector<const rosbag::Bag*> bags;  ///< of one drive, open for reading
+  const BagSet* bags = nullptr;  ///< of one drive
   SensorTopics topics;
   std::string base_frame = "base_link";
   double seconds = 0.0;  ///< of the beginning; 0: all of it
@@ -29,11 +28,12 @@ struct RecordingCheck {
 /// `wanted`, and of each sensor that it leaves out the launch file's topic if the bags have it,
 /// else the one of its type with most messages; of clouds the one that is most likely a LiDAR's,
 /// see cloud_topics(). Throws InputError if a topic that is wanted is not there with such a type.
-SensorTopics topics_in(const std::vector<const rosbag::Bag*>& bags, SensorTopics wanted = {});
+SensorTopics topics_in(const BagSet& bags, SensorTopics wanted = {});
 
 /// Looks at the messages of a recording and says, for points, imu, velocity and gnss in this order,
 /// what came and what is wrong with it: see preprocessing::InputDoctor. Transforms are those of /tf
-/// and /tf_static. Throws rosbag::BagException if a bag cannot be read.
+/// and /tf_static. What of the bags is damaged is left out, and a fault of the points. Throws
+/// FileError if a bag cannot be read at all.
 std::vector<preprocessing::InputReport> check(const RecordingCheck& recording,
                                               const preprocessing::PreprocessingConfig& config);
 

@@ -1,10 +1,12 @@
+#include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/ros/open_bag.hpp"
+#include "lidar_mapping/ros/bag_set.hpp"
 
 #include "temporary_folder.hpp"
 
@@ -13,7 +15,7 @@ namespace {
 
 std::string refusal(const std::string& path) {
   try {
-    open_bag(path);
+    BagSet({path});
   } catch (const FileError& error) {
     return error.what();
   }
@@ -30,13 +32,35 @@ std::string write_bag(const std::string& path) {
 
 }  // namespace
 
-TEST(OpenBag, OpensABag) {
+TEST(BagSet, KnowsTopicsAndTimes) {
   const test::TemporaryFolder folder;
-  const std::string path = write_bag((folder.path() / "a.bag").string());
-  EXPECT_GT(open_bag(path)->getSize(), 1000U);
+  const std::string path = (folder.path() / "a.bag").string();
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  for (const std::uint32_t second : {3U, 1U, 2U}) {
+    bag.write("/text", ros::Time(second), std_msgs::String());
+  }
+  bag.write("/other", ros::Time(9), std_msgs::String());
+  bag.close();
+  const BagSet bags({path});
+  ASSERT_EQ(bags.topics().size(), 2U);
+  EXPECT_EQ(bags.topics()[1].name, "/text");
+  EXPECT_EQ(bags.topics()[1].messages, 3U);
+  EXPECT_TRUE(bags.has("/text", {"std_msgs/Header", "std_msgs/String"}));
+  EXPECT_FALSE(bags.has("/text", {"std_msgs/Header"}));
+  EXPECT_EQ(bags.times_of({"/text"})->first, from_seconds(1.0));
+  EXPECT_EQ(bags.times_of({"/text"})->second, from_seconds(3.0));
+  EXPECT_FALSE(bags.times_of({"/none"}));
 }
 
-TEST(OpenBag, SaysWhatToDoAboutAFileThatCannotBeRead) {
+// As an interrupted copy leaves it.
+TEST(BagSet, SaysThatTheEndIsMissing) {
+  const test::TemporaryFolder folder;
+  const std::string path = write_bag((folder.path() / "cut.bag").string());
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  EXPECT_NE(refusal(path).find("its end is missing"), std::string::npos) << refusal(path);
+}
+
+TEST(BagSet, SaysWhatToDoAboutAFileThatCannotBeRead) {
   const test::TemporaryFolder folder;
   const std::string missing = (folder.path() / "missing.bag").string();
   EXPECT_NE(refusal(missing).find("no such file"), std::string::npos);
@@ -47,7 +71,7 @@ TEST(OpenBag, SaysWhatToDoAboutAFileThatCannotBeRead) {
 }
 
 // As a recording that was killed leaves it: the header does not yet say where the index is.
-TEST(OpenBag, NamesTheRemedyForARecordingThatWasBrokenOff) {
+TEST(BagSet, NamesTheRemedyForARecordingThatWasBrokenOff) {
   const test::TemporaryFolder folder;
   const std::string path = write_bag((folder.path() / "killed.bag").string());
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);

@@ -4,7 +4,7 @@
 
 #include "xxh32.hpp"
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 namespace {
 
 std::uint32_t hash_of(const std::string& text) {
@@ -27,4 +27,4 @@ TEST(Xxh32, GoesThroughManyBlocks) {
 }
 
 }  // namespace
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -1,4 +1,4 @@
-#include "bag_file.hpp"
+#include "lidar_mapping/ros/bag_file.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -12,12 +12,16 @@
 
 #include "lidar_mapping/common/errors.hpp"
 
-namespace lidar_mapping::tools {
+#include "bag_chunk.hpp"
+
+namespace lidar_mapping::ros_border {
 
 namespace {
 
 constexpr char kVersion[] = "#ROSBAG V2.0\n";
 constexpr std::size_t kVersionLength = sizeof kVersion - 1;
+constexpr std::size_t kAnyVersionLength = 9;  // "#ROSBAG V"
+constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr std::uint64_t kAhead = 8'000'000;  // bytes that the disk is asked for early
 
 enum Operation : std::uint8_t {
@@ -45,6 +49,7 @@ Stamp time_at(const std::uint8_t* bytes) {
 
 /// "name=value" fields, and where the data that follow them lie.
 struct BagFile::Record {
+  std::uint64_t position = 0;
   ros::M_string fields;
   std::uint64_t data = 0;
   std::uint32_t size = 0;
@@ -60,8 +65,7 @@ struct BagFile::Record {
   const std::uint8_t* bytes(const BagFile& file, const std::string& name,
                             std::size_t expected) const {
     const auto field = fields.find(name);
-    if (field == fields.end() || field->second.size() != expected)
-      file.fail("its records are damaged");
+    if (field == fields.end() || field->second.size() != expected) file.fail_at(position);
     return reinterpret_cast<const std::uint8_t*>(field->second.data());
   }
   bool is(const BagFile& file, Operation operation) const {
@@ -69,14 +73,28 @@ struct BagFile::Record {
   }
 };
 
+BagFile::BagFile(const std::string& path) : BagFile(path, nullptr) {}
+
 BagFile::BagFile(const std::string& path, const std::vector<std::string>& topics)
-    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    : BagFile(path, &topics) {}
+
+/// With all topics if there is no list of them.
+BagFile::BagFile(const std::string& path, const std::vector<std::string>* topics) : path_(path) {
+  const std::string problem = "cannot read the bag " + path + ": ";
+  if (std::filesystem::is_directory(path)) {
+    throw FileError(problem + "it is a folder; name the bags in it");
+  }
+  if (!std::filesystem::is_regular_file(path)) {
+    throw FileError(problem + "there is no such file; check its path");
+  }
+  size_ = std::filesystem::file_size(path);
+  if (size_ == 0) throw FileError(problem + "it is empty; copy or record it again");
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw FileError(problem + std::strerror(errno) + "; check the permissions");
   try {
-    if (descriptor_ < 0) fail(std::strerror(errno));
-    size_ = std::filesystem::file_size(path);
     read_index(topics);
   } catch (...) {
-    if (descriptor_ >= 0) ::close(descriptor_);
+    ::close(descriptor_);
     throw;
   }
 }
@@ -87,47 +105,63 @@ void BagFile::fail(const std::string& reason) const {
   throw FileError("cannot read the bag " + path_ + ": " + reason + "; try rosbag reindex");
 }
 
+void BagFile::fail_at(std::uint64_t position) const {
+  fail("the record at byte " + std::to_string(position) + " is damaged");
+}
+
 void BagFile::read_bytes(std::uint64_t position, void* to, std::size_t size) const {
   auto* at = static_cast<std::uint8_t*>(to);
   while (size > 0) {
     const ssize_t got = ::pread(descriptor_, at, size, static_cast<off_t>(position));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail(std::strerror(errno));
-    if (got == 0) fail("it ends early");
+    if (got == 0) fail("its end is missing");
     at += got;
     position += static_cast<std::uint64_t>(got);
     size -= static_cast<std::size_t>(got);
   }
 }
 
+void BagFile::fail_chunk(std::uint64_t position) const {
+  fail("a chunk is damaged at byte " + std::to_string(position));
+}
+
 BagFile::Record BagFile::record_at(std::uint64_t position) const {
   constexpr std::uint32_t kLongestHeader = 1'000'000;
   std::uint32_t length = 0;
+  if (position >= size_) fail("its end is missing");
   read_bytes(position, &length, sizeof length);
-  if (length > kLongestHeader) fail("its records are damaged");
+  if (length > kLongestHeader) fail_at(position);
   std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
   read_bytes(position + sizeof length, text.data(), text.size());
   ros::Header header;
   std::string problem;
-  if (!header.parse(text.data(), length, problem)) fail(problem);
-  const Record record{*header.getValues(), position + sizeof length + text.size(),
+  if (!header.parse(text.data(), length, problem)) fail_at(position);
+  const Record record{position, *header.getValues(), position + sizeof length + text.size(),
                       number_at<std::uint32_t>(text.data() + length)};
-  if (record.end() > size_) fail("it ends early");
+  if (record.end() > size_) {
+    fail("its end is missing, within the record at byte " + std::to_string(position));
+  }
   return record;
 }
 
-void BagFile::read_index(const std::vector<std::string>& topics) {
-  char version[kVersionLength];
-  read_bytes(0, version, sizeof version);
+void BagFile::read_index(const std::vector<std::string>* topics) {
+  char version[kVersionLength] = {};
+  read_bytes(0, version, std::min<std::uint64_t>(size_, sizeof version));
+  if (std::memcmp(version, kVersion, kAnyVersionLength) != 0) {
+    throw FileError("cannot read the bag " + path_ +
+                    ": it is no bag; rosbag info says what one holds");
+  }
   if (std::memcmp(version, kVersion, sizeof version) != 0) {
     fail("it is not of version 2.0 (rosbag fix writes it anew)");
   }
   const Record bag = record_at(kVersionLength);
+  if (!bag.is(*this, kBagHeader)) fail_at(bag.position);
   const auto encryptor = bag.fields.find("encryptor");
   if (encryptor != bag.fields.end() && !encryptor->second.empty()) {
     fail("it is encrypted (rosbag decrypt helps)");
   }
-  auto position = bag.number<std::uint64_t>(*this, "index_pos");
+  std::uint64_t position = index_position(bag);
   const auto records = bag.number<std::uint32_t>(*this, "conn_count") +
                        std::uint64_t{bag.number<std::uint32_t>(*this, "chunk_count")};
   for (std::uint64_t i = 0; i < records; ++i) {
@@ -142,15 +176,29 @@ void BagFile::read_index(const std::vector<std::string>& topics) {
   std::sort(chunks_.begin(), chunks_.end(), earlier);
 }
 
-void BagFile::add_connection(const Record& record, const std::vector<std::string>& topics) {
+/// A recording that was killed leaves 0 there.
+std::uint64_t BagFile::index_position(const Record& header) const {
+  const auto position = header.number<std::uint64_t>(*this, "index_pos");
+  if (position == 0) {
+    throw FileError("cannot read the bag " + path_ +
+                    ": it has no index, as its recording was broken off; rosbag reindex makes one");
+  }
+  if (position < header.end()) fail_at(header.position);
+  return position;
+}
+
+void BagFile::add_connection(const Record& record, const std::vector<std::string>* topics) {
   const auto topic = record.fields.find("topic");
-  if (topic == record.fields.end()) fail("its records are damaged");
-  if (std::find(topics.begin(), topics.end(), topic->second) == topics.end()) return;
+  if (topic == record.fields.end()) fail_at(record.position);
+  const auto is_wanted = [&] {
+    return std::find(topics->begin(), topics->end(), topic->second) != topics->end();
+  };
+  if (topics != nullptr && !is_wanted()) return;
   std::vector<std::uint8_t> text(record.size);
   read_bytes(record.data, text.data(), text.size());
   ros::Header header;
   std::string problem;
-  if (!header.parse(text.data(), record.size, problem)) fail(problem);
+  if (!header.parse(text.data(), record.size, problem)) fail_at(record.position);
   BagConnection& connection = connections_[record.number<std::uint32_t>(*this, "conn")];
   connection.topic = topic->second;
   header.getValue("type", connection.type);
@@ -161,12 +209,16 @@ void BagFile::add_connection(const Record& record, const std::vector<std::string
 void BagFile::add_chunk(const Record& record) {
   std::vector<std::uint8_t> counts(record.size / 8 * 8);
   read_bytes(record.data, counts.data(), counts.size());
+  bool is_wanted = false;
   for (std::size_t i = 0; i < counts.size(); i += 8) {
-    if (connections_.count(number_at<std::uint32_t>(&counts[i])) == 0) continue;
-    chunks_.push_back(
-        {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
-    return;
+    const auto connection = connections_.find(number_at<std::uint32_t>(&counts[i]));
+    if (connection == connections_.end()) continue;
+    connection->second.messages += number_at<std::uint32_t>(&counts[i + 4]);
+    is_wanted = true;
   }
+  if (!is_wanted) return;
+  chunks_.push_back(
+      {record.number<std::uint64_t>(*this, "chunk_pos"), record.time(*this, "start_time")});
 }
 
 std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) const {
@@ -191,6 +243,7 @@ void BagFile::add_entries(const Record& record, std::vector<BagEntry>& entries) 
   std::vector<std::uint8_t> text(record.size / kEntry * kEntry);
   read_bytes(record.data, text.data(), text.size());
   for (std::size_t i = 0; i < text.size(); i += kEntry) {
+    if (number_at<std::uint32_t>(&text[i + 4]) >= kNanosecondsPerSecond) fail_at(record.position);
     entries.push_back({time_at(&text[i]), number_at<std::uint32_t>(&text[i + 8]), connection});
   }
 }
@@ -199,14 +252,14 @@ ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
   const Record record = record_at(chunk.position);
   const auto compression = record.fields.find("compression");
   if (!record.is(*this, kChunk) || compression == record.fields.end()) {
-    fail("its records are damaged");
+    fail_at(record.position);
   }
   ChunkContent content;
   content.size = record.number<std::uint32_t>(*this, "size");
-  if (content.size > largest_content(compression->second, record.size)) fail("a chunk is damaged");
+  if (content.size > largest_content(compression->second, record.size)) fail_chunk(record.position);
   content.bytes = memory.take(content.size);
   if (compression->second == "none") {
-    if (record.size != content.size) fail("a chunk is damaged");
+    if (record.size != content.size) fail_chunk(record.position);
     read_bytes(record.data, content.bytes.get(), content.size);
     return content;
   }
@@ -216,7 +269,7 @@ ChunkContent BagFile::read(const BagChunk& chunk, ChunkMemory& memory) {
     decompress(compression->second, {compressed_.data(), record.size}, content.bytes.get(),
                content.size);
   } catch (const InputError& error) {
-    fail(error.what());
+    fail(std::string(error.what()) + " at byte " + std::to_string(record.position));
   }
   return content;
 }
@@ -248,4 +301,4 @@ ByteRange BagFile::message(const ChunkContent& content, const BagEntry& entry) c
   }
 }
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 /// Memory for chunks of a bag, which goes from one to the next as soon as nobody holds the last:
 /// fresh pages would cost as much as copying. May be given back by any thread.
@@ -49,4 +49,4 @@ class ChunkMemory {
   std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -1,6 +1,8 @@
 #include "bag_chunk.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include <bzlib.h>
 #include <lz4.h>
@@ -9,7 +11,7 @@
 
 #include "xxh32.hpp"
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 namespace {
 
@@ -22,6 +24,7 @@ constexpr std::uint8_t kBlockChecksum = 0x10;
 constexpr std::uint8_t kContentSize = 0x08;
 constexpr std::uint8_t kContentChecksum = 0x04;
 constexpr std::uint8_t kDictionary = 0x01;
+constexpr std::size_t kMostToLz4 = std::numeric_limits<int>::max();
 constexpr std::size_t kDescriptor = 3;  // flags, block size, checksum of the header
 
 [[noreturn]] void fail() { throw InputError("a chunk is damaged"); }
@@ -46,10 +49,13 @@ class Reader {
   ByteRange data_;
 };
 
-/// Returns the flags.
+/// Returns the flags. The header's checksum is the second byte of that of all before it.
 std::uint8_t read_frame_header(Reader& reader) {
   if (reader.take_number() != kMagic) fail();
-  const std::uint8_t flags = *reader.take(kDescriptor);
+  const std::uint8_t* const descriptor = reader.take(kDescriptor);
+  const std::uint32_t checksum = xxh32({descriptor, kDescriptor - 1});
+  if (descriptor[kDescriptor - 1] != static_cast<std::uint8_t>(checksum >> 8U)) fail();
+  const std::uint8_t flags = descriptor[0];
   const std::uint8_t unknown = kContentSize | kDictionary;
   if ((flags & kVersionMask) != kVersion || (flags & kIndependent) == 0 || (flags & unknown) != 0) {
     fail();
@@ -66,9 +72,9 @@ void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
     const std::uint8_t* const from = reader.take(length);
     std::size_t written = length;
     if ((block & kNotCompressed) == 0) {
-      const int result =
-          LZ4_decompress_safe(reinterpret_cast<const char*>(from), reinterpret_cast<char*>(to),
-                              static_cast<int>(length), static_cast<int>(size));
+      const int result = LZ4_decompress_safe(reinterpret_cast<const char*>(from),
+                                             reinterpret_cast<char*>(to), static_cast<int>(length),
+                                             static_cast<int>(std::min(size, kMostToLz4)));
       if (result < 0) fail();
       written = static_cast<std::size_t>(result);
     } else {
@@ -77,7 +83,7 @@ void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
     }
     to += written;
     size -= written;
-    if ((flags & kBlockChecksum) != 0) reader.take_number();
+    if ((flags & kBlockChecksum) != 0 && reader.take_number() != xxh32({from, length})) fail();
   }
   if (size != 0) fail();
   if ((flags & kContentChecksum) != 0 && reader.take_number() != xxh32(content)) fail();
@@ -109,4 +115,4 @@ std::size_t largest_content(const std::string& compression, std::size_t bytes) {
   return bytes;
 }
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

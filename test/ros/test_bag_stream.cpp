@@ -5,6 +5,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <lz4frame.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <std_msgs/Header.h>
@@ -13,11 +14,12 @@
 #include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/bag_stream.hpp"
 
-#include "bag_stream.hpp"
+#include "bag_chunk.hpp"
 #include "temporary_folder.hpp"
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 namespace {
 
 using Strings = std::vector<std::string>;
@@ -230,6 +232,40 @@ TEST_P(BagStreamTest, GivesNothingThatWasNotWritten) {
   EXPECT_GT(damaged, 30U);
 }
 
+/// The header of a frame and its blocks have checksums too: no bit of a chunk may be wrong.
+TEST(BagChunk, ABitAnywhereInAnLz4FrameIsNoticed) {
+  for (const auto flags : {LZ4F_noBlockChecksum, LZ4F_blockChecksumEnabled}) {
+    LZ4F_preferences_t preferences{};
+    preferences.frameInfo.blockMode = LZ4F_blockIndependent;
+    preferences.frameInfo.blockChecksumFlag = flags;
+    preferences.frameInfo.contentChecksumFlag =
+        flags == LZ4F_noBlockChecksum ? LZ4F_contentChecksumEnabled : LZ4F_noContentChecksum;
+    std::string text(3000, 'x');
+    std::mt19937 engine(3);
+    std::generate(text.begin(), text.begin() + 1000, [&] { return static_cast<char>(engine()); });
+    std::vector<std::uint8_t> frame(LZ4F_compressFrameBound(text.size(), &preferences));
+    frame.resize(
+        LZ4F_compressFrame(frame.data(), frame.size(), text.data(), text.size(), &preferences));
+    std::vector<std::uint8_t> content(text.size());
+    decompress("lz4", {frame.data(), frame.size()}, content.data(), content.size());
+    EXPECT_EQ(std::string(content.begin(), content.end()), text);
+    std::size_t refused = 0;
+    for (std::size_t bit = 0; bit < 8 * frame.size(); ++bit) {
+      std::vector<std::uint8_t> damaged = frame;
+      damaged[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+      try {
+        decompress("lz4", {damaged.data(), damaged.size()}, content.data(), content.size());
+        // Of a run of equal letters it does not matter from which of them it is copied.
+        EXPECT_EQ(std::string(content.begin(), content.end()), text) << "bit " << bit;
+      } catch (const InputError&) {
+        ++refused;
+      }
+    }
+    const std::size_t bits = 8 * frame.size();
+    EXPECT_GE(refused, flags == LZ4F_noBlockChecksum ? bits - 100 : bits);
+  }
+}
+
 /// While it lives the process may only have so much more address space.
 class ScarceMemory {
  public:
@@ -280,4 +316,4 @@ INSTANTIATE_TEST_SUITE_P(All, BagStreamTest,
                                          rosbag::compression::BZ2, rosbag::compression::LZ4));
 
 }  // namespace
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -13,10 +13,9 @@
 #include <ros/serialization.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/bag_file.hpp"
 
-#include "bag_file.hpp"
-
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 /// A message as it was written. It stays where it was decompressed for as long as somebody holds
 /// `memory`. Two functions have the names of those of rosbag::MessageInstance, in whose stead it is
@@ -27,12 +26,15 @@ struct BagMessage {
   ByteRange data;
   std::shared_ptr<const void> memory;
 
+  const std::string& topic() const { return connection->topic; }
   const std::string& getDataType() const { return connection->type; }
   template <typename Message>
   bool holds() const {
     return connection->md5sum == ros::message_traits::MD5Sum<Message>::value();
   }
-  /// Nothing if it holds another type.
+  /// Nothing if it holds another type. Throws ros::Exception if it is damaged. Not for types with
+  /// arrays of any length, whose number the library believes: see read_cloud() and
+  /// read_transforms().
   template <typename Message>
   std::optional<Message> instantiate() const {
     if (!holds<Message>()) return std::nullopt;
@@ -98,4 +100,4 @@ class BagStream {
   ChunkMemory memory_;
 };
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

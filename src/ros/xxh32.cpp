@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 namespace {
 
@@ -69,4 +69,4 @@ std::uint32_t xxh32(ByteRange data) {
   return avalanched(hash);
 }
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

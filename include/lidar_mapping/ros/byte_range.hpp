@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 /// Bytes that somebody else keeps.
 struct ByteRange {
@@ -11,4 +11,4 @@ struct ByteRange {
   std::size_t size = 0;
 };
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "byte_range.hpp"
+#include "lidar_mapping/ros/byte_range.hpp"
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 /// Fills `size` bytes at `to` with the content of a chunk that was compressed by "lz4" or "bz2".
 /// Throws InputError for damaged data, also for such as only the checksum shows.
@@ -15,4 +15,4 @@ void decompress(const std::string& compression, ByteRange data, std::uint8_t* to
 /// What so many bytes can hold at most; damaged bags claim anything.
 std::size_t largest_content(const std::string& compression, std::size_t bytes);
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/ros/byte_range.hpp"
+#include "lidar_mapping/ros/chunk_memory.hpp"
 
-#include "bag_chunk.hpp"
-#include "chunk_memory.hpp"
-
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 /// What is sent on a topic by one publisher.
 struct BagConnection {
   std::string topic;
   std::string type;
   std::string md5sum;  ///< of the type
+  std::uint64_t messages = 0;
 };
 
 /// A part of a bag that is read as a whole.
@@ -39,15 +39,19 @@ struct ChunkContent {
   std::size_t size = 0;
 };
 
-/// Some topics of a bag of version 2.0 (wiki.ros.org/Bags/Format/2.0), chunk by chunk. What rosbag
-/// does not offer is to leave messages where they were decompressed. Throws FileError.
+/// A bag of version 2.0 (wiki.ros.org/Bags/Format/2.0), or some topics of it, chunk by chunk. What
+/// rosbag does not offer is to leave messages where they were decompressed, and to believe no
+/// length, offset or count of a damaged bag: here each is held against what is there. Throws
+/// FileError with the position in the file and what to do.
 class BagFile {
  public:
+  explicit BagFile(const std::string& path);
   BagFile(const std::string& path, const std::vector<std::string>& topics);
   ~BagFile();
   BagFile(const BagFile&) = delete;
   BagFile& operator=(const BagFile&) = delete;
 
+  const std::string& path() const { return path_; }
   /// Those of the topics.
   const std::map<std::uint32_t, BagConnection>& connections() const { return connections_; }
   /// Those that hold messages of the topics, in the order of their beginnings.
@@ -63,10 +67,16 @@ class BagFile {
  private:
   struct Record;
 
+  BagFile(const std::string& path, const std::vector<std::string>* topics);
+
+  [[noreturn]] void fail_at(std::uint64_t position) const;
+  [[noreturn]] void fail_chunk(std::uint64_t position) const;
+
   Record record_at(std::uint64_t position) const;
   void read_bytes(std::uint64_t position, void* to, std::size_t size) const;
-  void read_index(const std::vector<std::string>& topics);
-  void add_connection(const Record& record, const std::vector<std::string>& topics);
+  void read_index(const std::vector<std::string>* topics);
+  std::uint64_t index_position(const Record& header) const;
+  void add_connection(const Record& record, const std::vector<std::string>* topics);
   void add_chunk(const Record& record);
   void add_entries(const Record& record, std::vector<BagEntry>& entries) const;
 
@@ -78,4 +88,4 @@ class BagFile {
   std::vector<std::uint8_t> compressed_;
 };
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

@@ -1,9 +1,9 @@
-#include "bag_stream.hpp"
+#include "lidar_mapping/ros/bag_stream.hpp"
 
 #include <algorithm>
 #include <utility>
 
-namespace lidar_mapping::tools {
+namespace lidar_mapping::ros_border {
 
 namespace {
 
@@ -106,4 +106,4 @@ void BagStream::forget_farthest() {
   std::find_if(open_.rbegin(), open_.rend(), is_there)->second.content.reset();
 }
 
-}  // namespace lidar_mapping::tools
+}  // namespace lidar_mapping::ros_border

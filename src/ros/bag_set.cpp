@@ -1,0 +1,56 @@
+#include "lidar_mapping/ros/bag_set.hpp"
+
+#include <algorithm>
+
+#include "lidar_mapping/common/errors.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+/// Makes the times those of the messages of a chunk too, which lie in the order of their times.
+void extend(std::optional<std::pair<Stamp, Stamp>>& times, const std::vector<BagEntry>& entries) {
+  if (entries.empty()) return;
+  const Stamp first = entries.front().recorded;
+  const Stamp last = entries.back().recorded;
+  if (!times) times.emplace(first, last);
+  times->first = std::min(times->first, first);
+  times->second = std::max(times->second, last);
+}
+
+}  // namespace
+
+BagSet::BagSet(std::vector<std::string> paths) : paths_(std::move(paths)) {
+  std::map<std::pair<std::string, std::string>, std::uint64_t> messages;
+  for (const std::string& path : paths_) {
+    const BagFile bag(path);
+    for (const auto& [id, connection] : bag.connections()) {
+      messages[{connection.topic, connection.type}] += connection.messages;
+    }
+  }
+  for (const auto& [topic, count] : messages) topics_.push_back({topic.first, topic.second, count});
+}
+
+bool BagSet::has(const std::string& topic, const std::vector<std::string>& types) const {
+  return std::any_of(topics_.begin(), topics_.end(), [&](const BagTopic& there) {
+    return there.name == topic && std::find(types.begin(), types.end(), there.type) != types.end();
+  });
+}
+
+std::optional<std::pair<Stamp, Stamp>> BagSet::times_of(
+    const std::vector<std::string>& topics) const {
+  std::optional<std::pair<Stamp, Stamp>> times;
+  for (const std::string& path : paths_) {
+    const BagFile bag(path, topics);
+    for (const BagChunk& chunk : bag.chunks()) {
+      try {
+        extend(times, bag.entries(chunk));
+      } catch (const FileError&) {
+        // Who reads the messages is told.
+      }
+    }
+  }
+  return times;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <rosbag/bag.h>
+
+/// Small whole files of every kind that the package reads, to be spoilt.
+namespace lidar_mapping::test {
+
+/// Seconds with a LiDAR, an IMU, a velocity and fixes, and where the sensors are.
+void write_bag(const std::filesystem::path& path, rosbag::compression::CompressionType compression);
+/// Key frames, loops, verdicts, measurements and poses.
+void write_session(const std::filesystem::path& folder);
+void write_hdl_dump(const std::filesystem::path& folder);
+/// Raw: velodyne_points/ and oxts/.
+void write_kitti_raw(const std::filesystem::path& folder);
+/// velodyne/, point_times/ and times.txt.
+void write_kitti_odometry(const std::filesystem::path& folder);
+/// A point cloud; `data` is ascii, binary or binary_compressed. With `times` the points have them.
+void write_pcd(const std::filesystem::path& path, const std::string& data, bool times);
+void write_g2o(const std::filesystem::path& path, bool planar);
+/// TUM's lines, or KITTI's.
+void write_trajectory(const std::filesystem::path& path, bool kitti);
+void write_loop_list(const std::filesystem::path& path);
+
+}  // namespace lidar_mapping::test

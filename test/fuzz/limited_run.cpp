@@ -1,0 +1,77 @@
+#include "limited_run.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace lidar_mapping::test {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+void limit(__rlimit_resource resource, rlim_t value) {
+  const rlimit limits{value, value};
+  setrlimit(resource, &limits);
+}
+
+[[noreturn]] void become(const std::string& program, const std::vector<std::string>& words,
+                         const std::string& output, unsigned seconds) {
+  limit(RLIMIT_CPU, seconds);
+  limit(RLIMIT_CORE, 0);
+#ifndef __SANITIZE_ADDRESS__  // which reserves terabytes of addresses
+  constexpr rlim_t kMemory = 8'000'000'000;
+  limit(RLIMIT_AS, kMemory);
+#endif
+  const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  dup2(file, STDOUT_FILENO);
+  dup2(file, STDERR_FILENO);
+  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  _exit(127);
+}
+
+/// Whether it ended by itself in time.
+bool wait_for(pid_t pid, Clock::time_point end, int& status) {
+  auto pause = std::chrono::milliseconds(1);
+  while (waitpid(pid, &status, WNOHANG) == 0) {
+    if (Clock::now() > end) return false;
+    std::this_thread::sleep_for(pause);
+    pause = std::min(pause * 2, std::chrono::milliseconds(50));
+  }
+  return true;
+}
+
+}  // namespace
+
+RunResult run_limited(const std::filesystem::path& program, const std::vector<std::string>& words,
+                      const std::filesystem::path& output, unsigned seconds) {
+  constexpr int kClockPerProcessor = 10;
+  const auto end = Clock::now() + std::chrono::seconds(kClockPerProcessor * seconds);
+  const pid_t pid = fork();
+  if (pid == 0) become(program.string(), words, output.string(), seconds);
+  RunResult result;
+  int status = 0;
+  if (!wait_for(pid, end, status)) {
+    result.hung = true;
+    kill(pid, SIGKILL);
+    waitpid(pid, &status, 0);
+  }
+  if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
+  if (WIFEXITED(status)) result.status = WEXITSTATUS(status);
+  result.hung = result.hung || result.signal == SIGXCPU || result.signal == SIGKILL;
+  std::ifstream file(output);
+  result.output = {std::istreambuf_iterator<char>(file), {}};
+  return result;
+}
+
+}  // namespace lidar_mapping::test

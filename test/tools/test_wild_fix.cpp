@@ -1,0 +1,65 @@
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include "mapped_drive.hpp"
+
+namespace lidar_mapping::tools {
+namespace {
+
+using session::Session;
+using test::TemporaryFolder;
+
+class WildFix : public test::MappedDrive {
+ protected:
+  /// The bag with the first `count` fixes five degrees (550 km) farther north.
+  static void copy_with_wild_fixes(const std::string& to, int count) {
+    const rosbag::Bag from(bag());
+    rosbag::Bag copy(to, rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& message : rosbag::View(from)) {
+      const auto fix = message.instantiate<sensor_msgs::NavSatFix>();
+      if (!fix || count-- <= 0) {
+        copy.write(message.getTopic(), message.getTime(), message);
+        continue;
+      }
+      fix->latitude += 5.0;
+      copy.write(message.getTopic(), message.getTime(), fix);
+    }
+    copy.close();
+  }
+
+  static double farthest(const Session& session) {
+    double metres = 0.0;
+    for (const auto& pose : session.poses().poses) {
+      metres = std::max(metres, pose.T_map_base.translation.norm());
+    }
+    return metres;
+  }
+};
+
+TEST_F(WildFix, AtTheStartIsLeftOut) {
+  const TemporaryFolder folder;
+  const std::string wild = folder.path() / "wild.bag", town = folder.path() / "town";
+  copy_with_wild_fixes(wild, 1);
+  ASSERT_EQ(run("map_bag", {wild, "-o", town, "--formats", "pcd"}), 0) << said();
+  EXPECT_TRUE(has_said("the first fix is 556 km from the next ones, which agree")) << said();
+  const Session session = Session::open(town, Session::Access::kRead);
+  const Session undisturbed = Session::open(whole(), Session::Access::kRead);
+  ASSERT_TRUE(session.datum());
+  EXPECT_NEAR(session.datum()->latitude_deg, undisturbed.datum()->latitude_deg, 1e-4);
+  EXPECT_GT(session.gnss().size() + 5, undisturbed.gnss().size());
+  EXPECT_LT(farthest(session), farthest(undisturbed) + 10.0);
+}
+
+/// Nobody knows then which ones are right; the map is made all the same.
+TEST_F(WildFix, OnesThatAgreeDoNotEndTheMap) {
+  const TemporaryFolder folder;
+  const std::string wild = folder.path() / "wild.bag", town = folder.path() / "town";
+  copy_with_wild_fixes(wild, 20);
+  ASSERT_EQ(run("map_bag", {wild, "-o", town, "--formats", "pcd"}), 0) << said();
+  EXPECT_TRUE(has_said("a jump: ")) << said();
+  EXPECT_LT(farthest(Session::open(town, Session::Access::kRead)), 1000.0);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::tools
