@@ -55,7 +55,8 @@ class HeaderReader {
     std::istringstream stream(line);
     std::string key;
     stream >> key;
-    if (key.empty() || key[0] == '#') return;
+    if (line.empty() || (!key.empty() && key[0] == '#')) return;
+    if (key.empty()) fail("a line of white space, which ends the header for PCL");
     const auto place = std::find(kOrder.begin(), kOrder.end(), key);
     if (place == kOrder.end()) fail("'" + key.substr(0, 40) + "' is no line of a header");
     if (place < next_) fail(key + " stands twice or behind " + *(next_ - 1));

@@ -157,6 +157,7 @@ TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
   EXPECT_EQ(read_pcd(path).size(), 2U);
   const std::pair<const char*, const char*> damages[] = {
       {"POINTS 2\n", ""},
+      {"VERSION 0.7\n", "\r\nVERSION 0.7\n"},  // PCL takes that for the end of the header
       {"HEIGHT 1\n", ""},
       {"WIDTH 2\n", ""},
       {"SIZE 4 4 4\n", ""},
