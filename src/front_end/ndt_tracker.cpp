@@ -7,16 +7,19 @@
 #include <Eigen/LU>
 
 #include "lidar_mapping/front_end/blind_way.hpp"
+#include "lidar_mapping/front_end/claimed_pose.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/elevation_calibration.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
 #include "lidar_mapping/front_end/map_beginning.hpp"
+#include "lidar_mapping/front_end/match_evidence.hpp"
 #include "lidar_mapping/front_end/match_judge.hpp"
 #include "lidar_mapping/front_end/measured_motion.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
 #include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/ring_spacing.hpp"
+#include "lidar_mapping/front_end/step_belief.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/sweep_clock.hpp"
 #include "lidar_mapping/front_end/sweep_matcher.hpp"
@@ -68,6 +71,7 @@ class NdtTracker::Impl {
     timer_.start("sampling");
     sampler_.take(scan, scans_++);
     const double seconds = clock_.advance(scan.stamp, sampler_.reference(), sampler_.duration());
+    since_claim_ += seconds;
     TrackedScan result;
     result.status.elevation_shift = elevation_.found();
     result.elevation_shift = elevation_.applied();
@@ -150,8 +154,12 @@ class NdtTracker::Impl {
               const Prediction& prediction, TrackedScan& result) {
     const auto [found, believed] = locate(seconds, prediction);
     describe(found, result.status);
+    describe_directions(found, result.status);
+    result.status.evidence = weigh(found, believed, seconds);
+    result.status.evidence.degenerate = result.status.degenerate_directions.empty() ? 0.0 : 1.0;
     result.status.state = judge_.judge(found.match, believed);
     if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
+    lower(believe(result.status.evidence, EvidenceSource::kNdt), result.status);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;
@@ -161,10 +169,36 @@ class NdtTracker::Impl {
       unnoticed_.insert(beginning_.first_points(), beginning_.first_state(found.match.state.twist));
     }
     accept(found, prior, result.status);
+    if (!claims_pose(result.status.state)) {
+      covariance_ += doubt_covariance(found.match.state, believed, result.status.probability);
+    }
     follow_blindly(found, prediction.where_blind, seconds);
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
     result.revisions = beginning_.look_again(filter_, judge_, map_);
+  }
+
+  /// What speaks for and against the match as the end of a step from the last claim.
+  StepEvidence weigh(const SweepMatcher::Found& found, const MotionBelief& believed,
+                     double seconds) const {
+    const NdtMatch& match = found.match;
+    const double to_stamp = -sampler_.reference();
+    StepEvidence evidence = evidence_of(match, believed);
+    evidence.points = static_cast<double>(sampler_.points().size());
+    evidence.rescued = found.rescued ? 1.0 : 0.0;
+    if (beginning_.motion_known() && sampler_.duration() > 0.0) {
+      const Pose gone_on = moved(last_good_, match.state.twist, lost_time_ + seconds);
+      const Vector6d d = difference(gone_on, match.state.T_map_sensor);
+      evidence.unsteadiness = d.head<3>().norm();
+      evidence.unsteadiness_angle = d.tail<3>().norm();
+    }
+    set_step(claim_,
+             {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
+              pose_covariance(reported_covariance(match), match.state.twist, to_stamp) +
+                  filter_.unsteadiness(to_stamp),
+              beginning_.is_young() ? variance_in_young_map(match) : 1.0},
+             since_claim_, evidence);
+    return evidence;
   }
 
   /// The way since the last match, not the motion during the sweep: a jump of the pose says
@@ -219,15 +253,17 @@ class NdtTracker::Impl {
     status.inlier_fraction = found.match.inlier_fraction;
     status.overlap = found.match.overlap;
     status.rescued = found.rescued;
+  }
+
+  void describe_directions(const SweepMatcher::Found& found, FrontEndStatus& status) const {
     status.degenerate_directions = found.degenerate_directions;
+    if (!beginning_.is_one_place() || !found.degenerate_directions.empty()) return;
+    status.degenerate_directions = degenerate_directions(found.match.pose_hessian, kOnePlaceShare);
   }
 
   void accept(const SweepMatcher::Found& found, const MotionPrior& prior, FrontEndStatus& status) {
     const NdtMatch& match = found.match;
-    if (beginning_.is_one_place() && found.degenerate_directions.empty()) {
-      status.degenerate_directions = degenerate_directions(match.pose_hessian, kOnePlaceShare);
-    }
-    if (!status.degenerate_directions.empty() && status.state == TrackingState::kTracking) {
+    if (!status.degenerate_directions.empty() && claims_pose(status.state)) {
       status.state = TrackingState::kDegenerate;
     }
     if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
@@ -236,7 +272,7 @@ class NdtTracker::Impl {
                     projection_beside(found.degenerate_directions));
     covariance_ = reported_covariance(match);
     parting_variance_ = beginning_.is_young() ? variance_in_young_map(match) : 1.0;
-    judge_.learn(match);
+    if (status.state != TrackingState::kDegraded) judge_.learn(match);
     last_good_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
   }
@@ -325,10 +361,16 @@ class NdtTracker::Impl {
     result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
+    if (claims_pose(result.status.state) || result.new_segment) claim(result);
     result.status.map_points_dropped = map_.dropped_points();
     result.status.unobserved_stddev = blind_way_.stddev();
     result.status.stamp_jitter = clock_.jitter();
     result.status.step_seconds = timer_.take();
+  }
+
+  void claim(const TrackedScan& result) {
+    claim_ = {result.T_odom_base, result.covariance, result.parting_variance};
+    since_claim_ = 0.0;
   }
 
   const FrontEndConfig config_;
@@ -353,10 +395,12 @@ class NdtTracker::Impl {
   std::optional<Eigen::Vector3d> sensor_origin_;
   HeededRings rings_;
   std::size_t scans_ = 0;
-  Pose start_;              ///< where a map begins, at the stamp of its first scan
-  Pose inserted_;           ///< of the scan last put into the map
-  Pose last_good_;          ///< of the scan last matched
-  double lost_time_ = 0.0;  ///< s since the last match
+  Pose start_;                ///< where a map begins, at the stamp of its first scan
+  Pose inserted_;             ///< of the scan last put into the map
+  Pose last_good_;            ///< of the scan last matched
+  double lost_time_ = 0.0;    ///< s since the last match
+  ClaimedPose claim_;         ///< of the last scan that claimed its pose
+  double since_claim_ = 0.0;  ///< s
 };
 
 NdtTracker::NdtTracker(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}

@@ -49,7 +49,8 @@ session::ScanRecord to_record(const FrontEndStatusMessage& status) {
           status.overlap,
           status.seconds,
           std::int64_t{status.scans_dropped},
-          status.unobserved_stddev};
+          status.unobserved_stddev,
+          status.probability};
 }
 
 }  // namespace

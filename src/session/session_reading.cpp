@@ -59,8 +59,10 @@ std::vector<Floor> Session::floors() const {
 }
 
 std::vector<ScanRecord> Session::scans() const {
-  const char* columns = has_unobserved_stddev(impl_->database) ? "*" : "*, 0.0";
-  return impl_->all("SELECT " + std::string(columns) + " FROM scans ORDER BY stamp", read_scan);
+  std::string columns = "*";
+  if (!has_unobserved_stddev(impl_->database)) columns += ", 0.0";
+  if (!has_probability(impl_->database)) columns += ", -1.0";
+  return impl_->all("SELECT " + columns + " FROM scans ORDER BY stamp", read_scan);
 }
 
 std::vector<std::pair<Stamp, Pose>> Session::odometry() const {

@@ -11,6 +11,7 @@
 
 #include "campaign_case.hpp"
 #include "campaign_run.hpp"
+#include "evidence_table.hpp"
 #include "json.hpp"
 #include "number_checks.hpp"
 
@@ -30,6 +31,7 @@ struct Options {
   std::uint64_t seed = 1;
   double duration = 30.0;
   std::string json;
+  std::string evidence;
 };
 
 /// Every case with every sensor and seed that it does not fix itself, then the random ones.
@@ -58,9 +60,9 @@ std::vector<CampaignCase> all_runs(const Options& options) {
 void print(const CampaignFigures& f, const std::string& line) {
   char drift[32] = "-";
   if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
-  std::printf("%8s %5zu %6zu %5zu %8zu %10zu %9.3f %9.2f %7.2f  %s\n", drift, f.scans, f.silent,
-              f.lost, f.degraded, f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms,
-              line.c_str());
+  std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %10zu %9.3f %9.2f %7.2f  %s\n", drift, f.scans,
+              f.silent, f.wrong, f.false_alarms, f.lost, f.degraded, f.degenerate, f.largest_error,
+              f.largest_error_deg, f.cpu_ms, line.c_str());
   std::fflush(stdout);
 }
 
@@ -69,6 +71,8 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
                {"scans", f.scans},
                {"drift_percent", nullptr},
                {"silent", f.silent},
+               {"wrong", f.wrong},
+               {"false_alarms", f.false_alarms},
                {"lost", f.lost},
                {"degraded", f.degraded},
                {"degenerate", f.degenerate},
@@ -81,13 +85,18 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
 
 void run(const Options& options) {
   const std::vector<CampaignCase> runs = all_runs(options);
-  std::printf("%8s %5s %6s %5s %8s %10s %9s %9s %7s  %s\n", "drift %", "scans", "silent", "lost",
-              "degraded", "degenerate", "largest m", "largest d", "cpu ms", "case");
+  std::printf("%8s %5s %6s %5s %5s %5s %8s %10s %9s %9s %7s  %s\n", "drift %", "scans", "silent",
+              "wrong", "false", "lost", "degraded", "degenerate", "largest m", "largest d",
+              "cpu ms", "case");
+  std::optional<tools::EvidenceTable> table;
+  if (!options.evidence.empty()) table.emplace(options.evidence);
   Json all = Json::array();
   std::size_t scans = 0, silent = 0, lost = 0;
   for (const CampaignCase& c : runs) {
     const std::string line = tools::to_line(c);
-    const CampaignFigures figures = tools::run_case(c, options.duration);
+    std::vector<tools::CheckedStep> steps;
+    const CampaignFigures figures = tools::run_case(c, options.duration, &steps);
+    if (table) table->add(line, steps);
     print(figures, line);
     all.push_back(to_json(figures, line));
     scans += figures.scans;
@@ -95,6 +104,7 @@ void run(const Options& options) {
     lost += figures.lost;
   }
   std::printf("%zu runs, %zu scans, %zu silent, %zu lost\n", runs.size(), scans, silent, lost);
+  if (table) table->close();
   if (options.json.empty()) return;
   std::ofstream file(options.json);
   file << Json{{"duration_s", options.duration}, {"runs", all}}.dump(2) << "\n";
@@ -118,6 +128,9 @@ int main(int argc, char** argv) {
                  "fault alone");
   app.add_option("--case", options.lines, "one case more, in the same form (repeatable)")
       ->allow_extra_args(false);
+  app.add_option("--evidence", options.evidence,
+                 "CSV file to write: every step with what it was judged by, for "
+                 "fit_step_belief.py");
   app.add_option("--random", options.random, "so many random mixtures of worlds and faults");
   app.add_option("--seed", options.seed, "of the random mixtures")->capture_default_str();
   app.add_option("--duration", options.duration, "seconds of each drive")

@@ -18,13 +18,15 @@ namespace lidar_mapping::session {
 /// What the front end said of one scan.
 struct ScanRecord {
   Stamp stamp = 0;
-  std::string state;  ///< tracking, degenerate, degraded, lost or repeated
+  std::string state;  ///< tracking, degenerate, doubtful, degraded, lost or repeated
   double fitness = 0.0;
   double overlap = 0.0;
   double seconds = 0.0;
   std::int64_t scans_dropped = 0;  ///< since the start of the run
   /// Of the way since the start, from directions that nothing observed, m; 0: not known.
   double unobserved_stddev = 0.0;
+  /// That its step is right (FrontEndStatus::probability); negative: not known.
+  double probability = -1.0;
 };
 
 /// What one optimisation did.

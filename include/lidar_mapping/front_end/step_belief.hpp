@@ -1,0 +1,35 @@
+#pragma once
+
+#include "lidar_mapping/front_end/front_end_status.hpp"
+#include "lidar_mapping/front_end/step_evidence.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// A step that is off by more than this is wrong, whatever its covariance says.
+constexpr double kWrongStep = 0.3;                   // m
+constexpr double kWrongStepAngle = 0.0174532925199;  // rad, 1 degree
+
+/// Which evidence there is: the sequential NDT has all of it, other methods have less.
+enum class EvidenceSource { kNdt, kSlidingWindow };
+
+/// What the evidence says of a step, by two logistic models that are fitted to simulated drives
+/// with and without faults (scripts/fit_step_belief.py, doc/campaign.md). They learn nothing while
+/// they run.
+struct StepBelief {
+  double probability = 1.0;  ///< that it is right within three of its own standard deviations
+  double safety = 1.0;       ///< the probability that it is off by less than kWrongStep and
+                             ///< kWrongStepAngle
+  double reach = 0.0;        ///< three of its own standard deviations in units of these
+
+  /// False if it is so improbable that nothing should be built on the step.
+  bool is_usable() const;
+  /// False if it may be wrong by more than what is allowed to be called tracked.
+  bool is_safe() const;
+};
+
+StepBelief believe(const StepEvidence& evidence, EvidenceSource source);
+
+/// Takes the belief into the status: its probability, and a state that claims no more than that.
+void lower(const StepBelief& belief, FrontEndStatus& status);
+
+}  // namespace lidar_mapping::front_end
