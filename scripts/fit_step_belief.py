@@ -36,6 +36,8 @@ FEATURES = (
     ('converged', None),
 )
 RIDGE = 1.0
+# Of a step of a chosen case beside one of a random mixture, to which the figures are to be true.
+CHOSEN_WEIGHT = 0.3
 EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 0.997, 1.0 + 1e-9)
 
 
@@ -78,7 +80,13 @@ def is_sliding_window(table):
     return np.array(['method=' in case for case in table['case']])
 
 
-def fit(x, y):
+def weights(table):
+    """Random mixtures count in full."""
+    return np.array([1.0 if case.startswith('random') else CHOSEN_WEIGHT
+                     for case in table['case']])
+
+
+def fit(x, y, weight):
     """Coefficients for which the logistic function of x @ coefficients is the probability of y."""
     mean, scale = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-6)
     mean[0], scale[0] = 0.0, 1.0
@@ -86,8 +94,8 @@ def fit(x, y):
     beta = np.zeros(x.shape[1])
     for _ in range(50):
         p = probability(beta, z)
-        hessian = (z * (p * (1.0 - p))[:, None]).T @ z + RIDGE * np.eye(len(beta))
-        step = np.linalg.solve(hessian, z.T @ (y - p) - RIDGE * beta)
+        hessian = (z * (weight * p * (1.0 - p))[:, None]).T @ z + RIDGE * np.eye(len(beta))
+        step = np.linalg.solve(hessian, z.T @ (weight * (y - p)) - RIDGE * beta)
         beta += step
         if np.abs(step).max() < 1e-8:
             break
@@ -180,7 +188,7 @@ def main():
         models = []
         for title, true in (('right', is_right(part)), ('safe', is_safe(part))):
             x = features(part)
-            models.append(fit(x, true.astype(float)))
+            models.append(fit(x, true.astype(float), weights(part)))
             report(f'{name}, {title}', probability(models[-1], x), true)
         code += as_code(name, models)
     if arguments.output:

@@ -55,16 +55,19 @@ double logistic(const Coefficients& coefficients, const Coefficients& x) {
 
 }  // namespace
 
-bool StepBelief::is_usable() const { return probability >= kUsable; }
-
 bool StepBelief::is_safe() const { return safety >= kSafe && reach <= 1.0; }
 
 StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
   const Coefficients x = features(evidence);
-  const Model& model = source == EvidenceSource::kNdt ? kNdtModel : kSlidingWindowModel;
+  // Covariances of other methods say too little of their errors to go by, or there are none.
+  if (source == EvidenceSource::kSlidingWindow) {
+    return {logistic(kSlidingWindowModel.probability, x), logistic(kSlidingWindowModel.safety, x),
+            0.0, true};
+  }
+  const double probability = logistic(kNdtModel.probability, x);
   const double reach =
-      3.0 * std::max(evidence.sigma / kWrongStep, evidence.sigma_angle / kWrongStepAngle);
-  return {logistic(model.probability, x), logistic(model.safety, x), reach};
+      std::max(evidence.sigma / kWrongStep, evidence.sigma_angle / kWrongStepAngle);
+  return {probability, logistic(kNdtModel.safety, x), 3.0 * reach, probability >= kUsable};
 }
 
 void lower(const StepBelief& belief, FrontEndStatus& status) {
@@ -75,7 +78,7 @@ void lower(const StepBelief& belief, FrontEndStatus& status) {
   status.probability = belief.probability;
   // What is not known is said already, and a tunnel has to come into the map.
   if (!status.degenerate_directions.empty()) return;
-  if (!belief.is_usable()) status.state = TrackingState::kDegraded;
+  if (!belief.is_usable) status.state = TrackingState::kDegraded;
   if (status.state == TrackingState::kTracking && !belief.is_safe()) {
     status.state = TrackingState::kDoubtful;
   }

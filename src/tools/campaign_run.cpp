@@ -53,7 +53,16 @@ void count(TrackingState state, CampaignFigures& figures) {
   ++figures.scans;
   figures.lost += state == TrackingState::kLost ? 1 : 0;
   figures.degraded += state == TrackingState::kDegraded ? 1 : 0;
+  figures.doubtful += state == TrackingState::kDoubtful ? 1 : 0;
   figures.degenerate += state == TrackingState::kDegenerate ? 1 : 0;
+}
+
+/// Brier's score of the probability.
+void score(const CheckedStep& step, CampaignFigures& figures) {
+  if (step.status.state == TrackingState::kLost) return;
+  const double miss = step.status.probability - (step.is_right() ? 1.0 : 0.0);
+  figures.squared_error += miss * miss;
+  ++figures.steps;
 }
 
 }  // namespace
@@ -76,6 +85,7 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
     count(result.status.state, figures);
     const auto error =
         steps.take(T_map_base, result.T_odom_base, result.status.state, result.segment != segment);
+    if (error) score({result.stamp, result.status, *error}, figures);
     if (error && checked != nullptr) checked->push_back({result.stamp, result.status, *error});
     segment = result.segment;
     settle(result.settled, pairs);

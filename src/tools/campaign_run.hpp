@@ -15,13 +15,17 @@ struct CampaignFigures {
   std::optional<double> drift_percent;  ///< none where the drive is too short
   std::size_t silent = 0;               ///< steps that are wrong though called tracking
   std::size_t wrong = 0;                ///< steps that are wrong, whatever they are called
-  std::size_t false_alarms = 0;         ///< steps that are right and claim nothing
+  std::size_t false_alarms = 0;         ///< steps that are not wrong, but called doubtful or worse
   std::size_t lost = 0;
   std::size_t degraded = 0;
+  std::size_t doubtful = 0;
   std::size_t degenerate = 0;
   double largest_error = 0.0;      ///< m, of a step that is called tracking
   double largest_error_deg = 0.0;  ///< likewise
-  double cpu_ms = 0.0;             ///< per scan
+  /// Of the probability that a step is right, summed over `steps` steps; lost ones say nothing.
+  double squared_error = 0.0;
+  std::size_t steps = 0;
+  double cpu_ms = 0.0;  ///< per scan
 };
 
 /// Simulates the case and runs the front end over `duration` seconds of it; every step goes into

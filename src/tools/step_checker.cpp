@@ -7,6 +7,11 @@ namespace lidar_mapping::tools {
 
 using front_end::TrackingState;
 
+bool CheckedStep::is_right() const {
+  return error.metres <= 3.0 * status.evidence.sigma &&
+         error.degrees * M_PI / 180.0 <= 3.0 * status.evidence.sigma_angle;
+}
+
 std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base,
                                            TrackingState state, bool new_segment) {
   if (new_segment) last_.reset();
@@ -24,7 +29,8 @@ std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T
 
 void StepChecker::count(const StepError& error, TrackingState state) {
   wrong_ += error.is_wrong() ? 1 : 0;
-  false_alarms_ += !error.is_wrong() && !claims_pose(state) ? 1 : 0;
+  const bool said = state != TrackingState::kTracking && state != TrackingState::kDegenerate;
+  false_alarms_ += !error.is_wrong() && said ? 1 : 0;
   if (state != TrackingState::kTracking) return;
   silent_ += error.is_wrong() ? 1 : 0;
   largest_error_ = std::max(largest_error_, error.metres);

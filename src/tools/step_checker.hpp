@@ -26,6 +26,9 @@ struct CheckedStep {
   Stamp stamp = 0;
   front_end::FrontEndStatus status;
   StepError error;
+
+  /// Within three of its own standard deviations.
+  bool is_right() const;
 };
 
 /// Tells wrong steps that are called right. A step leads from the last scan that was not called

@@ -20,9 +20,8 @@ struct StepBelief {
   double safety = 1.0;       ///< the probability that it is off by less than kWrongStep and
                              ///< kWrongStepAngle
   double reach = 0.0;        ///< three of its own standard deviations in units of these
+  bool is_usable = true;     ///< false if so improbable that nothing should be built on the step
 
-  /// False if it is so improbable that nothing should be built on the step.
-  bool is_usable() const;
   /// False if it may be wrong by more than what is allowed to be called tracked.
   bool is_safe() const;
 };
