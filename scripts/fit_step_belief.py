@@ -38,7 +38,7 @@ FEATURES = (
 RIDGE = 1.0
 # Of a step of a chosen case beside one of a random mixture, to which the figures are to be true.
 CHOSEN_WEIGHT = 0.3
-EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 0.997, 1.0 + 1e-9)
+EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0 + 1e-9)
 
 
 def read(paths):
