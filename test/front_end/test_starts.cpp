@@ -96,7 +96,8 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   for (std::size_t i = 301; i < 320; ++i) {
     const FrontEndResult& result = ride.take(i);
     if (i < 300 + kReplaced) continue;
-    EXPECT_EQ(result.status.state, TrackingState::kTracking) << i;
+    // Doubtful steps through a young map are followed like others.
+    EXPECT_TRUE(claims_pose(result.status.state)) << i;
     if (i == 300 + kReplaced) ride.begin_anew();
   }
   EXPECT_LT(ride.error(), 0.1);
