@@ -156,7 +156,8 @@ TEST_F(DenseMap, TurnsScansUpwardsAsTheFrontEndDid) {
   const KeyFramePoses added = add_scans(recording, placed_scans(session, poses), {}, {}, clouds);
   ASSERT_EQ(added.poses.size(), static_cast<std::size_t>(kScans));
   for (const KeyFramePose& pose : added.poses) {
-    for (const Point& point : clouds.cloud(pose.index)->points) {
+    const PointCloudPtr cloud = clouds.cloud(pose.index);
+    for (const Point& point : cloud->points) {
       const Eigen::Vector3d p_map = pose.T_map_base * point.position().cast<double>();
       ASSERT_LT((p_map - post_of(point)).norm(), 0.05) << pose.stamp - kBegin;
     }
