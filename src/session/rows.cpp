@@ -130,7 +130,8 @@ void visit(Row<Floor>, V& v, Each each) {
 
 template <typename V, typename Each>
 void visit(Row<ScanRecord>, V& v, Each each) {
-  each(v.stamp, v.state, v.fitness, v.overlap, v.seconds, v.scans_dropped, v.unobserved_stddev);
+  each(v.stamp, v.state, v.fitness, v.overlap, v.seconds, v.scans_dropped, v.unobserved_stddev,
+       v.elevation_shift);
 }
 
 template <typename V, typename Each>

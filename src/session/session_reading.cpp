@@ -59,8 +59,8 @@ std::vector<Floor> Session::floors() const {
 }
 
 std::vector<ScanRecord> Session::scans() const {
-  const char* columns = has_unobserved_stddev(impl_->database) ? "*" : "*, 0.0";
-  return impl_->all("SELECT " + std::string(columns) + " FROM scans ORDER BY stamp", read_scan);
+  return impl_->all("SELECT " + columns_of_scans(impl_->database) + " FROM scans ORDER BY stamp",
+                    read_scan);
 }
 
 std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
