@@ -137,7 +137,7 @@ TEST(LoopFiles, AddedPairsMayHaveAGuessAndAnyOrder) {
 TEST(LoopFiles, MalformedLinesAreRefusedByFileAndLine) {
   const TemporaryFolder folder;
   for (const char* line : {"keep 1 2", "accept 1", "accept 1 2 3", "add 1 2 3", "add 1 x",
-                           "refuse -1 2", "add 1 2 nan 0 0", "accept 1.5 2"}) {
+                           "refuse -1 2", "add 1 2 nan 0 0", "add 1 2 1e300 0 0", "accept 1.5 2"}) {
     try {
       read_text(folder, std::string("# head\n") + line + "\n");
       ADD_FAILURE() << line;
