@@ -102,5 +102,15 @@ TEST(CampaignRun, CountsScansAndFindsACleanDriveInOrder) {
   EXPECT_GT(figures.cpu_ms, 0.0);
 }
 
+TEST(CampaignRun, HandsTheImuOfACaseToTheFrontEnd) {
+  const std::string line = "by_hand drive=handheld lidar=vlp16 seed=1";
+  const CampaignFigures without = run_case(parse_case(line), 4);
+  const CampaignFigures with = run_case(parse_case(line + " imu=consumer"), 4);
+  EXPECT_EQ(with.scans, without.scans);
+  EXPECT_NE(with.ape, without.ape);
+  EXPECT_LT(with.ape, 0.05);
+  EXPECT_NEAR(with.way, without.way, 1e-9);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::tools
