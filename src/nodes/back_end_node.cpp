@@ -50,6 +50,7 @@ session::ScanRecord to_record(const FrontEndStatusMessage& status) {
           status.seconds,
           std::int64_t{status.scans_dropped},
           status.unobserved_stddev,
+          status.elevation_shift,
           status.probability};
 }
 
@@ -263,6 +264,10 @@ void BackEndNode::begin_run(const std::string& run_id) {
     use(session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
         run_id);
   }
+  give_early();
+}
+
+void BackEndNode::give_early() {
   for (const auto& add : early_) add(*run_);
   early_.clear();
 }

@@ -26,6 +26,8 @@ struct CampaignFigures {
   double squared_error = 0.0;
   std::size_t steps = 0;
   double cpu_ms = 0.0;  ///< per scan
+  double way = 0.0;     ///< m
+  double ape = 0.0;     ///< m, root mean square after alignment
 };
 
 /// Simulates the case and runs the front end over `duration` seconds of it; every step goes into

@@ -59,17 +59,18 @@ std::vector<CampaignCase> all_runs(const Options& options) {
 }
 
 void print_head() {
-  std::printf("%8s %5s %6s %5s %5s %5s %8s %8s %10s %9s %9s %7s  %s\n", "drift %", "scans",
+  std::printf("%8s %5s %6s %5s %5s %5s %8s %8s %10s %9s %9s %7s %7s %6s  %s\n", "drift %", "scans",
               "silent", "wrong", "false", "lost", "degraded", "doubtful", "degenerate", "largest m",
-              "largest d", "cpu ms", "case");
+              "largest d", "cpu ms", "APE m", "way m", "case");
 }
 
 void print(const CampaignFigures& f, const std::string& line) {
   char drift[32] = "-";
   if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
-  std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f  %s\n", drift,
-              f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded, f.doubtful,
-              f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, line.c_str());
+  std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n",
+              drift, f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded, f.doubtful,
+              f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape, f.way,
+              line.c_str());
   std::fflush(stdout);
 }
 
@@ -114,7 +115,9 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
                {"degenerate", f.degenerate},
                {"largest_error_m", f.largest_error},
                {"largest_error_deg", f.largest_error_deg},
-               {"cpu_ms", f.cpu_ms}};
+               {"cpu_ms", f.cpu_ms},
+               {"ape_m", f.ape},
+               {"way_m", f.way}};
   if (f.drift_percent) json["drift_percent"] = *f.drift_percent;
   return json;
 }
@@ -139,7 +142,7 @@ void run(const Options& options) {
   if (table) table->close();
   if (options.json.empty()) return;
   std::ofstream file(options.json);
-  file << Json{{"duration_s", options.duration}, {"runs", all}}.dump(2) << "\n";
+  file << tools::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) << "\n";
   if (!file.flush()) throw FileError("cannot write " + options.json);
 }
 
