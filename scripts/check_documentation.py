@@ -451,6 +451,8 @@ def check(names, work):
 
 
 def main():
+    # Who is started in the background has SIGINT ignored, and all that it starts too: masters would not end.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     options = arguments()
     names = options.pages or ['README.md'] + sorted(str(path.relative_to(ROOT)) for path in (ROOT / 'doc').rglob('*.md'))
     if options.keep:
