@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Fits the coefficients of StepBelief to tables that `odometry_campaign --evidence` wrote.
 
-Two logistic models of the same figures (features(), the same as in step_belief.cpp), fitted by
-Newton's method with a small ridge: that a step is right within three of its own standard
-deviations, and that it is off by less than 0.3 m and 1 degree. Steps of methods other than NDT
-(method= in the case) have models of their own. With --output the coefficients are written as
-step_belief.cpp includes them. With --check nothing is fitted: the probabilities that the tables
-hold are compared with what is true, and --plot draws that as a reliability diagram.
+A logistic model of features() (the same as in step_belief.cpp) gives the probability that a step is
+right within three of its own standard deviations. Two power laws, that is linear ones of the
+logarithms, give how far off it is expected to be, in metres and in radians; they are fitted to all
+errors, so steps that are right count as well. From both follows, by a logistic model once more, the
+probability that the step is off by less than 0.3 m and 1 degree, where no direction was left open.
+Steps of methods other than NDT (method= in the case) have models of their own. With --output the
+coefficients are written as step_belief.cpp includes them. With --check nothing is fitted: the
+probabilities that the tables hold are compared with what is true, and --plot draws that as a
+reliability diagram.
 """
 
 import argparse
@@ -36,6 +39,13 @@ FEATURES = (
     ('converged', None),
 )
 RIDGE = 1.0
+# Errors below these differ by chance alone.
+LEAST_ERROR = 1e-3  # m
+LEAST_ERROR_DEG = 1e-2
+WRONG_STEP = 0.3  # m
+WRONG_STEP_DEG = 1.0
+# As in step_belief.cpp.
+COST_OF_SILENCE = 5.0
 # Of a step of a chosen case beside one of a random mixture, to which the figures are to be true.
 CHOSEN_WEIGHT = 0.3
 EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0 + 1e-9)
@@ -72,7 +82,17 @@ def is_right(table):
 
 def is_safe(table):
     """Not wrong, as odometry_campaign counts it."""
-    return (table['error_m'] <= 0.3) & (table['error_deg'] <= 1.0)
+    return (table['error_m'] <= WRONG_STEP) & (table['error_deg'] <= WRONG_STEP_DEG)
+
+
+def is_open(table):
+    """The points left a direction open: that has a state of its own."""
+    return table['degenerate'] > 0.0
+
+
+def is_clean(table):
+    """Steps of drives at full rate without faults."""
+    return np.array(['fault=' not in case and 'every=' not in case for case in table['case']])
 
 
 def is_sliding_window(table):
@@ -86,11 +106,23 @@ def weights(table):
                      for case in table['case']])
 
 
-def fit(x, y, weight):
-    """Coefficients for which the logistic function of x @ coefficients is the probability of y."""
+def standardised(x):
+    """Columns with mean 0 and deviation 1 but the first, and what undoes that to coefficients."""
     mean, scale = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-6)
     mean[0], scale[0] = 0.0, 1.0
-    z = (x - mean) / scale
+
+    def undo(beta):
+        result = beta / scale
+        # What never varies says nothing.
+        result[1:][scale[1:] <= 1e-6] = 0.0
+        result[0] -= (result * mean)[1:].sum()
+        return result
+    return (x - mean) / scale, undo
+
+
+def fit(x, y, weight):
+    """Coefficients for which the logistic function of x @ coefficients is the probability of y."""
+    z, undo = standardised(x)
     beta = np.zeros(x.shape[1])
     for _ in range(50):
         p = probability(beta, z)
@@ -99,11 +131,39 @@ def fit(x, y, weight):
         beta += step
         if np.abs(step).max() < 1e-8:
             break
-    result = beta / scale
-    result[0] -= (result * mean)[1:].sum()
-    # What never varies says nothing.
-    result[1:][x.std(axis=0)[1:] < 1e-6] = 0.0
-    return result
+    return undo(beta)
+
+
+def fit_error(x, error, weight):
+    """Coefficients of the logarithm of the error."""
+    z, undo = standardised(x)
+    hessian = z.T @ (z * weight[:, None]) + RIDGE * np.eye(z.shape[1])
+    return undo(np.linalg.solve(hessian, z.T @ (weight * np.log10(error))))
+
+
+def margins(error, error_angle, x):
+    """What safety follows from."""
+    a = x @ error - np.log10(WRONG_STEP)
+    b = x @ error_angle - np.log10(np.radians(WRONG_STEP_DEG))
+    return np.stack([np.ones(len(a)), a, b, np.maximum(a, b)], axis=1)
+
+
+def fit_model(table):
+    """Coefficients by the names of Model in step_belief.cpp, in its order."""
+    x, weight, closed = features(table), weights(table), ~is_open(table)
+    errors = (np.maximum(table['error_m'], LEAST_ERROR),
+              np.radians(np.maximum(table['error_deg'], LEAST_ERROR_DEG)))
+    error, error_angle = (fit_error(x[closed], e[closed], weight[closed]) for e in errors)
+    safe = fit(margins(error, error_angle, x[closed]), is_safe(table)[closed].astype(float),
+               weight[closed])
+    return {'probability': fit(x, is_right(table).astype(float), weight), 'error': error,
+            'error_angle': error_angle, 'safety': safe}
+
+
+def safety(model, table):
+    """Of each step, where no direction is open."""
+    x = features(table)
+    return probability(model['safety'], margins(model['error'], model['error_angle'], x))
 
 
 def probability(coefficients, x):
@@ -151,23 +211,37 @@ def draw(said, true, path):
     figure.savefig(path, dpi=110)
 
 
-def as_code(name, models):
+def as_code(name, model):
     """A constant of step_belief.cpp."""
-    rows = ['{' + ',\n      '.join(f'{c:.4f}' for c in model) + '}' for model in models]
+    rows = ['{' + ',\n      '.join(f'{c:.4f}' for c in values) + '}' for values in model.values()]
     return f'constexpr Model {name}{{\n    {{' + '},\n    {'.join(rows) + '}};\n'
+
+
+def report_states(table, said):
+    """Wrong steps that are called tracked, and right ones of clean drives that are doubted."""
+    wrong, clean = ~is_safe(table), is_clean(table)
+    silent = int((wrong & ~said & ~is_open(table)).sum())
+    alarms = int((clean & ~wrong & said & ~is_open(table)).sum())
+    print(f'{int(wrong.sum())} wrong steps, {int((wrong & is_open(table)).sum())} degenerate, '
+          f'{silent} of the others silent; {alarms} false alarms in {int(clean.sum())} steps '
+          'without faults')
 
 
 def check(table, plot):
     """What the tables say against what is true."""
     report('right within three standard deviations', table['probability'], is_right(table))
-    wrong = ~is_safe(table)
-    clean = np.array(['fault=' not in case for case in table['case']])
-    silent = int((wrong & (table['state'] == 'tracking')).sum())
-    alarms = int((clean & ~wrong & np.isin(table['state'], ('doubtful', 'degraded'))).sum())
-    print(f'{int(wrong.sum())} wrong steps, {silent} of them tracking; {alarms} of '
-          f'{int(clean.sum())} steps without faults are doubtful or degraded and not wrong')
+    report_states(table, np.isin(table['state'], ('doubtful', 'degraded')))
     if plot:
         draw(table['probability'], is_right(table), plot)
+
+
+def report_model(title, model, table):
+    """How true it is of a table."""
+    report(f'{title}, right', probability(model['probability'], features(table)), is_right(table))
+    said = safety(model, table)
+    closed = ~is_open(table)
+    report(f'{title}, safe', said[closed], is_safe(table)[closed])
+    report_states(table, (1.0 - said) * COST_OF_SILENCE > said)
 
 
 def main():
@@ -185,12 +259,9 @@ def main():
     for name, chosen in (('kNdtModel', ~is_sliding_window(table)),
                          ('kSlidingWindowModel', is_sliding_window(table))):
         part = {key: values[chosen] for key, values in table.items()}
-        models = []
-        for title, true in (('right', is_right(part)), ('safe', is_safe(part))):
-            x = features(part)
-            models.append(fit(x, true.astype(float), weights(part)))
-            report(f'{name}, {title}', probability(models[-1], x), true)
-        code += as_code(name, models)
+        model = fit_model(part)
+        report_model(name, model, part)
+        code += as_code(name, model)
     if arguments.output:
         with open(arguments.output, 'w', encoding='utf-8') as file:
             file.write(code)

@@ -8,17 +8,23 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Below this probability of being right a step claims nothing and is not built on.
+/// Below this probability of not being wrong a step claims nothing and is not built on.
 constexpr double kUsable = 0.3;
-/// Below this probability of being off by less than what counts as wrong a step is doubtful.
-constexpr double kSafe = 0.9;
+/// A wrong step that is called right costs as much as so many right ones that are doubted.
+constexpr double kCostOfSilence = 5.0;
 
 constexpr std::size_t kFeatures = 19;
 using Coefficients = std::array<double, kFeatures>;
 
+/// Safety follows from how far off the step is expected to be: 1, both errors in units of what
+/// counts as wrong, and the larger one of these, all by their logarithms.
+using SafetyCoefficients = std::array<double, 4>;
+
 struct Model {
   Coefficients probability;
-  Coefficients safety;
+  Coefficients error;        ///< log10 of it, m
+  Coefficients error_angle;  ///< log10 of it, rad
+  SafetyCoefficients safety;
 };
 
 // Written by scripts/fit_step_belief.py.
@@ -49,25 +55,38 @@ Coefficients features(const StepEvidence& e) {
           e.converged};
 }
 
-double logistic(const Coefficients& coefficients, const Coefficients& x) {
-  return 1.0 / (1.0 + std::exp(-std::inner_product(x.begin(), x.end(), coefficients.begin(), 0.0)));
+template <typename Values>
+double weighted(const Values& coefficients, const Values& x) {
+  return std::inner_product(x.begin(), x.end(), coefficients.begin(), 0.0);
+}
+
+template <typename Values>
+double logistic(const Values& coefficients, const Values& x) {
+  return 1.0 / (1.0 + std::exp(-weighted(coefficients, x)));
+}
+
+double safety(const SafetyCoefficients& coefficients, double error, double error_angle) {
+  const double a = std::log10(error / kWrongStep);
+  const double b = std::log10(error_angle / kWrongStepAngle);
+  return logistic(coefficients, {1.0, a, b, std::max(a, b)});
 }
 
 }  // namespace
 
-bool StepBelief::is_safe() const { return safety >= kSafe && reach <= 1.0; }
+bool StepBelief::is_safe() const { return (1.0 - safety) * kCostOfSilence <= safety; }
 
 StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
+  const bool is_ndt = source == EvidenceSource::kNdt;
+  const Model& model = is_ndt ? kNdtModel : kSlidingWindowModel;
   const Coefficients x = features(evidence);
-  // Covariances of other methods say too little of their errors to go by, or there are none.
-  if (source == EvidenceSource::kSlidingWindow) {
-    return {logistic(kSlidingWindowModel.probability, x), logistic(kSlidingWindowModel.safety, x),
-            0.0, true};
-  }
-  const double probability = logistic(kNdtModel.probability, x);
-  const double reach =
-      std::max(evidence.sigma / kWrongStep, evidence.sigma_angle / kWrongStepAngle);
-  return {probability, logistic(kNdtModel.safety, x), 3.0 * reach, probability >= kUsable};
+  StepBelief belief;
+  belief.probability = logistic(model.probability, x);
+  belief.expected_error = std::pow(10.0, weighted(model.error, x));
+  belief.expected_error_angle = std::pow(10.0, weighted(model.error_angle, x));
+  belief.safety = safety(model.safety, belief.expected_error, belief.expected_error_angle);
+  // What other methods say of a match is too little to leave it out for.
+  belief.is_usable = !is_ndt || belief.safety >= kUsable;
+  return belief;
 }
 
 void lower(const StepBelief& belief, FrontEndStatus& status) {

@@ -123,6 +123,29 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
   EXPECT_NE(state_of(evidence), TrackingState::kTracking);
 }
 
+// Seen in walks with 16 beams: three standard deviations exceed a degree, all else agrees.
+TEST(StepBelief, DoubtsNoStepForItsCovarianceAlone) {
+  StepEvidence evidence = good_evidence();
+  evidence.sigma = 0.016;
+  evidence.sigma_angle = 0.37 * kDegree;
+  EXPECT_EQ(state_of(evidence), TrackingState::kTracking);
+}
+
+TEST(StepBelief, ExpectsLargerErrorsOfWorseEvidence) {
+  StepEvidence worse = good_evidence();
+  worse.disagreement *= 10.0;
+  worse.disagreement_angle *= 10.0;
+  worse.sigma *= 10.0;
+  worse.sigma_angle *= 10.0;
+  const StepBelief good = believe(good_evidence(), EvidenceSource::kNdt);
+  const StepBelief belief = believe(worse, EvidenceSource::kNdt);
+  EXPECT_LT(good.expected_error, 0.02);
+  EXPECT_LT(good.expected_error_angle, 0.1 * kDegree);
+  EXPECT_GT(belief.expected_error, 3.0 * good.expected_error);
+  EXPECT_GT(belief.expected_error_angle, 3.0 * good.expected_error_angle);
+  EXPECT_LT(belief.safety, good.safety);
+}
+
 TEST(StepBelief, LeavesWhatIsLostOrDegenerateAsItIs) {
   StepEvidence bad = good_evidence();
   bad.disagreement_sigmas = 100.0;
@@ -180,6 +203,11 @@ TEST(StepBelief, SaysWhichStepsOfAWalkWithFewScansMayBeWrong) {
 
 TEST(StepBelief, DoubtsNothingOfACleanDrive) {
   EXPECT_EQ(steps_of(make_drive("town", 15.0, 52), 1).doubted, 0);
+}
+
+// Two of five steps were doubted when three standard deviations decided.
+TEST(StepBelief, DoubtsNothingOfACleanWalk) {
+  EXPECT_EQ(steps_of(make_drive("walk", 15.0, 201), 1).doubted, 0);
 }
 
 }  // namespace

@@ -12,17 +12,18 @@ constexpr double kWrongStepAngle = 0.0174532925199;  // rad, 1 degree
 /// Which evidence there is: the sequential NDT has all of it, other methods have less.
 enum class EvidenceSource { kNdt, kSlidingWindow };
 
-/// What the evidence says of a step, by two logistic models that are fitted to simulated drives
-/// with and without faults (scripts/fit_step_belief.py, doc/campaign.md). They learn nothing while
-/// they run.
+/// What the evidence says of a step, by models that are fitted to simulated drives with and without
+/// faults (scripts/fit_step_belief.py, doc/campaign.md). They learn nothing while they run.
 struct StepBelief {
   double probability = 1.0;  ///< that it is right within three of its own standard deviations
-  double safety = 1.0;       ///< the probability that it is off by less than kWrongStep and
-                             ///< kWrongStepAngle
-  double reach = 0.0;        ///< three of its own standard deviations in units of these
-  bool is_usable = true;     ///< false if so improbable that nothing should be built on the step
+  /// How far off such steps usually are, whatever their covariance says: power laws of the evidence.
+  double expected_error = 0.0;        ///< m
+  double expected_error_angle = 0.0;  ///< rad
+  /// The probability that it is off by less than kWrongStep and kWrongStepAngle.
+  double safety = 1.0;
+  bool is_usable = true;  ///< false if so improbable that nothing should be built on the step
 
-  /// False if it may be wrong by more than what is allowed to be called tracked.
+  /// False if calling it tracked is a worse bet than doubting it.
   bool is_safe() const;
 };
 
