@@ -16,7 +16,7 @@ enum class EvidenceSource { kNdt, kSlidingWindow };
 /// faults (scripts/fit_step_belief.py, doc/campaign.md). They learn nothing while they run.
 struct StepBelief {
   double probability = 1.0;  ///< that it is right within three of its own standard deviations
-  /// How far off such steps usually are, whatever their covariance says: power laws of the evidence.
+  /// How far off such steps usually are, whatever their covariance says.
   double expected_error = 0.0;        ///< m
   double expected_error_angle = 0.0;  ///< rad
   /// The probability that it is off by less than kWrongStep and kWrongStepAngle.
