@@ -45,7 +45,8 @@ LEAST_ERROR_DEG = 1e-2
 WRONG_STEP = 0.3  # m
 WRONG_STEP_DEG = 1.0
 # As in step_belief.cpp.
-COST_OF_SILENCE = 5.0
+COST_OF_SILENCE = 2.0
+COST_OF_SILENCE_IN_DOUBT = 9.0
 # Of a step of a chosen case beside one of a random mixture, to which the figures are to be true.
 CHOSEN_WEIGHT = 0.3
 EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0 + 1e-9)
@@ -217,6 +218,18 @@ def as_code(name, model):
     return f'constexpr Model {name}{{\n    {{' + '},\n    {'.join(rows) + '}};\n'
 
 
+def doubted(table, safe):
+    """Which steps are doubted, as DoubtState does it; rows are in the order of each drive."""
+    result, case, in_doubt = np.zeros(len(safe), bool), None, False
+    for i, (name, p, is_open_step) in enumerate(zip(table['case'], safe, is_open(table))):
+        in_doubt = in_doubt and name == case
+        case = name
+        if not is_open_step:
+            cost = COST_OF_SILENCE_IN_DOUBT if in_doubt else COST_OF_SILENCE
+            in_doubt = result[i] = (1.0 - p) * cost > p
+    return result
+
+
 def report_states(table, said):
     """Wrong steps that are called tracked, and right ones of clean drives that are doubted."""
     wrong, clean = ~is_safe(table), is_clean(table)
@@ -241,7 +254,7 @@ def report_model(title, model, table):
     said = safety(model, table)
     closed = ~is_open(table)
     report(f'{title}, safe', said[closed], is_safe(table)[closed])
-    report_states(table, (1.0 - said) * COST_OF_SILENCE > said)
+    report_states(table, doubted(table, said))
 
 
 def main():

@@ -106,6 +106,7 @@ class NdtTracker::Impl {
   void forget() {
     map_.clear();
     judge_.reset();
+    doubt_.reset();
     elevation_.interrupt();
     beginning_.forget();
     unnoticed_.forget();
@@ -159,7 +160,7 @@ class NdtTracker::Impl {
     result.status.evidence.degenerate = result.status.degenerate_directions.empty() ? 0.0 : 1.0;
     result.status.state = judge_.judge(found.match, believed);
     if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
-    lower(believe(result.status.evidence, EvidenceSource::kNdt), result.status);
+    doubt_.lower(believe(result.status.evidence, EvidenceSource::kNdt), result.status);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
       return;
@@ -380,6 +381,7 @@ class NdtTracker::Impl {
   MotionFilter filter_;
   MotionFilter agile_ = filter_;
   MatchJudge judge_;
+  DoubtState doubt_;
   SweepMatcher matcher_;
   MeasuredMotion measured_;
   ElevationCalibration elevation_;

@@ -84,7 +84,7 @@ class SlidingWindowTracker::Impl {
     tracked.status.evidence = weigh(match, predicted, seconds);
     tracked.status.evidence.points = static_cast<double>(sample.size());
     tracked.status.evidence.degenerate = tracked.status.degenerate_directions.empty() ? 0.0 : 1.0;
-    lower(believe(tracked.status.evidence, EvidenceSource::kSlidingWindow), tracked.status);
+    doubt_.lower(believe(tracked.status.evidence, EvidenceSource::kSlidingWindow), tracked.status);
     follow(tracked, scan.stamp, prior.linear_velocity.has_value());
     timer_.start("insertion");
     if (lost_for(scan.stamp) > config_.max_lost_time) {
@@ -117,6 +117,7 @@ class SlidingWindowTracker::Impl {
 
   TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
     if (prior.T_odom_base_initial) T_odom_base_ = *prior.T_odom_base_initial;
+    doubt_.reset();
     predict_twist(prior);
     speed_known_ = prior.linear_velocity.has_value();
     stamp_ = tracked_stamp_ = scan.stamp;
@@ -272,6 +273,7 @@ class SlidingWindowTracker::Impl {
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
   BlindWay blind_way_;
+  DoubtState doubt_;
   StepTimer timer_;
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan

@@ -9,9 +9,11 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Below this probability of not being wrong a step claims nothing and is not built on.
-constexpr double kUsable = 0.3;
-/// A wrong step that is called right costs as much as so many right ones that are doubted.
-constexpr double kCostOfSilence = 5.0;
+constexpr double kUsable = 0.1;
+// A wrong step that is called right costs as much as so many right ones that are doubted. People
+// look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
+constexpr double kCostOfSilence = 2.0;
+constexpr double kCostOfSilenceInDoubt = 9.0;
 
 constexpr std::size_t kFeatures = 19;
 using Coefficients = std::array<double, kFeatures>;
@@ -73,7 +75,9 @@ double safety(const SafetyCoefficients& coefficients, double error, double error
 
 }  // namespace
 
-bool StepBelief::is_safe() const { return (1.0 - safety) * kCostOfSilence <= safety; }
+bool StepBelief::is_safe(bool in_doubt) const {
+  return (1.0 - safety) * (in_doubt ? kCostOfSilenceInDoubt : kCostOfSilence) <= safety;
+}
 
 StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
   const bool is_ndt = source == EvidenceSource::kNdt;
@@ -89,7 +93,7 @@ StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
   return belief;
 }
 
-void lower(const StepBelief& belief, FrontEndStatus& status) {
+void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
   if (status.state == TrackingState::kLost) {
     status.probability = 0.0;
     return;
@@ -97,10 +101,13 @@ void lower(const StepBelief& belief, FrontEndStatus& status) {
   status.probability = belief.probability;
   // What is not known is said already, and a tunnel has to come into the map.
   if (!status.degenerate_directions.empty()) return;
+  in_doubt_ = !belief.is_safe(in_doubt_);
   if (!belief.is_usable) status.state = TrackingState::kDegraded;
-  if (status.state == TrackingState::kTracking && !belief.is_safe()) {
+  if (status.state == TrackingState::kTracking && in_doubt_) {
     status.state = TrackingState::kDoubtful;
   }
 }
+
+void DoubtState::reset() { in_doubt_ = false; }
 
 }  // namespace lidar_mapping::front_end

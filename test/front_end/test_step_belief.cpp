@@ -96,14 +96,14 @@ StepEvidence good_evidence() {
 
 TrackingState state_of(const StepEvidence& evidence) {
   FrontEndStatus status;
-  lower(believe(evidence, EvidenceSource::kNdt), status);
+  DoubtState().lower(believe(evidence, EvidenceSource::kNdt), status);
   return status.state;
 }
 
 TEST(StepBelief, IsSureOfAGoodStep) {
   const StepBelief belief = believe(good_evidence(), EvidenceSource::kNdt);
   EXPECT_GT(belief.probability, 0.98);
-  EXPECT_GT(belief.safety, 0.999);
+  EXPECT_GT(belief.safety, 0.99);
   EXPECT_EQ(state_of(good_evidence()), TrackingState::kTracking);
 }
 
@@ -119,7 +119,7 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
   evidence.disagreement = 0.3;
   evidence.disagreement_angle = 1.0 * kDegree;
   evidence.disagreement_sigmas = 2.5;
-  EXPECT_FALSE(believe(evidence, EvidenceSource::kNdt).is_safe());
+  EXPECT_FALSE(believe(evidence, EvidenceSource::kNdt).is_safe(false));
   EXPECT_NE(state_of(evidence), TrackingState::kTracking);
 }
 
@@ -151,18 +151,40 @@ TEST(StepBelief, LeavesWhatIsLostOrDegenerateAsItIs) {
   bad.disagreement_sigmas = 100.0;
   bad.disagreement = bad.surprise = 3.0;
   const StepBelief belief = believe(bad, EvidenceSource::kNdt);
+  DoubtState doubt;
   FrontEndStatus status;
   status.state = TrackingState::kLost;
-  lower(belief, status);
+  doubt.lower(belief, status);
   EXPECT_EQ(status.state, TrackingState::kLost);
   EXPECT_EQ(status.probability, 0.0);
   status.state = TrackingState::kTracking;
   status.degenerate_directions = {Eigen::Vector3d::UnitX()};
-  lower(belief, status);
+  doubt.lower(belief, status);
   EXPECT_EQ(status.state, TrackingState::kTracking);
   status.degenerate_directions.clear();
-  lower(belief, status);
+  doubt.lower(belief, status);
   EXPECT_NE(status.state, TrackingState::kTracking);
+}
+
+TrackingState state_of(double safety, DoubtState& doubt) {
+  StepBelief belief;
+  belief.safety = safety;
+  FrontEndStatus status;
+  doubt.lower(belief, status);
+  return status.state;
+}
+
+// A step that is right with 0.8 begins no doubt, but does not end one either.
+TEST(DoubtState, LeavesADoubtfulStretchOnlyWhenItIsSure) {
+  DoubtState doubt;
+  EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
+  EXPECT_EQ(state_of(0.6, doubt), TrackingState::kDoubtful);
+  EXPECT_EQ(state_of(0.8, doubt), TrackingState::kDoubtful);
+  EXPECT_EQ(state_of(0.95, doubt), TrackingState::kTracking);
+  EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
+  EXPECT_EQ(state_of(0.6, doubt), TrackingState::kDoubtful);
+  doubt.reset();
+  EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
 }
 
 struct Steps {

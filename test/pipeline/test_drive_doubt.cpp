@@ -235,7 +235,7 @@ TEST(DriveDoubt, SaysWhereItsFileIsBroken) {
 TEST(DriveDoubt, RefusesNumbersThatAreNone) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "doubt.csv";
-  const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,no";
+  const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,no";
   const auto read = [&path](const std::string& line) {
     std::ofstream(path) << "kind\n" << line << "\n";
     return read_doubt(path);
@@ -250,6 +250,7 @@ TEST(DriveDoubt, RefusesNumbersThatAreNone) {
                                                         {"2000000000", "9223372036854775807"},
                                                         {",1.0,", ",1e300,"},
                                                         {"inf", "-1"},
+                                                        {",0.5,", ",half,"},
                                                         {",no", ""}}) {
     std::string line = whole;
     line.replace(line.find(from), from.size(), to);

@@ -23,13 +23,23 @@ struct StepBelief {
   double safety = 1.0;
   bool is_usable = true;  ///< false if so improbable that nothing should be built on the step
 
-  /// False if calling it tracked is a worse bet than doubting it.
-  bool is_safe() const;
+  /// False if calling it tracked is a worse bet than doubting it; `in_doubt` if the step before was
+  /// doubted.
+  bool is_safe(bool in_doubt) const;
 };
 
 StepBelief believe(const StepEvidence& evidence, EvidenceSource source);
 
-/// Takes the belief into the status: its probability, and a state that claims no more than that.
-void lower(const StepBelief& belief, FrontEndStatus& status);
+/// Takes beliefs into the status: their probability, and a state that claims no more than that. Of
+/// the steps before it remembers only whether the last one was doubted.
+class DoubtState {
+ public:
+  void lower(const StepBelief& belief, FrontEndStatus& status);
+  /// With a new map.
+  void reset();
+
+ private:
+  bool in_doubt_ = false;
+};
 
 }  // namespace lidar_mapping::front_end
