@@ -9,7 +9,7 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Below this probability of not being wrong a step claims nothing and is not built on.
-constexpr double kUsable = 0.1;
+constexpr double kUsable = 0.3;
 // A wrong step that is called right costs as much as so many right ones that are doubted. People
 // look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
 constexpr double kCostOfSilence = 2.0;

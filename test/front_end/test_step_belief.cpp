@@ -102,7 +102,7 @@ TrackingState state_of(const StepEvidence& evidence) {
 
 TEST(StepBelief, IsSureOfAGoodStep) {
   const StepBelief belief = believe(good_evidence(), EvidenceSource::kNdt);
-  EXPECT_GT(belief.probability, 0.98);
+  EXPECT_GT(belief.probability, 0.95);
   EXPECT_GT(belief.safety, 0.99);
   EXPECT_EQ(state_of(good_evidence()), TrackingState::kTracking);
 }
