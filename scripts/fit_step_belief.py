@@ -45,7 +45,7 @@ LEAST_ERROR_DEG = 1e-2
 WRONG_STEP = 0.3  # m
 WRONG_STEP_DEG = 1.0
 # As in step_belief.cpp.
-COST_OF_SILENCE = 2.0
+COST_OF_SILENCE = 1.5
 COST_OF_SILENCE_IN_DOUBT = 9.0
 # Of a step of a chosen case beside one of a random mixture, to which the figures are to be true.
 CHOSEN_WEIGHT = 0.3

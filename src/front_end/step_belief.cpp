@@ -12,7 +12,7 @@ namespace {
 constexpr double kUsable = 0.3;
 // A wrong step that is called right costs as much as so many right ones that are doubted. People
 // look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
-constexpr double kCostOfSilence = 2.0;
+constexpr double kCostOfSilence = 1.5;
 constexpr double kCostOfSilenceInDoubt = 9.0;
 
 constexpr std::size_t kFeatures = 19;

@@ -178,11 +178,11 @@ TrackingState state_of(double safety, DoubtState& doubt) {
 TEST(DoubtState, LeavesADoubtfulStretchOnlyWhenItIsSure) {
   DoubtState doubt;
   EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
-  EXPECT_EQ(state_of(0.6, doubt), TrackingState::kDoubtful);
+  EXPECT_EQ(state_of(0.55, doubt), TrackingState::kDoubtful);
   EXPECT_EQ(state_of(0.8, doubt), TrackingState::kDoubtful);
   EXPECT_EQ(state_of(0.95, doubt), TrackingState::kTracking);
   EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
-  EXPECT_EQ(state_of(0.6, doubt), TrackingState::kDoubtful);
+  EXPECT_EQ(state_of(0.55, doubt), TrackingState::kDoubtful);
   doubt.reset();
   EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
 }
