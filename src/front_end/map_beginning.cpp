@@ -1,5 +1,7 @@
 #include "lidar_mapping/front_end/map_beginning.hpp"
 
+#include <cstdlib>
+
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/search_starts.hpp"
@@ -48,11 +50,13 @@ void MapBeginning::forget() {
 
 void MapBeginning::begin(const Pose& T_odom_base) {
   start_ = T_odom_base;
-  first_scans_.begin();
+  if (std::getenv("X_FIRST") == nullptr) first_scans_.begin();
 }
 
-void MapBeginning::keep_first(const SampledPoints& points, bool have_times, double reference) {
+void MapBeginning::keep_first(const SampledPoints& points, const SampledPoints& between,
+                              bool have_times, double reference) {
   first_ = points;
+  between_first_ = between;
   first_has_times_ = have_times;
   first_reference_ = reference;
 }
@@ -70,6 +74,7 @@ SweepMatcher::Found MapBeginning::find_motion(const registration::NdtPoints& poi
     deskewed_with = twist;
     map.clear();
     map.insert(first_, first_state(twist));
+    if (between_first_.size() > 0) map.insert(between_first_, first_state(twist));
     return true;
   };
   deskew_first(prediction.state.twist);

