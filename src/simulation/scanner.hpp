@@ -11,11 +11,13 @@ struct ScanRequest {
   const SmoothTrajectory& trajectory;
   const LidarModel& lidar;
   Pose T_base_lidar;
+  std::size_t frame = 0;  ///< counted from the drive's first
   Stamp stamp = 0;
   Stamp period = 0;
   bool undistorted = false;
-  double range_noise = 0.0;      ///< m
-  std::uint64_t noise_seed = 0;  ///< of this scan
+  bool near_things_hide = false;  ///< those nearer than the least range
+  double range_noise = 0.0;       ///< m
+  std::uint64_t noise_seed = 0;   ///< of this scan
 };
 
 SimulatedScan take_scan(const ScanRequest& request);

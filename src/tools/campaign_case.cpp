@@ -1,24 +1,31 @@
 #include "campaign_case.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
 
-double number_of(const std::string& key, const std::string& text) {
+constexpr double kLargestSeed = 9e15;  // of the whole numbers that a double holds
+constexpr double kLongestDrive = 1e6;  // s
+
+/// The value of a key, within what the simulation can do.
+double number_of(const std::string& key, const std::string& text, double least, double most) {
   std::istringstream stream(text);
   double value = 0.0;
   if (!(stream >> value) || !stream.eof()) {
     throw ConfigError("case: " + key + "=" + text + " is not a number");
   }
-  return value;
+  if (value >= least && value <= most) return value;
+  std::ostringstream range;
+  range << "; use " << least << " to " << most;
+  throw ConfigError("case: " + key + "=" + text + range.str());
 }
 
 /// Shortest text of a number of few digits.
@@ -28,34 +35,44 @@ std::string text_of(double value) {
   return stream.str();
 }
 
+void check_imu(const std::string& value) {
+  const std::vector<std::string> names = simulation::imu_names();
+  if (value == "none" || std::find(names.begin(), names.end(), value) != names.end()) return;
+  std::string all = "none";
+  for (const std::string& name : names) all += " " + name;
+  throw ConfigError("case: imu=" + value + "; use one of " + all);
+}
+
 void set(CampaignCase& result, const std::string& key, const std::string& value) {
   if (key == "drive") {
     result.drive = value;
   } else if (key == "lidar") {
     result.lidar = value;
   } else if (key == "seed") {
-    result.seed = static_cast<std::uint64_t>(number_of(key, value));
+    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kLargestSeed));
   } else if (key == "start") {
-    result.start = number_of(key, value);
+    result.start = number_of(key, value, 0.0, kLongestDrive);
   } else if (key == "scan_rate") {
-    result.scan_rate = number_of(key, value);
+    result.scan_rate = number_of(key, value, 1.0, 50.0);
   } else if (key == "range_noise") {
-    result.range_noise = number_of(key, value);
+    result.range_noise = number_of(key, value, 0.0, 10.0);
   } else if (key == "every") {
-    const double every = number_of(key, value);
-    if (!(every >= 1.0)) throw ConfigError("case: every=" + value + "; use 1 or more");
-    result.every = static_cast<std::size_t>(every);
+    result.every = static_cast<std::size_t>(number_of(key, value, 1.0, 1000.0));
   } else if (key == "undistorted") {
-    result.undistorted = number_of(key, value) != 0.0;
+    result.undistorted = number_of(key, value, 0.0, 1.0) != 0.0;
   } else if (key == "method") {
     result.method = value;
   } else if (key == "fault") {
-    simulation::parse_scan_fault(value);
+    simulation::DriveOptions checked;
+    simulation::add_fault(checked, value);
     result.faults.push_back(value);
+  } else if (key == "imu") {
+    check_imu(value);
+    result.imu = value;
   } else {
     throw ConfigError("case: '" + key +
                       "' is unknown; use drive, lidar, seed, start, scan_rate, range_noise, every, "
-                      "undistorted, method or fault");
+                      "undistorted, method, imu or fault");
   }
 }
 
@@ -68,7 +85,7 @@ std::string random_fault(simulation::Random& random) {
   const auto share = [&](double most) {
     return "=" + text_of(std::round(100.0 * random.uniform(0.01, most)) / 100.0);
   };
-  switch (random.integer(0, 5)) {
+  switch (random.integer(0, 6)) {
     case 0:
       return "outliers" + share(0.35);
     case 1:
@@ -79,8 +96,35 @@ std::string random_fault(simulation::Random& random) {
       return "jitter" + share(0.03);
     case 4:
       return "frozen=" + std::to_string(random.integer(1, 15)) + ",8";
+    case 5:
+      return random.chance(0.5) ? "times=none" : "times=negated";
     default:
       return "sparse=" + std::to_string(random.integer(3, 40) * 100);
+  }
+}
+
+std::string random_imu_fault(simulation::Random& random) {
+  const auto number = [&](double low, double high) {
+    return text_of(std::round(1000.0 * random.uniform(low, high)) / 1000.0);
+  };
+  switch (random.integer(0, 7)) {
+    case 0:
+      return "imu_vibration=" + number(0.5, 20.0);
+    case 1:
+      return "imu_scale=" + number(-0.2, 0.2);
+    case 2:
+      return "imu_axis=" +
+             one_of(std::vector<std::string>{"gx", "gy", "gz", "ax", "ay", "az"}, random);
+    case 3:
+      return "imu_clip=" + number(1.2, 4.0) + "," + number(1.0, 8.0);
+    case 4:
+      return "imu_frame";
+    case 5:
+      return random.chance(0.5) ? "imu_units=g" : "imu_units=degrees";
+    case 6:
+      return "imu_offset=" + number(-0.1, 0.1);
+    default:
+      return "imu_gap=" + number(0.1, 3.0) + ",8";
   }
 }
 
@@ -100,6 +144,21 @@ CampaignCase parse_case(const std::string& line) {
   return result;
 }
 
+simulation::DriveOptions drive_options(const CampaignCase& c, double duration) {
+  simulation::DriveOptions options;
+  options.drive = c.drive;
+  options.lidar = c.lidar;
+  options.seed = c.seed.value_or(1);
+  options.start = c.start;
+  options.duration = c.start + duration;
+  options.scan_rate = c.scan_rate;
+  options.range_noise = c.range_noise;
+  options.undistorted = c.undistorted;
+  if (c.imu != "none") options.imu = c.imu;
+  for (const std::string& fault : c.faults) simulation::add_fault(options, fault);
+  return options;
+}
+
 std::string to_line(const CampaignCase& c) {
   const CampaignCase usual;
   std::string line = c.name;
@@ -112,6 +171,7 @@ std::string to_line(const CampaignCase& c) {
   if (c.every != usual.every) line += " every=" + std::to_string(c.every);
   if (c.undistorted) line += " undistorted=1";
   if (c.method != usual.method) line += " method=" + c.method;
+  if (c.imu != usual.imu) line += " imu=" + c.imu;
   for (const std::string& fault : c.faults) line += " fault=" + fault;
   return line;
 }
@@ -161,6 +221,9 @@ CampaignCase random_case(simulation::Random& random) {
   result.undistorted = random.chance(0.2);
   const int faults = random.integer(0, 2);
   for (int i = 0; i < faults; ++i) result.faults.push_back(random_fault(random));
+  if (random.chance(0.5)) return result;
+  result.imu = random.chance(0.5) ? "consumer" : "good";
+  if (random.chance(0.4)) result.faults.push_back(random_imu_fault(random));
   return result;
 }
 

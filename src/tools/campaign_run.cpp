@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
+
+#include "campaign_imu.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -20,22 +23,6 @@ double thread_cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-simulation::Drive make_drive(const CampaignCase& c, double duration) {
-  simulation::DriveOptions options;
-  options.drive = c.drive;
-  options.lidar = c.lidar;
-  options.seed = c.seed.value_or(1);
-  options.start = c.start;
-  options.duration = c.start + duration;
-  options.scan_rate = c.scan_rate;
-  options.range_noise = c.range_noise;
-  options.undistorted = c.undistorted;
-  for (const std::string& fault : c.faults) {
-    options.scan_faults.push_back(simulation::parse_scan_fault(fault));
-  }
-  return simulation::Drive(options);
 }
 
 front_end::FrontEndConfig make_config(const CampaignCase& c) {
@@ -76,17 +63,24 @@ void StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base, Tracking
 }
 
 CampaignFigures run_case(const CampaignCase& c, double duration) {
-  const simulation::Drive drive = make_drive(c, duration);
+  const simulation::Drive drive(drive_options(c, duration));
   front_end::FrontEnd front_end(make_config(c));
   front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
   CampaignFigures figures;
   StepChecker steps;
   std::vector<evaluation::PosePair> pairs;
   std::uint32_t segment = 0;
+  std::optional<ImuFeed> feed;
+  if (c.imu != "none") feed.emplace(drive);
   for (std::size_t i = 0; i < drive.scan_count(); i += c.every) {
-    const Scan scan = drive.base_scan(i);
+    std::pair<Scan, front_end::MotionPrior> input;
+    if (auto fed = feed ? feed->next(i) : std::nullopt) {
+      input = *std::move(fed);
+    } else {
+      input.first = drive.base_scan(i);
+    }
     const double before = thread_cpu_ms();
-    const FrontEndResult result = front_end.process(scan);
+    const FrontEndResult result = front_end.process(input.first, input.second);
     figures.cpu_ms += thread_cpu_ms() - before;
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     count(result.status.state, figures);
@@ -100,6 +94,9 @@ CampaignFigures run_case(const CampaignCase& c, double duration) {
   figures.silent = steps.silent();
   figures.largest_error = steps.largest_error();
   figures.largest_error_deg = steps.largest_error_deg();
+  figures.way = evaluation::travelled_distances(pairs).back();
+  const auto fitted = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+  figures.ape = evaluation::absolute_pose_error(fitted).translation_m.rmse;
   const auto drift = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
   if (drift.segments > 0) figures.drift_percent = drift.translation_percent;
   return figures;
