@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
@@ -135,8 +134,7 @@ NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const Moti
 NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& points, LocalMap& map,
                                       const MotionBelief& prior,
                                       const std::vector<Eigen::Vector3d>& blind_directions) {
-  static const bool off = std::getenv("X_THIN") != nullptr;
-  if (off || fine.overlap > kThinMap) return fine;
+  if (fine.overlap > kThinMap) return fine;
   NdtOptions options;
   options.blind_directions = blind_directions;
   const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, options);

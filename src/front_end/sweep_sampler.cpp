@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "lidar_mapping/front_end/sweep_order.hpp"
@@ -18,7 +17,7 @@ constexpr std::size_t kCandidates = 16000;
 constexpr double kMatchedPoints = 2500.0;
 constexpr double kInsertedPoints = 12000.0;
 /// but not below this share of the configured edge.
-const double kSmallestCell = std::getenv("X_CELL") ? std::atof(std::getenv("X_CELL")) : 0.4;
+constexpr double kSmallestCell = 0.4;
 constexpr int kSparseTableBits = 15;
 constexpr int kDenseTableBits = 17;
 

@@ -1,7 +1,6 @@
 #include "lidar_mapping/front_end/unnoticed_motion.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "lidar_mapping/front_end/degeneracy.hpp"
@@ -127,7 +126,7 @@ bool UnnoticedMotion::follow(const SampledPoints& points, const MotionFilter& ag
 
 bool UnnoticedMotion::notice(const SampledPoints& points, const registration::NdtMatch& match,
                              double seconds, bool one_place, MotionFilter& filter) {
-  if (!one_place || !first_ || std::getenv("X_UNN") != nullptr) end();
+  if (!one_place || !first_) end();
   if (over_) return false;
   since_step_ += seconds;
   if (is_held(match)) {

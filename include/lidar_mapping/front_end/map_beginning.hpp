@@ -20,8 +20,8 @@ class MapBeginning {
   void forget();
   /// A map begins with a scan whose pose at its stamp is known.
   void begin(const Pose& T_odom_base);
-  /// The points of that scan, times counted from `reference` (s after the stamp); skewed if they
-  /// have times.
+  /// The points of that scan and those between its rings, times counted from `reference` (s after
+  /// the stamp); skewed if they have times.
   void keep_first(const SampledPoints& points, const SampledPoints& between, bool have_times,
                   double reference);
 

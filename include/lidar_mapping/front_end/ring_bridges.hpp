@@ -42,6 +42,11 @@ class RingBridges {
   void collect(const PointCloud& cloud, const Eigen::Vector3f& origin, double max_range);
   void sort_by_columns();
   Column column(std::size_t number);
+  /// True of a point that lies on the line through those on the rings beside its own.
+  static bool is_straight(const Column& column, const Seen* s);
+  /// Adds the points between the rings of the column with this number, relative to the sensor.
+  static void bridge(const Column& column, std::size_t number, float spacing,
+                     SampledPoints& points);
 
   std::vector<Seen> seen_;
   std::vector<std::uint16_t> numbers_;  ///< the column of each
