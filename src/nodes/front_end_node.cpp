@@ -115,6 +115,11 @@ void FrontEndNode::subscribe_sensors() {
   subscribers_ = {subscribe<sensor_msgs::PointCloud2>(
                       context_, "synced_cloud", capacity,
                       go_on([this](const auto& m) { take_cloud(m); }), Numbered::kYes),
+                  subscribe<SyncedInputsMessage>(
+                      context_, "synced_inputs", capacity, go_on([this](const auto& m) {
+                        assembler_.add_inputs(from_ros(m.header.stamp),
+                                              {m.imu != 0, m.velocity != 0, m.gnss != 0});
+                      })),
                   subscribe<sensor_msgs::Imu>(
                       context_, "synced_imu", capacity,
                       go_on([this](const auto& m) { assembler_.add_imu(from_message(m)); })),

@@ -150,6 +150,7 @@ class Preprocessor::Impl {
       notices_.missing_transform("points", scan.raw.frame_id);
       return std::nullopt;
     }
+    sensors_.learn_until(scan.raw.stamp + from_seconds(scan.span.end));
     SyncedScan result = values_at(scan.raw.stamp);
     result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result.imu);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {

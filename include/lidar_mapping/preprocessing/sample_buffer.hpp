@@ -51,6 +51,20 @@ class SampleBuffer {
     return stamp - earlier->stamp <= max_gap ? &*earlier : nullptr;
   }
 
+  /// The newest sample that is not after `stamp`; none where all are.
+  const Sample* up_to(Stamp stamp) const {
+    const auto after = std::upper_bound(samples_.begin(), samples_.end(), stamp, is_after);
+    return after == samples_.begin() ? nullptr : &*std::prev(after);
+  }
+
+  /// Calls `visit` with each sample after `begin` that is not after `end`, in order.
+  template <typename Visit>
+  void for_each(Stamp begin, Stamp end, const Visit& visit) const {
+    const auto first = std::upper_bound(samples_.begin(), samples_.end(), begin, is_after);
+    const auto last = std::upper_bound(first, samples_.end(), end, is_after);
+    std::for_each(first, last, visit);
+  }
+
   bool empty() const { return samples_.empty(); }
   std::size_t size() const { return samples_.size(); }
   const Sample& oldest() const { return samples_.front(); }
@@ -62,6 +76,7 @@ class SampleBuffer {
 
  private:
   static bool is_before(const Sample& sample, Stamp stamp) { return sample.stamp < stamp; }
+  static bool is_after(Stamp stamp, const Sample& sample) { return sample.stamp > stamp; }
 
   Stamp horizon_;
   std::size_t capacity_;
