@@ -34,7 +34,8 @@ using registration::NdtMatch;
 
 /// A scan goes into the local map after this motion; so standing still adds nothing.
 const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
-/// The first scans go into it wherever they are.
+/// The first scans go into it wherever they are, outside of rooms with points between their rings:
+/// planes of single rings fit however the vehicle nods as it pulls away.
 constexpr int kFirstScans = 3;
 /// Fewer points are no scan.
 constexpr std::size_t kMinPoints = 50;
@@ -122,6 +123,7 @@ class NdtTracker::Impl {
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
+    in_room_ = sampler_.median_range() <= kRoomRange;
     map_.begin(voxel_size());
     rings_ = HeededRings(sensor_origin_ ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
@@ -133,13 +135,13 @@ class NdtTracker::Impl {
     beginning_.begin(T_odom_base);
     remember(scan);
     insert(scan);
-    beginning_.keep_first(sampler_.dense(scan), scan.cloud.has_times(), sampler_.reference());
+    beginning_.keep_first(sampler_.dense(scan), in_room_ ? SampledPoints{} : sampler_.between(),
+                          scan.cloud.has_times(), sampler_.reference());
   }
 
   /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
   double voxel_size() const {
-    return sampler_.median_range() > kRoomRange ? config_.voxel_size
-                                                : kRoomScale * config_.voxel_size;
+    return in_room_ ? kRoomScale * config_.voxel_size : config_.voxel_size;
   }
 
   Prediction predict(double seconds, const MotionPrior& prior) {
@@ -338,6 +340,11 @@ class NdtTracker::Impl {
     timer_.start("insertion");
     map_.set_ring_spacing(rings_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
+    // The surfaces of a room are small, and many rings meet each: a recorded sensor of 16 beams
+    // that stands in one is off by 15 mm instead of 5 with these points.
+    if (!in_room_ && beginning_.inserted_scans() < kFirstScans) {
+      map_.insert(sampler_.between_rings(scan), filter_.state());
+    }
     inserted_ = filter_.state().T_map_sensor;
     beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
     if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());
@@ -391,6 +398,7 @@ class NdtTracker::Impl {
   StepTimer timer_;
 
   Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< covariance, predicted alone
+  bool in_room_ = false;                                        ///< the map began there
   bool beside_rings_ = false;                                   ///< the scan was matched like that
   Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
   double parting_variance_ = 1.0;
