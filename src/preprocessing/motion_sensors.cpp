@@ -136,6 +136,19 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
   return in_base(sample, *T_base_imu);
 }
 
+std::optional<ImuStretch> MotionSensors::imu_since(Stamp after, Stamp until) const {
+  const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
+  if (!T_base_imu) return std::nullopt;
+  ImuStretch stretch;
+  for (const ImuSample& sample : imu_.buffer().since(after, until)) {
+    stretch.samples.push_back(in_base(sample, *T_base_imu));
+  }
+  if (stretch.samples.empty()) return std::nullopt;
+  stretch.p_base_imu = T_base_imu->translation;
+  stretch.gyro_bias = T_base_imu->rotation * gyro_bias_.bias();
+  return stretch;
+}
+
 std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
   const auto sample = measured_velocity_at(stamp);
   if (!sample || velocity_check_.problem(sample->linear) != VelocityProblem::kNone) {

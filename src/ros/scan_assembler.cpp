@@ -56,6 +56,10 @@ void ScanAssembler::add_imu(const ImuSample& sample_base) {
   imu_.add(sample_base.stamp, sample_base);
 }
 
+void ScanAssembler::add_imu(Stamp stamp, const ImuStretch& stretch) {
+  imu_stretches_.add(stamp, stretch);
+}
+
 void ScanAssembler::add_velocity(const VelocitySample& sample_base) {
   velocity_.add(sample_base.stamp, sample_base);
 }
@@ -92,13 +96,30 @@ std::vector<AssembledScan> ScanAssembler::flush() {
 bool ScanAssembler::ready(const Scan& scan, bool next_is_there) {
   if (external_odometry_ && !odometry_ready(scan.stamp)) return false;
   const bool imu = imu_.complete_for(scan.stamp, next_is_there);
+  const bool stretch = imu_stretches_.complete_for(scan.stamp, next_is_there);
   const bool velocity = velocity_.complete_for(scan.stamp, next_is_there);
   const bool gnss = gnss_.complete_for(scan.stamp, next_is_there);
-  return imu && velocity && gnss;
+  return imu && stretch && velocity && gnss;
 }
 
 bool ScanAssembler::odometry_ready(Stamp stamp) const {
   return waiting_.size() > kMostWaiting || odometry_.lower_bound(stamp) != odometry_.end();
+}
+
+/// With the samples of scans that never came: the way to this one leads through them.
+std::optional<ImuStretch> ScanAssembler::take_stretch(Stamp stamp) {
+  std::optional<ImuStretch> whole;
+  auto& stretches = imu_stretches_.samples;
+  const auto end = stretches.upper_bound(stamp);
+  for (auto it = stretches.begin(); it != end; ++it) {
+    std::vector<ImuSample> samples = whole ? std::move(whole->samples) : std::vector<ImuSample>{};
+    samples.insert(samples.end(), it->second.samples.begin(), it->second.samples.end());
+    whole = std::move(it->second);
+    whole->samples = std::move(samples);
+    if (it->first != stamp) whole->uniform_rate.reset();
+  }
+  stretches.erase(stretches.begin(), end);
+  return whole;
 }
 
 void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
@@ -107,6 +128,7 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   waiting_.pop_front();
   const auto imu = imu_.take(stamp);
   if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;
+  assembled.prior.imu = take_stretch(stamp);
   if (const auto velocity = velocity_.take(stamp)) {
     assembled.prior.linear_velocity = velocity->linear;
   }

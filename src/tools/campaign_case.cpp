@@ -47,6 +47,8 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
     result.every = static_cast<std::size_t>(every);
   } else if (key == "undistorted") {
     result.undistorted = number_of(key, value) != 0.0;
+  } else if (key == "imu") {
+    result.imu = number_of(key, value) != 0.0;
   } else if (key == "method") {
     result.method = value;
   } else if (key == "fault") {
@@ -55,7 +57,7 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
   } else {
     throw ConfigError("case: '" + key +
                       "' is unknown; use drive, lidar, seed, start, scan_rate, range_noise, every, "
-                      "undistorted, method or fault");
+                      "undistorted, imu, method or fault");
   }
 }
 
@@ -111,6 +113,7 @@ std::string to_line(const CampaignCase& c) {
   if (c.range_noise != usual.range_noise) line += " range_noise=" + text_of(c.range_noise);
   if (c.every != usual.every) line += " every=" + std::to_string(c.every);
   if (c.undistorted) line += " undistorted=1";
+  if (c.imu) line += " imu=1";
   if (c.method != usual.method) line += " method=" + c.method;
   for (const std::string& fault : c.faults) line += " fault=" + fault;
   return line;

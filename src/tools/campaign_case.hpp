@@ -23,6 +23,7 @@ struct CampaignCase {
   std::size_t every = 1;              ///< the front end gets every n-th scan only
   bool undistorted = false;
   std::string method = "NDT";       ///< registration_method
+  bool imu = false;                 ///< the IMU too, through preprocessing
   std::vector<std::string> faults;  ///< simulation::parse_scan_fault
 };
 

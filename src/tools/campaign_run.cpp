@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
+
+#include "campaign_imu.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -83,10 +86,17 @@ CampaignFigures run_case(const CampaignCase& c, double duration) {
   StepChecker steps;
   std::vector<evaluation::PosePair> pairs;
   std::uint32_t segment = 0;
+  std::optional<ImuFeed> feed;
+  if (c.imu) feed.emplace(drive);
   for (std::size_t i = 0; i < drive.scan_count(); i += c.every) {
-    const Scan scan = drive.base_scan(i);
+    std::pair<Scan, front_end::MotionPrior> input;
+    if (auto fed = feed ? feed->next(i) : std::nullopt) {
+      input = *std::move(fed);
+    } else {
+      input.first = drive.base_scan(i);
+    }
     const double before = thread_cpu_ms();
-    const FrontEndResult result = front_end.process(scan);
+    const FrontEndResult result = front_end.process(input.first, input.second);
     figures.cpu_ms += thread_cpu_ms() - before;
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     count(result.status.state, figures);
@@ -100,6 +110,9 @@ CampaignFigures run_case(const CampaignCase& c, double duration) {
   figures.silent = steps.silent();
   figures.largest_error = steps.largest_error();
   figures.largest_error_deg = steps.largest_error_deg();
+  figures.way = evaluation::travelled_distances(pairs).back();
+  const auto fitted = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+  figures.ape = evaluation::absolute_pose_error(fitted).translation_m.rmse;
   const auto drift = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
   if (drift.segments > 0) figures.drift_percent = drift.translation_percent;
   return figures;

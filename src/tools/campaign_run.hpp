@@ -27,6 +27,8 @@ struct CampaignFigures {
   double largest_error = 0.0;      ///< m, of a step that is called tracking
   double largest_error_deg = 0.0;  ///< likewise
   double cpu_ms = 0.0;             ///< per scan
+  double way = 0.0;                ///< m
+  double ape = 0.0;                ///< m, root mean square after alignment
 };
 
 /// Tells wrong steps that are called right. A step leads from the last scan that was not called

@@ -58,9 +58,9 @@ std::vector<CampaignCase> all_runs(const Options& options) {
 void print(const CampaignFigures& f, const std::string& line) {
   char drift[32] = "-";
   if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
-  std::printf("%8s %5zu %6zu %5zu %8zu %10zu %9.3f %9.2f %7.2f  %s\n", drift, f.scans, f.silent,
-              f.lost, f.degraded, f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms,
-              line.c_str());
+  std::printf("%8s %5zu %6zu %5zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n", drift, f.scans,
+              f.silent, f.lost, f.degraded, f.degenerate, f.largest_error, f.largest_error_deg,
+              f.cpu_ms, f.ape, f.way, line.c_str());
   std::fflush(stdout);
 }
 
@@ -74,15 +74,18 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
                {"degenerate", f.degenerate},
                {"largest_error_m", f.largest_error},
                {"largest_error_deg", f.largest_error_deg},
-               {"cpu_ms", f.cpu_ms}};
+               {"cpu_ms", f.cpu_ms},
+               {"ape_m", f.ape},
+               {"way_m", f.way}};
   if (f.drift_percent) json["drift_percent"] = *f.drift_percent;
   return json;
 }
 
 void run(const Options& options) {
   const std::vector<CampaignCase> runs = all_runs(options);
-  std::printf("%8s %5s %6s %5s %8s %10s %9s %9s %7s  %s\n", "drift %", "scans", "silent", "lost",
-              "degraded", "degenerate", "largest m", "largest d", "cpu ms", "case");
+  std::printf("%8s %5s %6s %5s %8s %10s %9s %9s %7s %7s %6s  %s\n", "drift %", "scans", "silent",
+              "lost", "degraded", "degenerate", "largest m", "largest d", "cpu ms", "APE m",
+              "way m", "case");
   Json all = Json::array();
   std::size_t scans = 0, silent = 0, lost = 0;
   for (const CampaignCase& c : runs) {

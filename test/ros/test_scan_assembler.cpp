@@ -17,6 +17,14 @@ ImuSample imu_at(Stamp stamp) {
   return sample;
 }
 
+/// With a sample of that stamp.
+ImuStretch stretch_at(Stamp stamp) {
+  ImuStretch stretch;
+  stretch.samples = {imu_at(stamp)};
+  stretch.uniform_rate = Eigen::Vector3d::UnitZ();
+  return stretch;
+}
+
 VelocitySample velocity_at(Stamp stamp) {
   VelocitySample sample;
   sample.stamp = stamp;
@@ -46,10 +54,27 @@ TEST(ScanAssembler, PairsByStampWhateverArrivesFirst) {
   EXPECT_TRUE(assembler.take_ready().empty());
   assembler.add_gnss(gnss_at(kPeriod));
   assembler.add_imu(imu_at(kPeriod));
+  assembler.add_imu(kPeriod, stretch_at(kPeriod));
   const auto ready = assembler.take_ready();
   ASSERT_EQ(ready.size(), 1U);
+  EXPECT_EQ(ready[0].prior.imu->samples.size(), 1U);
   EXPECT_EQ(ready[0].prior.angular_velocity->z(), static_cast<double>(kPeriod));
   EXPECT_EQ(ready[0].prior.linear_velocity->x(), static_cast<double>(kPeriod));
+}
+
+// The way to a scan leads through those that were lost under way.
+TEST(ScanAssembler, KeepsTheSamplesOfScansThatNeverCame) {
+  ScanAssembler assembler(false);
+  for (const Stamp stamp : {kPeriod, 2 * kPeriod, 3 * kPeriod}) {
+    assembler.add_imu(stamp, stretch_at(stamp));
+  }
+  assembler.add_scan(scan_at(2 * kPeriod));
+  const auto out = assembler.flush();
+  ASSERT_EQ(out.size(), 1U);
+  ASSERT_EQ(out[0].prior.imu->samples.size(), 2U);
+  EXPECT_EQ(out[0].prior.imu->samples[0].stamp, kPeriod);
+  EXPECT_EQ(out[0].prior.imu->samples[1].stamp, 2 * kPeriod);
+  EXPECT_TRUE(out[0].prior.imu->uniform_rate);
 }
 
 TEST(ScanAssembler, TakesNoTurningFromAnImuWithoutGyro) {

@@ -36,6 +36,9 @@ class MotionSensors {
   std::optional<ImuSample> imu_at(Stamp stamp) const;
   std::optional<VelocitySample> velocity_at(Stamp stamp) const;
 
+  /// The samples of the IMU after `after`, until the end of a scan; none without a transform.
+  std::optional<ImuStretch> imu_since(Stamp after, Stamp until) const;
+
   /// The motion over the time span of a scan, by the gyro (else the turning of the velocity) and
   /// the velocity. With the gyro alone only the turning is known (kImu).
   MeasuredMotion motion(Stamp stamp, const TimeSpan& span) const;

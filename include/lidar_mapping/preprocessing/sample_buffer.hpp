@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
 
@@ -49,6 +50,14 @@ class SampleBuffer {
     if (at == samples_.begin()) return nullptr;
     const auto earlier = std::prev(at);
     return stamp - earlier->stamp <= max_gap ? &*earlier : nullptr;
+  }
+
+  /// The samples after `after`, up to the first one at or after `until`.
+  std::vector<Sample> since(Stamp after, Stamp until) const {
+    const auto begin = std::lower_bound(samples_.begin(), samples_.end(), after + 1, is_before);
+    auto end = std::lower_bound(begin, samples_.end(), until, is_before);
+    if (end != samples_.end()) ++end;
+    return {begin, end};
   }
 
   bool empty() const { return samples_.empty(); }

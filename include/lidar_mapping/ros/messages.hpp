@@ -19,6 +19,7 @@
 #include <lidar_mapping/Floor.h>
 #include <lidar_mapping/FrontEndStatus.h>
 #include <lidar_mapping/GetKeyFrames.h>
+#include <lidar_mapping/ImuSamples.h>
 #include <lidar_mapping/KeyFrame.h>
 #include <lidar_mapping/KeyFramePoses.h>
 #include <lidar_mapping/Loop.h>

@@ -28,6 +28,8 @@ class ScanAssembler {
   explicit ScanAssembler(bool external_odometry);
 
   void add_imu(const ImuSample& sample_base);
+  /// What the IMU measured until the end of the scan with that stamp.
+  void add_imu(Stamp stamp, const ImuStretch& stretch);
   void add_velocity(const VelocitySample& sample_base);
   void add_gnss(const GnssPosition& position);
   void add_odometry(Stamp stamp, const Pose& T_external_base);
@@ -52,6 +54,7 @@ class ScanAssembler {
     std::optional<Sample> take(Stamp stamp);
   };
 
+  std::optional<ImuStretch> take_stretch(Stamp stamp);
   bool ready(const Scan& scan, bool next_is_there);
   bool odometry_ready(Stamp stamp) const;
   void emit_first(std::vector<AssembledScan>& out);
@@ -59,6 +62,7 @@ class ScanAssembler {
 
   bool external_odometry_;
   Stream<ImuSample> imu_;
+  Stream<ImuStretch> imu_stretches_;
   Stream<VelocitySample> velocity_;
   Stream<GnssPosition> gnss_;
   std::map<Stamp, Pose> odometry_;
