@@ -91,7 +91,7 @@ void InertialFilter::resume(const MotionState& state, const Matrix12d& covarianc
   covariance_.topLeftCorner<9, 9>() = to_imu * covariance * to_imu.transpose();
 }
 
-void InertialFilter::predict(const Preintegration& motion) {
+void InertialFilter::predict(const Preintegration& motion, bool has_accelerometer) {
   const double t = motion.seconds;
   const Eigen::Matrix3d R = state_.T_odom_imu.rotation_matrix();
   const Eigen::Matrix3d back = motion.rotation.toRotationMatrix().transpose();
@@ -123,7 +123,8 @@ void InertialFilter::predict(const Preintegration& motion) {
 
   covariance_ = F * covariance_ * F.transpose();
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  const double a = accelerometer_noise_ * accelerometer_noise_;
+  const double noise = has_accelerometer ? accelerometer_noise_ : kMostAccelerometerNoise;
+  const double a = noise * noise;
   covariance_.block<3, 3>(kPlace, kPlace) += a * t * t * t / 3.0 * I;
   covariance_.block<3, 3>(kPlace, kVelocity) += a * t * t / 2.0 * I;
   covariance_.block<3, 3>(kVelocity, kPlace) += a * t * t / 2.0 * I;

@@ -15,6 +15,9 @@ constexpr double kShortLook = 0.2;
 /// Between instants of the motion within a sweep, s: a straight line between them is off by 1e-5
 /// rad at 5 rad/s.
 constexpr double kStep = 0.002;
+/// The mean specific force is gravity's to this share, in the right unit.
+constexpr double kStandardGravity = 9.80665;  // m/s^2
+constexpr double kOtherForce = 0.3;
 constexpr double kLongestStep = 5.0;  ///< s, from sweep to sweep
 
 using registration::MotionBelief;
@@ -59,8 +62,8 @@ bool InertialMotion::look_down(Stamp reference, const Pose& T_odom_base) {
   }
   const Preintegration look = preintegrated(track_.between(begin, reference), {});
   const Eigen::Vector3d force = look.rotation.conjugate() * look.velocity / look.seconds;
-  const bool is_dead = force.norm() < 1e-3;
-  const Eigen::Vector3d up = is_dead ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d(force);
+  weighs_ = std::abs(force.norm() - kStandardGravity) < kOtherForce * kStandardGravity;
+  const Eigen::Vector3d up = weighs_ ? force : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
   filter_.begin(T_odom_base, track_.p_base_imu(), -(T_odom_base.rotation * up));
   return true;
 }
@@ -81,11 +84,11 @@ void InertialMotion::predict(Stamp reference, double since_stamp, double duratio
                 track_.covers(begin, end) &&
                 !track_.is_clipped(begin, end, &ImuSample::angular_velocity);
   accelerometer_there_ =
-      gyro_there_ && !track_.is_clipped(begin, end, &ImuSample::linear_acceleration);
+      gyro_there_ && weighs_ && !track_.is_clipped(begin, end, &ImuSample::linear_acceleration);
   is_current_ = gyro_there_;
   if (!gyro_there_) return;
   const ImuBias bias = filter_.state().bias;
-  filter_.predict(preintegrated(track_.between(last, reference), bias));
+  filter_.predict(preintegrated(track_.between(last, reference), bias), accelerometer_there_);
   rate_ = track_.at(reference).angular_velocity;
   if (duration > 0.0) {
     const Stamp half = from_seconds(0.5 * duration);

@@ -205,7 +205,7 @@ TEST(InertialMotion, NoticesEveryFault) {
       walk.go(1);
       with += walk.error() * walk.error();
       without += walk.error_without() * walk.error_without();
-      noticed += walk.imu().trust() == fault.use ? 1 : 0;
+      noticed += walk.imu().use() == fault.use ? 1 : 0;
     }
     EXPECT_GT(noticed, 250);
     EXPECT_LT(with, 1.3 * without);

@@ -30,7 +30,8 @@ class InertialFilter {
              const Eigen::Vector3d& gravity);
   /// The pose and twist are these, as well known as that; biases and gravity stay.
   void resume(const registration::MotionState& state, const registration::Matrix12d& covariance);
-  void predict(const Preintegration& motion);
+  /// Without an accelerometer the way is as good as unknown.
+  void predict(const Preintegration& motion, bool has_accelerometer = true);
   /// Pose of base_link and its twist during a sweep of `duration` seconds in which the gyro showed
   /// this mean rate (as measured, rad/s).
   registration::MotionBelief belief(const Eigen::Vector3d& rate, double duration) const;

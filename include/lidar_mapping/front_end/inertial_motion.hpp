@@ -54,6 +54,7 @@ class InertialMotion {
   std::optional<Eigen::Vector3d> uniform_rate_;  ///< of this sweep, see ImuStretch
   Eigen::Vector3d removed_bias_ = Eigen::Vector3d::Zero();
   bool begun_ = false;       ///< gravity is known roughly
+  bool weighs_ = false;      ///< the accelerometer shows gravity
   bool is_current_ = false;  ///< the filter's state is that of the last sweep
   bool gyro_there_ = false;  ///< for this sweep and the way to it
   bool accelerometer_there_ = false;
