@@ -21,7 +21,8 @@ enum Stream : std::uint64_t {
   kImuNoise,
   kVelocityNoise,
   kGnssNoise,
-  kScanFaults
+  kScanFaults,
+  kImuFaults
 };
 
 /// The first scan begins when every sensor has given samples.
@@ -37,7 +38,12 @@ constexpr NamedDrive kDrives[] = {
     {"town", make_town},           {"figure_eight", make_figure_eight},
     {"open_road", make_open_road}, {"tunnel", make_tunnel},
     {"car_park", make_car_park},   {"walk", make_walk},
-    {"twins", make_twins},         {"city", make_city}};
+    {"twins", make_twins},         {"city", make_city},
+    {"handheld", make_handheld},   {"handheld_forest", make_handheld_forest},
+    {"running", make_running},     {"running_forest", make_running_forest},
+    {"spin", make_spin},           {"stairs", make_stairs},
+    {"legged", make_legged},       {"legged_forest", make_legged_forest},
+    {"drone", make_drone},         {"elevator", make_elevator}};
 
 void require(bool holds, const std::string& message) {
   if (!holds) throw ConfigError("simulation: " + message);
@@ -71,6 +77,7 @@ class Drive::Impl {
   explicit Impl(const DriveOptions& options)
       : options_(options),
         lidar_(lidar_model(options.lidar)),
+        imu_(imu_model(options.imu)),
         scenario_(make_scenario(options)),
         caster_(scenario_.world),
         period_(from_seconds(1.0 / options.scan_rate)),
@@ -102,7 +109,7 @@ class Drive::Impl {
                                      std::to_string(scan_count_));
     const std::size_t source = faults_.source(index, period_);
     SimulatedScan scan =
-        take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar,
+        take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar, source,
                    scan_stamp(source), period_, options_.undistorted, options_.range_noise,
                    noise_seed(kScanNoise) ^ mixed(source)});
     faults_.spoil(scan, source, lidar_, options_.range_noise);
@@ -131,6 +138,7 @@ class Drive::Impl {
 
   DriveOptions options_;
   LidarModel lidar_;
+  ImuModel imu_;
   Scenario scenario_;
   RayCaster caster_;
   Stamp period_;
@@ -161,7 +169,11 @@ Scan Drive::base_scan(std::size_t index) const {
 }
 
 std::vector<ImuSample> Drive::imu() const {
-  return impl_->cut(sample_imu(trajectory(), mounting().T_base_imu, impl_->noise_seed(kImuNoise)));
+  std::vector<ImuSample> samples =
+      sample_imu(trajectory(), mounting().T_base_imu, impl_->imu_, impl_->scenario_.imu_period,
+                 impl_->noise_seed(kImuNoise));
+  spoil(samples, impl_->options_.imu_faults, trajectory().begin(), impl_->noise_seed(kImuFaults));
+  return impl_->cut(std::move(samples));
 }
 
 std::vector<VelocitySample> Drive::velocity() const {
@@ -173,6 +185,16 @@ std::vector<GnssFix> Drive::gnss() const {
   return impl_->cut(sample_gnss(trajectory(), mounting().p_base_antenna, impl_->options_.gnss_rate,
                                 impl_->options_.gnss_noise, impl_->outages_,
                                 impl_->options_.gnss_jumps, impl_->noise_seed(kGnssNoise)));
+}
+
+void add_fault(DriveOptions& options, const std::string& text) {
+  const std::vector<std::string> of_imu = imu_fault_names();
+  const std::string name = text.substr(0, text.find('='));
+  if (std::find(of_imu.begin(), of_imu.end(), name) != of_imu.end()) {
+    options.imu_faults.push_back(parse_imu_fault(text));
+  } else {
+    options.scan_faults.push_back(parse_scan_fault(text));
+  }
 }
 
 std::vector<std::string> drive_names() {

@@ -22,4 +22,16 @@ SensorMounting hand_held_mounting() {
           {0.0, 0.05, 0.45}};
 }
 
+SensorMounting legged_mounting() {
+  return {mounted({0.18, 0.0, 0.16}, {0.005, 0.012, -0.008}),
+          mounted({0.02, 0.01, 0.04}, {-0.006, 0.002, 0.01}),
+          {-0.15, 0.0, 0.2}};
+}
+
+SensorMounting drone_mounting() {
+  return {mounted({0.03, 0.0, 0.12}, {-0.004, 0.008, 0.015}),
+          mounted({0.0, 0.01, 0.03}, {0.005, -0.003, -0.02}),
+          {-0.1, 0.0, 0.15}};
+}
+
 }  // namespace lidar_mapping::simulation

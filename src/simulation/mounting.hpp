@@ -9,5 +9,9 @@ namespace lidar_mapping::simulation {
 SensorMounting car_mounting();
 /// In a hand, LiDAR 0.3 m above base_link.
 SensorMounting hand_held_mounting();
+/// On the back of a robot with legs whose base_link is the middle of its body.
+SensorMounting legged_mounting();
+/// On a drone: LiDAR on top of base_link, the middle of its frame.
+SensorMounting drone_mounting();
 
 }  // namespace lidar_mapping::simulation

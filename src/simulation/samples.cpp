@@ -13,13 +13,46 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr Stamp kImuPeriod = 10'000'000;
+constexpr Stamp kVelocityPeriod = 10'000'000;
 constexpr double kJumpDuration = 10.0;  ///< s
 
 Eigen::Vector3d normal3(Random& random, double sigma) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
   return sigma * Eigen::Vector3d(x, y, z);
 }
+
+enum Stream : std::uint64_t { kGyroStream = 1, kAccelerometerStream };
+
+/// A gyroscope or an accelerometer with three axes. What is drawn once beyond its bias comes from a
+/// stream of its own, so that the noise of samples does not depend on it.
+class InertialSensor {
+ public:
+  InertialSensor(const InertialErrors& errors, Stamp period, Random& noise, Random own)
+      : errors_(errors),
+        noise_(errors.noise + errors.noise_density / std::sqrt(to_seconds(period))),
+        step_(errors.bias_walk * std::sqrt(to_seconds(period))),
+        bias_(normal3(noise, errors.bias)),
+        distortion_(Eigen::Matrix3d::Identity()),
+        own_(own) {
+    distortion_.diagonal() += normal3(own_, errors.scale);
+    const Eigen::Vector3d turned = normal3(own_, errors.misalignment);
+    if (errors.misalignment > 0.0) distortion_ = exp_so3(turned).toRotationMatrix() * distortion_;
+  }
+
+  Eigen::Vector3d measured(const Eigen::Vector3d& truth, Random& noise) {
+    const Eigen::Vector3d value = distortion_ * truth + bias_ + normal3(noise, noise_);
+    bias_ += normal3(own_, step_);
+    return value.cwiseMax(-errors_.range).cwiseMin(errors_.range);
+  }
+
+ private:
+  InertialErrors errors_;
+  double noise_;
+  double step_;
+  Eigen::Vector3d bias_;
+  Eigen::Matrix3d distortion_;
+  Random own_;
+};
 
 template <typename Interval>
 bool lies_in(const std::vector<Interval>& intervals, double seconds) {
@@ -45,21 +78,25 @@ GnssFix without_fix(Stamp stamp) {
 }  // namespace
 
 std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose& T_base_imu,
-                                  std::uint64_t seed) {
+                                  const ImuModel& model, Stamp period, std::uint64_t seed) {
   Random random(seed);
-  const Eigen::Vector3d gyro_bias = normal3(random, kGyroBias);
-  const Eigen::Vector3d accelerometer_bias = normal3(random, kAccelerometerBias);
+  InertialSensor gyro(model.gyro, period, random, Random(seed, kGyroStream));
+  InertialSensor accelerometer(model.accelerometer, period, random,
+                               Random(seed, kAccelerometerStream));
   std::vector<ImuSample> samples;
-  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kImuPeriod) {
+  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += period) {
     const MotionState state = trajectory.state(stamp).of_frame(T_base_imu);
     const Eigen::Quaterniond& R_map_imu = state.T_map_base.rotation;
+    const Eigen::Vector3d force =
+        R_map_imu.conjugate() * (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kGravity));
     ImuSample sample;
     sample.stamp = stamp;
-    sample.angular_velocity = state.angular_velocity_base + gyro_bias + normal3(random, kGyroNoise);
-    sample.linear_acceleration =
-        R_map_imu.conjugate() * (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kGravity)) +
-        accelerometer_bias + normal3(random, kAccelerometerNoise);
-    sample.orientation = (R_map_imu * exp_so3(normal3(random, kOrientationNoise))).normalized();
+    sample.angular_velocity = gyro.measured(state.angular_velocity_base, random);
+    sample.linear_acceleration = accelerometer.measured(force, random);
+    if (model.has_orientation) {
+      sample.orientation =
+          (R_map_imu * exp_so3(normal3(random, model.orientation_noise))).normalized();
+    }
     samples.push_back(sample);
   }
   return samples;
@@ -69,7 +106,7 @@ std::vector<VelocitySample> sample_velocity(const SmoothTrajectory& trajectory,
                                             const Pose& T_base_imu, std::uint64_t seed) {
   Random random(seed);
   std::vector<VelocitySample> samples;
-  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kImuPeriod) {
+  for (Stamp stamp = trajectory.begin(); stamp <= trajectory.end(); stamp += kVelocityPeriod) {
     const MotionState state = trajectory.state(stamp).of_frame(T_base_imu);
     samples.push_back({stamp,
                        state.T_map_base.rotation.conjugate() * state.velocity_map +

@@ -5,13 +5,16 @@
 
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "imu_model.hpp"
+
 namespace lidar_mapping::simulation {
 
 /// Origin of map on the ellipsoid.
 constexpr GeodeticDatum kDatum{49.011, 8.423, 116.4};
 
+/// A sample every `period`.
 std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose& T_base_imu,
-                                  std::uint64_t seed);
+                                  const ImuModel& model, Stamp period, std::uint64_t seed);
 std::vector<VelocitySample> sample_velocity(const SmoothTrajectory& trajectory,
                                             const Pose& T_base_imu, std::uint64_t seed);
 /// `outages` holds the intervals without a fix, those of the options and of the world.

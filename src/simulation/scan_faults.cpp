@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 
+#include "fault_text.hpp"
 #include "ray_returns.hpp"
 
 namespace lidar_mapping::simulation {
@@ -57,7 +57,8 @@ constexpr Description kDescriptions[] = {
     {"jitter", Kind::kJitter, "jitter=SECONDS from 0.0001 to 1", 0.0001, 1.0},
     {"frozen", Kind::kFrozen, "frozen=TIMES or frozen=TIMES,EVERY_SECONDS, both 1 or more", 1.0,
      1e6},
-    {"sparse", Kind::kSparse, "sparse=POINTS, 1 or more", 1.0, 1e9}};
+    {"sparse", Kind::kSparse, "sparse=POINTS, 1 or more", 1.0, 1e9},
+    {"times", Kind::kTimes, "times=none or times=negated", 0.0, 1.0}};
 
 void put(RayReturn& ray, const Eigen::Vector3d& direction, double range, float intensity) {
   const Eigen::Vector3f p = (range * direction).cast<float>();
@@ -101,12 +102,19 @@ void add_rain(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& 
   }
 }
 
-/// True if all of the text has this form, whose last word is %n, and gives all of these numbers.
-template <typename... Numbers>
-bool reads(const std::string& text, const char* form, Numbers*... numbers) {
-  int end = 0;
-  const int read = std::sscanf(text.c_str(), form, numbers..., &end);
-  return read == static_cast<int>(sizeof...(numbers)) && end == static_cast<int>(text.size());
+bool read(const Description& known, const std::optional<std::string>& value, ScanFault& fault) {
+  if (known.kind == Kind::kWall) return !value;
+  if (!value) return false;
+  if (known.kind == Kind::kTimes) {
+    fault.amount = *value == "negated" ? 1.0 : 0.0;
+    return *value == "none" || *value == "negated";
+  }
+  const bool is_one = reads(*value, "%lf%n", &fault.amount);
+  const bool is_two = known.kind == Kind::kFrozen &&
+                      reads(*value, "%lf,%lf%n", &fault.amount, &fault.every_s) &&
+                      fault.every_s >= 1.0;
+  // Written so that NaN fails.
+  return (is_one || is_two) && fault.amount >= known.least && fault.amount <= known.most;
 }
 
 /// Keeps `most` points, each with the same chance, in their order.
@@ -120,34 +128,25 @@ void thin_out(SimulatedScan& scan, std::size_t most, Random random) {
     if (!random.chance(chance)) continue;
     scan.cloud.points[kept] = scan.cloud.points[i];
     scan.moving[kept] = scan.moving[i];
+    scan.rays[kept] = scan.rays[i];
     if (scan.cloud.has_times()) scan.cloud.times[kept] = scan.cloud.times[i];
     ++kept;
     --wanted;
   }
   scan.cloud.points.resize(kept);
   scan.moving.resize(kept);
+  scan.rays.resize(kept);
   if (scan.cloud.has_times()) scan.cloud.times.resize(kept);
 }
 
 }  // namespace
 
 ScanFault parse_scan_fault(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  const std::string name = text.substr(0, equals);
+  const auto [name, value] = split_fault(text);
   for (const Description& known : kDescriptions) {
     if (name != known.name) continue;
     ScanFault fault{known.kind, 0.0, kUsualFrozenEvery};
-    bool fits = known.kind == Kind::kWall && equals == std::string::npos;
-    if (known.kind != Kind::kWall && equals != std::string::npos) {
-      const std::string numbers = text.substr(equals + 1);
-      const bool is_one = reads(numbers, "%lf%n", &fault.amount);
-      const bool is_two = known.kind == Kind::kFrozen &&
-                          reads(numbers, "%lf,%lf%n", &fault.amount, &fault.every_s) &&
-                          fault.every_s >= 1.0;
-      // Written so that NaN fails.
-      fits = (is_one || is_two) && fault.amount >= known.least && fault.amount <= known.most;
-    }
-    if (fits) return fault;
+    if (read(known, value, fault)) return fault;
     throw ConfigError("fault: '" + text + "' is not of the form " + known.form);
   }
   std::string names;
@@ -200,7 +199,7 @@ void ScanFaults::spoil(SimulatedScan& scan, std::size_t index, const LidarModel&
   const double rain = wanted(Kind::kRain);
   const bool has_wall = wanted(Kind::kWall) >= 0.0;
   if (outliers > 0.0 || rain > 0.0 || has_wall) {
-    const std::vector<Eigen::Vector3d> directions = ray_directions(lidar);
+    const std::vector<Eigen::Vector3d> directions = ray_directions(lidar, index);
     std::vector<RayReturn> rays = returns_of(scan, lidar);
     if (has_wall) add_wall(rays, directions, range_noise, stream(kWallStream));
     if (outliers > 0.0) add_outliers(rays, directions, outliers, lidar, stream(kOutlierStream));
@@ -209,6 +208,11 @@ void ScanFaults::spoil(SimulatedScan& scan, std::size_t index, const LidarModel&
   }
   const double most = wanted(Kind::kSparse);
   if (most > 0.0) thin_out(scan, static_cast<std::size_t>(most), stream(kThinStream));
+  const double times = wanted(Kind::kTimes);
+  if (times == 0.0) scan.cloud.times.clear();
+  if (times == 1.0) {
+    for (float& time : scan.cloud.times) time = -time;
+  }
 }
 
 }  // namespace lidar_mapping::simulation

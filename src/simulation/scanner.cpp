@@ -6,7 +6,6 @@
 #include "lidar_mapping/simulation/random.hpp"
 
 #include "palette.hpp"
-#include "ray_returns.hpp"
 
 namespace lidar_mapping::simulation {
 
@@ -20,7 +19,7 @@ constexpr double kFaintSignal = 2.3e-6;
 std::vector<Ray> make_rays(const ScanRequest& request,
                            const std::vector<Eigen::Vector3d>& directions) {
   std::vector<Ray> rays(directions.size());
-  const std::size_t beams = request.lidar.elevations.size();
+  const auto beams = static_cast<std::size_t>(request.lidar.beams);
   for (int column = 0; column < request.lidar.columns; ++column) {
     const Stamp delay =
         request.undistorted ? 0 : column_delay(request.lidar, request.period, column);
@@ -52,7 +51,7 @@ float measured_intensity(const Hit& hit, Random& random) {
 }  // namespace
 
 SimulatedScan take_scan(const ScanRequest& request) {
-  const std::vector<Eigen::Vector3d> directions = ray_directions(request.lidar);
+  const std::vector<Eigen::Vector3d> directions = ray_directions(request.lidar, request.frame);
   const std::vector<Ray> rays = make_rays(request, directions);
   const double begin_s = to_seconds(request.stamp - request.trajectory.begin());
   const double end_s = begin_s + to_seconds(request.period);
@@ -64,7 +63,7 @@ SimulatedScan take_scan(const ScanRequest& request) {
   scan.stamp = request.stamp;
   scan.end = request.stamp + request.period;
   Random random(request.noise_seed);
-  const std::size_t beams = request.lidar.elevations.size();
+  const auto beams = static_cast<std::size_t>(request.lidar.beams);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (hits[i].range < 0.0F || is_lost(hits[i], random)) continue;
     const double range = hits[i].range + request.range_noise * random.normal();
@@ -72,6 +71,7 @@ SimulatedScan take_scan(const ScanRequest& request) {
     scan.cloud.points.push_back(
         {p_lidar.x(), p_lidar.y(), p_lidar.z(), measured_intensity(hits[i], random)});
     scan.moving.push_back(hits[i].moving ? 1 : 0);
+    scan.rays.push_back(static_cast<std::uint32_t>(i));
     if (request.undistorted) continue;
     const Stamp delay = column_delay(request.lidar, request.period, static_cast<int>(i / beams));
     scan.cloud.times.push_back(static_cast<float>(to_seconds(delay)));

@@ -11,6 +11,7 @@ struct ScanRequest {
   const SmoothTrajectory& trajectory;
   const LidarModel& lidar;
   Pose T_base_lidar;
+  std::size_t frame = 0;  ///< counted from the drive's first
   Stamp stamp = 0;
   Stamp period = 0;
   bool undistorted = false;

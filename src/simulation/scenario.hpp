@@ -10,12 +10,17 @@ namespace lidar_mapping::simulation {
 /// First instant of every drive.
 constexpr Stamp kDriveBegin = 1'317'384'506'417'322'000;
 
+/// Between samples of the IMU.
+constexpr Stamp kUsualImuPeriod = 10'000'000;
+constexpr Stamp kCarrierImuPeriod = 5'000'000;
+
 /// A world and the way through it.
 struct Scenario {
   World world;
   SmoothTrajectory trajectory;
   SensorMounting mounting;
   std::vector<GnssOutage> covered;  ///< where no satellite is in view
+  Stamp imu_period = kUsualImuPeriod;
 };
 
 /// The seed of what is another on another day.
@@ -31,5 +36,15 @@ Scenario make_open_road(const DriveOptions& options);
 Scenario make_tunnel(const DriveOptions& options);
 Scenario make_car_park(const DriveOptions& options);
 Scenario make_walk(const DriveOptions& options);
+Scenario make_handheld(const DriveOptions& options);
+Scenario make_running(const DriveOptions& options);
+Scenario make_spin(const DriveOptions& options);
+Scenario make_legged(const DriveOptions& options);
+Scenario make_handheld_forest(const DriveOptions& options);
+Scenario make_running_forest(const DriveOptions& options);
+Scenario make_legged_forest(const DriveOptions& options);
+Scenario make_drone(const DriveOptions& options);
+Scenario make_stairs(const DriveOptions& options);
+Scenario make_elevator(const DriveOptions& options);
 
 }  // namespace lidar_mapping::simulation

@@ -83,12 +83,13 @@ class Shaking {
 }  // namespace
 
 std::vector<double> stations_over_time(const Path& path, double begin, double end,
-                                       const SpeedLimits& limits, const std::vector<Halt>& halts) {
+                                       const SpeedLimits& limits, const std::vector<Halt>& halts,
+                                       double step) {
   const std::vector<double> speed = speeds(path, begin, end, limits, halts);
   const Timing when = timing(speed, begin, halts);
   std::vector<double> stations;
   std::size_t node = 0;
-  for (double t = 0.0; t < when.left.back(); t += kControlStep) {
+  for (double t = 0.0; t < when.left.back(); t += step) {
     while (node + 1 < speed.size() && when.left[node + 1] <= t) ++node;
     double share = 0.0;
     if (node + 1 < speed.size() && t > when.left[node]) {
@@ -101,7 +102,7 @@ std::vector<double> stations_over_time(const Path& path, double begin, double en
     stations.push_back(begin + (static_cast<double>(node) + share) * kSpacing);
   }
   // A foot on a pedal: acceleration changes over about a second.
-  return smoothed(std::move(stations), static_cast<int>(0.25 / kControlStep), 3);
+  return smoothed(std::move(stations), static_cast<int>(0.25 / step), 3);
 }
 
 SmoothTrajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,

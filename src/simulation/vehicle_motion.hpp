@@ -30,12 +30,13 @@ struct Ground {
 };
 using GroundUnder = std::function<Ground(double station)>;
 
-/// Time between the control points of all trajectories, s.
+/// Time between the control points of vehicles' trajectories, s.
 constexpr double kControlStep = 0.02;
 
-/// Station every kControlStep seconds, from rest at station `begin` to rest at `end`.
+/// Station every `step` seconds, from rest at station `begin` to rest at `end`.
 std::vector<double> stations_over_time(const Path& path, double begin, double end,
-                                       const SpeedLimits& limits, const std::vector<Halt>& halts);
+                                       const SpeedLimits& limits, const std::vector<Halt>& halts,
+                                       double step = kControlStep);
 
 /// Motion of a car whose rear axle follows the path: it tilts with the ground, leans with its
 /// accelerations and shakes on the road.

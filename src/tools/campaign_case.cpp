@@ -1,11 +1,11 @@
 #include "campaign_case.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 namespace lidar_mapping::tools {
@@ -28,6 +28,14 @@ std::string text_of(double value) {
   return stream.str();
 }
 
+void check_imu(const std::string& value) {
+  const std::vector<std::string> names = simulation::imu_names();
+  if (value == "none" || std::find(names.begin(), names.end(), value) != names.end()) return;
+  std::string all = "none";
+  for (const std::string& name : names) all += " " + name;
+  throw ConfigError("case: imu=" + value + "; use one of " + all);
+}
+
 void set(CampaignCase& result, const std::string& key, const std::string& value) {
   if (key == "drive") {
     result.drive = value;
@@ -47,17 +55,19 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
     result.every = static_cast<std::size_t>(every);
   } else if (key == "undistorted") {
     result.undistorted = number_of(key, value) != 0.0;
-  } else if (key == "imu") {
-    result.imu = number_of(key, value) != 0.0;
   } else if (key == "method") {
     result.method = value;
   } else if (key == "fault") {
-    simulation::parse_scan_fault(value);
+    simulation::DriveOptions checked;
+    simulation::add_fault(checked, value);
     result.faults.push_back(value);
+  } else if (key == "imu") {
+    check_imu(value);
+    result.imu = value;
   } else {
     throw ConfigError("case: '" + key +
                       "' is unknown; use drive, lidar, seed, start, scan_rate, range_noise, every, "
-                      "undistorted, imu, method or fault");
+                      "undistorted, method, imu or fault");
   }
 }
 
@@ -70,7 +80,7 @@ std::string random_fault(simulation::Random& random) {
   const auto share = [&](double most) {
     return "=" + text_of(std::round(100.0 * random.uniform(0.01, most)) / 100.0);
   };
-  switch (random.integer(0, 5)) {
+  switch (random.integer(0, 6)) {
     case 0:
       return "outliers" + share(0.35);
     case 1:
@@ -81,8 +91,35 @@ std::string random_fault(simulation::Random& random) {
       return "jitter" + share(0.03);
     case 4:
       return "frozen=" + std::to_string(random.integer(1, 15)) + ",8";
+    case 5:
+      return random.chance(0.5) ? "times=none" : "times=negated";
     default:
       return "sparse=" + std::to_string(random.integer(3, 40) * 100);
+  }
+}
+
+std::string random_imu_fault(simulation::Random& random) {
+  const auto number = [&](double low, double high) {
+    return text_of(std::round(1000.0 * random.uniform(low, high)) / 1000.0);
+  };
+  switch (random.integer(0, 7)) {
+    case 0:
+      return "imu_vibration=" + number(0.5, 20.0);
+    case 1:
+      return "imu_scale=" + number(-0.2, 0.2);
+    case 2:
+      return "imu_axis=" +
+             one_of(std::vector<std::string>{"gx", "gy", "gz", "ax", "ay", "az"}, random);
+    case 3:
+      return "imu_clip=" + number(1.2, 4.0) + "," + number(1.0, 8.0);
+    case 4:
+      return "imu_frame";
+    case 5:
+      return random.chance(0.5) ? "imu_units=g" : "imu_units=degrees";
+    case 6:
+      return "imu_offset=" + number(-0.1, 0.1);
+    default:
+      return "imu_gap=" + number(0.1, 3.0) + ",8";
   }
 }
 
@@ -102,6 +139,21 @@ CampaignCase parse_case(const std::string& line) {
   return result;
 }
 
+simulation::DriveOptions drive_options(const CampaignCase& c, double duration) {
+  simulation::DriveOptions options;
+  options.drive = c.drive;
+  options.lidar = c.lidar;
+  options.seed = c.seed.value_or(1);
+  options.start = c.start;
+  options.duration = c.start + duration;
+  options.scan_rate = c.scan_rate;
+  options.range_noise = c.range_noise;
+  options.undistorted = c.undistorted;
+  if (c.imu != "none") options.imu = c.imu;
+  for (const std::string& fault : c.faults) simulation::add_fault(options, fault);
+  return options;
+}
+
 std::string to_line(const CampaignCase& c) {
   const CampaignCase usual;
   std::string line = c.name;
@@ -113,8 +165,8 @@ std::string to_line(const CampaignCase& c) {
   if (c.range_noise != usual.range_noise) line += " range_noise=" + text_of(c.range_noise);
   if (c.every != usual.every) line += " every=" + std::to_string(c.every);
   if (c.undistorted) line += " undistorted=1";
-  if (c.imu) line += " imu=1";
   if (c.method != usual.method) line += " method=" + c.method;
+  if (c.imu != usual.imu) line += " imu=" + c.imu;
   for (const std::string& fault : c.faults) line += " fault=" + fault;
   return line;
 }
@@ -164,6 +216,9 @@ CampaignCase random_case(simulation::Random& random) {
   result.undistorted = random.chance(0.2);
   const int faults = random.integer(0, 2);
   for (int i = 0; i < faults; ++i) result.faults.push_back(random_fault(random));
+  if (random.chance(0.5)) return result;
+  result.imu = random.chance(0.5) ? "consumer" : "good";
+  if (random.chance(0.4)) result.faults.push_back(random_imu_fault(random));
   return result;
 }
 

@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/random.hpp"
-#include "lidar_mapping/simulation/scan_faults.hpp"
 
 namespace lidar_mapping::tools {
 
-/// A world, a motion and what is wrong with the scans: what a campaign runs the front end over.
+/// A world, a motion, its sensors and what is wrong with them: what a campaign runs the front end
+/// over.
 struct CampaignCase {
   std::string name;
   std::string drive = "town";
@@ -23,13 +24,15 @@ struct CampaignCase {
   std::size_t every = 1;              ///< the front end gets every n-th scan only
   bool undistorted = false;
   std::string method = "NDT";       ///< registration_method
-  bool imu = false;                 ///< the IMU too, through preprocessing
-  std::vector<std::string> faults;  ///< simulation::parse_scan_fault
+  std::string imu = "none";         ///< one of simulation::imu_names(), or none for the front end
+  std::vector<std::string> faults;  ///< simulation::add_fault
 };
 
 /// From "NAME key=value key=value ...", keys as the fields' names; `fault=outliers=0.15` may come
 /// several times. Throws ConfigError.
 CampaignCase parse_case(const std::string& line);
+/// The drive of a case that has a sensor and a seed, cut after `duration` seconds from its start.
+simulation::DriveOptions drive_options(const CampaignCase& campaign_case, double duration);
 /// A line of that form.
 std::string to_line(const CampaignCase& campaign_case);
 /// One case per line; empty lines and those that begin with # are left out. Throws FileError or

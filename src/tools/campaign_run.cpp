@@ -25,22 +25,6 @@ double thread_cpu_ms() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-simulation::Drive make_drive(const CampaignCase& c, double duration) {
-  simulation::DriveOptions options;
-  options.drive = c.drive;
-  options.lidar = c.lidar;
-  options.seed = c.seed.value_or(1);
-  options.start = c.start;
-  options.duration = c.start + duration;
-  options.scan_rate = c.scan_rate;
-  options.range_noise = c.range_noise;
-  options.undistorted = c.undistorted;
-  for (const std::string& fault : c.faults) {
-    options.scan_faults.push_back(simulation::parse_scan_fault(fault));
-  }
-  return simulation::Drive(options);
-}
-
 front_end::FrontEndConfig make_config(const CampaignCase& c) {
   return config::load<front_end::FrontEndConfig>(
       {config::parse_yaml("registration_method: " + c.method, "case " + c.name)});
@@ -79,7 +63,7 @@ void StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base, Tracking
 }
 
 CampaignFigures run_case(const CampaignCase& c, double duration) {
-  const simulation::Drive drive = make_drive(c, duration);
+  const simulation::Drive drive(drive_options(c, duration));
   front_end::FrontEnd front_end(make_config(c));
   front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
   CampaignFigures figures;
@@ -87,7 +71,7 @@ CampaignFigures run_case(const CampaignCase& c, double duration) {
   std::vector<evaluation::PosePair> pairs;
   std::uint32_t segment = 0;
   std::optional<ImuFeed> feed;
-  if (c.imu) feed.emplace(drive);
+  if (c.imu != "none") feed.emplace(drive);
   for (std::size_t i = 0; i < drive.scan_count(); i += c.every) {
     std::pair<Scan, front_end::MotionPrior> input;
     if (auto fed = feed ? feed->next(i) : std::nullopt) {

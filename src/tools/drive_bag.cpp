@@ -43,7 +43,7 @@ void fill_diagonal(Array& covariance, double sigma) {
 
 sensor_msgs::Imu imu_message(const ImuSample& sample) {
   sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
-  fill_diagonal(message.orientation_covariance, kOrientationNoise);
+  if (sample.orientation) fill_diagonal(message.orientation_covariance, kOrientationNoise);
   fill_diagonal(message.angular_velocity_covariance, kGyroNoise);
   fill_diagonal(message.linear_acceleration_covariance, kAccelerometerNoise);
   return message;

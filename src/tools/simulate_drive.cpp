@@ -41,12 +41,16 @@ std::pair<double, double> split(const std::string& text, const char* option) {
 }
 
 std::string fault_names() {
-  std::string names = "outliers=SHARE, rain=SHARE, wall, jitter=S, frozen=TIMES,EVERY_S, sparse=N";
+  std::string names =
+      "outliers=SHARE, rain=SHARE, wall, jitter=S, frozen=TIMES,EVERY_S, sparse=N, "
+      "times=none|negated, "
+      "imu_vibration=M_PER_S2, imu_scale=SHARE, imu_axis=gx|gy|gz|ax|ay|az, imu_clip=G,RAD_PER_S, "
+      "imu_frame, imu_units=g|degrees, imu_offset=S, imu_gap=S,EVERY_S";
   for (const auto& [name, fault] : tools::bag_faults()) names += ", " + name;
   return names;
 }
 
-/// What is wrong with the bag, or else with each scan.
+/// What is wrong with the bag, or else with scans or the IMU.
 void add_fault(const std::string& text, Options& options) {
   const auto of_bag = tools::bag_faults().find(text);
   if (of_bag != tools::bag_faults().end()) {
@@ -54,7 +58,7 @@ void add_fault(const std::string& text, Options& options) {
     return;
   }
   try {
-    options.drive.scan_faults.push_back(simulation::parse_scan_fault(text));
+    simulation::add_fault(options.drive, text);
   } catch (const ConfigError& error) {
     throw ConfigError(std::string("--") + error.what() + " (all faults: " + fault_names() + ")");
   }
@@ -88,8 +92,11 @@ void add_arguments(CLI::App& app, Options& options) {
   without("--no-movers", drive.movers, "no moving cars and people");
   app.add_flag("--undistorted", drive.undistorted,
                "take each scan in one instant, without time per point");
+  app.add_option("--imu", drive.imu, "grade of the IMU")
+      ->check(CLI::IsMember(simulation::imu_names()))
+      ->capture_default_str();
   app.add_option("--fault", options.faults,
-                 "spoil the scans or the bag (repeatable): " + fault_names())
+                 "spoil the scans, the IMU or the bag (repeatable): " + fault_names())
       ->allow_extra_args(false);
   without("--no-lidar", options.content.lidar, "leave the clouds out");
   without("--no-imu", options.content.imu, "leave the IMU out");

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -29,6 +31,94 @@ TEST(LidarModel, TurnsClockwiseFromBehind) {
   EXPECT_NEAR(column_azimuth(model, 0), M_PI, 1e-12);
   EXPECT_NEAR(column_azimuth(model, model.columns / 4), M_PI_2, 1e-12);
   EXPECT_NEAR(column_azimuth(model, model.columns / 2), 0.0, 1e-12);
+}
+
+TEST(LidarModel, OfEveryNameHasADirectionForEachRayAndItsOwnName) {
+  for (const std::string& name : lidar_names()) {
+    const LidarModel model = lidar_model(name);
+    EXPECT_EQ(model.name, name);
+    const auto directions = ray_directions(model, 3);
+    ASSERT_EQ(directions.size(), model.ray_count());
+    for (const Eigen::Vector3d& d : directions) ASSERT_NEAR(d.norm(), 1.0, 1e-12) << name;
+  }
+}
+
+/// Azimuth and elevation in degrees.
+struct Look {
+  double azimuth, elevation;
+};
+
+std::vector<Look> looks(const std::string& name, std::size_t frame) {
+  std::vector<Look> result;
+  for (const Eigen::Vector3d& d : ray_directions(lidar_model(name), frame)) {
+    result.push_back({degrees(std::atan2(d.y(), d.x())), degrees(std::asin(d.z()))});
+  }
+  return result;
+}
+
+struct Field {
+  double left = -1e9, right = 1e9, top = -1e9, bottom = 1e9;
+};
+
+Field field_of(const std::string& name, std::size_t frames) {
+  Field field;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    for (const Look& look : looks(name, frame)) {
+      field.left = std::max(field.left, look.azimuth);
+      field.right = std::min(field.right, look.azimuth);
+      field.top = std::max(field.top, look.elevation);
+      field.bottom = std::min(field.bottom, look.elevation);
+    }
+  }
+  return field;
+}
+
+/// Share of the cells of one degree between these elevations that some frames look into.
+double seen_share(const std::string& name, std::size_t frames, int bottom, int top, int half) {
+  std::set<std::pair<int, int>> seen;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    for (const Look& look : looks(name, frame)) {
+      const std::pair<int, int> cell(static_cast<int>(std::floor(look.azimuth)),
+                                     static_cast<int>(std::floor(look.elevation)));
+      const bool is_inside =
+          cell.first >= -half && cell.first < half && cell.second >= bottom && cell.second < top;
+      if (is_inside) seen.insert(cell);
+    }
+  }
+  return static_cast<double>(seen.size()) / (2.0 * half * (top - bottom));
+}
+
+TEST(LidarModel, FieldsOfViewAreThoseOfTheirSensors) {
+  const Field os0 = field_of("os0", 1);
+  EXPECT_NEAR(os0.top - os0.bottom, 90.0, 1e-6);
+  const Field mid360 = field_of("mid360", 2);
+  EXPECT_NEAR(mid360.bottom, -7.0, 0.2);
+  EXPECT_NEAR(mid360.top, 52.0, 0.2);
+  EXPECT_NEAR(mid360.left - mid360.right, 360.0, 1.0);
+  const Field avia = field_of("avia", 20);
+  EXPECT_NEAR(avia.left - avia.right, 70.4, 1.0);
+  EXPECT_NEAR(avia.top - avia.bottom, 77.2, 1.0);
+  const Field rs_m1 = field_of("rs_m1", 1);
+  EXPECT_NEAR(rs_m1.left - rs_m1.right, 120.0, 0.3);
+  EXPECT_NEAR(rs_m1.top - rs_m1.bottom, 25.0, 0.3);
+}
+
+TEST(LidarModel, PatternsThatDoNotRepeatFillTheirFieldFrameByFrame) {
+  EXPECT_LT(seen_share("mid360", 1, -7, 52, 180), 0.8);
+  EXPECT_GT(seen_share("mid360", 10, -7, 52, 180), 0.99);
+  EXPECT_LT(seen_share("avia", 1, -20, 20, 20), 0.98);
+  EXPECT_GT(seen_share("avia", 10, -20, 20, 20), 0.99);
+  for (const char* name : {"mid360", "avia"}) {
+    EXPECT_NE(ray_directions(lidar_model(name), 0), ray_directions(lidar_model(name), 1));
+    EXPECT_EQ(ray_directions(lidar_model(name), 7), ray_directions(lidar_model(name), 7));
+  }
+  EXPECT_EQ(ray_directions(lidar_model("rs_m1"), 0), ray_directions(lidar_model("rs_m1"), 1));
+}
+
+TEST(LidarModel, FramesHaveThePointsOfTheirSensorsPerSecond) {
+  EXPECT_EQ(lidar_model("mid360").ray_count(), 20'000U);
+  EXPECT_EQ(lidar_model("avia").ray_count(), 24'000U);
+  EXPECT_EQ(lidar_model("rs_m1").ray_count(), 75'000U);
 }
 
 TEST(LidarModel, RefusesAnUnknownName) { EXPECT_THROW(lidar_model("hdl65"), ConfigError); }

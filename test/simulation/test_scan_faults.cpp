@@ -130,9 +130,46 @@ TEST(ScanFaults, ASparseScanHasNoMorePointsAndLooksEverywhere) {
   EXPECT_GT(scan.cloud.times.back(), 0.095F);
 }
 
+TEST(ScanFaults, PointTimesAreMissingOrNegated) {
+  const SimulatedScan clean = clean_drive().scan(kScan);
+  const SimulatedScan none = drive_with({"times=none"}).scan(kScan);
+  EXPECT_FALSE(none.cloud.has_times());
+  EXPECT_EQ(places(none), places(clean));
+  const SimulatedScan negated = drive_with({"times=negated"}).scan(kScan);
+  ASSERT_EQ(negated.cloud.times.size(), clean.cloud.times.size());
+  for (std::size_t i = 0; i < clean.cloud.times.size(); ++i) {
+    ASSERT_EQ(negated.cloud.times[i], -clean.cloud.times[i]);
+  }
+}
+
+class EverySensor : public testing::TestWithParam<std::string> {};
+
+TEST_P(EverySensor, SeesTheWallAndOutliersAlongItsOwnRays) {
+  DriveOptions options;
+  options.drive = "tunnel";
+  options.lidar = GetParam();
+  options.duration = 2.0;
+  options.scan_faults = {parse_scan_fault("outliers=0.2"), parse_scan_fault("wall")};
+  const Drive drive(options);
+  const SimulatedScan scan = drive.scan(5);
+  const auto directions = ray_directions(drive.lidar(), 5);
+  ASSERT_EQ(scan.rays.size(), scan.cloud.size());
+  std::size_t on_the_wall = 0;
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+    const Eigen::Vector3d p = scan.cloud.points[i].position().cast<double>();
+    ASSERT_LT(p.normalized().cross(directions[scan.rays[i]]).norm(), 1e-5) << i;
+    on_the_wall += std::abs(p.y() - 2.5) < 0.3 && std::abs(p.x()) < 9.0 ? 1 : 0;
+  }
+  EXPECT_GT(on_the_wall, scan.cloud.size() / 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, EverySensor, testing::ValuesIn(lidar_names()),
+                         [](const auto& lidar) { return lidar.param; });
+
 TEST(ScanFaults, SayWhatIsWrongWithTheirNames) {
-  for (const char* text : {"fog=0.1", "outliers", "outliers=", "outliers=1.5", "rain=nan", "wall=2",
-                           "jitter=0.01,2", "frozen=0", "frozen=3,0", "sparse=-5", "sparse=5x"}) {
+  for (const char* text :
+       {"fog=0.1", "outliers", "outliers=", "outliers=1.5", "rain=nan", "wall=2", "jitter=0.01,2",
+        "frozen=0", "frozen=3,0", "sparse=-5", "sparse=5x", "times", "times=wrong", "times=0"}) {
     EXPECT_THROW(parse_scan_fault(text), ConfigError) << text;
   }
   EXPECT_EQ(parse_scan_fault("frozen=3,10").every_s, 10.0);

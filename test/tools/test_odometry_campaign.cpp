@@ -47,10 +47,11 @@ TEST(CampaignCases, AreReadAndWrittenAlike) {
   for (const char* line :
        {"a",
         "b drive=tunnel lidar=vlp16 seed=7 start=3 scan_rate=5 range_noise=0.04 every=4 "
-        "undistorted=1 method=VGICP fault=outliers=0.15 fault=wall"}) {
+        "undistorted=1 method=VGICP imu=consumer fault=outliers=0.15 fault=imu_gap=2,20"}) {
     EXPECT_EQ(to_line(parse_case(line)), line);
   }
-  for (const char* line : {"", "a fog=1", "a every=0", "a seed=x", "a fault=fog", "a drive"}) {
+  for (const char* line :
+       {"", "a fog=1", "a every=0", "a seed=x", "a fault=fog", "a drive", "a imu=x"}) {
     EXPECT_THROW(parse_case(line), ConfigError) << line;
   }
 }
@@ -66,6 +67,19 @@ TEST(CampaignCases, OfAFileNameTheLineThatIsWrong) {
     EXPECT_NE(std::string(error.what()).find("line 4"), std::string::npos) << error.what();
   }
   EXPECT_THROW(read_cases(path + "x"), FileError);
+}
+
+TEST(CampaignCases, HaveTheDriveThatTheySay) {
+  const auto options = drive_options(
+      parse_case("a drive=legged lidar=os0 seed=3 start=2 imu=consumer fault=imu_frame fault=wall"),
+      10.0);
+  EXPECT_EQ(options.drive, "legged");
+  EXPECT_EQ(options.lidar, "os0");
+  EXPECT_EQ(options.seed, 3U);
+  EXPECT_EQ(*options.duration, 12.0);
+  EXPECT_EQ(options.imu, "consumer");
+  EXPECT_EQ(options.imu_faults.size(), 1U);
+  EXPECT_EQ(options.scan_faults.size(), 1U);
 }
 
 TEST(CampaignCases, OfASeedAreTheSame) {

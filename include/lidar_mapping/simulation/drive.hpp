@@ -9,6 +9,7 @@
 
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/simulation/imu_faults.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 #include "lidar_mapping/simulation/scan_faults.hpp"
 #include "lidar_mapping/simulation/smooth_trajectory.hpp"
@@ -48,7 +49,12 @@ struct DriveOptions {
   std::vector<GnssOutage> gnss_outages;
   std::vector<GnssJump> gnss_jumps;
   std::vector<ScanFault> scan_faults;
+  std::string imu = "good";  ///< one of imu_names()
+  std::vector<ImuFault> imu_faults;
 };
+
+/// Adds what parse_scan_fault or parse_imu_fault make of `text`. Throws ConfigError.
+void add_fault(DriveOptions& options, const std::string& text);
 
 /// Where the sensors sit on the vehicle.
 struct SensorMounting {
@@ -64,6 +70,7 @@ struct SimulatedScan {
   Stamp end = 0;  ///< when the turn is complete
   PointCloud cloud;
   std::vector<std::uint8_t> moving;  ///< per point: 1 on a moving object
+  std::vector<std::uint32_t> rays;   ///< per point: its ray, as ray_directions() counts
 };
 
 /// A simulated drive: a procedural world, an exact motion through it and what the sensors measure.
@@ -93,7 +100,8 @@ class Drive {
   /// The scan in base_link as the stages take it; `times` are kept.
   Scan base_scan(std::size_t index) const;
 
-  /// All samples of the drive: 100 Hz, 100 Hz, 10 Hz. The IMU and the velocity are those of the
+  /// All samples of the drive: IMU at 100 Hz on a car and in `walk`, else 200 Hz; velocity at
+  /// 100 Hz, fixes at 10 Hz. The IMU and the velocity are those of the
   /// IMU's frame in its axes; fixes are those of the antenna. In an outage a fix has status -1.
   std::vector<ImuSample> imu() const;
   std::vector<VelocitySample> velocity() const;
@@ -106,5 +114,7 @@ class Drive {
 
 /// Names that DriveOptions::drive takes.
 std::vector<std::string> drive_names();
+/// Names that DriveOptions::imu takes.
+std::vector<std::string> imu_names();
 
 }  // namespace lidar_mapping::simulation

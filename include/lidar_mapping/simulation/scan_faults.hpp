@@ -20,14 +20,16 @@ struct ScanFault {
     kWall,      ///< a truck's flat side fills the left half of the view and moves along
     kJitter,    ///< stamps are off by `amount` seconds (standard deviation)
     kFrozen,    ///< every `every_s` seconds the same scan comes `amount` times again
-    kSparse     ///< at most `amount` points are left of a scan
+    kSparse,    ///< at most `amount` points are left of a scan
+    kTimes      ///< points have no times (0) or negated ones (1)
   };
   Kind kind = Kind::kOutliers;
   double amount = 0.0;
   double every_s = 0.0;
 };
 
-/// From "outliers=0.15", "rain=0.15", "wall", "jitter=0.02", "frozen=3,10" or "sparse=500".
+/// From "outliers=0.15", "rain=0.15", "wall", "jitter=0.02", "frozen=3,10", "sparse=500",
+/// "times=none" or "times=negated".
 /// Throws ConfigError for any other name, a missing amount or one out of range.
 ScanFault parse_scan_fault(const std::string& text);
 /// "outliers", "rain" and so on.

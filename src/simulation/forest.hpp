@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/simulation/mesh.hpp"
+#include "lidar_mapping/simulation/random.hpp"
+
+#include "terrain.hpp"
+
+namespace lidar_mapping::simulation {
+
+/// Trunks, undergrowth, boulders and fallen logs on the terrain around a way, of which nothing is
+/// nearer than `clear` metres.
+void add_forest(TriangleMesh& mesh, const Terrain& terrain, const std::vector<Eigen::Vector2d>& way,
+                double clear, Random& random);
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,93 @@
+#include <cmath>
+
+#include "lidar_mapping/simulation/lidar_model.hpp"
+
+namespace lidar_mapping::simulation {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kGolden = 0.618033988749895;  ///< multiples of it spread best over [0, 1)
+
+// Mid-360: ten turns a frame. Each is a fraction of a column and a fraction of a quarter of the
+// swing behind the one before, both golden, so that turns and frames fill the gaps of those before.
+constexpr double kColumnsPerTurn = 500.0 + kGolden;
+constexpr double kSwingsPerTurn = 17.0 + 0.25 * kGolden;
+constexpr double kSwingLow = -7.0 * kDegree, kSwingHigh = 52.0 * kDegree;
+
+// Avia: turns of its prisms in a frame of 0.1 s (7294 and 4664 a minute, against each other), the
+// angle by which both together bend a beam at most, and the fan of its beams.
+constexpr double kFirstPrism = 12.15667, kSecondPrism = 7.77333;
+constexpr double kBend = 35.2 * kDegree;
+constexpr double kFan = 6.8 * kDegree;
+
+// M1: five fields side by side, each of 120 x 125 points at 0.2 degrees.
+constexpr int kRasterColumns = 120, kRasterRows = 125;
+constexpr double kRasterStep = 0.2 * kDegree;
+
+double fraction(double x) { return x - std::floor(x); }
+
+Eigen::Vector3d direction(double azimuth, double elevation) {
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+          std::sin(elevation)};
+}
+
+/// `column` counts from the drive's first frame on.
+Eigen::Vector3d swinging(const LidarModel& model, double column, int beam) {
+  const double turns = column / kColumnsPerTurn;
+  const double phase = fraction(turns * kSwingsPerTurn +
+                                static_cast<double>(beam) / static_cast<double>(model.beams));
+  const double up = 1.0 - std::abs(2.0 * phase - 1.0);
+  return direction(M_PI - 2.0 * M_PI * fraction(turns), kSwingLow + up * (kSwingHigh - kSwingLow));
+}
+
+Eigen::Vector3d rosette(const LidarModel& model, double column, int beam) {
+  const double frames = column / model.columns;
+  const double first = 2.0 * M_PI * fraction(frames * kFirstPrism);
+  const double second = -2.0 * M_PI * fraction(frames * kSecondPrism);
+  const double fan = kFan * (0.5 - beam / (model.beams - 1.0));
+  const double left = 0.5 * kBend * (std::cos(first) + std::cos(second));
+  const double up = 0.5 * kBend * (std::sin(first) + std::sin(second)) + fan;
+  const double off_axis = std::hypot(left, up);
+  const double share = off_axis > 0.0 ? std::sin(off_axis) / off_axis : 1.0;
+  return {std::cos(off_axis), share * left, share * up};
+}
+
+/// Row by row from the top, forth and back.
+Eigen::Vector3d raster(const LidarModel& model, int column, int beam) {
+  const int row = column / kRasterColumns, step = column % kRasterColumns;
+  const int place = row % 2 == 0 ? step : kRasterColumns - 1 - step;
+  const double from_left = beam * kRasterColumns + place + 0.5;
+  return direction((0.5 * model.beams * kRasterColumns - from_left) * kRasterStep,
+                   (0.5 * kRasterRows - row - 0.5) * kRasterStep);
+}
+
+Eigen::Vector3d ray_direction(const LidarModel& model, std::size_t frame, int column, int beam) {
+  const double since_start = static_cast<double>(frame) * model.columns + column;
+  switch (model.pattern) {
+    case ScanPattern::kSwinging:
+      return swinging(model, since_start, beam);
+    case ScanPattern::kRosette:
+      return rosette(model, since_start, beam);
+    case ScanPattern::kRaster:
+      return raster(model, column, beam);
+    case ScanPattern::kSpinning:
+      break;
+  }
+  return direction(column_azimuth(model, column), model.elevations[static_cast<std::size_t>(beam)]);
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> ray_directions(const LidarModel& model, std::size_t frame) {
+  std::vector<Eigen::Vector3d> directions;
+  directions.reserve(model.ray_count());
+  for (int column = 0; column < model.columns; ++column) {
+    for (int beam = 0; beam < model.beams; ++beam) {
+      directions.push_back(ray_direction(model, frame, column, beam));
+    }
+  }
+  return directions;
+}
+
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/sensor_noise.hpp"
+
+namespace lidar_mapping::simulation {
+namespace {
+
+constexpr Stamp kImuPeriod = 5'000'000;
+
+const Drive& drive_of(const std::string& name) {
+  static std::map<std::string, std::unique_ptr<Drive>> built;
+  std::unique_ptr<Drive>& drive = built[name];
+  if (!drive) {
+    DriveOptions options;
+    options.drive = name;
+    options.lidar = "vlp16";
+    options.range_noise = 0.0;
+    options.undistorted = true;
+    options.imu = "ideal";
+    drive = std::make_unique<Drive>(options);
+  }
+  return *drive;
+}
+
+std::vector<MotionState> states_of(const Drive& drive) {
+  const SmoothTrajectory& way = drive.trajectory();
+  std::vector<MotionState> states;
+  for (Stamp t = way.begin(); t <= way.end(); t += kImuPeriod) states.push_back(way.state(t));
+  return states;
+}
+
+/// Integrates ideal samples over a second from each tenth second on (rule of Simpson over pairs of
+/// intervals) and compares with the trajectory.
+class EveryCarrier : public testing::TestWithParam<const char*> {};
+
+TEST_P(EveryCarrier, ItsImuIntegratesToItsTrajectory) {
+  const Drive& drive = drive_of(GetParam());
+  const std::vector<ImuSample> imu = drive.imu();
+  ASSERT_EQ(imu[1].stamp - imu[0].stamp, kImuPeriod);
+  const Pose& T_base_imu = drive.mounting().T_base_imu;
+  const Eigen::Vector3d gravity(0.0, 0.0, -kGravity);
+  const double h = 2.0 * to_seconds(kImuPeriod);
+  for (std::size_t first = 0; first + 200 < imu.size(); first += 2000) {
+    MotionState state = drive.trajectory().state(imu[first].stamp).of_frame(T_base_imu);
+    Eigen::Quaterniond R = state.T_map_base.rotation;
+    Eigen::Vector3d v = state.velocity_map, p = state.T_map_base.translation;
+    for (std::size_t i = first; i < first + 200; i += 2) {
+      const auto w = [&](std::size_t k) { return imu[i + k].angular_velocity; };
+      const auto a = [&](std::size_t k) { return imu[i + k].linear_acceleration; };
+      const Eigen::Quaterniond to_middle = exp_so3(h / 24.0 * (5.0 * w(0) + 8.0 * w(1) - w(2)));
+      const Eigen::Quaterniond to_end = exp_so3(h / 6.0 * (w(0) + 4.0 * w(1) + w(2)));
+      const Eigen::Vector3d begin = R * a(0) + gravity, middle = R * (to_middle * a(1)) + gravity,
+                            end = R * (to_end * a(2)) + gravity;
+      p += h * v + h * h / 6.0 * (begin + 2.0 * middle);
+      v += h / 6.0 * (begin + 4.0 * middle + end);
+      R = (R * to_end).normalized();
+    }
+    state = drive.trajectory().state(imu[first + 200].stamp).of_frame(T_base_imu);
+    EXPECT_LT(rotation_angle(R.conjugate() * state.T_map_base.rotation), 1e-3) << first;
+    EXPECT_LT((p - state.T_map_base.translation).norm(), 5e-3) << first;
+    EXPECT_LT((v - state.velocity_map).norm(), 1e-2) << first;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Carriers, EveryCarrier,
+                         testing::Values("handheld", "handheld_forest", "running", "running_forest",
+                                         "spin", "stairs", "legged", "legged_forest", "drone",
+                                         "elevator"),
+                         [](const auto& drive) { return drive.param; });
+
+TEST(Carriers, ARobotWithLegsGetsAShockOfThreeGAtEachStep) {
+  std::vector<double> peaks;
+  double peak = 0.0;
+  // A peak ends when the body falls again.
+  for (const MotionState& state : states_of(drive_of("legged"))) {
+    const double upwards = state.acceleration_map.z();
+    if (upwards <= 0.0 && peak > 10.0) peaks.push_back(peak);
+    peak = upwards <= 0.0 ? 0.0 : std::max(peak, upwards);
+  }
+  ASSERT_GT(peaks.size(), 200U);
+  std::nth_element(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() / 2),
+                   peaks.end());
+  EXPECT_NEAR(peaks[peaks.size() / 2] / kGravity, 3.0, 0.3);
+}
+
+TEST(Carriers, SomebodyTurnsOnTheSpotAtFiveRadiansPerSecond) {
+  double fastest = 0.0, turned = 0.0;
+  for (const MotionState& state : states_of(drive_of("spin"))) {
+    const double rate = state.angular_velocity_base.norm();
+    fastest = std::max(fastest, rate);
+    if (rate > 4.0) turned += rate * to_seconds(kImuPeriod);
+  }
+  EXPECT_NEAR(fastest, 5.0, 0.8);
+  EXPECT_GT(turned, 20.0);
+}
+
+TEST(Carriers, ADroneRollsAndPitchesAndAtRestStands) {
+  const std::vector<MotionState> states = states_of(drive_of("drone"));
+  const auto tilt = [](const MotionState& state) {
+    return std::acos((state.T_map_base.rotation * Eigen::Vector3d::UnitZ()).z()) * 180.0 / M_PI;
+  };
+  double most = 0.0;
+  for (const MotionState& state : states) most = std::max(most, tilt(state));
+  EXPECT_GT(most, 35.0);
+  EXPECT_LT(most, 75.0);
+  EXPECT_LT(tilt(states.front()), 0.1);
+  EXPECT_LT(states.front().velocity_map.norm(), 1e-3);
+}
+
+TEST(Carriers, StairsLeadThreeStoreysUpAndDown) {
+  double highest = 0.0;
+  for (const MotionState& state : states_of(drive_of("stairs"))) {
+    highest = std::max(highest, state.T_map_base.translation.z());
+  }
+  const std::vector<MotionState> states = states_of(drive_of("stairs"));
+  EXPECT_NEAR(highest - states.front().T_map_base.translation.z(), 9.6, 0.1);
+  EXPECT_NEAR(states.back().T_map_base.translation.z(), states.front().T_map_base.translation.z(),
+              0.1);
+}
+
+/// The index of the first scan at which the lift goes at its full speed.
+std::size_t scan_in_the_moving_lift(const Drive& drive) {
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    const double speed = drive.trajectory().state(drive.scan_stamp(i)).velocity_map.z();
+    const bool goes_on = i + 5 < drive.scan_count() &&
+                         drive.trajectory().state(drive.scan_stamp(i + 5)).velocity_map.z() > 1.55;
+    if (speed > 1.55 && goes_on) return i;
+  }
+  return 0;
+}
+
+TEST(Carriers, InALiftNothingSeenMovesWhileTheImuFeelsIt) {
+  const Drive& drive = drive_of("elevator");
+  const std::size_t at = scan_in_the_moving_lift(drive);
+  ASSERT_GT(at, 30U);
+  const SimulatedScan scan = drive.scan(at);
+  ASSERT_GT(scan.cloud.size(), 20'000U);
+  // Every ray ends in the car, which goes along with the sensor.
+  double farthest = 0.0;
+  for (const Point& p : scan.cloud.points) {
+    farthest = std::max(farthest, static_cast<double>(p.position().norm()));
+  }
+  EXPECT_LT(farthest, 3.0);
+  EXPECT_TRUE(std::all_of(scan.moving.begin(), scan.moving.end(), [](auto m) { return m == 1; }));
+  // Floor and ceiling keep their heights within millimetres.
+  const auto floor_below = [&](std::size_t index) {
+    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(index));
+    const Pose T_map_lidar = T_map_base * drive.mounting().T_base_lidar;
+    double lowest = 1e9;
+    for (const Point& p : drive.scan(index).cloud.points) {
+      lowest = std::min(lowest, (T_map_lidar * p.position().cast<double>()).z());
+    }
+    return T_map_base.translation.z() - lowest;
+  };
+  EXPECT_NEAR(floor_below(at), floor_below(at + 5), 0.01);
+  double felt = 0.0;
+  for (const MotionState& state : states_of(drive)) {
+    if (std::abs(state.velocity_map.z()) > 0.3) {
+      felt = std::max(felt, std::abs(state.acceleration_map.z()));
+    }
+  }
+  EXPECT_GT(felt, 0.6);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::simulation

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+#include "lidar_mapping/simulation/sensor_noise.hpp"
+
+namespace lidar_mapping::simulation {
+namespace {
+
+DriveOptions options_with(const std::string& grade, const std::vector<std::string>& faults = {}) {
+  DriveOptions options;
+  options.drive = "handheld";
+  options.lidar = "vlp16";
+  options.imu = grade;
+  for (const std::string& fault : faults) add_fault(options, fault);
+  return options;
+}
+
+std::vector<ImuSample> ideal(const std::vector<std::string>& faults = {}) {
+  return Drive(options_with("ideal", faults)).imu();
+}
+
+const std::vector<ImuSample>& truth() {
+  static const std::vector<ImuSample> samples = ideal();
+  return samples;
+}
+
+/// Standard deviation of what a grade adds to the first axis, once its mean is taken off.
+double scatter(const std::vector<ImuSample>& samples, std::size_t first, std::size_t count,
+               const Eigen::Vector3d ImuSample::*value) {
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const double error = (samples[i].*value - truth()[i].*value).x();
+    sum += error;
+    squares += error * error;
+  }
+  const auto n = static_cast<double>(count);
+  return std::sqrt(squares / n - sum * sum / (n * n));
+}
+
+TEST(Imu, OfConsumerGradeHasTheNoiseOfItsDensityAndNoOrientation) {
+  const auto samples = Drive(options_with("consumer")).imu();
+  ASSERT_EQ(samples.size(), truth().size());
+  EXPECT_FALSE(samples.front().orientation);
+  // The first three seconds are at rest. 0.015 degrees/s and 230 micro-g per root of Hz at 200 Hz.
+  EXPECT_NEAR(scatter(samples, 0, 500, &ImuSample::angular_velocity), 2.6e-4 * std::sqrt(200.0),
+              5e-4);
+  EXPECT_NEAR(scatter(samples, 0, 500, &ImuSample::linear_acceleration), 2.3e-3 * std::sqrt(200.0),
+              5e-3);
+}
+
+TEST(Imu, OfConsumerGradeHasBiasScaleAndMisalignmentsOfItsOwnPerSeed) {
+  DriveOptions options = options_with("consumer");
+  const auto one = Drive(options).imu();
+  options.seed = 2;
+  const auto other = Drive(options).imu();
+  const auto mean = [](const std::vector<ImuSample>& samples) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < 400; ++i) sum += samples[i].linear_acceleration;
+    return Eigen::Vector3d(sum / 400.0);
+  };
+  const Eigen::Vector3d at_rest = truth()[0].linear_acceleration;
+  EXPECT_GT((mean(one) - at_rest).norm(), 0.05);
+  EXPECT_LT((mean(one) - at_rest).norm(), 2.0);
+  EXPECT_GT((mean(one) - mean(other)).norm(), 0.05);
+}
+
+TEST(Imu, ClipsAtItsRange) {
+  DriveOptions options = options_with("consumer");
+  options.drive = "legged";
+  double most = 0.0;
+  for (const ImuSample& s : Drive(options).imu()) {
+    most = std::max(most, s.linear_acceleration.cwiseAbs().maxCoeff());
+  }
+  EXPECT_EQ(most, 4.0 * kGravity);
+  most = 0.0;
+  for (const ImuSample& s : ideal({"imu_clip=1.1,0.5"})) {
+    EXPECT_LE(s.angular_velocity.cwiseAbs().maxCoeff(), 0.5);
+    most = std::max(most, s.linear_acceleration.cwiseAbs().maxCoeff());
+  }
+  EXPECT_EQ(most, 1.1 * kGravity);
+}
+
+TEST(Imu, MayHaveGapsAndADeadAxis) {
+  const auto with_gaps = ideal({"imu_gap=2,10"});
+  Stamp longest = 0;
+  for (std::size_t i = 1; i < with_gaps.size(); ++i) {
+    longest = std::max(longest, with_gaps[i].stamp - with_gaps[i - 1].stamp);
+  }
+  EXPECT_NEAR(to_seconds(longest), 2.0, 0.011);
+  EXPECT_NEAR(static_cast<double>(with_gaps.size()) / static_cast<double>(truth().size()), 0.82,
+              0.04);
+  for (const ImuSample& s : ideal({"imu_axis=gz"})) ASSERT_EQ(s.angular_velocity.z(), 0.0);
+  for (const ImuSample& s : ideal({"imu_axis=ay"})) ASSERT_EQ(s.linear_acceleration.y(), 0.0);
+}
+
+TEST(Imu, MayHaveWrongUnitsScaleFrameAndStamps) {
+  constexpr std::size_t kMoving = 3000;
+  const ImuSample& right = truth()[kMoving];
+  const auto spoilt = [](const char* fault) { return ideal({fault})[kMoving]; };
+  const auto near = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a - b).norm() < 1e-9;
+  };
+  EXPECT_TRUE(
+      near(spoilt("imu_units=g").linear_acceleration, right.linear_acceleration / kGravity));
+  EXPECT_TRUE(
+      near(spoilt("imu_units=degrees").angular_velocity, right.angular_velocity * 180.0 / M_PI));
+  EXPECT_TRUE(near(spoilt("imu_scale=0.1").angular_velocity, 1.1 * right.angular_velocity));
+  const ImuSample turned = spoilt("imu_frame");
+  EXPECT_NEAR(turned.angular_velocity.x(), -right.angular_velocity.y(), 1e-9);
+  EXPECT_NEAR(turned.linear_acceleration.y(), right.linear_acceleration.x(), 1e-9);
+  // It is one turned body: the orientation goes with it.
+  EXPECT_TRUE(near(*turned.orientation * turned.linear_acceleration,
+                   *right.orientation * right.linear_acceleration));
+  EXPECT_EQ(spoilt("imu_offset=0.02").stamp, right.stamp + 20'000'000);
+}
+
+TEST(Imu, VibratesWithTheStatedStrength) {
+  const auto shaken = ideal({"imu_vibration=5"});
+  EXPECT_NEAR(scatter(shaken, 0, 2000, &ImuSample::linear_acceleration), 5.0, 0.5);
+  EXPECT_NEAR(scatter(shaken, 0, 2000, &ImuSample::angular_velocity), 0.05, 0.005);
+}
+
+TEST(Imu, IsTheSameForTheSameSeed) {
+  const auto faults = {"imu_vibration=2", "imu_clip=3"};
+  const DriveOptions options = options_with("consumer", {faults.begin(), faults.end()});
+  const auto one = Drive(options).imu(), other = Drive(options).imu();
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t i = 0; i < one.size(); i += 7) {
+    ASSERT_EQ(one[i].angular_velocity, other[i].angular_velocity);
+    ASSERT_EQ(one[i].linear_acceleration, other[i].linear_acceleration);
+  }
+}
+
+TEST(Imu, FaultsSayWhatIsWrongWithTheirNames) {
+  for (const char* text :
+       {"imu_fog=1", "imu_clip", "imu_clip=0", "imu_clip=3,0", "imu_gap=nan", "imu_axis=bx",
+        "imu_axis=2", "imu_units=kg", "imu_frame=1", "imu_offset=2", "imu_vibration=-1"}) {
+    EXPECT_THROW(parse_imu_fault(text), ConfigError) << text;
+  }
+  DriveOptions options;
+  EXPECT_THROW(add_fault(options, "fog"), ConfigError);
+  options.imu = "bad";
+  EXPECT_THROW(Drive{options}, ConfigError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::simulation
