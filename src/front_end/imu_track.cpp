@@ -53,7 +53,8 @@ void ImuTrack::mark_clipped(const ImuSample& sample) {
 
 void ImuTrack::add(const ImuStretch& stretch) {
   p_base_imu_ = stretch.p_base_imu;
-  for (const ImuSample& sample : stretch.samples) {
+  for (ImuSample sample : stretch.samples) {
+    sample.stamp -= delay_;
     if (!sample.has_angular_velocity) continue;
     if (!samples_.empty() && sample.stamp <= samples_.back().stamp) continue;
     if (!samples_.empty()) {
@@ -81,7 +82,7 @@ void ImuTrack::clear() { *this = ImuTrack(); }
 
 bool ImuTrack::covers(Stamp begin, Stamp end) const {
   if (samples_.size() < 2 || samples_.front().stamp > begin + period_ ||
-      samples_.back().stamp + period_ < end) {
+      samples_.back().stamp + period_ + std::max<Stamp>(0, delay_) < end) {
     return false;
   }
   auto sample = std::lower_bound(samples_.begin(), samples_.end(), begin, is_before);

@@ -75,7 +75,7 @@ void InertialMotion::begin(Stamp reference, const Pose& T_odom_base) {
 }
 
 void InertialMotion::predict(Stamp reference, double since_stamp, double duration) {
-  const Stamp last = std::exchange(reference_, reference);
+  const Stamp last = last_ = std::exchange(reference_, reference);
   since_stamp_ = since_stamp;
   duration_ = duration;
   const Stamp begin = std::min(last, reference - from_seconds(0.5 * duration));
@@ -162,11 +162,13 @@ FollowedMotion InertialMotion::followed(const MotionState& believed) const {
   return motion;
 }
 
-/// As preprocessing turned them: by exp(-rate t) R(t) with R as its gyro's bias makes it.
+/// As preprocessing turned them: by exp(-rate t) R(t) with R as its gyro's bias makes it, and as
+/// the stamps came.
 void InertialMotion::undo_turning(FollowedMotion& motion) const {
   if (!uniform_rate_) return;
-  const auto turned = integrated(track_, at(motion.begin), motion.T_reference_base.size(),
-                                 {removed_bias_, Eigen::Vector3d::Zero()});
+  const auto turned =
+      integrated(track_, at(motion.begin) - track_.delay(), motion.T_reference_base.size(),
+                 {removed_bias_, Eigen::Vector3d::Zero()});
   FollowedMotion turning = motion;
   for (std::size_t k = 0; k < turned.size(); ++k) {
     turning.T_reference_base[k] = {turned[k].rotation, Eigen::Vector3d::Zero()};
@@ -193,8 +195,16 @@ std::optional<InertialSweep> InertialMotion::sweep(const MotionState& believed) 
   return InertialSweep(motion, believed.twist, since_stamp_);
 }
 
+void InertialMotion::learn_delay(const Pose& matched) {
+  const Vector6d error = difference(believed_.state.T_map_sensor, matched);
+  delay_.update(error.tail<3>(),
+                track_.at(reference_).angular_velocity - track_.at(last_).angular_velocity);
+  track_.set_delay(from_seconds(delay_.seconds()));
+}
+
 void InertialMotion::correct(const registration::NdtMatch& match, const Pose& without) {
   if (gyro_there_) {
+    learn_delay(match.state.T_map_sensor);
     monitor_.update(believed_.state.T_map_sensor, without, match.state.T_map_sensor);
     filter_.correct(believed_, match.state, match.points_information, duration_);
     return;

@@ -169,6 +169,18 @@ TEST(InertialMotion, ComesBackAfterAGap) {
   EXPECT_LT(walk.error(), 0.01);
 }
 
+// F: stamps that are late by 20 ms are found out and set right.
+TEST(InertialMotion, FindsHowLateTheStampsAre) {
+  const auto motion = shaken_motion(3.0);
+  Carried walk = carried(motion, [](ImuSample& s) { s.stamp += from_seconds(0.02); });
+  walk.go(300);
+  EXPECT_NEAR(walk.imu().delay(), 0.02, 2e-3);
+  EXPECT_EQ(walk.imu().use(), ImuUse::kFull);
+  Carried in_time = carried(motion);
+  in_time.go(300);
+  EXPECT_NEAR(in_time.imu().delay(), 0.0, 5e-4);
+}
+
 struct NamedFault {
   const char* name;
   ImuUse use;

@@ -9,6 +9,9 @@ namespace lidar_mapping::front_end {
 /// The samples of an IMU of the last seconds, in the axes of base_link.
 class ImuTrack {
  public:
+  /// From now on so much is subtracted from the stamps of samples that come.
+  void set_delay(Stamp delay) { delay_ = delay; }
+  Stamp delay() const { return delay_; }
   /// Samples come in the order of their stamps; older ones are dropped.
   void add(const ImuStretch& stretch);
   /// Samples before `stamp` will not be asked for any more.
@@ -18,7 +21,7 @@ class ImuTrack {
   bool empty() const { return samples_.empty(); }
   Stamp oldest() const { return samples_.front().stamp; }
   /// Whether both sensors were there all the time from `begin` to `end`, without a gap. A sample
-  /// holds for a period beyond its stamp.
+  /// holds for a period beyond its stamp, and for the delay: what is late has not come yet.
   bool covers(Stamp begin, Stamp end) const;
   /// Whether a value stood at the largest that the sensor has ever shown: it shows no more.
   bool is_clipped(Stamp begin, Stamp end, Eigen::Vector3d ImuSample::*value) const;
@@ -40,6 +43,7 @@ class ImuTrack {
   std::deque<ImuSample> samples_;
   std::deque<bool> rate_clipped_, force_clipped_;
   Limit rate_, force_;
+  Stamp delay_ = 0;
   Stamp period_ = 0;  ///< running mean
   Eigen::Vector3d p_base_imu_ = Eigen::Vector3d::Zero();
 };

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "lidar_mapping/front_end/imu_delay.hpp"
 #include "lidar_mapping/front_end/imu_monitor.hpp"
 #include "lidar_mapping/front_end/imu_track.hpp"
 #include "lidar_mapping/front_end/inertial_filter.hpp"
@@ -39,17 +40,21 @@ class InertialMotion {
   ImuUse use() const;
   /// As it agrees with the matches.
   ImuUse trust() const { return monitor_.use(); }
+  /// By how much its stamps are late, s.
+  double delay() const { return delay_.seconds(); }
   const InertialFilter& filter() const { return filter_; }
 
  private:
   bool look_down(Stamp reference, const Pose& T_odom_base);
   FollowedMotion followed(const MotionState& believed) const;
+  void learn_delay(const Pose& matched);
   void undo_turning(FollowedMotion& motion) const;
   FollowedMotion knots() const;
   Stamp at(double seconds) const { return reference_ + from_seconds(seconds); }
 
   ImuTrack track_;
   ImuMonitor monitor_;
+  ImuDelay delay_;
   InertialFilter filter_;
   std::optional<Eigen::Vector3d> uniform_rate_;  ///< of this sweep, see ImuStretch
   Eigen::Vector3d removed_bias_ = Eigen::Vector3d::Zero();
@@ -59,6 +64,7 @@ class InertialMotion {
   bool gyro_there_ = false;  ///< for this sweep and the way to it
   bool accelerometer_there_ = false;
   Stamp reference_ = 0;  ///< of this sweep
+  Stamp last_ = 0;       ///< of the one before
   double since_stamp_ = 0.0;
   double duration_ = 0.0;
   Eigen::Vector3d rate_ = Eigen::Vector3d::Zero();  ///< mean of this sweep, as measured
