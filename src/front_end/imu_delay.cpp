@@ -19,18 +19,25 @@ constexpr double kLargestDelay = 0.05;
 }  // namespace
 
 void ImuDelay::update(const Eigen::Vector3d& error, const Eigen::Vector3d& change) {
-  information_ = kMemory * information_ + change.squaredNorm();
-  product_ = kMemory * product_ + change.dot(error);
-  squared_error_ = kMemory * squared_error_ + error.squaredNorm();
-  weight_ = kMemory * weight_ + 1.0;
-  if (weight_ < kFewestSteps || information_ <= 0.0) return;
-  const double found = product_ / information_;
-  const double residual = std::max(0.0, squared_error_ - found * product_) / (3.0 * weight_);
-  const double sigma = std::sqrt(residual / information_);
+  const auto add = [](auto& sum, const auto& value) { sum = kMemory * sum + value; };
+  add(sums_.weight, 1.0);
+  add(sums_.error, error);
+  add(sums_.change, change);
+  add(sums_.squared_error, error.squaredNorm());
+  add(sums_.squared_change, change.squaredNorm());
+  add(sums_.product, change.dot(error));
+  if (sums_.weight < kFewestSteps) return;
+  const double information = sums_.squared_change - sums_.change.squaredNorm() / sums_.weight;
+  if (information <= 0.0) return;
+  const double product = sums_.product - sums_.change.dot(sums_.error) / sums_.weight;
+  const double scatter = sums_.squared_error - sums_.error.squaredNorm() / sums_.weight;
+  const double found = product / information;
+  const double residual = std::max(0.0, scatter - found * product) / (3.0 * sums_.weight);
+  const double sigma = std::sqrt(residual / information);
   if (std::abs(found) < std::max(kLeastDelay, kCertain * sigma)) return;
   seconds_ = std::clamp(seconds_ + found, -kLargestDelay, kLargestDelay);
   // What was seen before belongs to the delay of before.
-  information_ = product_ = squared_error_ = weight_ = 0.0;
+  sums_ = {};
 }
 
 }  // namespace lidar_mapping::front_end

@@ -18,6 +18,8 @@ constexpr double kStep = 0.002;
 /// The mean specific force is gravity's to this share, in the right unit.
 constexpr double kStandardGravity = 9.80665;  // m/s^2
 constexpr double kOtherForce = 0.3;
+/// So many steps after it is distrusted an IMU is tried anew.
+constexpr int kBeginsAnew = 50;
 constexpr double kLongestStep = 5.0;  ///< s, from sweep to sweep
 
 using registration::MotionBelief;
@@ -195,6 +197,15 @@ std::optional<InertialSweep> InertialMotion::sweep(const MotionState& believed) 
   return InertialSweep(motion, believed.twist, since_stamp_);
 }
 
+/// What a wrong IMU has made of biases and gravity is of no use once it is right again.
+void InertialMotion::begin_anew_if_distrusted() {
+  distrusted_ = monitor_.use() == ImuUse::kDistrusted ? distrusted_ + 1 : 0;
+  if (distrusted_ < kBeginsAnew) return;
+  distrusted_ = 0;
+  begun_ = is_current_ = false;
+  filter_ = InertialFilter();
+}
+
 void InertialMotion::learn_delay(const Pose& matched) {
   const Vector6d error = difference(believed_.state.T_map_sensor, matched);
   delay_.update(error.tail<3>(),
@@ -207,6 +218,7 @@ void InertialMotion::correct(const registration::NdtMatch& match, const Pose& wi
     learn_delay(match.state.T_map_sensor);
     monitor_.update(believed_.state.T_map_sensor, without, match.state.T_map_sensor);
     filter_.correct(believed_, match.state, match.points_information, duration_);
+    begin_anew_if_distrusted();
     return;
   }
   if (!begun_) begun_ = look_down(reference_, match.state.T_map_sensor);

@@ -3,6 +3,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/front_end/inertial_motion.hpp"
@@ -52,7 +53,7 @@ class Carried {
     angle_error_ = d.tail<3>().norm();
     error_without_ = difference(filter_.state().T_map_sensor, truth).head<3>().norm();
     largest_error = std::max(largest_error, error_);
-    const NdtMatch match = matched(reference);
+    const NdtMatch match = matched(reference, fused.belief());
     imu_.correct(match, filter_.state().T_map_sensor);
     filter_.correct(match.state, match.information.inverse());
   }
@@ -67,7 +68,8 @@ class Carried {
     return prior;
   }
 
-  NdtMatch matched(Stamp reference) {
+  /// What the points say, and what was believed before.
+  NdtMatch matched(Stamp reference, const registration::MotionBelief& believed) {
     const auto state = motion_.state(reference);
     NdtMatch match;
     Vector6d noise;
@@ -79,7 +81,10 @@ class Carried {
     sigma << 1e-3, 1e-3, 1e-3, 3e-4, 3e-4, 3e-4, 0.05, 0.05, 0.05, 0.02, 0.02, 0.02;
     for (int i = 6; i < 12; ++i) match.state.twist[i - 6] += sigma[i] * normal_(random_);
     match.points_information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-    match.information = match.points_information;
+    match.information = match.points_information + believed.information;
+    const Vector12d step = match.information.inverse() * match.points_information *
+                           difference(believed.state, match.state);
+    match.state = perturbed(believed.state, step);
     return match;
   }
 

@@ -47,6 +47,7 @@ class InertialMotion {
  private:
   bool look_down(Stamp reference, const Pose& T_odom_base);
   FollowedMotion followed(const MotionState& believed) const;
+  void begin_anew_if_distrusted();
   void learn_delay(const Pose& matched);
   void undo_turning(FollowedMotion& motion) const;
   FollowedMotion knots() const;
@@ -63,6 +64,7 @@ class InertialMotion {
   bool is_current_ = false;  ///< the filter's state is that of the last sweep
   bool gyro_there_ = false;  ///< for this sweep and the way to it
   bool accelerometer_there_ = false;
+  int distrusted_ = 0;   ///< steps in a row
   Stamp reference_ = 0;  ///< of this sweep
   Stamp last_ = 0;       ///< of the one before
   double since_stamp_ = 0.0;
