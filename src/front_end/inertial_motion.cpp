@@ -70,8 +70,11 @@ bool InertialMotion::look_down(Stamp reference, const Pose& T_odom_base) {
   return true;
 }
 
-void InertialMotion::begin(Stamp reference, const Pose& T_odom_base) {
+void InertialMotion::begin(Stamp reference, double since_stamp, double duration,
+                           const Pose& T_odom_base) {
   reference_ = reference;
+  since_stamp_ = since_stamp;
+  duration_ = duration;
   begun_ = is_current_ = look_down(reference, T_odom_base);
   gyro_there_ = accelerometer_there_ = false;
 }
@@ -110,8 +113,13 @@ ImuUse InertialMotion::use() const {
   return trust;
 }
 
+/// An IMU that nobody knows yet may be in degrees.
+bool InertialMotion::is_believed() const {
+  return monitor_.use() == ImuUse::kFull || monitor_.use() == ImuUse::kGyro;
+}
+
 MotionPrior InertialMotion::heeded(MotionPrior prior) const {
-  if (use() == ImuUse::kDistrusted) prior.angular_velocity.reset();
+  if (prior.imu && !is_believed()) prior.angular_velocity.reset();
   return prior;
 }
 
@@ -185,8 +193,8 @@ void InertialMotion::undo_turning(FollowedMotion& motion) const {
 
 std::optional<InertialSweep> InertialMotion::sweep(const MotionState& believed) const {
   if (duration_ <= 0.0) return std::nullopt;
-  if (use() == ImuUse::kDistrusted) {
-    if (!uniform_rate_) return std::nullopt;
+  if (!is_believed()) {
+    if (!uniform_rate_ || track_.empty()) return std::nullopt;
     FollowedMotion still = knots();
     undo_turning(still);
     return InertialSweep(still, Vector6d::Zero(), since_stamp_);

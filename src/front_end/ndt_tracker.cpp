@@ -118,8 +118,10 @@ class NdtTracker::Impl {
     // The pose is known at the stamp, the filter's time is the middle of the sweep.
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
-    inertial_.begin(reference_, filter_.state().T_map_sensor);
-    inertial_sweep_.reset();
+    inertial_.begin(reference_, sampler_.reference(), sampler_.duration(),
+                    filter_.state().T_map_sensor);
+    inertial_sweep_ = inertial_.sweep(filter_.state());
+    if (inertial_sweep_) sampler_.bend(*inertial_sweep_);
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     map_.begin(voxel_size());

@@ -40,7 +40,7 @@ class Carried {
     const Stamp reference = from_seconds(1.0 + 0.1 * scan_);
     imu_.add(prior_until(reference + from_seconds(0.05)));
     if (scan_++ == 0) {
-      imu_.begin(reference, motion_.pose(reference));
+      imu_.begin(reference, 0.05, 0.1, motion_.pose(reference));
       filter_.reset(motion_.pose(reference), 15.0, 1.0);
       return;
     }

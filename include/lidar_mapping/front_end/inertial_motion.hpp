@@ -20,7 +20,7 @@ class InertialMotion {
   /// Takes in the samples until the end of the sweep.
   void add(const MotionPrior& prior);
   /// A map begins: at its reference time the first sweep lies at this pose.
-  void begin(Stamp reference, const Pose& T_odom_base);
+  void begin(Stamp reference, double since_stamp, double duration, const Pose& T_odom_base);
   /// Moves on to a sweep of `duration` seconds whose reference time is `since_stamp` seconds after
   /// its scan's stamp.
   void predict(Stamp reference, double since_stamp, double duration);
@@ -45,6 +45,7 @@ class InertialMotion {
   const InertialFilter& filter() const { return filter_; }
 
  private:
+  bool is_believed() const;
   bool look_down(Stamp reference, const Pose& T_odom_base);
   FollowedMotion followed(const MotionState& believed) const;
   void begin_anew_if_distrusted();
