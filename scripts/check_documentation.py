@@ -210,6 +210,9 @@ class Block:
         """Whether what the command offers is there, in the end."""
         if text.startswith('roslaunch'):
             asked, wanted = ['rosservice', 'list'], {'/optimize_map', '/save_map'}
+            if 'DISPLAY' in self.environment and 'rviz:=false' not in text:
+                # rviz 1.14 may end by a signal if it is interrupted before it has begun; then it offers this.
+                wanted.add('/rviz/reload_shaders')
         elif 'static_transform_publisher' in text:
             asked, wanted = ['rostopic', 'list'], {'/tf_static'}
         else:
@@ -451,6 +454,8 @@ def check(names, work):
 
 
 def main():
+    # Who is started in the background has SIGINT ignored, and all that it starts too: masters would not end.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     options = arguments()
     names = options.pages or ['README.md'] + sorted(str(path.relative_to(ROOT)) for path in (ROOT / 'doc').rglob('*.md'))
     if options.keep:

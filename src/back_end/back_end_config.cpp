@@ -134,6 +134,13 @@ config::Schema<Config> make_schema() {
       .choice("imu_robust_kernel", &Config::imu_robust_kernel, kernels,
               "Kernel of orientations, headings and accelerations.")
       .choice("floor_robust_kernel", &Config::floor_robust_kernel, kernels, "Kernel of floors.")
+      .alias("enable_gps", "use_gnss")
+      .alias("graph_update_interval", "optimize_min_interval")
+      .alias("odometry_edge_robust_kernel", "odometry_robust_kernel")
+      .alias("loop_closure_edge_robust_kernel", "loop_robust_kernel")
+      .alias("gps_edge_robust_kernel", "gnss_robust_kernel")
+      .alias("imu_orientation_edge_robust_kernel", "imu_robust_kernel")
+      .alias("floor_edge_robust_kernel", "floor_robust_kernel")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
             "Where the kernels begin to bend.")
       .check([](const Config& c) {

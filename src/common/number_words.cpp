@@ -1,8 +1,10 @@
 #include "lidar_mapping/common/number_words.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
+#include <system_error>
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
@@ -35,6 +37,22 @@ double coordinate(const std::string& word) {
   const double value = finite_number(word);
   if (std::abs(value) > kFarthest) throw InputError(quoted(word) + " m is no place on Earth");
   return value;
+}
+
+std::int64_t whole_number(const std::string& word, std::int64_t least, std::int64_t most) {
+  std::int64_t value = 0;
+  const char* end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error != std::errc() || stop != end || value < least || value > most) {
+    throw InputError(quoted(word) + " is no whole number from " + std::to_string(least) + " to " +
+                     std::to_string(most));
+  }
+  return value;
+}
+
+Stamp stamp_of_nanoseconds(const std::string& word) {
+  constexpr Stamp kMost = from_seconds(kLatest);
+  return whole_number(word, -kMost, kMost);
 }
 
 Stamp stamp_of_seconds(double seconds) {

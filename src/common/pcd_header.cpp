@@ -139,6 +139,7 @@ class HeaderReader {
       fail("POINTS is " + std::to_string(header_.points) + ", but WIDTH " + std::to_string(width_) +
            " and HEIGHT " + std::to_string(height_));
     }
+    header_.width = width_;
     if (header_.points > kMostBytes / header_.step()) fail("there are too many POINTS");
   }
 

@@ -58,6 +58,9 @@ config::Schema<Config> make_schema() {
           "Pose of base_link at the first scan; zeros: what GNSS and IMU say, or else the origin.")
       .include(&Config::registration, registration::RegistrationConfig::schema());
   describe_key_frames(schema);
+  schema.alias("keyframe_delta_trans", "key_frame_distance")
+      .alias("keyframe_delta_angle", "key_frame_angle")
+      .alias("keyframe_delta_time", "key_frame_interval");
   describe_sequential_ndt(schema);
   schema
       .integer("local_frame_num", &Config::local_frame_num, {1, 1000}, "key frames",

@@ -36,12 +36,33 @@ class PointFile {
   std::vector<std::size_t> sizes_;
 };
 
+CloudParts parts_of(const std::shared_ptr<const PointFile>& file) {
+  return CloudParts([file](const CloudParts::Sink& sink) { file->each(sink); });
+}
+
 }  // namespace
 
 CloudParts stored_parts(const TileSource& tiles, const std::filesystem::path& directory) {
   const auto file = std::make_shared<PointFile>(directory);
   tiles([&](const MapTile& tile) { file->add(in_map_frame(tile)); });
-  return CloudParts([file](const CloudParts::Sink& sink) { file->each(sink); });
+  return parts_of(file);
+}
+
+CloudParts stored_parts(const CloudParts& parts,
+                        const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& move,
+                        const std::filesystem::path& directory) {
+  const auto file = std::make_shared<PointFile>(directory);
+  parts.each([&](const PointCloud& part) {
+    PointCloud moved = part;
+    for (Point& point : moved.points) {
+      const Eigen::Vector3f p = move(point.position().cast<double>()).cast<float>();
+      point.x = p.x();
+      point.y = p.y();
+      point.z = p.z();
+    }
+    file->add(moved);
+  });
+  return parts_of(file);
 }
 
 }  // namespace lidar_mapping::map

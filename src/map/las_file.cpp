@@ -5,11 +5,9 @@
 #include <fstream>
 #include <limits>
 
-#include <GeographicLib/LocalCartesian.hpp>
-#include <GeographicLib/UTMUPS.hpp>
-
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/map/map_products.hpp"
 
 namespace lidar_mapping::map {
@@ -49,39 +47,25 @@ class Projection {
  public:
   explicit Projection(const std::optional<GeodeticDatum>& datum) {
     if (!datum) return;
-    local_.emplace(datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
-    double x = 0.0;
-    double y = 0.0;
-    GeographicLib::UTMUPS::Forward(datum->latitude_deg, datum->longitude_deg, zone_, north_, x, y);
-    offset_ = {1000.0 * std::floor(x / 1000.0), 1000.0 * std::floor(y / 1000.0),
-               std::floor(datum->altitude_m)};
+    utm_.emplace(*datum);
+    const Eigen::Vector3d& origin = utm_->origin();
+    offset_ = {1000.0 * std::floor(origin.x() / 1000.0), 1000.0 * std::floor(origin.y() / 1000.0),
+               std::floor(origin.z())};
   }
 
   Eigen::Vector3d operator()(const Eigen::Vector3d& p_map) const {
-    if (!local_) return p_map;
-    double latitude = 0.0;
-    double longitude = 0.0;
-    Eigen::Vector3d p;
-    local_->Reverse(p_map.x(), p_map.y(), p_map.z(), latitude, longitude, p.z());
-    int zone = 0;
-    bool north = true;
-    GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, p.x(), p.y(), zone_);
-    return p;
+    return utm_ ? utm_->from_enu(p_map) : p_map;
   }
   /// Whole millimetres reach 2147 km from the offset: it follows the map where no datum gives it.
   void begin_at(const Eigen::Vector3d& p_map) {
-    if (!local_) offset_ = 1000.0 * (p_map / 1000.0).array().floor();
+    if (!utm_) offset_ = 1000.0 * (p_map / 1000.0).array().floor();
   }
   const Eigen::Vector3d& offset() const { return offset_; }
   /// Of WGS 84 / UTM; 0 without a datum.
-  std::uint16_t epsg() const {
-    return local_ ? static_cast<std::uint16_t>((north_ ? 32600 : 32700) + zone_) : 0;
-  }
+  std::uint16_t epsg() const { return utm_ ? utm_->epsg() : 0; }
 
  private:
-  std::optional<GeographicLib::LocalCartesian> local_;
-  int zone_ = 0;
-  bool north_ = true;
+  std::optional<UtmFrame> utm_;
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
 };
 

@@ -50,7 +50,12 @@ std::string to_yaml(const Extent& extent, const MapDescription& description) {
                 static_cast<double>(p.z()));
   };
   std::string text = "# Map in metres, x east, y north, z up where there is a datum.\n";
-  text += "frame: " + description.frame + "\n";
+  text += "frame: " + (description.utm ? std::string("utm") : description.frame) + "\n";
+  if (description.utm) {
+    const Eigen::Vector3d& origin = description.utm->origin();
+    text += "epsg: " + std::to_string(description.utm->epsg()) + "\n";
+    text += line("utm_origin: [%.6f, %.6f, %.6f]\n", origin.x(), origin.y(), origin.z());
+  }
   if (description.datum) {
     text += line("datum: {latitude: %.10f, longitude: %.10f, altitude: %.4f}\n",
                  description.datum->latitude_deg, description.datum->longitude_deg,
@@ -124,9 +129,20 @@ void write_points(const fs::path& path, const std::string& header, const CloudPa
   });
 }
 
-void refuse_foreign(const fs::path& directory, const fs::path& file) {
-  if (fs::exists(directory / file) && !fs::exists(directory / "map.yaml")) {
-    throw FileError((directory / file).string() +
+/// Beside a file in UTM, as hdl_graph_slam names it; goes with a file in the map frame.
+void write_utm_origin(const fs::path& file, const std::optional<UtmFrame>& utm) {
+  const fs::path path = file.string() + ".utm";
+  if (!utm) {
+    fs::remove(path);
+    return;
+  }
+  const Eigen::Vector3d& origin = utm->origin();
+  write_text_atomically(path, line("%.6f %.6f %.6f\n", origin.x(), origin.y(), origin.z()));
+}
+
+void refuse_foreign(const fs::path& file, const fs::path& description) {
+  if (fs::exists(file) && !fs::exists(description)) {
+    throw FileError(file.string() +
                     " is there already and is no map of this package; name another directory");
   }
 }
@@ -137,21 +153,27 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
                const std::vector<std::string>& formats, const Meanwhile& meanwhile) {
   const std::vector<std::string> wanted =
       formats.empty() ? std::vector<std::string>{"pcd", "ply"} : formats;
+  const fs::path described = directory / (description.name + ".yaml");
+  const auto file_of = [&](const std::string& format) {
+    return directory / (description.name + "." + format);
+  };
   for (const std::string& format : wanted) {
     if (format != "pcd" && format != "ply") {
       throw InputError("map format '" + format + "' is not known; use pcd or ply");
     }
-    refuse_foreign(directory, "map." + format);
+    refuse_foreign(file_of(format), described);
   }
   const Extent extent = extent_of(map);
   if (extent.points == 0) throw InputError("the map has no points yet; drive first");
   map.each(check_range);
-  Files files{directory / "map.yaml"};
+  Files files{described};
   write_text_atomically(files.back(), to_yaml(extent, description));
   const auto write = [&] {
     for (const std::string& format : wanted) {
-      files.push_back(directory / ("map." + format));
-      format == "pcd" ? write_pcd(files.back(), map) : write_ply(files.back(), map);
+      const fs::path& file = files.emplace_back(file_of(format));
+      format == "pcd" ? write_pcd(file, map) : write_ply(file, map);
+      write_utm_origin(file, description.utm);
+      if (description.utm) files.push_back(file_of(format + ".utm"));
     }
   };
   parallel_chunks(meanwhile.work ? 2 : 1, 1, meanwhile.threads,

@@ -144,11 +144,32 @@ class Writer {
     if (formats.empty()) {
       draw();
     } else {
-      add(save_map(points, {options_.frame, options_.datum, config_.resolution}, directory_,
-                   formats, {draw, config_.threads}));
+      add(save_map(options_.utm ? in_utm(points) : points, description(), directory_, formats,
+                   {draw, config_.threads}));
     }
     add(picture);
     if (wants("grid")) add(save_grid(points, grid_options(), directory_, rays()));
+  }
+
+  MapDescription description() const {
+    MapDescription description;
+    description.frame = options_.frame;
+    description.datum = options_.datum;
+    description.resolution = config_.resolution;
+    description.name = options_.name;
+    if (options_.utm) description.utm.emplace(*options_.datum);
+    return description;
+  }
+
+  /// Grid north is not north, and a metre of the grid not quite a metre: each point is turned.
+  CloudParts in_utm(const CloudParts& points) const {
+    const UtmFrame utm(*options_.datum);
+    return stored_parts(
+        points,
+        [&](const Eigen::Vector3d& p_map) -> Eigen::Vector3d {
+          return utm.from_enu(p_map) - utm.origin();
+        },
+        directory_);
   }
 
   GridOptions grid_options() const {
@@ -170,8 +191,9 @@ class Writer {
       add({folder});
     }
     if (wants("las")) {
-      write_las(directory_ / "map.las", tiles(), options_.datum, max_intensity());
-      add({directory_ / "map.las"});
+      const auto file = directory_ / (options_.name + ".las");
+      write_las(file, tiles(), options_.datum, max_intensity());
+      add({file});
     }
   }
 
@@ -239,6 +261,10 @@ Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const M
   ProductOptions options = given;
   options.formats = known_formats(given.formats);
   if (is_among("grid", options.formats)) grid_cell(config);
+  if (options.utm && !options.datum) {
+    throw InputError(
+        "the place of the map on Earth is not known, as there was no GNSS; leave UTM out");
+  }
   return Writer(poses, clouds, config, options, directory).write();
 }
 

@@ -49,7 +49,8 @@ session::ScanRecord to_record(const FrontEndStatusMessage& status) {
           status.overlap,
           status.seconds,
           std::int64_t{status.scans_dropped},
-          status.unobserved_stddev};
+          status.unobserved_stddev,
+          status.elevation_shift};
 }
 
 }  // namespace
@@ -262,6 +263,10 @@ void BackEndNode::begin_run(const std::string& run_id) {
     use(session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
         run_id);
   }
+  give_early();
+}
+
+void BackEndNode::give_early() {
   for (const auto& add : early_) add(*run_);
   early_.clear();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <future>
 #include <memory>
@@ -26,8 +27,8 @@ namespace lidar_mapping::ros_border {
 /// Subscribed: key_frame, loop, loop_verdict, synced_gnss, synced_imu, floor, gnss_datum,
 /// laser_odom, front_end_status. Published: key_frame_poses (latched, whole), optimized_odom,
 /// graph_verdict (of all loops to who subscribes, then of those that change), tf map -> odom.
-/// Services: optimize_map, get_key_frames. The session's folder stands in the parameter
-/// session_folder beside the node.
+/// Services: optimize_map, get_key_frames, dump_graph, load_graph. The session's folder stands in
+/// the parameter session_folder beside the node.
 class BackEndNode {
  public:
   using Config = BackEndNodeConfig;
@@ -56,6 +57,7 @@ class BackEndNode {
   void measure(std::function<void(Run&)> add);
 
   void begin_run(const std::string& run_id);
+  void give_early();
   void use(session::Session session, const std::string& run_id);
   std::optional<session::Session> session_of(const std::string& run_id) const;
   void keep_configuration();
@@ -76,7 +78,14 @@ class BackEndNode {
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
   GetKeyFrames::Response key_frames_without_clouds(const std::vector<KeyFrameIndex>& wanted);
-  void add_loops_and_fixes(GetKeyFrames::Response& response) const;
+  void add_what_else_there_is(GetKeyFrames::Response& response) const;
+
+  bool dump_graph(DumpGraph::Request& request, DumpGraph::Response& response);
+  bool load_graph(LoadGraph::Request& request, LoadGraph::Response& response);
+  LoadGraph::Response load(const std::string& path);
+  session::Session loaded_session(const std::filesystem::path& path) const;
+  template <typename Answer>
+  std::optional<Answer> from_worker(std::function<Answer()> make);
 
   Config config_;
   NodeContext& context_;

@@ -36,7 +36,9 @@ void BackEndNode::serve() {
   ros::NodeHandle node(context_.node);
   node.setCallbackQueue(&service_queue_);
   services_ = {node.advertiseService("optimize_map", &BackEndNode::optimize_map, this),
-               node.advertiseService("get_key_frames", &BackEndNode::get_key_frames, this)};
+               node.advertiseService("get_key_frames", &BackEndNode::get_key_frames, this),
+               node.advertiseService("dump_graph", &BackEndNode::dump_graph, this),
+               node.advertiseService("load_graph", &BackEndNode::load_graph, this)};
   service_spinner_.start();
 }
 
@@ -103,11 +105,11 @@ GetKeyFrames::Response BackEndNode::key_frames_without_clouds(
     if (const auto key_frame = run_->session().key_frame(index)) give(*key_frame);
   }
   response.poses = to_message(run_->poses(), run_id_, config_.node.map_frame);
-  if (wanted.empty()) add_loops_and_fixes(response);
+  if (wanted.empty()) add_what_else_there_is(response);
   return response;
 }
 
-void BackEndNode::add_loops_and_fixes(GetKeyFrames::Response& response) const {
+void BackEndNode::add_what_else_there_is(GetKeyFrames::Response& response) const {
   const session::Session& session = run_->session();
   for (const Loop& loop : session.loops()) {
     response.loops.push_back(to_message(loop, run_id_, config_.node.base_frame));
@@ -118,6 +120,10 @@ void BackEndNode::add_loops_and_fixes(GetKeyFrames::Response& response) const {
     if (stamps.count(position.stamp) == 0) continue;
     response.gnss.push_back(to_message(position, config_.node.map_frame, ""));
     response.antennas.push_back(to_message(position.p_base_antenna));
+  }
+  for (const Floor& floor : session.floors()) {
+    if (!floor.found || stamps.count(floor.stamp) == 0) continue;
+    response.floors.push_back(to_message(floor, config_.node.base_frame));
   }
   response.searched = searched_key_frames(session.verdicts());
 }

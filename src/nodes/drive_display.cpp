@@ -1,5 +1,6 @@
 #include "drive_display.hpp"
 
+#include "age_markers.hpp"
 #include "drive_status.hpp"
 #include "path_display.hpp"
 
@@ -104,8 +105,12 @@ MarkerFeed::Markers DriveDisplay::markers() {
   const DriveView& view = view_();
   if (std::exchange(graph_is_old_, false)) {
     graph_ = graph_markers(view.track, view.loops, view.candidates, fields_.map_frame);
-    const MarkerFeed::Markers gnss = gnss_markers(view.gnss, fields_.map_frame);
-    graph_.insert(graph_.end(), gnss.begin(), gnss.end());
+    for (const MarkerFeed::Markers& more :
+         {age_markers(view.track, fields_.map_frame),
+          floor_markers(view.track, view.floors.below(), fields_.map_frame),
+          gnss_markers(view.gnss, fields_.map_frame)}) {
+      graph_.insert(graph_.end(), more.begin(), more.end());
+    }
   }
   MarkerFeed::Markers all = graph_;
   all.push_back(status());

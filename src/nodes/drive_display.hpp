@@ -11,6 +11,7 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 
+#include "drive_floors.hpp"
 #include "graph_markers.hpp"
 #include "marker_feed.hpp"
 
@@ -22,9 +23,10 @@ struct DriveView {
   Verdicts loops;                     ///< with what the graph thinks of them
   Verdicts candidates;                ///< that matching did not accept
   std::vector<Eigen::Vector3d> gnss;  ///< antenna positions in the map, at least a metre apart
-  std::string state;                  ///< of the front end at the newest scan; empty: none has come
-  std::string problem;                ///< why no scan has come
-  ros::WallTime newest_scan;          ///< when it came
+  DriveFloors floors;
+  std::string state;          ///< of the front end at the newest scan; empty: none has come
+  std::string problem;        ///< why no scan has come
+  ros::WallTime newest_scan;  ///< when it came
 
   /// True if it is shown.
   bool add_fix(const Eigen::Vector3d& position);

@@ -1,106 +1,15 @@
-#include <filesystem>
-#include <future>
+#include "map_viewer_node.hpp"
+
 #include <utility>
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <nav_msgs/Odometry.h>
-#include <ros/callback_queue.h>
-#include <ros/spinner.h>
 #include <sensor_msgs/NavSatFix.h>
-#include <sensor_msgs/PointCloud2.h>
 
-#include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/home_path.hpp"
-#include "lidar_mapping/config/load.hpp"
-#include "lidar_mapping/map/map_builder.hpp"
-#include "lidar_mapping/map/write_products.hpp"
-#include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/key_frame_client.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
-#include "lidar_mapping/ros/node.hpp"
-#include "lidar_mapping/ros/node_config.hpp"
-#include "lidar_mapping/ros/scratch_folder.hpp"
-#include "lidar_mapping/session/session.hpp"
 
-#include "drive_display.hpp"
-
+// What comes in, and what is shown of the graph.
 namespace lidar_mapping::ros_border {
-
-namespace {
-
-/// Without moved poses the map on display grows in steps of this length of the drive.
-constexpr KeyFrameIndex kKeyFramesPerStep = 20;
-
-/// `stage`, with another resolution unless that is 0.
-map::MapConfig with_resolution(const map::MapConfig& stage, double resolution) {
-  if (resolution == 0.0) return stage;
-  return config::load<map::MapConfig>(
-      {config::parse_yaml(config::to_yaml(stage), "map"),
-       {"save_map", {config::Value::Map{{"resolution", {resolution}}}}}});
-}
-
-}  // namespace
-
-/// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, synced_gnss,
-/// gnss_datum, front_end_status, /diagnostics. Published: global_map, odom_path, optimized_path
-/// (latched), graph_markers (changes; the whole to who comes). Service: save_map. Asks
-/// get_key_frames for what it missed; a restart loses nothing.
-class MapViewerNode {
- public:
-  using Config = NodeConfig<map::MapConfig>;
-
-  MapViewerNode(const Config& config, NodeContext& context);
-  ~MapViewerNode();
-
- private:
-  /// The clouds of one run, and the map of them; both belong to the thread that builds.
-  struct Run {
-    Run(const map::MapConfig& config, const std::filesystem::path& folder)
-        : clouds(folder), builder(config, clouds) {}
-    session::CloudStore clouds;
-    map::MapBuilder builder;
-  };
-
-  ros::Publisher advertise_map();
-  void subscribe_all();
-  void begin_run(const std::string& run_id);
-  void take_key_frame(const RunKeyFrame& received);
-  void take_poses(const KeyFramePosesMessage& message);
-  void take_loop(const LoopMessage& message);
-  void take_candidate(const LoopVerdictMessage& message);
-  void take_verdict(const LoopVerdictMessage& message);
-  void take_status(const FrontEndStatusMessage& message);
-  void take_diagnostics(const diagnostic_msgs::DiagnosticArray& message);
-  void show_map(bool always);
-  void build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses, bool always);
-  void take_newest_poses();
-  bool save_map(SaveMap::Request& request, SaveMap::Response& response);
-  SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
-                         const SaveMap::Request& request);
-  std::optional<Eigen::Vector3d> sensor_origin() const;
-  std::filesystem::path directory_for(const std::string& asked);
-
-  Config config_;
-  NodeContext& context_;
-  KeyFrameClient back_end_;
-  ScratchFolder scratch_{ros::this_node::getName()};
-  std::string run_id_;
-  std::size_t runs_ = 0;
-  std::shared_ptr<Run> run_;
-  DriveView view_;
-  std::optional<GeodeticDatum> datum_;
-  Worker::ChannelId requests_;
-  Worker builder_;
-  Worker::ChannelId builds_, saves_;
-  ros::Publisher global_map_;
-  DriveDisplay display_;
-  KeyFrameSubscription key_frames_;
-  std::vector<ros::Subscriber> subscribers_;
-  ros::CallbackQueue service_queue_;
-  ros::ServiceServer service_;
-  ros::AsyncSpinner service_spinner_{1, &service_queue_};
-};
 
 MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
     : config_(config),
@@ -117,25 +26,17 @@ MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
       key_frames_(context, config.node.queue_size,
                   [this](const RunKeyFrame& received) { take_key_frame(received); }) {
   subscribe_all();
+  context.worker.post(requests_, [this] { catch_up(); });
   ros::NodeHandle node(context.node);
   node.setCallbackQueue(&service_queue_);
   service_ = node.advertiseService("save_map", &MapViewerNode::save_map, this);
   service_spinner_.start();
+  refresh_at_intervals();
 }
 
 MapViewerNode::~MapViewerNode() {
   builder_.stop();  // who waits for an answer learns that there will be none
   service_spinner_.stop();
-}
-
-/// A map that has no listener is not made, but when somebody comes.
-ros::Publisher MapViewerNode::advertise_map() {
-  const auto task = [this] {
-    if (run_) show_map(true);
-  };
-  return context_.node.advertise<sensor_msgs::PointCloud2>(
-      "global_map", 1, [this, task](const auto&) { context_.worker.post(requests_, task); },
-      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
 }
 
 void MapViewerNode::subscribe_all() {
@@ -153,6 +54,10 @@ void MapViewerNode::subscribe_all() {
                                       if (view_.add_fix(from_message(m->pose.pose).translation))
                                         display_.graph_changed();
                                     }),
+      subscribe<FloorMessage>(context_, "floor", capacity,
+                              [this](const auto& m) {
+                                if (view_.floors.add(from_message(*m))) display_.graph_changed();
+                              }),
       subscribe<FrontEndStatusMessage>(context_, "front_end_status", capacity,
                                        [this](const auto& m) { take_status(*m); }),
       subscribe<diagnostic_msgs::DiagnosticArray>(context_, "/diagnostics", capacity,
@@ -160,6 +65,21 @@ void MapViewerNode::subscribe_all() {
       subscribe<sensor_msgs::NavSatFix>(context_, "gnss_datum", 1, [this](const auto& m) {
         datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
       })};
+}
+
+/// What was there before this node came; key frames catch up by themselves.
+void MapViewerNode::catch_up() {
+  const auto state = back_end_.run();
+  if (!state || (run_ && state->run_id != run_id_)) return;
+  for (const GnssPosition& position : state->gnss) view_.add_fix(position.p_enu_antenna);
+  for (const Floor& floor : state->floors) view_.floors.add(floor);
+  for (const Loop& loop : state->loops) {
+    LoopVerdict verdict;
+    verdict.from = loop.from;
+    verdict.to = loop.to;
+    view_.loops.try_emplace({loop.from, loop.to}, verdict);
+  }
+  display_.graph_changed();
 }
 
 /// What came before the first key frame belongs to its run.
@@ -175,10 +95,12 @@ void MapViewerNode::take_key_frame(const RunKeyFrame& received) {
   context_.diagnostics.count_input(key_frame.stamp);
   if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
   view_.track.add(key_frame);
+  view_.floors.add_key_frame(key_frame.index, key_frame.stamp);
   context_.diagnostics.set_state(Diagnostics::Level::kOk, "following the drive");
   context_.diagnostics.set("key frames", std::to_string(view_.track.size()));
   display_.graph_changed();
-  if (key_frame.index % kKeyFramesPerStep == 0) show_map(false);
+  map_is_old_ = true;
+  if (config_.map_cloud_update_interval == 0.0) show_map(false);
 }
 
 void MapViewerNode::take_poses(const KeyFramePosesMessage& message) {
@@ -229,107 +151,6 @@ void MapViewerNode::take_diagnostics(const diagnostic_msgs::DiagnosticArray& mes
     if (!has_reason || std::exchange(view_.problem, status.message) == status.message) continue;
     display_.status_changed();
   }
-}
-
-/// A map that waits to be built is replaced by a newer one.
-void MapViewerNode::show_map(bool always) {
-  if (global_map_.getNumSubscribers() == 0) return;
-  builder_.post(builds_, [this, run = run_, poses = view_.track.poses(), always] {
-    build_and_publish(run, poses, always);
-  });
-}
-
-void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
-                                      bool always) {
-  const std::uint64_t before = run->builder.revision();
-  run->builder.update(poses);
-  if (poses.poses.empty() || (!always && run->builder.revision() == before)) return;
-  const PointCloud map = run->builder.build();
-  const Stamp stamp = poses.poses.back().stamp;
-  global_map_.publish(to_message(map, stamp, config_.node.map_frame));
-  context_.diagnostics.count_output(stamp);
-  context_.diagnostics.set("points", std::to_string(map.size()));
-  context_.diagnostics.set("clouds missing", std::to_string(run->builder.missing_clouds()));
-}
-
-/// Poses on their way in a topic may be late: a map that is saved after optimize_map has answered
-/// is that of the optimised poses, with all their key frames.
-void MapViewerNode::take_newest_poses() {
-  const auto state = back_end_.run();
-  if (!state) return;
-  key_frames_.note(state->indices());
-  if (run_ && state->run_id == run_id_) view_.track.update(state->poses);
-}
-
-bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
-  auto answer = std::make_shared<std::promise<SaveMap::Response>>();
-  std::future<SaveMap::Response> future = answer->get_future();
-  context_.worker.post(requests_, [this, answer, request] {
-    take_newest_poses();
-    if (!run_) {
-      SaveMap::Response nothing;
-      nothing.message = "there are no key frames yet; nothing to save";
-      return answer->set_value(nothing);
-    }
-    builder_.post(saves_, [this, answer, request, run = run_, poses = view_.track.poses()] {
-      answer->set_value(save(run, poses, request));
-    });
-  });
-  answer.reset();
-  try {
-    response = future.get();
-  } catch (const std::future_error&) {
-    response.message = "the map viewer is ending";
-  }
-  return true;
-}
-
-SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
-                                      const SaveMap::Request& request) {
-  map::ProductOptions options;
-  if (!request.formats.empty()) options.formats = request.formats;
-  options.frame = config_.node.map_frame;
-  options.datum = datum_;
-  options.p_base_sensor = sensor_origin();
-  options.keep_moving = request.keep_moving;
-  SaveMap::Response response;
-  try {
-    options.crop = map::crop_box(request.crop);
-    const std::filesystem::path directory = directory_for(request.directory);
-    const map::Products products = map::write_products(
-        poses, run->clouds, with_resolution(config_.stage, request.resolution), options, directory);
-    for (const auto& file : products.files) response.files.push_back(file.string());
-    response.success = true;
-    response.message = std::to_string(products.points) + " points of " +
-                       std::to_string(poses.poses.size()) + " key frames, written to " +
-                       directory.string();
-    if (!options.p_base_sensor && !request.keep_moving) {
-      response.message += ", with those of moving objects: no session says where the LiDAR is";
-    }
-  } catch (const std::exception& error) {
-    response.message = error.what();
-  }
-  return response;
-}
-
-/// None where nobody knows from where the LiDAR saw what it saw.
-std::optional<Eigen::Vector3d> MapViewerNode::sensor_origin() const {
-  std::string folder;
-  if (!context_.node.getParam("session_folder", folder)) return std::nullopt;
-  try {
-    return session::Session::open(folder, session::Session::Access::kRead).sensor_origin();
-  } catch (const FileError&) {
-    return std::nullopt;  // the back end is on another machine
-  }
-}
-
-std::filesystem::path MapViewerNode::directory_for(const std::string& asked) {
-  if (!asked.empty()) return path_of_person(asked);
-  std::string session;
-  if (context_.node.getParam("session_folder", session)) {
-    return std::filesystem::path(session) / "map";
-  }
-  throw InputError("no session is known, as there is no back end; name a directory");
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -1,11 +1,12 @@
 #include <fstream>
 #include <iomanip>
+#include <limits>
 #include <sstream>
-#include <stdexcept>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -25,19 +26,32 @@ std::vector<std::string> split(const std::string& line) {
   return cells;
 }
 
-/// Throws std::logic_error for what is no number.
+/// A standard deviation; infinite where nobody knows.
+double error_in(const std::string& cell) {
+  if (cell == "inf") return std::numeric_limits<double>::infinity();
+  const double error = coordinate(cell);
+  if (error < 0.0) throw InputError("an error is not negative");
+  return error;
+}
+
+/// Throws InputError.
 DoubtfulStretch stretch_of(const std::vector<std::string>& cells) {
-  const auto doubt = doubt_of_state(cells.at(0));
-  if (!doubt || cells.size() != kColumns) throw std::invalid_argument("cells");
+  if (cells.size() != kColumns) {
+    throw InputError(std::to_string(cells.size()) + " cells instead of " +
+                     std::to_string(kColumns));
+  }
+  const auto doubt = doubt_of_state(cells[0]);
+  if (!doubt) throw InputError("there is no such kind of doubt");
+  constexpr std::int64_t kMostScans = 1'000'000'000;
   DoubtfulStretch stretch;
   stretch.doubt = *doubt;
-  stretch.begin = std::stoll(cells[3]);
-  stretch.end = std::stoll(cells[4]);
-  stretch.scans = std::stoul(cells[5]);
-  stretch.way_begin = std::stod(cells[6]);
-  stretch.way = std::stod(cells[7]);
-  stretch.place = {std::stod(cells[9]), std::stod(cells[10]), std::stod(cells[11])};
-  stretch.expected_error = std::stod(cells[12]);
+  stretch.begin = stamp_of_nanoseconds(cells[3]);
+  stretch.end = stamp_of_nanoseconds(cells[4]);
+  stretch.scans = static_cast<std::size_t>(whole_number(cells[5], 0, kMostScans));
+  stretch.way_begin = coordinate(cells[6]);
+  stretch.way = coordinate(cells[7]);
+  stretch.place = {coordinate(cells[9]), coordinate(cells[10]), coordinate(cells[11])};
+  stretch.expected_error = error_in(cells[12]);
   stretch.is_trusted = cells[13] == "yes";
   return stretch;
 }
@@ -66,11 +80,12 @@ DriveDoubt read_doubt(const std::filesystem::path& path) {
     try {
       const std::vector<std::string> cells = split(line);
       doubt.stretches.push_back(stretch_of(cells));
-      doubt.begin = doubt.stretches.back().begin - from_seconds(std::stod(cells[1]));
-      doubt.way = std::stod(cells[8]);
-    } catch (const std::logic_error&) {
+      doubt.begin = doubt.stretches.back().begin - stamp_of_seconds(finite_number(cells[1]));
+      doubt.way = coordinate(cells[8]);
+    } catch (const InputError& error) {
       throw InputError(path.string() + ":" + std::to_string(number) + ": '" + line +
-                       "' is no doubtful stretch; optimize_session writes the file anew");
+                       "' is no doubtful stretch (" + error.what() +
+                       "); optimize_session writes the file anew");
     }
   }
   return doubt;

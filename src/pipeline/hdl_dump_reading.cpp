@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -175,6 +176,20 @@ std::vector<DumpedFrame> read_frames(const fs::path& directory) {
   return frames;
 }
 
+/// Of a dump of this package; hdl_graph_slam keeps no zone, so that its positions stay as they are.
+std::optional<GeodeticDatum> read_datum(const fs::path& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  FrameWords words(path);
+  GeodeticDatum datum;
+  for (double* value : {&datum.latitude_deg, &datum.longitude_deg, &datum.altitude_m}) {
+    *value = words.number();
+  }
+  const bool is_place = std::abs(datum.latitude_deg) <= 90.0 &&
+                        std::abs(datum.longitude_deg) <= 360.0 && std::abs(datum.altitude_m) < 1e5;
+  if (!is_place) words.fail("latitude and longitude (degrees) and altitude (m) are no place");
+  return datum;
+}
+
 /// Poses and the edges between them; planes, priors and fixed vertices are another matter.
 back_end::PoseGraph read_poses_and_edges(const fs::path& path) {
   std::ifstream file = open_for_reading(path);
@@ -225,7 +240,11 @@ std::vector<Link> links_of(const back_end::PoseGraph& graph,
 class DumpReader {
  public:
   DumpReader(const fs::path& directory, session::Session& session)
-      : directory_(directory), session_(session), frames_(read_frames(directory)) {
+      : directory_(directory),
+        session_(session),
+        frames_(read_frames(directory)),
+        datum_(read_datum(directory / "datum")) {
+    if (datum_) utm_.emplace(*datum_);
     for (const Link& link : links_of(read_poses_and_edges(directory / "graph.g2o"), frames_)) {
       const bool is_odometry = link.to == link.from + 1 && motions_.count(link.to) == 0;
       if (is_odometry) {
@@ -237,6 +256,10 @@ class DumpReader {
   }
 
   HdlImport read() {
+    if (datum_) session_.set_datum(*datum_);
+    if (fs::exists(directory_ / "sensor_origin")) {
+      session_.set_sensor_origin(FrameWords(directory_ / "sensor_origin").vector<3>());
+    }
     for (std::size_t i = 0; i < frames_.size(); ++i) add_key_frame(i);
     for (const Link& link : loops_) add_loop(link);
     add_poses();
@@ -275,7 +298,7 @@ class DumpReader {
     if (frame.p_utm) {
       GnssPosition position;
       position.stamp = frame.stamp;
-      position.p_enu_antenna = *frame.p_utm;
+      position.p_enu_antenna = in_enu(*frame.p_utm);
       position.covariance = kGnssStddev_m * kGnssStddev_m * Eigen::Matrix3d::Identity();
       session_.add_gnss(position);
     }
@@ -285,6 +308,14 @@ class DumpReader {
       sample.linear_acceleration = frame.acceleration.value_or(Eigen::Vector3d::Zero());
       sample.orientation = frame.orientation;
       session_.add_imu(sample);
+    }
+  }
+
+  Eigen::Vector3d in_enu(const Eigen::Vector3d& p_utm) const {
+    try {
+      return utm_ ? utm_->to_enu(utm_->origin() + p_utm) : p_utm;
+    } catch (const InputError& error) {
+      throw FileError(directory_.string() + ": utm_coord: " + error.what());
     }
   }
 
@@ -316,6 +347,8 @@ class DumpReader {
   const fs::path directory_;
   session::Session& session_;
   const std::vector<DumpedFrame> frames_;
+  const std::optional<GeodeticDatum> datum_;
+  std::optional<UtmFrame> utm_;          ///< of the datum
   std::map<std::size_t, Link> motions_;  ///< by the newer end
   std::vector<Link> loops_;
   Pose T_odom_base_;

@@ -3,11 +3,9 @@
 #include <map>
 #include <optional>
 
-#include <GeographicLib/LocalCartesian.hpp>
-#include <GeographicLib/UTMUPS.hpp>
-
 #include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -39,38 +37,6 @@ class File {
   std::ofstream stream_;
 };
 
-/// Positions in the UTM zone of a datum, relative to it; as they are where there is none.
-class UtmFrame {
- public:
-  explicit UtmFrame(const std::optional<GeodeticDatum>& datum) {
-    if (!datum) return;
-    local_.emplace(datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
-    bool north = true;
-    GeographicLib::UTMUPS::Forward(datum->latitude_deg, datum->longitude_deg, zone_, north,
-                                   zero_.x(), zero_.y());
-    zero_.z() = datum->altitude_m;
-  }
-  bool is_known() const { return local_.has_value(); }
-  const Eigen::Vector3d& zero() const { return zero_; }
-
-  Eigen::Vector3d operator()(const Eigen::Vector3d& p_enu) const {
-    if (!local_) return p_enu;
-    double latitude = 0.0;
-    double longitude = 0.0;
-    Eigen::Vector3d p;
-    local_->Reverse(p_enu.x(), p_enu.y(), p_enu.z(), latitude, longitude, p.z());
-    int zone = 0;
-    bool north = true;
-    GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, p.x(), p.y(), zone_);
-    return p - zero_;
-  }
-
- private:
-  std::optional<GeographicLib::LocalCartesian> local_;
-  int zone_ = 0;
-  Eigen::Vector3d zero_ = Eigen::Vector3d::Zero();
-};
-
 template <typename Value>
 std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
   std::map<Stamp, Value> result;
@@ -85,10 +51,11 @@ class DumpWriter {
       : session_(session),
         graph_(graph),
         directory_(directory),
-        utm_(session.datum()),
+        datum_(session.datum()),
         gnss_(by_stamp(session.gnss())),
         imu_(by_stamp(session.imu())),
         floors_(by_stamp(session.floors())) {
+    if (datum_) utm_.emplace(*datum_);
     for (const back_end::PoseNode& node : graph.nodes) estimates_[node.id] = node.pose;
   }
 
@@ -107,7 +74,12 @@ class DumpWriter {
       write_key_frame(number++, key_frame, estimate->second, travelled);
       before = key_frame;
     }
-    if (utm_.is_known()) write_zero();
+    if (datum_) write_datum();
+    if (const auto origin = session_.sensor_origin()) {
+      File file(directory_ / "sensor_origin");
+      file.stream() << origin->transpose() << "\n";
+      file.close();
+    }
   }
 
  private:
@@ -155,7 +127,7 @@ class DumpWriter {
            << "\n";
     }
     if (const auto gnss = gnss_.find(stamp); gnss != gnss_.end()) {
-      data << "utm_coord " << utm_(gnss->second.p_enu_antenna).transpose() << "\n";
+      data << "utm_coord " << in_utm(gnss->second.p_enu_antenna).transpose() << "\n";
     }
     const auto imu = imu_.find(stamp);
     if (imu == imu_.end()) return;
@@ -165,17 +137,28 @@ class DumpWriter {
     data << "orientation " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\n";
   }
 
-  void write_zero() const {
+  /// Relative to the datum, as hdl_graph_slam has it; as it is where there is none.
+  Eigen::Vector3d in_utm(const Eigen::Vector3d& p_enu) const {
+    return utm_ ? utm_->from_enu(p_enu) - utm_->origin() : p_enu;
+  }
+
+  /// zero_utm does not say its zone: the datum stands in a file of its own.
+  void write_datum() const {
     File zero(directory_ / "zero_utm");
-    zero.stream() << std::fixed << std::setprecision(6) << utm_.zero().x() << " " << utm_.zero().y()
-                  << " " << utm_.zero().z() << "\n";
+    zero.stream() << std::fixed << std::setprecision(6) << utm_->origin().x() << " "
+                  << utm_->origin().y() << " " << utm_->origin().z() << "\n";
     zero.close();
+    File datum(directory_ / "datum");
+    datum.stream() << datum_->latitude_deg << " " << datum_->longitude_deg << " "
+                   << datum_->altitude_m << "\n";
+    datum.close();
   }
 
   const session::Session& session_;
   const back_end::PoseGraph& graph_;
   const fs::path directory_;
-  const UtmFrame utm_;
+  const std::optional<GeodeticDatum> datum_;
+  std::optional<UtmFrame> utm_;  ///< of the datum
   const std::map<Stamp, GnssPosition> gnss_;
   const std::map<Stamp, ImuSample> imu_;
   const std::map<Stamp, Floor> floors_;

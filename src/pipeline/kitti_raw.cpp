@@ -80,6 +80,12 @@ OxtsSample sample_of(const std::vector<double>& v, Stamp stamp) {
   return sample;
 }
 
+double next_coordinate(std::istream& words) {
+  std::string word;
+  words >> word;
+  return coordinate(word);
+}
+
 }  // namespace
 
 std::vector<Stamp> read_kitti_dates(const fs::path& path) {
@@ -127,7 +133,7 @@ PointCloud read_text_scan(const fs::path& path) {
   return cloud;
 }
 
-std::optional<Pose> read_imu_to_velo(const fs::path& path) {
+std::optional<Pose> read_imu_to_velo(const fs::path& path) try {
   if (!fs::exists(path)) return std::nullopt;
   std::ifstream file = open_for_reading(path);
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
@@ -137,21 +143,17 @@ std::optional<Pose> read_imu_to_velo(const fs::path& path) {
     std::string key;
     words >> key;
     if (key == "R:") {
-      for (int i = 0; i < 9; ++i) words >> matrix(i / 3, i % 3);
-      has_rotation = !words.fail();
+      for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = next_coordinate(words);
+      has_rotation = true;
     } else if (key == "T:") {
-      for (int i = 0; i < 3; ++i) words >> matrix(i, 3);
-      has_translation = !words.fail();
+      for (int i = 0; i < 3; ++i) matrix(i, 3) = next_coordinate(words);
+      has_translation = true;
     }
   }
-  if (!has_rotation || !has_translation) {
-    throw FileError(path.string() + " lacks the lines 'R:' or 'T:'; copy it again");
-  }
-  try {
-    return rigid_pose(matrix);
-  } catch (const InputError& error) {
-    throw FileError(path.string() + ": " + error.what() + "; copy it again");
-  }
+  if (!has_rotation || !has_translation) throw InputError("it lacks the lines 'R:' or 'T:'");
+  return rigid_pose(matrix);
+} catch (const InputError& error) {
+  throw FileError(path.string() + ": " + error.what() + "; copy it again");
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/voxel_filter.hpp"
@@ -15,6 +16,13 @@ namespace lidar_mapping::pipeline {
 namespace {
 
 constexpr Stamp kMargin = from_seconds(20.0);  // sensors come late, and preprocessing has to begin
+
+/// As the front end does with key frames, before they are deskewed.
+void turn_upwards(PointCloud& cloud, double elevation_shift) {
+  if (elevation_shift == 0.0) return;
+  const ElevationShift shift(elevation_shift);
+  for (Point& p : cloud.points) shift(p.x, p.y, p.z);
+}
 
 /// Takes what preprocessing gives and keeps what is wanted.
 class Collector {
@@ -33,6 +41,7 @@ class Collector {
     Vector6d acceleration = found->acceleration;
     // The gyro has already made the turning uniform (preprocessing::SyncedScan).
     if (synced.imu && synced.imu->has_angular_velocity) acceleration.tail<3>().setZero();
+    turn_upwards(synced.scan.cloud, found->elevation_shift);
     const PointCloud still = front_end::deskewed(std::move(synced.scan.cloud), found->twist,
                                                  acceleration, selection_.threads);
     const auto number = static_cast<KeyFrameIndex>(clouds_.size());

@@ -29,6 +29,7 @@ session::ScanRecord record_of(const front_end::FrontEndResult& result) {
   record.fitness = result.status.fitness;
   record.overlap = result.status.overlap;
   record.unobserved_stddev = result.status.unobserved_stddev;
+  record.elevation_shift = result.status.elevation_shift;
   return record;
 }
 

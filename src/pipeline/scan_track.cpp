@@ -1,6 +1,7 @@
 #include "lidar_mapping/pipeline/scan_track.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -85,8 +86,10 @@ void add_motion(const StampedPoses& odometry, std::size_t i, PlacedScan& scan) {
 
 std::vector<PlacedScan> placed_scans(const session::Session& session, const KeyFramePoses& poses) {
   std::set<Stamp> lost;
+  std::map<Stamp, double> elevation_shifts;
   for (const session::ScanRecord& scan : session.scans()) {
     if (scan.state == "lost" || scan.state == "repeated") lost.insert(scan.stamp);
+    if (scan.elevation_shift != 0.0) elevation_shifts[scan.stamp] = scan.elevation_shift;
   }
   StampedPoses odometry = session.odometry();
   odometry.erase(std::remove_if(odometry.begin(), odometry.end(),
@@ -100,6 +103,8 @@ std::vector<PlacedScan> placed_scans(const session::Session& session, const KeyF
     PlacedScan scan;
     scan.stamp = odometry[i].first;
     scan.T_map_base = *T_map_base;
+    const auto shift = elevation_shifts.find(scan.stamp);
+    if (shift != elevation_shifts.end()) scan.elevation_shift = shift->second;
     add_motion(odometry, i, scan);
     scans.push_back(scan);
   }

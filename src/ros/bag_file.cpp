@@ -4,10 +4,11 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <tuple>
 
 #include <fcntl.h>
-#include <ros/header.h>
 #include <unistd.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -45,12 +46,32 @@ Stamp time_at(const std::uint8_t* bytes) {
   return from_seconds(1.0) * number_at<std::uint32_t>(bytes) + number_at<std::uint32_t>(bytes + 4);
 }
 
+using HeaderFields = std::map<std::string, std::string>;
+
+/// A header's fields, each with its length before it and "name=value" in it; nothing if they do not
+/// fill the bytes. ros::Header believes the lengths and reads on behind the end.
+std::optional<HeaderFields> header_fields(ByteRange bytes) {
+  HeaderFields fields;
+  while (bytes.size > 0) {
+    std::uint32_t length = 0;
+    if (bytes.size < sizeof length) return std::nullopt;
+    std::memcpy(&length, bytes.first, sizeof length);
+    if (length > bytes.size - sizeof length) return std::nullopt;
+    const auto* text = reinterpret_cast<const char*>(bytes.first) + sizeof length;
+    const auto* equals = static_cast<const char*>(std::memchr(text, '=', length));
+    if (equals == nullptr) return std::nullopt;
+    fields[std::string(text, equals)] = std::string(equals + 1, text + length);
+    bytes = {bytes.first + sizeof length + length, bytes.size - sizeof length - length};
+  }
+  return fields;
+}
+
 }  // namespace
 
 /// "name=value" fields, and where the data that follow them lie.
 struct BagFile::Record {
   std::uint64_t position = 0;
-  ros::M_string fields;
+  HeaderFields fields;
   std::uint64_t data = 0;
   std::uint32_t size = 0;
 
@@ -134,10 +155,9 @@ BagFile::Record BagFile::record_at(std::uint64_t position) const {
   if (length > kLongestHeader) fail_at(position);
   std::vector<std::uint8_t> text(length + sizeof(std::uint32_t));
   read_bytes(position + sizeof length, text.data(), text.size());
-  ros::Header header;
-  std::string problem;
-  if (!header.parse(text.data(), length, problem)) fail_at(position);
-  const Record record{position, *header.getValues(), position + sizeof length + text.size(),
+  const auto fields = header_fields({text.data(), length});
+  if (!fields) fail_at(position);
+  const Record record{position, *fields, position + sizeof length + text.size(),
                       number_at<std::uint32_t>(text.data() + length)};
   if (record.end() > size_) {
     fail("its end is missing, within the record at byte " + std::to_string(position));
@@ -196,13 +216,14 @@ void BagFile::add_connection(const Record& record, const std::vector<std::string
   if (topics != nullptr && !is_wanted()) return;
   std::vector<std::uint8_t> text(record.size);
   read_bytes(record.data, text.data(), text.size());
-  ros::Header header;
-  std::string problem;
-  if (!header.parse(text.data(), record.size, problem)) fail_at(record.position);
+  const auto fields = header_fields({text.data(), text.size()});
+  if (!fields) fail_at(record.position);
   BagConnection& connection = connections_[record.number<std::uint32_t>(*this, "conn")];
   connection.topic = topic->second;
-  header.getValue("type", connection.type);
-  header.getValue("md5sum", connection.md5sum);
+  const auto type = fields->find("type");
+  const auto md5sum = fields->find("md5sum");
+  if (type != fields->end()) connection.type = type->second;
+  if (md5sum != fields->end()) connection.md5sum = md5sum->second;
 }
 
 /// Its data say how many messages each connection has in the chunk.
@@ -286,18 +307,14 @@ ByteRange BagFile::message(const ChunkContent& content, const BagEntry& entry) c
     return {content.bytes.get() + at - length, length};
   };
   for (;;) {
-    const ByteRange fields = take();
+    const auto fields = header_fields(take());
     const ByteRange data = take();
-    ros::Header header;
-    std::string problem, operation;
-    // The library takes its input as uint8_t*, but leaves it as it is.
-    if (!header.parse(const_cast<std::uint8_t*>(fields.first),
-                      static_cast<std::uint32_t>(fields.size), problem) ||
-        !header.getValue("op", operation) || operation.size() != 1) {
+    const auto operation = fields ? fields->find("op") : HeaderFields::const_iterator();
+    if (!fields || operation == fields->end() || operation->second.size() != 1) {
       fail("a chunk is damaged");
     }
-    if (operation[0] == static_cast<char>(kMessage)) return data;
-    if (operation[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
+    if (operation->second[0] == static_cast<char>(kMessage)) return data;
+    if (operation->second[0] != static_cast<char>(kConnection)) fail("a chunk is damaged");
   }
 }
 

@@ -47,6 +47,9 @@ std::optional<RunState> KeyFrameClient::run() {
   for (std::size_t i = 0; i < response->gnss.size(); ++i) {
     state.gnss.push_back(from_message(response->gnss[i], from_message(response->antennas[i])));
   }
+  for (const FloorMessage& message : response->floors) {
+    state.floors.push_back(from_message(message));
+  }
   state.searched = response->searched;
   return state;
 }

@@ -1,5 +1,7 @@
 #include "database.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <sqlite3.h>
@@ -11,6 +13,11 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr int kBusyTimeoutMs = 5000;
+constexpr std::size_t kShown = 40;  // bytes of a cell that are repeated
+/// Information and covariances stay far from the end of the numbers when they are multiplied.
+constexpr double kLargest = 1e100;
+
+bool is_number(double value) { return std::abs(value) <= kLargest; }
 
 [[noreturn]] void fail(sqlite3* database) {
   const char* file = sqlite3_db_filename(database, "main");
@@ -75,9 +82,41 @@ bool Statement::next_is_null() const {
   return sqlite3_column_type(statement_.get(), column_) == SQLITE_NULL;
 }
 
-std::int64_t Statement::take_integer() { return sqlite3_column_int64(statement_.get(), column_++); }
+/// Numbers of another kind, texts where numbers belong and the like: nobody but damage writes them.
+void Statement::require(bool is_sound, int column, const std::string& wanted) const {
+  if (is_sound) return;
+  const auto* shown = sqlite3_column_text(statement_.get(), column);
+  const std::string held = shown == nullptr ? "nothing" : reinterpret_cast<const char*>(shown);
+  const char* file = sqlite3_db_filename(database_, "main");
+  throw FileError(std::string(file != nullptr ? file : "session database") + ": a row has '" +
+                  held.substr(0, kShown) + "' as " + sqlite3_column_name(statement_.get(), column) +
+                  " instead of " + wanted + "; the session is damaged");
+}
 
-double Statement::take_real() { return sqlite3_column_double(statement_.get(), column_++); }
+int Statement::type_of(int column) const { return sqlite3_column_type(statement_.get(), column); }
+
+std::int64_t Statement::take_integer(std::int64_t least, std::int64_t most) {
+  const int column = column_++, type = type_of(column);
+  const std::int64_t value = sqlite3_column_int64(statement_.get(), column);
+  const bool is_whole = type == SQLITE_INTEGER || type == SQLITE_NULL;
+  require(is_whole && value >= least && value <= most, column, "a whole number that can be");
+  return value;
+}
+
+double Statement::take_real() {
+  const int column = column_++, type = type_of(column);
+  require(type != SQLITE_TEXT && type != SQLITE_BLOB, column, "a number");
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+double Statement::take_coordinate() {
+  constexpr double kFarthest = 1e9;  // m, as in common/number_words.hpp
+  const int column = column_;
+  const bool is_there = !next_is_null();
+  const double value = take_real();
+  require(is_there && std::abs(value) <= kFarthest, column, "a coordinate");
+  return value;
+}
 
 std::string Statement::take_text() {
   const int column = column_++;
@@ -88,24 +127,40 @@ std::string Statement::take_text() {
 }
 
 Blob Statement::take_blob() {
-  const int column = column_++;
+  const int column = column_++, type = type_of(column);
   const void* data = sqlite3_column_blob(statement_.get(), column);
   const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
   Blob blob(bytes / sizeof(double));
   if (!blob.empty()) std::memcpy(blob.data(), data, blob.size() * sizeof(double));
+  const bool is_of_numbers = (type == SQLITE_BLOB || type == SQLITE_NULL) &&
+                             bytes % sizeof(double) == 0 &&
+                             std::all_of(blob.begin(), blob.end(), is_number);
+  require(is_of_numbers, column, "finite numbers");
+  return blob;
+}
+
+Blob Statement::take_blob(std::size_t size) {
+  const int column = column_;
+  Blob blob = take_blob();
+  require(blob.empty() || blob.size() == size, column, std::to_string(size) + " numbers");
+  blob.resize(size, 0.0);
   return blob;
 }
 
 Eigen::Vector3d Statement::take_vector() {
-  const double x = take_real();
-  const double y = take_real();
-  const double z = take_real();
+  const double x = take_coordinate();
+  const double y = take_coordinate();
+  const double z = take_coordinate();
   return {x, y, z};
 }
 
 Eigen::Quaterniond Statement::take_quaternion() {
+  const int column = column_;
   const Eigen::Vector3d xyz = take_vector();
-  return {take_real(), xyz.x(), xyz.y(), xyz.z()};
+  const Eigen::Quaterniond rotation(take_coordinate(), xyz.x(), xyz.y(), xyz.z());
+  constexpr double kOffUnit = 0.5;
+  require(std::abs(rotation.norm() - 1.0) < kOffUnit, column, "a quaternion of unit length");
+  return rotation;
 }
 
 Pose Statement::take_pose() {

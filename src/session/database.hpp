@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,23 +23,32 @@ using Cell = std::variant<std::nullptr_t, std::int64_t, double, std::string, Blo
 using Cells = std::vector<Cell>;
 
 /// A prepared statement. After step() returned true, the take_ functions read the row's cells from
-/// left to right. All functions throw FileError.
+/// left to right. All functions throw FileError, also for a cell that cannot hold what it holds.
 class Statement {
  public:
   Statement(sqlite3* database, const std::string& sql, const Cells& values);
 
   bool step();
   bool next_is_null() const;
-  std::int64_t take_integer();
+  std::int64_t take_integer(std::int64_t least = std::numeric_limits<std::int64_t>::min(),
+                            std::int64_t most = std::numeric_limits<std::int64_t>::max());
   double take_real();
+  /// At most 1e9.
+  double take_coordinate();
   std::string take_text();
   Blob take_blob();
+  /// So many numbers; zeros for an empty cell.
+  Blob take_blob(std::size_t size);
   Eigen::Vector3d take_vector();
   Eigen::Quaterniond take_quaternion();
   Pose take_pose();
   void skip(int cells) { column_ += cells; }
+  /// Throws FileError, naming the file and the column, unless it is sound.
+  void require(bool is_sound, int column, const std::string& wanted) const;
+  int next_column() const { return column_; }
 
  private:
+  int type_of(int column) const;
   void bind(int position, const Cell& value);
 
   struct Finalize {
@@ -97,11 +107,10 @@ Blob to_blob(const Matrix& matrix) {
   return blob;
 }
 
-/// Fixed-size matrix of a blob; zero where the blob has another size.
+/// Fixed-size matrix of a blob of its size.
 template <typename Matrix>
 Matrix to_matrix(const Blob& blob) {
-  Matrix matrix = Matrix::Zero();
-  if (blob.size() != static_cast<std::size_t>(matrix.size())) return matrix;
+  Matrix matrix;
   for (Eigen::Index i = 0; i < matrix.size(); ++i) {
     matrix(i / matrix.cols(), i % matrix.cols()) = blob[static_cast<std::size_t>(i)];
   }

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+#include "lidar_mapping/common/number_words.hpp"
 
 namespace lidar_mapping::session {
 
@@ -77,16 +78,15 @@ Pose pose_of(const std::vector<double>& numbers) {
   return pose;
 }
 
-/// The numbers up to the end of the line; false if there is anything else.
+/// The numbers up to the end of the line, of which the first two are indices and the others places
+/// and angles; false if there is anything else.
 bool read_numbers(std::istream& stream, std::vector<double>& numbers) {
-  for (std::string word; stream >> word;) {
-    std::size_t used = 0;
-    try {
-      numbers.push_back(std::stod(word, &used));
-    } catch (const std::logic_error&) {
-      return false;
+  try {
+    for (std::string word; stream >> word;) {
+      numbers.push_back(numbers.size() < 2 ? finite_number(word) : coordinate(word));
     }
-    if (used != word.size() || !std::isfinite(numbers.back())) return false;
+  } catch (const InputError&) {
+    return false;
   }
   return true;
 }

@@ -1,12 +1,13 @@
 #include <fstream>
 
-#include <pcl/io/pcd_io.h>
+#include <pcl/conversions.h>
 #include <pcl/point_types.h>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
+#include "lidar_mapping/session/pcd_points.hpp"
 
 namespace lidar_mapping::session {
 
@@ -40,25 +41,12 @@ bool has_intensity(const pcl::PCLPointCloud2& cloud) {
                   "; it is no PCD file or a damaged one");
 }
 
-/// What the header says has been checked.
-pcl::PCLPointCloud2 read_with_pcl(const std::filesystem::path& path) {
-  pcl::PCLPointCloud2 raw;
-  try {
-    if (pcl::PCDReader().read(path.string(), raw) < 0) refuse(path, "its points cannot be read");
-  } catch (const FileError&) {
-    throw;
-  } catch (const std::exception& error) {  // of PCL, such as std::out_of_range of a short line
-    refuse(path, std::string("its points cannot be read (") + error.what() + ")");
-  }
-  return raw;
-}
-
 }  // namespace
 
 PointCloud read_pcd(const std::filesystem::path& path) {
   const PcdHeader header = read_pcd_header(path);
   if (!header.has_float_coordinates()) refuse(path, "it has no fields x y z of 4-byte floats");
-  if (header.points == 0) return {};  // PCL does not read it
+  if (header.points == 0) return {};
   if (header.text == pcd_header(header.points)) {
     std::ifstream file(path, std::ios::binary);
     file.seekg(static_cast<std::streamoff>(header.text.size()));
@@ -69,7 +57,7 @@ PointCloud read_pcd(const std::filesystem::path& path) {
     if (!file) refuse(path, "its end is missing");
     return cloud;
   }
-  const pcl::PCLPointCloud2 raw = read_with_pcl(path);
+  const pcl::PCLPointCloud2 raw = read_pcd_points(path, header);
   return has_intensity(raw) ? from_pcl<pcl::PointXYZI>(raw) : from_pcl<pcl::PointXYZ>(raw);
 }
 

@@ -1,5 +1,10 @@
 #include "rows.hpp"
 
+#include <limits>
+#include <type_traits>
+
+#include "lidar_mapping/common/errors.hpp"
+
 namespace lidar_mapping::session {
 
 namespace {
@@ -45,19 +50,24 @@ class Reader {
  public:
   explicit Reader(Statement& row) : row_(row) {}
 
-  void take(std::int64_t& value) { value = row_.take_integer(); }
+  /// All of them are stamps, whose differences are to stay within their type.
+  void take(std::int64_t& value) {
+    constexpr std::int64_t kLatest = 4'500'000'000'000'000'000;
+    value = row_.take_integer(-kLatest, kLatest);
+  }
   void take(std::uint32_t& value) { take_number(value); }
   void take(std::size_t& value) { take_number(value); }
   void take(int& value) { take_number(value); }
   void take(bool& value) { value = row_.take_integer() != 0; }
   void take(double& value) { value = row_.take_real(); }
   void take(std::string& value) { value = row_.take_text(); }
-  void take(LoopSource& value) { value = loop_source_from(row_.take_text()); }
-  void take(Verdict& value) { value = verdict_from(row_.take_text()); }
+  void take(LoopSource& value) { take_word(value, loop_source_from); }
+  void take(Verdict& value) { take_word(value, verdict_from); }
+  void take(LoopDecision& value) { take_word(value, loop_decision_from); }
   void take(Eigen::Vector3d& value) { value = row_.take_vector(); }
   void take(Pose& value) { value = row_.take_pose(); }
-  void take(Covariance6& value) { value = to_matrix<Covariance6>(row_.take_blob()); }
-  void take(Eigen::Matrix3d& value) { value = to_matrix<Eigen::Matrix3d>(row_.take_blob()); }
+  void take(Covariance6& value) { value = to_matrix<Covariance6>(row_.take_blob(36)); }
+  void take(Eigen::Matrix3d& value) { value = to_matrix<Eigen::Matrix3d>(row_.take_blob(9)); }
   void take(std::optional<Eigen::Quaterniond>& value) {
     value.reset();
     if (row_.next_is_null()) return row_.skip(4);
@@ -75,7 +85,20 @@ class Reader {
  private:
   template <typename Integer>
   void take_number(Integer& value) {
-    value = static_cast<Integer>(row_.take_integer());
+    constexpr auto kMost = std::numeric_limits<Integer>::max();
+    constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+    value = static_cast<Integer>(row_.take_integer(
+        std::is_signed_v<Integer> ? std::int64_t{std::numeric_limits<int>::min()} : 0,
+        sizeof(Integer) < sizeof(std::int64_t) ? static_cast<std::int64_t>(kMost) : kLargest));
+  }
+  template <typename Value, typename FromWord>
+  void take_word(Value& value, const FromWord& from_word) {
+    const int column = row_.next_column();
+    try {
+      value = from_word(row_.take_text());
+    } catch (const InputError& error) {
+      row_.require(false, column, std::string("a word that is known (") + error.what() + ")");
+    }
   }
 
   Statement& row_;
@@ -130,7 +153,8 @@ void visit(Row<Floor>, V& v, Each each) {
 
 template <typename V, typename Each>
 void visit(Row<ScanRecord>, V& v, Each each) {
-  each(v.stamp, v.state, v.fitness, v.overlap, v.seconds, v.scans_dropped, v.unobserved_stddev);
+  each(v.stamp, v.state, v.fitness, v.overlap, v.seconds, v.scans_dropped, v.unobserved_stddev,
+       v.elevation_shift);
 }
 
 template <typename V, typename Each>
@@ -181,7 +205,7 @@ RevisionRecord read_revision(Statement& row) { return read<RevisionRecord>(row);
 Loop read_loop(Statement& row) {
   row.skip(1);
   Loop loop = read<Loop>(row);
-  loop.decision = loop_decision_from(row.take_text());
+  Reader(row).take(loop.decision);
   return loop;
 }
 
@@ -191,7 +215,8 @@ LoopVerdict read_verdict(Statement& row) {
 }
 
 std::pair<Stamp, Pose> read_odometry(Statement& row) {
-  const Stamp stamp = row.take_integer();
+  Stamp stamp = 0;
+  Reader(row).take(stamp);
   return {stamp, row.take_pose()};
 }
 

@@ -1,3 +1,8 @@
+#include <cmath>
+#include <limits>
+
+#include "lidar_mapping/common/errors.hpp"
+
 #include "rows.hpp"
 #include "session_impl.hpp"
 #include "session_schema.hpp"
@@ -6,11 +11,12 @@ namespace lidar_mapping::session {
 
 namespace {
 
+constexpr double kHighest = 1e6;  // m above the ellipsoid
+
 std::optional<Eigen::Vector3d> vector_property(const Database& database, const std::string& name) {
   Statement row = database.query("SELECT value FROM properties WHERE name = ?", {name});
   if (!row.step()) return std::nullopt;
-  const Blob values = row.take_blob();
-  if (values.size() != 3) return std::nullopt;
+  const Blob values = row.take_blob(3);
   return Eigen::Vector3d(values[0], values[1], values[2]);
 }
 
@@ -59,8 +65,8 @@ std::vector<Floor> Session::floors() const {
 }
 
 std::vector<ScanRecord> Session::scans() const {
-  const char* columns = has_unobserved_stddev(impl_->database) ? "*" : "*, 0.0";
-  return impl_->all("SELECT " + std::string(columns) + " FROM scans ORDER BY stamp", read_scan);
+  return impl_->all("SELECT " + columns_of_scans(impl_->database) + " FROM scans ORDER BY stamp",
+                    read_scan);
 }
 
 std::vector<std::pair<Stamp, Pose>> Session::odometry() const {
@@ -74,7 +80,9 @@ KeyFramePoses Session::poses() const {
       "WHERE revision = (SELECT MAX(revision) FROM revisions) ORDER BY key_frame",
       read_pose);
   Statement row = impl_->database.query("SELECT MAX(revision) FROM revisions");
-  if (row.step()) poses.revision = static_cast<std::uint32_t>(row.take_integer());
+  if (row.step())
+    poses.revision =
+        static_cast<std::uint32_t>(row.take_integer(0, std::numeric_limits<std::uint32_t>::max()));
   return poses;
 }
 
@@ -90,6 +98,12 @@ std::string Session::run_id() const {
 std::optional<GeodeticDatum> Session::datum() const {
   const std::optional<Eigen::Vector3d> values = vector_property(impl_->database, "datum");
   if (!values) return std::nullopt;
+  const bool is_on_earth = std::abs(values->x()) <= 90.0 && std::abs(values->y()) <= 360.0 &&
+                           std::abs(values->z()) <= kHighest;
+  if (!is_on_earth) {
+    throw FileError((impl_->directory / "session.db").string() +
+                    ": its datum is no place on Earth; the session is damaged");
+  }
   return GeodeticDatum{values->x(), values->y(), values->z()};
 }
 

@@ -7,10 +7,11 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
-constexpr std::int64_t kVersion = 3;
+constexpr std::int64_t kVersion = 4;
 // Older ones can be read, and are brought up to date to be written.
 constexpr std::int64_t kWithoutDecisions = 1;
 constexpr std::int64_t kWithoutUnobserved = 2;
+constexpr std::int64_t kWithoutElevation = 3;
 
 // Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
 // by row, in the order translation, rotation (axes of the child frame).
@@ -69,10 +70,14 @@ std::int64_t pragma(const Database& database, const std::string& name) {
 constexpr const char* kUnobserved =
     "ALTER TABLE scans ADD COLUMN unobserved_stddev REAL DEFAULT 0.0";
 
+/// From version 3 to 4.
+constexpr const char* kElevation = "ALTER TABLE scans ADD COLUMN elevation_shift REAL DEFAULT 0.0";
+
 /// From a version on to the newest.
 void bring_up_to_date(Database& database, std::int64_t version) {
   if (version <= kWithoutDecisions) database.execute(kDecisions);
   if (version <= kWithoutUnobserved) database.execute(kUnobserved);
+  if (version <= kWithoutElevation) database.execute(kElevation);
   database.execute("PRAGMA user_version = " + std::to_string(kVersion));
 }
 
@@ -102,8 +107,13 @@ bool has_loop_decisions(const Database& database) {
   return pragma(database, "user_version") > kWithoutDecisions;
 }
 
-bool has_unobserved_stddev(const Database& database) {
-  return pragma(database, "user_version") > kWithoutUnobserved;
+std::string columns_of_scans(const Database& database) {
+  const std::int64_t version = pragma(database, "user_version");
+  std::string columns = "*";
+  for (const std::int64_t without : {kWithoutUnobserved, kWithoutElevation}) {
+    if (version <= without) columns += ", 0.0";
+  }
+  return columns;
 }
 
 void check_tables(const Database& database, const std::filesystem::path& path) {

@@ -110,8 +110,8 @@ class Drive::Impl {
     const std::size_t source = faults_.source(index, period_);
     SimulatedScan scan =
         take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar, source,
-                   scan_stamp(source), period_, options_.undistorted, options_.range_noise,
-                   noise_seed(kScanNoise) ^ mixed(source)});
+                   scan_stamp(source), period_, options_.undistorted, scenario_.near_things_hide,
+                   options_.range_noise, noise_seed(kScanNoise) ^ mixed(source)});
     faults_.spoil(scan, source, lidar_, options_.range_noise);
     scan.stamp = reported_stamp(index);
     scan.end = scan_stamp(index) + period_;

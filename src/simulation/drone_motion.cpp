@@ -18,8 +18,8 @@ constexpr double kFlight = 3.0;     ///< m above the ground, in the mean
 constexpr double kWaves = 0.8;      ///< m that it goes up and down
 constexpr double kWaveHz = 0.22;
 constexpr double kRise = 3.0;  ///< s, and as long to land
-constexpr double kJink = 0.7;  ///< s of a short roll or pitch
-constexpr double kJinkAngle = 0.6;
+constexpr double kJink = 1.0;  ///< s of a short roll or pitch
+constexpr double kJinkAngle = 0.5;
 constexpr double kJinkEvery = 4.0;  ///< s
 
 double eased(double u) {

@@ -48,6 +48,7 @@ Scenario in_the_forest(const DriveOptions& options, const Track& track, double c
                        SmoothTrajectory trajectory, const SensorMounting& mounting) {
   Scenario scenario{{}, std::move(trajectory), mounting, {}};
   scenario.imu_period = kCarrierImuPeriod;
+  scenario.near_things_hide = true;
   Random random(options.seed, kMesh);
   add_forest(scenario.world.fixed, forest_floor(options), way_of(track), clear, random);
   return scenario;

@@ -139,23 +139,13 @@ void make_gaps(Samples& samples, const ImuFault& fault, Stamp begin) {
 }  // namespace
 
 ImuFault parse_imu_fault(const std::string& text) {
-  const auto [name, value] = split_fault(text);
-  for (const Description& known : kDescriptions) {
-    if (name != known.name) continue;
-    ImuFault fault{known.kind, 0.0, known.kind == Kind::kGap ? kUsualGapEvery : kNoLimit};
-    if (read(known, value, fault)) return fault;
-    throw ConfigError("fault: '" + text + "' is not of the form " + known.form);
-  }
-  std::string names;
-  for (const std::string& known : imu_fault_names()) names += " " + known;
-  throw ConfigError("fault: '" + name + "' is unknown; use one of" + names);
+  const auto usual = [](const Description& known) {
+    return ImuFault{known.kind, 0.0, known.kind == Kind::kGap ? kUsualGapEvery : kNoLimit};
+  };
+  return parse_fault(text, kDescriptions, usual, read);
 }
 
-std::vector<std::string> imu_fault_names() {
-  std::vector<std::string> names;
-  for (const Description& known : kDescriptions) names.emplace_back(known.name);
-  return names;
-}
+std::vector<std::string> imu_fault_names() { return fault_names(kDescriptions); }
 
 void spoil(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
            std::uint64_t seed) {

@@ -22,6 +22,7 @@ Scenario in_the_office(const DriveOptions& options, const Track& track, const Ca
                     mounting,
                     {{0.0, track.seconds()}}};
   scenario.imu_period = kCarrierImuPeriod;
+  scenario.near_things_hide = true;
   Random random(options.seed, kMesh);
   add_office(scenario.world.fixed, random);
   return scenario;

@@ -142,23 +142,13 @@ void thin_out(SimulatedScan& scan, std::size_t most, Random random) {
 }  // namespace
 
 ScanFault parse_scan_fault(const std::string& text) {
-  const auto [name, value] = split_fault(text);
-  for (const Description& known : kDescriptions) {
-    if (name != known.name) continue;
-    ScanFault fault{known.kind, 0.0, kUsualFrozenEvery};
-    if (read(known, value, fault)) return fault;
-    throw ConfigError("fault: '" + text + "' is not of the form " + known.form);
-  }
-  std::string names;
-  for (const std::string& known : scan_fault_names()) names += " " + known;
-  throw ConfigError("fault: '" + name + "' is unknown; use one of" + names);
+  const auto usual = [](const Description& known) {
+    return ScanFault{known.kind, 0.0, kUsualFrozenEvery};
+  };
+  return parse_fault(text, kDescriptions, usual, read);
 }
 
-std::vector<std::string> scan_fault_names() {
-  std::vector<std::string> names;
-  for (const Description& known : kDescriptions) names.emplace_back(known.name);
-  return names;
-}
+std::vector<std::string> scan_fault_names() { return fault_names(kDescriptions); }
 
 ScanFaults::ScanFaults(std::vector<ScanFault> faults, std::uint64_t seed)
     : faults_(std::move(faults)), seed_(seed) {}

@@ -56,7 +56,8 @@ SimulatedScan take_scan(const ScanRequest& request) {
   const double begin_s = to_seconds(request.stamp - request.trajectory.begin());
   const double end_s = begin_s + to_seconds(request.period);
   std::vector<Hit> hits;
-  request.caster.cast(rays, begin_s, end_s, static_cast<float>(request.lidar.min_range),
+  const auto least = static_cast<float>(request.lidar.min_range);
+  request.caster.cast(rays, begin_s, end_s, request.near_things_hide ? 0.0F : least,
                       static_cast<float>(request.lidar.max_range), hits);
 
   SimulatedScan scan;
@@ -65,7 +66,7 @@ SimulatedScan take_scan(const ScanRequest& request) {
   Random random(request.noise_seed);
   const auto beams = static_cast<std::size_t>(request.lidar.beams);
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits[i].range < 0.0F || is_lost(hits[i], random)) continue;
+    if (hits[i].range < least || is_lost(hits[i], random)) continue;
     const double range = hits[i].range + request.range_noise * random.normal();
     const Eigen::Vector3f p_lidar = (range * directions[i]).cast<float>();
     scan.cloud.points.push_back(

@@ -15,8 +15,9 @@ struct ScanRequest {
   Stamp stamp = 0;
   Stamp period = 0;
   bool undistorted = false;
-  double range_noise = 0.0;      ///< m
-  std::uint64_t noise_seed = 0;  ///< of this scan
+  bool near_things_hide = false;  ///< those nearer than the least range
+  double range_noise = 0.0;       ///< m
+  std::uint64_t noise_seed = 0;   ///< of this scan
 };
 
 SimulatedScan take_scan(const ScanRequest& request);

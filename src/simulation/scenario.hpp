@@ -21,6 +21,9 @@ struct Scenario {
   SensorMounting mounting;
   std::vector<GnssOutage> covered;  ///< where no satellite is in view
   Stamp imu_period = kUsualImuPeriod;
+  /// What is nearer than the LiDAR can measure hides what is behind it. Older drives look through
+  /// it and stay as they were.
+  bool near_things_hide = false;
 };
 
 /// The seed of what is another on another day.

@@ -97,7 +97,7 @@ void add_things(TriangleMesh& mesh, double z, Random& random) {
 
 void add_shaft(TriangleMesh& mesh) {
   const double top = kStairStoreys * kStairStorey;
-  const double x0 = kLiftX - 1.0, x1 = kLiftX + 1.0, y1 = kLiftY + 1.0;
+  const double x0 = kLiftX - 1.0, x1 = kLiftX + 1.0, y1 = kLiftY + 1.25;
   add_block(mesh, {x0 - kWall, kHalfWidth, -0.5}, {x0, y1, top}, kConcrete);
   add_block(mesh, {x1, kHalfWidth, -0.5}, {x1 + kWall, y1, top}, kConcrete);
   add_block(mesh, {x0, y1, -0.5}, {x1, y1 + kWall, top}, kConcrete);
@@ -138,21 +138,21 @@ std::vector<Ground> floor_in_stair_building(const Track& track) {
 }
 
 TriangleMesh make_lift_car() {
-  constexpr double kHalf = 0.85, kHeight = 2.25;
+  constexpr double kHalf = 0.85, kDeep = 1.1, kHeight = 2.25, kSheet = 0.04;
   TriangleMesh car;
   for (const double z : {-0.1, kHeight}) {
-    add_block(car, {-kHalf, -kHalf, z}, {kHalf, kHalf, z + 0.1}, kSteel);
+    add_block(car, {-kHalf, -kDeep, z}, {kHalf, kDeep, z + 0.1}, kSteel);
   }
-  for (const double x : {-kHalf - 0.04, kHalf}) {
-    add_block(car, {x, -kHalf, 0.0}, {x + 0.04, kHalf, kHeight}, kSteel);
+  for (const double x : {-kHalf - kSheet, kHalf}) {
+    add_block(car, {x, -kDeep, 0.0}, {x + kSheet, kDeep, kHeight}, kSteel);
   }
-  add_block(car, {-kHalf, kHalf, 0.0}, {kHalf, kHalf + 0.04, kHeight}, kSteel);
+  add_block(car, {-kHalf, kDeep, 0.0}, {kHalf, kDeep + kSheet, kHeight}, kSteel);
   for (const double x : {-kHalf, kLiftDoor}) {
-    add_block(car, {x, -kHalf, 0.0}, {x + kHalf - kLiftDoor, -kHalf + 0.04, kHeight}, kSteel);
+    add_block(car, {x, -kDeep, 0.0}, {x + kHalf - kLiftDoor, -kDeep + kSheet, kHeight}, kSteel);
   }
-  add_block(car, {-kLiftDoor, -kHalf, kDoorHeight}, {kLiftDoor, -kHalf + 0.04, kHeight}, kSteel);
-  add_tube(car, {-0.7, kHalf - 0.06, 0.9}, {1.4, 0.0, 0.0}, 0.02, 0.02, 6, kSteel);
-  add_block(car, {kHalf - 0.03, -0.55, 0.9}, {kHalf, -0.35, 1.6}, kSign);
+  add_block(car, {-kLiftDoor, -kDeep, kDoorHeight}, {kLiftDoor, -kDeep + kSheet, kHeight}, kSteel);
+  add_tube(car, {-0.7, kDeep - 0.06, 0.9}, {1.4, 0.0, 0.0}, 0.02, 0.02, 6, kSteel);
+  add_block(car, {kHalf - 0.03, -0.8, 0.9}, {kHalf, -0.6, 1.6}, kSign);
   return car;
 }
 

@@ -17,7 +17,7 @@ constexpr double kHalfLanding = 3.5;   ///< x of its middle
 constexpr double kMainLanding = -0.8;
 constexpr double kCorridorEnd = -13.5;  ///< x
 constexpr double kLiftX = -8.0;         ///< middle of the lift's door
-constexpr double kLiftY = 2.4;          ///< middle of the lift's car
+constexpr double kLiftY = 2.65;         ///< middle of the lift's car
 
 /// Walls, slabs, stairs and what stands in the corridors.
 void add_stair_building(TriangleMesh& mesh, Random& random);

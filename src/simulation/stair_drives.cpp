@@ -21,7 +21,7 @@ constexpr SpeedLimits kWalking{1.1, 1.0, 1.0};
 constexpr double kLiftSpeed = 1.6;  ///< m/s
 constexpr double kDoorSeconds = 2.0;
 constexpr double kMoverStep = 0.05;  ///< s
-constexpr double kCarDoor = -0.8;    ///< y of the car's door in the car
+constexpr double kCarDoor = -1.06;   ///< y of the car's door in the car
 constexpr double kStoreyDoor = 1.42;
 
 Scenario in_the_building(const DriveOptions& options, const Track& track,
@@ -31,6 +31,7 @@ Scenario in_the_building(const DriveOptions& options, const Track& track,
                     hand_held_mounting(),
                     {{0.0, track.seconds()}}};
   scenario.imu_period = kCarrierImuPeriod;
+  scenario.near_things_hide = true;
   Random random(options.seed, kMesh);
   add_stair_building(scenario.world.fixed, random);
   return scenario;
@@ -54,7 +55,7 @@ struct Ride {
 /// Walks into the car from before its door and turns round.
 void enter(Track& track) {
   track.walk({{kLiftX, 0.0}}, kWalking);
-  track.walk({{kLiftX, kLiftY}}, kWalking, {0.3, 0.1});
+  track.walk({{kLiftX, kLiftY + 0.15}}, kWalking, {0.3, 0.1});
   track.turn(M_PI, 2.0);
   track.stand(0.5);
 }

@@ -33,6 +33,9 @@ int main(int argc, char** argv) {
   app.add_option("--crop", crop, "only what lies in this box of the map: x0 y0 z0 x1 y1 z1, m")
       ->expected(6);
   tools::ScanMapInput scans;
+  app.add_option("--poses", output.poses,
+                 "TUM file: where the key frames lie, instead of the session's poses (with "
+                 "trajectory/ground_truth.tum they lie where GNSS and IMU have them)");
   app.add_option("--scans", scans.recording,
                  "the recording that the session was made of: its scans go into the map, not the "
                  "key frames alone");
@@ -42,6 +45,9 @@ int main(int argc, char** argv) {
                  "with --scans: thin each scan to voxels of this edge, m; 0 keeps all points; as "
                  "the key frames if left out")
       ->check(tools::not_negative());
+  app.add_flag("--utm", output.products.utm,
+               "pcd and ply in UTM, relative to the datum: map.pcd.utm has easting, northing and "
+               "height to add (las always is in UTM)");
   app.add_flag("--keep-moving", output.keep_moving, "leave points of moving objects in");
   app.add_flag("--save-removed", output.products.save_removed, "write what was removed, too");
   app.add_option("--sensor-origin", output.sensor_origin, "the LiDAR in base_link, m")->expected(3);

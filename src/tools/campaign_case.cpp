@@ -12,13 +12,20 @@ namespace lidar_mapping::tools {
 
 namespace {
 
-double number_of(const std::string& key, const std::string& text) {
+constexpr double kLargestSeed = 9e15;  // of the whole numbers that a double holds
+constexpr double kLongestDrive = 1e6;  // s
+
+/// The value of a key, within what the simulation can do.
+double number_of(const std::string& key, const std::string& text, double least, double most) {
   std::istringstream stream(text);
   double value = 0.0;
   if (!(stream >> value) || !stream.eof()) {
     throw ConfigError("case: " + key + "=" + text + " is not a number");
   }
-  return value;
+  if (value >= least && value <= most) return value;
+  std::ostringstream range;
+  range << "; use " << least << " to " << most;
+  throw ConfigError("case: " + key + "=" + text + range.str());
 }
 
 /// Shortest text of a number of few digits.
@@ -42,19 +49,17 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
   } else if (key == "lidar") {
     result.lidar = value;
   } else if (key == "seed") {
-    result.seed = static_cast<std::uint64_t>(number_of(key, value));
+    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kLargestSeed));
   } else if (key == "start") {
-    result.start = number_of(key, value);
+    result.start = number_of(key, value, 0.0, kLongestDrive);
   } else if (key == "scan_rate") {
-    result.scan_rate = number_of(key, value);
+    result.scan_rate = number_of(key, value, 1.0, 50.0);
   } else if (key == "range_noise") {
-    result.range_noise = number_of(key, value);
+    result.range_noise = number_of(key, value, 0.0, 10.0);
   } else if (key == "every") {
-    const double every = number_of(key, value);
-    if (!(every >= 1.0)) throw ConfigError("case: every=" + value + "; use 1 or more");
-    result.every = static_cast<std::size_t>(every);
+    result.every = static_cast<std::size_t>(number_of(key, value, 1.0, 1000.0));
   } else if (key == "undistorted") {
-    result.undistorted = number_of(key, value) != 0.0;
+    result.undistorted = number_of(key, value, 0.0, 1.0) != 0.0;
   } else if (key == "method") {
     result.method = value;
   } else if (key == "fault") {

@@ -132,7 +132,7 @@ void print(const Json& result) {
   std::printf("KITTI relative error     %.4f %%  %.4f deg/100 m  (segments of %s m)\n",
               kitti["translation_percent"].get<double>(),
               kitti["rotation_deg_per_100m"].get<double>(),
-              kitti["segment_lengths_m"].dump().c_str());
+              tools::dumped(kitti["segment_lengths_m"]).c_str());
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -153,7 +153,7 @@ void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
                      error.translation.norm(), rotation_angle(error.rotation) * 180.0 / M_PI});
   }
   const std::string data = picture + ".json";
-  write_text(data, poses.dump());
+  write_text(data, tools::dumped(poses));
   tools::run_program(tools::program_beside("plot_trajectories.py"), {data, picture});
   std::filesystem::remove(data);
 }
@@ -187,7 +187,7 @@ void run(const Options& options) {
   result["hints"] = hints;
   print(result);
   for (const std::string& hint : hints) std::printf("hint: %s\n", hint.c_str());
-  if (!options.json.empty()) write_text(options.json, result.dump(2) + "\n");
+  if (!options.json.empty()) write_text(options.json, tools::dumped(result, 2) + "\n");
   if (!options.plot.empty()) plot(options.plot, pairs);
 }
 

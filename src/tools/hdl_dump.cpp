@@ -2,12 +2,10 @@
 
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 
-#include <filesystem>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -28,25 +26,10 @@ void export_dump(const std::string& name, const std::string& directory) {
               directory.c_str());
 }
 
-/// The folder appears whole or not at all: it grows under a hidden name beside its place.
 void import_dump(const std::string& directory, const std::string& name) {
-  namespace fs = std::filesystem;
-  const fs::path target = fs::absolute(name).lexically_normal();
-  if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target))) {
-    throw FileError(name + " exists and is no empty folder; name a new one");
-  }
-  const fs::path place = target.has_filename() ? target : target.parent_path();
-  const fs::path growing = place.parent_path() / ("." + place.filename().string() + ".part");
-  fs::remove_all(growing);
   pipeline::HdlImport imported;
-  try {
-    Session session = Session::create_in(growing);
-    imported = pipeline::read_hdl_dump(directory, session);
-  } catch (...) {
-    fs::remove_all(growing);
-    throw;
-  }
-  fs::rename(growing, place);
+  session::create_filled(
+      name, [&](Session& session) { imported = pipeline::read_hdl_dump(directory, session); });
   std::printf("%zu key frames in %zu segments, %zu loops in %s\n", imported.key_frames,
               imported.segments, imported.loops, name.c_str());
 }

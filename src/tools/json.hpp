@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <nlohmann/json.hpp>
 
 namespace lidar_mapping::tools {
@@ -10,5 +12,11 @@ using Json = nlohmann::ordered_json;
 #else
 using Json = nlohmann::json;
 #endif
+
+/// As text. Names of files and texts of a damaged session may hold bytes that are no UTF-8, at
+/// which the library's own dump() fails: a sign that says so stands for them.
+inline std::string dumped(const Json& json, int indentation = -1) {
+  return json.dump(indentation, ' ', false, Json::error_handler_t::replace);
+}
 
 }  // namespace lidar_mapping::tools

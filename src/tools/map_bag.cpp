@@ -285,7 +285,7 @@ class MappingRun {
     const auto figures = mapping_figures(report_, driven, times(mapped, products));
     std::printf("%s", to_text(figures).c_str());
     if (!options_.figures.empty()) {
-      write_text_atomically(options_.figures, figures.dump(2) + "\n");
+      write_text_atomically(options_.figures, tools::dumped(figures, 2) + "\n");
     }
     return finish(stop_asked != 0 ? kStoppedEarly : 0);
   }

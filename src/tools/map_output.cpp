@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <iostream>
 
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -47,6 +49,21 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const MapOutput& output, const S
   return origin;
 }
 
+std::optional<Pose> pose_at(Stamp stamp, const Trajectory& trajectory) {
+  constexpr Stamp kGap = from_seconds(0.5);
+  const auto after =
+      std::lower_bound(trajectory.poses.begin(), trajectory.poses.end(), stamp,
+                       [](const StampedPose& pose, Stamp wanted) { return pose.stamp < wanted; });
+  if (after == trajectory.poses.end()) return std::nullopt;
+  if (after->stamp == stamp) return after->pose;
+  if (after == trajectory.poses.begin()) return std::nullopt;
+  const StampedPose& before = *(after - 1);
+  const Stamp between = after->stamp - before.stamp;
+  if (between > kGap) return std::nullopt;
+  return interpolate(before.pose, after->pose,
+                     to_seconds(stamp - before.stamp) / to_seconds(between));
+}
+
 }  // namespace
 
 void check_numbers(const MapOutput& output) {
@@ -62,13 +79,32 @@ KeyFramePoses key_frame_poses(const Session& session) {
   return track.poses();
 }
 
+KeyFramePoses key_frame_poses(const Session& session, const MapOutput& output) {
+  if (output.poses.empty()) return key_frame_poses(session);
+  const Trajectory trajectory = read_trajectory(output.poses);
+  if (!trajectory.has_stamps) {
+    throw InputError(output.poses + " has no stamps; give a TUM file");
+  }
+  KeyFramePoses placed;
+  for (const KeyFrame& key_frame : session.key_frames()) {
+    const auto pose = pose_at(key_frame.stamp, trajectory);
+    if (pose) placed.poses.push_back({key_frame.index, key_frame.stamp, *pose});
+  }
+  if (placed.poses.empty()) {
+    throw InputError(output.poses +
+                     " has no pose at the time of any key frame; is it of this drive?");
+  }
+  return placed;
+}
+
 std::filesystem::path map_folder(const Session& session, const MapOutput& output) {
   return output.folder.empty() ? session.directory() / "map" : std::filesystem::path(output.folder);
 }
 
 map::Files write_map(const Session& session, const MapOutput& output) {
   session.clouds().set_cache_bytes(kCacheBytes);
-  return write_map(session, output, key_frame_poses(session), session.clouds(), "key frames");
+  return write_map(session, output, key_frame_poses(session, output), session.clouds(),
+                   "key frames");
 }
 
 map::Files write_map(const Session& session, const MapOutput& output, const KeyFramePoses& poses,

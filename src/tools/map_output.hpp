@@ -15,6 +15,7 @@ struct MapOutput {
   std::optional<double> resolution;  ///< m; none: as in the drive
   std::optional<double> tile_size;   ///< m; none: as in the drive
   std::optional<double> grid_cell;   ///< m; none: as in the drive
+  std::string poses;                 ///< a trajectory with stamps; empty: the session's poses
   int threads = 0;                   ///< 0: all cores
   bool keep_moving = false;
   std::vector<double> sensor_origin;  ///< empty: as the session has it
@@ -27,6 +28,9 @@ void check_numbers(const MapOutput& output);
 
 /// Of the session's key frames: optimised poses, and odometry behind the last of them.
 KeyFramePoses key_frame_poses(const session::Session& session);
+/// The same, or where the trajectory that `output` names has them, between two of its poses at most
+/// half a second apart. Throws FileError, and InputError if that has none of them.
+KeyFramePoses key_frame_poses(const session::Session& session, const MapOutput& output);
 
 /// The folder for the files.
 std::filesystem::path map_folder(const session::Session& session, const MapOutput& output);

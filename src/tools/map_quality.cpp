@@ -130,12 +130,12 @@ void write_picture_data(const tools::ReportInput& input, const Judged& found,
     places.push_back({{"across", tools::place_picture(points, tools::View::kAcross)},
                       {"above", tools::place_picture(points, tools::View::kFromAbove)}});
   }
-  write_text_atomically(directory / "places.json", places.dump());
+  write_text_atomically(directory / "places.json", tools::dumped(places));
   const auto view = map::top_view(map::build_map(input.poses, clouds, {}), 0.25, 1600);
   map::write_png(directory / "top_view.png", view);
   const Json frame = {view.x_min, view.x_min + view.width * view.pixel_m,
                       view.y_max - view.height * view.pixel_m, view.y_max};
-  write_text_atomically(directory / "top_view.json", frame.dump());
+  write_text_atomically(directory / "top_view.json", tools::dumped(frame));
 }
 
 void print_verdicts(const Json& report) {
@@ -153,7 +153,7 @@ void print_verdicts(const Json& report) {
 void write_report(const tools::ReportInput& input, const Judged& found,
                   const map::QualityConfig& config, const Json& report) {
   const std::filesystem::path directory = input.session.directory();
-  write_text_atomically(directory / "report.json", report.dump() + "\n");
+  write_text_atomically(directory / "report.json", tools::dumped(report) + "\n");
   const std::filesystem::path data = directory / ".report";
   std::filesystem::create_directories(data);
   write_picture_data(input, found, config, data);
@@ -186,7 +186,7 @@ void judge(const Options& options) {
   if (!options.json.empty()) {
     Json figures = to_json(found, config);
     for (const char* part : {"verdicts", "truth"}) figures[part] = report[part];
-    write_text_atomically(options.json, figures.dump(2) + "\n");
+    write_text_atomically(options.json, tools::dumped(figures, 2) + "\n");
   }
   if (options.report) write_report(input, found, config, report);
 }

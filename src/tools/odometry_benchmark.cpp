@@ -171,8 +171,8 @@ void run(const Options& options) {
   }
   write_text(options.poses, tools::to_kitti(records));
   write_text(options.times, tools::to_csv(records));
-  write_text(options.json, result.dump(2) + "\n");
-  std::cout << result.dump(2) << "\n";
+  write_text(options.json, tools::dumped(result, 2) + "\n");
+  std::cout << tools::dumped(result, 2) << "\n";
 }
 
 }  // namespace

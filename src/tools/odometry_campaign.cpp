@@ -100,7 +100,7 @@ void run(const Options& options) {
   std::printf("%zu runs, %zu scans, %zu silent, %zu lost\n", runs.size(), scans, silent, lost);
   if (options.json.empty()) return;
   std::ofstream file(options.json);
-  file << Json{{"duration_s", options.duration}, {"runs", all}}.dump(2) << "\n";
+  file << tools::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) << "\n";
   if (!file.flush()) throw FileError("cannot write " + options.json);
 }
 

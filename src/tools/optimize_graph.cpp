@@ -79,7 +79,7 @@ void write_json(const std::string& path, const G2oFile& file, const GraphReport&
                          {"notes", file.notes},
                          {"refused_edges", refused_edges(file.graph, report)}};
   std::ofstream stream(path);
-  stream << document.dump(2) << '\n';
+  stream << tools::dumped(document, 2) << '\n';
   if (!stream) throw FileError("cannot write " + path + "; check the folder and the free space");
 }
 

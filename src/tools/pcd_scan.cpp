@@ -1,15 +1,12 @@
 #include "pcd_scan.hpp"
 
-#include <exception>
-
-#include <pcl/io/pcd_io.h>
 #include <sensor_msgs/PointCloud2.h>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
+#include "lidar_mapping/session/pcd_points.hpp"
 
 namespace lidar_mapping::tools {
 
@@ -36,30 +33,13 @@ sensor_msgs::PointCloud2 to_message(const pcl::PCLPointCloud2& cloud, Stamp stam
   return message;
 }
 
-/// What the header says has been checked.
-pcl::PCLPointCloud2 read_with_pcl(const std::string& path) {
-  pcl::PCLPointCloud2 cloud;
-  int status = -1;
-  std::string problem;
-  try {
-    status = pcl::PCDReader().read(path, cloud);
-  } catch (const std::exception& error) {  // of PCL, such as std::out_of_range of a short line
-    problem = std::string(" (") + error.what() + ")";
-  }
-  if (status < 0) {
-    throw FileError("cannot read " + path + ": its points cannot be read" + problem +
-                    "; it is a damaged PCD file");
-  }
-  return cloud;
-}
-
 }  // namespace
 
 preprocessing::RawScan read_pcd_scan(const std::string& path, Stamp stamp,
                                      const preprocessing::PreprocessingConfig& config) {
   const PcdHeader header = read_pcd_header(path);
   if (!header.has_more_fields() || header.points == 0) return {stamp, "", session::read_pcd(path)};
-  const pcl::PCLPointCloud2 cloud = read_with_pcl(path);
+  const pcl::PCLPointCloud2 cloud = session::read_pcd_points(path, header);
   return ros_border::decode(to_message(cloud, stamp), config).scan;
 }
 

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <ctime>
 #include <fstream>
+#include <limits>
 #include <sstream>
+#include <type_traits>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
@@ -88,6 +90,16 @@ Json to_json(const RunRecord& record) {
           {"complete", record.is_complete}};
 }
 
+/// The library would make a number of true, of 1e300 and of -1 as well.
+template <typename Number = std::int64_t>
+Number whole_number(const Json& json) {
+  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<Number>::max());
+  const bool is_small = json.is_number_unsigned() && json.get<std::uint64_t>() <= kMost;
+  const bool is_negative = json.is_number_integer() && !json.is_number_unsigned();
+  if (is_small || (is_negative && std::is_signed_v<Number>)) return json.get<Number>();
+  throw InputError(dumped(json) + " is no whole number");
+}
+
 RunRecord record_of(const Json& json) {
   const Json& recording = json.at("recording");
   RunRecord record;
@@ -95,10 +107,11 @@ RunRecord record_of(const Json& json) {
   record.command = json.at("command");
   record.date = json.at("date");
   for (const Json& file : recording.at("files")) {
-    record.files.push_back({file.at("name"), file.at("bytes"), file.at("digest")});
+    record.files.push_back(
+        {file.at("name"), whole_number<std::uintmax_t>(file.at("bytes")), file.at("digest")});
   }
-  record.begin = recording.at("begin_ns");
-  record.end = recording.at("end_ns");
+  record.begin = whole_number(recording.at("begin_ns"));
+  record.end = whole_number(recording.at("end_ns"));
   record.start = recording.at("start_s");
   record.topics = recording.at("topics").get<std::map<std::string, std::string>>();
   record.sensor_height = recording.at("sensor_height_m");
@@ -150,15 +163,21 @@ RecordedFile recorded_file(const fs::path& path) try {
 std::optional<RunRecord> read_run_record(const fs::path& session) {
   std::ifstream stream(session / kFile);
   if (!stream) return std::nullopt;
+  const auto fail = [&session](const std::exception& error) {
+    throw InputError((session / kFile).string() + " is damaged: " + error.what());
+  };
   try {
     return record_of(Json::parse(stream));
   } catch (const Json::exception& error) {
-    throw InputError((session / kFile).string() + " is damaged: " + error.what());
+    fail(error);
+  } catch (const InputError& error) {
+    fail(error);
   }
+  return std::nullopt;
 }
 
 void write_run_record(const fs::path& session, const RunRecord& record) {
-  write_text_atomically(session / kFile, to_json(record).dump(2) + "\n");
+  write_text_atomically(session / kFile, dumped(to_json(record), 2) + "\n");
 }
 
 std::string recording_difference(const RunRecord& session, const RunRecord& given) {

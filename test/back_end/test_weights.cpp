@@ -151,6 +151,21 @@ TEST(Weights, KernelsAreKnownByTheNamesOfG2oInAnyCase) {
   EXPECT_THROW(robust_kernel_of("Tuckey"), InputError);
 }
 
+TEST(BackEndConfig, KnowsTheNamesOfHdlGraphSlam) {
+  const auto config = config::load<BackEndConfig>({config::parse_yaml(
+      "enable_gps: false\ngraph_update_interval: 3.0\nodometry_edge_robust_kernel: NONE\n"
+      "loop_closure_edge_robust_kernel: Huber\ngps_edge_robust_kernel: Cauchy\n"
+      "imu_orientation_edge_robust_kernel: DCS\nfloor_edge_robust_kernel: Tukey\n",
+      "hdl")});
+  EXPECT_FALSE(config.use_gnss);
+  EXPECT_EQ(config.optimize_min_interval, 3.0);
+  EXPECT_EQ(config.odometry_robust_kernel, RobustKernel::kNone);
+  EXPECT_EQ(config.loop_robust_kernel, RobustKernel::kHuber);
+  EXPECT_EQ(config.gnss_robust_kernel, RobustKernel::kCauchy);
+  EXPECT_EQ(config.imu_robust_kernel, RobustKernel::kDcs);
+  EXPECT_EQ(config.floor_robust_kernel, RobustKernel::kTukey);
+}
+
 TEST(Weights, KernelsHaveExactDerivatives) {
   for (const auto& [name, kernel] : robust_kernel_names()) {
     const auto loss = make_kernel(kernel, 1.5);

@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
+#include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/match_judge.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
@@ -18,6 +20,16 @@ namespace lidar_mapping::front_end {
 namespace {
 
 Pose turned(double angle) { return {exp_so3({0.0, 0.0, angle}), Eigen::Vector3d::Zero()}; }
+
+TEST(FrontEndConfig, KnowsTheKeyFramesOfHdlGraphSlam) {
+  const auto config = config::load<FrontEndConfig>(
+      {config::parse_yaml("keyframe_delta_trans: 5.0\nkeyframe_delta_angle: 1.0\n"
+                          "keyframe_delta_time: 10000.0\n",
+                          "hdl")});
+  EXPECT_EQ(config.key_frame_distance, 5.0);
+  EXPECT_EQ(config.key_frame_angle, 1.0);
+  EXPECT_EQ(config.key_frame_interval, 10000.0);
+}
 
 // F43: the whole angle counts, whatever the sign of the quaternion.
 TEST(KeyFrameRule, ComparesWholeAngles) {

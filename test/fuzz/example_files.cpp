@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <geometry_msgs/TwistStamped.h>
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 #include <sensor_msgs/Imu.h>
@@ -13,7 +15,9 @@
 #include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/ros/nmea_sentence.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 #include "../ros/cloud_builder.hpp"
@@ -125,6 +129,32 @@ void write_bag(const fs::path& path, rosbag::compression::CompressionType compre
   bag.close();
 }
 
+void write_bag_of_other_types(const fs::path& path) {
+  rosbag::Bag bag(path.string(), rosbag::bagmode::Write);
+  bag.setCompression(rosbag::compression::LZ4);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const ros::Time now(100 + i / 10, i % 10 * 100'000'000);
+    ros_border::NmeaSentence sentence;
+    sentence.header.stamp = now;
+    sentence.header.frame_id = "gps";
+    sentence.sentence = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47";
+    bag.write("/sentences", now, sentence);
+    geometry_msgs::TwistWithCovarianceStamped velocity;
+    velocity.header = sentence.header;
+    velocity.twist.twist.linear.x = 5.0;
+    bag.write("/velocity", now, velocity);
+    tf2_msgs::TFMessage frames;
+    frames.transforms.resize(1);
+    frames.transforms[0].header.stamp = now;
+    frames.transforms[0].header.frame_id = "odom";
+    frames.transforms[0].child_frame_id = "base_link";
+    frames.transforms[0].transform.rotation.w = 1.0;
+    bag.write("/tf", now, frames);
+    bag.write("/points", now, cloud(now));
+  }
+  bag.close();
+}
+
 void write_session(const fs::path& folder) {
   session::Session session = session::Session::create_in(folder);
   session.set_datum({49.0, 8.4, 110.0});
@@ -204,6 +234,25 @@ void write_kitti_raw(const fs::path& folder) {
       << "calib_time: 25-May-2012 16:47:16\nR: 1 0 0 0 1 0 0 0 1\nT: -0.81 0.32 -0.8\n";
 }
 
+void write_kitti_raw_text(const fs::path& folder) {
+  const fs::path velodyne = folder / "velodyne_points";
+  fs::create_directories(velodyne / "data");
+  std::ofstream dates(velodyne / "timestamps.txt");
+  for (int i = 0; i < 2; ++i) {
+    dates << "2011-09-26 13:02:2" << i << ".967790592\n";
+    std::ofstream scan(velodyne / "data" / ("000000000" + std::to_string(i) + ".txt"));
+    for (const Point& p : points()) {
+      scan << p.x << ' ' << p.y << ' ' << p.z << ' ' << p.intensity << '\n';
+    }
+  }
+}
+
+void write_scan_folder(const fs::path& folder) {
+  write_binary(folder / "0.bin", points());
+  write_pcd(folder / "1.pcd", "binary", true);
+  std::ofstream(folder / "times.txt") << "0.0\n0.1\n";
+}
+
 void write_kitti_odometry(const fs::path& folder) {
   fs::create_directories(folder / "velodyne");
   fs::create_directories(folder / "point_times");
@@ -249,6 +298,26 @@ void write_trajectory(const fs::path& path, bool kitti) {
   Trajectory trajectory;
   for (int i = 0; i < 8; ++i) trajectory.poses.push_back({stamp_of(i), place(i)});
   std::ofstream(path) << (kitti ? to_kitti(trajectory) : to_tum(trajectory));
+}
+
+void write_doubtful_stretches(const fs::path& path) {
+  pipeline::DriveDoubt doubt;
+  doubt.begin = stamp_of(0);
+  doubt.way = 120.0;
+  pipeline::DoubtfulStretch stretch;
+  stretch.doubt = pipeline::Doubt::kDegenerate;
+  stretch.begin = stamp_of(1);
+  stretch.end = stamp_of(3);
+  stretch.scans = 3;
+  stretch.way_begin = 20.0;
+  stretch.way = 3.5;
+  stretch.place = {1.0, 2.0, 0.5};
+  stretch.expected_error = 0.25;
+  doubt.stretches.push_back(stretch);
+  stretch.doubt = pipeline::Doubt::kLost;
+  stretch.expected_error = std::numeric_limits<double>::infinity();
+  doubt.stretches.push_back(stretch);
+  pipeline::write_doubt(doubt, path);
 }
 
 void write_loop_list(const fs::path& path) {

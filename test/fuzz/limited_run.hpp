@@ -15,7 +15,8 @@ struct RunResult {
 };
 
 /// Runs a program of this package with at most `seconds` of processor time, and as much more by the
-/// clock as a busy machine may need.
+/// clock as a busy machine may need. The sanitized readers stand in front of the program's
+/// libraries.
 RunResult run_limited(const std::filesystem::path& program, const std::vector<std::string>& words,
                       const std::filesystem::path& output, unsigned seconds);
 

@@ -19,6 +19,8 @@
 #include "fuzz_options.hpp"
 #include "limited_run.hpp"
 #include "mutation.hpp"
+#include "run_record.hpp"
+#include "session_damage.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {
@@ -35,6 +37,8 @@ struct Kind {
   Words words;           ///< IN/ stands for the folder of spoilt files, OUT/ for one to write to
   std::string spoilt;    ///< part of the names of the files that are spoilt; all if empty
   int whole_status = 0;  ///< with whole files
+  /// Damages a file where that takes more than changed bytes.
+  std::function<void(const fs::path& file, std::mt19937& engine)> spoil = {};
 };
 
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
@@ -107,7 +111,11 @@ class Campaign {
     ++cases_;
     prepare();
     const fs::path file = files_[engine_() % files_.size()];
-    write_content(in_ / file, mutated(content_of(whole_ / file), engine_));
+    if (kind_.spoil) {
+      kind_.spoil(in_ / file, engine_);
+    } else {
+      write_content(in_ / file, mutated(content_of(whole_ / file), engine_));
+    }
     const RunResult result = start();
     refused_ += result.status != kind_.whole_status ? 1 : 0;
     const std::string problem = problem_with(result);
@@ -157,7 +165,8 @@ void write_configuration(const fs::path& folder) {
   fs::create_directory(folder / "config");
   write_content(folder / "config" / "back_end.yaml", config::to_yaml(back_end::BackEndConfig()));
   write_content(folder / "sensor.yaml",
-                "preprocessing:\n  min_range: 1.0\nnodes:\n  queue_size: 5\n");
+                "preprocessing:\n  distance_near_thresh: 1.0\nnodes:\n  queue_size: 5\n");
+  write_content(folder / "preset.yaml", "front_end:\n  voxel_size: 0.8\n");
 }
 
 void write_trajectories(const fs::path& folder) {
@@ -165,39 +174,80 @@ void write_trajectories(const fs::path& folder) {
   write_trajectory(folder / "estimate.txt", false);
 }
 
-std::vector<Kind> kinds() {
-  const auto session = [](const fs::path& folder) { write_session(folder / "s"); };
+void write_one_session(const fs::path& folder) { write_session(folder / "s"); }
+
+/// With all that a session's folder has beside session.db and is read again.
+void write_mapped_session(const fs::path& folder) {
+  write_session(folder / "s");
+  tools::RunRecord record;
+  record.command = "map_bag drive.bag -o s";
+  record.topics = {{"points", "/points"}};
+  tools::write_run_record(folder / "s", record);
+  fs::create_directory(folder / "s" / "map");
+  write_content(folder / "s" / "map" / "map.yaml", "min: [0.0, 0.0, 0.0]\nmax: [1.0, 2.0, 3.0]\n");
+}
+
+void write_two_sessions(const fs::path& folder) {
+  write_session(folder / "a");
+  write_session(folder / "b");
+}
+
+void write_poses_and_scans(const fs::path& folder) {
+  write_kitti_odometry(folder / "scans");
+  write_content(folder / "poses.txt",
+                "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n");
+}
+
+std::vector<Kind> kinds_of_recordings() {
   const Words map_bag = {"IN/a.bag", "-o", "OUT/town", "--formats", "pcd"};
-  Words with_config = map_bag, with_sensor = map_bag;
+  Words with_config = map_bag, with_overlays = map_bag;
   with_config.insert(with_config.end(), {"--config", "IN/config"});
-  with_sensor.insert(with_sensor.end(), {"--sensor", "IN/sensor.yaml"});
+  with_overlays.insert(with_overlays.end(),
+                       {"--sensor", "IN/sensor.yaml", "--preset", "IN/preset.yaml"});
   return {
       {"check_bag_plain", bag(CompressionType::Uncompressed), "check_bag", {"IN/a.bag"}, "", 1},
       {"check_bag_bz2", bag(CompressionType::BZ2), "check_bag", {"IN/a.bag"}, "", 1},
       {"check_bag_lz4", bag(CompressionType::LZ4), "check_bag", {"IN/a.bag"}, "", 1},
+      {"check_bag_other_types",
+       [](const fs::path& folder) { write_bag_of_other_types(folder / "a.bag"); },
+       "check_bag",
+       {"IN/a.bag"},
+       "",
+       1},
       {"map_bag_plain", bag(CompressionType::Uncompressed), "map_bag", map_bag, "", 1},
       {"map_bag_bz2", bag(CompressionType::BZ2), "map_bag", map_bag, "", 1},
       {"map_bag_drive", write_drive, "map_bag", {"IN/drive.bag", "-o", "OUT/town"}, ""},
       {"map_bag_config", write_configuration, "map_bag", with_config, "config/", 1},
-      {"map_bag_sensor", write_configuration, "map_bag", with_sensor, "sensor", 1},
+      {"map_bag_overlays", write_configuration, "map_bag", with_overlays, "s", 1},
       {"map_bag_kitti_raw", write_kitti_raw, "map_bag", {"IN/", "-o", "OUT/town"}, ""},
       {"map_bag_kitti_odometry", write_kitti_odometry, "map_bag", {"IN/", "-o", "OUT/town"}, "", 1},
-      {"map_bag_pcd",
-       [](const fs::path& folder) {
-         write_pcd(folder / "0.pcd", "binary_compressed", true);
-         write_pcd(folder / "1.pcd", "ascii", false);
-       },
-       "map_bag",
-       {"IN/", "-o", "OUT/town"},
-       "",
-       1},
-      {"build_map_pcd", session, "build_map", {"IN/s", "-o", "OUT/map"}, ".pcd"},
-      {"build_map_db", session, "build_map", {"IN/s", "-o", "OUT/map"}, "session.db"},
-      {"optimize_session",
-       session,
-       "optimize_session",
-       {"IN/s", "--output", "OUT/s"},
-       "session.db"},
+      {"map_bag_scan_folder", write_scan_folder, "map_bag", {"IN/", "-o", "OUT/town"}, ""},
+      {"kitti_to_bag_raw", write_kitti_raw, "kitti_to_bag", {"IN/", "OUT/a.bag"}, ""},
+      {"kitti_to_bag_poses",
+       write_poses_and_scans,
+       "kitti_to_bag",
+       {"IN/scans", "OUT/a.bag", "--poses-enu", "IN/poses.txt"},
+       ""},
+      {"odometry_benchmark_kitti",
+       write_poses_and_scans,
+       "odometry_benchmark",
+       {"IN/scans", "--truth", "IN/poses.txt"},
+       ""},
+      {"odometry_benchmark_bag", bag(CompressionType::LZ4), "odometry_benchmark", {"IN/a.bag"}, ""},
+  };
+}
+
+std::vector<Kind> kinds_of_results() {
+  const Words optimize = {"IN/s", "--output", "OUT/s"};
+  const Words build_map = {"IN/s", "-o", "OUT/map"};
+  return {
+      {"build_map_pcd", write_one_session, "build_map", build_map, ".pcd"},
+      {"build_map_db", write_one_session, "build_map", build_map, "session.db"},
+      {"build_map_cells", write_one_session, "build_map", build_map, "session.db", 0,
+       spoil_session},
+      {"optimize_session", write_one_session, "optimize_session", optimize, "session.db"},
+      {"optimize_session_cells", write_one_session, "optimize_session", optimize, "session.db", 0,
+       spoil_session},
       {"optimize_session_loops",
        [](const fs::path& folder) {
          write_session(folder / "s");
@@ -207,7 +257,28 @@ std::vector<Kind> kinds() {
        {"IN/s", "--loops", "IN/loops.txt", "--output", "OUT/s"},
        "loops.txt",
        1},
-      {"map_quality", session, "map_quality", {"IN/s"}, ""},
+      {"merge_sessions",
+       write_two_sessions,
+       "merge_sessions",
+       {"IN/a", "IN/b", "-o", "OUT/s"},
+       "",
+       1},
+      {"merge_sessions_cells",
+       write_two_sessions,
+       "merge_sessions",
+       {"IN/a", "IN/b", "-o", "OUT/s"},
+       "session.db",
+       1,
+       spoil_session},
+      {"map_quality", write_mapped_session, "map_quality", {"IN/s"}, ""},
+      {"map_quality_cells",
+       write_mapped_session,
+       "map_quality",
+       {"IN/s"},
+       "session.db",
+       0,
+       spoil_session},
+      {"map_quality_record", write_mapped_session, "map_quality", {"IN/s"}, "s/run.json"},
       {"optimize_graph",
        [](const fs::path& folder) { write_g2o(folder / "a.g2o", false); },
        "optimize_graph",
@@ -223,7 +294,27 @@ std::vector<Kind> kinds() {
        "hdl_dump",
        {"import", "IN/dump", "-o", "OUT/s"},
        ""},
+      {"hdl_dump_export",
+       write_one_session,
+       "hdl_dump",
+       {"export", "IN/s", "-o", "OUT/dump"},
+       "session.db",
+       0,
+       spoil_session},
+      {"odometry_campaign",
+       [](const fs::path& folder) {
+         write_content(folder / "cases.txt", "clean seed=3 scan_rate=10 every=2\n");
+       },
+       "odometry_campaign",
+       {"--cases", "IN/cases.txt", "--lidars", "vlp16", "--duration", "1.0", "--seeds", "1"},
+       ""},
   };
+}
+
+std::vector<Kind> kinds() {
+  std::vector<Kind> all = kinds_of_recordings();
+  for (const Kind& kind : kinds_of_results()) all.push_back(kind);
+  return all;
 }
 
 class FuzzCommands : public testing::TestWithParam<Kind> {};

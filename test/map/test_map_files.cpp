@@ -93,6 +93,45 @@ TEST(SaveMap, DescribesTheMapBesideIt) {
   EXPECT_NEAR(yaml["max"][0].as<double>(), 99.9, 1e-3);
 }
 
+// F86: in UTM, whose northings floats hold to half a metre, distances stay to a millimetre; F25:
+// with the origin beside it a point is found on the globe.
+TEST(SaveMap, InUtmKeepsDistancesAndTheOrigin) {
+  const TemporaryFolder folder;
+  MapDescription description;
+  description.datum = GeodeticDatum{49.0, 8.4, 110.0};
+  description.utm.emplace(*description.datum);
+  const UtmFrame& utm = *description.utm;
+  const PointCloud map = example_map();
+  const CloudParts moved = stored_parts(
+      map,
+      [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return utm.from_enu(p) - utm.origin(); },
+      folder.path());
+  const Files files = save_map(moved, description, folder.path(), {"pcd"});
+  EXPECT_EQ(files.size(), 3U);
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((folder.path() / "map.pcd").string(), cloud), 0);
+  std::ifstream origin_file(folder.path() / "map.pcd.utm");
+  Eigen::Vector3d origin;
+  origin_file >> origin.x() >> origin.y() >> origin.z();
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Eigen::Vector3d p_utm = cloud[i].getVector3fMap().cast<double>() + origin;
+    const Eigen::Vector3d p_enu = map.points[i].position().cast<double>();
+    ASSERT_LT((utm.to_enu(p_utm) - p_enu).norm(), 0.001);
+    if (i == 0) continue;
+    const auto step = (cloud[i].getVector3fMap() - cloud[i - 1].getVector3fMap()).norm();
+    const auto expected = (map.points[i].position() - map.points[i - 1].position()).norm();
+    ASSERT_NEAR(static_cast<double>(step), static_cast<double>(expected), 0.001);
+  }
+  EXPECT_GT(std::abs(cloud[999].y - map.points[999].y), 0.5F) << "grid north is not north";
+  const YAML::Node yaml = YAML::LoadFile((folder.path() / "map.yaml").string());
+  EXPECT_EQ(yaml["epsg"].as<int>(), 32632);
+  EXPECT_NEAR(yaml["utm_origin"][0].as<double>(), origin.x(), 1e-6);
+  EXPECT_EQ(yaml["frame"].as<std::string>(), "utm");
+  description.utm.reset();
+  save_map(map, description, folder.path(), {"pcd"});
+  EXPECT_FALSE(fs::exists(folder.path() / "map.pcd.utm")) << "it would be wrong now";
+}
+
 TEST(SaveMap, HasSomethingElseDoneOnceFilesCanBeWritten) {
   const TemporaryFolder folder;
   for (const int threads : {1, 2}) {

@@ -46,6 +46,18 @@ class BackEndNode : public testing::Test {
     ros::service::call("optimize_map", request);
     return request.response;
   }
+  DumpGraph::Response dump(const fs::path& destination) {
+    DumpGraph call;
+    call.request.destination = destination.string();
+    ros::service::call("dump_graph", call);
+    return call.response;
+  }
+  LoadGraph::Response load(const fs::path& path) {
+    LoadGraph call;
+    call.request.path = path.string();
+    ros::service::call("load_graph", call);
+    return call.response;
+  }
   std::vector<fs::path> sessions() const {
     std::vector<fs::path> result;
     for (const auto& entry : fs::directory_iterator(folder_.path() / "sessions")) {
@@ -145,6 +157,14 @@ TEST_F(BackEndNode, GivesLoopsAndPositionsOfKeyFrames) {
     fix.header.stamp = ros_border::to_ros(round_key_frame(3).stamp + after_key_frame);
     gnss.publish(fix);
   }
+  const auto floors = connected_publisher<FloorMessage>("floor");
+  Floor floor;
+  for (const int i : {3, 4}) {
+    floor.stamp = round_key_frame(i).stamp;
+    floor.found = i == 3;
+    floors.publish(ros_border::to_message(floor, "base_link"));
+  }
+  EXPECT_TRUE(wait_until([&] { return known().floors.size() == 1; }));
   LoopVerdict verdict;
   for (const KeyFrameIndex to : {20U, 30U, 25U}) {
     verdict.to = to;
@@ -264,6 +284,63 @@ TEST_F(BackEndNode, BroadcastsMapToOdomAtTheStampsOfOdometry) {
   EXPECT_EQ(first.child_frame_id, "odom");
   EXPECT_EQ(ros_border::from_ros(first.header.stamp), round_key_frame(1).stamp);
   EXPECT_EQ(optimized.messages[0].header.frame_id, "map");
+}
+
+/// As the services of hdl_graph_slam: what was dumped is loaded by a node that knows nothing.
+TEST_F(BackEndNode, DumpsItsGraphAndLoadsItBeforeADrive) {
+  auto node = start();
+  const fs::path place = folder_.path() / "dump";
+  EXPECT_NE(dump(place).message.find("no key frames"), std::string::npos);
+  publish(0, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  loops_.publish(round_loop());
+  ASSERT_TRUE(wait_until([&] { return optimize().loops_used == 1; }));
+  const DumpGraph::Response dumped = dump(place);
+  EXPECT_TRUE(dumped.success) << dumped.message;
+  EXPECT_EQ(dumped.key_frames, static_cast<std::uint32_t>(kRound));
+  EXPECT_EQ(dumped.directory, place.string());
+  EXPECT_TRUE(fs::exists(place / "000000" / "cloud.pcd"));
+  const DumpGraph::Response again = dump(place);
+  EXPECT_FALSE(again.success);
+  EXPECT_NE(again.message.find("is there already"), std::string::npos) << again.message;
+  const LoadGraph::Response late = load(place);
+  EXPECT_FALSE(late.success);
+  EXPECT_NE(late.message.find("a drive is under way"), std::string::npos) << late.message;
+  EXPECT_EQ(sessions().size(), 1U);
+  node->stop();
+
+  const fs::path before = sessions().front();
+  node = start();
+  EXPECT_FALSE(load(folder_.path() / "nothing").success);
+  const LoadGraph::Response loaded = load(place);
+  ASSERT_TRUE(loaded.success) << loaded.message;
+  EXPECT_EQ(loaded.key_frames, static_cast<std::uint32_t>(kRound));
+  EXPECT_EQ(loaded.loops, 1U);
+  EXPECT_NE(loaded.session, before.string()) << "the old session stays as it was";
+  EXPECT_EQ(sessions().size(), 2U);
+  const KeyFramePoses poses = ros_border::from_message(known().poses);
+  ASSERT_EQ(poses.poses.size(), static_cast<std::size_t>(kRound));
+  EXPECT_LT(poses.poses.back().T_map_base.translation.norm(), 0.1) << "the loop is closed";
+  EXPECT_EQ(known(true, {3}).key_frames.at(0).cloud.width, round_message(3).cloud.width);
+  EXPECT_FALSE(load(place).success) << "what was loaded is a drive that goes on";
+  publish(kRound, kRound + 1, known().poses.run_id);
+  EXPECT_TRUE(wait_for_key_frames(kRound + 1)) << node->output();
+}
+
+TEST_F(BackEndNode, LoadsASessionAndGoesOnInIt) {
+  auto node = start();
+  publish(0, 10);
+  ASSERT_TRUE(wait_for_key_frames(10));
+  EXPECT_EQ(dump("").directory, (sessions().front() / "hdl_dump").string());
+  node->stop();
+  node = start();
+  const LoadGraph::Response loaded = load(folder_.path() / "sessions");
+  ASSERT_TRUE(loaded.success) << loaded.message;
+  EXPECT_EQ(loaded.session, sessions().front().string());
+  EXPECT_EQ(known().poses.run_id, "run");
+  publish(10, 12);
+  EXPECT_TRUE(wait_for_key_frames(12)) << node->output();
+  EXPECT_EQ(sessions().size(), 1U);
 }
 
 TEST_F(BackEndNode, EndsWithAMessageWhereThereIsNoSessionToResume) {

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <set>
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
+#include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -76,6 +78,9 @@ class MapViewerNode : public testing::Test {
                           std::count(request.indices.begin(), request.indices.end(), message.index);
       if (wanted) response.key_frames.push_back(message);
     }
+    response.gnss = fixes_;
+    response.antennas.resize(fixes_.size());
+    response.floors = floors_;
     return true;
   }
 
@@ -97,21 +102,26 @@ class MapViewerNode : public testing::Test {
   SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {},
                          bool keep_moving = false, double resolution = 0.0,
                          std::vector<double> crop = {}) {
-    ros::AsyncSpinner spinner(1);
-    spinner.start();
     SaveMap request;
     request.request.directory = directory.string();
     request.request.formats = std::move(formats);
     request.request.keep_moving = keep_moving;
     request.request.resolution = resolution;
     request.request.crop = std::move(crop);
+    return save(request);
+  }
+  static SaveMap::Response save(SaveMap& call) {
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
     ros::service::waitForService("save_map", ros::Duration(20.0));
-    ros::service::call("save_map", request);
-    return request.response;
+    ros::service::call("save_map", call);
+    return call.response;
   }
 
   TemporaryFolder folder_;
   std::vector<KeyFrameMessage> stored_;
+  std::vector<nav_msgs::Odometry> fixes_;
+  std::vector<FloorMessage> floors_;
   ros::ServiceServer service_;
 };
 
@@ -139,7 +149,29 @@ TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
   EXPECT_EQ(odometry.messages[0].poses.size(), static_cast<std::size_t>(kRound));
   std::set<std::string> shown;
   for (const auto& marker : markers.messages[0].markers) shown.insert(marker.ns);
-  EXPECT_EQ(shown, std::set<std::string>({"", "key_frames", "odometry", "status"}));
+  EXPECT_EQ(shown, std::set<std::string>({"", "age", "key_frames", "odometry", "status"}));
+}
+
+TEST_F(MapViewerNode, ShowsFixesAndFloorsOfBeforeItCame) {
+  store(3);
+  nav_msgs::Odometry fix;
+  fix.header.stamp = ros_border::to_ros(round_key_frame(1).stamp);
+  fix.pose.pose.orientation.w = 1.0;
+  fixes_.push_back(fix);
+  Floor floor;
+  floor.stamp = round_key_frame(2).stamp;
+  floor.found = true;
+  floor.offset = 1.8;
+  floors_.push_back(ros_border::to_message(floor, "base_link"));
+  const NodeProcess node("map_viewer_node");
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  std::set<std::string> shown;
+  EXPECT_TRUE(wait_until([&] {
+    for (const auto& message : markers.messages) {
+      for (const auto& marker : message.markers) shown.insert(marker.ns);
+    }
+    return shown.count("gnss") > 0 && shown.count("floors") > 0;
+  })) << node.output();
 }
 
 /// An empty grid says nothing.
@@ -238,6 +270,98 @@ TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
     poses.publish(corrected(kRound, revision));
   }
   EXPECT_FALSE(map.wait_for(3, 1.0)) << "they did not move again";
+}
+
+/// As hdl_graph_slam has it: new key frames show once in an interval.
+TEST_F(MapViewerNode, RefreshesTheMapAtIntervals) {
+  for (const bool at_intervals : {true, false}) {
+    const NodeProcess node("map_viewer_node", {std::string("_map_cloud_update_interval:=") +
+                                               (at_intervals ? "2.0" : "3600.0")});
+    Listener<sensor_msgs::PointCloud2> map("global_map");
+    Listener<nav_msgs::Path> path("odom_path");
+    const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+    ASSERT_TRUE(wait_until([&] { return map.connected() && path.connected(); }));
+    for (int i = 0; i < 5; ++i) live.publish(round_message(i));
+    EXPECT_EQ(map.wait_for(1, at_intervals ? kPatience : 3.0), at_intervals) << node.output();
+    if (!at_intervals) continue;
+    const auto points = map.messages.back().width * map.messages.back().height;
+    for (int i = 5; i < 25; ++i) live.publish(round_message(i));
+    EXPECT_TRUE(wait_until([&] {
+      const auto& newest = map.messages.back();
+      return newest.width * newest.height > points &&
+             ros_border::from_ros(newest.header.stamp) == round_key_frame(24).stamp;
+    })) << node.output();
+    EXPECT_LE(map.messages.size(), 4U) << "a map per key frame would be 25";
+    const std::size_t before = map.messages.size();
+    EXPECT_FALSE(map.wait_for(before + 1, 3.0)) << "nothing new has come";
+  }
+}
+
+/// Where the floor is and how old a key frame is, for who switches it on.
+TEST_F(MapViewerNode, ShowsFloorsAndTheAgeOfKeyFrames) {
+  const NodeProcess node("map_viewer_node");
+  Listener<visualization_msgs::MarkerArray> markers("graph_markers");
+  const auto floors = connected_publisher<FloorMessage>("floor");
+  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
+  ASSERT_TRUE(markers.wait_for(1)) << node.output();
+  Floor floor;
+  floor.stamp = round_key_frame(0).stamp;
+  floor.found = true;
+  floor.offset = 1.8;
+  floors.publish(ros_border::to_message(floor, "base_link"));
+  live.publish(round_message(0));
+  const auto shown = [&](const std::string& name) {
+    return std::any_of(markers.messages.begin(), markers.messages.end(), [&](const auto& message) {
+      return std::any_of(message.markers.begin(), message.markers.end(), [&](const auto& marker) {
+        return marker.ns == name && !marker.points.empty();
+      });
+    });
+  };
+  EXPECT_TRUE(wait_until([&] { return shown("floors") && shown("age"); })) << node.output();
+}
+
+/// As hdl_graph_slam's save_map: file name, UTM and resolution.
+TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
+  store(kRound);
+  const NodeProcess node("map_viewer_node");
+  const auto datum = ros::NodeHandle().advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
+  Listener<nav_msgs::Path> path("optimized_path");
+  ASSERT_TRUE(wait_until(
+      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
+  SaveMap call;
+  call.request.destination = (folder_.path() / "town.pcd").string();
+  call.request.utm = true;
+  call.request.resolution = 0.5;
+  SaveMap::Response answer = save(call);
+  EXPECT_FALSE(answer.success);
+  EXPECT_NE(answer.message.find("there was no GNSS"), std::string::npos) << answer.message;
+  sensor_msgs::NavSatFix fix;
+  fix.latitude = 49.0;
+  fix.longitude = 8.4;
+  fix.altitude = 110.0;
+  datum.publish(fix);
+  ASSERT_TRUE(wait_until([&] {
+    answer = save(call);
+    return answer.success;
+  })) << answer.message;
+  EXPECT_EQ(answer.files.size(), 3U);
+  for (const char* name : {"town.pcd", "town.pcd.utm", "town.yaml"}) {
+    EXPECT_TRUE(fs::exists(folder_.path() / name)) << name;
+  }
+  EXPECT_FALSE(fs::exists(folder_.path() / "town.ply"));
+  answer = save(call);
+  EXPECT_FALSE(answer.success);
+  EXPECT_NE(answer.message.find("is there already"), std::string::npos) << answer.message;
+  // F25: a session that is gone on with keeps the datum of its first drive.
+  session::Session::create_in(folder_.path() / "session").set_datum({10.0, 20.0, 30.0});
+  ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
+  call.request.destination = (folder_.path() / "first.pcd").string();
+  answer = save(call);
+  ros::NodeHandle().deleteParam("session_folder");
+  EXPECT_TRUE(answer.success) << answer.message;
+  std::ifstream file(folder_.path() / "first.yaml");
+  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(yaml.find("latitude: 10.0"), std::string::npos) << yaml;
 }
 
 // What moved while it was seen is not in the map, unless it is wanted or nobody knows whence.

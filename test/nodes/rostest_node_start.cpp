@@ -150,10 +150,12 @@ TEST(Launch, FindsTheHomeFolder) {
   }
   NodeProcess launch("/usr/bin/env",
                      {"HOME=" + home.path().string(), "roslaunch", "--dump-params", "lidar_mapping",
-                      "mapping.launch", "config:=~/my_config", "sensor:=~/my_config/overlay.yaml"});
+                      "mapping.launch", "config:=~/my_config", "sensor:=~/my_config/overlay.yaml",
+                      "map_cloud_update_interval:=3"});
   EXPECT_EQ(launch.wait(), 0) << launch.output();
-  for (const char* mark : {"/preprocessing_node/preprocessing_mark: 7",
-                           "/map_viewer_node/map_mark: 7", "/overlay_mark: 7"}) {
+  for (const char* mark :
+       {"/preprocessing_node/preprocessing_mark: 7", "/map_viewer_node/map_mark: 7",
+        "/overlay_mark: 7", "/map_viewer_node/map_cloud_update_interval: 3"}) {
     EXPECT_NE(launch.output().find(mark), std::string::npos) << mark << "\n" << launch.output();
   }
 }

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 
+#include "age_markers.hpp"
+#include "drive_floors.hpp"
 #include "drive_status.hpp"
 #include "graph_markers.hpp"
 #include "marker_feed.hpp"
@@ -52,9 +54,29 @@ Verdicts verdicts_at_every(KeyFrameIndex step, KeyFrameIndex count, Verdict verd
   return verdicts;
 }
 
+Floor floor_of(Stamp stamp, double height) {
+  Floor floor;
+  floor.stamp = stamp;
+  floor.found = true;
+  floor.offset = height;
+  return floor;
+}
+
+std::map<KeyFrameIndex, Floor> floors_of(KeyFrameIndex count) {
+  std::map<KeyFrameIndex, Floor> floors;
+  for (KeyFrameIndex i = 0; i < count; ++i) floors[i] = floor_of(key_frame_at(i).stamp, 1.8);
+  return floors;
+}
+
 MarkerFeed::Markers markers_of(const map::KeyFrameTrack& track, KeyFrameIndex count) {
-  return graph_markers(track, verdicts_at_every(50, count, Verdict::kAccepted),
-                       verdicts_at_every(20, count, Verdict::kRefused), "map");
+  MarkerFeed::Markers markers =
+      graph_markers(track, verdicts_at_every(50, count, Verdict::kAccepted),
+                    verdicts_at_every(20, count, Verdict::kRefused), "map");
+  for (const MarkerFeed::Markers& more :
+       {age_markers(track, "map"), floor_markers(track, floors_of(count), "map")}) {
+    markers.insert(markers.end(), more.begin(), more.end());
+  }
+  return markers;
 }
 
 const Marker* find(const std::vector<Marker>& markers, const std::string& name, int id) {
@@ -229,6 +251,54 @@ TEST(GraphMarkers, ShowFixesInPieces) {
   ASSERT_EQ(markers.size(), 2U);
   EXPECT_EQ(markers[1].points.size(), 50U);
   EXPECT_EQ(markers[1].ns, "gnss");
+}
+
+TEST(AgeMarkers, GoFromBlueToRedAndAreSentAgainOnlyWhenTheScaleDoubles) {
+  const auto blue_of = [](const Marker& marker) { return marker.colors.front().b; };
+  map::KeyFrameTrack track = track_of(140);  // 0.4 s between two: 55.6 s, of a scale of 60
+  const auto markers = age_markers(track, "map");
+  ASSERT_EQ(markers.size(), 2U);
+  EXPECT_GT(blue_of(markers[0]), 0.99F);
+  EXPECT_LT(markers[0].colors.front().r, 0.01F);
+  EXPECT_GT(markers[1].colors.back().r, 0.99F);
+  EXPECT_LT(markers[1].colors.back().b, 0.01F);
+  track.add(key_frame_at(140));
+  EXPECT_EQ(age_markers(track, "map")[0], markers[0]);
+  for (KeyFrameIndex index = 141; index < 160; ++index) track.add(key_frame_at(index));
+  EXPECT_NE(age_markers(track, "map")[0], markers[0]) << "the scale is two minutes now";
+  EXPECT_TRUE(age_markers({}, "map").empty());
+}
+
+TEST(FloorMarkers, LieWhereTheFloorIsBelowItsKeyFrame) {
+  DriveFloors floors;
+  map::KeyFrameTrack track = track_of(3);
+  EXPECT_FALSE(floors.add(floor_of(key_frame_at(0).stamp, 1.8))) << "before its key frame";
+  EXPECT_FALSE(floors.add(floor_of(key_frame_at(0).stamp + 1, 1.8))) << "of no key frame";
+  for (KeyFrameIndex i = 0; i < 3; ++i) floors.add_key_frame(i, key_frame_at(i).stamp);
+  EXPECT_TRUE(floors.add(floor_of(key_frame_at(2).stamp, 1.5))) << "after it";
+  Floor none = floor_of(key_frame_at(1).stamp, 1.8);
+  none.found = false;
+  EXPECT_FALSE(floors.add(none));
+  ASSERT_EQ(floors.below().size(), 2U);
+  const auto markers = floor_markers(track, floors.below(), "map");
+  ASSERT_EQ(markers.size(), 1U);
+  EXPECT_EQ(markers[0].ns, "floors");
+  ASSERT_EQ(markers[0].points.size(), 20U);
+  EXPECT_NEAR(markers[0].points[0].z, -1.8, 1e-9) << "the foot of the post";
+  EXPECT_NEAR(markers[0].points[10].z, -1.5, 1e-9);
+  EXPECT_NEAR(markers[0].points[2].z, -1.8, 1e-9) << "a corner of a level floor";
+}
+
+TEST(FloorMarkers, LeanAsTheFloorDoes) {
+  const map::KeyFrameTrack track = track_of(1);
+  Floor floor = floor_of(0, 1.8);
+  floor.normal = Eigen::Vector3d(-0.1, 0.0, 1.0).normalized();  // rising ahead
+  const auto markers = floor_markers(track, {{0, floor}}, "map");
+  const auto& points = markers.at(0).points;
+  for (std::size_t i = 2; i < points.size(); ++i) {
+    const Eigen::Vector3d p(points[i].x, points[i].y, points[i].z);
+    EXPECT_NEAR(floor.normal.dot(p) + floor.offset, 0.0, 1e-9) << i;
+  }
 }
 
 TEST(StatusText, SaysThatItWaitsAndWhy) {

@@ -194,5 +194,30 @@ TEST(DriveDoubt, SaysWhereItsFileIsBroken) {
   }
 }
 
+TEST(DriveDoubt, RefusesNumbersThatAreNone) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "doubt.csv";
+  const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,no";
+  const auto read = [&path](const std::string& line) {
+    std::ofstream(path) << "kind\n" << line << "\n";
+    return read_doubt(path);
+  };
+  EXPECT_TRUE(std::isinf(read(whole).stretches.at(0).expected_error));
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{",4.0,", ",nan,"},
+                                                        {",90.0,", ",inf,"},
+                                                        {",1,2,3,", ",1,1e300,3,"},
+                                                        {",11,", ",-1,"},
+                                                        {",11,", ",11x,"},
+                                                        {"2000000000", "9223372036854775807"},
+                                                        {",1.0,", ",1e300,"},
+                                                        {"inf", "-1"},
+                                                        {",no", ""}}) {
+    std::string line = whole;
+    line.replace(line.find(from), from.size(), to);
+    EXPECT_THROW(read(line), InputError) << line;
+  }
+}
+
 }  // namespace
 }  // namespace lidar_mapping::pipeline

@@ -85,6 +85,14 @@ TEST_F(FolderInputTest, LeavesOutAnImuWhosePlaceIsNotKnown) {
   EXPECT_NE(input.description().find("calib_imu_to_velo.txt"), std::string::npos);
 }
 
+TEST_F(FolderInputTest, RefusesAnImuThatIsNowhere) {
+  for (const char* place : {"1e300 0 0", "0 0 nan", "0 0", "0 0.1x 0"}) {
+    write_raw();
+    write("calib_imu_to_velo.txt", std::string("R: 1 0 0 0 1 0 0 0 1\nT: ") + place + "\n");
+    EXPECT_THROW(open(), FileError) << place;
+  }
+}
+
 TEST_F(FolderInputTest, NamesTheLineOfADateThatIsNone) {
   write_raw();
   write("oxts/timestamps.txt", "2011-09-26 13:02:25.51\nyesterday\n");

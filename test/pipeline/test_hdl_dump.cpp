@@ -30,6 +30,7 @@ Stamp stamp_of(KeyFrameIndex index) { return kStart + Stamp{index} * 200'000'000
 Session example_session(const fs::path& folder) {
   Session session = Session::create_in(folder);
   session.set_datum({49.0, 8.4, 110.0});
+  session.set_sensor_origin({0.5, 0.0, 1.8});
   for (KeyFrameIndex index = 0; index < kKeyFrames; ++index) {
     KeyFrame key_frame;
     key_frame.index = 10 + index;  // need not begin with 0
@@ -135,7 +136,9 @@ TEST(HdlDump, ComesBackAsItWent) {
   ASSERT_EQ(after.imu().size(), 1U);
   EXPECT_LT(after.imu()[0].orientation->angularDistance(*before.imu()[0].orientation), 1e-9);
   ASSERT_EQ(after.gnss().size(), 1U);
-  EXPECT_NEAR(after.gnss()[0].p_enu_antenna.norm(), before.gnss()[0].p_enu_antenna.norm(), 0.2);
+  EXPECT_LT((after.gnss()[0].p_enu_antenna - before.gnss()[0].p_enu_antenna).norm(), 1e-6);
+  EXPECT_EQ(after.datum(), before.datum());
+  EXPECT_EQ(after.sensor_origin(), before.sensor_origin());
 }
 
 /// As hdl_graph_slam itself writes it: edges from the newer key frame, six digits, planes.
@@ -180,6 +183,19 @@ TEST(HdlDump, SaysWhatIsMissing) {
   fs::create_directories(folder.path() / "dump" / "000000");
   std::ofstream(folder.path() / "dump" / "000000" / "data") << "stamp 1 2\nestimate\n1 0 x";
   EXPECT_THROW(read_hdl_dump(folder.path() / "dump", session), FileError);
+}
+
+TEST(HdlDump, RefusesADatumThatIsNoPlace) {
+  const TemporaryFolder folder;
+  const Session before = example_session(folder.path() / "session");
+  for (const char* text : {"", "49 8", "nan 8 1", "91 8 110", "north 8 110"}) {
+    fs::remove_all(folder.path() / "dump");
+    write_hdl_dump(before, graph_of(before), folder.path() / "dump");
+    std::ofstream(folder.path() / "dump" / "datum") << text;
+    fs::remove_all(folder.path() / "back");
+    Session after = Session::create_in(folder.path() / "back");
+    EXPECT_THROW(read_hdl_dump(folder.path() / "dump", after), FileError) << text;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // All scans of a drive can be put into the map, each where it was taken and without its motion.
 #include <gtest/gtest.h>
 
+#include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/scan_clouds.hpp"
 
@@ -29,13 +30,16 @@ Pose odometry(double t) {
   return Pose{exp_so3({0.0, 0.0, 0.002 * t}), {0.03 * t, -0.02 * t, 0.01 * t}} * truth(t);
 }
 
-/// What a scan in motion sees of posts that stand still.
-PointCloud seen_from(double t) {
+/// What a scan in motion sees of posts that stand still, with a sensor whose elevations lack an
+/// angle.
+PointCloud seen_from(double t, double lacking) {
+  const ElevationShift downwards(-lacking);
   PointCloud cloud;
   for (int i = 0; i < 360; ++i) {
     const double late = kPeriod * i / 360.0;
     const Eigen::Vector3d post(12.0 + 4.0 * (i % 5), 25.0 - 6.0 * (i % 7), 1.0 + 0.1 * (i % 3));
-    const Eigen::Vector3f p = (truth(t + late).inverse() * post).cast<float>();
+    Eigen::Vector3f p = (truth(t + late).inverse() * post).cast<float>();
+    downwards(p.x(), p.y(), p.z());
     cloud.points.push_back({p.x(), p.y(), p.z(), static_cast<float>(i)});
     cloud.times.push_back(static_cast<float>(late));
   }
@@ -49,14 +53,14 @@ Eigen::Vector3d post_of(const Point& point) {
 
 class Recording : public InputSource {
  public:
-  explicit Recording(Stamp shift = 0) : shift_(shift) {}
+  explicit Recording(Stamp shift = 0, double lacking = 0.0) : shift_(shift), lacking_(lacking) {}
   std::optional<Input> next() override {
     if (next_ == kScans) return std::nullopt;
     const int scan = next_++;
     const Stamp stamp = stamp_of(scan) + shift_;
     return RecordedScan{
-        stamp, [stamp, scan](const PointCloud& /*buffer*/) {
-          return preprocessing::RawScan{stamp, "lidar", seen_from(kPeriod * scan), true};
+        stamp, [stamp, scan, lacking = lacking_](const PointCloud& /*buffer*/) {
+          return preprocessing::RawScan{stamp, "lidar", seen_from(kPeriod * scan, lacking), true};
         }};
   }
   void skip_to(Stamp /*stamp*/) override {}
@@ -66,6 +70,7 @@ class Recording : public InputSource {
 
  private:
   Stamp shift_;
+  double lacking_;
   int next_ = 0;
 };
 
@@ -127,6 +132,36 @@ TEST_F(DenseMap, HasTheirPointsWhereTheyAre) {
   }
   EXPECT_EQ(clouds.clouds({3, 99}, 2).front()->size(), 360U);
   EXPECT_EQ(clouds.clouds({3, 99}, 2).back(), nullptr);
+}
+
+/// Key frames have it already.
+TEST_F(DenseMap, TurnsScansUpwardsAsTheFrontEndDid) {
+  constexpr double kLacking = 0.02;  // rad
+  session::Session session = session::Session::create_in(folder_.path() / "leaning");
+  for (int i = 0; i < kScans; ++i) {
+    session::ScanRecord record;
+    record.stamp = stamp_of(i);
+    record.state = "tracking";
+    record.elevation_shift = kLacking;
+    session.add_scan(record);
+    session.add_odometry(record.stamp, truth(kPeriod * i));
+  }
+  KeyFrame first;
+  first.stamp = stamp_of(0);
+  session.add_key_frame(first);
+  KeyFramePoses poses;
+  poses.poses.push_back({0, first.stamp, Pose()});
+  Recording recording(0, kLacking);
+  ScanClouds clouds(folder_.path());
+  const KeyFramePoses added = add_scans(recording, placed_scans(session, poses), {}, {}, clouds);
+  ASSERT_EQ(added.poses.size(), static_cast<std::size_t>(kScans));
+  for (const KeyFramePose& pose : added.poses) {
+    const PointCloudPtr cloud = clouds.cloud(pose.index);
+    for (const Point& point : cloud->points) {
+      const Eigen::Vector3d p_map = pose.T_map_base * point.position().cast<double>();
+      ASSERT_LT((p_map - post_of(point)).norm(), 0.05) << pose.stamp - kBegin;
+    }
+  }
 }
 
 TEST_F(DenseMap, IsAsDenseAsOneLikes) {

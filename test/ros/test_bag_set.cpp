@@ -70,6 +70,19 @@ TEST(BagSet, SaysWhatToDoAboutAFileThatCannotBeRead) {
   EXPECT_EQ(refusal(text).find("reindex"), std::string::npos);
 }
 
+// roscpp's reader of such headers believes the length and reads on in whatever memory comes next.
+TEST(BagSet, RefusesAFieldThatIsLongerThanItsHeader) {
+  const test::TemporaryFolder folder;
+  const std::string path = write_bag((folder.path() / "long.bag").string());
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t type = bytes.rfind("type=std_msgs/String");
+  ASSERT_NE(type, std::string::npos);
+  bytes[type - 4] = static_cast<char>(bytes[type - 4] + 2);
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_NE(refusal(path).find("damaged"), std::string::npos) << refusal(path);
+}
+
 // As a recording that was killed leaves it: the header does not yet say where the index is.
 TEST(BagSet, NamesTheRemedyForARecordingThatWasBrokenOff) {
   const test::TemporaryFolder folder;

@@ -1,3 +1,4 @@
+#include <cstring>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -144,6 +145,21 @@ std::string pcd_with(const std::string& line, const std::string& other) {
       std::string(24, 'p');
   const std::size_t at = text.find(line);
   return text.replace(at, line.size(), other);
+}
+
+// PCL's reader would take them for a line that moves the fields, and read behind the end.
+TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.pcd";
+  std::ofstream(path, std::ios::binary)
+      << "VERSION 0.7\nFIELDS x y z _ intensity\nSIZE 4 4 4 1 4\nTYPE F F F U F\nWIDTH 1\n"
+         "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA binary\nCOUNT 1 1 19 1\n" +
+             std::string("AB", 2);
+  const PointCloud cloud = read_pcd(path);
+  ASSERT_EQ(cloud.size(), 1U);
+  float intensity = 0.0F;
+  std::memcpy(&intensity, "1\nAB", sizeof intensity);
+  EXPECT_EQ(cloud.points[0].intensity, intensity);
 }
 
 // PCL's reader writes beyond its memory for most of these.

@@ -137,7 +137,7 @@ TEST(LoopFiles, AddedPairsMayHaveAGuessAndAnyOrder) {
 TEST(LoopFiles, MalformedLinesAreRefusedByFileAndLine) {
   const TemporaryFolder folder;
   for (const char* line : {"keep 1 2", "accept 1", "accept 1 2 3", "add 1 2 3", "add 1 x",
-                           "refuse -1 2", "add 1 2 nan 0 0", "accept 1.5 2"}) {
+                           "refuse -1 2", "add 1 2 nan 0 0", "add 1 2 1e300 0 0", "accept 1.5 2"}) {
     try {
       read_text(folder, std::string("# head\n") + line + "\n");
       ADD_FAILURE() << line;
@@ -172,12 +172,24 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
     EXPECT_EQ(old.loops()[0].decision, LoopDecision::kAuto);
     ASSERT_EQ(old.scans().size(), 1U);
     EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.0);
+    EXPECT_EQ(old.scans()[0].elevation_shift, 0.0);
   }
   Session session = Session::open(folder.path(), Session::Access::kWrite);
   session.set_loop_decision(0, 5, LoopDecision::kRefuse);
   EXPECT_EQ(session.loops()[0].decision, LoopDecision::kRefuse);
-  session.add_scan({6, "degenerate", 0.0, 0.0, 0.0, 0, 0.5});
+  session.add_scan({6, "degenerate", 0.0, 0.0, 0.0, 0, 0.5, 0.01});
   EXPECT_EQ(session.scans().back().unobserved_stddev, 0.5);
+  EXPECT_EQ(session.scans().back().elevation_shift, 0.01);
+}
+
+TEST(LoopFiles, ScansOfTheThirdVersionHaveNoElevationShift) {
+  const TemporaryFolder folder;
+  Session::create_in(folder.path()).add_scan({5, "tracking", 0.1, 0.9, 0.0, 0, 0.25, 0.01});
+  execute(folder.path(), "ALTER TABLE scans DROP COLUMN elevation_shift; PRAGMA user_version = 3");
+  const Session old = Session::open(folder.path(), Session::Access::kRead);
+  ASSERT_EQ(old.scans().size(), 1U);
+  EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.25);
+  EXPECT_EQ(old.scans()[0].elevation_shift, 0.0);
 }
 
 }  // namespace

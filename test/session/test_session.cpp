@@ -3,6 +3,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -339,6 +340,57 @@ TEST(Session, RefusesWhatDoesNotFitOnTheDisk) {
   EXPECT_GT(session.key_frame_count(), 10U);
   for (const KeyFrame& key_frame : session.key_frames()) {
     EXPECT_NE(session.clouds().cloud(key_frame.index), nullptr);
+  }
+}
+
+void execute(const fs::path& folder, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder / "session.db").c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sql;
+  sqlite3_close(database);
+}
+
+void read_whole(const fs::path& folder) {
+  const Session session = Session::open(folder, Session::Access::kRead);
+  session.key_frames();
+  session.loops();
+  session.poses();
+  session.datum();
+}
+
+// SQLite keeps whatever it is given in any column, and pages have no checksums.
+TEST(Session, NamesFileAndColumnOfACellThatCannotHoldWhatItHolds) {
+  const std::pair<const char*, const char*> kDamages[] = {
+      {"UPDATE key_frames SET x = 9e999", "as x"},
+      {"UPDATE key_frames SET x = NULL", "as x"},
+      {"UPDATE key_frames SET y = 'nan'", "as y"},
+      {"UPDATE key_frames SET qx = 3.0", "as qx"},
+      {"UPDATE key_frames SET stamp = 9223372036854775807", "as stamp"},
+      {"UPDATE key_frames SET segment = -1", "as segment"},
+      {"UPDATE key_frames SET motion_covariance = x'00112233'", "as motion_covariance"},
+      {"UPDATE key_frames SET motion_covariance = zeroblob(72)", "36 numbers"},
+      {"UPDATE key_frames SET degenerate_directions = x'ffffffffffffffff'", "finite numbers"},
+      {"UPDATE loops SET source = 'rumour'", "as source"},
+      {"INSERT INTO properties VALUES ('datum', zeroblob(16))", "3 numbers"},
+      {"INSERT INTO properties VALUES ('datum', x'0000000000c05840"
+       "00000000000000000000000000000000')",
+       "no place on Earth"}};
+  for (const auto& [sql, expected] : kDamages) {
+    const TemporaryFolder folder;
+    {
+      Session session = Session::create_in(folder.path());
+      session.add_key_frame(example_key_frame(0));
+      session.add_loop(example_loop(0, 5));
+    }
+    EXPECT_NO_THROW(read_whole(folder.path()));
+    execute(folder.path(), sql);
+    try {
+      read_whole(folder.path());
+      ADD_FAILURE() << sql;
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find("session.db"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+    }
   }
 }
 

@@ -1,5 +1,9 @@
 // build_map through the command itself.
+#include <fstream>
+
 #include <gtest/gtest.h>
+
+#include "lidar_mapping/common/trajectory.hpp"
 
 #include "mapped_drive.hpp"
 
@@ -58,6 +62,32 @@ TEST_F(BuildMap, CropsToABox) {
 TEST_F(BuildMap, RefusesCellsSmallerThanTheVoxels) {
   EXPECT_EQ(run("build_map", {whole(), "--formats", "grid", "--cell", "0.1"}), 1);
   EXPECT_TRUE(has_said("smaller than the map's voxels")) << said();
+}
+
+/// To see by eye whether extrinsics and receivers are right.
+TEST_F(BuildMap, PlacesKeyFramesWhereATrajectorySays) {
+  const PointCloud own = built({"--formats", "pcd"});
+  Trajectory moved;
+  for (const KeyFramePose& pose :
+       session::Session::open(whole(), session::Session::Access::kRead).poses().poses) {
+    moved.poses.push_back({pose.stamp, pose.T_map_base});
+    moved.poses.back().pose.translation.z() += 100.0;
+  }
+  const fs::path file = folder_.path() / "moved.tum";
+  std::ofstream(file) << to_tum(moved);
+  const PointCloud lifted = built({"--formats", "pcd", "--poses", file});
+  EXPECT_NEAR(static_cast<double>(lifted.size()), static_cast<double>(own.size()),
+              0.02 * static_cast<double>(own.size()));
+  const auto lowest = [](const PointCloud& map) {
+    float z = 1e9F;
+    for (const Point& point : map.points) z = std::min(z, point.z);
+    return z;
+  };
+  EXPECT_NEAR(lowest(lifted), lowest(own) + 100.0F, 0.3F);
+  for (StampedPose& pose : moved.poses) pose.stamp += from_seconds(1e6);
+  std::ofstream(file) << to_tum(moved);
+  EXPECT_EQ(run("build_map", {whole(), "-o", folder_.path() / "none", "--poses", file}), 1);
+  EXPECT_TRUE(has_said("is it of this drive?")) << said();
 }
 
 TEST_F(BuildMap, PutsAllScansIntoTheMap) {

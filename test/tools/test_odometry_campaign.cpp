@@ -50,8 +50,9 @@ TEST(CampaignCases, AreReadAndWrittenAlike) {
         "undistorted=1 method=VGICP imu=consumer fault=outliers=0.15 fault=imu_gap=2,20"}) {
     EXPECT_EQ(to_line(parse_case(line)), line);
   }
-  for (const char* line :
-       {"", "a fog=1", "a every=0", "a seed=x", "a fault=fog", "a drive", "a imu=x"}) {
+  for (const char* line : {"", "a fog=1", "a every=0", "a seed=x", "a fault=fog", "a drive",
+                           "a every=1e300", "a seed=-1", "a seed=1e30", "a start=1e300",
+                           "a scan_rate=0", "a range_noise=-1", "a imu=x"}) {
     EXPECT_THROW(parse_case(line), ConfigError) << line;
   }
 }
@@ -99,6 +100,16 @@ TEST(CampaignRun, CountsScansAndFindsACleanDriveInOrder) {
   EXPECT_EQ(figures.lost, 0U);
   EXPECT_LT(figures.largest_error, 0.1);
   EXPECT_GT(figures.cpu_ms, 0.0);
+}
+
+TEST(CampaignRun, HandsTheImuOfACaseToTheFrontEnd) {
+  const std::string line = "by_hand drive=handheld lidar=vlp16 seed=1";
+  const CampaignFigures without = run_case(parse_case(line), 4);
+  const CampaignFigures with = run_case(parse_case(line + " imu=consumer"), 4);
+  EXPECT_EQ(with.scans, without.scans);
+  EXPECT_NE(with.ape, without.ape);
+  EXPECT_LT(with.ape, 0.05);
+  EXPECT_NEAR(with.way, without.way, 1e-9);
 }
 
 }  // namespace

@@ -143,5 +143,33 @@ TEST_F(ReportFigures, TellWhereTheMapComesFrom) {
   EXPECT_EQ(products["map_max_m"][2], 9.0);
 }
 
+TEST_F(ReportFigures, RefuseARecordThatIsDamaged) {
+  write_run_record(session_.directory(), {});
+  std::ifstream file(session_.directory() / "run.json");
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  const std::string begin = "\"begin_ns\": 0";
+  for (const char* number : {"1e300", "true", "18446744073709551615", "1e999", "\"0\""}) {
+    std::string text = whole;
+    text.replace(text.find(begin), begin.size(), std::string("\"begin_ns\": ") + number);
+    std::ofstream(session_.directory() / "run.json") << text;
+    try {
+      read_run_record(session_.directory());
+      ADD_FAILURE() << number;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("run.json"), std::string::npos) << error.what();
+    }
+  }
+}
+
+// A file's name may hold any bytes.
+TEST_F(ReportFigures, TakeNamesThatAreNoUtf8) {
+  RunRecord record;
+  record.command =
+      "map_bag stra\xDF"
+      "e.bag";
+  write_run_record(session_.directory(), record);
+  EXPECT_EQ(read_run_record(session_.directory())->command, "map_bag stra\uFFFDe.bag");
+}
+
 }  // namespace
 }  // namespace lidar_mapping::tools

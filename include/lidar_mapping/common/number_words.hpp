@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,6 +17,12 @@ double finite_number(const std::string& word);
 /// The same for a coordinate or a distance, which is at most 1e9 m: no place on Earth is farther
 /// away in any frame, and squares of it stay far from the end of the numbers.
 double coordinate(const std::string& word);
+
+/// A whole number between two others. Throws InputError for whatever else the word holds.
+std::int64_t whole_number(const std::string& word, std::int64_t least, std::int64_t most);
+
+/// Nanoseconds since any epoch as a time. Throws InputError beyond 142 years.
+Stamp stamp_of_nanoseconds(const std::string& word);
 
 /// Seconds since any epoch as a time. Throws InputError beyond 142 years (2112, after 1970).
 Stamp stamp_of_seconds(double seconds);

@@ -24,7 +24,8 @@ struct PcdHeader {
   std::string text;  ///< all of it, with the line end behind DATA
   std::vector<PcdField> fields;
   std::size_t points = 0;
-  std::string data;  ///< ascii, binary or binary_compressed
+  std::size_t width = 0;  ///< points of a row
+  std::string data;       ///< ascii, binary or binary_compressed
 
   /// Bytes of a point.
   std::size_t step() const;

@@ -29,4 +29,9 @@ class CloudParts {
 /// too far from the origin (check_range()).
 CloudParts stored_parts(const TileSource& tiles, const std::filesystem::path& directory);
 
+/// The same with each point moved as `move` says, from and to m.
+CloudParts stored_parts(const CloudParts& parts,
+                        const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& move,
+                        const std::filesystem::path& directory);
+
 }  // namespace lidar_mapping::map

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/map/cloud_parts.hpp"
 
 namespace lidar_mapping::map {
@@ -16,6 +17,8 @@ struct MapDescription {
   std::string frame = "map";
   std::optional<GeodeticDatum> datum;  ///< origin of East-North-Up; none without GNSS
   double resolution = 0.0;             ///< m, edge of the voxels
+  std::optional<UtmFrame> utm;         ///< points are metres in it, from its origin on
+  std::string name = "map";            ///< of the files, without extension
 };
 
 /// Names of files that were written.
@@ -28,11 +31,12 @@ struct Meanwhile {
 };
 
 /// Writes map.pcd (write_pcd()) and map.ply (binary), as `formats` ("pcd", "ply"; empty:
-/// both) says, and map.yaml (frame, datum, resolution, number of points, bounds) beside them. Files
-/// appear whole or not at all. Points stay in the local frame: nothing is added to them. Throws
-/// InputError for another format or an empty map, FileError for the disk, and where the folder
-/// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it);
-/// what is to be done meanwhile is not begun then.
+/// both) says, and map.yaml (frame, datum, resolution, number of points, bounds) beside them; in
+/// UTM also map.pcd.utm, which has easting, northing and height of the origin. Files appear whole
+/// or not at all. Nothing large is added to points, which floats would not hold. Throws InputError
+/// for another format or an empty map, FileError for the disk, and where the folder holds a map.pcd
+/// or map.ply that does not come from this package (no map.yaml beside it); what is to be done
+/// meanwhile is not begun then.
 Files save_map(const CloudParts& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats,
                const Meanwhile& meanwhile = {});

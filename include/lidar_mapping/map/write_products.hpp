@@ -32,6 +32,9 @@ struct ProductOptions {
   std::optional<Eigen::Vector3d> p_base_sensor;
   /// Only what lies in this box of the map frame (m) is put into the map.
   std::optional<Eigen::AlignedBox3d> crop;
+  /// pcd and ply in UTM, relative to the datum (las always is in UTM, the others in the map frame).
+  bool utm = false;
+  std::string name = "map";   ///< of pcd, ply and las, without extension
   bool keep_moving = false;   ///< leaves points of moving objects in
   bool save_removed = false;  ///< writes the points left out to moving_objects.pcd
 };
@@ -44,7 +47,8 @@ struct Products {
 
 /// Builds the map of the poses tile by tile and writes it into the folder (map_files.hpp,
 /// map_products.hpp, top_view.hpp). Throws FileError, and InputError for a format that is not
-/// known, a map (or box) without points, or cells of the grid that are smaller than the voxels.
+/// known, a map (or box) without points, UTM without a datum, or cells of the grid that are smaller
+/// than the voxels.
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                         const ProductOptions& options, const std::filesystem::path& directory);
 

@@ -13,6 +13,7 @@ struct PlacedScan {
   /// Of base_link in its own axes: m/s, rad/s.
   Vector6d twist = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second
+  double elevation_shift = 0.0;              ///< rad, by which its points are to be turned upwards
 };
 
 /// All scans whose pose the session's odometry knows, by stamp. A scan is moved by the correction

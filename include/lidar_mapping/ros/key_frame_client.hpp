@@ -6,6 +6,7 @@
 
 #include <ros/node_handle.h>
 
+#include "lidar_mapping/common/floor.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/ros/key_frame_feed.hpp"
@@ -21,6 +22,7 @@ struct RunState {
   KeyFramePoses poses;
   std::vector<Loop> loops;
   std::vector<GnssPosition> gnss;  ///< at stamps of key frames
+  std::vector<Floor> floors;       ///< below key frames
   KeyFrameIndex searched = 0;      ///< loop closing is done with the key frames below this index
 
   RunIndices indices() const;

@@ -16,12 +16,14 @@
 #define KeyFramePoses KeyFramePosesMessage
 #define Loop LoopMessage
 #define LoopVerdict LoopVerdictMessage
+#include <lidar_mapping/DumpGraph.h>
 #include <lidar_mapping/Floor.h>
 #include <lidar_mapping/FrontEndStatus.h>
 #include <lidar_mapping/GetKeyFrames.h>
 #include <lidar_mapping/ImuSamples.h>
 #include <lidar_mapping/KeyFrame.h>
 #include <lidar_mapping/KeyFramePoses.h>
+#include <lidar_mapping/LoadGraph.h>
 #include <lidar_mapping/Loop.h>
 #include <lidar_mapping/LoopVerdict.h>
 #include <lidar_mapping/OptimizeMap.h>

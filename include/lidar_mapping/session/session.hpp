@@ -1,6 +1,8 @@
 #pragma once
 
+#include <ctime>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,6 +27,8 @@ struct ScanRecord {
   std::int64_t scans_dropped = 0;  ///< since the start of the run
   /// Of the way since the start, from directions that nothing observed, m; 0: not known.
   double unobserved_stddev = 0.0;
+  /// What the sensor's elevations lack, as far as it was known then, rad (ElevationShift).
+  double elevation_shift = 0.0;
 };
 
 /// What one optimisation did.
@@ -126,6 +130,14 @@ class Session {
   explicit Session(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// A session in `directory`, which must be empty or not be there: it appears when `fill` has
+/// returned, and nothing is left where that threw.
+Session create_filled(const std::filesystem::path& directory,
+                      const std::function<void(Session&)>& fill);
+/// The same in a new folder as Session::create() names them.
+Session create_filled(const std::filesystem::path& root, std::time_t now,
+                      const std::function<void(Session&)>& fill);
 
 /// Finds the session that `path` means: a session's folder, or a root with a link `latest`. Throws
 /// FileError if there is none.

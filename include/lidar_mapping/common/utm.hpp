@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "lidar_mapping/common/sensor_data.hpp"
+
+namespace lidar_mapping {
+
+/// The UTM zone of a datum (near the poles UPS) and the East-North-Up frame there. Easting,
+/// northing and height above the WGS 84 ellipsoid in m; all points count in the datum's zone and on
+/// its side of the equator, wherever they are.
+class UtmFrame {
+ public:
+  explicit UtmFrame(const GeodeticDatum& datum);
+
+  Eigen::Vector3d from_enu(const Eigen::Vector3d& p_enu) const;
+  /// Throws InputError for what is no place of the zone.
+  Eigen::Vector3d to_enu(const Eigen::Vector3d& p_utm) const;
+  /// Of the datum itself.
+  const Eigen::Vector3d& origin() const;
+  /// The EPSG code of the plane system.
+  std::uint16_t epsg() const;
+
+ private:
+  class Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace lidar_mapping

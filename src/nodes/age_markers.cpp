@@ -1,0 +1,47 @@
+#include "age_markers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "marker_layer.hpp"
+
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+using visualization_msgs::Marker;
+
+/// Of the scale of colours, for a drive that has lasted so long.
+Stamp scale_of(Stamp lasted) {
+  Stamp scale = from_seconds(60.0);
+  while (scale < lasted) scale *= 2;
+  return scale;
+}
+
+/// 0 is blue, a third cyan, a half green, 1 red.
+std_msgs::ColorRGBA color_of_age(double share) {
+  const auto ramp = [&](double peak) {
+    return static_cast<float>(std::clamp(2.0 - 4.0 * std::abs(share - peak), 0.0, 1.0));
+  };
+  return color(ramp(1.0), ramp(0.5), ramp(0.0));
+}
+
+}  // namespace
+
+std::vector<Marker> age_markers(const map::KeyFrameTrack& track, const std::string& frame) {
+  const KeyFramePoses poses = track.poses();
+  std::vector<Marker> markers;
+  if (poses.poses.empty()) return markers;
+  const Stamp begin = poses.poses.front().stamp;
+  const double scale = to_seconds(scale_of(poses.poses.back().stamp - begin));
+  MarkerLayer dots("age", Marker::SPHERE_LIST, 0.9, color(1.0F, 1.0F, 1.0F), frame);
+  for (const KeyFramePose& pose : poses.poses) {
+    Marker& marker = dots.piece_of(pose.index);
+    marker.points.push_back(to_point(pose.T_map_base.translation));
+    marker.colors.push_back(color_of_age(to_seconds(pose.stamp - begin) / scale));
+  }
+  dots.move_to(markers);
+  return markers;
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,146 @@
+#include <ctime>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/home_path.hpp"
+#include "lidar_mapping/pipeline/hdl_dump.hpp"
+
+#include "back_end_node.hpp"
+
+// The services dump_graph and load_graph.
+namespace lidar_mapping::ros_border {
+
+namespace {
+
+namespace fs = std::filesystem;
+using session::Session;
+
+const char* const kEnding = "the back end is ending";
+
+std::string count_of(std::size_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
+/// Relative ones count from where the node was started.
+fs::path folder_of_person(const std::string& path) {
+  return fs::absolute(path_of_person(path)).lexically_normal();
+}
+
+/// The graph as it is now, and the session that has the clouds.
+struct Snapshot {
+  back_end::PoseGraph graph;
+  fs::path session;
+};
+
+/// While the drive goes on: the session is read beside the one who writes it.
+DumpGraph::Response dumped(const Snapshot& snapshot, const std::string& destination) {
+  const fs::path directory =
+      destination.empty() ? snapshot.session / "hdl_dump" : folder_of_person(destination);
+  const Session session = Session::open(snapshot.session, Session::Access::kRead);
+  pipeline::write_hdl_dump(session, snapshot.graph, directory);
+  DumpGraph::Response answer;
+  answer.success = true;
+  answer.directory = directory.string();
+  answer.key_frames = static_cast<std::uint32_t>(snapshot.graph.nodes.size());
+  answer.edges = static_cast<std::uint32_t>(snapshot.graph.edges.size());
+  answer.message = count_of(answer.key_frames, "key frame") + " and " +
+                   count_of(answer.edges, "edge") + " written to " + answer.directory +
+                   ", with the poses of the last optimisation";
+  return answer;
+}
+
+LoadGraph::Response loaded(const Session& session, const fs::path& path) {
+  LoadGraph::Response answer;
+  answer.success = true;
+  answer.session = session.directory().string();
+  answer.key_frames = static_cast<std::uint32_t>(session.key_frame_count());
+  answer.loops = static_cast<std::uint32_t>(session.loops().size());
+  answer.message = count_of(answer.key_frames, "key frame") + " and " +
+                   count_of(answer.loops, "loop") + " loaded from " + path.string() +
+                   "; the drive goes on in the session " + answer.session +
+                   ", in a new segment of the trajectory";
+  if (!session.datum() && !session.gnss().empty()) {
+    answer.message +=
+        "; its GNSS positions have no datum, so that those of a drive that goes on would lie "
+        "elsewhere: leave GNSS out then (use_gnss: false)";
+  }
+  return answer;
+}
+
+}  // namespace
+
+/// Nothing if the node ends before it could answer. `make` must not throw.
+template <typename Answer>
+std::optional<Answer> BackEndNode::from_worker(std::function<Answer()> make) {
+  auto answer = std::make_shared<std::promise<Answer>>();
+  std::future<Answer> future = answer->get_future();
+  context_.worker.post(requests_, [answer, make] { answer->set_value(make()); });
+  answer.reset();
+  try {
+    return future.get();
+  } catch (const std::future_error&) {
+    return std::nullopt;
+  }
+}
+
+bool BackEndNode::dump_graph(DumpGraph::Request& request, DumpGraph::Response& response) {
+  const auto snapshot = from_worker<std::optional<Snapshot>>([this]() -> std::optional<Snapshot> {
+    if (!run_ || run_->session().key_frame_count() == 0) return std::nullopt;
+    return Snapshot{run_->graph(), run_->session().directory()};
+  });
+  response.message = snapshot ? "there are no key frames yet; nothing to dump" : kEnding;
+  if (!snapshot || !*snapshot) return true;
+  try {
+    response = dumped(**snapshot, request.destination);
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool BackEndNode::load_graph(LoadGraph::Request& request, LoadGraph::Response& response) {
+  response.message = kEnding;
+  const auto answer =
+      from_worker<LoadGraph::Response>([this, path = request.path] { return load(path); });
+  if (answer) response = *answer;
+  return true;
+}
+
+/// In the worker: no drive can begin meanwhile.
+LoadGraph::Response BackEndNode::load(const std::string& path) {
+  LoadGraph::Response answer;
+  const std::size_t known = run_ ? run_->session().key_frame_count() : 0;
+  if (known > 0) {
+    answer.message = "a drive is under way (" + count_of(known, "key frame") + " in " +
+                     run_->session().directory().string() +
+                     "); start back_end_node again and load before the first scan";
+    return answer;
+  }
+  try {
+    run_.reset();  // lets go of an empty session
+    Session session = loaded_session(folder_of_person(path));
+    const std::string known_id = session.run_id();
+    const std::string run_id =
+        known_id.empty() ? session.directory().filename().string() : known_id;
+    use(std::move(session), run_id);
+    give_early();
+    files_are_old_ = true;
+    answer = loaded(run_->session(), folder_of_person(path));
+  } catch (const std::exception& error) {
+    answer.message = error.what();
+  }
+  return answer;
+}
+
+/// A session goes on where it is; of a dump a new one is made.
+Session BackEndNode::loaded_session(const fs::path& path) const {
+  if (fs::exists(path / "graph.g2o") && fs::is_directory(path / "000000")) {
+    return session::create_filled(
+        path_of_person(config_.session_directory), std::time(nullptr),
+        [&](Session& session) { pipeline::read_hdl_dump(path, session); });
+  }
+  Session session = Session::open(path, Session::Access::kWrite);
+  if (session.key_frame_count() > 0) return session;
+  throw InputError("the session " + path.string() + " has no key frames; there is nothing to load");
+}
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+#include <ros/wall_timer.h>
+
+#include "lidar_mapping/map/map_builder.hpp"
+#include "lidar_mapping/map/write_products.hpp"
+#include "lidar_mapping/ros/key_frame_client.hpp"
+#include "lidar_mapping/ros/node.hpp"
+#include "lidar_mapping/ros/scratch_folder.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+#include "drive_display.hpp"
+#include "map_viewer_node_config.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, synced_gnss,
+/// gnss_datum, floor, front_end_status, /diagnostics. Published: global_map, odom_path,
+/// optimized_path (latched), graph_markers (changes; the whole to who comes). Service: save_map.
+/// Asks get_key_frames for what it missed; a restart loses nothing.
+class MapViewerNode {
+ public:
+  using Config = MapViewerNodeConfig;
+
+  MapViewerNode(const Config& config, NodeContext& context);
+  ~MapViewerNode();
+
+ private:
+  /// The clouds of one run, and the map of them; both belong to the thread that builds.
+  struct Run {
+    Run(const map::MapConfig& config, const std::filesystem::path& folder)
+        : clouds(folder), builder(config, clouds) {}
+    session::CloudStore clouds;
+    map::MapBuilder builder;
+  };
+
+  ros::Publisher advertise_map();
+  void subscribe_all();
+  void catch_up();
+  void begin_run(const std::string& run_id);
+  void take_key_frame(const RunKeyFrame& received);
+  void take_poses(const KeyFramePosesMessage& message);
+  void take_loop(const LoopMessage& message);
+  void take_candidate(const LoopVerdictMessage& message);
+  void take_verdict(const LoopVerdictMessage& message);
+  void take_status(const FrontEndStatusMessage& message);
+  void take_diagnostics(const diagnostic_msgs::DiagnosticArray& message);
+  void refresh_at_intervals();
+  void show_map(bool always);
+  void build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses, bool always);
+  void take_newest_poses();
+  bool save_map(SaveMap::Request& request, SaveMap::Response& response);
+  SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                         const SaveMap::Request& request);
+  void complete(map::ProductOptions& options) const;
+  std::filesystem::path session_map() const;
+
+  Config config_;
+  NodeContext& context_;
+  KeyFrameClient back_end_;
+  ScratchFolder scratch_{ros::this_node::getName()};
+  std::string run_id_;
+  std::size_t runs_ = 0;
+  std::shared_ptr<Run> run_;
+  DriveView view_;
+  std::optional<GeodeticDatum> datum_;
+  Worker::ChannelId requests_;
+  Worker builder_;
+  Worker::ChannelId builds_, saves_;
+  ros::Publisher global_map_;
+  bool map_is_old_ = false;  ///< on display
+  ros::WallTimer refresh_timer_;
+  DriveDisplay display_;
+  KeyFrameSubscription key_frames_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::CallbackQueue service_queue_;
+  ros::ServiceServer service_;
+  ros::AsyncSpinner service_spinner_{1, &service_queue_};
+};
+
+}  // namespace lidar_mapping::ros_border

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "lidar_mapping/map/map_config.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+
+namespace lidar_mapping::ros_border {
+
+/// Parameters of map_viewer_node.
+struct MapViewerNodeConfig {
+  NodeFields node;
+  map::MapConfig stage;
+  double map_cloud_update_interval = 10.0;
+
+  static const config::Schema<MapViewerNodeConfig>& schema() {
+    using Config = MapViewerNodeConfig;
+    static const auto schema =
+        config::Schema<Config>("map", map::MapConfig::schema().summary())
+            .include(&Config::node, NodeFields::schema())
+            .include(&Config::stage, map::MapConfig::schema())
+            .alias("map_cloud_resolution", "resolution")
+            .real("map_cloud_update_interval", &Config::map_cloud_update_interval, {0.0, 3600.0},
+                  "s",
+                  "The map on display takes new key frames in once in so long, by the wall clock; "
+                  "0: with each. Moved poses show at once.");
+    return schema;
+  }
+};
+
+}  // namespace lidar_mapping::ros_border

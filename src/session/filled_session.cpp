@@ -1,0 +1,53 @@
+#include <unistd.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/session/session.hpp"
+
+#include "session_folder.hpp"
+
+// Sessions that appear whole or not at all.
+namespace lidar_mapping::session {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Fills a session in `growing` and moves it to where place() says, which is asked when it is full.
+Session moved_when_full(const fs::path& growing, const std::function<void(Session&)>& fill,
+                        const std::function<fs::path()>& place) {
+  fs::path target;
+  try {
+    fs::remove_all(growing);
+    {
+      Session session = Session::create_in(growing);
+      fill(session);
+    }
+    target = place();
+    fs::rename(growing, target);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(growing, ignored);
+    throw;
+  }
+  return Session::open(target, Session::Access::kWrite);
+}
+
+}  // namespace
+
+Session create_filled(const fs::path& directory, const std::function<void(Session&)>& fill) {
+  const fs::path target = fs::absolute(directory).lexically_normal();
+  if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target))) {
+    throw FileError(directory.string() + " exists and is no empty folder; name a new one");
+  }
+  const fs::path place = target.has_filename() ? target : target.parent_path();
+  const fs::path growing = place.parent_path() / ("." + place.filename().string() + ".part");
+  return moved_when_full(growing, fill, [&] { return place; });
+}
+
+Session create_filled(const fs::path& root, std::time_t now,
+                      const std::function<void(Session&)>& fill) {
+  return moved_when_full(root / (".loaded." + std::to_string(::getpid()) + ".part"), fill,
+                         [&] { return make_run_folder(root, now); });
+}
+
+}  // namespace lidar_mapping::session

@@ -1,0 +1,59 @@
+# What reads files: compiled once more with the sanitizers, so that the fuzz programs find what
+# damaged files do to it. The rest of the package stays as it is built for use. `readers_root` is
+# the folder of the package.
+set(reader_sources
+  ${readers_root}/src/back_end/g2o_file.cpp
+  ${readers_root}/src/common/input_file.cpp
+  ${readers_root}/src/common/number_words.cpp
+  ${readers_root}/src/common/pcd_header.cpp
+  ${readers_root}/src/common/trajectory.cpp
+  ${readers_root}/src/config/load.cpp
+  ${readers_root}/src/config/schema.cpp
+  ${readers_root}/src/config/value.cpp
+  ${readers_root}/src/pipeline/doubt_file.cpp
+  ${readers_root}/src/pipeline/folder_input.cpp
+  ${readers_root}/src/pipeline/hdl_dump_reading.cpp
+  ${readers_root}/src/pipeline/kitti_folder.cpp
+  ${readers_root}/src/pipeline/kitti_raw.cpp
+  ${readers_root}/src/preprocessing/nmea.cpp
+  ${readers_root}/src/ros/bag_chunk.cpp
+  ${readers_root}/src/ros/bag_file.cpp
+  ${readers_root}/src/ros/bag_set.cpp
+  ${readers_root}/src/ros/bag_stream.cpp
+  ${readers_root}/src/ros/point_cloud_decoder.cpp
+  ${readers_root}/src/ros/point_fields.cpp
+  ${readers_root}/src/ros/point_times.cpp
+  ${readers_root}/src/ros/recorded_cloud.cpp
+  ${readers_root}/src/ros/recorded_frames.cpp
+  ${readers_root}/src/ros/sensor_conversions.cpp
+  ${readers_root}/src/ros/sensor_inputs.cpp
+  ${readers_root}/src/ros/xxh32.cpp
+  ${readers_root}/src/session/cloud_store.cpp
+  ${readers_root}/src/session/database.cpp
+  ${readers_root}/src/session/loop_files.cpp
+  ${readers_root}/src/session/pcd_file.cpp
+  ${readers_root}/src/session/pcd_points.cpp
+  ${readers_root}/src/session/rows.cpp
+  ${readers_root}/src/session/session.cpp
+  ${readers_root}/src/session/session_folder.cpp
+  ${readers_root}/src/session/session_reading.cpp
+  ${readers_root}/src/session/session_schema.cpp
+  ${readers_root}/src/tools/bag_input.cpp
+  ${readers_root}/src/tools/campaign_case.cpp
+  ${readers_root}/src/tools/config_path.cpp
+  ${readers_root}/src/tools/pcd_scan.cpp
+  ${readers_root}/src/tools/run_record.cpp
+  ${readers_root}/src/tools/stage_files.cpp)
+
+# A number beyond the range of the type that it is put into is no error of `undefined`.
+set(reader_sanitizers address,undefined,float-cast-overflow)
+set(reader_sanitizer_options -O1 -g1 -fno-omit-frame-pointer -ffp-contract=off
+  -fno-sanitize-recover=undefined,float-cast-overflow)
+
+function(lidar_mapping_sanitized_library name)
+  add_library(${name} SHARED EXCLUDE_FROM_ALL ${reader_sources})
+  target_compile_options(${name} PUBLIC -fsanitize=${reader_sanitizers} ${reader_sanitizer_options})
+  # The checks of the sanitizers hide from GCC that what it warns of is never read.
+  target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  target_link_options(${name} PUBLIC -fsanitize=${reader_sanitizers})
+endfunction()
