@@ -184,7 +184,6 @@ class FrontEnd::Impl {
     tracked.parting_variance = revision.parting_variance;
     tracked.twist = revision.twist;
     tracked.acceleration = revision.acceleration;
-    tracked.inertial_sweep.reset();
     tracked.status.degenerate_directions = revision.degenerate_directions;
     tracked.motion_known = true;
   }
@@ -246,17 +245,11 @@ class FrontEnd::Impl {
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
-    key_frame.cloud = std::make_shared<const PointCloud>(still(std::move(points), tracked));
+    key_frame.cloud = std::make_shared<const PointCloud>(
+        deskewed(std::move(points), tracked.twist, tracked.acceleration, config_.threads));
     last_key_frame_ = tracked;
     key_frame_stamp_ = stamp;
     return key_frame;
-  }
-
-  PointCloud still(PointCloud points, const TrackedScan& tracked) const {
-    if (tracked.inertial_sweep) {
-      return tracked.inertial_sweep->deskewed(std::move(points), config_.threads);
-    }
-    return deskewed(std::move(points), tracked.twist, tracked.acceleration, config_.threads);
   }
 
   /// Thinned out and turned upwards by `elevation_shift`, as a key frame's are before deskewing.

@@ -10,10 +10,6 @@ constexpr double kGyroSigma = 0.1;  // rad/s
 
 void MeasuredMotion::take(const MotionPrior& prior, MotionFilter& filter) const {
   if (prior.angular_velocity) filter.measure_rate(*prior.angular_velocity, kGyroSigma);
-  take_velocity(prior, filter);
-}
-
-void MeasuredMotion::take_velocity(const MotionPrior& prior, MotionFilter& filter) const {
   if (prior.linear_velocity) {
     filter.measure_velocity(trust_.corrected(*prior.linear_velocity),
                             trust_.cautious_sigma(prior.linear_velocity->norm()));

@@ -161,20 +161,6 @@ void MotionFilter::measure(const Vector12d& row, double innovation, double sigma
   covariance_ = rest * covariance_ * rest.transpose() + variance * gain * gain.transpose();
 }
 
-MotionFilter MotionFilter::believing(const registration::MotionBelief& belief) const {
-  MotionFilter filter = *this;
-  filter.state_ = belief.state;
-  filter.covariance_ = belief.information.inverse();
-  return filter;
-}
-
-void MotionFilter::measure_attitude(const Eigen::Quaterniond& rotation, double sigma) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d innovation = log_so3(state_.T_map_sensor.rotation.conjugate() * rotation);
-    measure(Vector12d::Unit(3 + axis), innovation[axis], sigma);
-  }
-}
-
 void MotionFilter::measure_rate(const Eigen::Vector3d& angular_velocity, double sigma) {
   for (int axis = 0; axis < 3; ++axis) {
     const double innovation = angular_velocity[axis] - state_.twist[3 + axis];

@@ -9,7 +9,6 @@
 #include "lidar_mapping/front_end/blind_way.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/elevation_calibration.hpp"
-#include "lidar_mapping/front_end/inertial_motion.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
 #include "lidar_mapping/front_end/map_beginning.hpp"
@@ -69,8 +68,6 @@ class NdtTracker::Impl {
     timer_.start("sampling");
     sampler_.take(scan, scans_++);
     const double seconds = clock_.advance(scan.stamp, sampler_.reference(), sampler_.duration());
-    advance_reference(scan.stamp, seconds);
-    inertial_.add(prior);
     TrackedScan result;
     result.status.elevation_shift = elevation_.found();
     result.elevation_shift = elevation_.applied();
@@ -118,10 +115,6 @@ class NdtTracker::Impl {
     // The pose is known at the stamp, the filter's time is the middle of the sweep.
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
-    inertial_.begin(reference_, sampler_.reference(), sampler_.duration(),
-                    filter_.state().T_map_sensor);
-    inertial_sweep_ = inertial_.sweep(filter_.state());
-    if (inertial_sweep_) sampler_.bend(*inertial_sweep_);
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     map_.begin(voxel_size());
@@ -144,26 +137,13 @@ class NdtTracker::Impl {
                                                 : kRoomScale * config_.voxel_size;
   }
 
-  /// The reference time of this sweep: by the stamps, or by the turns where these scatter.
-  void advance_reference(Stamp stamp, double seconds) {
-    const Stamp stamped = stamp + from_seconds(sampler_.reference());
-    reference_ = clock_.jitter() > 0.0 ? reference_ + from_seconds(seconds) : stamped;
-  }
-
-  Prediction predict(double seconds, const MotionPrior& given) {
-    inertial_.predict(reference_, sampler_.reference(), sampler_.duration());
-    const MotionPrior prior = inertial_.heeded(given);
+  Prediction predict(double seconds, const MotionPrior& prior) {
     MotionFilter agile = filter_.agile();
     for (MotionFilter* filter : {&filter_, &agile}) filter->predict(seconds);
-    unmeasured_ = filter_.state().T_map_sensor;
     unmeasured_speed_ = speed_covariance(filter_.covariance());
     for (MotionFilter* filter : {&filter_, &agile}) measured_.take(prior, *filter);
     agile_ = agile;
-    MotionFilter fused = inertial_.fused(filter_);
-    if (inertial_.use() == ImuUse::kFull) measured_.take_velocity(prior, fused);
-    inertial_sweep_ = inertial_.sweep(fused.state());
-    if (inertial_sweep_) sampler_.bend(*inertial_sweep_);
-    return {fused.belief(), measured_.trusting(prior, fused), agile.belief()};
+    return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
   }
 
   void follow(const Scan& scan, double seconds, const MotionPrior& prior,
@@ -252,7 +232,6 @@ class NdtTracker::Impl {
     }
     if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
     if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
-    inertial_.correct(match, unmeasured_);
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
     covariance_ = reported_covariance(match);
@@ -290,7 +269,6 @@ class NdtTracker::Impl {
     beginning_.settle();
     blind_way_.interrupt();
     filter_.slow_down(seconds, kHoldTime);
-    inertial_.bridge(filter_);
     covariance_ = filter_.covariance();
     parting_variance_ = 1.0;
     lost_time_ += seconds;
@@ -300,8 +278,6 @@ class NdtTracker::Impl {
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
     forget();
-    // What was bent for a motion that nobody knows any more is taken as it came.
-    if (inertial_sweep_) sampler_.take(scan, scans_);
     begin(scan, pose, result.status);
     // Its pose is a prediction all the same.
     result.status.state = TrackingState::kLost;
@@ -339,8 +315,10 @@ class NdtTracker::Impl {
 
   void report(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
-    const MotionState at_stamp = state_at_stamp(result);
+    const MotionState at_stamp = steadily_accelerated(filter_.state(), filter_.acceleration(),
+                                                      sampler_.duration(), to_stamp);
     result.T_odom_base = at_stamp.T_map_sensor;
+    result.acceleration = filter_.acceleration();
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
                         filter_.unsteadiness(to_stamp);
     result.parting_variance = parting_variance_;
@@ -350,20 +328,7 @@ class NdtTracker::Impl {
     result.status.map_points_dropped = map_.dropped_points();
     result.status.unobserved_stddev = blind_way_.stddev();
     result.status.stamp_jitter = clock_.jitter();
-    result.status.imu = inertial_.use();
     result.status.step_seconds = timer_.take();
-  }
-
-  MotionState state_at_stamp(TrackedScan& result) {
-    const MotionState& state = filter_.state();
-    if (inertial_sweep_) {
-      inertial_sweep_->set_matched(state.twist);
-      result.inertial_sweep = std::make_shared<const InertialSweep>(*inertial_sweep_);
-      return {state.T_map_sensor * inertial_sweep_->T_reference_stamp(), state.twist};
-    }
-    result.acceleration = filter_.acceleration();
-    return steadily_accelerated(state, filter_.acceleration(), sampler_.duration(),
-                                -sampler_.reference());
   }
 
   const FrontEndConfig config_;
@@ -375,17 +340,13 @@ class NdtTracker::Impl {
   MatchJudge judge_;
   SweepMatcher matcher_;
   MeasuredMotion measured_;
-  InertialMotion inertial_;
-  std::optional<InertialSweep> inertial_sweep_;  ///< of this scan
-  Stamp reference_ = 0;                          ///< its reference time
   ElevationCalibration elevation_;
   MapBeginning beginning_;
   UnnoticedMotion unnoticed_;
   BlindWay blind_way_;
   StepTimer timer_;
 
-  Pose unmeasured_;                                             ///< as predicted alone
-  Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< its covariance, likewise
+  Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< covariance, predicted alone
   bool beside_rings_ = false;                                   ///< the scan was matched like that
   Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
   double parting_variance_ = 1.0;

@@ -72,17 +72,10 @@ void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
 }
 
 void SweepSampler::take(const Scan& scan, std::size_t turn) {
-  bent_.reset();
   // Where all points are looked at for the match too, both samples lean nearly alike.
   scattered_ = stride_for(scan.cloud.size()) > 1 && in_sweep_order(scan.cloud);
   sample_sparse(scan, turn);
   if (!std::exchange(sparse_known_, true)) sample_sparse(scan, turn);
-  points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s, sparse_.viewpoint);
-}
-
-void SweepSampler::bend(const InertialSweep& sweep) {
-  bent_ = sweep;
-  sweep.bend(sparse_);
   points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s, sparse_.viewpoint);
 }
 
@@ -91,7 +84,6 @@ void SweepSampler::sample_dense(const Scan& scan) {
       scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0, scattered_});
   dense_.assign(scan.cloud, indices, reference_);
   raise(dense_, elevation_shift_);
-  if (bent_) bent_->bend(dense_);
   dense_cell_.adapt(indices.size());
 }
 

@@ -39,7 +39,7 @@ std::string new_run_id() {
 
 }  // namespace
 
-/// Subscribed: synced_cloud, synced_imu, scan_imu, synced_velocity, synced_gnss (first pose only),
+/// Subscribed: synced_cloud, synced_imu, synced_velocity, synced_gnss (first pose only),
 /// scans_lost, initialpose (before the first scan), external_odom (with `odometry: external`).
 /// Published: laser_odom, key_frame, front_end_status, current_scan, local_map, tf odom ->
 /// base_link. Asks get_key_frames once, at the first scan.
@@ -112,23 +112,24 @@ void FrontEndNode::subscribe_sensors() {
       process(assembler_.take_ready());
     };
   };
-  subscribers_ = {
-      subscribe<sensor_msgs::PointCloud2>(context_, "synced_cloud", capacity,
-                                          go_on([this](const auto& m) { take_cloud(m); }),
-                                          Numbered::kYes),
-      subscribe<sensor_msgs::Imu>(context_, "synced_imu", capacity, go_on([this](const auto& m) {
-                                    assembler_.add_imu(from_message(m));
-                                  })),
-      subscribe<ImuSamples>(context_, "scan_imu", capacity, go_on([this](const auto& m) {
-                              assembler_.add_imu(from_ros(m.header.stamp), from_message(m));
-                            })),
-      subscribe<geometry_msgs::TwistStamped>(
-          context_, "synced_velocity", capacity,
-          go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
-      subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
-                                    go_on([this](const auto& m) { take_gnss(m); })),
-      subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
-                                  [this](const auto& m) { lost_before_ = m->data; })};
+  subscribers_ = {subscribe<sensor_msgs::PointCloud2>(
+                      context_, "synced_cloud", capacity,
+                      go_on([this](const auto& m) { take_cloud(m); }), Numbered::kYes),
+                  subscribe<SyncedInputsMessage>(
+                      context_, "synced_inputs", capacity, go_on([this](const auto& m) {
+                        assembler_.add_inputs(from_ros(m.header.stamp),
+                                              {m.imu != 0, m.velocity != 0, m.gnss != 0});
+                      })),
+                  subscribe<sensor_msgs::Imu>(
+                      context_, "synced_imu", capacity,
+                      go_on([this](const auto& m) { assembler_.add_imu(from_message(m)); })),
+                  subscribe<geometry_msgs::TwistStamped>(
+                      context_, "synced_velocity", capacity,
+                      go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
+                  subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
+                                                go_on([this](const auto& m) { take_gnss(m); })),
+                  subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
+                                              [this](const auto& m) { lost_before_ = m->data; })};
   subscribers_.push_back(subscribe<geometry_msgs::PoseWithCovarianceStamped>(
       context_, "initialpose", capacity, [this](const auto& m) { take_initial_pose(*m); }));
   if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
@@ -303,9 +304,6 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   if (jitter > 0.0 && limiter_.due("jitter")) {
     ROS_WARN_STREAM(front_end::jitter_notice(jitter));
   }
-  context_.diagnostics.set("imu", front_end::to_string(result.status.imu));
-  const std::string imu = front_end::imu_notice(result.status.imu);
-  if (!imu.empty() && limiter_.due(imu)) ROS_WARN_STREAM(imu);
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {
       ROS_WARN(

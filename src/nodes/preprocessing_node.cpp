@@ -12,7 +12,7 @@
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/ros/mapping_conversions.hpp"
+#include "lidar_mapping/ros/messages.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
@@ -64,11 +64,20 @@ preprocessing::PreprocessingConfig with_datum_of_the_run(preprocessing::Preproce
   return config;
 }
 
+SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
+  SyncedInputsMessage message;
+  message.header.stamp = to_ros(synced.scan.stamp);
+  message.imu = synced.imu.has_value();
+  message.velocity = synced.velocity.has_value();
+  message.gnss = synced.gnss.has_value();
+  return message;
+}
+
 }  // namespace
 
-/// Subscribed: points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu, scan_imu,
-/// synced_velocity, synced_gnss, all with the stamp of their scan; gnss_datum, scans_lost (both
-/// latched).
+/// Subscribed: points, imu, velocity, gnss, tf. Published: synced_cloud, synced_imu,
+/// synced_velocity, synced_gnss, synced_inputs, all with the stamp of their scan; gnss_datum,
+/// scans_lost (both latched).
 class PreprocessingNode {
  public:
   using Config = NodeConfig<preprocessing::PreprocessingConfig>;
@@ -120,8 +129,8 @@ class PreprocessingNode {
   PointCloud spare_;  ///< memory of a cloud that has been sent, for the next one
   std::string antenna_frame_;
   std::optional<GeodeticDatum> datum_;  ///< that was published
-  ros::Publisher synced_cloud_, synced_imu_, scan_imu_, synced_velocity_, synced_gnss_, gnss_datum_,
-      lost_;
+  ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_, synced_inputs_;
+  ros::Publisher gnss_datum_, lost_;
   Worker looker_;  ///< asks the master, who may be slow
   Worker::ChannelId look_;
   std::vector<ros::Subscriber> subscribers_;
@@ -152,10 +161,10 @@ void PreprocessingNode::advertise() {
   ros::NodeHandle& node = context_.node;
   synced_cloud_ = node.advertise<sensor_msgs::PointCloud2>("synced_cloud", kPublisherQueue);
   synced_imu_ = node.advertise<sensor_msgs::Imu>("synced_imu", kPublisherQueue);
-  scan_imu_ = node.advertise<ImuSamples>("scan_imu", kPublisherQueue);
   synced_velocity_ =
       node.advertise<geometry_msgs::TwistStamped>("synced_velocity", kPublisherQueue);
   synced_gnss_ = node.advertise<nav_msgs::Odometry>("synced_gnss", kPublisherQueue);
+  synced_inputs_ = node.advertise<SyncedInputsMessage>("synced_inputs", kPublisherQueue);
   gnss_datum_ = node.advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
   lost_ = node.advertise<std_msgs::UInt32>("scans_lost", 1, true);
 }
@@ -354,10 +363,8 @@ void PreprocessingNode::count_losses() {
 
 void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
   const std::string& base = config_.node.base_frame;
+  synced_inputs_.publish(inputs_of(synced));
   if (synced.imu) synced_imu_.publish(to_message(*synced.imu, base));
-  if (synced.imu_stretch) {
-    scan_imu_.publish(to_message(*synced.imu_stretch, synced.scan.stamp, base));
-  }
   if (synced.velocity) synced_velocity_.publish(to_message(*synced.velocity, base));
   if (synced.gnss) {
     publish_datum(synced.scan.stamp);

@@ -11,7 +11,6 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
   if (synced.imu && synced.imu->has_angular_velocity) {
     prior.angular_velocity = synced.imu->angular_velocity;
   }
-  prior.imu = synced.imu_stretch;
   if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
     const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;
@@ -91,8 +90,6 @@ void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
     jitter_mentioned_ = true;
     say_(front_end::jitter_notice(status.stamp_jitter));
   }
-  const std::string imu = front_end::imu_notice(status.imu);
-  if (!imu.empty() && imu_mentioned_.insert(status.imu).second) say_(imu);
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;
   say_(front_end::elevation_notice(elevation_shift_));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -46,7 +45,6 @@ class ScanOdometry {
   double elevation_shift_ = 0.0;        ///< that was last spoken of
   std::size_t map_points_dropped_ = 0;  ///< the same
   bool jitter_mentioned_ = false;
-  std::set<front_end::ImuUse> imu_mentioned_;
   std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
   DrivePiece piece_;
 };

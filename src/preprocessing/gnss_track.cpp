@@ -71,6 +71,7 @@ std::vector<std::string> GnssTrack::settle(MotionSensors& sensors, Stamp now, St
                        sensors.imu().may_still_deliver(fix.stamp, now, latency);
     if (waits && !all) break;
     pending_.pop_front();
+    sensors.learn_until(fix.stamp);
     sensors.check_velocity(fix);
     const std::string problem = judge(pending, sensors);
     if (!problem.empty() && config_.gnss_gating) {

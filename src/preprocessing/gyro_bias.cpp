@@ -6,6 +6,8 @@ namespace {
 
 constexpr Stamp kWindow = from_seconds(1.0);
 constexpr std::size_t kFewest = 8;
+/// One a second: more than a minute, which no scan waits for.
+constexpr std::size_t kMostEstimates = 64;
 constexpr double kSteadyRate = 0.01;          // rad/s, standard deviation
 constexpr double kSteadyAcceleration = 0.15;  // m/s^2, standard deviation; engines shake more
 constexpr double kLargestBias = 0.05;         // rad/s where the velocity vouches for standing
@@ -32,11 +34,11 @@ void GyroBias::add(const ImuSample& sample, std::optional<bool> standing) {
   if (!window_.empty() && sample.stamp <= window_.back().stamp) window_.clear();
   window_.push_back(sample);
   if (sample.stamp - window_.front().stamp < kWindow) return;
-  judge(standing);
+  update(standing);
   window_.clear();
 }
 
-void GyroBias::judge(std::optional<bool> standing) {
+void GyroBias::update(std::optional<bool> standing) {
   if (window_.size() < kFewest || (standing && !*standing)) return;
   const Moments rate = moments(window_, &ImuSample::angular_velocity);
   const Moments acceleration = moments(window_, &ImuSample::linear_acceleration);
@@ -46,8 +48,18 @@ void GyroBias::judge(std::optional<bool> standing) {
     return;
   }
   // A bias drifts over minutes: a window of a second counts for a quarter.
-  bias_ = known_ ? Eigen::Vector3d(0.75 * bias_ + 0.25 * rate.mean) : rate.mean;
-  known_ = true;
+  const Eigen::Vector3d bias =
+      estimates_.empty() ? rate.mean
+                         : Eigen::Vector3d(0.75 * estimates_.back().bias + 0.25 * rate.mean);
+  estimates_.push_back({window_.back().stamp, bias});
+  if (estimates_.size() > kMostEstimates) estimates_.pop_front();
+}
+
+Eigen::Vector3d GyroBias::at(Stamp stamp) const {
+  for (auto estimate = estimates_.rbegin(); estimate != estimates_.rend(); ++estimate) {
+    if (estimate->stamp <= stamp) return estimate->bias;
+  }
+  return Eigen::Vector3d::Zero();
 }
 
 }  // namespace lidar_mapping::preprocessing

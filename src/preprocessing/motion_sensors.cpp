@@ -1,5 +1,6 @@
 #include "lidar_mapping/preprocessing/motion_sensors.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -73,15 +74,6 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
   sample.stamp += imu_offset_;
   sample.linear_acceleration *= acceleration_unit_;
   sample.angular_velocity *= angular_unit_;
-  fast_samples_ = sample.angular_velocity.norm() > kFastestVehicleTurn ? fast_samples_ + 1 : 0;
-  if (!outturns_velocity(sample, frame_id)) {
-    outturns_since_.reset();
-  } else if (!outturns_since_) {
-    outturns_since_ = sample.stamp;
-  }
-  const bool outturns = outturns_since_ && sample.stamp - *outturns_since_ > kNoLag;
-  gyro_is_absurd_ = gyro_is_absurd_ || outturns || fast_samples_ >= kNoShock;
-  if (gyro_is_absurd_) sample.has_angular_velocity = false;
   if (sample.orientation) {
     if (is_orientation(*sample.orientation)) {
       sample.orientation->normalize();
@@ -89,41 +81,60 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
       sample.orientation.reset();
     }
   }
-  const Insertion insertion = imu_.insert(sample, frame_id);
+  return imu_.insert(std::move(sample), frame_id);
+}
+
+void MotionSensors::learn_until(Stamp stamp) {
+  imu_.buffer().for_each(learned_until_, stamp, [this](const ImuSample& sample) { learn(sample); });
+  learned_until_ = std::max(learned_until_, stamp);
+}
+
+void MotionSensors::learn(const ImuSample& sample) {
+  if (!absurd_since_ && is_absurd(sample)) absurd_since_ = sample.stamp;
   const bool shows_rest = sample.has_angular_velocity && sample.has_linear_acceleration;
-  if (insertion == Insertion::kTaken && estimate_bias_ && shows_rest) {
+  if (estimate_bias_ && shows_rest && !absurd_since_) {
     gyro_bias_.add(sample, is_standing(sample.stamp));
   }
-  return insertion;
+}
+
+/// Whether its rates, with those before, are none that a vehicle turns with.
+bool MotionSensors::is_absurd(const ImuSample& sample) {
+  fast_samples_ = sample.angular_velocity.norm() > kFastestVehicleTurn ? fast_samples_ + 1 : 0;
+  if (!outturns_velocity(sample)) {
+    outturns_since_.reset();
+  } else if (!outturns_since_) {
+    outturns_since_ = sample.stamp;
+  }
+  return fast_samples_ >= kNoShock || (outturns_since_ && sample.stamp - *outturns_since_ > kNoLag);
 }
 
 /// Whether the vehicle turns far more by the gyro than by the velocity.
-bool MotionSensors::outturns_velocity(const ImuSample& sample, const std::string& frame_id) const {
-  const auto& buffer = velocity_.buffer();
-  if (!velocity_turns_ || buffer.empty() || sample.stamp > buffer.newest().stamp + kNoLag) {
+bool MotionSensors::outturns_velocity(const ImuSample& sample) const {
+  const VelocitySample* velocity = velocity_.buffer().up_to(sample.stamp);
+  if (!velocity_turns(sample.stamp) || !velocity || sample.stamp > velocity->stamp + kNoLag) {
     return false;
   }
-  const auto T_base_imu = extrinsics_.T_base(frame_id);
+  const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
   if (!T_base_imu || !T_base_velocity) return false;
   const double turning = std::abs((T_base_imu->rotation * sample.angular_velocity).z());
-  const double reference = std::abs((T_base_velocity->rotation * buffer.newest().angular).z());
+  const double reference = std::abs((T_base_velocity->rotation * velocity->angular).z());
   return reference > kClearTurn && turning > kOtherUnit * reference;
 }
 
 Insertion MotionSensors::add_velocity(VelocitySample sample, const std::string& frame_id) {
   if (!is_plausible(sample)) return Insertion::kRefused;
   sample.stamp += velocity_offset_;
-  velocity_turns_ = velocity_turns_ || !sample.angular.isZero(0.0);
-  return velocity_.insert(sample, frame_id);
+  if (!sample.angular.isZero(0.0)) {
+    turns_since_ = std::min(turns_since_.value_or(sample.stamp), sample.stamp);
+  }
+  return velocity_.insert(std::move(sample), frame_id);
 }
 
 std::optional<bool> MotionSensors::is_standing(Stamp stamp) const {
-  const auto& buffer = velocity_.buffer();
-  if (buffer.empty() || std::abs(to_seconds(stamp - buffer.newest().stamp)) > 1.0) {
-    return std::nullopt;
-  }
-  return buffer.newest().linear.norm() < kStanding;
+  const VelocitySample* velocity = velocity_.buffer().up_to(stamp);
+  if (!velocity || to_seconds(stamp - velocity->stamp) > 1.0) return std::nullopt;
+  return velocity->linear.norm() < kStanding;
 }
 
 std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
@@ -132,21 +143,18 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   if (!T_base_imu) return std::nullopt;
   ImuSample sample = interpolated(*pair->first, *pair->second, stamp);
-  if (sample.has_angular_velocity) sample.angular_velocity -= gyro_bias_.bias();
+  const auto omega = turning(sample, gyro_bias_.at(stamp));
+  sample.has_angular_velocity = omega.has_value();
+  if (omega) sample.angular_velocity = *omega;
   return in_base(sample, *T_base_imu);
 }
 
-std::optional<ImuStretch> MotionSensors::imu_since(Stamp after, Stamp until) const {
-  const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
-  if (!T_base_imu) return std::nullopt;
-  ImuStretch stretch;
-  for (const ImuSample& sample : imu_.buffer().since(after, until)) {
-    stretch.samples.push_back(in_base(sample, *T_base_imu));
+std::optional<Eigen::Vector3d> MotionSensors::turning(const ImuSample& sample,
+                                                      const Eigen::Vector3d& bias) const {
+  if (!sample.has_angular_velocity || (absurd_since_ && sample.stamp >= *absurd_since_)) {
+    return std::nullopt;
   }
-  if (stretch.samples.empty()) return std::nullopt;
-  stretch.p_base_imu = T_base_imu->translation;
-  stretch.gyro_bias = T_base_imu->rotation * gyro_bias_.bias();
-  return stretch;
+  return sample.angular_velocity - bias;
 }
 
 std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
@@ -163,7 +171,7 @@ std::optional<VelocitySample> MotionSensors::measured_velocity_at(Stamp stamp) c
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
   if (!T_base_velocity) return std::nullopt;
   VelocitySample sample = interpolated(*pair->first, *pair->second, stamp);
-  if (!velocity_turns_) {
+  if (!velocity_turns(stamp)) {
     // Only the speed was measured; the lever arm needs the turning, which the gyro knows.
     if (const auto imu = imu_at(stamp); imu && imu->has_angular_velocity) {
       sample.angular = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
@@ -194,12 +202,15 @@ MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
   const auto T_base_velocity = velocity_problem(stamp) == VelocityProblem::kNone
                                    ? extrinsics_.T_base(velocity_.frame_id())
                                    : std::nullopt;
+  const Stamp end = stamp + from_seconds(span.end);
+  const Eigen::Vector3d bias = gyro_bias_.at(end);
   const TurningAtTime gyro = [&](double time) -> MaybeVector {
     const auto sample = value_near(imu_, stamp + from_seconds(time));
-    if (!sample || !sample->has_angular_velocity) return std::nullopt;
-    return T_base_imu->rotation * (sample->angular_velocity - gyro_bias_.bias());
+    const auto omega = sample ? turning(*sample, bias) : std::nullopt;
+    if (!omega) return std::nullopt;
+    return T_base_imu->rotation * *omega;
   };
-  const TurningAtTime turning = [&](double time) -> MaybeVector {
+  const TurningAtTime wheels = [&](double time) -> MaybeVector {
     const auto sample = value_near(velocity_, stamp + from_seconds(time));
     if (!sample) return std::nullopt;
     return T_base_velocity->rotation * sample->angular;
@@ -214,8 +225,8 @@ MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
       return {MotionSource::kImuAndVelocity, *std::move(both)};
     }
   }
-  if (T_base_velocity && velocity_turns_) {
-    if (auto driven = integrated(span.begin, span.end, turning, driving)) {
+  if (T_base_velocity && velocity_turns(end)) {
+    if (auto driven = integrated(span.begin, span.end, wheels, driving)) {
       return {MotionSource::kVelocity, *std::move(driven)};
     }
   }
@@ -236,6 +247,11 @@ void MotionSensors::clear() {
   imu_.clear();
   velocity_.clear();
   gyro_bias_ = {};
+  learned_until_ = 0;
+  fast_samples_ = 0;
+  outturns_since_.reset();
+  absurd_since_.reset();
+  turns_since_.reset();
   velocity_check_.clear();
 }
 

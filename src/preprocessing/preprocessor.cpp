@@ -127,7 +127,7 @@ class Preprocessor::Impl {
     gnss_.clear();
     counters_.scans_forgotten += waiting_.size();
     waiting_.clear();
-    newest_ = handed_over_ = 0;
+    newest_ = 0;
   }
 
   void refuse_fix(const std::string& problem) {
@@ -150,9 +150,9 @@ class Preprocessor::Impl {
       notices_.missing_transform("points", scan.raw.frame_id);
       return std::nullopt;
     }
+    sensors_.learn_until(scan.raw.stamp + from_seconds(scan.span.end));
     SyncedScan result = values_at(scan.raw.stamp);
-    add_stretch(scan.raw.stamp + from_seconds(scan.span.end), result);
-    result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result);
+    result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result.imu);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
       notices_.too_few_points();
@@ -160,12 +160,6 @@ class Preprocessor::Impl {
     }
     ++counters_.scans_out;
     return result;
-  }
-
-  /// What the IMU measured since the last scan.
-  void add_stretch(Stamp end, SyncedScan& result) {
-    result.imu_stretch = sensors_.imu_since(handed_over_, end);
-    if (result.imu_stretch) handed_over_ = result.imu_stretch->samples.back().stamp;
   }
 
   /// What the other sensors say of that instant.
@@ -207,7 +201,8 @@ class Preprocessor::Impl {
     return position;
   }
 
-  PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar, SyncedScan& synced) {
+  PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar,
+                           std::optional<ImuSample>& imu) {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
@@ -218,7 +213,7 @@ class Preprocessor::Impl {
       measured = sensors_.motion(scan.raw.stamp, scan.span);
     }
     if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
-    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, synced);
+    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, imu);
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
@@ -230,13 +225,12 @@ class Preprocessor::Impl {
   }
 
   /// The front end knows the way of the vehicle, but takes its turning as uniform.
-  static void leave_uniform_turning(ScanMotion& motion, SyncedScan& synced) {
+  static void leave_uniform_turning(ScanMotion& motion, std::optional<ImuSample>& imu) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
     motion = without_uniform_turning(motion, omega);
-    if (synced.imu_stretch) synced.imu_stretch->uniform_rate = omega;
-    if (!synced.imu) return;
-    synced.imu->angular_velocity = omega;
-    synced.imu->has_angular_velocity = true;
+    if (!imu) return;
+    imu->angular_velocity = omega;
+    imu->has_angular_velocity = true;
   }
 
   PreprocessingConfig config_;
@@ -247,8 +241,7 @@ class Preprocessor::Impl {
   Stamp latency_;
   StampGuard scan_guard_, imu_guard_, velocity_guard_, gnss_guard_;
   ScanQueue waiting_;
-  Stamp handed_over_ = 0;  ///< of the last sample that went out with a scan
-  Stamp newest_ = 0;       ///< the time that the data have reached
+  Stamp newest_ = 0;  ///< the time that the data have reached
   PreprocessingCounters counters_;
   InputNotices notices_;
 };

@@ -177,53 +177,6 @@ Floor from_message(const FloorMessage& message) {
   return floor;
 }
 
-ImuSamples to_message(const ImuStretch& stretch, Stamp stamp, const std::string& base_frame) {
-  ImuSamples message;
-  message.header.stamp = to_ros(stamp);
-  message.header.frame_id = base_frame;
-  message.position = to_message(stretch.p_base_imu);
-  const bool has_forces =
-      std::all_of(stretch.samples.begin(), stretch.samples.end(),
-                  [](const ImuSample& sample) { return sample.has_linear_acceleration; });
-  for (const ImuSample& sample : stretch.samples) {
-    message.stamps.push_back(to_ros(sample.stamp));
-    message.angular_velocities.push_back(to_message(sample.angular_velocity));
-    if (has_forces) message.linear_accelerations.push_back(to_message(sample.linear_acceleration));
-  }
-  message.turning_is_uniform = stretch.uniform_rate.has_value();
-  message.uniform_rate =
-      to_message(stretch.uniform_rate.value_or(Eigen::Vector3d(Eigen::Vector3d::Zero())));
-  message.gyro_bias = to_message(stretch.gyro_bias);
-  return message;
-}
-
-ImuStretch from_message(const ImuSamples& message) {
-  const std::size_t count = message.stamps.size();
-  const bool has_forces = !message.linear_accelerations.empty();
-  if (message.angular_velocities.size() != count ||
-      (has_forces && message.linear_accelerations.size() != count)) {
-    throw InputError("the samples of an IMU: stamps and values are not equally many");
-  }
-  ImuStretch stretch;
-  stretch.p_base_imu = from_message(message.position);
-  stretch.gyro_bias = from_message(message.gyro_bias);
-  if (message.turning_is_uniform) stretch.uniform_rate = from_message(message.uniform_rate);
-  bool finite = stretch.p_base_imu.allFinite() && stretch.gyro_bias.allFinite() &&
-                (!stretch.uniform_rate || stretch.uniform_rate->allFinite());
-  for (std::size_t i = 0; i < count; ++i) {
-    ImuSample sample;
-    sample.stamp = from_ros(message.stamps[i]);
-    sample.angular_velocity = from_message(message.angular_velocities[i]);
-    sample.has_linear_acceleration = has_forces;
-    if (has_forces) sample.linear_acceleration = from_message(message.linear_accelerations[i]);
-    finite =
-        finite && sample.angular_velocity.allFinite() && sample.linear_acceleration.allFinite();
-    stretch.samples.push_back(sample);
-  }
-  if (!finite) throw InputError("the samples of an IMU: a value is not finite");
-  return stretch;
-}
-
 FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
                                  std::uint32_t scans_dropped, const std::string& base_frame) {
   const front_end::FrontEndStatus& status = result.status;
@@ -240,7 +193,6 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.repeated = status.repeated;
   message.elevation_shift = status.elevation_shift;
   message.stamp_jitter = status.stamp_jitter;
-  message.imu = front_end::to_string(result.status.imu);
   message.unobserved_stddev = status.unobserved_stddev;
   message.key_frame = result.key_frame.has_value();
   if (result.key_frame) message.key_frame_index = result.key_frame->index;

@@ -12,6 +12,8 @@ namespace {
 
 /// An outside odometry that lags more than so many scans is not waited for.
 constexpr std::size_t kMostWaiting = 50;
+/// What has not come when so many more scans are there (1 s of most sensors) has been lost.
+constexpr std::size_t kLost = 10;
 /// No pose is made up over a longer gap of the outside odometry.
 constexpr Stamp kLongestGap = from_seconds(0.5);
 /// Samples without a scan are forgotten beyond this number.
@@ -36,7 +38,7 @@ void ScanAssembler::Stream<Sample>::add(Stamp stamp, const Sample& sample) {
 
 template <typename Sample>
 bool ScanAssembler::Stream<Sample>::complete_for(Stamp stamp, bool last_chance) {
-  if (samples.count(stamp) > 0 || !expected) return true;
+  if (has(stamp) || !expected) return true;
   if (last_chance) expected = false;
   return last_chance;
 }
@@ -52,12 +54,12 @@ std::optional<Sample> ScanAssembler::Stream<Sample>::take(Stamp stamp) {
 
 ScanAssembler::ScanAssembler(bool external_odometry) : external_odometry_(external_odometry) {}
 
-void ScanAssembler::add_imu(const ImuSample& sample_base) {
-  imu_.add(sample_base.stamp, sample_base);
+void ScanAssembler::add_inputs(Stamp stamp, const SyncedInputs& inputs) {
+  inputs_.add(stamp, inputs);
 }
 
-void ScanAssembler::add_imu(Stamp stamp, const ImuStretch& stretch) {
-  imu_stretches_.add(stamp, stretch);
+void ScanAssembler::add_imu(const ImuSample& sample_base) {
+  imu_.add(sample_base.stamp, sample_base);
 }
 
 void ScanAssembler::add_velocity(const VelocitySample& sample_base) {
@@ -83,52 +85,49 @@ void ScanAssembler::add_scan(Scan scan) {
 
 std::vector<AssembledScan> ScanAssembler::take_ready() {
   std::vector<AssembledScan> out;
-  while (!waiting_.empty() && ready(waiting_.front(), waiting_.size() > 1)) emit_first(out);
+  while (!waiting_.empty() && ready(waiting_.front().stamp)) emit_first(out);
   return out;
 }
 
 std::vector<AssembledScan> ScanAssembler::flush() {
   std::vector<AssembledScan> out;
-  while (!waiting_.empty()) emit_first(out);
+  while (!waiting_.empty()) {
+    inputs_.complete_for(waiting_.front().stamp, true);
+    emit_first(out);
+  }
   return out;
 }
 
-bool ScanAssembler::ready(const Scan& scan, bool next_is_there) {
-  if (external_odometry_ && !odometry_ready(scan.stamp)) return false;
-  const bool imu = imu_.complete_for(scan.stamp, next_is_there);
-  const bool stretch = imu_stretches_.complete_for(scan.stamp, next_is_there);
-  const bool velocity = velocity_.complete_for(scan.stamp, next_is_there);
-  const bool gnss = gnss_.complete_for(scan.stamp, next_is_there);
-  return imu && stretch && velocity && gnss;
+bool ScanAssembler::ready(Stamp stamp) {
+  if (external_odometry_ && !odometry_ready(stamp)) return false;
+  const bool is_lost = waiting_.size() > kLost;
+  if (!inputs_.complete_for(stamp, is_lost)) return false;
+  if (inputs_.has(stamp)) return is_lost || has_named_samples(stamp, inputs_.samples.at(stamp));
+  const bool next_is_there = waiting_.size() > 1;
+  const bool imu = imu_.complete_for(stamp, next_is_there);
+  const bool velocity = velocity_.complete_for(stamp, next_is_there);
+  const bool gnss = gnss_.complete_for(stamp, next_is_there);
+  return imu && velocity && gnss;
+}
+
+/// Of GNSS only the first pose is used.
+bool ScanAssembler::has_named_samples(Stamp stamp, const SyncedInputs& inputs) const {
+  return (!inputs.imu || imu_.has(stamp)) && (!inputs.velocity || velocity_.has(stamp)) &&
+         (!inputs.gnss || has_begun_ || gnss_.has(stamp));
 }
 
 bool ScanAssembler::odometry_ready(Stamp stamp) const {
   return waiting_.size() > kMostWaiting || odometry_.lower_bound(stamp) != odometry_.end();
 }
 
-/// With the samples of scans that never came: the way to this one leads through them.
-std::optional<ImuStretch> ScanAssembler::take_stretch(Stamp stamp) {
-  std::optional<ImuStretch> whole;
-  auto& stretches = imu_stretches_.samples;
-  const auto end = stretches.upper_bound(stamp);
-  for (auto it = stretches.begin(); it != end; ++it) {
-    std::vector<ImuSample> samples = whole ? std::move(whole->samples) : std::vector<ImuSample>{};
-    samples.insert(samples.end(), it->second.samples.begin(), it->second.samples.end());
-    whole = std::move(it->second);
-    whole->samples = std::move(samples);
-    if (it->first != stamp) whole->uniform_rate.reset();
-  }
-  stretches.erase(stretches.begin(), end);
-  return whole;
-}
-
 void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   const Stamp stamp = waiting_.front().stamp;
   AssembledScan assembled{std::move(waiting_.front()), {}};
   waiting_.pop_front();
+  has_begun_ = true;
+  inputs_.take(stamp);
   const auto imu = imu_.take(stamp);
   if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;
-  assembled.prior.imu = take_stretch(stamp);
   if (const auto velocity = velocity_.take(stamp)) {
     assembled.prior.linear_velocity = velocity->linear;
   }

@@ -44,10 +44,10 @@ Kind kind_of(const CloudView& cloud) try {
 }  // namespace
 
 const std::vector<std::string>& own_outputs() {
-  static const std::vector<std::string> names = {"synced_cloud",   "current_scan",    "local_map",
-                                                 "global_map",     "synced_imu",      "synced_gnss",
-                                                 "gnss_datum",     "synced_velocity", "laser_odom",
-                                                 "optimized_odom", "ground_truth"};
+  static const std::vector<std::string> names = {"synced_cloud", "current_scan",    "local_map",
+                                                 "global_map",   "synced_imu",      "synced_gnss",
+                                                 "gnss_datum",   "synced_velocity", "synced_inputs",
+                                                 "laser_odom",   "optimized_odom",  "ground_truth"};
   return names;
 }
 

@@ -45,7 +45,6 @@ std::optional<std::pair<Scan, front_end::MotionPrior>> ImuFeed::next(std::size_t
   preprocessing::SyncedScan& synced = complete.back();
   front_end::MotionPrior prior;
   if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
-  prior.imu = std::move(synced.imu_stretch);
   return std::make_pair(std::move(synced.scan), std::move(prior));
 }
 

@@ -286,40 +286,6 @@ TEST(ImuConversion, TakesACovarianceOfMinusOneForNoValue) {
   EXPECT_EQ(again.linear_acceleration_covariance[0], -1.0);
 }
 
-TEST(ImuSamplesConversion, ComesBackTheSame) {
-  ImuStretch stretch;
-  stretch.samples = {{kStamp, {0.1, 0.2, 0.3}, {0.0, 0.0, 9.81}, std::nullopt},
-                     {kStamp + 5'000'000, {0.2, 0.3, 0.4}, {0.1, 0.0, 9.7}, std::nullopt}};
-  stretch.p_base_imu = {0.1, 0.2, 0.3};
-  stretch.gyro_bias = {0.01, 0.0, 0.0};
-  const ImuStretch even = from_message(to_message(stretch, kStamp, "base_link"));
-  EXPECT_FALSE(even.uniform_rate);
-  stretch.uniform_rate = Eigen::Vector3d(1.0, 2.0, 3.0);
-  const ImuStretch again = from_message(to_message(stretch, kStamp, "base_link"));
-  ASSERT_EQ(again.samples.size(), 2U);
-  EXPECT_EQ(again.samples[1].stamp, kStamp + 5'000'000);
-  EXPECT_EQ(again.samples[1].angular_velocity, stretch.samples[1].angular_velocity);
-  EXPECT_EQ(again.samples[1].linear_acceleration, stretch.samples[1].linear_acceleration);
-  EXPECT_TRUE(again.samples[1].has_linear_acceleration);
-  EXPECT_EQ(again.p_base_imu, stretch.p_base_imu);
-  EXPECT_EQ(again.gyro_bias, stretch.gyro_bias);
-  EXPECT_EQ(again.uniform_rate, stretch.uniform_rate);
-  stretch.samples[0].has_linear_acceleration = false;
-  EXPECT_FALSE(
-      from_message(to_message(stretch, kStamp, "base_link")).samples[1].has_linear_acceleration);
-}
-
-TEST(ImuSamplesConversion, RefusesWhatCannotBeRight) {
-  ImuStretch stretch;
-  stretch.samples.resize(2);
-  ImuSamples message = to_message(stretch, kStamp, "base_link");
-  message.angular_velocities.pop_back();
-  EXPECT_THROW(from_message(message), InputError);
-  message = to_message(stretch, kStamp, "base_link");
-  message.angular_velocities[1].y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(from_message(message), InputError);
-}
-
 TEST(VelocityConversion, ComesBackTheSame) {
   const VelocitySample sample{kStamp, {10.0, 0.1, 0.0}, {0.0, 0.0, 0.2}};
   const VelocitySample again = from_message(to_message(sample, "base_link"));
@@ -392,7 +358,6 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   result.status.state = front_end::TrackingState::kDegraded;
   result.status.overlap = 0.4;
   result.status.repeated = true;
-  result.status.imu = front_end::ImuUse::kGyro;
   result.status.step_seconds = {{"match", 0.02}};
   result.key_frame = KeyFrame();
   result.key_frame->index = 8;
@@ -401,7 +366,6 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   EXPECT_EQ(message.state, "degraded");
   EXPECT_EQ(message.overlap, 0.4);
   EXPECT_TRUE(message.repeated);
-  EXPECT_EQ(message.imu, "gyro");
   EXPECT_TRUE(message.key_frame);
   EXPECT_EQ(message.key_frame_index, 8U);
   EXPECT_EQ(message.scans_dropped, 3U);

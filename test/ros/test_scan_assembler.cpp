@@ -17,14 +17,6 @@ ImuSample imu_at(Stamp stamp) {
   return sample;
 }
 
-/// With a sample of that stamp.
-ImuStretch stretch_at(Stamp stamp) {
-  ImuStretch stretch;
-  stretch.samples = {imu_at(stamp)};
-  stretch.uniform_rate = Eigen::Vector3d::UnitZ();
-  return stretch;
-}
-
 VelocitySample velocity_at(Stamp stamp) {
   VelocitySample sample;
   sample.stamp = stamp;
@@ -50,31 +42,54 @@ std::vector<Stamp> stamps(const std::vector<AssembledScan>& scans) {
 TEST(ScanAssembler, PairsByStampWhateverArrivesFirst) {
   ScanAssembler assembler(false);
   assembler.add_scan(scan_at(kPeriod));
+  assembler.add_inputs(kPeriod, {true, true, true});
   assembler.add_velocity(velocity_at(kPeriod));
   EXPECT_TRUE(assembler.take_ready().empty());
   assembler.add_gnss(gnss_at(kPeriod));
   assembler.add_imu(imu_at(kPeriod));
-  assembler.add_imu(kPeriod, stretch_at(kPeriod));
   const auto ready = assembler.take_ready();
   ASSERT_EQ(ready.size(), 1U);
-  EXPECT_EQ(ready[0].prior.imu->samples.size(), 1U);
   EXPECT_EQ(ready[0].prior.angular_velocity->z(), static_cast<double>(kPeriod));
   EXPECT_EQ(ready[0].prior.linear_velocity->x(), static_cast<double>(kPeriod));
 }
 
-// The way to a scan leads through those that were lost under way.
-TEST(ScanAssembler, KeepsTheSamplesOfScansThatNeverCame) {
+// Two scans that came before the IMU's sample of the first were taken without it.
+TEST(ScanAssembler, WaitsForWhatIsNamedHoweverManyScansComeFirst) {
   ScanAssembler assembler(false);
-  for (const Stamp stamp : {kPeriod, 2 * kPeriod, 3 * kPeriod}) {
-    assembler.add_imu(stamp, stretch_at(stamp));
+  for (int i = 1; i <= 3; ++i) {
+    assembler.add_scan(scan_at(i * kPeriod));
+    assembler.add_inputs(i * kPeriod, {true, true, i > 1});
   }
-  assembler.add_scan(scan_at(2 * kPeriod));
-  const auto out = assembler.flush();
-  ASSERT_EQ(out.size(), 1U);
-  ASSERT_EQ(out[0].prior.imu->samples.size(), 2U);
-  EXPECT_EQ(out[0].prior.imu->samples[0].stamp, kPeriod);
-  EXPECT_EQ(out[0].prior.imu->samples[1].stamp, 2 * kPeriod);
-  EXPECT_TRUE(out[0].prior.imu->uniform_rate);
+  EXPECT_TRUE(assembler.take_ready().empty());
+  for (int i = 1; i <= 3; ++i) {
+    assembler.add_imu(imu_at(i * kPeriod));
+    EXPECT_TRUE(assembler.take_ready().empty());
+    assembler.add_velocity(velocity_at(i * kPeriod));
+    const auto ready = assembler.take_ready();
+    ASSERT_EQ(ready.size(), 1U) << "of GNSS only the first pose is used";
+    EXPECT_EQ(ready[0].prior.angular_velocity->z(), static_cast<double>(i * kPeriod));
+    EXPECT_TRUE(ready[0].prior.linear_velocity);
+  }
+}
+
+TEST(ScanAssembler, DoesNotWaitForWhatIsNotNamed) {
+  ScanAssembler assembler(false);
+  assembler.add_scan(scan_at(kPeriod));
+  EXPECT_TRUE(assembler.take_ready().empty());
+  assembler.add_inputs(kPeriod, {});
+  EXPECT_EQ(assembler.take_ready().size(), 1U);
+}
+
+TEST(ScanAssembler, GoesOnWithoutASampleThatWasLost) {
+  ScanAssembler assembler(false);
+  std::size_t taken = 0;
+  for (int i = 1; i <= 12; ++i) {
+    assembler.add_scan(scan_at(i * kPeriod));
+    assembler.add_inputs(i * kPeriod, {true, false, false});
+    if (i != 2) assembler.add_imu(imu_at(i * kPeriod));
+    taken += assembler.take_ready().size();
+    EXPECT_EQ(taken, i < 12 ? 1U : 12U);
+  }
 }
 
 TEST(ScanAssembler, TakesNoTurningFromAnImuWithoutGyro) {
@@ -101,18 +116,28 @@ TEST(ScanAssembler, NeverTakesASampleOfAnotherStamp) {
 // F12: LiDAR alone must work.
 TEST(ScanAssembler, WaitsForSilentSensorsOnlyOnce) {
   ScanAssembler assembler(false);
-  assembler.add_scan(scan_at(1 * kPeriod));
-  EXPECT_TRUE(assembler.take_ready().empty());
-  assembler.add_scan(scan_at(2 * kPeriod));
-  EXPECT_EQ(stamps(assembler.take_ready()), (std::vector<Stamp>{kPeriod, 2 * kPeriod}));
-  assembler.add_scan(scan_at(3 * kPeriod));
+  for (int i = 1; i <= 10; ++i) assembler.add_scan(scan_at(i * kPeriod));
+  EXPECT_TRUE(assembler.take_ready().empty()) << "the inputs may still be named";
+  assembler.add_scan(scan_at(11 * kPeriod));
+  EXPECT_EQ(assembler.take_ready().size(), 11U);
+  assembler.add_scan(scan_at(12 * kPeriod));
   EXPECT_EQ(assembler.take_ready().size(), 1U);
+}
+
+TEST(ScanAssembler, AfterARestNothingIsWaitedForAnyLonger) {
+  ScanAssembler assembler(false);
+  for (int i = 1; i <= 2; ++i) assembler.add_scan(scan_at(i * kPeriod));
+  EXPECT_EQ(stamps(assembler.flush()), (std::vector<Stamp>{kPeriod, 2 * kPeriod}));
+  for (int i = 3; i <= 4; ++i) assembler.add_scan(scan_at(i * kPeriod));
+  EXPECT_EQ(assembler.take_ready().size(), 2U);
 }
 
 TEST(ScanAssembler, ASensorThatSpeaksAgainIsWaitedForAgain) {
   ScanAssembler assembler(false);
-  for (int i = 1; i <= 3; ++i) assembler.add_scan(scan_at(i * kPeriod));
-  assembler.take_ready();
+  assembler.add_scan(scan_at(1 * kPeriod));
+  assembler.flush();
+  for (int i = 2; i <= 3; ++i) assembler.add_scan(scan_at(i * kPeriod));
+  EXPECT_EQ(assembler.take_ready().size(), 2U);
   assembler.add_imu(imu_at(4 * kPeriod));
   assembler.add_scan(scan_at(4 * kPeriod));
   EXPECT_EQ(assembler.take_ready().size(), 1U);
@@ -146,6 +171,7 @@ TEST(ScanAssembler, OutsideOdometryIsInterpolatedAtTheScan) {
   ScanAssembler assembler(true);
   assembler.add_odometry(kPeriod, {Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}});
   for (int i = 0; i < 2; ++i) assembler.add_scan(scan_at(kPeriod + (1 + i) * kPeriod / 4));
+  for (int i = 0; i < 2; ++i) assembler.add_inputs(kPeriod + (1 + i) * kPeriod / 4, {});
   EXPECT_TRUE(assembler.take_ready().empty()) << "nothing is extrapolated";
   assembler.add_odometry(2 * kPeriod, {Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}});
   const auto ready = assembler.take_ready();

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/stamp.hpp"
@@ -18,18 +17,6 @@ struct ImuSample {
   // What the sensor does not measure is zero here, and nobody may take it for rest.
   bool has_angular_velocity = true;
   bool has_linear_acceleration = true;
-};
-
-/// What an IMU measured until the end of a sweep, since the samples of the sweep before: in the
-/// order of the stamps, in the axes of base_link, as it was measured (nothing is subtracted).
-struct ImuStretch {
-  std::vector<ImuSample> samples;
-  Eigen::Vector3d p_base_imu = Eigen::Vector3d::Zero();  ///< where the sensor sits, m
-  /// The sweep's points were turned until, by the gyro, base_link turns at this constant rate from
-  /// the scan's stamp on, rad/s; none where the points are as they were seen.
-  std::optional<Eigen::Vector3d> uniform_rate;
-  /// What that took for the gyro's bias, rad/s.
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
 };
 
 /// Velocity of a frame in its own axes.

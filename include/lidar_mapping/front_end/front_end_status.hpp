@@ -7,8 +7,6 @@
 
 #include <Eigen/Core>
 
-#include "lidar_mapping/front_end/imu_monitor.hpp"
-
 namespace lidar_mapping::front_end {
 
 enum class TrackingState {
@@ -43,8 +41,6 @@ struct FrontEndStatus {
   /// Scatter of the stamps, s, where they are so irregular that turns of the sensor are counted
   /// instead (SweepClock); 0 elsewhere.
   double stamp_jitter = 0.0;
-  /// How the IMU was used, see ImuMonitor.
-  ImuUse imu = ImuUse::kAbsent;
   /// For whole scan and for its steps: the only figures that are not the same in each run.
   double seconds = 0.0;
   std::vector<std::pair<std::string, double>> step_seconds;

@@ -12,8 +12,6 @@ class MeasuredMotion {
  public:
   /// Rate and velocity; the velocity as one that may have gone wrong just now.
   void take(const MotionPrior& prior, MotionFilter& filter) const;
-  /// The velocity alone.
-  void take_velocity(const MotionPrior& prior, MotionFilter& filter) const;
   /// The filter's belief, held to the measured velocity as firmly as it has deserved.
   registration::MotionBelief trusting(const MotionPrior& prior, MotionFilter filter) const;
   /// Takes in a velocity (m/s, own axes) that a match observed in all directions.

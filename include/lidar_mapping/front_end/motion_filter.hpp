@@ -44,10 +44,6 @@ class MotionFilter {
   void predict(double seconds);
   /// The same filter before a motion unlike all of late.
   MotionFilter agile() const;
-  /// The same filter, believing that of its state.
-  MotionFilter believing(const registration::MotionBelief& belief) const;
-  /// Takes the attitude in, with the standard deviation of each axis (rad).
-  void measure_attitude(const Eigen::Quaterniond& rotation, double sigma);
   /// Take measurements of the twist in, with the standard deviation of each axis.
   void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);
   void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);

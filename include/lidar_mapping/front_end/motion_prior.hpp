@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/pose.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -10,8 +10,6 @@ namespace lidar_mapping::front_end {
 struct MotionPrior {
   std::optional<Eigen::Vector3d> angular_velocity;  ///< rad/s, axes of base_link
   std::optional<Eigen::Vector3d> linear_velocity;   ///< m/s, axes of base_link
-  /// The samples of the IMU until the end of the sweep, see InertialMotion.
-  std::optional<ImuStretch> imu;
   /// Pose of base_link by an odometry outside; used instead of matching with `odometry: external`.
   std::optional<Pose> T_external_base;
   /// Pose of the first scan in odom; used once.

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "lidar_mapping/front_end/front_end_config.hpp"
-#include "lidar_mapping/front_end/inertial_sweep.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
 
@@ -38,8 +36,6 @@ class SweepSampler {
   void set_elevation_shift(double angle) { elevation_shift_ = angle; }
   /// Samples the points to be matched; `turn` makes each scan begin with another point.
   void take(const Scan& scan, std::size_t turn);
-  /// Bends the points of the scan that was taken last, those for the map too.
-  void bend(const InertialSweep& sweep);
   const registration::NdtPoints& points() const { return points_; }
   /// The same, in the order in which they were sampled.
   const SampledPoints& sparse() const { return sparse_; }
@@ -67,7 +63,6 @@ class SweepSampler {
   SampledPoints sparse_;
   SampledPoints dense_;
   registration::NdtPoints points_;
-  std::optional<InertialSweep> bent_;  ///< how this scan's points are
   double reference_ = 0.0;
   double duration_ = 0.0;
   double elevation_shift_ = 0.0;

@@ -7,7 +7,6 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/front_end/front_end_status.hpp"
-#include "lidar_mapping/front_end/inertial_sweep.hpp"
 #include "lidar_mapping/front_end/motion_prior.hpp"
 
 namespace lidar_mapping::front_end {
@@ -31,8 +30,6 @@ struct TrackedScan {
   double parting_variance = 1.0;
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
-  /// Where the IMU followed the motion during the sweep; its cloud is deskewed with that.
-  std::shared_ptr<const InertialSweep> inertial_sweep;
   FrontEndStatus status;
   double elevation_shift = 0.0;  ///< by which the scan's points were turned upwards, rad
   /// False while the twist is a guess, as at the first scan of a drive: a sweep cannot be deskewed.

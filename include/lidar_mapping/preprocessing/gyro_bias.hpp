@@ -11,18 +11,23 @@ namespace lidar_mapping::preprocessing {
 /// are steady, the mean rate is small and the velocity, where there is one, is zero.
 class GyroBias {
  public:
-  /// `standing` is what the velocity says at that time, if anything does.
+  /// In the order of the stamps. `standing` is what the velocity says at that time, if anything.
   void add(const ImuSample& sample, std::optional<bool> standing);
-  /// rad/s in the sensor's axes; zero until the vehicle has stood once.
-  const Eigen::Vector3d& bias() const { return bias_; }
-  bool is_known() const { return known_; }
+  /// By the samples up to `stamp`, in rad/s and in the sensor's axes; zero until the vehicle has
+  /// stood once. What was learned later has no part in it: the value of an instant does not depend
+  /// on when it is asked for. Estimates of the last 64 times of standing are kept.
+  Eigen::Vector3d at(Stamp stamp) const;
 
  private:
-  void judge(std::optional<bool> standing);
+  struct Estimate {
+    Stamp stamp;  ///< of the last sample of its window
+    Eigen::Vector3d bias;
+  };
+
+  void update(std::optional<bool> standing);
 
   std::deque<ImuSample> window_;
-  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
-  bool known_ = false;
+  std::deque<Estimate> estimates_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -31,13 +31,15 @@ class MotionSensors {
   Insertion add_imu(ImuSample sample, const std::string& frame_id);
   Insertion add_velocity(VelocitySample sample, const std::string& frame_id);
 
+  /// Learns the gyro's bias and whether its rates can be believed from the samples up to `stamp`,
+  /// in the order of the stamps: the order in which messages of several sensors arrive changes
+  /// nothing. Called when the samples up to there have come.
+  void learn_until(Stamp stamp);
+
   /// In base_link; nothing in a gap, without a transform, or without the sensor, and no velocity
   /// that the other sensors contradict.
   std::optional<ImuSample> imu_at(Stamp stamp) const;
   std::optional<VelocitySample> velocity_at(Stamp stamp) const;
-
-  /// The samples of the IMU after `after`, until the end of a scan; none without a transform.
-  std::optional<ImuStretch> imu_since(Stamp after, Stamp until) const;
 
   /// The motion over the time span of a scan, by the gyro (else the turning of the velocity) and
   /// the velocity. With the gyro alone only the turning is known (kImu).
@@ -54,14 +56,20 @@ class MotionSensors {
   const SensorStream<VelocitySample>& velocity() const { return velocity_; }
   /// It turned as nobody drives, or far more than the velocity, so its rates are not used any more:
   /// they are in degrees/s.
-  bool gyro_is_absurd() const { return gyro_is_absurd_; }
+  bool gyro_is_absurd() const { return absurd_since_.has_value(); }
   void give_up_silent_sensors();
   void clear();
 
  private:
+  void learn(const ImuSample& sample);
+  bool is_absurd(const ImuSample& sample);
   std::optional<bool> is_standing(Stamp stamp) const;
+  bool velocity_turns(Stamp stamp) const { return turns_since_ && *turns_since_ <= stamp; }
+  /// Sensor's axes, without bias; nothing where the sample has no rates that can be believed.
+  std::optional<Eigen::Vector3d> turning(const ImuSample& sample,
+                                         const Eigen::Vector3d& bias) const;
   std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
-  bool outturns_velocity(const ImuSample& sample, const std::string& frame_id) const;
+  bool outturns_velocity(const ImuSample& sample) const;
 
   const Extrinsics& extrinsics_;
   double acceleration_unit_;
@@ -75,8 +83,9 @@ class MotionSensors {
   VelocityCheck velocity_check_;
   int fast_samples_ = 0;  ///< in a row
   std::optional<Stamp> outturns_since_;
-  bool gyro_is_absurd_ = false;
-  bool velocity_turns_ = false;  ///< its angular part has been something else than zero
+  Stamp learned_until_ = 0;
+  std::optional<Stamp> absurd_since_;
+  std::optional<Stamp> turns_since_;  ///< when the velocity's angular part first was not zero
 };
 
 }  // namespace lidar_mapping::preprocessing

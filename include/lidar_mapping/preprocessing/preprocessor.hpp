@@ -38,7 +38,6 @@ struct RawScan {
 struct SyncedScan {
   Scan scan;
   std::optional<ImuSample> imu;            ///< in the axes of base_link
-  std::optional<ImuStretch> imu_stretch;   ///< what the IMU measured until the scan's end
   std::optional<VelocitySample> velocity;  ///< of base_link
   std::optional<GnssPosition> gnss;
 };

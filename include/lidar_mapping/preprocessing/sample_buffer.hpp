@@ -5,7 +5,6 @@
 #include <deque>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
 
@@ -52,12 +51,18 @@ class SampleBuffer {
     return stamp - earlier->stamp <= max_gap ? &*earlier : nullptr;
   }
 
-  /// The samples after `after`, up to the first one at or after `until`.
-  std::vector<Sample> since(Stamp after, Stamp until) const {
-    const auto begin = std::lower_bound(samples_.begin(), samples_.end(), after + 1, is_before);
-    auto end = std::lower_bound(begin, samples_.end(), until, is_before);
-    if (end != samples_.end()) ++end;
-    return {begin, end};
+  /// The newest sample that is not after `stamp`; none where all are.
+  const Sample* up_to(Stamp stamp) const {
+    const auto after = std::upper_bound(samples_.begin(), samples_.end(), stamp, is_after);
+    return after == samples_.begin() ? nullptr : &*std::prev(after);
+  }
+
+  /// Calls `visit` with each sample after `begin` that is not after `end`, in order.
+  template <typename Visit>
+  void for_each(Stamp begin, Stamp end, const Visit& visit) const {
+    const auto first = std::upper_bound(samples_.begin(), samples_.end(), begin, is_after);
+    const auto last = std::upper_bound(first, samples_.end(), end, is_after);
+    std::for_each(first, last, visit);
   }
 
   bool empty() const { return samples_.empty(); }
@@ -71,6 +76,7 @@ class SampleBuffer {
 
  private:
   static bool is_before(const Sample& sample, Stamp stamp) { return sample.stamp < stamp; }
+  static bool is_after(Stamp stamp, const Sample& sample) { return sample.stamp > stamp; }
 
   Stamp horizon_;
   std::size_t capacity_;

@@ -7,7 +7,6 @@
 #include "lidar_mapping/common/floor.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
-#include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/ros/messages.hpp"
 
@@ -34,11 +33,6 @@ LoopVerdict from_message(const LoopVerdictMessage& message);
 
 FloorMessage to_message(const Floor& floor, const std::string& base_frame);
 Floor from_message(const FloorMessage& message);
-
-/// Of the scan with that stamp.
-ImuSamples to_message(const ImuStretch& stretch, Stamp stamp, const std::string& base_frame);
-/// Throws InputError where the arrays are not equally long or values are not finite.
-ImuStretch from_message(const ImuSamples& message);
 
 /// The status and whether the scan became a key frame.
 FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,

@@ -16,11 +16,11 @@
 #define KeyFramePoses KeyFramePosesMessage
 #define Loop LoopMessage
 #define LoopVerdict LoopVerdictMessage
+#define SyncedInputs SyncedInputsMessage
 #include <lidar_mapping/DumpGraph.h>
 #include <lidar_mapping/Floor.h>
 #include <lidar_mapping/FrontEndStatus.h>
 #include <lidar_mapping/GetKeyFrames.h>
-#include <lidar_mapping/ImuSamples.h>
 #include <lidar_mapping/KeyFrame.h>
 #include <lidar_mapping/KeyFramePoses.h>
 #include <lidar_mapping/LoadGraph.h>
@@ -28,9 +28,11 @@
 #include <lidar_mapping/LoopVerdict.h>
 #include <lidar_mapping/OptimizeMap.h>
 #include <lidar_mapping/SaveMap.h>
+#include <lidar_mapping/SyncedInputs.h>
 #undef Floor
 #undef FrontEndStatus
 #undef KeyFrame
 #undef KeyFramePoses
 #undef Loop
 #undef LoopVerdict
+#undef SyncedInputs

@@ -18,18 +18,27 @@ struct AssembledScan {
   front_end::MotionPrior prior;
 };
 
+/// Which sensors have a sample of the scan's stamp.
+struct SyncedInputs {
+  bool imu = false;
+  bool velocity = false;
+  bool gnss = false;
+};
+
 /// Puts together what preprocessing sends about one scan on several topics, which arrive in any
-/// order: by equality of stamps, never by arrival. A scan waits for a topic until the next scan is
-/// there; a topic that let a scan pass is not waited for until it speaks again. With an odometry
-/// from outside, a scan waits until that odometry has passed its stamp, and gets the pose between
-/// the two samples around it. One thread calls it.
+/// order: by equality of stamps, never by arrival. A scan waits for its SyncedInputs and for the
+/// samples that these name. They are sent for every scan, so the result does not depend on the
+/// order of arrival; what a full queue has lost is waited for until ten more scans are there.
+/// Whoever sends scans without them has each scan wait for a topic until the next scan is there; a
+/// topic that let a scan pass is not waited for until it speaks again. With an odometry from
+/// outside, a scan waits until that odometry has passed its stamp, and gets the pose between the
+/// two samples around it. One thread calls it.
 class ScanAssembler {
  public:
   explicit ScanAssembler(bool external_odometry);
 
+  void add_inputs(Stamp stamp, const SyncedInputs& inputs);
   void add_imu(const ImuSample& sample_base);
-  /// What the IMU measured until the end of the scan with that stamp.
-  void add_imu(Stamp stamp, const ImuStretch& stretch);
   void add_velocity(const VelocitySample& sample_base);
   void add_gnss(const GnssPosition& position);
   void add_odometry(Stamp stamp, const Pose& T_external_base);
@@ -50,19 +59,21 @@ class ScanAssembler {
     bool expected = true;
 
     void add(Stamp stamp, const Sample& sample);
+    bool has(Stamp stamp) const { return samples.count(stamp) > 0; }
     bool complete_for(Stamp stamp, bool last_chance);
     std::optional<Sample> take(Stamp stamp);
   };
 
-  std::optional<ImuStretch> take_stretch(Stamp stamp);
-  bool ready(const Scan& scan, bool next_is_there);
+  bool ready(Stamp stamp);
+  bool has_named_samples(Stamp stamp, const SyncedInputs& inputs) const;
   bool odometry_ready(Stamp stamp) const;
   void emit_first(std::vector<AssembledScan>& out);
   std::optional<Pose> odometry_at(Stamp stamp) const;
 
   bool external_odometry_;
+  bool has_begun_ = false;  ///< a scan has left
+  Stream<SyncedInputs> inputs_;
   Stream<ImuSample> imu_;
-  Stream<ImuStretch> imu_stretches_;
   Stream<VelocitySample> velocity_;
   Stream<GnssPosition> gnss_;
   std::map<Stamp, Pose> odometry_;
