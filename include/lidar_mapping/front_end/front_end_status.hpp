@@ -41,6 +41,8 @@ struct FrontEndStatus {
   /// Scatter of the stamps, s, where they are so irregular that turns of the sensor are counted
   /// instead (SweepClock); 0 elsewhere.
   double stamp_jitter = 0.0;
+  /// The gyro foretells matches worse than they foretell each other, and is not used (GyroTrust).
+  bool gyro_distrusted = false;
   /// For whole scan and for its steps: the only figures that are not the same in each run.
   double seconds = 0.0;
   std::vector<std::pair<std::string, double>> step_seconds;
