@@ -12,8 +12,10 @@ constexpr double kLeftOut = 0.3;
 constexpr int kFirstMatches = 5;
 constexpr double kBiasRate = 0.02;
 constexpr double kErrorRate = 0.1;
-/// Standard deviation at best, rad/s: scale and axes of cheap gyros are off by 1 % each, that is so much at 1.4 rad/s.
-/// One that is held to more firmly turns the map away from the points.
+/// That much worse than no gyro (in its error) is one that is wrong: matches err, too.
+constexpr double kClearlyWorse = 1.5;
+/// Standard deviation at best, rad/s: scale and axes of cheap gyros are off by 1 % each, that is so
+/// much at 1.4 rad/s. One that is held to more firmly turns the map away from the points.
 constexpr double kLeastSigma = 0.02;
 
 double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaterniond& matched,
@@ -60,13 +62,7 @@ double GyroTrust::sigma() const { return std::max(kLeastSigma, std::sqrt(by_gyro
 
 bool GyroTrust::is_distrusted() const {
   return matches_ >= kFirstMatches &&
-         by_gyro_ > std::max(without_, kLeastSigma * kLeastSigma);
-}
-
-std::string gyro_notice() {
-  return "imu: the gyro does not agree with the matched motion, so it is not used to predict; check "
-         "imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or set "
-         "use_imu: false";
+         by_gyro_ > kClearlyWorse * kClearlyWorse * std::max(without_, kLeastSigma * kLeastSigma);
 }
 
 }  // namespace lidar_mapping::front_end

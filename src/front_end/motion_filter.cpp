@@ -208,14 +208,12 @@ void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d
   if (step_seconds_ == 0.0) return;
   const double to_acceleration = 2.0 / (step_seconds_ * step_seconds_);
   const Vector6d of_twist = (state.twist - state_.twist) / step_seconds_;
-  const Vector6d of_way =
-      difference(state_.T_map_sensor, state.T_map_sensor) * to_acceleration;
+  const Vector6d of_way = difference(state_.T_map_sensor, state.T_map_sensor) * to_acceleration;
   linear_.see(
       std::min((observed * of_twist.head<3>()).norm(), (observed * of_way.head<3>()).norm()));
   // A gyro may fail at any time.
   const MotionState& turned = turning_measured_ ? forecast_state_ : state_;
-  const Vector6d turn =
-      difference(turned.T_map_sensor, state.T_map_sensor) * to_acceleration;
+  const Vector6d turn = difference(turned.T_map_sensor, state.T_map_sensor) * to_acceleration;
   angular_.see(std::min((state.twist - turned.twist).tail<3>().norm() / step_seconds_,
                         turn.tail<3>().norm()));
 }

@@ -54,5 +54,7 @@ std::string elevation_notice(double elevation_shift);
 std::string full_map_notice(std::size_t map_points_dropped);
 /// Says that stamps scatter by `jitter` (s) and what is done about it.
 std::string jitter_notice(double jitter);
+/// Says that the gyro is not used to predict, and what to look at.
+std::string gyro_notice();
 
 }  // namespace lidar_mapping::front_end

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include <Eigen/Geometry>
 
@@ -33,16 +32,13 @@ class GyroTrust {
  private:
   double sigma() const;
 
-  std::optional<Eigen::Vector3d> rate_;        ///< of this sweep, as measured
-  std::optional<Eigen::Vector3d> between_;     ///< mean since the sweep before, as measured
+  std::optional<Eigen::Vector3d> rate_;     ///< of this sweep, as measured
+  std::optional<Eigen::Vector3d> between_;  ///< mean since the sweep before, as measured
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
   double seconds_ = 0.0;
   int matches_ = 0;
   double by_gyro_ = 0.0;  ///< running mean of its squared errors per axis, (rad/s)^2
   double without_ = 0.0;  ///< and of the predictions without it
 };
-
-/// A sentence for people.
-std::string gyro_notice();
 
 }  // namespace lidar_mapping::front_end
