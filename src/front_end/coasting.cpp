@@ -30,6 +30,7 @@ TrackedScan coasted(const TrackedScan& tracked, double seconds) {
   result.status = {};
   result.status.state = is_at_rest(tracked.twist) ? TrackingState::kDegraded : TrackingState::kLost;
   result.status.repeated = true;
+  result.status.probability = 0.0;
   result.status.unobserved_stddev = tracked.status.unobserved_stddev;
   result.status.elevation_shift = tracked.status.elevation_shift;
   result.new_segment = result.provisional = false;

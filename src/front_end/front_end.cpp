@@ -37,6 +37,10 @@ Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) 
       kExternalAngleSigma + kExternalError * rotation_angle(T_from_to.rotation));
 }
 
+/// A scan that is probably wrong becomes a key frame only if none better comes for that many times
+/// the usual way.
+constexpr double kPatience = 3.0;
+
 /// From x y z roll pitch yaw.
 Pose pose_of(const Vector6d& values) {
   Pose pose;
@@ -63,7 +67,9 @@ class FrontEnd::Impl {
  public:
   explicit Impl(const FrontEndConfig& config)
       : config_(config),
-        rule_{config.key_frame_distance, config.key_frame_angle, config.key_frame_interval} {
+        rule_{config.key_frame_distance, config.key_frame_angle, config.key_frame_interval},
+        patient_rule_{kPatience * config.key_frame_distance, kPatience * config.key_frame_angle,
+                      kPatience * config.key_frame_interval} {
     if (config.odometry == OdometrySource::kLidar) tracker_ = make_tracker(config);
     const Eigen::Map<const Vector6d> given(config.initial_pose.data());
     if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
@@ -231,9 +237,11 @@ class FrontEnd::Impl {
     if (tracked.status.state == TrackingState::kLost) return false;
     // Skewed for good, it would skew what later closes on it.
     if (cloud.has_times() && !tracked.motion_known) return false;
+    const KeyFrameRule& rule =
+        tracked.status.state == TrackingState::kDegraded ? patient_rule_ : rule_;
     return !last_key_frame_ ||
-           rule_.reached(last_key_frame_->T_odom_base.inverse() * tracked.T_odom_base,
-                         stamp - key_frame_stamp_);
+           rule.reached(last_key_frame_->T_odom_base.inverse() * tracked.T_odom_base,
+                        stamp - key_frame_stamp_);
   }
 
   /// `points` as they came from key_frame_points().
@@ -272,6 +280,7 @@ class FrontEnd::Impl {
   StepTimer timer_;
   ScanSampler sampler_{19};
   KeyFrameRule rule_;
+  KeyFrameRule patient_rule_;
   RepeatedScans repeated_;
   SurfaceSupport support_;
   std::unique_ptr<Tracker> tracker_;

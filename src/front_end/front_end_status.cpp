@@ -11,12 +11,18 @@ const char* to_string(TrackingState state) {
       return "tracking";
     case TrackingState::kDegenerate:
       return "degenerate";
+    case TrackingState::kDoubtful:
+      return "doubtful";
     case TrackingState::kDegraded:
       return "degraded";
     case TrackingState::kLost:
       return "lost";
   }
   return "";
+}
+
+bool claims_pose(TrackingState state) {
+  return state != TrackingState::kDegraded && state != TrackingState::kLost;
 }
 
 std::string elevation_notice(double elevation_shift) {

@@ -13,9 +13,10 @@ constexpr double kOnePlace = 10.0;
 constexpr int kYoungScans = 12;
 // The first scans are looked at again if the vehicle begins faster than that, as key frames of a
 // slower one would wait too long for the map to grow, and if fewer of the points of the second scan
-// find a plane in the map of the first: with many rings it is good enough.
+// find a plane in the map of the first, those between its rings included: with 64 rings it is good
+// enough (0.56 to 0.58 in simulated towns; 0.51 with the rings of an OS1, 0.26 to 0.37 with 16).
 constexpr double kAtSpeed = 3.0;  // m/s
-constexpr double kEnoughPlanes = 0.4;
+constexpr double kEnoughPlanes = 0.55;
 /// Rounds of deskewing the first scan and matching the second one with it.
 constexpr int kStartRounds = 3;
 // Twists that differ by less move no point by more than the sensor's noise.
@@ -51,8 +52,10 @@ void MapBeginning::begin(const Pose& T_odom_base) {
   first_scans_.begin();
 }
 
-void MapBeginning::keep_first(const SampledPoints& points, bool have_times, double reference) {
+void MapBeginning::keep_first(const SampledPoints& points, const SampledPoints& between,
+                              bool have_times, double reference) {
   first_ = points;
+  between_first_ = between;
   first_has_times_ = have_times;
   first_reference_ = reference;
 }
@@ -70,6 +73,7 @@ SweepMatcher::Found MapBeginning::find_motion(const registration::NdtPoints& poi
     deskewed_with = twist;
     map.clear();
     map.insert(first_, first_state(twist));
+    map.insert(between_first_, first_state(twist));
     return true;
   };
   deskew_first(prediction.state.twist);

@@ -47,6 +47,12 @@ double variance_in_young_map(const NdtMatch& match) {
   return kYoungVariance * std::pow(kYoungOverlap / overlap, kYoungPower);
 }
 
+Matrix12d doubt_covariance(const registration::MotionState& matched,
+                           const registration::MotionBelief& prediction, double probability) {
+  const registration::Vector12d d = difference(matched, prediction.state);
+  return (1.0 - probability) * (d * d.transpose() + prediction.information.inverse());
+}
+
 Covariance6 motion_covariance(const Covariance6& of_from, double from_variance,
                               const Pose& T_from_to, const Covariance6& of_to, double to_variance) {
   const double parted = T_from_to.translation.norm() / kNewViewWay +

@@ -1,5 +1,6 @@
 #include "lidar_mapping/front_end/sliding_window_tracker.hpp"
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -7,11 +8,13 @@
 
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/front_end/blind_way.hpp"
+#include "lidar_mapping/front_end/claimed_pose.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/key_frame_window.hpp"
 #include "lidar_mapping/front_end/motion_filter.hpp"
+#include "lidar_mapping/front_end/step_belief.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
@@ -75,7 +78,13 @@ class SlidingWindowTracker::Impl {
     const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
     timer_.start("matching");
-    TrackedScan tracked = judge(find(sample, predicted, seconds), predicted, seconds);
+    const Match match = find(sample, predicted, seconds);
+    since_claim_ += seconds;
+    TrackedScan tracked = judge(match, predicted, seconds);
+    tracked.status.evidence = weigh(match, predicted, seconds);
+    tracked.status.evidence.points = static_cast<double>(sample.size());
+    tracked.status.evidence.degenerate = tracked.status.degenerate_directions.empty() ? 0.0 : 1.0;
+    doubt_.lower(believe(tracked.status.evidence, EvidenceSource::kSlidingWindow), tracked.status);
     follow(tracked, scan.stamp, prior.linear_velocity.has_value());
     timer_.start("insertion");
     if (lost_for(scan.stamp) > config_.max_lost_time) {
@@ -83,6 +92,7 @@ class SlidingWindowTracker::Impl {
       tracked.new_segment = true;
     }
     if (key_frame_due(tracked)) keep(cloud);
+    if (claims_pose(tracked.status.state) || tracked.new_segment) claim(tracked);
     tracked.twist = twist_;
     tracked.motion_known = speed_known_;
     tracked.status.step_seconds = timer_.take();
@@ -107,6 +117,7 @@ class SlidingWindowTracker::Impl {
 
   TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
     if (prior.T_odom_base_initial) T_odom_base_ = *prior.T_odom_base_initial;
+    doubt_.reset();
     predict_twist(prior);
     speed_known_ = prior.linear_velocity.has_value();
     stamp_ = tracked_stamp_ = scan.stamp;
@@ -118,7 +129,35 @@ class SlidingWindowTracker::Impl {
     tracked.motion_known = speed_known_;
     tracked.status.converged = true;
     tracked.status.inlier_fraction = tracked.status.overlap = 1.0;
+    claim(tracked);
     return tracked;
+  }
+
+  void claim(const TrackedScan& tracked) {
+    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.parting_variance};
+    since_claim_ = 0.0;
+  }
+
+  /// What speaks for and against the match as the end of a step from the last claim.
+  StepEvidence weigh(const Match& match, const Pose& predicted, double seconds) const {
+    const RegistrationResult& result = match.result;
+    StepEvidence evidence;
+    evidence.overlap = result.overlap;
+    evidence.pair_quality = result.overlap > 0.0 ? result.inlier_fraction / result.overlap : 0.0;
+    evidence.converged = result.converged ? 1.0 : 0.0;
+    evidence.iterations = result.iterations;
+    evidence.rescued = match.rescued ? 1.0 : 0.0;
+    const Vector6d d = difference(predicted, result.T_target_source);
+    evidence.surprise = d.head<3>().norm();
+    evidence.surprise_angle = d.tail<3>().norm();
+    // Of a motion that is accelerated as much as any is.
+    const double reach = 0.5 * seconds * seconds;
+    evidence.surprise_sigmas =
+        std::hypot(evidence.surprise / (reach * config_.acceleration_sigma),
+                   evidence.surprise_angle / (reach * config_.angular_acceleration_sigma));
+    set_step(claim_, {result.T_target_source, covariance_of(result.hessian), 1.0}, since_claim_,
+             evidence);
+    return evidence;
   }
 
   void predict_twist(const MotionPrior& prior) {
@@ -234,6 +273,7 @@ class SlidingWindowTracker::Impl {
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
   BlindWay blind_way_;
+  DoubtState doubt_;
   StepTimer timer_;
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan
@@ -242,6 +282,8 @@ class SlidingWindowTracker::Impl {
   Stamp stamp_ = 0;
   Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
   bool speed_known_ = false;
+  ClaimedPose claim_;         ///< of the last scan that claimed its pose
+  double since_claim_ = 0.0;  ///< s
 };
 
 SlidingWindowTracker::SlidingWindowTracker(const FrontEndConfig& config)

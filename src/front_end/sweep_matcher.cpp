@@ -120,6 +120,7 @@ NdtMatch SweepMatcher::match_beside_from(const MotionState& start, const NdtPoin
   NdtOptions options;
   options.neighbor_search = neighbors_;
   options.blind_directions = directions;
+  options.parts = true;
   const NdtMatch fine = matcher_.match(points, map.fine(), prior, start, options);
   return coarse_if_thin(fine, points, map, prior, directions);
 }
@@ -128,6 +129,7 @@ NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const Moti
                               const MotionState& start) {
   NdtOptions options;
   options.neighbor_search = neighbors_;
+  options.parts = true;
   return matcher_.match(points, map.fine(), prior, start, options);
 }
 
@@ -137,6 +139,7 @@ NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& poi
   if (fine.overlap > kThinMap) return fine;
   NdtOptions options;
   options.blind_directions = blind_directions;
+  options.parts = true;
   const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, options);
   return coarse.overlap > std::min(kThinMap, kClearlyMorePoints * fine.overlap) ? coarse : fine;
 }
@@ -175,6 +178,7 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
   NdtOptions options;
   options.neighbor_search = neighbors_;
   options.max_iterations = kFinalIterations;
+  options.parts = true;
   for (NdtMatch& match : found) {
     match = matcher_.match(points, map.fine(), prior, match.state, options);
   }

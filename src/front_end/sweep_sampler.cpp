@@ -56,7 +56,7 @@ SweepSampler::SweepSampler(const FrontEndConfig& config)
       dense_sampler_(kDenseTableBits) {}
 
 void SweepSampler::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  sparse_.viewpoint = dense_.viewpoint = p_base_sensor.cast<float>();
+  sparse_.viewpoint = dense_.viewpoint = between_.viewpoint = p_base_sensor.cast<float>();
 }
 
 void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
@@ -91,6 +91,12 @@ const SampledPoints& SweepSampler::dense(const Scan& scan) {
   sample_dense(scan);
   if (!std::exchange(dense_known_, true)) sample_dense(scan);
   return dense_;
+}
+
+const SampledPoints& SweepSampler::between_rings(const Scan& scan) {
+  bridges_.find(scan.cloud, {reference_, dense_cell_.edge(), max_range_}, between_);
+  raise(between_, elevation_shift_);
+  return between_;
 }
 
 double SweepSampler::median_range() const {

@@ -50,7 +50,8 @@ session::ScanRecord to_record(const FrontEndStatusMessage& status) {
           status.seconds,
           std::int64_t{status.scans_dropped},
           status.unobserved_stddev,
-          status.elevation_shift};
+          status.elevation_shift,
+          status.probability};
 }
 
 }  // namespace

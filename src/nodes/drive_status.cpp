@@ -36,6 +36,8 @@ std::string headline(const DriveStatus& status) {
   }
   if (status.silent) return "no more scans; at the end of the drive: rosservice call /optimize_map";
   if (status.state == "degenerate") return "degenerate: not all of the motion shows";
+  if (status.state == "doubtful")
+    return "doubtful: the step may be off by more than 0.3 m or 1 deg";
   if (status.state == "degraded") return "degraded: scans hardly fit the map";
   if (status.state == "lost") return "lost: scans do not fit the map";
   return status.state;
@@ -50,7 +52,8 @@ std::string figures(const DriveStatus& status) {
 
 void colour(const DriveStatus& status, Marker& marker) {
   const bool lost = status.state == "lost";
-  const bool poor = status.state == "degenerate" || status.state == "degraded";
+  const bool poor =
+      status.state == "degenerate" || status.state == "doubtful" || status.state == "degraded";
   const bool alarming = !status.silent && (lost || poor);
   marker.color.r = 1.0F;
   marker.color.g = !alarming ? 1.0F : (lost ? 0.25F : 0.6F);

@@ -9,7 +9,8 @@ namespace lidar_mapping::ros_border {
 
 /// What a person who looks at the map wants to know of the drive.
 struct DriveStatus {
-  std::string state;  ///< of the front end: tracking, degenerate, degraded or lost; empty: no scan
+  std::string state;    ///< of the front end: tracking, degenerate, doubtful, degraded or lost;
+                        ///< empty: no scan
   bool silent = false;  ///< scans have come, but no longer do
   std::string problem;  ///< why no scans come, where somebody knows
   std::size_t key_frames = 0;

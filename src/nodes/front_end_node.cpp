@@ -282,12 +282,12 @@ void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,
 }
 
 void FrontEndNode::report(const front_end::FrontEndResult& result) {
-  using front_end::TrackingState;
-  const TrackingState state = result.status.state;
-  const bool poor = state == TrackingState::kDegraded || state == TrackingState::kLost;
+  const front_end::TrackingState state = result.status.state;
+  const bool poor = !front_end::claims_pose(state) || state == front_end::TrackingState::kDoubtful;
   context_.diagnostics.count_output(result.stamp);
   context_.diagnostics.set_state(poor ? Diagnostics::Level::kWarning : Diagnostics::Level::kOk,
                                  front_end::to_string(state));
+  context_.diagnostics.set("probability of the step", std::to_string(result.status.probability));
   context_.diagnostics.set("seconds per scan", std::to_string(result.status.seconds));
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
@@ -315,7 +315,7 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   } else if (poor && limiter_.due(front_end::to_string(state))) {
     ROS_WARN_STREAM("odometry is " << front_end::to_string(state) << ": overlap "
                                    << result.status.overlap << ", fitness " << result.status.fitness
-                                   << " m^2");
+                                   << " m^2, right with probability " << result.status.probability);
   }
 }
 

@@ -15,9 +15,9 @@ namespace {
 
 constexpr const char* kHead =
     "kind,begin_s,end_s,begin_ns,end_ns,scans,way_begin_m,way_m,way_of_drive_m,x,y,z,"
-    "expected_error_m,trusted";
+    "expected_error_m,lowest_probability,trusted";
 
-constexpr std::size_t kColumns = 14;
+constexpr std::size_t kColumns = 15;
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> cells;
@@ -52,7 +52,8 @@ DoubtfulStretch stretch_of(const std::vector<std::string>& cells) {
   stretch.way = coordinate(cells[7]);
   stretch.place = {coordinate(cells[9]), coordinate(cells[10]), coordinate(cells[11])};
   stretch.expected_error = error_in(cells[12]);
-  stretch.is_trusted = cells[13] == "yes";
+  stretch.lowest_probability = coordinate(cells[13]);
+  stretch.is_trusted = cells[14] == "yes";
   return stretch;
 }
 
@@ -66,7 +67,7 @@ void write_doubt(const DriveDoubt& doubt, const std::filesystem::path& path) {
          << to_seconds(s.end - doubt.begin) << ',' << s.begin << ',' << s.end << ',' << s.scans
          << ',' << s.way_begin << ',' << s.way << ',' << doubt.way << ',' << s.place.x() << ','
          << s.place.y() << ',' << s.place.z() << ',' << s.expected_error << ','
-         << (s.is_trusted ? "yes" : "no") << '\n';
+         << s.lowest_probability << ',' << (s.is_trusted ? "yes" : "no") << '\n';
   }
   write_text_atomically(path, text.str());
 }

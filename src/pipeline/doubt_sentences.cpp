@@ -27,6 +27,14 @@ std::string sentence_on(const DoubtfulStretch& stretch, const DriveDoubt& drive)
         "way) the odometry was lost, and no loop or GNSS joins what came before and after",
         begin, stretch.way_begin, drive.way);
   }
+  if (stretch.doubt != Doubt::kDegenerate) {
+    return text(
+        "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of way): %zu of its "
+        "steps "
+        "are %s, and nothing else holds it there; expected error %.*f m",
+        begin, end, stretch.way, drive.way, stretch.scans, to_string(stretch.doubt),
+        stretch.expected_error < 3.0 ? 1 : 0, stretch.expected_error);
+  }
   return text(
       "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of way): nothing observed "
       "the motion along the way; expected error %.*f m",
@@ -71,7 +79,8 @@ std::vector<std::string> warnings(const DriveDoubt& doubt) {
 
 std::string remark(const DriveDoubt& doubt) {
   std::string found;
-  for (const Doubt kind : {Doubt::kLost, Doubt::kRepeated, Doubt::kDegraded, Doubt::kDegenerate}) {
+  for (const Doubt kind :
+       {Doubt::kLost, Doubt::kRepeated, Doubt::kDegraded, Doubt::kDoubtful, Doubt::kDegenerate}) {
     const std::string part = counted(doubt, kind);
     if (!part.empty()) found += (found.empty() ? "" : ", ") + part;
   }

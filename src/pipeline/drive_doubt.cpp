@@ -25,7 +25,8 @@ TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,
   for (const session::ScanRecord& scan : scans) {
     const auto place = places.find(scan.stamp);
     if (place == places.end()) continue;
-    summary.add({scan.stamp, doubt_of_state(scan.state), place->second, scan.unobserved_stddev});
+    summary.add({scan.stamp, doubt_of_state(scan.state), place->second, scan.unobserved_stddev,
+                 scan.probability});
   }
   return summary;
 }
@@ -48,6 +49,7 @@ class Judge {
         weigh(stretch);
       } else {
         stretch.expected_error = claimed_error(stretch);
+        if (stretch.doubt != Doubt::kLost) weigh_claim(stretch);
       }
     }
     find_gaps(stretches);
@@ -76,6 +78,22 @@ class Judge {
       variance += key_frames_[i].motion_covariance.topLeftCorner<3, 3>().trace();
     }
     return std::sqrt(variance);
+  }
+
+  /// Where what odometry claims is too much, what all of the graph leaves of it counts.
+  void weigh_claim(DoubtfulStretch& stretch) const {
+    const double allowed = allowed_error(stretch.way);
+    if (stretch.expected_error <= allowed || key_frames_.empty()) return;
+    const std::size_t behind = first_from(stretch.begin);
+    const std::size_t before = behind > 0 ? behind - 1 : 0;
+    const std::size_t last = std::min(first_from(stretch.end), key_frames_.size() - 1);
+    const auto problem = back_end_.problem(true);
+    const RelativeCovariance all(*problem, key_frames_[before].index,
+                                 RelativeCovariance::Given::kAll);
+    const auto covariance = all.of(key_frames_[last].index);
+    if (!covariance) return;
+    stretch.expected_error = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
+    stretch.is_trusted = stretch.expected_error <= allowed;
   }
 
   /// The error of a way that was not observed, at its key frames: by the speed that was believed,

@@ -29,6 +29,7 @@ session::ScanRecord record_of(const front_end::FrontEndResult& result) {
   record.overlap = result.status.overlap;
   record.unobserved_stddev = result.status.unobserved_stddev;
   record.elevation_shift = result.status.elevation_shift;
+  record.probability = result.status.probability;
   return record;
 }
 

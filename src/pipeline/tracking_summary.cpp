@@ -10,8 +10,8 @@ namespace {
 
 constexpr Stamp kGap = from_seconds(1.0);
 
-constexpr std::array kDoubts = {Doubt::kDegraded, Doubt::kRepeated, Doubt::kDegenerate,
-                                Doubt::kLost};
+constexpr std::array kDoubts = {Doubt::kDoubtful, Doubt::kDegraded, Doubt::kRepeated,
+                                Doubt::kDegenerate, Doubt::kLost};
 
 constexpr double kAllowedShare = 0.01;
 constexpr double kLeastAllowed = 0.5;  // m
@@ -22,6 +22,8 @@ double squared(double value) { return value * value; }
 
 const char* to_string(Doubt doubt) {
   switch (doubt) {
+    case Doubt::kDoubtful:
+      return "doubtful";
     case Doubt::kDegraded:
       return "degraded";
     case Doubt::kRepeated:
@@ -47,6 +49,10 @@ void TrackingSummary::add(const TrackedStep& step) {
     DoubtfulStretch& stretch = stretch_for(*step.doubt, step);
     stretch.end = step.stamp;
     ++stretch.scans;
+    if (step.probability >= 0.0 &&
+        (stretch.lowest_probability < 0.0 || step.probability < stretch.lowest_probability)) {
+      stretch.lowest_probability = step.probability;
+    }
     stretch.way = way_ - stretch.way_begin;
     const auto place = static_cast<std::size_t>(&stretch - stretches_.data());
     stretch.expected_error = std::sqrt(variance_ - variances_before_[place]);

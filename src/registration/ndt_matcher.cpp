@@ -8,6 +8,7 @@
 
 #include "ndt_kernels.hpp"
 #include "ndt_neighbors.hpp"
+#include "ndt_parts.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
@@ -39,25 +40,13 @@ struct NormalEquations {
   FitSums fit;
 };
 
-Matrix6d full(const float (&upper)[21]) {
-  Matrix6d matrix;
-  int k = 0;
-  for (int a = 0; a < 6; ++a) {
-    for (int b = a; b < 6; ++b) matrix(a, b) = matrix(b, a) = upper[k++];
-  }
-  return matrix;
-}
-
 /// A point seen s seconds after the reference time moves with the twist as it moves with the pose,
 /// times s. So the blocks of the twist follow from those of the pose, a time slice at a time. The
 /// slice's mean time stands in the Jacobian only, never in the residual: the solution is exact.
 void add_slice(const NdtSums& sums, double s, const Eigen::Matrix3d& R, NormalEquations& sum) {
-  Matrix6d to_map_axes = Matrix6d::Zero();
-  to_map_axes.topLeftCorner<3, 3>() = R;
-  to_map_axes.bottomRightCorner<3, 3>() = R;
-  const Matrix6d H = to_map_axes.transpose() * full(sums.hessian) * to_map_axes;
-  const Vector6d b = to_map_axes.transpose() *
-                     Eigen::Map<const Eigen::Matrix<float, 6, 1>>(sums.gradient).cast<double>();
+  const NdtPart part = part_of(sums, R);
+  const Matrix6d& H = part.hessian;
+  const Vector6d& b = part.gradient;
   sum.pose_hessian += H;
   sum.hessian.topLeftCorner<6, 6>() += H;
   sum.hessian.topRightCorner<6, 6>() += s * H;
@@ -138,8 +127,10 @@ class NdtMatcher::Impl {
     const double final_kernel = options.kernel * options.kernel;
     double kernel = final_kernel * options.kernel_widening;
     NormalEquations sum;
+    Eigen::Matrix3d R_map_sensor;
     while (match.iterations < options.max_iterations && !match.converged) {
       ++match.iterations;
+      R_map_sensor = match.state.T_map_sensor.rotation_matrix();
       sum = normal_equations(points, map, match.state, kernel);
       leave_out(options.blind_directions, sum);
       match.points_information = options.data_weight * sum.hessian;
@@ -156,6 +147,10 @@ class NdtMatcher::Impl {
     }
     match.pose_hessian = sum.pose_hessian;
     judge(sum.fit, points.size(), match);
+    if (options.parts) {
+      match.parts = parts_.of(points, rotated_, neighbors_.planes(0),
+                              static_cast<float>(final_kernel), R_map_sensor);
+    }
     return match;
   }
 
@@ -229,6 +224,7 @@ class NdtMatcher::Impl {
   RotatedPoints rotated_;
   std::vector<std::int32_t> cells_;
   NdtNeighbors neighbors_;
+  NdtParts parts_;
 };
 
 NdtMatcher::NdtMatcher() : impl_(std::make_unique<Impl>()) {}

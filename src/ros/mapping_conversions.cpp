@@ -183,6 +183,7 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   FrontEndStatusMessage message;
   message.header = header_of(result.stamp, base_frame);
   message.state = to_string(status.state);
+  message.probability = status.probability;
   message.converged = status.converged;
   message.iterations = static_cast<std::uint32_t>(std::max(0, status.iterations));
   message.fitness = status.fitness;

@@ -154,7 +154,7 @@ void visit(Row<Floor>, V& v, Each each) {
 template <typename V, typename Each>
 void visit(Row<ScanRecord>, V& v, Each each) {
   each(v.stamp, v.state, v.fitness, v.overlap, v.seconds, v.scans_dropped, v.unobserved_stddev,
-       v.elevation_shift);
+       v.elevation_shift, v.probability);
 }
 
 template <typename V, typename Each>

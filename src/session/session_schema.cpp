@@ -7,11 +7,12 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
-constexpr std::int64_t kVersion = 4;
+constexpr std::int64_t kVersion = 5;
 // Older ones can be read, and are brought up to date to be written.
 constexpr std::int64_t kWithoutDecisions = 1;
 constexpr std::int64_t kWithoutUnobserved = 2;
 constexpr std::int64_t kWithoutElevation = 3;
+constexpr std::int64_t kWithoutProbability = 4;
 
 // Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
 // by row, in the order translation, rotation (axes of the child frame).
@@ -73,11 +74,15 @@ constexpr const char* kUnobserved =
 /// From version 3 to 4.
 constexpr const char* kElevation = "ALTER TABLE scans ADD COLUMN elevation_shift REAL DEFAULT 0.0";
 
+/// From version 4 to 5.
+constexpr const char* kProbability = "ALTER TABLE scans ADD COLUMN probability REAL DEFAULT -1.0";
+
 /// From a version on to the newest.
 void bring_up_to_date(Database& database, std::int64_t version) {
   if (version <= kWithoutDecisions) database.execute(kDecisions);
   if (version <= kWithoutUnobserved) database.execute(kUnobserved);
   if (version <= kWithoutElevation) database.execute(kElevation);
+  if (version <= kWithoutProbability) database.execute(kProbability);
   database.execute("PRAGMA user_version = " + std::to_string(kVersion));
 }
 
@@ -113,6 +118,7 @@ std::string columns_of_scans(const Database& database) {
   for (const std::int64_t without : {kWithoutUnobserved, kWithoutElevation}) {
     if (version <= without) columns += ", 0.0";
   }
+  if (version <= kWithoutProbability) columns += ", -1.0";
   return columns;
 }
 

@@ -13,7 +13,7 @@ bool is_empty(const Database& database);
 void upgrade_tables(Database& database);
 /// False in an older version that was opened for reading.
 bool has_loop_decisions(const Database& database);
-/// What to select of the table scans, with zeros for what an older version lacks.
+/// What to select of the table scans, with "not known" for what an older version lacks.
 std::string columns_of_scans(const Database& database);
 
 /// Throws FileError if the database is no session or one of a newer version of this package.

@@ -10,6 +10,8 @@
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
+#include "step_checker.hpp"
+
 namespace lidar_mapping::tools {
 
 namespace {
@@ -112,6 +114,20 @@ Json errors_of(const std::vector<evaluation::PosePair>& pairs) {
           {"rotation_error_deg_per_100m", errors.rotation_deg_per_100m},
           {"ape_rmse", evaluation::absolute_pose_error(on_truth).translation_m.rmse},
           {"segment_lengths_m", errors.lengths_m}};
+}
+
+Json steps_of(const std::vector<evaluation::PosePair>& pairs,
+              const std::vector<ScanRecord>& records) {
+  StepChecker steps;
+  std::uint32_t segment = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    steps.take(pairs[i].truth, pairs[i].estimate, records[i].status.state,
+               records[i].segment != segment);
+    segment = records[i].segment;
+  }
+  return {{"wrong_steps", steps.wrong()},
+          {"silent_steps", steps.silent()},
+          {"false_alarms", steps.false_alarms()}};
 }
 
 std::string to_csv(const std::vector<ScanRecord>& records) {

@@ -21,6 +21,7 @@ struct ScanRecord {
   double wall_ms = 0.0;
   double cpu_ms = 0.0;
   bool key_frame = false;
+  std::uint32_t segment = 0;
   front_end::FrontEndStatus status;
 };
 
@@ -33,6 +34,9 @@ double peak_memory_mb();
 Json figures_of(const std::vector<ScanRecord>& records);
 /// translation_error_percent, rotation_error_deg_per_100m, ape_rmse, segment_lengths_m.
 Json errors_of(const std::vector<evaluation::PosePair>& pairs);
+/// wrong_steps, silent_steps, false_alarms (step_checker.hpp); pair i is that of record i.
+Json steps_of(const std::vector<evaluation::PosePair>& pairs,
+              const std::vector<ScanRecord>& records);
 
 /// A line per scan.
 std::string to_csv(const std::vector<ScanRecord>& records);

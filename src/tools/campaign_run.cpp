@@ -40,29 +40,22 @@ void count(TrackingState state, CampaignFigures& figures) {
   ++figures.scans;
   figures.lost += state == TrackingState::kLost ? 1 : 0;
   figures.degraded += state == TrackingState::kDegraded ? 1 : 0;
+  figures.doubtful += state == TrackingState::kDoubtful ? 1 : 0;
   figures.degenerate += state == TrackingState::kDegenerate ? 1 : 0;
+}
+
+/// Brier's score of the probability.
+void score(const CheckedStep& step, CampaignFigures& figures) {
+  if (step.status.state == TrackingState::kLost) return;
+  const double miss = step.status.probability - (step.is_right() ? 1.0 : 0.0);
+  figures.squared_error += miss * miss;
+  ++figures.steps;
 }
 
 }  // namespace
 
-void StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base, TrackingState state,
-                       bool new_segment) {
-  if (new_segment) last_.reset();
-  const bool is_guess = state == TrackingState::kLost || state == TrackingState::kDegraded;
-  if (is_guess && !new_segment) return;
-  if (last_ && state == TrackingState::kTracking) {
-    const Pose error = (last_->T_map_base.inverse() * T_map_base).inverse() *
-                       (last_->T_odom_base.inverse() * T_odom_base);
-    const double metres = error.translation.norm();
-    const double degrees = rotation_angle(error.rotation) * 180.0 / M_PI;
-    if (metres > kWrongStep || degrees > kWrongStepAngle) ++silent_;
-    largest_error_ = std::max(largest_error_, metres);
-    largest_error_deg_ = std::max(largest_error_deg_, degrees);
-  }
-  last_ = Claim{T_map_base, T_odom_base};
-}
-
-CampaignFigures run_case(const CampaignCase& c, double duration) {
+CampaignFigures run_case(const CampaignCase& c, double duration,
+                         std::vector<CheckedStep>* checked) {
   const simulation::Drive drive(drive_options(c, duration));
   front_end::FrontEnd front_end(make_config(c));
   front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
@@ -84,7 +77,10 @@ CampaignFigures run_case(const CampaignCase& c, double duration) {
     figures.cpu_ms += thread_cpu_ms() - before;
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     count(result.status.state, figures);
-    steps.take(T_map_base, result.T_odom_base, result.status.state, result.segment != segment);
+    const auto error =
+        steps.take(T_map_base, result.T_odom_base, result.status.state, result.segment != segment);
+    if (error) score({result.stamp, result.status, *error}, figures);
+    if (error && checked != nullptr) checked->push_back({result.stamp, result.status, *error});
     segment = result.segment;
     settle(result.settled, pairs);
     pairs.push_back({drive.scan_stamp(i), T_map_base, result.T_odom_base});
@@ -92,6 +88,8 @@ CampaignFigures run_case(const CampaignCase& c, double duration) {
   settle(front_end.settle(), pairs);
   figures.cpu_ms /= static_cast<double>(std::max<std::size_t>(1, figures.scans));
   figures.silent = steps.silent();
+  figures.wrong = steps.wrong();
+  figures.false_alarms = steps.false_alarms();
   figures.largest_error = steps.largest_error();
   figures.largest_error_deg = steps.largest_error_deg();
   figures.way = evaluation::travelled_distances(pairs).back();

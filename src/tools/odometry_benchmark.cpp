@@ -99,6 +99,7 @@ void add_timed(const Process& process, const Scan& scan, std::vector<ScanRecord>
   record.stamp = result.stamp;
   record.T_odom_base = result.T_odom_base;
   record.key_frame = result.key_frame.has_value();
+  record.segment = result.segment;
   record.status = result.status;
   settle(result.settled, records);
   records.push_back(record);
@@ -167,7 +168,9 @@ void run(const Options& options) {
   result["peak_memory_mb"] = tools::peak_memory_mb();
   result["memory_over_start_mb"] = tools::peak_memory_mb() - memory_before;
   if (!options.truth.empty()) {
-    result.update(tools::errors_of(paired(read_trajectory(options.truth), scans, records)));
+    const auto pairs = paired(read_trajectory(options.truth), scans, records);
+    result.update(tools::errors_of(pairs));
+    if (pairs.size() == records.size()) result.update(tools::steps_of(pairs, records));
   }
   write_text(options.poses, tools::to_kitti(records));
   write_text(options.times, tools::to_csv(records));

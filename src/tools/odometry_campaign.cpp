@@ -1,5 +1,6 @@
 // Runs the front end over simulated drives with faults and tells where it was wrong in silence.
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -11,6 +12,7 @@
 
 #include "campaign_case.hpp"
 #include "campaign_run.hpp"
+#include "evidence_table.hpp"
 #include "json.hpp"
 #include "number_checks.hpp"
 
@@ -30,6 +32,7 @@ struct Options {
   std::uint64_t seed = 1;
   double duration = 30.0;
   std::string json;
+  std::string evidence;
 };
 
 /// Every case with every sensor and seed that it does not fix itself, then the random ones.
@@ -55,22 +58,60 @@ std::vector<CampaignCase> all_runs(const Options& options) {
   return runs;
 }
 
+void print_head() {
+  std::printf("%8s %5s %6s %5s %5s %5s %8s %8s %10s %9s %9s %7s %7s %6s  %s\n", "drift %", "scans",
+              "silent", "wrong", "false", "lost", "degraded", "doubtful", "degenerate", "largest m",
+              "largest d", "cpu ms", "APE m", "way m", "case");
+}
+
 void print(const CampaignFigures& f, const std::string& line) {
   char drift[32] = "-";
   if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
-  std::printf("%8s %5zu %6zu %5zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n", drift, f.scans,
-              f.silent, f.lost, f.degraded, f.degenerate, f.largest_error, f.largest_error_deg,
-              f.cpu_ms, f.ape, f.way, line.c_str());
+  std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n",
+              drift, f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded, f.doubtful,
+              f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape, f.way,
+              line.c_str());
   std::fflush(stdout);
 }
+
+/// Of all runs together.
+struct Totals {
+  std::size_t runs = 0, scans = 0, silent = 0, wrong = 0, lost = 0, steps = 0;
+  std::size_t clean_scans = 0, clean_alarms = 0;  ///< of runs at full rate without faults
+  double squared_error = 0.0;
+
+  void add(const CampaignCase& c, const CampaignFigures& f) {
+    ++runs;
+    scans += f.scans;
+    silent += f.silent;
+    wrong += f.wrong;
+    lost += f.lost;
+    steps += f.steps;
+    squared_error += f.squared_error;
+    if (!c.faults.empty() || c.every > 1) return;
+    clean_scans += f.scans;
+    clean_alarms += f.false_alarms;
+  }
+
+  void print() const {
+    std::printf(
+        "%zu runs, %zu scans, %zu wrong steps, %zu of them silent, %zu lost; false alarms on "
+        "clean drives: %zu of %zu; Brier score of the probability: %.4f\n",
+        runs, scans, wrong, silent, lost, clean_alarms, clean_scans,
+        squared_error / static_cast<double>(std::max<std::size_t>(1, steps)));
+  }
+};
 
 Json to_json(const CampaignFigures& f, const std::string& line) {
   Json json = {{"case", line},
                {"scans", f.scans},
                {"drift_percent", nullptr},
                {"silent", f.silent},
+               {"wrong", f.wrong},
+               {"false_alarms", f.false_alarms},
                {"lost", f.lost},
                {"degraded", f.degraded},
+               {"doubtful", f.doubtful},
                {"degenerate", f.degenerate},
                {"largest_error_m", f.largest_error},
                {"largest_error_deg", f.largest_error_deg},
@@ -83,21 +124,22 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
 
 void run(const Options& options) {
   const std::vector<CampaignCase> runs = all_runs(options);
-  std::printf("%8s %5s %6s %5s %8s %10s %9s %9s %7s %7s %6s  %s\n", "drift %", "scans", "silent",
-              "lost", "degraded", "degenerate", "largest m", "largest d", "cpu ms", "APE m",
-              "way m", "case");
+  print_head();
+  std::optional<tools::EvidenceTable> table;
+  if (!options.evidence.empty()) table.emplace(options.evidence);
   Json all = Json::array();
-  std::size_t scans = 0, silent = 0, lost = 0;
+  Totals totals;
   for (const CampaignCase& c : runs) {
     const std::string line = tools::to_line(c);
-    const CampaignFigures figures = tools::run_case(c, options.duration);
+    std::vector<tools::CheckedStep> steps;
+    const CampaignFigures figures = tools::run_case(c, options.duration, &steps);
+    if (table) table->add(line, steps);
     print(figures, line);
     all.push_back(to_json(figures, line));
-    scans += figures.scans;
-    silent += figures.silent;
-    lost += figures.lost;
+    totals.add(c, figures);
   }
-  std::printf("%zu runs, %zu scans, %zu silent, %zu lost\n", runs.size(), scans, silent, lost);
+  totals.print();
+  if (table) table->close();
   if (options.json.empty()) return;
   std::ofstream file(options.json);
   file << tools::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) << "\n";
@@ -121,6 +163,9 @@ int main(int argc, char** argv) {
                  "fault alone");
   app.add_option("--case", options.lines, "one case more, in the same form (repeatable)")
       ->allow_extra_args(false);
+  app.add_option("--evidence", options.evidence,
+                 "CSV file to write: every step with what it was judged by, for "
+                 "fit_step_belief.py");
   app.add_option("--random", options.random, "so many random mixtures of worlds and faults");
   app.add_option("--seed", options.seed, "of the random mixtures")->capture_default_str();
   app.add_option("--duration", options.duration, "seconds of each drive")

@@ -35,6 +35,7 @@ Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back_end) 
          {"scans", stretch.scans},
          {"way_m", stretch.way},
          {"error_m", std::isfinite(stretch.expected_error) ? Json(stretch.expected_error) : Json()},
+         {"lowest_probability", stretch.lowest_probability},
          {"trusted", stretch.is_trusted},
          {"rows", {first, last}}});
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -46,6 +47,12 @@ class Ride {
   double error() const {
     const Pose truth = begin_->inverse() * T_map_last_;
     return (truth.translation - (T_odom_begin_.inverse() * result_.T_odom_base).translation).norm();
+  }
+  /// Angle (degrees) by which it is turned from how the sensor really stands.
+  double angle_error() const {
+    const Pose truth = begin_->inverse() * T_map_last_;
+    const Pose found = T_odom_begin_.inverse() * result_.T_odom_base;
+    return rotation_angle(truth.rotation.conjugate() * found.rotation) * 180.0 / M_PI;
   }
   double way() const { return way_; }
   /// Both are counted from here on.

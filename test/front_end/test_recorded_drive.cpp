@@ -9,6 +9,7 @@
 
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/front_end/step_belief.hpp"
 
 #include "recorded_scans.hpp"
 #include "test_data.hpp"
@@ -103,6 +104,32 @@ INSTANTIATE_TEST_SUITE_P(City, RecordedDrive,
                                          Variant{"SixteenRings", only(is_one_ring_in_four), 1, 1.2},
                                          Variant{"MountedAskew", as_it_is, 1, 0.8, askew()}),
                          [](const auto& variant) { return variant.param.name; });
+
+// A scan every 0.83 s, 5.4 m apart in the mean.
+TEST(ThinnedRecording, EveryWrongStepIsSaid) {
+  REQUIRE_RECORDED(folder, "kitti00_scans");
+  const auto truth = test::recorded_poses(folder);
+  FrontEnd front_end{FrontEndConfig{}};
+  Pose T_map_last, T_odom_last;
+  int wrong = 0;
+  int silent = 0;
+  for (std::size_t i = 0; i < truth.size(); i += 4) {
+    const Stamp stamp = from_seconds(1.0 + kPeriod * static_cast<double>(i));
+    const FrontEndResult result = front_end.process({stamp, test::recorded_scan(folder, i)});
+    const TrackingState state = result.status.state;
+    const Pose error =
+        (T_map_last.inverse() * truth[i]).inverse() * (T_odom_last.inverse() * result.T_odom_base);
+    const bool is_wrong = i > 0 && (error.translation.norm() > kWrongStep ||
+                                    rotation_angle(error.rotation) > kWrongStepAngle);
+    wrong += is_wrong ? 1 : 0;
+    silent += is_wrong && state == TrackingState::kTracking ? 1 : 0;
+    if (!claims_pose(state)) continue;
+    T_map_last = truth[i];
+    T_odom_last = result.T_odom_base;
+  }
+  RecordProperty("wrong", wrong);
+  EXPECT_EQ(silent, 0) << "of " << wrong << " wrong steps";
+}
 
 }  // namespace
 }  // namespace lidar_mapping::front_end

@@ -40,6 +40,22 @@ TEST(FewRings, DoNotSlideAsTheyStartFromRest) {
   }
 }
 
+// A car nods by 0.35 degrees as it pulls away, and planes of single rings fit however it does:
+// without points between the rings these are off by 0.3 degrees after half a metre in the mean.
+TEST(FewRings, AreHardlyBentAsTheVehiclePullsAway) {
+  const std::vector<std::pair<const char*, unsigned>> starts = {
+      {"town", 311}, {"town", 312}, {"figure_eight", 311}, {"car_park", 311}};
+  double sum = 0.0;
+  for (const auto& [world, seed] : starts) {
+    const simulation::Drive drive = make_drive(world, 12.0, seed);
+    Ride ride(drive);
+    for (std::size_t i = 0; i < drive.scan_count() && ride.way() < 0.5; ++i) ride.take(i);
+    EXPECT_GT(ride.way(), 0.45) << world << seed;
+    sum += ride.angle_error();
+  }
+  EXPECT_LT(sum / static_cast<double>(starts.size()), 0.15);
+}
+
 class StartAtSpeed : public testing::TestWithParam<std::uint64_t> {};
 
 /// The first key frames of a drive with few rings that begins at this scan.
@@ -96,7 +112,8 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   for (std::size_t i = 301; i < 320; ++i) {
     const FrontEndResult& result = ride.take(i);
     if (i < 300 + kReplaced) continue;
-    EXPECT_EQ(result.status.state, TrackingState::kTracking) << i;
+    // Doubtful steps through a young map are followed like others.
+    EXPECT_TRUE(claims_pose(result.status.state)) << i;
     if (i == 300 + kReplaced) ride.begin_anew();
   }
   EXPECT_LT(ride.error(), 0.1);

@@ -1,129 +1,19 @@
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
-#include <set>
 
-#include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "lidar_mapping/map/write_products.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
-#include "lidar_mapping/session/session.hpp"
 
 #include "listener.hpp"
+#include "map_viewer_fixture.hpp"
 #include "node_process.hpp"
-#include "round_drive.hpp"
-#include "temporary_folder.hpp"
 
 namespace lidar_mapping::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// Ground and a wall all round, seen from one place; key frame 3 sees a box before the wall as
-/// well.
-KeyFrameMessage standing_message(int index) {
-  auto cloud = std::make_shared<PointCloud>();
-  for (int i = -40; i <= 40; ++i) {
-    for (int j = -40; j <= 40; ++j) {
-      cloud->points.push_back({0.25F * static_cast<float>(i), 0.25F * static_cast<float>(j), 0, 1});
-    }
-  }
-  for (int i = 0; i < 1800; ++i) {
-    const float azimuth = static_cast<float>(i) * 3.14159265F / 900.0F;
-    for (float z = 0.0F; z < 4.0F; z += 0.1F) {
-      cloud->points.push_back({15.0F * std::cos(azimuth), 15.0F * std::sin(azimuth), z, 1});
-    }
-  }
-  for (int i = 0; index == 3 && i < 100; ++i) {
-    const auto column = static_cast<float>(i % 10);
-    const auto row = static_cast<float>(i / 10);
-    cloud->points.push_back({5.0F, 0.1F * column, 0.7F + 0.1F * row, 1});
-  }
-  KeyFrame key_frame;
-  key_frame.index = static_cast<KeyFrameIndex>(index);
-  key_frame.stamp = round_key_frame(index).stamp;
-  key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
-  key_frame.cloud = cloud;
-  return ros_border::to_message(key_frame, "run", "base_link");
-}
-
-/// Points of the box that only one key frame saw.
-std::ptrdiff_t points_of_box(const fs::path& pcd) {
-  const PointCloud map = session::read_pcd(pcd);
-  return std::count_if(map.points.begin(), map.points.end(),
-                       [](const Point& p) { return p.z > 0.5F && std::hypot(p.x, p.y) < 8.0F; });
-}
-
-/// A back end that has some key frames.
-class MapViewerNode : public testing::Test {
- protected:
-  MapViewerNode() {
-    const boost::function<bool(GetKeyFrames::Request&, GetKeyFrames::Response&)> answer =
-        [this](GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
-          return serve(request, response);
-        };
-    service_ = ros::NodeHandle().advertiseService("get_key_frames", answer);
-  }
-
-  bool serve(const GetKeyFrames::Request& request, GetKeyFrames::Response& response) {
-    response.poses.run_id = "run";
-    response.poses.whole = true;
-    for (const KeyFrameMessage& message : stored_) {
-      const bool wanted = request.indices.empty() ||
-                          std::count(request.indices.begin(), request.indices.end(), message.index);
-      if (wanted) response.key_frames.push_back(message);
-    }
-    response.gnss = fixes_;
-    response.antennas.resize(fixes_.size());
-    response.floors = floors_;
-    return true;
-  }
-
-  void store(int count) {
-    for (int i = 0; i < count; ++i) stored_.push_back(round_message(i));
-  }
-
-  static KeyFramePosesMessage corrected(int count, std::uint32_t revision) {
-    KeyFramePoses poses;
-    poses.revision = revision;
-    for (int i = 0; i < count; ++i) {
-      poses.poses.push_back(
-          {static_cast<KeyFrameIndex>(i), round_key_frame(i).stamp, true_pose(i)});
-    }
-    return ros_border::to_message(poses, "run", "map");
-  }
-
-  /// Calls the service while the services and topics of this process go on.
-  SaveMap::Response save(const fs::path& directory, std::vector<std::string> formats = {},
-                         bool keep_moving = false, double resolution = 0.0,
-                         std::vector<double> crop = {}) {
-    SaveMap request;
-    request.request.directory = directory.string();
-    request.request.formats = std::move(formats);
-    request.request.keep_moving = keep_moving;
-    request.request.resolution = resolution;
-    request.request.crop = std::move(crop);
-    return save(request);
-  }
-  static SaveMap::Response save(SaveMap& call) {
-    ros::AsyncSpinner spinner(1);
-    spinner.start();
-    ros::service::waitForService("save_map", ros::Duration(20.0));
-    ros::service::call("save_map", call);
-    return call.response;
-  }
-
-  TemporaryFolder folder_;
-  std::vector<KeyFrameMessage> stored_;
-  std::vector<nav_msgs::Odometry> fixes_;
-  std::vector<FloorMessage> floors_;
-  ros::ServiceServer service_;
-};
 
 // F82: who subscribes after the fact sees everything; F88: stamps are those of the data.
 TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
@@ -241,18 +131,6 @@ TEST_F(MapViewerNode, FetchesTheLastKeyFrameWhenThePosesNameIt) {
   EXPECT_TRUE(wait_until([&] { return shows(kRound); })) << node.output();
 }
 
-TEST_F(MapViewerNode, SavesKeyFramesThatOnlyTheBackEndHas) {
-  store(kRound - 1);
-  const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound - 1; }));
-  stored_.push_back(round_message(kRound - 1));
-  const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
-  EXPECT_NE(answer.message.find("of " + std::to_string(kRound) + " key frames"), std::string::npos)
-      << answer.message << node.output();
-}
-
 // F84: without anything new the map is sent once.
 TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
   store(kRound);
@@ -318,150 +196,6 @@ TEST_F(MapViewerNode, ShowsFloorsAndTheAgeOfKeyFrames) {
     });
   };
   EXPECT_TRUE(wait_until([&] { return shown("floors") && shown("age"); })) << node.output();
-}
-
-/// As hdl_graph_slam's save_map: file name, UTM and resolution.
-TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
-  store(kRound);
-  const NodeProcess node("map_viewer_node");
-  const auto datum = ros::NodeHandle().advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
-  SaveMap call;
-  call.request.destination = (folder_.path() / "town.pcd").string();
-  call.request.utm = true;
-  call.request.resolution = 0.5;
-  SaveMap::Response answer = save(call);
-  EXPECT_FALSE(answer.success);
-  EXPECT_NE(answer.message.find("there was no GNSS"), std::string::npos) << answer.message;
-  sensor_msgs::NavSatFix fix;
-  fix.latitude = 49.0;
-  fix.longitude = 8.4;
-  fix.altitude = 110.0;
-  datum.publish(fix);
-  ASSERT_TRUE(wait_until([&] {
-    answer = save(call);
-    return answer.success;
-  })) << answer.message;
-  EXPECT_EQ(answer.files.size(), 3U);
-  for (const char* name : {"town.pcd", "town.pcd.utm", "town.yaml"}) {
-    EXPECT_TRUE(fs::exists(folder_.path() / name)) << name;
-  }
-  EXPECT_FALSE(fs::exists(folder_.path() / "town.ply"));
-  answer = save(call);
-  EXPECT_FALSE(answer.success);
-  EXPECT_NE(answer.message.find("is there already"), std::string::npos) << answer.message;
-  // F25: a session that is gone on with keeps the datum of its first drive.
-  session::Session::create_in(folder_.path() / "session").set_datum({10.0, 20.0, 30.0});
-  ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
-  call.request.destination = (folder_.path() / "first.pcd").string();
-  answer = save(call);
-  ros::NodeHandle().deleteParam("session_folder");
-  EXPECT_TRUE(answer.success) << answer.message;
-  std::ifstream file(folder_.path() / "first.yaml");
-  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_NE(yaml.find("latitude: 10.0"), std::string::npos) << yaml;
-}
-
-// What moved while it was seen is not in the map, unless it is wanted or nobody knows whence.
-TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
-  constexpr int kStanding = 8;
-  for (int i = 0; i < kStanding; ++i) stored_.push_back(standing_message(i));
-  const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kStanding; }));
-  const SaveMap::Response unknown = save(folder_.path() / "unknown", {"pcd"});
-  EXPECT_NE(unknown.message.find("moving objects"), std::string::npos) << unknown.message;
-  EXPECT_GT(points_of_box(folder_.path() / "unknown/map.pcd"), 10);
-  session::Session::create_in(folder_.path() / "session").set_sensor_origin({0.0, 0.0, 1.8});
-  ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
-  const SaveMap::Response removed = save(folder_.path() / "removed", {"pcd"});
-  const SaveMap::Response kept = save(folder_.path() / "kept", {"pcd"}, true);
-  ros::NodeHandle().deleteParam("session_folder");
-  EXPECT_TRUE(removed.success) << removed.message << node.output();
-  EXPECT_EQ(removed.message.find("moving objects"), std::string::npos) << removed.message;
-  EXPECT_EQ(points_of_box(folder_.path() / "removed/map.pcd"), 0);
-  EXPECT_GT(points_of_box(folder_.path() / "kept/map.pcd"), 10);
-}
-
-// F55: saving works without an optimisation, and says what it wrote.
-TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
-  store(kRound);
-  const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
-  const SaveMap::Response answer = save(folder_.path() / "map", {"pcd"});
-  EXPECT_TRUE(answer.success) << answer.message << node.output();
-  ASSERT_EQ(answer.files.size(), 2U);
-  for (const std::string& file : answer.files) EXPECT_TRUE(fs::exists(file)) << file;
-
-  const PointCloud whole = session::read_pcd(folder_.path() / "map" / "map.pcd");
-  ASSERT_GT(whole.size(), 100U);
-  const double x = static_cast<double>(whole.points[whole.size() / 2].x);
-  const SaveMap::Response half =
-      save(folder_.path() / "half", {"PCD"}, false, 0.0, {-1e4, -1e4, -1e4, x, 1e4, 1e4});
-  EXPECT_TRUE(half.success) << half.message;
-  const PointCloud part = session::read_pcd(folder_.path() / "half" / "map.pcd");
-  EXPECT_LT(part.size(), whole.size());
-  for (const Point& point : part.points) ASSERT_LE(static_cast<double>(point.x), x + 1e-3);
-  EXPECT_NE(save(folder_.path(), {"pcd"}, false, 0.0, {1, 2, 3}).message.find("six numbers"),
-            std::string::npos);
-}
-
-// It wrote to a folder of the name ~ below the node's working directory.
-TEST_F(MapViewerNode, SavesToTheHomeFolderAndSaysWhere) {
-  store(kRound);
-  const std::string before = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
-  setenv("HOME", folder_.path().c_str(), 1);
-  const NodeProcess node("map_viewer_node");
-  setenv("HOME", before.c_str(), 1);
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
-  const SaveMap::Response answer = save("~/maps", {"pcd"});
-  EXPECT_TRUE(answer.success) << answer.message << node.output();
-  const std::string place = (folder_.path() / "maps").string();
-  EXPECT_NE(answer.message.find("written to " + place), std::string::npos) << answer.message;
-  EXPECT_TRUE(fs::exists(folder_.path() / "maps/map.pcd"));
-  EXPECT_NE(save("~nobody/maps", {"pcd"}).message.find("give the whole path"), std::string::npos);
-}
-
-// The same products as build_map makes of the session.
-TEST_F(MapViewerNode, SavesEveryFormat) {
-  store(kRound);
-  const NodeProcess node("map_viewer_node");
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until(
-      [&] { return !path.messages.empty() && path.messages.back().poses.size() == kRound; }));
-  const SaveMap::Response answer = save(folder_.path() / "map", map::product_formats());
-  EXPECT_TRUE(answer.success) << answer.message << node.output();
-  for (const char* file : {"map.yaml", "map.pcd", "map.ply", "top_view.png", "map.las",
-                           "pointcloud_map/pointcloud_map_metadata.yaml", "grid.pgm"}) {
-    EXPECT_TRUE(fs::exists(folder_.path() / "map" / file)) << file;
-  }
-}
-
-// F55: each thing that cannot be done has its own message.
-TEST_F(MapViewerNode, SaysWhyItCannotSave) {
-  ros::param::del("session_folder");
-  const NodeProcess node("map_viewer_node");
-  const SaveMap::Response empty = save(folder_.path());
-  EXPECT_FALSE(empty.success);
-  EXPECT_NE(empty.message.find("no key frames"), std::string::npos) << empty.message;
-  const auto live = connected_publisher<KeyFrameMessage>("key_frame");
-  live.publish(round_message(0));
-  Listener<nav_msgs::Path> path("optimized_path");
-  ASSERT_TRUE(wait_until([&] { return !path.messages.empty(); })) << node.output();
-  EXPECT_NE(save("").message.find("name a directory"), std::string::npos);
-  EXPECT_NE(save(folder_.path(), {"doc"}).message.find("not known"), std::string::npos);
-  const SaveMap::Response nowhere = save("/proc/nowhere", {"pcd"});
-  EXPECT_FALSE(nowhere.success);
-  EXPECT_NE(nowhere.message.find("/proc/nowhere"), std::string::npos) << nowhere.message;
-  const SaveMap::Response fine = save(folder_.path(), {"pcd"}, false, -0.1);
-  EXPECT_NE(fine.message.find("allowed: real number from 0.01"), std::string::npos) << fine.message;
 }
 
 }  // namespace

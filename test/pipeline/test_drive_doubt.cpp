@@ -27,6 +27,7 @@ Eigen::Vector3d place_of(KeyFrameIndex scan) { return {kSpeed * kPeriod * scan, 
 struct StraightDrive {
   std::string (*state)(KeyFrameIndex) = [](KeyFrameIndex) { return std::string("tracking"); };
   double (*unobserved)(KeyFrameIndex) = [](KeyFrameIndex) { return 0.0; };
+  double degraded_sigma = 0.003;        ///< m, of a step to a degraded scan
   KeyFrameIndex segment_from = kScans;  ///< a new segment of the trajectory begins there
 
   void write(RecordedBackEnd& run) const {
@@ -35,6 +36,7 @@ struct StraightDrive {
       record.stamp = stamp_of(scan);
       record.state = state(scan);
       record.unobserved_stddev = unobserved(scan);
+      record.probability = record.state == "degraded" ? 0.2 : 0.99;
       run.session().add_scan(record);
       run.session().add_odometry(record.stamp, {Eigen::Quaterniond::Identity(), place_of(scan)});
       if (scan % 2 != 0 || record.state == "lost") continue;
@@ -44,6 +46,9 @@ struct StraightDrive {
       key_frame.stamp = record.stamp;
       key_frame.T_odom_base.translation = place_of(scan);
       key_frame.motion_covariance = diagonal_covariance(0.003, 0.0002);
+      if (record.state == "degraded") {
+        key_frame.motion_covariance = diagonal_covariance(degraded_sigma, 0.0002);
+      }
       if (record.state == "degenerate") {
         key_frame.degenerate_directions = {Eigen::Vector3d::UnitX()};
       }
@@ -128,6 +133,39 @@ TEST(DriveDoubt, TrustsAWayThatAMeasuredSpeedTold) {
   EXPECT_TRUE(doubt_of(drive).is_trusted());
 }
 
+StraightDrive probably_wrong() {
+  StraightDrive drive;
+  drive.state = [](KeyFrameIndex scan) {
+    return std::string(scan >= 100 && scan < 140 ? "degraded" : "tracking");
+  };
+  drive.degraded_sigma = 0.3;
+  return drive;
+}
+
+TEST(DriveDoubt, DoesNotTrustStepsThatAreProbablyWrong) {
+  const DriveDoubt doubt = doubt_of(probably_wrong());
+  ASSERT_EQ(doubt.stretches.size(), 1U);
+  const DoubtfulStretch& stretch = doubt.stretches.front();
+  EXPECT_EQ(stretch.doubt, Doubt::kDegraded);
+  EXPECT_FALSE(stretch.is_trusted);
+  EXPECT_NEAR(stretch.lowest_probability, 0.2, 1e-9);
+  // Twenty steps of 0.3 m in each of three axes.
+  EXPECT_GT(stretch.expected_error, 2.2);
+  EXPECT_LT(stretch.expected_error, 4.0);
+  ASSERT_EQ(warnings(doubt).size(), 1U);
+  EXPECT_NE(warnings(doubt).front().find("40 of its steps are degraded"), std::string::npos)
+      << warnings(doubt).front();
+}
+
+TEST(DriveDoubt, TrustsProbablyWrongStepsThatLoopsHold) {
+  std::vector<Loop> loops;
+  for (KeyFrameIndex i = 48; i < 76; i += 2) loops.push_back(loop_between(10, i));
+  const DriveDoubt doubt = doubt_of(probably_wrong(), loops);
+  ASSERT_EQ(doubt.stretches.size(), 1U);
+  EXPECT_LT(doubt.stretches.front().expected_error, 0.5);
+  EXPECT_TRUE(doubt.is_trusted());
+}
+
 StraightDrive lost_for_a_moment() {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
@@ -197,7 +235,7 @@ TEST(DriveDoubt, SaysWhereItsFileIsBroken) {
 TEST(DriveDoubt, RefusesNumbersThatAreNone) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "doubt.csv";
-  const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,no";
+  const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,no";
   const auto read = [&path](const std::string& line) {
     std::ofstream(path) << "kind\n" << line << "\n";
     return read_doubt(path);
@@ -212,6 +250,7 @@ TEST(DriveDoubt, RefusesNumbersThatAreNone) {
                                                         {"2000000000", "9223372036854775807"},
                                                         {",1.0,", ",1e300,"},
                                                         {"inf", "-1"},
+                                                        {",0.5,", ",half,"},
                                                         {",no", ""}}) {
     std::string line = whole;
     line.replace(line.find(from), from.size(), to);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <random>
@@ -428,6 +429,25 @@ TEST(NdtKernels, GradientAgreesWithNumericalDerivatives) {
     const double numerical = (std::pow(residual(d), 2) - std::pow(residual(-d), 2)) / (4.0 * 1e-5);
     EXPECT_NEAR(sums.gradient[axis], numerical, 1e-4 * (1.0 + std::abs(numerical))) << axis;
   }
+}
+
+// Each point is in one part, and each part of the corner has points.
+TEST(NdtMatcher, PartsOfAMatchAddUpToTheWhole) {
+  GaussianVoxelMap map = corner_map();
+  const MotionState state{Pose{exp_so3({0.0, 0.0, 0.1}), {0.05, 0.02, 0.0}}, Vector6d::Zero()};
+  const NdtPoints points = seen_from(state, test::street_corner(2, 3000, 0.02));
+  NdtOptions options;
+  NdtMatcher matcher;
+  EXPECT_TRUE(matcher.match(points, map, {}, state, options).parts.empty());
+  options.parts = true;
+  const NdtMatch match = matcher.match(points, map, {}, state, options);
+  ASSERT_TRUE(match.converged);
+  ASSERT_EQ(match.parts.size(), kNdtParts);
+  Matrix6d sum = Matrix6d::Zero();
+  for (const NdtPart& part : match.parts) sum += part.hessian;
+  EXPECT_LT((sum - match.pose_hessian).norm(), 1e-4 * match.pose_hessian.norm());
+  const auto is_empty = [](const NdtPart& part) { return part.hessian.isZero(0.0); };
+  EXPECT_LT(std::count_if(match.parts.begin(), match.parts.end(), is_empty), 6);
 }
 
 }  // namespace

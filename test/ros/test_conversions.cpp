@@ -357,6 +357,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   result.stamp = kStamp;
   result.status.state = front_end::TrackingState::kDegraded;
   result.status.overlap = 0.4;
+  result.status.probability = 0.7;
   result.status.repeated = true;
   result.status.step_seconds = {{"match", 0.02}};
   result.key_frame = KeyFrame();
@@ -365,6 +366,7 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   EXPECT_EQ(from_ros(message.header.stamp), kStamp);
   EXPECT_EQ(message.state, "degraded");
   EXPECT_EQ(message.overlap, 0.4);
+  EXPECT_EQ(message.probability, 0.7);
   EXPECT_TRUE(message.repeated);
   EXPECT_TRUE(message.key_frame);
   EXPECT_EQ(message.key_frame_index, 8U);

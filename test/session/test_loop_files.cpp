@@ -173,11 +173,14 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
     ASSERT_EQ(old.scans().size(), 1U);
     EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.0);
     EXPECT_EQ(old.scans()[0].elevation_shift, 0.0);
+    EXPECT_EQ(old.scans()[0].probability, -1.0);
   }
   Session session = Session::open(folder.path(), Session::Access::kWrite);
   session.set_loop_decision(0, 5, LoopDecision::kRefuse);
   EXPECT_EQ(session.loops()[0].decision, LoopDecision::kRefuse);
-  session.add_scan({6, "degenerate", 0.0, 0.0, 0.0, 0, 0.5, 0.01});
+  session.add_scan({6, "degenerate", 0.0, 0.0, 0.0, 0, 0.5, 0.01, 0.9});
+  EXPECT_EQ(session.scans().front().probability, -1.0);
+  EXPECT_EQ(session.scans().back().probability, 0.9);
   EXPECT_EQ(session.scans().back().unobserved_stddev, 0.5);
   EXPECT_EQ(session.scans().back().elevation_shift, 0.01);
 }
@@ -185,7 +188,9 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
 TEST(LoopFiles, ScansOfTheThirdVersionHaveNoElevationShift) {
   const TemporaryFolder folder;
   Session::create_in(folder.path()).add_scan({5, "tracking", 0.1, 0.9, 0.0, 0, 0.25, 0.01});
-  execute(folder.path(), "ALTER TABLE scans DROP COLUMN elevation_shift; PRAGMA user_version = 3");
+  execute(folder.path(),
+          "ALTER TABLE scans DROP COLUMN elevation_shift; "
+          "ALTER TABLE scans DROP COLUMN probability; PRAGMA user_version = 3");
   const Session old = Session::open(folder.path(), Session::Access::kRead);
   ASSERT_EQ(old.scans().size(), 1U);
   EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.25);

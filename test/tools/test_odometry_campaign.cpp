@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -6,6 +7,7 @@
 
 #include "campaign_case.hpp"
 #include "campaign_run.hpp"
+#include "evidence_table.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
@@ -41,6 +43,59 @@ TEST(StepChecker, LeavesOutWhatIsCalledLostAndComparesAcrossIt) {
   steps.take(at(5.0), at(0.0), TrackingState::kLost, true);
   steps.take(at(6.0), at(1.0), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 1U) << "a new segment hangs together with nothing before it";
+}
+
+TEST(StepChecker, CountsWhatIsDoubtedWithoutNeed) {
+  StepChecker steps;
+  EXPECT_FALSE(steps.take(at(0.0), at(0.0), TrackingState::kTracking, false));
+  const auto error = steps.take(at(1.0), at(1.1), TrackingState::kDoubtful, false);
+  ASSERT_TRUE(error);
+  EXPECT_NEAR(error->metres, 0.1, 1e-9);
+  EXPECT_EQ(steps.false_alarms(), 1U);
+  // A doubtful pose claims to be right within its covariance: the next step leads from it.
+  steps.take(at(2.0), at(2.8), TrackingState::kDoubtful, false);
+  steps.take(at(3.0), at(3.8), TrackingState::kTracking, false);
+  EXPECT_EQ(steps.false_alarms(), 1U);
+  EXPECT_EQ(steps.wrong(), 1U);
+  EXPECT_EQ(steps.silent(), 0U);
+  steps.take(at(4.0), at(4.8), TrackingState::kDegraded, false);
+  EXPECT_EQ(steps.false_alarms(), 2U);
+}
+
+TEST(CheckedStep, IsRightWithinThreeOfItsStandardDeviations) {
+  CheckedStep step;
+  step.status.evidence.sigma = 0.1;
+  step.status.evidence.sigma_angle = 0.01;
+  step.error = {0.29, 1.7};
+  EXPECT_TRUE(step.is_right());
+  step.error = {0.31, 1.7};
+  EXPECT_FALSE(step.is_right());
+  step.error = {0.29, 1.75};
+  EXPECT_FALSE(step.is_right()) << "0.0305 rad";
+}
+
+TEST(EvidenceTable, HasALinePerStepAndAColumnPerFigure) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "evidence.csv").string();
+  EvidenceTable table(path);
+  CheckedStep step;
+  step.stamp = 7;
+  step.status.probability = 0.5;
+  step.error = {0.25, 2.0};
+  table.add("a fault=frozen=4,8", {step, step});
+  table.close();
+  std::ifstream file(path);
+  std::string head, line, again, end;
+  std::getline(file, head);
+  std::getline(file, line);
+  std::getline(file, again);
+  EXPECT_EQ(line.rfind("\"a fault=frozen=4,8\",7,tracking,0.25,2,0.5,", 0), 0U) << line;
+  EXPECT_EQ(line, again);
+  EXPECT_FALSE(std::getline(file, end));
+  // The case has a comma of its own.
+  EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+            std::count(head.begin(), head.end(), ',') + 1);
+  EXPECT_THROW(EvidenceTable((folder.path() / "none" / "x.csv").string()), FileError);
 }
 
 TEST(CampaignCases, AreReadAndWrittenAlike) {
@@ -100,6 +155,8 @@ TEST(CampaignRun, CountsScansAndFindsACleanDriveInOrder) {
   EXPECT_EQ(figures.lost, 0U);
   EXPECT_LT(figures.largest_error, 0.1);
   EXPECT_GT(figures.cpu_ms, 0.0);
+  EXPECT_EQ(figures.steps, 57U);
+  EXPECT_LT(figures.squared_error / 57.0, 0.1);
 }
 
 TEST(CampaignRun, HandsTheImuOfACaseToTheFrontEnd) {

@@ -7,16 +7,21 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/front_end/step_evidence.hpp"
+
 namespace lidar_mapping::front_end {
 
 enum class TrackingState {
   kTracking,
   kDegenerate,  ///< fits, but some directions were not observed: they follow the prediction
-  kDegraded,    ///< fits poorly: the pose is used, the scan is not put into the map
+  kDoubtful,    ///< fits, but the step may be off by more than 0.3 m or 1 degree
+  kDegraded,    ///< fits poorly, or is probably wrong: used, but not put into the map
   kLost         ///< does not fit: the pose is the prediction
 };
-/// "tracking", "degenerate", "degraded", "lost".
+/// "tracking", "degenerate", "doubtful", "degraded", "lost".
 const char* to_string(TrackingState state);
+/// True if the pose is said to be right within its covariance.
+bool claims_pose(TrackingState state);
 
 /// How one scan was judged.
 struct FrontEndStatus {
@@ -43,6 +48,11 @@ struct FrontEndStatus {
   double stamp_jitter = 0.0;
   /// The gyro foretells matches worse than they foretell each other, and is not used (GyroTrust).
   bool gyro_distrusted = false;
+  /// That the step from the last scan that claimed its pose is right within three of its own
+  /// standard deviations, 0 to 1 (StepBelief).
+  double probability = 1.0;
+  /// What that follows from.
+  StepEvidence evidence;
   /// For whole scan and for its steps: the only figures that are not the same in each run.
   double seconds = 0.0;
   std::vector<std::pair<std::string, double>> step_seconds;

@@ -20,9 +20,10 @@ class MapBeginning {
   void forget();
   /// A map begins with a scan whose pose at its stamp is known.
   void begin(const Pose& T_odom_base);
-  /// The points of that scan, times counted from `reference` (s after the stamp); skewed if they
-  /// have times.
-  void keep_first(const SampledPoints& points, bool have_times, double reference);
+  /// The points of that scan and those between its rings, times counted from `reference` (s after
+  /// the stamp); skewed if they have times.
+  void keep_first(const SampledPoints& points, const SampledPoints& between, bool have_times,
+                  double reference);
 
   /// False until a second scan was matched.
   bool motion_known() const { return motion_known_; }
@@ -62,6 +63,7 @@ class MapBeginning {
   FirstScans first_scans_;
   Pose start_;  ///< of the first scan, at its stamp
   SampledPoints first_;
+  SampledPoints between_first_;
   bool first_has_times_ = false;
   double first_reference_ = 0.0;
   int inserted_scans_ = 0;

@@ -20,4 +20,10 @@ double variance_in_young_map(const registration::NdtMatch& match);
 Covariance6 motion_covariance(const Covariance6& of_from, double from_variance,
                               const Pose& T_from_to, const Covariance6& of_to, double to_variance);
 
+/// What comes on top where a match is right only with this probability and else the prediction is:
+/// the second moment of that about the match.
+registration::Matrix12d doubt_covariance(const registration::MotionState& matched,
+                                         const registration::MotionBelief& prediction,
+                                         double probability);
+
 }  // namespace lidar_mapping::front_end

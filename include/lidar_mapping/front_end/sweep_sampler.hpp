@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "lidar_mapping/front_end/front_end_config.hpp"
+#include "lidar_mapping/front_end/ring_bridges.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
 
@@ -47,6 +48,10 @@ class SweepSampler {
   double median_range() const;
   /// The points for the map, of the scan that was taken last; valid until the next call.
   const SampledPoints& dense(const Scan& scan);
+  /// Points on the surfaces between the rings of the scan for which dense() was called last: what
+  /// else goes into the map. Valid until the next call.
+  const SampledPoints& between_rings(const Scan& scan);
+  const SampledPoints& between() const { return between_; }
 
  private:
   void sample_sparse(const Scan& scan, std::size_t turn);
@@ -60,8 +65,10 @@ class SweepSampler {
   bool dense_known_ = false;
   ScanSampler sparse_sampler_;
   ScanSampler dense_sampler_;
+  RingBridges bridges_;
   SampledPoints sparse_;
   SampledPoints dense_;
+  SampledPoints between_;
   registration::NdtPoints points_;
   double reference_ = 0.0;
   double duration_ = 0.0;

@@ -13,12 +13,13 @@ namespace lidar_mapping::pipeline {
 
 /// Why the pose of a scan is not as good as usual, from the least to the most.
 enum class Doubt {
-  kDegraded,    ///< fitted poorly: used, and kept out of the local map
+  kDoubtful,    ///< fitted, but the step may be off by more than 0.3 m or 1 degree
+  kDegraded,    ///< fitted poorly, or was probably wrong: used, and kept out of the local map
   kRepeated,    ///< the points of the scan before came again: the pose is a guess
   kDegenerate,  ///< the points left a direction open
   kLost         ///< did not fit: the pose is a guess
 };
-/// "degraded", "repeated", "degenerate", "lost".
+/// "doubtful", "degraded", "repeated", "degenerate", "lost".
 const char* to_string(Doubt doubt);
 /// Of a state as front end and session name it; none of "tracking".
 std::optional<Doubt> doubt_of_state(const std::string& state);
@@ -29,6 +30,7 @@ struct TrackedStep {
   std::optional<Doubt> doubt;
   Eigen::Vector3d p_odom_base = Eigen::Vector3d::Zero();
   double unobserved_stddev = 0.0;  ///< FrontEndStatus::unobserved_stddev
+  double probability = -1.0;       ///< that the step is right; negative: not known
 };
 
 /// A part of the drive whose scans are doubtful for the same reason.
@@ -43,7 +45,8 @@ struct DoubtfulStretch {
   /// Standard deviation, m: over it from directions that nothing observed (TrackingSummary), or of
   /// its end by all that is known of the map (drive_doubt()); infinite where nobody knows.
   double expected_error = 0.0;
-  bool is_trusted = true;  ///< false: the map is not to be relied on here
+  double lowest_probability = -1.0;  ///< that a step is right, of all that say so; else negative
+  bool is_trusted = true;            ///< false: the map is not to be relied on here
 };
 
 /// Gathers doubtful scans to stretches. Those of one kind that are at most a second apart count as

@@ -46,7 +46,21 @@ struct NdtOptions {
   /// Unit vectors in the sensor's axes: what the points say about moving along them, while all else
   /// adapts, is left out. There the prior decides.
   std::vector<Eigen::Vector3d> blind_directions;
+  /// Whether NdtMatch::parts is wanted.
+  bool parts = false;
 };
+
+/// What one part of the points says of the pose, at the state before the last step and with the
+/// robust weights there, for independent residuals: hessian * d = -gradient, axes of the sensor.
+struct NdtPart {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+};
+
+/// Parts of a match: eight sectors around the sensor, the nearer points of all of them, then the
+/// farther ones.
+constexpr std::size_t kNdtSectors = 8;
+constexpr std::size_t kNdtParts = 2 * kNdtSectors;
 
 /// Where the points fit best, and how well.
 struct NdtMatch {
@@ -64,6 +78,8 @@ struct NdtMatch {
   /// Mean squared distance of the points to their planes, in units of what the planes claim.
   double residual_variance = 0.0;
   double fitness = 0.0;  ///< mean squared distance of the inliers to their planes, m^2
+  /// kNdtParts of them if they were asked for, else none.
+  std::vector<NdtPart> parts;
 };
 
 /// Aligns points with a GaussianVoxelMap: point to plane of the voxel that a point falls into, with

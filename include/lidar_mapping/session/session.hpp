@@ -20,7 +20,7 @@ namespace lidar_mapping::session {
 /// What the front end said of one scan.
 struct ScanRecord {
   Stamp stamp = 0;
-  std::string state;  ///< tracking, degenerate, degraded, lost or repeated
+  std::string state;  ///< tracking, degenerate, doubtful, degraded, lost or repeated
   double fitness = 0.0;
   double overlap = 0.0;
   double seconds = 0.0;
@@ -29,6 +29,8 @@ struct ScanRecord {
   double unobserved_stddev = 0.0;
   /// What the sensor's elevations lack, as far as it was known then, rad (ElevationShift).
   double elevation_shift = 0.0;
+  /// That its step is right (FrontEndStatus::probability); negative: not known.
+  double probability = -1.0;
 };
 
 /// What one optimisation did.

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "lidar_mapping/common/covariance.hpp"
+#include "lidar_mapping/front_end/step_evidence.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// A pose that is claimed to be right, at the stamp of its scan.
+struct ClaimedPose {
+  Pose T_odom_base;
+  Covariance6 covariance = Covariance6::Zero();  ///< TrackedScan::covariance
+  double parting_variance = 1.0;                 ///< TrackedScan::parting_variance
+};
+
+/// Puts the standard deviations of the step from the one to the other into the evidence.
+void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
+              StepEvidence& evidence);
+
+}  // namespace lidar_mapping::front_end

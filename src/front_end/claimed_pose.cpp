@@ -1,0 +1,19 @@
+#include "lidar_mapping/front_end/claimed_pose.hpp"
+
+#include <cmath>
+
+#include "lidar_mapping/front_end/reported_covariance.hpp"
+
+namespace lidar_mapping::front_end {
+
+void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
+              StepEvidence& evidence) {
+  const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
+  const Covariance6 covariance = motion_covariance(from.covariance, from.parting_variance,
+                                                   T_from_to, to.covariance, to.parting_variance);
+  evidence.seconds = seconds;
+  evidence.sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+}
+
+}  // namespace lidar_mapping::front_end

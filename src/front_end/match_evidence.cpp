@@ -1,0 +1,102 @@
+#include "lidar_mapping/front_end/match_evidence.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+using registration::kNdtParts;
+using registration::kNdtSectors;
+using registration::NdtMatch;
+using registration::NdtPart;
+
+/// Which parts are in the first half. Left and right, ahead and behind, every other sector, near
+/// and far.
+using Halving = bool (*)(std::size_t part);
+constexpr std::array<Halving, 4> kHalvings = {
+    [](std::size_t part) { return part % kNdtSectors < kNdtSectors / 2; },
+    [](std::size_t part) { return (part + 2) % kNdtSectors < kNdtSectors / 2; },
+    [](std::size_t part) { return part % 2 == 0; },
+    [](std::size_t part) { return part < kNdtSectors; }};
+
+/// Of a residual, as in NdtOptions::data_weight: neighbouring points err together.
+constexpr double kDataWeight = 0.3;
+
+struct Half {
+  Vector6d step = Vector6d::Zero();
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
+/// Where one half of the points wants the pose, and how well it knows.
+Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
+             const Matrix6d& prior) {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    if (in_first(part) != first) continue;
+    hessian += parts[part].hessian;
+    gradient += parts[part].gradient;
+  }
+  Half half;
+  half.covariance = (kDataWeight * hessian + prior).inverse();
+  half.step = -kDataWeight * (half.covariance * gradient);
+  return half;
+}
+
+void compare(const Half& a, const Half& b, StepEvidence& evidence) {
+  const Vector6d d = a.step - b.step;
+  const Matrix6d covariance = a.covariance + b.covariance;
+  const auto keep = [](double value, double& worst) { worst = std::max(worst, value); };
+  keep(d.head<3>().norm(), evidence.disagreement);
+  keep(d.tail<3>().norm(), evidence.disagreement_angle);
+  keep(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
+}
+
+/// The number of sectors of equal share that would be spread as little.
+double effective_sectors(const std::vector<NdtPart>& parts) {
+  double sum = 0.0;
+  double squares = 0.0;
+  for (std::size_t sector = 0; sector < kNdtSectors; ++sector) {
+    const double share = parts[sector].hessian.topLeftCorner<3, 3>().trace() +
+                         parts[sector + kNdtSectors].hessian.topLeftCorner<3, 3>().trace();
+    sum += share;
+    squares += share * share;
+  }
+  return squares > 0.0 ? sum * sum / squares : 0.0;
+}
+
+void compare_with(const registration::MotionBelief& prediction, const Matrix6d& covariance,
+                  const NdtMatch& match, StepEvidence& evidence) {
+  const Vector6d d = difference(prediction.state.T_map_sensor, match.state.T_map_sensor);
+  evidence.surprise = d.head<3>().norm();
+  evidence.surprise_angle = d.tail<3>().norm();
+  evidence.surprise_sigmas = std::sqrt(d.dot(covariance.ldlt().solve(d)));
+}
+
+}  // namespace
+
+StepEvidence evidence_of(const NdtMatch& match, const registration::MotionBelief& prediction) {
+  StepEvidence evidence;
+  evidence.overlap = match.overlap;
+  evidence.pair_quality = match.overlap > 0.0 ? match.quality / match.overlap : 0.0;
+  evidence.residual_variance = match.residual_variance;
+  evidence.converged = match.converged ? 1.0 : 0.0;
+  evidence.iterations = match.iterations;
+  const Matrix6d covariance = prediction.information.inverse().topLeftCorner<6, 6>();
+  compare_with(prediction, covariance, match, evidence);
+  if (match.parts.size() != kNdtParts) return evidence;
+  const Matrix6d prior = covariance.inverse();
+  for (const Halving halving : kHalvings) {
+    compare(half_of(match.parts, halving, true, prior), half_of(match.parts, halving, false, prior),
+            evidence);
+  }
+  evidence.sectors = effective_sectors(match.parts);
+  return evidence;
+}
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,113 @@
+#include "lidar_mapping/front_end/step_belief.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// Below this probability of not being wrong a step claims nothing and is not built on.
+constexpr double kUsable = 0.3;
+// A wrong step that is called right costs as much as so many right ones that are doubted. People
+// look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
+constexpr double kCostOfSilence = 1.5;
+constexpr double kCostOfSilenceInDoubt = 9.0;
+
+constexpr std::size_t kFeatures = 19;
+using Coefficients = std::array<double, kFeatures>;
+
+/// Safety follows from how far off the step is expected to be: 1, both errors in units of what
+/// counts as wrong, and the larger one of these, all by their logarithms.
+using SafetyCoefficients = std::array<double, 4>;
+
+struct Model {
+  Coefficients probability;
+  Coefficients error;        ///< log10 of it, m
+  Coefficients error_angle;  ///< log10 of it, rad
+  SafetyCoefficients safety;
+};
+
+// Written by scripts/fit_step_belief.py.
+#include "step_belief_coefficients.inc"
+
+double logarithm(double value, double least) { return std::log10(std::max(value, least)); }
+
+/// As features() of fit_step_belief.py.
+Coefficients features(const StepEvidence& e) {
+  return {1.0,
+          logarithm(e.sigma, 1e-4),
+          logarithm(e.sigma_angle, 1e-5),
+          logarithm(e.surprise, 1e-3),
+          logarithm(e.surprise_angle, 1e-4),
+          logarithm(e.surprise_sigmas, 1e-2),
+          logarithm(e.disagreement, 1e-3),
+          logarithm(e.disagreement_angle, 1e-4),
+          logarithm(e.disagreement_sigmas, 1e-2),
+          e.overlap,
+          e.pair_quality,
+          logarithm(e.points, 1.0),
+          e.rescued,
+          e.degenerate,
+          logarithm(e.residual_variance, 1e-2),
+          e.sectors,
+          logarithm(e.unsteadiness, 1e-3),
+          logarithm(e.unsteadiness_angle, 1e-4),
+          e.converged};
+}
+
+template <typename Values>
+double weighted(const Values& coefficients, const Values& x) {
+  return std::inner_product(x.begin(), x.end(), coefficients.begin(), 0.0);
+}
+
+template <typename Values>
+double logistic(const Values& coefficients, const Values& x) {
+  return 1.0 / (1.0 + std::exp(-weighted(coefficients, x)));
+}
+
+double safety(const SafetyCoefficients& coefficients, double error, double error_angle) {
+  const double a = std::log10(error / kWrongStep);
+  const double b = std::log10(error_angle / kWrongStepAngle);
+  return logistic(coefficients, {1.0, a, b, std::max(a, b)});
+}
+
+}  // namespace
+
+bool StepBelief::is_safe(bool in_doubt) const {
+  return (1.0 - safety) * (in_doubt ? kCostOfSilenceInDoubt : kCostOfSilence) <= safety;
+}
+
+StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
+  const bool is_ndt = source == EvidenceSource::kNdt;
+  const Model& model = is_ndt ? kNdtModel : kSlidingWindowModel;
+  const Coefficients x = features(evidence);
+  StepBelief belief;
+  belief.probability = logistic(model.probability, x);
+  belief.expected_error = std::pow(10.0, weighted(model.error, x));
+  belief.expected_error_angle = std::pow(10.0, weighted(model.error_angle, x));
+  belief.safety = safety(model.safety, belief.expected_error, belief.expected_error_angle);
+  // What other methods say of a match is too little to leave it out for.
+  belief.is_usable = !is_ndt || belief.safety >= kUsable;
+  return belief;
+}
+
+void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
+  if (status.state == TrackingState::kLost) {
+    status.probability = 0.0;
+    return;
+  }
+  status.probability = belief.probability;
+  // What is not known is said already, and a tunnel has to come into the map.
+  if (!status.degenerate_directions.empty()) return;
+  in_doubt_ = !belief.is_safe(in_doubt_);
+  if (!belief.is_usable) status.state = TrackingState::kDegraded;
+  if (status.state == TrackingState::kTracking && in_doubt_) {
+    status.state = TrackingState::kDoubtful;
+  }
+}
+
+void DoubtState::reset() { in_doubt_ = false; }
+
+}  // namespace lidar_mapping::front_end
