@@ -48,4 +48,11 @@ std::string jitter_notice(double jitter) {
          "clock";
 }
 
+std::string gyro_notice() {
+  return "imu: the gyro does not agree with the matched motion, so it is not used to predict; "
+         "check "
+         "imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or set "
+         "use_imu: false";
+}
+
 }  // namespace lidar_mapping::front_end

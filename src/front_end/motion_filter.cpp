@@ -125,16 +125,26 @@ void MotionFilter::take_forecast(double seconds) {
   covariance_.diagonal().segment<3>(9).array() += more[1];
 }
 
-void MotionFilter::predict(double seconds) {
+void MotionFilter::hold_turning(const MeasuredTurning& turning) {
+  state_.twist.tail<3>() = turning.between;
+  covariance_.middleRows<3>(9).setZero();
+  covariance_.middleCols<3>(9).setZero();
+  covariance_.diagonal().segment<3>(9).setConstant(turning.sigma * turning.sigma);
+}
+
+void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>& turning) {
   step_seconds_ = seconds;
   since_corrected_ += seconds;
   acceleration_.setZero();
   const bool forecast = std::exchange(corrected_, false);
   if (forecast) take_forecast(seconds);
+  forecast_state_ = {moved(state_.T_map_sensor, state_.twist, seconds), state_.twist};
+  if (turning) hold_turning(*turning);
+  turning_measured_ = turning.has_value();
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
   variance.head<3>().setConstant(linear_.sigma * linear_.sigma);
-  variance.tail<3>().setConstant(angular_.sigma * angular_.sigma);
+  variance.tail<3>().setConstant(turning ? 0.0 : angular_.sigma * angular_.sigma);
   const double t2 = seconds * seconds;
   covariance_ = F * covariance_ * F.transpose();
   covariance_.topLeftCorner<6, 6>().diagonal() += kPositionShare * t2 * t2 * variance;
@@ -142,7 +152,8 @@ void MotionFilter::predict(double seconds) {
   covariance_.bottomLeftCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomRightCorner<6, 6>().diagonal() += t2 * variance;
   state_.T_map_sensor = moved(state_.T_map_sensor, state_.twist, seconds);
-  if (forecast) state_.twist = forecast_.at_end_of_next(seconds);
+  if (forecast) state_.twist = forecast_state_.twist = forecast_.at_end_of_next(seconds);
+  if (turning) state_.twist.tail<3>() = turning->within;
 }
 
 MotionFilter MotionFilter::agile() const {
@@ -195,12 +206,16 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
 /// An acceleration shows in the twist and in the way; noise does seldom in both.
 void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d& observed) {
   if (step_seconds_ == 0.0) return;
+  const double to_acceleration = 2.0 / (step_seconds_ * step_seconds_);
   const Vector6d of_twist = (state.twist - state_.twist) / step_seconds_;
-  const Vector6d of_way =
-      difference(state_.T_map_sensor, state.T_map_sensor) * (2.0 / (step_seconds_ * step_seconds_));
+  const Vector6d of_way = difference(state_.T_map_sensor, state.T_map_sensor) * to_acceleration;
   linear_.see(
       std::min((observed * of_twist.head<3>()).norm(), (observed * of_way.head<3>()).norm()));
-  angular_.see(std::min(of_twist.tail<3>().norm(), of_way.tail<3>().norm()));
+  // A gyro may fail at any time.
+  const MotionState& turned = turning_measured_ ? forecast_state_ : state_;
+  const Vector6d turn = difference(turned.T_map_sensor, state.T_map_sensor) * to_acceleration;
+  angular_.see(std::min((state.twist - turned.twist).tail<3>().norm() / step_seconds_,
+                        turn.tail<3>().norm()));
 }
 
 /// A jump of the pose, as when a drive that was lost is found again, is none.

@@ -10,6 +10,7 @@
 #include "lidar_mapping/front_end/claimed_pose.hpp"
 #include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/elevation_calibration.hpp"
+#include "lidar_mapping/front_end/gyro_trust.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
 #include "lidar_mapping/front_end/map_beginning.hpp"
@@ -145,10 +146,13 @@ class NdtTracker::Impl {
   }
 
   Prediction predict(double seconds, const MotionPrior& prior) {
+    gyro_.add(prior.angular_velocity, seconds, sampler_.duration());
+    const std::optional<MeasuredTurning> turning = gyro_.turning();
+    turned_from_ = filter_.state().T_map_sensor.rotation;
     MotionFilter agile = filter_.agile();
-    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(seconds);
+    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(seconds, turning);
     unmeasured_speed_ = speed_covariance(filter_.covariance());
-    for (MotionFilter* filter : {&filter_, &agile}) measured_.take(prior, *filter);
+    for (MotionFilter* filter : {&filter_, &agile}) measured_.take(gyro_.rest(prior), *filter);
     agile_ = agile;
     return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
   }
@@ -271,6 +275,8 @@ class NdtTracker::Impl {
     }
     if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
     if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
+    gyro_.update(turned_from_, filter_.forecast_state().T_map_sensor.rotation,
+                 match.state.T_map_sensor.rotation);
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
     covariance_ = reported_covariance(match);
@@ -373,6 +379,7 @@ class NdtTracker::Impl {
     result.status.map_points_dropped = map_.dropped_points();
     result.status.unobserved_stddev = blind_way_.stddev();
     result.status.stamp_jitter = clock_.jitter();
+    result.status.gyro_distrusted = gyro_.is_distrusted();
     result.status.step_seconds = timer_.take();
   }
 
@@ -391,6 +398,8 @@ class NdtTracker::Impl {
   DoubtState doubt_;
   SweepMatcher matcher_;
   MeasuredMotion measured_;
+  GyroTrust gyro_;
+  Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();  ///< at the scan before
   ElevationCalibration elevation_;
   MapBeginning beginning_;
   UnnoticedMotion unnoticed_;

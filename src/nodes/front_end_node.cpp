@@ -304,6 +304,8 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   if (jitter > 0.0 && limiter_.due("jitter")) {
     ROS_WARN_STREAM(front_end::jitter_notice(jitter));
   }
+  if (result.status.gyro_distrusted && limiter_.due("gyro"))
+    ROS_WARN_STREAM(front_end::gyro_notice());
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {
       ROS_WARN(

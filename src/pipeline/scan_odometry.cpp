@@ -91,6 +91,10 @@ void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
     jitter_mentioned_ = true;
     say_(front_end::jitter_notice(status.stamp_jitter));
   }
+  if (status.gyro_distrusted && !gyro_mentioned_) {
+    gyro_mentioned_ = true;
+    say_(front_end::gyro_notice());
+  }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;
   say_(front_end::elevation_notice(elevation_shift_));

@@ -45,6 +45,7 @@ class ScanOdometry {
   double elevation_shift_ = 0.0;        ///< that was last spoken of
   std::size_t map_points_dropped_ = 0;  ///< the same
   bool jitter_mentioned_ = false;
+  bool gyro_mentioned_ = false;
   std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
   DrivePiece piece_;
 };

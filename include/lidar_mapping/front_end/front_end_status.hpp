@@ -46,6 +46,8 @@ struct FrontEndStatus {
   /// Scatter of the stamps, s, where they are so irregular that turns of the sensor are counted
   /// instead (SweepClock); 0 elsewhere.
   double stamp_jitter = 0.0;
+  /// The gyro foretells matches worse than they foretell each other, and is not used (GyroTrust).
+  bool gyro_distrusted = false;
   /// That the step from the last scan that claimed its pose is right within three of its own
   /// standard deviations, 0 to 1 (StepBelief).
   double probability = 1.0;
@@ -62,5 +64,7 @@ std::string elevation_notice(double elevation_shift);
 std::string full_map_notice(std::size_t map_points_dropped);
 /// Says that stamps scatter by `jitter` (s) and what is done about it.
 std::string jitter_notice(double jitter);
+/// Says that the gyro is not used to predict, and what to look at.
+std::string gyro_notice();
 
 }  // namespace lidar_mapping::front_end

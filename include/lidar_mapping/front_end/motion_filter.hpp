@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "lidar_mapping/common/covariance.hpp"
@@ -27,6 +28,13 @@ Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 /// Covariance of that pose, for a covariance of the pose and the twist now.
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
 
+/// How the sensor turned, rad/s in its own axes.
+struct MeasuredTurning {
+  Eigen::Vector3d between;  ///< on the way from the state before, in the mean
+  Eigen::Vector3d within;   ///< during the sweep
+  double sigma = 0.0;       ///< of both, per axis
+};
+
 /// Pose and twist of the sensor with their covariance, for perturbed(MotionState, Vector12d). The
 /// twist goes on as forecast (TwistForecast) but for an unknown constant acceleration. How large
 /// that may be follows the drive: a vehicle at rest or on a straight road is held more firmly than
@@ -41,7 +49,11 @@ class MotionFilter {
   /// Goes on from this state. How large accelerations are stays known.
   void restart(const MotionState& state, const Matrix12d& covariance);
   /// Moves the state on by `seconds`, or back if they are negative.
-  void predict(double seconds);
+  void predict(double seconds) { predict(seconds, std::nullopt); }
+  /// Where the turning is measured, it is that, and not what was forecast of it.
+  void predict(double seconds, const std::optional<MeasuredTurning>& turning);
+  /// As predicted last, but without measurements of the turning.
+  const MotionState& forecast_state() const { return forecast_state_; }
   /// The same filter before a motion unlike all of late.
   MotionFilter agile() const;
   /// Take measurements of the twist in, with the standard deviation of each axis.
@@ -77,6 +89,7 @@ class MotionFilter {
 
  private:
   void take_forecast(double seconds);
+  void hold_turning(const MeasuredTurning& turning);
   Vector6d believable_acceleration(const Vector6d& acceleration,
                                    const Eigen::Matrix3d& observed) const;
   void learn_agility(const MotionState& state, const Eigen::Matrix3d& observed);
@@ -98,6 +111,8 @@ class MotionFilter {
   bool corrected_ = false;        ///< and not moved on since then
   Vector6d acceleration_ = Vector6d::Zero();
   MotionState state_;
+  MotionState forecast_state_;
+  bool turning_measured_ = false;  ///< on the way to the state
   Matrix12d covariance_ = Matrix12d::Identity();
 };
 

@@ -1,0 +1,68 @@
+#include "lidar_mapping/front_end/gyro_trust.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// Sweeps leave out at most this share of the time: what happens meanwhile nobody has measured.
+constexpr double kLeftOut = 0.3;
+/// So many matches are looked at before a gyro is used.
+constexpr int kFirstMatches = 5;
+constexpr double kBiasRate = 0.02;
+constexpr double kErrorRate = 0.1;
+/// That much worse than no gyro (in its error) is one that is wrong: matches err, too.
+constexpr double kClearlyWorse = 1.5;
+/// Standard deviation at best, rad/s: scale and axes of cheap gyros are off by 1 % each, that is so
+/// much at 1.4 rad/s. One that is held to more firmly turns the map away from the points.
+constexpr double kLeastSigma = 0.02;
+
+double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaterniond& matched,
+                     double seconds) {
+  return (log_so3(predicted.conjugate() * matched) / seconds).squaredNorm() / 3.0;
+}
+
+}  // namespace
+
+void GyroTrust::add(const std::optional<Eigen::Vector3d>& rate, double seconds, double duration) {
+  between_.reset();
+  const bool adjoin = std::abs(seconds - duration) < kLeftOut * seconds;
+  if (rate_ && rate && adjoin) {
+    between_ = log_so3(exp_so3(0.5 * seconds * *rate_) * exp_so3(0.5 * seconds * *rate)) / seconds;
+  }
+  rate_ = rate;
+  seconds_ = seconds;
+}
+
+std::optional<MeasuredTurning> GyroTrust::turning() const {
+  if (!between_ || matches_ < kFirstMatches || is_distrusted()) return std::nullopt;
+  return MeasuredTurning{*between_ - bias_, *rate_ - bias_, sigma()};
+}
+
+MotionPrior GyroTrust::rest(MotionPrior prior) const {
+  if (turning() || is_distrusted()) prior.angular_velocity.reset();
+  return prior;
+}
+
+void GyroTrust::update(const Eigen::Quaterniond& before, const Eigen::Quaterniond& without,
+                       const Eigen::Quaterniond& matched) {
+  if (!between_) return;
+  ++matches_;
+  const Eigen::Quaterniond by_gyro = before * exp_so3(seconds_ * (*between_ - bias_));
+  const Eigen::Vector3d error = log_so3(by_gyro.conjugate() * matched) / seconds_;
+  const double share = 1.0 / static_cast<double>(matches_);
+  const double rate = std::max(kErrorRate, share);
+  by_gyro_ += rate * (squared_error(by_gyro, matched, seconds_) - by_gyro_);
+  without_ += rate * (squared_error(without, matched, seconds_) - without_);
+  bias_ -= std::max(kBiasRate, share) * error;
+}
+
+double GyroTrust::sigma() const { return std::max(kLeastSigma, std::sqrt(by_gyro_)); }
+
+bool GyroTrust::is_distrusted() const {
+  return matches_ >= kFirstMatches &&
+         by_gyro_ > kClearlyWorse * kClearlyWorse * std::max(without_, kLeastSigma * kLeastSigma);
+}
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+
+#include "ride.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr char kLidarFrame[] = "lidar";
+constexpr char kImuFrame[] = "imu";
+constexpr Stamp kAfterSweep = from_seconds(0.03);
+
+simulation::Drive carried_drive(const std::string& name, double duration,
+                                const std::string& fault = "") {
+  simulation::DriveOptions options;
+  options.drive = name;
+  options.lidar = "vlp16";
+  options.seed = 3;
+  options.duration = duration;
+  options.imu = "consumer";
+  if (!fault.empty()) simulation::add_fault(options, fault);
+  return simulation::Drive(options);
+}
+
+/// Scans and rates of a drive, as preprocessing gives them.
+class Preprocessed {
+ public:
+  explicit Preprocessed(const simulation::Drive& drive)
+      : drive_(drive), samples_(drive.imu()), preprocessor_(config(), mounted(drive.mounting())) {}
+
+  preprocessing::SyncedScan next(std::size_t index) {
+    simulation::SimulatedScan taken = drive_.scan(index);
+    for (; added_ < samples_.size() && samples_[added_].stamp <= taken.end + kAfterSweep;
+         ++added_) {
+      preprocessor_.add_imu(samples_[added_], kImuFrame);
+    }
+    preprocessing::RawScan raw;
+    raw.stamp = taken.stamp;
+    raw.frame_id = kLidarFrame;
+    raw.cloud = std::move(taken.cloud);
+    auto complete = preprocessor_.process(std::move(raw));
+    if (complete.empty()) complete = preprocessor_.flush();
+    return std::move(complete.back());
+  }
+
+ private:
+  static preprocessing::PreprocessingConfig config() {
+    preprocessing::PreprocessingConfig config;
+    config.use_velocity = config.use_gnss = false;
+    return config;
+  }
+
+  static preprocessing::ExtrinsicLookup mounted(const simulation::SensorMounting& mounting) {
+    return [mounting](const std::string& frame) {
+      return std::optional<Pose>(frame == kImuFrame ? mounting.T_base_imu : mounting.T_base_lidar);
+    };
+  }
+
+  const simulation::Drive& drive_;
+  std::vector<ImuSample> samples_;
+  std::size_t added_ = 0;
+  preprocessing::Preprocessor preprocessor_;
+};
+
+struct Outcome {
+  std::size_t lost = 0;
+  std::size_t distrusted = 0;  ///< scans
+  double largest_turn = 0.0;   ///< rad, error of a step
+  double error = 0.0;          ///< m, at the end
+};
+
+Outcome follow(const simulation::Drive& drive) {
+  Ride ride(drive);
+  Preprocessed scans(drive);
+  Outcome outcome;
+  Pose T_map_last, T_odom_last;
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    const preprocessing::SyncedScan synced = scans.next(i);
+    MotionPrior prior;
+    if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
+    const FrontEndResult& result = ride.take(synced.scan, prior);
+    outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
+    outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
+    const Pose T_map_base = drive.trajectory().pose(synced.scan.stamp);
+    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
+                       (T_odom_last.inverse() * result.T_odom_base);
+    if (i > 0)
+      outcome.largest_turn = std::max(outcome.largest_turn, rotation_angle(error.rotation));
+    T_map_last = T_map_base;
+    T_odom_last = result.T_odom_base;
+  }
+  outcome.error = ride.error();
+  return outcome;
+}
+
+// F: each scan of a sensor with few beams turned by a degree or two, and the next one back.
+TEST(CarriedDrive, StepsTurnRightlyWithAGyro) {
+  for (const char* name : {"legged", "spin", "handheld"}) {
+    SCOPED_TRACE(name);
+    const Outcome outcome = follow(carried_drive(name, 12.0));
+    EXPECT_EQ(outcome.lost, 0U);
+    EXPECT_EQ(outcome.distrusted, 0U);
+    EXPECT_LT(outcome.largest_turn, 1.0 * M_PI / 180.0);
+    EXPECT_LT(outcome.error, 0.1);
+  }
+}
+
+TEST(CarriedDrive, AGyroThatIsWrongIsFoundOut) {
+  for (const char* fault : {"imu_frame", "imu_units=degrees"}) {
+    SCOPED_TRACE(fault);
+    EXPECT_GT(follow(carried_drive("running", 12.0, fault)).distrusted, 20U);
+  }
+}
+
+// F: cut for two seconds in mid-walk.
+TEST(CarriedDrive, AGyroMayFailForSeconds) {
+  const Outcome outcome = follow(carried_drive("handheld", 12.0, "imu_gap=2,6"));
+  EXPECT_EQ(outcome.lost, 0U);
+  EXPECT_LT(outcome.error, 0.1);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,134 @@
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/gyro_trust.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kSweep = 0.1;  // s
+
+/// A sensor that is shaken: the mean rate of its sweep `i`, rad/s.
+Eigen::Vector3d true_rate(int i) {
+  return {0.8 * std::sin(0.5 * i), 0.6 * std::cos(0.4 * i), 0.5 * std::sin(0.3 * i)};
+}
+
+/// Shows GyroTrust so many sweeps, as a gyro sees them and as they are matched; without a gyro the
+/// last turning is expected to go on.
+template <typename Gyro>
+void ride(int sweeps, const Gyro& gyro, GyroTrust& trust) {
+  Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
+  Eigen::Quaterniond turn = last;
+  for (int i = 0; i < sweeps; ++i) {
+    trust.add(Eigen::Vector3d(gyro(true_rate(i))), kSweep, kSweep);
+    const Eigen::Quaterniond without = last * turn;
+    turn = exp_so3(0.5 * kSweep * true_rate(i - 1)) * exp_so3(0.5 * kSweep * true_rate(i));
+    trust.update(last, without, last * turn);
+    last = last * turn;
+  }
+}
+
+const auto kExact = [](const Eigen::Vector3d& rate) { return rate; };
+
+TEST(GyroTrust, LearnsTheBias) {
+  const Eigen::Vector3d bias(0.02, -0.03, 0.01);
+  GyroTrust trust;
+  ride(
+      200, [&](const Eigen::Vector3d& rate) { return Eigen::Vector3d(rate + bias); }, trust);
+  ASSERT_TRUE(trust.turning());
+  EXPECT_LT((trust.turning()->within - true_rate(199)).norm(), 2e-3);
+  EXPECT_FALSE(trust.is_distrusted());
+}
+
+TEST(GyroTrust, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
+  GyroTrust trust;
+  ride(20, kExact, trust);
+  const Eigen::Quaterniond turn =
+      exp_so3(0.5 * kSweep * true_rate(18)) * exp_so3(0.5 * kSweep * true_rate(19));
+  ASSERT_TRUE(trust.turning());
+  EXPECT_LT(rotation_angle(turn.conjugate() * exp_so3(kSweep * trust.turning()->between)), 1e-4);
+}
+
+// Held to more firmly than scale and axes of cheap gyros allow, it would turn the map.
+TEST(GyroTrust, BelievesNoGyroMoreThanTheBestOne) {
+  GyroTrust trust;
+  ride(100, kExact, trust);
+  EXPECT_DOUBLE_EQ(trust.turning()->sigma, 0.02);
+}
+
+TEST(GyroTrust, BelievesOneThatErrsAsMuchAsItErrs) {
+  GyroTrust trust;
+  ride(
+      100, [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(1.2 * rate); }, trust);
+  ASSERT_TRUE(trust.turning());
+  EXPECT_GT(trust.turning()->sigma, 0.04);
+  EXPECT_LT(trust.turning()->sigma, 0.3);
+}
+
+TEST(GyroTrust, LooksOnAtFirst) {
+  GyroTrust trust;
+  ride(4, kExact, trust);
+  EXPECT_FALSE(trust.turning());
+  EXPECT_FALSE(trust.is_distrusted());
+}
+
+TEST(GyroTrust, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
+  GyroTrust trust;
+  ride(20, kExact, trust);
+  trust.add(true_rate(20), 2.0 * kSweep, kSweep);
+  EXPECT_FALSE(trust.turning());
+  trust.add(true_rate(21), kSweep, kSweep);
+  EXPECT_TRUE(trust.turning());
+  trust.add(std::nullopt, kSweep, kSweep);
+  EXPECT_FALSE(trust.turning());
+}
+
+// F: wrong units, wrong axes, and right again.
+TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
+  const auto degrees = [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(57.3 * rate); };
+  const auto turned = [](const Eigen::Vector3d& rate) {
+    return Eigen::Vector3d(-rate.y(), rate.x(), -rate.z());
+  };
+  MotionPrior prior;
+  prior.angular_velocity = Eigen::Vector3d::Zero();
+  for (const auto& wrong : {std::function<Eigen::Vector3d(const Eigen::Vector3d&)>(degrees),
+                            std::function<Eigen::Vector3d(const Eigen::Vector3d&)>(turned)}) {
+    GyroTrust trust;
+    ride(100, wrong, trust);
+    EXPECT_TRUE(trust.is_distrusted());
+    EXPECT_FALSE(trust.turning());
+    EXPECT_FALSE(trust.rest(prior).angular_velocity);
+    ride(200, kExact, trust);
+    EXPECT_FALSE(trust.is_distrusted());
+  }
+}
+
+// Taken in already, it is not measured a second time.
+TEST(GyroTrust, CountsOnce) {
+  MotionPrior prior;
+  prior.angular_velocity = Eigen::Vector3d::Zero();
+  GyroTrust trust;
+  EXPECT_TRUE(trust.rest(prior).angular_velocity);
+  ride(20, kExact, trust);
+  EXPECT_FALSE(trust.rest(prior).angular_velocity);
+}
+
+TEST(MotionFilter, TurnsAsMeasured) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 1.0, 1.0);
+  filter.correct({Pose{}, Vector6d::Zero()}, filter.covariance());
+  const MeasuredTurning turning{{0.0, 0.0, 1.0}, {0.0, 0.0, 2.0}, 0.02};
+  filter.predict(kSweep, turning);
+  EXPECT_LT(
+      rotation_angle(filter.state().T_map_sensor.rotation.conjugate() * exp_so3({0.0, 0.0, 0.1})),
+      1e-9);
+  EXPECT_LT((filter.state().twist.tail<3>() - turning.within).norm(), 1e-9);
+  EXPECT_NEAR(std::sqrt(filter.covariance()(5, 5)), 0.02 * kSweep, 1e-4);
+  EXPECT_NEAR(std::sqrt(filter.covariance()(11, 11)), 0.02, 1e-4);
+  EXPECT_LT(rotation_angle(filter.forecast_state().T_map_sensor.rotation), 1e-9);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
