@@ -73,7 +73,7 @@ TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
   const double angle = GetParam() * kDegree;
   const ElevationCalibration calibration = calibrate(town(22.0), 20, angle);
   const ElevationEstimate found = calibration.estimate();
-  EXPECT_LT(found.sigma, 0.03 * kDegree);
+  EXPECT_LT(found.sigma, 0.04 * kDegree) << "0.6 of that of a pair, 0.05, and their scatter";
   EXPECT_NEAR(found.angle, angle, 3.0 * found.sigma);
   // Nothing is corrected that is right, and most of what is wrong.
   EXPECT_NEAR(calibration.found(), angle, angle == 0.0 ? 0.0 : 0.05 * kDegree);

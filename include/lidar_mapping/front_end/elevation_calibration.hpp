@@ -21,8 +21,8 @@ class ElevationMean {
   int count() const { return count_; }
   /// Its sigma is the larger one of what the estimates claim and what their scatter shows.
   ElevationEstimate value() const;
-  /// What the estimates claim, of which there must be one.
-  double claimed_sigma() const;
+  /// What an estimate claims, in the (harmonic) mean; there must be one.
+  double typical_sigma() const;
 
  private:
   int count_ = 0;
