@@ -8,8 +8,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Below this probability of not being wrong a step claims nothing and is not built on.
-constexpr double kUsable = 0.3;
 // A wrong step that is called right costs as much as so many right ones that are doubted. People
 // look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
 constexpr double kCostOfSilence = 1.5;
@@ -88,8 +86,6 @@ StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
   belief.expected_error = std::pow(10.0, weighted(model.error, x));
   belief.expected_error_angle = std::pow(10.0, weighted(model.error_angle, x));
   belief.safety = safety(model.safety, belief.expected_error, belief.expected_error_angle);
-  // What other methods say of a match is too little to leave it out for.
-  belief.is_usable = !is_ndt || belief.safety >= kUsable;
   return belief;
 }
 
@@ -102,7 +98,6 @@ void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
   // What is not known is said already, and a tunnel has to come into the map.
   if (!status.degenerate_directions.empty()) return;
   in_doubt_ = !belief.is_safe(in_doubt_);
-  if (!belief.is_usable) status.state = TrackingState::kDegraded;
   if (status.state == TrackingState::kTracking && in_doubt_) {
     status.state = TrackingState::kDoubtful;
   }

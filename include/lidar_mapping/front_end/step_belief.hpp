@@ -21,7 +21,6 @@ struct StepBelief {
   double expected_error_angle = 0.0;  ///< rad
   /// The probability that it is off by less than kWrongStep and kWrongStepAngle.
   double safety = 1.0;
-  bool is_usable = true;  ///< false if so improbable that nothing should be built on the step
 
   /// False if calling it tracked is a worse bet than doubting it; `in_doubt` if the step before was
   /// doubted.
