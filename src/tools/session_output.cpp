@@ -20,7 +20,7 @@ bool holds_more_than_beginnings(const fs::path& folder) {
   const fs::directory_iterator entries(folder);
   return std::any_of(begin(entries), end(entries), [](const auto& entry) {
     const fs::path name = entry.path().filename();
-    return name != "lock" && name != "run.json";
+    return name != "lock" && name != "run.json" && name != ".run.json.part";
   });
 }
 

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <fstream>
 #include <random>
 
 #include <sys/mount.h>
@@ -146,6 +147,16 @@ TEST_F(Resume, QuicklyGoesOnNearTheEnd) {
   const fs::path folder = broken_off(parent);
   EXPECT_EQ(map({"-o", folder, "--quick-resume", "--no-map"}), 0) << said();
   EXPECT_LT(difference_to_whole(folder), 0.02);
+}
+
+// A kill as run.json was written left a folder that was neither new nor a session.
+TEST_F(Resume, BeginsWhereNothingButTheBeginningOfAFileIs) {
+  const TemporaryFolder parent;
+  const fs::path folder = parent.path() / "session";
+  fs::create_directories(folder);
+  std::ofstream(folder / ".run.json.part") << "{";
+  EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
+  expect_same_bytes(folder);
 }
 
 TEST_F(Resume, RefusesAnotherRecording) {
