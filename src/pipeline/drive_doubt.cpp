@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "lidar_mapping/back_end/relative_covariance.hpp"
 
@@ -80,13 +81,17 @@ class Judge {
     return std::sqrt(variance);
   }
 
+  /// Numbers of the last key frame before the stretch and of the first one after it.
+  std::pair<std::size_t, std::size_t> key_frames_around(const DoubtfulStretch& stretch) const {
+    const std::size_t behind = first_from(stretch.begin);
+    return {behind > 0 ? behind - 1 : 0, std::min(first_from(stretch.end), key_frames_.size() - 1)};
+  }
+
   /// Where what odometry claims is too much, what all of the graph leaves of it counts.
   void weigh_claim(DoubtfulStretch& stretch) const {
     const double allowed = allowed_error(stretch.way);
     if (stretch.expected_error <= allowed || key_frames_.empty()) return;
-    const std::size_t behind = first_from(stretch.begin);
-    const std::size_t before = behind > 0 ? behind - 1 : 0;
-    const std::size_t last = std::min(first_from(stretch.end), key_frames_.size() - 1);
+    const auto [before, last] = key_frames_around(stretch);
     const auto problem = back_end_.problem(true);
     const RelativeCovariance all(*problem, key_frames_[before].index,
                                  RelativeCovariance::Given::kAll);
@@ -101,9 +106,7 @@ class Judge {
   void weigh(DoubtfulStretch& stretch) const {
     const double allowed = allowed_error(stretch.way);
     if (stretch.expected_error <= allowed || key_frames_.empty()) return;
-    const std::size_t behind = first_from(stretch.begin);
-    const std::size_t before = behind > 0 ? behind - 1 : 0;
-    const std::size_t last = std::min(first_from(stretch.end), key_frames_.size() - 1);
+    const auto [before, last] = key_frames_around(stretch);
     const auto problem = back_end_.problem(true);
     const KeyFrameIndex from = key_frames_[before].index;
     const RelativeCovariance odometry(*problem, from, RelativeCovariance::Given::kOdometry);
