@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+
+#include "scenes.hpp"
+
+namespace lidar_mapping::registration {
+namespace {
+
+void insert(const PointCloud& cloud, GaussianVoxelMap& map) {
+  for (const Point& p : cloud.points) map.insert(&p.x, &p.y, &p.z, 1);
+}
+
+GaussianVoxelMap corner_map() {
+  GaussianVoxelMap map(1.0, 1 << 14);
+  insert(test::street_corner(1, 30000, 0.02), map);
+  return map;
+}
+
+TEST(GaussianVoxelMap, GivesMeanAndCovarianceOfItsPoints) {
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+  GaussianVoxelMap map(2.0, 64);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  constexpr int kCount = 500;
+  for (int i = 0; i < kCount; ++i) {
+    const Eigen::Vector3f p(2.0F * unit(engine), unit(engine), 0.2F * unit(engine));
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+    sum += p.cast<double>();
+    products += (p * p.transpose()).cast<double>();
+  }
+  const Gaussian gaussian = map.gaussian({0, 0, 0});
+  const Eigen::Vector3d mean = sum / kCount;
+  EXPECT_EQ(gaussian.count, kCount);
+  EXPECT_LT((gaussian.mean - mean).norm(), 1e-5);
+  EXPECT_LT((gaussian.covariance - (products / kCount - mean * mean.transpose())).norm(), 2e-3);
+}
+
+TEST(GaussianVoxelMap, PlaneIsThinAcrossTheSurface) {
+  GaussianVoxelMap map = corner_map();
+  const WeightedPlane ground = map.plane({2, -12, -2});
+  EXPECT_GT(std::abs(ground.normal.normalized().z()), 0.99F);
+  const Eigen::Vector3f on_the_ground(2.5F, -11.5F, -1.7F);
+  const float deviations = ground.normal.dot(on_the_ground) - ground.offset;
+  EXPECT_LT(std::abs(deviations) / ground.normal.norm(), 0.02F);
+  EXPECT_EQ(map.plane({400, 0, 0}).normal.norm(), 0.0F);
+}
+
+TEST(GaussianVoxelMap, TakesALineForNoPlane) {
+  GaussianVoxelMap map(1.0, 64);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3f p(0.01F * static_cast<float>(i), 0.5F, 0.5F);
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+  EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
+}
+
+// The noise of the ranges widens a piece of a ring along the beams; a plane through it would lean
+// towards the sensor and hold the sensor where it is.
+TEST(GaussianVoxelMap, TakesAPieceOfARingOnTheGroundForNoPlane) {
+  std::mt19937 engine(1);
+  std::normal_distribution<float> noise(0.0F, 0.02F);
+  const Eigen::Vector3f beam(std::cos(-0.26F), 0.0F, std::sin(-0.26F));
+  GaussianVoxelMap map(1.0, 64);
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3f on_ground(0.5F, 0.3F + 0.01F * static_cast<float>(i), 0.5F);
+    const Eigen::Vector3f p = on_ground + noise(engine) * beam;
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+  EXPECT_EQ(map.plane({0, 0, 0}).normal.norm(), 0.0F);
+}
+
+/// Points of a piece of three rings, one from each of three places on the way, that scatter by
+/// `depth` (m) along the beam: on leaves if that is much.
+GaussianVoxelMap three_rings_in_a_voxel(float depth, double ring_spacing) {
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<float> across(0.0F, 1.0F);
+  std::uniform_real_distribution<float> along(-0.5F, 0.5F);
+  GaussianVoxelMap map(1.0, 64);
+  map.set_ring_spacing(ring_spacing);
+  for (int ring = 0; ring < 3; ++ring) {
+    const float height = 0.4F + 0.1F * static_cast<float>(ring);
+    for (int i = 0; i < 30; ++i) {
+      const float surface = 0.3F + 0.5F * height;
+      const Eigen::Vector3f p(surface + depth * along(engine), across(engine), height);
+      map.insert(&p.x(), &p.y(), &p.z(), 1);
+    }
+  }
+  return map;
+}
+
+/// Steepness of the plane's normal as a sensor finds it that is `distance` (m) away.
+float steepness_seen_from(float distance, GaussianVoxelMap map) {
+  const Eigen::Vector3i cell = Eigen::Vector3i::Zero();
+  const Eigen::Vector3f view(-distance, 0.0F, 0.0F);
+  const Eigen::Vector3f normal = map.plane(cell, map.place_of(cell), view).normal;
+  EXPECT_GT(normal.norm(), 0.0F);
+  return std::abs(normal.z()) / normal.norm();
+}
+
+// The ring passes over the leaves as the sensor moves on, and so does the height of the points.
+TEST(GaussianVoxelMap, RingsOnLeavesSayNothingAboutTheHeight) {
+  constexpr double kTwoDegrees = 2.0 * M_PI / 180.0;
+  constexpr float kLeaves = 0.6F;
+  constexpr float kWall = 0.0F;
+  EXPECT_GT(steepness_seen_from(40.0F, three_rings_in_a_voxel(kLeaves, 0.0)), 0.3F);
+  EXPECT_GT(steepness_seen_from(5.0F, three_rings_in_a_voxel(kLeaves, kTwoDegrees)), 0.3F);
+  EXPECT_LT(steepness_seen_from(40.0F, three_rings_in_a_voxel(kLeaves, kTwoDegrees)), 0.01F);
+  EXPECT_NEAR(steepness_seen_from(40.0F, three_rings_in_a_voxel(kWall, kTwoDegrees)),
+              std::sqrt(0.2F), 0.02F);
+}
+
+/// A level plate of 1 m at `height`, seen from `viewpoint`.
+void insert_plate(float height, const Eigen::Vector3f& viewpoint, std::uint32_t seed,
+                  GaussianVoxelMap& map) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<float> across(0.0F, 1.0F);
+  std::normal_distribution<float> noise(0.0F, 0.01F);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3f p(across(engine), across(engine), height + noise(engine));
+    map.insert(&p.x(), &p.y(), &p.z(), 1, viewpoint);
+  }
+}
+
+/// Height of the plane that a sensor at `viewpoint` finds, if any.
+std::optional<float> height_seen(const Eigen::Vector3f& viewpoint, GaussianVoxelMap& map) {
+  const Eigen::Vector3i cell = Eigen::Vector3i::Zero();
+  const Eigen::Vector3f middle(0.5F, 0.5F, 0.5F);
+  const WeightedPlane plane = map.plane(cell, map.place_of(cell), viewpoint - middle);
+  if (plane.normal.norm() == 0.0F) return std::nullopt;
+  return (plane.offset - plane.normal.head<2>().dot(middle.head<2>())) / plane.normal.z();
+}
+
+TEST(GaussianVoxelMap, KeepsFloorAndCeilingOfASlabApart) {
+  GaussianVoxelMap map(1.0, 64);
+  const Eigen::Vector3f below(-3.0F, 0.5F, -0.5F);
+  const Eigen::Vector3f above(-3.0F, 0.5F, 2.5F);
+  const Eigen::Vector3f level(-9.0F, 0.5F, 0.6F);
+  insert_plate(0.4F, below, 1, map);
+  EXPECT_NEAR(height_seen(below, map).value_or(0.0F), 0.4F, 0.01F);
+  EXPECT_FALSE(height_seen(above, map));
+  insert_plate(0.65F, above, 2, map);
+  EXPECT_NEAR(height_seen(above, map).value_or(0.0F), 0.65F, 0.01F);
+  EXPECT_NEAR(height_seen(below, map).value_or(0.0F), 0.4F, 0.01F);
+  // A glance along the slab tells nothing about its sides.
+  EXPECT_NEAR(height_seen(level, map).value_or(0.0F), 0.4F, 0.01F);
+}
+
+// F45: what is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
+TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
+  GaussianVoxelMap map(1.0, 4096);
+  for (int x = 0; x < 1000; ++x) {
+    const Eigen::Vector3f p(static_cast<float>(x) + 0.5F, 0.5F, 0.5F);
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+  for (int step = 0; step < 8; ++step) map.forget_beyond({0.0F, 0.0F, 0.0F}, 100.0F, 0.25);
+  EXPECT_EQ(map.size(), 100U);
+  for (int x = 0; x < 1000; ++x) {
+    ASSERT_EQ(map.gaussian({x, 0, 0}).count, x < 100 ? 1 : 0) << x;
+  }
+}
+
+// F45: a drive of ten kilometres needs no more memory than its beginning.
+TEST(GaussianVoxelMap, StaysOfOneSizeOverALongDrive) {
+  GaussianVoxelMap map(1.0, 4096);
+  std::size_t largest = 0;
+  for (int x = 0; x < 10000; ++x) {
+    map.set_origin_cell({x, 0, 0});
+    for (int y = -10; y < 10; ++y) {
+      const Eigen::Vector3f p(0.5F, static_cast<float>(y) + 0.5F, 0.5F);
+      map.insert(&p.x(), &p.y(), &p.z(), 1);
+    }
+    map.forget_beyond({0.0F, 0.0F, 0.0F}, 50.0F, 1.0 / 16.0);
+    largest = std::max(largest, map.size());
+  }
+  EXPECT_LT(largest, 20U * 70U);
+  EXPECT_EQ(map.dropped_points(), 0U);
+}
+
+/// A voxel for each x from `first` on.
+void insert_row(int first, int count, GaussianVoxelMap& map) {
+  for (int x = first; x < first + count; ++x) {
+    const Eigen::Vector3f p(static_cast<float>(x) + 0.5F, 0.5F, 0.5F);
+    map.insert(&p.x(), &p.y(), &p.z(), 1);
+  }
+}
+
+// Few voxels are cleared one by one, many with the whole table; voxels that were deleted in between
+// have moved others.
+TEST(GaussianVoxelMap, ClearingLeavesNothing) {
+  GaussianVoxelMap map(1.0, 4096);
+  for (const int voxels : {500, 2000, 500}) {
+    insert_row(0, voxels, map);
+    map.forget_beyond({0.0F, 0.0F, 0.0F}, 200.0F, 1.0);
+    insert_row(-300, 100, map);
+    map.clear();
+    EXPECT_EQ(map.size(), 0U);
+    EXPECT_TRUE(map.gaussians().empty());
+  }
+}
+
+TEST(GaussianVoxelMap, MovingTheOriginMovesNothing) {
+  GaussianVoxelMap map = corner_map();
+  const Gaussian before = map.gaussian({2, -12, -2});
+  map.set_origin_cell({-3, 60, 9});
+  const Gaussian after = map.gaussian({5, -72, -11});
+  EXPECT_EQ(after.count, before.count);
+  EXPECT_LT((after.mean + map.origin() - before.mean).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::registration
