@@ -8,6 +8,7 @@
 #include "lidar_mapping/back_end/gnss_alignment.hpp"
 #include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/gnss_weights.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -59,7 +60,7 @@ std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
 }
 
 AlignmentLimits alignment_limits(const BackEndConfig& config) {
-  return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * M_PI / 180.0};
+  return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * kRadPerDeg};
 }
 
 /// Over the whole track, or where that has drifted too far to fit, over its beginning.

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
-
-constexpr double kRadPerDeg = M_PI / 180.0;
 
 // What the front end knows of its surroundings when a segment begins is a scan or two, so its first
 // steps are worse than it says. Loops hold both sides of the kink that they leave.

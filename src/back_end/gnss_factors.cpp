@@ -5,12 +5,11 @@
 
 #include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/gnss_weights.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::back_end {
 
 namespace {
-
-constexpr double kRadPerDeg = M_PI / 180.0;
 
 /// By how much each position's covariance grows because its neighbours share its error.
 std::vector<double> shared_errors(const DriveGraph& drive, const BackEndConfig& config) {

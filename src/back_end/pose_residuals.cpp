@@ -3,6 +3,7 @@
 #include <ceres/sized_cost_function.h>
 
 #include "lidar_mapping/back_end/residuals.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 #include "residual_algebra.hpp"
 
@@ -106,7 +107,7 @@ class PlanarRelativePose : public ceres::SizedCostFunction<3, kPlanarBlockSize, 
         R_i * Eigen::Vector2d(blocks[1][0] - blocks[0][0], blocks[1][1] - blocks[0][1]);
     Eigen::Vector3d error;
     error << R_z_ * (t_b - motion_.head<2>()),
-        std::remainder(blocks[1][2] - blocks[0][2] - motion_.z(), 2.0 * M_PI);
+        std::remainder(blocks[1][2] - blocks[0][2] - motion_.z(), 2.0 * kPi);
     vector_at<3>(residual) = S_ * error;
     if (jacobians == nullptr) return true;
     const Eigen::Matrix2d R = R_z_ * R_i;

@@ -3,6 +3,7 @@
 #include <ceres/sized_cost_function.h>
 
 #include "lidar_mapping/back_end/residuals.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 #include "residual_algebra.hpp"
 
@@ -61,7 +62,7 @@ class Heading : public ceres::SizedCostFunction<1, kPoseBlockSize> {
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
     const Eigen::Matrix3d R = rotation_of(blocks[0]).toRotationMatrix();
     const double yaw = std::atan2(R(1, 0), R(0, 0));
-    residual[0] = weight_ * std::remainder(yaw - yaw_, 2.0 * M_PI);
+    residual[0] = weight_ * std::remainder(yaw - yaw_, 2.0 * kPi);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     const Eigen::RowVector3d by_axis =
         Eigen::RowVector3d(-R(1, 0), R(0, 0), 0.0) / (R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0));

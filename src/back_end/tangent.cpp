@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
@@ -31,7 +33,7 @@ StateBlock to_planar_block(const Pose& pose) {
 }
 
 Pose to_planar_pose(const double* block) {
-  return {exp_so3(Eigen::Vector3d(0.0, 0.0, std::remainder(block[2], 2.0 * M_PI))),
+  return {exp_so3(Eigen::Vector3d(0.0, 0.0, std::remainder(block[2], 2.0 * kPi))),
           Eigen::Vector3d(block[0], block[1], 0.0)};
 }
 

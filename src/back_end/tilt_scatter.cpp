@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr double kDegPerRad = 180.0 / M_PI;
 /// However well a few minutes agree, no sensor is believed more than this share allows.
 constexpr double kLeastShare = 0.25;
 /// Pairs of means that a variance takes, and key frames that the longest means have to cover to

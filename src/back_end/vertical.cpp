@@ -2,12 +2,11 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::back_end {
 
 namespace {
-
-constexpr double kRadPerDeg = M_PI / 180.0;
-constexpr double kGravity = 9.81;
 
 /// A vehicle stands on its wheels: most accelerations point to where odometry has the sky.
 double sign_of_gravity(const DriveGraph& drive) {
@@ -26,7 +25,7 @@ Vertical by_orientation(const DriveImu& imu, double stddev_deg) {
 
 Vertical by_acceleration(const DriveImu& imu, double sign, const BackEndConfig& config) {
   const Eigen::Vector3d& acceleration = imu.sample.linear_acceleration;
-  const double excess = std::abs(acceleration.norm() - kGravity) / kGravity;
+  const double excess = std::abs(acceleration.norm() - kStandardGravity) / kStandardGravity;
   // Braking by a changes the length by a^2 / 2g but turns the vertical by a / g.
   const double turned = std::sqrt(2.0 * excess);
   return {imu.node, sign * acceleration.normalized(),

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::evaluation {
 
 namespace {
-
-constexpr double kDegrees = 180.0 / M_PI;
 
 /// What is left of the estimated motion from i to j after the true one.
 Pose motion_error(const std::vector<PosePair>& pairs, std::size_t i, std::size_t j) {
@@ -21,7 +21,7 @@ PoseErrors pose_errors(const std::vector<Pose>& errors) {
   std::vector<double> degrees;
   for (const Pose& error : errors) {
     metres.push_back(error.translation.norm());
-    degrees.push_back(rotation_angle(error.rotation) * kDegrees);
+    degrees.push_back(rotation_angle(error.rotation) * kDegPerRad);
   }
   return {statistics_of(std::move(metres)), statistics_of(std::move(degrees))};
 }
@@ -94,7 +94,7 @@ KittiErrors kitti_errors(const std::vector<PosePair>& pairs, const std::vector<d
   if (result.segments == 0) return result;
   const auto count = static_cast<double>(result.segments);
   result.translation_percent = 100.0 * translation / count;
-  result.rotation_deg_per_100m = 100.0 * kDegrees * rotation / count;
+  result.rotation_deg_per_100m = 100.0 * kDegPerRad * rotation / count;
   return result;
 }
 

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/front_end/local_map.hpp"
 
 #include "elevation_pair.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 // In edges of voxels. Planes are bent a little by the rings of the scan that they come from; in
 // scans that are closer together that passes for an angle of some hundredths of a degree.
@@ -24,12 +23,12 @@ constexpr std::size_t kMostFrames = 12;
 constexpr std::size_t kMapCapacity = std::size_t{1} << 14;
 
 /// A pair is worth no more than that, however many points it has.
-constexpr double kPairSigma = 0.03 * kDegree;
+constexpr double kPairSigma = 0.03 * kRadPerDeg;
 /// Better than that nobody needs to know it.
-constexpr double kGoodSigma = 0.012 * kDegree;
+constexpr double kGoodSigma = 0.012 * kRadPerDeg;
 // What is believed: from so many pairs, so large an angle, so many standard deviations from zero.
 constexpr int kLeastPairs = 12;
-constexpr double kLeastAngle = 0.05 * kDegree;
+constexpr double kLeastAngle = 0.05 * kRadPerDeg;
 constexpr double kSure = 5.0;
 /// What few rings show of a place pretends the same angle in all pairs, which their scatter does
 /// not tell and more pairs do not mend: standard deviation of that in units of a pair's. Angles of
@@ -37,10 +36,10 @@ constexpr double kSure = 5.0;
 /// (simulated car parks with 16 beams).
 constexpr double kCommonShare = 0.6;
 /// Smaller changes are noise.
-constexpr double kLeastChange = 0.02 * kDegree;
+constexpr double kLeastChange = 0.02 * kRadPerDeg;
 /// So much more per scan in the map moves the ground by a centimetre. All at once the pose would
 /// jump.
-constexpr double kAppliedStep = 0.05 * kDegree;
+constexpr double kAppliedStep = 0.05 * kRadPerDeg;
 
 /// One ring on the ground makes no plane.
 registration::PlaneModel broad_planes() {

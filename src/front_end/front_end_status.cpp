@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::front_end {
 
 const char* to_string(TrackingState state) {
@@ -27,7 +29,7 @@ bool claims_pose(TrackingState state) {
 
 std::string elevation_notice(double elevation_shift) {
   char degrees[32];
-  std::snprintf(degrees, sizeof(degrees), "%.2f", elevation_shift * 180.0 / M_PI);
+  std::snprintf(degrees, sizeof(degrees), "%.2f", elevation_shift * kDegPerRad);
   return std::string("the sensor's elevations were found to lack ") + degrees +
          " deg: points are turned upwards by that from here on; add it to " +
          "vertical_angle_correction_deg to have it from the start";

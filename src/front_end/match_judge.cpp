@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -24,7 +26,7 @@ constexpr double kDoubtfulInnovation = 6.0;
 constexpr double kLostInnovation = 12.0;
 constexpr double kLearningRate = 0.1;
 /// Two turns a second.
-constexpr double kFastestTurn = 4.0 * M_PI;  // rad/s
+constexpr double kFastestTurn = 4.0 * kPi;  // rad/s
 
 /// Length of the pose's innovation in standard deviations of the prediction.
 double innovation(const registration::NdtMatch& match,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -101,7 +103,7 @@ void RingBridges::bridge(const Column& column, std::size_t number, float spacing
     if (gap < spacing || gap > kMostGap) continue;
     if (!is_straight(column, s) && !is_straight(column, s + 1)) continue;
     // Near the sensor columns are close together.
-    const float width = 0.5F * (a.p + b.p).norm() * static_cast<float>(2.0 * M_PI / kColumns);
+    const float width = 0.5F * (a.p + b.p).norm() * static_cast<float>(2.0 * kPi / kColumns);
     if (number % std::max<std::size_t>(1, static_cast<std::size_t>(spacing / width)) != 0) continue;
     const float pieces = std::ceil(gap / spacing);
     for (float m = 1.0F; m < pieces; m += 1.0F) {

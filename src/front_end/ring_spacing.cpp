@@ -7,17 +7,18 @@
 #include <cstddef>
 #include <vector>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 /// So many points are looked at.
 constexpr std::size_t kEnough = 16000;
 /// Within a sector a sensor that is mounted a little askew still sees its rings at one elevation.
 constexpr std::size_t kSectors = 36;
 constexpr std::size_t kBins = 900;
-constexpr double kBin = 0.1 * kDegree;
+constexpr double kBin = 0.1 * kRadPerDeg;
 /// What is nearer shows by how far the origin is off.
 constexpr double kMinRange = 3.0;  // m
 constexpr std::size_t kLeastSectors = 6;
@@ -41,7 +42,7 @@ std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
     const double elevation = std::atan2(p.z(), std::hypot(p.x(), p.y()));
     const double bin = elevation / kBin + kBins / 2.0;
     if (bin < 0.0 || bin >= kBins) continue;
-    const double turn = std::atan2(p.y(), p.x()) / (2.0 * M_PI) + 0.5;
+    const double turn = std::atan2(p.y(), p.x()) / (2.0 * kPi) + 0.5;
     const auto sector = static_cast<std::size_t>(turn * kSectors);
     seen[std::min(sector, kSectors - 1)].set(static_cast<std::size_t>(bin));
   }
@@ -73,9 +74,7 @@ double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_senso
     if (bins >= 0.0) found.push_back(bins);
   }
   if (found.size() < kLeastSectors) return 0.0;
-  const auto quarter = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 4);
-  std::nth_element(found.begin(), quarter, found.end());
-  return *quarter * kBin;
+  return quantile(std::move(found), 0.25) * kBin;
 }
 
 double HeededRings::spacing_at(const Pose& T_map_sensor) const {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/front_end/sweep_order.hpp"
 
 namespace lidar_mapping::front_end {
@@ -56,12 +57,6 @@ std::uint32_t key_of(std::uint32_t level, std::uint32_t x, std::uint32_t y, std:
 
 std::uint32_t cell_of(float coordinate) { return static_cast<std::uint32_t>(coordinate); }
 
-float lower_quarter(std::vector<float>& values) {
-  const auto quarter = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
-  std::nth_element(values.begin(), quarter, values.end());
-  return *quarter;
-}
-
 float nearest_squared(const PointCloud& cloud, std::size_t probe) {
   const Eigen::Vector3f p = cloud.points[probe].position();
   float nearest = std::numeric_limits<float>::max();
@@ -84,7 +79,7 @@ double point_spacing(const PointCloud& cloud) {
     const float nearest = nearest_squared(cloud, i);
     if (nearest < kFarSquared) spacings.push_back(std::sqrt(nearest));
   }
-  return spacings.empty() ? 0.0 : static_cast<double>(lower_quarter(spacings));
+  return static_cast<double>(quantile(std::move(spacings), 0.25));
 }
 
 RangeGrid::RangeGrid() { set_edge(kLeastEdge, 0.0); }

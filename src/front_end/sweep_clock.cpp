@@ -5,6 +5,9 @@
 #include <complex>
 #include <utility>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -34,7 +37,7 @@ constexpr double kWandering = 0.8;
 /// shows.
 constexpr double kMissing = 0.6;
 
-double phase_angle(double seconds, double period) { return 2.0 * M_PI * seconds / period; }
+double phase_angle(double seconds, double period) { return 2.0 * kPi * seconds / period; }
 
 }  // namespace
 
@@ -85,9 +88,7 @@ void SweepClock::look_at_steps() {
   for (std::size_t i = 1; i < window_.size(); ++i) {
     steps_.push_back(window_[i].middle - window_[i - 1].middle);
   }
-  const auto middle = steps_.begin() + static_cast<std::ptrdiff_t>(steps_.size() / 2);
-  std::nth_element(steps_.begin(), middle, steps_.end());
-  usual_step_ = *middle;
+  usual_step_ = quantile_of_range(steps_.begin(), steps_.end(), 0.5);
   step_variance_ = 0.0;
   for (const double step : steps_) {
     const double off = step - usual_step_ * std::max(1.0, std::round(step / usual_step_));
@@ -139,7 +140,7 @@ double SweepClock::phase_power(const std::deque<Sweep>& sweeps, double period) {
 void SweepClock::count_turns(double period) {
   std::complex<double> sum;
   for (const Sweep& s : window_) sum += std::polar(1.0, phase_angle(s.middle, period));
-  const double begin = std::arg(sum) / (2.0 * M_PI) * period;
+  const double begin = std::arg(sum) / (2.0 * kPi) * period;
   for (Sweep& s : window_) s.turn = std::round((s.middle - begin) / period);
   fit();
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/front_end/sweep_order.hpp"
 
 namespace lidar_mapping::front_end {
@@ -106,9 +107,7 @@ double SweepSampler::median_range() const {
     squares[i] =
         sparse_.x[i] * sparse_.x[i] + sparse_.y[i] * sparse_.y[i] + sparse_.z[i] * sparse_.z[i];
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(static_cast<double>(*middle));
+  return std::sqrt(static_cast<double>(median(std::move(squares))));
 }
 
 }  // namespace lidar_mapping::front_end

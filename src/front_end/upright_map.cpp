@@ -7,6 +7,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -32,32 +35,14 @@ constexpr int kShareOfDirection = 18;
 constexpr double kHeldPosition = 0.1;
 constexpr double kHeldAngle = 20.0;
 
-using Cell3 = Eigen::Vector3i;
-
-Cell3 cell_at(const Eigen::Vector3f& p, float edge) {
-  return (p / edge).array().floor().cast<int>().matrix();
+VoxelKey key_at(const Eigen::Vector3f& p, float edge) {
+  return voxel_key(voxel_index(Eigen::Vector3f(p / edge)));
 }
 
-std::uint64_t key_of(const Cell3& cell) {
-  constexpr std::uint64_t kMask = (1U << 21) - 1U;
-  const auto part = [](int value) { return static_cast<std::uint64_t>(value) & kMask; };
-  return (part(cell.x()) << 42U) | (part(cell.y()) << 21U) | part(cell.z());
-}
-
-template <typename Do>
-void for_neighbours(const Cell3& cell, Do&& act) {
-  for (int dx = -1; dx <= 1; ++dx) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dz = -1; dz <= 1; ++dz) act(key_of(cell + Cell3(dx, dy, dz)));
-    }
-  }
-}
-
-/// Fibonacci hashing (Knuth 1998, 6.4).
-std::size_t bit_of(std::uint64_t key) { return (key * 0x9E3779B97F4A7C15U) >> (64 - kFilterBits); }
+std::size_t bit_of(VoxelKey key) { return fibonacci_hash(key) >> (64 - kFilterBits); }
 
 int direction_of(const Eigen::Vector3f& p) {
-  const double turns = std::atan2(p.y(), p.x()) / (2.0 * M_PI) + 0.5;
+  const double turns = std::atan2(p.y(), p.x()) / (2.0 * kPi) + 0.5;
   return std::min(kDirections - 1, static_cast<int>(turns * kDirections));
 }
 
@@ -65,9 +50,9 @@ int direction_of(const Eigen::Vector3f& p) {
 
 std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points) {
   const auto column_of = [&](std::size_t i) {
-    return key_of(cell_at({points.x[i], points.y[i], 0.0F}, kColumn));
+    return key_at({points.x[i], points.y[i], 0.0F}, kColumn);
   };
-  std::unordered_map<std::uint64_t, float> lowest;
+  std::unordered_map<VoxelKey, float> lowest;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [column, is_new] = lowest.try_emplace(column_of(i), points.z[i]);
     if (!is_new) column->second = std::min(column->second, points.z[i]);
@@ -80,33 +65,31 @@ std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points) {
   return upright;
 }
 
-void KeyFilter::insert(std::uint64_t key) {
+void KeyFilter::insert(VoxelKey key) {
   bits_.resize(std::size_t{1} << kFilterBits);
   bits_[bit_of(key)] = true;
 }
 
-bool KeyFilter::may_contain(std::uint64_t key) const {
-  return !bits_.empty() && bits_[bit_of(key)];
-}
+bool KeyFilter::may_contain(VoxelKey key) const { return !bits_.empty() && bits_[bit_of(key)]; }
 
 void UprightMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor) {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T * point;
-    const Cell3 cell = cell_at(p, kEdge);
-    Cell& own = cells_[key_of(cell)];
+    const VoxelKey key = key_at(p, kEdge);
+    Cell& own = cells_[key];
     own.sum += p;
     if (own.count++ > 0) continue;
-    occupied_.insert(key_of(cell));
-    for_neighbours(cell, [&](std::uint64_t key) { near_.insert(key); });
+    occupied_.insert(key);
+    for_voxels_around(key, [&](VoxelKey near) { near_.insert(near); });
   }
 }
 
 bool UprightMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const {
-  const Cell3 cell = cell_at(p, kEdge);
-  if (!near_.may_contain(key_of(cell))) return false;
+  const VoxelKey here = key_at(p, kEdge);
+  if (!near_.may_contain(here)) return false;
   float least = std::numeric_limits<float>::max();
-  for_neighbours(cell, [&](std::uint64_t key) {
+  for_voxels_around(here, [&](VoxelKey key) {
     if (!occupied_.may_contain(key)) return;
     const auto found = cells_.find(key);
     if (found == cells_.end()) return;
@@ -124,7 +107,7 @@ std::size_t UprightMap::count_near(const std::vector<Eigen::Vector3f>& points,
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   std::size_t count = 0;
   for (const Eigen::Vector3f& p : points) {
-    count += near_.may_contain(key_of(cell_at(T * p, kEdge))) ? 1U : 0U;
+    count += near_.may_contain(key_at(T * p, kEdge)) ? 1U : 0U;
   }
   return count;
 }

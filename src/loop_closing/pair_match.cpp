@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 #include "lidar_mapping/loop_closing/scan_alignment.hpp"
 #include "lidar_mapping/loop_closing/submaps.hpp"
@@ -12,8 +13,6 @@
 namespace lidar_mapping::loop_closing {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The drive up to `to`, so that its scan is the newest.
 Trajectory drive_until(const std::vector<KeyFrame>& key_frames, KeyFrameIndex to) {

@@ -5,12 +5,13 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr double kQuantile99 = 3.03;  // root of the 99 % quantile, two degrees of freedom
-constexpr double kPi = 3.14159265358979323846;
 // What is left of the estimate's error right beside a constraint: tension between constraints.
 constexpr double kHorizontalFloor = 0.5;  // m
 constexpr double kVerticalFloor = 0.3;    // m
@@ -21,7 +22,7 @@ constexpr double kGnssFloor = 1.0;        // m; receivers are rarely as good as 
 // between the storeys of a car park, metres after kilometres.
 constexpr double kVerticalDriftWay = 1000.0;  // m
 
-double degrees_per_100m(double value) { return value * kPi / 180.0 / 100.0; }
+double degrees_per_100m(double value) { return value * kRadPerDeg / 100.0; }
 
 /// Position of base_link (of the antenna where there is no heading), horizontal.
 Eigen::Vector2d gnss_place(const GnssPosition& position) {

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr int kColumns = 240;  // of 1.5 degrees
 constexpr int kRows = 90;      // of 2 degrees
-constexpr float kPi = 3.14159265F;
+constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
 constexpr float kMargin = 1.5F;  // m behind a point that its block must be to contradict it
 constexpr int kMinReturns = 4;
@@ -31,9 +33,9 @@ RangeImage::Cell RangeImage::cell_of(const Eigen::Vector3f& p) const {
   const float elevation = std::atan2(d.z(), std::hypot(d.x(), d.y()));
   const float azimuth = std::atan2(d.y(), d.x());
   Cell cell;
-  cell.row = std::clamp(static_cast<int>((elevation / kPi + 0.5F) * kRows), 0, kRows - 1);
+  cell.row = std::clamp(static_cast<int>((elevation / kHalfTurn + 0.5F) * kRows), 0, kRows - 1);
   cell.column =
-      std::clamp(static_cast<int>((azimuth / kPi + 1.0F) * 0.5F * kColumns), 0, kColumns - 1);
+      std::clamp(static_cast<int>((azimuth / kHalfTurn + 1.0F) * 0.5F * kColumns), 0, kColumns - 1);
   cell.range = d.norm();
   return cell;
 }

@@ -5,12 +5,13 @@
 
 #include <unsupported/Eigen/FFT>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr int kBins = 128;  // of 1 m
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kDirections = SpectrumDescriptor::kDirections;
 constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;
 using Spectra = Eigen::Matrix<float, kFrequencies, kDirections>;

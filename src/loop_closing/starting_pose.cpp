@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -9,7 +11,6 @@ namespace {
 constexpr double kTrusted = 0.7;       // m; the estimate is a better start than the views
 constexpr double kYawTrusted = 0.35;   // rad
 constexpr std::size_t kMinCells = 30;  // occupied cells for a view to say anything
-constexpr double kPi = 3.14159265358979323846;
 
 /// A start on the same ground plane: roll, pitch and height differences are left to the matching.
 Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {

@@ -10,22 +10,6 @@ namespace {
 constexpr std::uint32_t kFree = 0xFFFFFFFFU;
 constexpr std::size_t kLeastSlots = 1 << 14;
 constexpr float kFarthest = 5e4F;  // m; cells of any leaf that the parameters allow fit a key
-constexpr int kBits = 21;          // of a cell's number along one axis
-constexpr int kHalf = 1 << (kBits - 1);
-
-/// Much faster than std::floor where the processor's own instruction may not be used.
-int floor_of(float value) {
-  const int whole = static_cast<int>(value);
-  return whole - static_cast<int>(value < static_cast<float>(whole));
-}
-
-std::uint64_t bits_of(int number) { return static_cast<std::uint32_t>(number + kHalf); }
-
-float number_of(std::uint64_t bits) {
-  return static_cast<float>(static_cast<int>(bits & (2 * kHalf - 1)) - kHalf);
-}
-
-std::size_t hash_of(std::uint64_t key) { return (key * 0x9E3779B97F4A7C15ULL) >> 32U; }
 
 }  // namespace
 
@@ -40,9 +24,9 @@ void VoxelMeans::restart(double leaf) {
 }
 
 /// Where the number of the cell's voxel stands, or has to be put.
-inline std::uint32_t& VoxelMeans::slot_of(Key key) {
+inline std::uint32_t& VoxelMeans::slot_of(VoxelKey key) {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = hash_of(key) & mask;
+  std::size_t slot = VoxelKeyHash()(key) & mask;
   while (slots_[slot] != kFree && voxels_[slots_[slot]].key != key) slot = (slot + 1) & mask;
   return slots_[slot];
 }
@@ -52,7 +36,7 @@ void VoxelMeans::grow() {
   for (std::uint32_t i = 0; i < voxels_.size(); ++i) slot_of(voxels_[i].key) = i;
 }
 
-inline std::uint32_t VoxelMeans::find_or_add(Key key) {
+inline std::uint32_t VoxelMeans::find_or_add(VoxelKey key) {
   std::uint32_t& slot = slot_of(key);
   if (slot != kFree) return slot;
   const auto added = static_cast<std::uint32_t>(voxels_.size());
@@ -80,17 +64,11 @@ void VoxelMeans::add(const Eigen::Vector3f& p) {
     voxels_.push_back({0, 1.0F, p});
     return;
   }
-  const Eigen::Vector3f scaled = p * per_leaf_;
-  const Eigen::Vector3i cell(floor_of(scaled.x()), floor_of(scaled.y()), floor_of(scaled.z()));
+  const VoxelIndex cell = voxel_index(Eigen::Vector3f(p * per_leaf_));
   Waiting& waiting = waiting_[waiting_count_++];
-  waiting.key = bits_of(cell.x()) | bits_of(cell.y()) << kBits | bits_of(cell.z()) << (2 * kBits);
+  waiting.key = voxel_key(cell);
   waiting.offset = p - leaf_ * cell.cast<float>();
   if (waiting_count_ == kWaiting) settle();
-}
-
-Eigen::Vector3f VoxelMeans::corner_of(Key key) const {
-  return leaf_ *
-         Eigen::Vector3f(number_of(key), number_of(key >> kBits), number_of(key >> (2 * kBits)));
 }
 
 std::vector<Eigen::Vector3f> VoxelMeans::points() {
@@ -98,7 +76,7 @@ std::vector<Eigen::Vector3f> VoxelMeans::points() {
   std::vector<Eigen::Vector3f> result;
   result.reserve(voxels_.size());
   for (const Voxel& voxel : voxels_) {
-    result.emplace_back(corner_of(voxel.key) + voxel.sum / voxel.count);
+    result.emplace_back(leaf_ * voxel_index(voxel.key).cast<float>() + voxel.sum / voxel.count);
   }
   return result;
 }

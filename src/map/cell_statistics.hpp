@@ -6,22 +6,10 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/plane_fit.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::map {
-
-/// Sums over the points of a cell.
-struct Moments {
-  double count = 0.0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-
-  void add(const Eigen::Vector3d& point) {
-    count += 1.0;
-    sum += point;
-    squares += point * point.transpose();
-  }
-  Eigen::Vector3d mean() const { return sum / count; }
-  Eigen::Matrix3d covariance() const { return squares / count - mean() * mean().transpose(); }
-};
 
 struct Plane {
   Eigen::Vector3d normal;
@@ -30,12 +18,12 @@ struct Plane {
   double extent = 0.0;     ///< second largest standard deviation, m
 };
 
-Plane plane_of(const Moments& moments);
+Plane plane_of(const PointMoments& moments);
 
 inline bool is_ground(const Plane& plane) { return std::abs(plane.normal.z()) > 0.9; }
 inline bool is_wall(const Plane& plane) { return std::abs(plane.normal.z()) < 0.25; }
 
 /// Key of the cell of edge `size` that a point lies in.
-std::int64_t cell_key(const Eigen::Vector3d& point, double size);
+VoxelKey cell_key(const Eigen::Vector3d& point, double size);
 
 }  // namespace lidar_mapping::map

@@ -4,6 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/robust_weights.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
 
 #include "cell_statistics.hpp"
@@ -36,23 +38,22 @@ struct SeenPoint {
 using Points = std::vector<SeenPoint>;
 /// Of each cell one plane for either side from which points were seen; normals show to the LiDAR,
 /// where its place is known.
-using Planes = std::unordered_map<std::int64_t, std::vector<Plane>>;
+using Planes = std::unordered_map<VoxelKey, std::vector<Plane>>;
 /// Translation, then yaw about the place's centre.
 using Shift = Eigen::Vector4d;
 
 /// Those of a cell, once they are told apart.
 struct Sides {
   Eigen::Vector3d normal;
-  Moments front;  ///< seen against the normal, and what was seen from nobody knows where
-  Moments back;
+  PointMoments front;  ///< seen against the normal, and what was seen from nobody knows where
+  PointMoments back;
 };
 
 /// The upper and the lower side of a slab, or the two of a thin wall, are two surfaces.
-std::unordered_map<std::int64_t, Sides> sides_of(const Points& points, double cell,
-                                                 double min_points) {
-  std::unordered_map<std::int64_t, Moments> cells;
+std::unordered_map<VoxelKey, Sides> sides_of(const Points& points, double cell, double min_points) {
+  std::unordered_map<VoxelKey, PointMoments> cells;
   for (const SeenPoint& point : points) cells[cell_key(point.position, cell)].add(point.position);
-  std::unordered_map<std::int64_t, Sides> sides;
+  std::unordered_map<VoxelKey, Sides> sides;
   for (const auto& [key, moments] : cells) {
     if (moments.count >= min_points) sides[key].normal = plane_of(moments).normal;
   }
@@ -69,7 +70,7 @@ Planes planes_of(const Points& points, double cell, double min_points) {
   Planes planes;
   for (const auto& [key, sides] : sides_of(points, cell, min_points)) {
     for (const bool front : {true, false}) {
-      const Moments& moments = front ? sides.front : sides.back;
+      const PointMoments& moments = front ? sides.front : sides.back;
       if (moments.count < min_points) continue;
       Plane plane = plane_of(moments);
       if (plane.extent < 0.15 * cell || plane.thickness > kMaxThickness) continue;
@@ -99,13 +100,13 @@ Pair pair_of(const Plane& a, const Plane& b) {
 /// In the order of the keys, so that sums do not depend on the order of a hash table. Only surfaces
 /// that were seen from the same side are the same; `sided` is false where nobody knows the sides.
 std::vector<Pair> pairs_of(const Planes& earlier, const Planes& later, double cell, bool sided) {
-  std::vector<std::int64_t> keys;
+  std::vector<VoxelKey> keys;
   for (const auto& [key, planes] : earlier) {
     if (later.count(key) > 0) keys.push_back(key);
   }
   std::sort(keys.begin(), keys.end());
   std::vector<Pair> pairs;
-  for (const std::int64_t key : keys) {
+  for (const VoxelKey key : keys) {
     for (const Plane& a : earlier.at(key)) {
       for (const Plane& b : later.at(key)) {
         const double cosine = a.normal.dot(b.normal);
@@ -118,19 +119,12 @@ std::vector<Pair> pairs_of(const Planes& earlier, const Planes& later, double ce
   return pairs;
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double residual_of(const std::vector<Pair>& pairs, const Shift& shift) {
   std::vector<double> distances;
   for (const Pair& pair : pairs) {
     distances.push_back(std::abs(pair.distance - pair.row.dot(shift)));
   }
-  return median_of(distances);
+  return median(std::move(distances));
 }
 
 /// Upright planes only: nearly all that is level agrees however far one lies beside the other.
@@ -138,11 +132,6 @@ std::size_t agreeing(const std::vector<Pair>& pairs, const Shift& shift) {
   return static_cast<std::size_t>(std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) {
     return !pair.ground && std::abs(pair.distance - pair.row.dot(shift)) < kAgreeing;
   }));
-}
-
-double tukey(double residual, double cut) {
-  const double ratio = residual / cut;
-  return std::abs(ratio) >= 1.0 ? 0.0 : std::pow(1.0 - ratio * ratio, 2.0);
 }
 
 /// Ground planes together count no more than all others: they are many and say nothing sideways.
@@ -178,7 +167,7 @@ Shift solve(const std::vector<Pair>& pairs, bool first_rounds) {
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     for (const Pair& pair : pairs) {
       const double weight =
-          (pair.ground ? for_ground : 1.0) * tukey(pair.distance - pair.row.dot(shift), cut);
+          (pair.ground ? for_ground : 1.0) * tukey_weight(pair.distance - pair.row.dot(shift), cut);
       information += weight * pair.row * pair.row.transpose();
       right += weight * pair.row * pair.distance;
     }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+
 namespace lidar_mapping::map {
 
 namespace {
@@ -58,9 +60,7 @@ float GroundRaster::guess(std::size_t number) const {
       if (heights_[i] != kUnknown) around[known++] = heights_[i];
     }
   }
-  const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(known / 4);
-  std::nth_element(around.begin(), quartile, around.end());
-  return *quartile;
+  return known == 0 ? kUnknown : quantile_of_range(around.begin(), around.begin() + known, 0.25);
 }
 
 void GroundRaster::find_limits() {

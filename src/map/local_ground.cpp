@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+
 namespace lidar_mapping::map {
 
 namespace {
@@ -18,9 +20,7 @@ constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
 template <typename Heights>
 float lower_quartile(Heights heights) {
   const auto end = std::remove(heights.begin(), heights.end(), kNone);
-  const auto quartile = heights.begin() + (end - heights.begin()) / 4;
-  std::nth_element(heights.begin(), quartile, end);
-  return *quartile;
+  return end == heights.begin() ? kNone : quantile_of_range(heights.begin(), end, 0.25);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
 
 #include "cell_statistics.hpp"
@@ -20,10 +21,10 @@ constexpr double kMinGroupPoints = 5;
 /// The points of one group in a cell, and the directions from which they were seen.
 struct Group {
   int number = 0;
-  Moments points;
+  PointMoments points;
   Eigen::Matrix3d beams = Eigen::Matrix3d::Zero();
 };
-using Cells = std::unordered_map<std::int64_t, std::vector<Group>>;
+using Cells = std::unordered_map<VoxelKey, std::vector<Group>>;
 
 Group& group_in(std::vector<Group>& groups, int number) {
   if (groups.empty() || groups.back().number != number) {
@@ -46,7 +47,7 @@ Cells gather(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfi
       const Eigen::Vector3d beam = p - sensor;
       if (!(beam.squaredNorm() < config.reach * config.reach)) continue;
       const int number = static_cast<int>(i) / config.group;
-      const std::int64_t key = cell_key(p, kCell);
+      const VoxelKey key = cell_key(p, kCell);
       Group& group = group_in(cells[key], number);
       group.points.add(p);
       group.beams += beam * beam.transpose() / beam.squaredNorm();
@@ -83,14 +84,6 @@ Sample measured(const std::vector<Group>& groups, const Plane& plane, double ran
   within = std::max(0.0, within / groups_used);
   const double total = std::sqrt(within + between);
   return {total, total / (range_noise * std::sqrt(expected / groups_used)), std::sqrt(within)};
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 Thickness summary(const std::vector<Sample>& samples) {

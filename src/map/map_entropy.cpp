@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
 
 #include "cell_statistics.hpp"
@@ -25,7 +26,7 @@ struct Sum {
   double neighbours = 0.0;
 };
 
-using Cells = std::unordered_map<std::int64_t, std::vector<Eigen::Vector3d>>;
+using Cells = std::unordered_map<VoxelKey, std::vector<Eigen::Vector3d>>;
 
 /// Points of all key frames around, relative to the place's key frame.
 std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& poses,
@@ -46,8 +47,8 @@ std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& pose
   return points;
 }
 
-Moments neighbours_of(const Eigen::Vector3d& point, const Cells& cells) {
-  Moments moments;
+PointMoments neighbours_of(const Eigen::Vector3d& point, const Cells& cells) {
+  PointMoments moments;
   for (int n = 0; n < 27; ++n) {
     const Eigen::Vector3d step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
     const auto cell = cells.find(cell_key(point + kRadius * step, kRadius));
@@ -68,9 +69,9 @@ Sum entropy_of(const std::vector<Eigen::Vector3d>& points) {
   const std::size_t step = points.size() / kQueries + 1;
   for (std::size_t i = 0; i < points.size(); i += step) {
     if (points[i].norm() > kPlaceRadius) continue;
-    const Moments moments = neighbours_of(points[i], cells);
+    const PointMoments moments = neighbours_of(points[i], cells);
     if (moments.count < kMinNeighbours) continue;
-    const double volume = (2.0 * M_PI * M_E * moments.covariance()).determinant();
+    const double volume = (2.0 * kPi * M_E * moments.covariance()).determinant();
     if (!(volume > 0.0)) continue;
     sum.entropy += 0.5 * std::log(volume);
     sum.points += 1.0;

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::map {
 
 namespace {
@@ -52,47 +54,35 @@ struct Poll {
 
 Poll poll_of(Vote vote) { return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0}; }
 
-/// Voxels of a size by key; a step to a neighbour is a sum.
+/// Keys of the voxels of points, and of the columns that these stand in: of one of kColumns of a
+/// pattern that repeats itself, the same for all voxels of a column.
 class VoxelKeys {
  public:
-  using Key = std::int64_t;
-  static constexpr Key kStepX = Key{1} << 40;
-  static constexpr Key kStepY = Key{1} << 20;
   static constexpr std::size_t kColumns = std::size_t{1} << 16U;
 
   VoxelKeys(const PlacedPoints& points, float voxel)
       : points_(points), scale_(1.0F / voxel), columns_(points.size()) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto x = static_cast<unsigned>(floored(points.x[i] * scale_));
-      const auto y = static_cast<unsigned>(floored(points.y[i] * scale_));
-      columns_[i] = static_cast<std::uint16_t>(x % kWidth * kWidth + y % kWidth);
+      columns_[i] = column(floor_to_int(points.x[i] * scale_), floor_to_int(points.y[i] * scale_));
     }
   }
 
-  Key of(std::size_t i) const {
-    const auto cell = [&](float value) { return static_cast<Key>(floored(value * scale_)); };
-    return cell(points_.x[i]) * kStepX + cell(points_.y[i]) * kStepY + cell(points_.z[i]);
+  VoxelKey of(std::size_t i) const {
+    return voxel_key(
+        voxel_index(scale_ * Eigen::Vector3f(points_.x[i], points_.y[i], points_.z[i])));
   }
-
-  /// One of kColumns of a pattern that repeats itself; the same for all in a column of voxels.
   std::uint16_t column_of(std::size_t i) const { return columns_[i]; }
-  static std::uint16_t column_of(Key key) {
-    // The halves keep a negative cell of a lower axis from counting as one less of the next.
-    const auto cells = static_cast<std::uint64_t>(key + kStepX / 2 + kStepY / 2);
-    return static_cast<std::uint16_t>(cells / kStepX % kWidth * kWidth + cells / kStepY % kWidth);
-  }
-
-  template <typename Visitor>
-  static void visit_around(Key key, const Visitor& visit) {
-    for (Key dx = -1; dx <= 1; ++dx) {
-      for (Key dy = -1; dy <= 1; ++dy) {
-        for (Key dz = -1; dz <= 1; ++dz) visit(key + dx * kStepX + dy * kStepY + dz);
-      }
-    }
+  static std::uint16_t column_of(VoxelKey key) {
+    const VoxelIndex voxel = voxel_index(key);
+    return column(voxel.x(), voxel.y());
   }
 
  private:
   static constexpr unsigned kWidth = 256;
+  static std::uint16_t column(int x, int y) {
+    return static_cast<std::uint16_t>(static_cast<unsigned>(x) % kWidth * kWidth +
+                                      static_cast<unsigned>(y) % kWidth);
+  }
 
   const PlacedPoints& points_;
   float scale_;
@@ -102,13 +92,13 @@ class VoxelKeys {
 /// Columns of voxels around some, so that few of the others are looked up in vain.
 class Columns {
  public:
-  using Key = VoxelKeys::Key;
-
   /// With those up to `reach` columns away.
-  void add_around(Key key, Key reach) {
-    for (Key dx = -reach; dx <= reach; ++dx) {
-      for (Key dy = -reach; dy <= reach; ++dy) {
-        taken_.set(VoxelKeys::column_of(key + dx * VoxelKeys::kStepX + dy * VoxelKeys::kStepY));
+  void add_around(VoxelKey key, int reach) {
+    const VoxelKey first = key - static_cast<VoxelKey>(reach) * (kVoxelKeyStepX + kVoxelKeyStepY);
+    for (int dx = 0; dx <= 2 * reach; ++dx) {
+      for (int dy = 0; dy <= 2 * reach; ++dy) {
+        taken_.set(VoxelKeys::column_of(first + static_cast<VoxelKey>(dx) * kVoxelKeyStepX +
+                                        static_cast<VoxelKey>(dy) * kVoxelKeyStepY));
       }
     }
   }
@@ -138,7 +128,7 @@ class Crowds {
   /// Itself included.
   int around(std::size_t candidate) const {
     int sum = 0;
-    VoxelKeys::visit_around(keys_.of(candidate), [&](VoxelKeys::Key near) {
+    for_voxels_around(keys_.of(candidate), [&](VoxelKey near) {
       const auto count = counts_.find(near);
       if (count != counts_.end()) sum += count->second;
     });
@@ -147,24 +137,24 @@ class Crowds {
 
  private:
   VoxelKeys keys_;
-  std::unordered_map<VoxelKeys::Key, int> counts_;
+  std::unordered_map<VoxelKey, int, VoxelKeyHash> counts_;
 };
 
 /// The polls of the 3x3x3 voxels around each voxel that is or touches a candidate's.
 class Blocks {
  public:
   Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kBlockVoxel) {
-    std::unordered_set<Key> candidates;
+    std::unordered_set<VoxelKey, VoxelKeyHash> candidates;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (votes[i] == Vote::kMoves) candidates.insert(keys_.of(i));
     }
-    for (const Key key : candidates) {
+    for (const VoxelKey key : candidates) {
       near_.add_around(key, 2);
-      VoxelKeys::visit_around(key, [&](Key block) { blocks_.try_emplace(block); });
+      for_voxels_around(key, [&](VoxelKey block) { blocks_.try_emplace(block); });
     }
     for (const auto& [key, voxel] : polled_voxels(votes)) {
       const Poll& poll = voxel;
-      VoxelKeys::visit_around(key, [&](Key near) {
+      for_voxels_around(key, [&](VoxelKey near) {
         const auto block = blocks_.find(near);
         if (block != blocks_.end()) block->second.add(poll);
       });
@@ -181,11 +171,10 @@ class Blocks {
   }
 
  private:
-  using Key = VoxelKeys::Key;
-
   /// All that can count in a block, and some others.
-  std::unordered_map<Key, Poll> polled_voxels(const std::vector<Vote>& votes) const {
-    std::unordered_map<Key, Poll> voxels;
+  std::unordered_map<VoxelKey, Poll, VoxelKeyHash> polled_voxels(
+      const std::vector<Vote>& votes) const {
+    std::unordered_map<VoxelKey, Poll, VoxelKeyHash> voxels;
     if (blocks_.empty()) return voxels;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (votes[i] == Vote::kUnseen || !near_.may_hold(keys_.column_of(i))) continue;
@@ -195,7 +184,7 @@ class Blocks {
   }
 
   VoxelKeys keys_;
-  std::unordered_map<Key, Poll> blocks_;
+  std::unordered_map<VoxelKey, Poll, VoxelKeyHash> blocks_;
   Columns near_;
 };
 

@@ -7,16 +7,11 @@
 #include <vector>
 
 #include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 
 namespace lidar_mapping::map {
 
 constexpr float kFarthest = 300.0F;  // m; points of a key frame further away than this are ignored
-
-/// Cheaper than std::floor, which is a call on processors without SSE 4.1.
-inline int floored(float value) {
-  const int truncated = static_cast<int>(value);
-  return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
-}
 
 /// A square of a grid over the map's x-y plane.
 struct CellIndex {
@@ -67,8 +62,8 @@ class PointCells {
           (std::abs(points.x[i]) < farthest ? 1 : 0) & (std::abs(points.y[i]) < farthest ? 1 : 0);
       const float x = is_near != 0 ? points.x[i] : 0.0F;
       const float y = is_near != 0 ? points.y[i] : 0.0F;
-      x_[i] = is_near != 0 ? floored(x * scale) + origin_x : kNone;
-      y_[i] = is_near != 0 ? floored(y * scale) + origin_y : kNone;
+      x_[i] = is_near != 0 ? floor_to_int(x * scale) + origin_x : kNone;
+      y_[i] = is_near != 0 ? floor_to_int(y * scale) + origin_y : kNone;
     }
   }
 

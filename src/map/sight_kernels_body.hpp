@@ -1,6 +1,8 @@
 // The kernels of sight_kernels.hpp; included by one file per instruction set. Loops without
 // branches, which become vectors, and no function that the linker could take from another file.
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "sight_kernels.hpp"
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
@@ -8,9 +10,9 @@
 namespace lidar_mapping::map {
 namespace {
 
-constexpr float kPi = 3.14159265358979F;
-constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kPi);
-constexpr float kRowsPerRadian = 2.0F * 180.0F / kPi;
+constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
+constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
+constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
 constexpr float kLeastLength = 1e-37F;    // m; above zero, as it is divided by
 constexpr float kMargin = 0.2F;           // m
 constexpr float kMarginPerRange = 0.02F;  // m per m
@@ -27,9 +29,9 @@ LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
       a * (0.99997726F +
            s * (-0.33262347F +
                 s * (0.19354346F + s * (-0.11643287F + s * (0.05265332F - s * 0.01172120F)))));
-  const float high = 0.5F * kPi - low;
+  const float high = 0.5F * kHalfTurn - low;
   const float half = across > along ? high : low;
-  const float other = kPi - half;
+  const float other = kHalfTurn - half;
   const float angle = x < 0.0F ? other : half;
   return y < 0.0F ? -angle : angle;
 }
@@ -47,8 +49,8 @@ struct Direction {
 
 LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
   const float squared = x * x + y * y;
-  const float azimuth = angle_of(y, x) + kPi;
-  const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kPi;
+  const float azimuth = angle_of(y, x) + kHalfTurn;
+  const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kHalfTurn;
   const int turned = whole_of(azimuth * kColumnsPerRadian);
   return {turned < kRangeImageColumns ? turned : turned - kRangeImageColumns,
           whole_of(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};

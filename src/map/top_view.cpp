@@ -11,6 +11,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/order_statistics.hpp"
 
 namespace lidar_mapping::map {
 
@@ -77,10 +78,7 @@ Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> g
   });
   for (std::size_t i = 0; i < heights.size(); ++i) {
     if (heights[i].empty()) continue;
-    const auto rank =
-        static_cast<std::ptrdiff_t>(kGroundShare * static_cast<double>(heights[i].size()));
-    std::nth_element(heights[i].begin(), heights[i].begin() + rank, heights[i].end());
-    ground.values[i] = heights[i][static_cast<std::size_t>(rank)];
+    ground.values[i] = quantile_of_range(heights[i].begin(), heights[i].end(), kGroundShare);
   }
   return ground;
 }

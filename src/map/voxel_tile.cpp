@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::map {
 
 namespace {
 
 constexpr std::size_t kFirstSlots = 1024;
-constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15U;
 
 /// Doubled, as vectors grow, half of the memory of the tiles around the vehicle would be in vain.
 std::size_t roomier(std::size_t size) { return size + size / 8 + kFirstSlots / 2; }
-
-std::int64_t floored(double value) {  // cheaper than std::floor
-  const auto truncated = static_cast<std::int64_t>(value);
-  return truncated - (value < static_cast<double>(truncated) ? 1 : 0);
-}
 
 std::int64_t floor_divided(std::int64_t value, std::int64_t divisor) {
   return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor);
@@ -30,8 +26,8 @@ TileGrid::TileGrid(double resolution, double tile_size)
           std::clamp<std::int64_t>(std::llround(tile_size / resolution), 1, (1 << 16) - 1)) {}
 
 TileGrid::VoxelIndex TileGrid::voxel_of(const Eigen::Vector3d& p_map) const {
-  return {floored(p_map.x() / resolution_), floored(p_map.y() / resolution_),
-          floored(p_map.z() / resolution_)};
+  return {floor_to_int(p_map.x() / resolution_), floor_to_int(p_map.y() / resolution_),
+          floor_to_int(p_map.z() / resolution_)};
 }
 
 TileGrid::Square TileGrid::square_of(const VoxelIndex& voxel) const {
@@ -110,7 +106,7 @@ void VoxelTile::make_slots(std::size_t count) {
 }
 
 std::size_t VoxelTile::first_slot_of(std::uint64_t key) const {
-  return (key * kGoldenRatio >> 32U) & (slots_.size() - 1);
+  return (fibonacci_hash(key) >> 32U) & (slots_.size() - 1);
 }
 
 std::size_t VoxelTile::slot_of(std::uint64_t key) const {

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -64,7 +65,7 @@ std::vector<Stamp> read_stamps(const fs::path& path, std::size_t count) {
 }
 
 float time_from_azimuth(const Point& point) {
-  const double turns = -std::atan2(point.y, point.x) / (2.0 * M_PI);
+  const double turns = -std::atan2(point.y, point.x) / (2.0 * kPi);
   return static_cast<float>(turns * kKittiTurn);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -13,11 +15,8 @@ constexpr double kUnproven = 1.0;        // m; standard deviation to begin with
 constexpr double kTooConfident = 1.5;    // times the stated sigma
 constexpr double kMedianOverRms = 0.83;  // of the length of a normally distributed plane vector
 
-double median(const std::deque<double>& values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + static_cast<long>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+double median_of(const std::deque<double>& values) {
+  return median(std::vector<double>(values.begin(), values.end()));
 }
 
 }  // namespace
@@ -36,8 +35,8 @@ void FixScatter::add(const LocalFix& fix) {
 }
 
 bool FixScatter::is_known() const { return bends_.size() >= kFewest; }
-double FixScatter::measured() const { return median(bends_) / kMedianOverRms; }
-double FixScatter::stated() const { return median(sigmas_); }
+double FixScatter::measured() const { return median_of(bends_) / kMedianOverRms; }
+double FixScatter::stated() const { return median_of(sigmas_); }
 
 double FixScatter::variance_factor() const {
   if (bends_.empty()) return 1.0;

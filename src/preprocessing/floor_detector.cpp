@@ -10,7 +10,9 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/plane_fit.hpp"
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 #include "lower_scatter.hpp"
 #include "plane_search.hpp"
@@ -20,7 +22,6 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kHalfStrip = 2.0;         // m
 constexpr double kPlace = 1.0;             // m, edge of a place whose surface is judged
 constexpr std::size_t kFewestOfPlace = 8;  // points
@@ -76,14 +77,11 @@ Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
 /// Whether the surface of a place may be level. A single line of points tells nothing.
 bool may_be_level(const Points& points, const std::vector<std::size_t>& place, double largest) {
   if (place.size() < kFewestOfPlace) return true;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const std::size_t i : place) mean += points[i];
-  mean /= static_cast<double>(place.size());
-  LowerScatter scatter;
-  for (const std::size_t i : place) scatter.add(points[i] - mean, 1.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter.matrix());
-  if (eigen.eigenvalues()[1] < kLineLike * eigen.eigenvalues()[2]) return true;
-  return std::abs(eigen.eigenvectors()(2, 0)) >= std::cos(largest);
+  PointMoments moments;
+  for (const std::size_t i : place) moments.add(points[i]);
+  const PlaneFit fit(moments);
+  if (fit.variances[1] < kLineLike * fit.variances[2]) return true;
+  return std::abs(fit.normal.z()) >= std::cos(largest);
 }
 
 Points level_places(const Points& points, double largest) {
@@ -108,7 +106,7 @@ bool extends_outward(const Points& points, const std::vector<std::size_t>& inlie
   nearest.fill(1e9);
   farthest.fill(-1e9);
   for (const std::size_t i : inliers) {
-    const double turn = (std::atan2(points[i].y(), points[i].x()) + M_PI) / (2.0 * M_PI);
+    const double turn = (std::atan2(points[i].y(), points[i].x()) + kPi) / (2.0 * kPi);
     const auto sector =
         std::min<std::size_t>(static_cast<std::size_t>(turn * kSectors), kSectors - 1);
     const double range = points[i].head<2>().norm();
@@ -149,13 +147,13 @@ Floor FloorDetector::process(const Scan& scan, FloorPoints* shown) const {
   Floor floor;
   floor.stamp = scan.stamp;
   const auto enough = static_cast<std::size_t>(config_.floor_pts_thresh);
-  const double largest_lean = config_.floor_normal_thresh * kDegree;
+  const double largest_lean = config_.floor_normal_thresh * kRadPerDeg;
   const Eigen::Quaterniond R_level_base =
-      exp_so3(Eigen::Vector3d(0.0, config_.tilt_deg * kDegree, 0.0));
+      exp_so3(Eigen::Vector3d(0.0, config_.tilt_deg * kRadPerDeg, 0.0));
 
   Points points = clipped(scan.cloud, R_level_base.toRotationMatrix(), config_);
   if (config_.use_normal_filtering) {
-    points = level_places(points, config_.normal_filter_thresh * kDegree);
+    points = level_places(points, config_.normal_filter_thresh * kRadPerDeg);
   }
   if (shown != nullptr) *shown = {cloud_of(points, R_level_base), {}};
   if (points.size() < enough) return floor;

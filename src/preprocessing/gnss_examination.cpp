@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/preprocessing/gnss_track.hpp"
 #include "lidar_mapping/preprocessing/local_frame.hpp"
 #include "lidar_mapping/preprocessing/motion_sensors.hpp"
@@ -28,13 +29,6 @@ constexpr double kClearOfScatter = 8.0;        // times
 constexpr std::size_t kFewestStretches = 10;
 constexpr double kTooConfident = 3.0;       // times the sigma that the messages say
 constexpr double kUsualAcceleration = 1.0;  // m/s^2, which bends the way from fix to fix, too
-
-/// Of at least one value.
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -10,17 +12,17 @@ namespace {
 constexpr double kStretch = 5.0;          // m
 constexpr double kSigmasOfStretch = 8.0;  // course good to about 10 degrees
 constexpr double kStraight = 0.35;        // rad of turning within a stretch
-constexpr double kAgreement = 15.0 * M_PI / 180.0;
-constexpr double kContradiction = 30.0 * M_PI / 180.0;
+constexpr double kAgreement = 15.0 * kRadPerDeg;
+constexpr double kContradiction = 30.0 * kRadPerDeg;
 constexpr int kEnough = 3;
 
-double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+double wrapped(double angle) { return std::remainder(angle, 2.0 * kPi); }
 
 }  // namespace
 
 void HeadingCheck::add(const Eigen::Vector3d& p_enu, double sigma,
                        const Eigen::Quaterniond& R_enu_base, bool backwards) {
-  const double yaw = yaw_of(R_enu_base) + (backwards ? M_PI : 0.0);
+  const double yaw = yaw_of(R_enu_base) + (backwards ? kPi : 0.0);
   if (!from_ || std::abs(wrapped(yaw - yaw_from_)) > kStraight) {
     from_ = p_enu;
     yaw_from_ = yaw;

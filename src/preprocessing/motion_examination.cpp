@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/interpolation.hpp"
 #include "lidar_mapping/preprocessing/velocity_check.hpp"
 
@@ -11,9 +12,6 @@
 namespace lidar_mapping::preprocessing {
 
 namespace {
-
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 
 /// Turning about the vertical of base_link, or about the sensor's where its place is not known.
 template <typename Sample, typename Rate>
@@ -76,8 +74,8 @@ void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   const auto reference =
       turning(velocity.samples, &VelocitySample::angular, lookup(velocity.flow.frame()));
   const auto scale = ratio(rates, reference);
-  const bool degrees = (scale && *scale > 0.5 * kDegreesPerRadian) ||
-                       fastest_turn(imu.samples) > kFastestVehicleTurn;
+  const bool degrees =
+      (scale && *scale > 0.5 * kDegPerRad) || fastest_turn(imu.samples) > kFastestVehicleTurn;
   if (degrees && unit == AngularUnit::kRadians) {
     add_fault(report, "its rates are in degrees/s", "set imu_angular_unit to DEG_PER_S");
   } else if (scale && *scale < 0.0) {
@@ -111,7 +109,7 @@ InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
                   [](const ImuSample& sample) { return sample.has_linear_acceleration; });
   const Eigen::Vector3d mean = mean_acceleration(imu.samples);
   const bool in_g = config.imu_acceleration_unit == AccelerationUnit::kStandardGravity;
-  const double gravity = mean.norm() * (in_g ? kGravity : 1.0);
+  const double gravity = mean.norm() * (in_g ? kStandardGravity : 1.0);
   const bool has_orientation =
       std::any_of(imu.samples.begin(), imu.samples.end(),
                   [](const ImuSample& sample) { return sample.orientation.has_value(); });

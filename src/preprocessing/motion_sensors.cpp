@@ -4,14 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/interpolation.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kStandardGravity = 9.80665;  // m/s^2
-constexpr double kStanding = 0.05;            // m/s
+constexpr double kStanding = 0.05;  // m/s
 /// A shock is shorter than so many samples.
 constexpr int kNoShock = 20;
 constexpr double kClearTurn = 0.02;  // rad/s; above the noise of gyros
@@ -62,7 +62,7 @@ MotionSensors::MotionSensors(const PreprocessingConfig& config, const Extrinsics
       acceleration_unit_(config.imu_acceleration_unit == AccelerationUnit::kStandardGravity
                              ? kStandardGravity
                              : 1.0),
-      angular_unit_(config.imu_angular_unit == AngularUnit::kDegrees ? M_PI / 180.0 : 1.0),
+      angular_unit_(config.imu_angular_unit == AngularUnit::kDegrees ? kRadPerDeg : 1.0),
       estimate_bias_(config.estimate_gyro_bias),
       imu_offset_(from_seconds(config.imu_time_offset)),
       velocity_offset_(from_seconds(config.velocity_time_offset)),

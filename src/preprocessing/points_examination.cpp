@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "lidar_mapping/common/order_statistics.hpp"
+
 #include "examinations.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -59,16 +61,14 @@ void judge_stamps(const PointsRecord& points, const PreprocessingConfig& config,
   const bool from_start = !cloud.time_field.empty() && !cloud.absolute_times &&
                           cloud.first_time > -0.1 * span && config.scan_stamp == ScanStamp::kStart;
   if (!from_start || points.delays.empty()) return;
-  std::vector<double> delays = points.delays;
-  const auto median = delays.begin() + static_cast<long>(delays.size() / 2);
-  std::nth_element(delays.begin(), median, delays.end());
-  if (*median < kNoDelay || *median > kStampedInTheMiddle * span) return;
+  const double delay = median(points.delays);
+  if (delay < kNoDelay || delay > kStampedInTheMiddle * span) return;
   add_warning(
       report,
       text("clouds came %.0f ms after their stamps, with points of up to %.0f ms after them",
-           1e3 * *median, 1e3 * cloud.last_time),
+           1e3 * delay, 1e3 * cloud.last_time),
       text("set scan_stamp to %s; or the sensor's clock is ahead, synchronise it",
-           *median < kStampedAtTheEnd * span ? "END" : "MIDDLE"));
+           delay < kStampedAtTheEnd * span ? "END" : "MIDDLE"));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/gnss_track.hpp"
 #include "lidar_mapping/preprocessing/motion_sensors.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
@@ -206,7 +207,7 @@ class Preprocessor::Impl {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
-      correct_vertical_angle(cloud, config_.vertical_angle_correction_deg * M_PI / 180.0);
+      correct_vertical_angle(cloud, config_.vertical_angle_correction_deg * kRadPerDeg);
     }
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {

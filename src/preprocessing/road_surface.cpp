@@ -8,6 +8,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/robust_weights.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -19,11 +21,6 @@ constexpr double kCurvature = 1.0 / 300.0;  // 1/m, standard deviation: crests o
 constexpr double kIndependent = 1.0;        // m: errors of nearer points are alike
 constexpr double kSmallestSigma = 0.01;     // m, of heights: roads are not flat to the millimetre
 constexpr double kNarrow = 0.25;            // m^2: points on a line leave one rotation open
-
-double tukey(double residual, double scale) {
-  const double u = residual / scale;
-  return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
-}
 
 /// Weighted sums over points, of which all that follows is made. Thirteen sums stay in registers; a
 /// matrix would go through memory with each point.
@@ -80,7 +77,7 @@ std::optional<RoadSurface> weighted_surface(const std::vector<Eigen::Vector3d>& 
   Moments moments;
   for (const Eigen::Vector3d& p : points) {
     const double above = around.above(p);
-    if (std::abs(above) < scale) moments.add(p, tukey(above, scale));
+    if (std::abs(above) < scale) moments.add(p, tukey_weight(above, scale));
   }
   if (!moments.spread_over_an_area()) return std::nullopt;
   Eigen::Matrix4d information = moments.information();

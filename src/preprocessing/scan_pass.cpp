@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 #include "move_kernel.hpp"
 
@@ -14,7 +15,6 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Points without an echo lie in the sensor's origin; no LiDAR measures a centimetre.
 constexpr float kNoEcho = 0.01F;
 

@@ -1,7 +1,5 @@
 #include "lidar_mapping/preprocessing/thinning.hpp"
 
-#include <cmath>
-#include <cstdint>
 #include <unordered_set>
 #include <vector>
 
@@ -10,26 +8,11 @@
 #include <pcl/point_types.h>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 namespace {
-
-/// 21 bits for each axis: at 1 cm voxels still 20 km.
-std::uint64_t voxel_key(const Point& p, float inverse) {
-  const auto bits = [&](float value) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value * inverse)) &
-                                      0x1FFFFF);
-  };
-  return bits(p.x) | bits(p.y) << 21U | bits(p.z) << 42U;
-}
-
-struct KeyHash {
-  std::size_t operator()(std::uint64_t key) const {
-    key *= 0x9E3779B97F4A7C15ULL;
-    return static_cast<std::size_t>(key ^ (key >> 32U));
-  }
-};
 
 /// Keeps the points that `keep(index)` wants, in their order.
 template <typename Keep>
@@ -48,11 +31,11 @@ PointCloud selected(PointCloud cloud, const Keep& keep) {
 
 PointCloud first_of_each_voxel(PointCloud cloud, double resolution) {
   const auto inverse = static_cast<float>(1.0 / resolution);
-  std::unordered_set<std::uint64_t, KeyHash> seen;
+  std::unordered_set<VoxelKey, VoxelKeyHash> seen;
   seen.reserve(cloud.size());
   std::vector<bool> is_first(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    is_first[i] = seen.insert(voxel_key(cloud.points[i], inverse)).second;
+    is_first[i] = seen.insert(voxel_key(voxel_index(inverse * cloud.points[i].position()))).second;
   }
   return selected(std::move(cloud), [&](std::size_t i) { return is_first[i]; });
 }

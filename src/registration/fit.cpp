@@ -5,7 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/plane_fit.hpp"
+#include "lidar_mapping/common/robust_weights.hpp"
 
 namespace lidar_mapping::registration {
 
@@ -42,9 +44,7 @@ Residual residual_of(const Plane& plane, const Eigen::Vector3d& p_source, const 
 double scale_of(const std::vector<Residual>& residuals) {
   std::vector<double> sizes;
   for (const Residual& r : residuals) sizes.push_back(std::abs(r.value));
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(1.4826 * *middle, kLeastSigma);
+  return std::max(1.4826 * median(std::move(sizes)), kLeastSigma);
 }
 
 Matrix6d hessian_of(const std::vector<Residual>& residuals) {
@@ -52,8 +52,7 @@ Matrix6d hessian_of(const std::vector<Residual>& residuals) {
   if (residuals.empty()) return hessian;
   const double sigma = scale_of(residuals);
   for (const Residual& r : residuals) {
-    const double u = r.value / (3.0 * sigma);
-    const double weight = 1.0 / ((1.0 + u * u) * (1.0 + u * u));
+    const double weight = geman_mcclure_weight(r.value, 3.0 * sigma);
     hessian += weight / (sigma * sigma) * r.gradient * r.gradient.transpose();
   }
   return hessian;
@@ -97,19 +96,15 @@ bool is_believed(const Match& match, double max_range) {
 }  // namespace
 
 std::optional<Plane> fit_plane(const PclCloud& cloud, const pcl::Indices& indices) {
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-  for (const auto i : indices) centroid += cloud[i].getVector3fMap().cast<double>();
-  centroid /= static_cast<double>(indices.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto i : indices) {
-    const Eigen::Vector3d d = cloud[i].getVector3fMap().cast<double>() - centroid;
-    covariance += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  const Eigen::Vector3d& variances = solver.eigenvalues();
+  const auto point = [&](pcl::index_t i) { return cloud[i].getVector3fMap().cast<double>(); };
+  const Eigen::Vector3d first = point(indices.front());
+  PointMoments moments;  // relative to a point nearby: the cloud may be far from its origin
+  for (const auto i : indices) moments.add(point(i) - first);
+  const PlaneFit fit(moments);
+  const Eigen::Vector3d& variances = fit.variances;
   if (variances[1] < kLeastBreadth * variances[2]) return std::nullopt;
   if (variances[0] > kGreatestThickness * variances[1]) return std::nullopt;
-  return Plane{centroid, solver.eigenvectors().col(0)};
+  return Plane{fit.mean + first, fit.normal};
 }
 
 Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,

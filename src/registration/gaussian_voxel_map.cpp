@@ -4,16 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 #include "weighted_normal.hpp"
 
 namespace lidar_mapping::registration {
 namespace {
 
-constexpr int kCoordinateBits = 21;
-constexpr int kCoordinateOffset = 1 << (kCoordinateBits - 1);
-constexpr std::uint64_t kCoordinateMask = (1U << kCoordinateBits) - 1U;
 /// Marks the Gaussian of the side of a voxel's plane that was seen second.
-constexpr std::uint64_t kBack = std::uint64_t{1} << (3 * kCoordinateBits);
+constexpr VoxelKey kBack = VoxelKey{1} << (3 * kVoxelKeyBits);
 constexpr std::uint16_t kMaxCount = std::numeric_limits<std::int16_t>::max();
 // A plane has two sides if it is thin (m). A view along it, below this sine of the angle, tells
 // nothing about the side.
@@ -42,14 +41,12 @@ Eigen::Matrix3d symmetric(double xx, double xy, double xz, double yy, double yz,
   return matrix;
 }
 
-/// Parts coordinates into the number of the voxel and the distance from its middle. Without
-/// std::floor, which is a call where the processor has no instruction for it.
+/// Parts coordinates into the number of the voxel and the distance from its middle.
 void split(const float* values, std::size_t count, float inverse_resolution, float resolution,
            int* cells, float* offsets) {
   for (std::size_t i = 0; i < count; ++i) {
     const float scaled = inverse_resolution * values[i];
-    const int truncated = static_cast<int>(scaled);
-    const int lower = truncated - static_cast<int>(static_cast<float>(truncated) > scaled);
+    const int lower = floor_to_int(scaled);
     cells[i] = lower;
     offsets[i] = resolution * (scaled - static_cast<float>(lower) - 0.5F);
   }
@@ -100,20 +97,11 @@ void GaussianVoxelMap::restart(double resolution) {
   origin_cell_.setZero();
 }
 
-std::uint64_t GaussianVoxelMap::key_of(const Eigen::Vector3i& cell) const {
-  const auto part = [&](int axis) {
-    return static_cast<std::uint64_t>(cell[axis] + origin_cell_[axis] + kCoordinateOffset) &
-           kCoordinateMask;
-  };
-  return (part(0) << (2 * kCoordinateBits)) | (part(1) << kCoordinateBits) | part(2);
+VoxelKey GaussianVoxelMap::key_of(const VoxelIndex& cell) const {
+  return voxel_key(cell + origin_cell_);
 }
 
-Eigen::Vector3i GaussianVoxelMap::cell_of(std::uint64_t key) const {
-  const auto part = [&](int shift) {
-    return static_cast<int>((key >> shift) & kCoordinateMask) - kCoordinateOffset;
-  };
-  return Eigen::Vector3i(part(2 * kCoordinateBits), part(kCoordinateBits), part(0)) - origin_cell_;
-}
+VoxelIndex GaussianVoxelMap::cell_of(VoxelKey key) const { return voxel_index(key) - origin_cell_; }
 
 std::optional<std::uint32_t> GaussianVoxelMap::find(const Place& place) const {
   for (std::uint32_t slot = place.slot; voxels_[slot].key != 0; slot = (slot + 1) & mask_) {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::registration {
 
 const std::vector<std::pair<std::string, Method>>& method_names() {
@@ -33,7 +35,7 @@ void describe_parameters(config::Schema<RegistrationConfig>& schema) {
             "Longest step of the line search of PCL_NDT.")
       .real("reg_transformation_epsilon", &C::transformation_epsilon, {1e-6, 1.0}, "m",
             "A step that is shorter ends the search.")
-      .real("reg_rotation_epsilon", &C::rotation_epsilon, {1e-6, M_PI}, "rad",
+      .real("reg_rotation_epsilon", &C::rotation_epsilon, {1e-6, kPi}, "rad",
             "A step that turns less, and is short, ends the search; pi looks at lengths alone.")
       .integer("reg_maximum_iterations", &C::max_iterations, {1, 10000}, "iterations",
                "Iterations after which a search has failed.")

@@ -9,12 +9,11 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::session {
 
 namespace {
-
-constexpr double kRadPerDeg = M_PI / 180.0;
 
 constexpr const char* kListHead =
     "# Loops of the session. Edit a copy, then: optimize_session SESSION --loops FILE\n"

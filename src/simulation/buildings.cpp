@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "palette.hpp"
 
 namespace lidar_mapping::simulation {
@@ -179,9 +181,9 @@ void add_house(TriangleMesh& mesh, const Pose& T_mesh_house, const HousePlan& pl
     add_facade(mesh, T_mesh_house * T_house_wall, width, plan, style, random);
   };
   wall(wall_pose(-half, 0.0, 0.0), plan.width);
-  wall(wall_pose(half, 0.0, M_PI_2), plan.depth);
-  wall(wall_pose(half, plan.depth, M_PI), plan.width);
-  wall(wall_pose(-half, plan.depth, -M_PI_2), plan.depth);
+  wall(wall_pose(half, 0.0, 0.5 * kPi), plan.depth);
+  wall(wall_pose(half, plan.depth, kPi), plan.width);
+  wall(wall_pose(-half, plan.depth, -0.5 * kPi), plan.depth);
   add_roof(mesh, T_mesh_house, plan, style, random);
 }
 

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "buildings.hpp"
 #include "ground.hpp"
 #include "mounting.hpp"
@@ -149,9 +151,9 @@ void add_towers(TriangleMesh& mesh, double z, double height) {
 }
 
 void add_parked_cars(TriangleMesh& mesh, double z, Random& random) {
-  for (const auto& [y, yaw] : {std::pair{3.0, -M_PI_2}, std::pair{kWidth - 3.0, M_PI_2}}) {
+  for (const auto& [y, yaw] : {std::pair{3.0, -0.5 * kPi}, std::pair{kWidth - 3.0, 0.5 * kPi}}) {
     for (double x = 6.5; x < kLength - 7.0; x += 2.6) {
-      const double turn = yaw + (random.chance(0.3) ? M_PI : 0.0) + random.uniform(-0.04, 0.04);
+      const double turn = yaw + (random.chance(0.3) ? kPi : 0.0) + random.uniform(-0.04, 0.04);
       const double shift = random.uniform(-0.3, 0.3);
       const Random own(random.bits());
       if (!random.chance(0.5)) continue;
@@ -190,11 +192,11 @@ void add_neighbours(TriangleMesh& mesh, Random& random) {
   };
   for (double x = -45.0; x < 100.0; x += 26.0) {
     house(x, kWidth + 18.0, 0.0);
-    house(x, -18.0, M_PI);
+    house(x, -18.0, kPi);
   }
   for (double y = -5.0; y < kWidth + 5.0; y += 24.0) {
-    house(kLength + 20.0, y, -M_PI_2);
-    if (std::abs(y - kAisleLow) > 12.0) house(-62.0, y, M_PI_2);
+    house(kLength + 20.0, y, -0.5 * kPi);
+    if (std::abs(y - kAisleLow) > 12.0) house(-62.0, y, 0.5 * kPi);
   }
   for (int i = 0; i < 25; ++i) {
     const Eigen::Vector3d foot(random.uniform(-50.0, 95.0), random.uniform(-14.0, 50.0), 0.0);

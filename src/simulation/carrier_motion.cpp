@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "scenario.hpp"
 #include "smoothing.hpp"
 
@@ -22,8 +24,7 @@ using Pushes = std::vector<Vector6d>;
 void add_push(Pushes& pushes, std::size_t first, double seconds, const Vector6d& peak) {
   const auto count = static_cast<std::size_t>(std::lround(seconds / kStep));
   for (std::size_t k = 0; k <= count && first + k < pushes.size(); ++k) {
-    pushes[first + k] +=
-        std::sin(M_PI * static_cast<double>(k) / static_cast<double>(count)) * peak;
+    pushes[first + k] += std::sin(kPi * static_cast<double>(k) / static_cast<double>(count)) * peak;
   }
 }
 
@@ -50,7 +51,7 @@ Pushes footfalls(const std::vector<TrackState>& states, const Carrier& carrier, 
 
 /// Where pushes move a mass on a damped spring, from rest.
 std::vector<Vector6d> springs(const Pushes& pushes, double hz, double damping) {
-  const double omega = 2.0 * M_PI * hz;
+  const double omega = 2.0 * kPi * hz;
   std::vector<Vector6d> offsets(pushes.size());
   Vector6d offset = Vector6d::Zero(), rate = Vector6d::Zero();
   for (std::size_t i = 0; i < pushes.size(); ++i) {
@@ -65,13 +66,13 @@ std::vector<Vector6d> springs(const Pushes& pushes, double hz, double damping) {
 class Sway {
  public:
   Sway(double amplitude, Random& random) : amplitude_(amplitude) {
-    for (double& phase : phases_) phase = random.uniform(0.0, 2.0 * M_PI);
+    for (double& phase : phases_) phase = random.uniform(0.0, 2.0 * kPi);
   }
   double at(double seconds) const {
     constexpr std::array<double, 3> kHz = {0.13, 0.29, 0.61};
     double sum = 0.0;
     for (std::size_t i = 0; i < kHz.size(); ++i) {
-      sum += std::sin(2.0 * M_PI * kHz[i] * seconds + phases_[i]) - std::sin(phases_[i]);
+      sum += std::sin(2.0 * kPi * kHz[i] * seconds + phases_[i]) - std::sin(phases_[i]);
     }
     return amplitude_ * sum / 1.7;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
 #include "scenario.hpp"
@@ -35,7 +36,7 @@ double airborne(double seconds, double end) {
 /// x, y, z, yaw.
 std::vector<Vector6d> places(const Track& track, const std::vector<Ground>& ground,
                              Random& random) {
-  const double phase = random.uniform(0.0, 2.0 * M_PI);
+  const double phase = random.uniform(0.0, 2.0 * kPi);
   std::vector<Vector6d> places(track.states().size(), Vector6d::Zero());
   for (std::size_t i = 0; i < places.size(); ++i) {
     const TrackState& state = track.states()[i];
@@ -43,7 +44,7 @@ std::vector<Vector6d> places(const Track& track, const std::vector<Ground>& grou
     const double up = airborne(t, track.seconds());
     places[i].head<2>() = state.position;
     places[i](2) = ground[i].height + kOnItsFeet +
-                   up * (kFlight + kWaves * std::sin(2.0 * M_PI * kWaveHz * t + phase));
+                   up * (kFlight + kWaves * std::sin(2.0 * kPi * kWaveHz * t + phase));
     places[i](3) = state.yaw + up * 0.4 * std::sin(1.3 * t + phase);
   }
   return smoothed(std::move(places), static_cast<int>(std::lround(0.1 / kStep)), 3);
@@ -52,7 +53,7 @@ std::vector<Vector6d> places(const Track& track, const std::vector<Ground>& grou
 /// Pitch and roll with which the rotors' push gives this acceleration.
 void tilt_into(const Eigen::Vector3d& acceleration, double share, Vector6d& place) {
   const Eigen::Vector3d push = Eigen::AngleAxisd(-place(3), Eigen::Vector3d::UnitZ()) *
-                               (acceleration + Eigen::Vector3d(0.0, 0.0, kGravity));
+                               (acceleration + Eigen::Vector3d(0.0, 0.0, kStandardGravity));
   place(4) += share * std::atan2(push.x(), push.z());
   place(5) -= share * std::asin(push.y() / push.norm());
 }
@@ -66,7 +67,7 @@ void add_jinks(std::vector<Vector6d>& control, double end, Random& random) {
     for (std::size_t k = 0; k <= count; ++k) {
       const double u = static_cast<double>(k) / static_cast<double>(count);
       control[first + k](axis) +=
-          1.3 * angle * std::sin(2.0 * M_PI * u) * std::pow(std::sin(M_PI * u), 2);
+          1.3 * angle * std::sin(2.0 * kPi * u) * std::pow(std::sin(kPi * u), 2);
     }
   }
 }

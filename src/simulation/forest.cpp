@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "ground.hpp"
 #include "palette.hpp"
 #include "street_furniture.hpp"
@@ -49,7 +51,7 @@ void add_conifer(TriangleMesh& mesh, const Eigen::Vector3d& foot, Random random)
   add_tube(mesh, foot - Eigen::Vector3d(0.0, 0.0, 0.4), height * lean, radius, 0.3 * radius, 8,
            kBark);
   for (int i = random.integer(2, 7); i > 0; --i) {
-    const double angle = random.uniform(0.0, 2.0 * M_PI), length = random.uniform(0.2, 0.7);
+    const double angle = random.uniform(0.0, 2.0 * kPi), length = random.uniform(0.2, 0.7);
     add_tube(mesh, foot + random.uniform(1.5, 6.5) * lean,
              length * Eigen::Vector3d(std::cos(angle), std::sin(angle), random.uniform(-0.2, 0.4)),
              0.03, 0.01, 5, kBark);
@@ -62,13 +64,13 @@ void add_boulder(TriangleMesh& mesh, const Eigen::Vector3d& at, Random& random) 
   const Eigen::Vector3d size(random.uniform(0.3, 1.2), random.uniform(0.3, 1.2),
                              random.uniform(0.2, 0.8));
   const Eigen::Vector3d turned(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4),
-                               random.uniform(-M_PI, M_PI));
+                               random.uniform(-kPi, kPi));
   add_box(mesh, {exp_so3(turned), at}, size, kConcrete);
 }
 
 void add_log(TriangleMesh& mesh, const Terrain& terrain, const Eigen::Vector2d& at,
              Random& random) {
-  const double angle = random.uniform(0.0, M_PI), length = random.uniform(1.0, 3.0);
+  const double angle = random.uniform(0.0, kPi), length = random.uniform(1.0, 3.0);
   const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
   const Eigen::Vector3d from = terrain.on_ground(at - 0.5 * length * along, 0.1);
   const Eigen::Vector3d to = terrain.on_ground(at + 0.5 * length * along, 0.1);

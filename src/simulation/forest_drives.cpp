@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "carrier_motion.hpp"
 #include "drone_motion.hpp"
 #include "forest.hpp"
@@ -76,7 +78,7 @@ Track once_round(const DriveOptions& options, const SpeedLimits& limits) {
   Track track({0.0, 0.0}, 0.0);
   track.stand(3.0);
   track.walk(Points(corners.begin(), corners.begin() + 4), limits, {3.0, 0.5});
-  track.turn(2.0 * M_PI, 2.0);
+  track.turn(2.0 * kPi, 2.0);
   track.walk(Points(corners.begin() + 4, corners.end()), limits, {3.0, 0.5});
   track.walk({0.5 * corners.front()}, limits, {3.0, 0.5});
   track.stand(2.0);

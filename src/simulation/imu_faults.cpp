@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
@@ -73,9 +74,9 @@ void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {
   constexpr double kRatePerAcceleration = 0.01;  // rad/s per m/s^2
   Random random(seed);
   std::array<double, 12> phase{};
-  for (double& p : phase) p = random.uniform(0.0, 2.0 * M_PI);
+  for (double& p : phase) p = random.uniform(0.0, 2.0 * kPi);
   for (ImuSample& sample : samples) {
-    const double angle = 2.0 * M_PI * kHz * to_seconds(sample.stamp - begin);
+    const double angle = 2.0 * kPi * kHz * to_seconds(sample.stamp - begin);
     const auto shaking = [&](int axis) {
       return std::sin(angle + phase[2 * axis]) + std::sin(kHarmonic * angle + phase[2 * axis + 1]);
     };
@@ -87,7 +88,7 @@ void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {
 }
 
 void turn(ImuSample& sample) {
-  const Eigen::Quaterniond quarter(Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond quarter(Eigen::AngleAxisd((0.5 * kPi), Eigen::Vector3d::UnitZ()));
   sample.angular_velocity = quarter * sample.angular_velocity;
   sample.linear_acceleration = quarter * sample.linear_acceleration;
   if (sample.orientation) *sample.orientation = *sample.orientation * quarter.conjugate();
@@ -108,15 +109,15 @@ void spoil(ImuSample& sample, const ImuFault& fault) {
       break;
     }
     case Kind::kClip:
-      clip(sample.linear_acceleration, fault.amount * kGravity);
+      clip(sample.linear_acceleration, fault.amount * kStandardGravity);
       clip(sample.angular_velocity, fault.other);
       break;
     case Kind::kFrame:
       turn(sample);
       break;
     case Kind::kUnits:
-      if (fault.amount == 0.0) sample.linear_acceleration /= kGravity;
-      if (fault.amount == 1.0) sample.angular_velocity *= 180.0 / M_PI;
+      if (fault.amount == 0.0) sample.linear_acceleration /= kStandardGravity;
+      if (fault.amount == 1.0) sample.angular_velocity *= kDegPerRad;
       break;
     case Kind::kOffset:
       sample.stamp += from_seconds(fault.amount);

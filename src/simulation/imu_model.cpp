@@ -1,6 +1,7 @@
 #include "imu_model.hpp"
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
@@ -36,7 +37,7 @@ ImuModel consumer() {
   model.accelerometer.bias_walk = 1e-3;
   model.accelerometer.scale = 0.005;
   model.accelerometer.misalignment = 0.01;
-  model.accelerometer.range = 4.0 * kGravity;
+  model.accelerometer.range = 4.0 * kStandardGravity;
   return model;
 }
 

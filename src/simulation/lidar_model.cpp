@@ -3,17 +3,16 @@
 #include <cmath>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-
 /// `count` beams at equal steps from `top_deg` down to `bottom_deg`.
 void add_beams(LidarModel& model, int count, double top_deg, double bottom_deg) {
   for (int i = 0; i < count; ++i) {
-    model.elevations.push_back((top_deg + (bottom_deg - top_deg) * i / (count - 1)) * kDegree);
+    model.elevations.push_back((top_deg + (bottom_deg - top_deg) * i / (count - 1)) * kRadPerDeg);
   }
   model.beams = static_cast<int>(model.elevations.size());
 }
@@ -80,7 +79,7 @@ std::vector<std::string> lidar_names() {
 }
 
 double column_azimuth(const LidarModel& model, int column) {
-  return M_PI - 2.0 * M_PI * column / model.columns;
+  return kPi - 2.0 * kPi * column / model.columns;
 }
 
 Stamp column_delay(const LidarModel& model, Stamp period, int column) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::simulation {
 
 namespace {
@@ -49,7 +51,7 @@ void add_tube(TriangleMesh& mesh, const Eigen::Vector3d& foot, const Eigen::Vect
   const Eigen::Vector3d u = axis.unitOrthogonal();
   const Eigen::Vector3d v = axis.normalized().cross(u);
   const auto rim = [&](int i) -> Eigen::Vector3d {
-    const double angle = 2.0 * M_PI * i / sides;
+    const double angle = 2.0 * kPi * i / sides;
     return std::cos(angle) * u + std::sin(angle) * v;
   };
   for (int i = 0; i < sides; ++i) {

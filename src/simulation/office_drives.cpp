@@ -1,3 +1,5 @@
+#include "lidar_mapping/common/units.hpp"
+
 #include "carrier_motion.hpp"
 #include "mounting.hpp"
 #include "office.hpp"
@@ -49,7 +51,7 @@ Track rooms_and_corridors(const SpeedLimits& limits, const InRoom& in_room) {
 Scenario make_handheld(const DriveOptions& options) {
   const auto look_around = [](Track& track) {
     track.stand(0.5);
-    track.turn(2.0 * M_PI, 2.5);
+    track.turn(2.0 * kPi, 2.5);
   };
   return in_the_office(options, rooms_and_corridors({1.4, 1.3, 1.2}, look_around),
                        hand_held_carrier(), hand_held_mounting());
@@ -57,7 +59,7 @@ Scenario make_handheld(const DriveOptions& options) {
 
 Scenario make_spin(const DriveOptions& options) {
   const auto whirl = [](Track& track) {
-    for (const double angle : {2.0 * M_PI, -2.0 * M_PI, M_PI, -M_PI, M_PI}) {
+    for (const double angle : {2.0 * kPi, -2.0 * kPi, kPi, -kPi, kPi}) {
       track.turn(angle, 5.0);
       track.stand(0.3);
     }
@@ -77,7 +79,7 @@ Scenario make_running(const DriveOptions& options) {
 }
 
 Scenario make_legged(const DriveOptions& options) {
-  const auto turn_round = [](Track& track) { track.turn(2.0 * M_PI, 1.5); };
+  const auto turn_round = [](Track& track) { track.turn(2.0 * kPi, 1.5); };
   return in_the_office(options, rooms_and_corridors({1.0, 1.0, 0.8}, turn_round), legged_carrier(),
                        legged_mounting());
 }

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "ground.hpp"
 #include "mounting.hpp"
 #include "palette.hpp"
@@ -57,7 +59,7 @@ void add_posts(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Ran
     const double side = random.chance(0.5) ? kRoadHalfWidth + 1.0 : -kRoadHalfWidth - 1.0;
     const Eigen::Vector3d foot = terrain.on_ground(beside(path, s, side + kLane));
     if (random.chance(0.25)) {
-      add_sign(mesh, foot, path.heading(s) + M_PI, Random(random.bits()));
+      add_sign(mesh, foot, path.heading(s) + kPi, Random(random.bits()));
     } else {
       add_tube(mesh, foot, {0.0, 0.0, 1.0}, 0.06, 0.05, 6, kSign);
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "smoothing.hpp"
 
 namespace lidar_mapping::simulation {
@@ -71,7 +73,7 @@ std::vector<double> unwrapped_headings(const std::vector<Eigen::Vector2d>& point
         points[std::min(i + 1, points.size() - 1)] - points[i == 0 ? 0 : i - 1];
     headings[i] = std::atan2(step.y(), step.x());
     if (i > 0) {
-      headings[i] = headings[i - 1] + std::remainder(headings[i] - headings[i - 1], 2.0 * M_PI);
+      headings[i] = headings[i - 1] + std::remainder(headings[i] - headings[i - 1], 2.0 * kPi);
     }
   }
   return headings;

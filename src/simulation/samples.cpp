@@ -6,6 +6,7 @@
 
 #include <GeographicLib/LocalCartesian.hpp>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/random.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
@@ -88,7 +89,8 @@ std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose
     const MotionState state = trajectory.state(stamp).of_frame(T_base_imu);
     const Eigen::Quaterniond& R_map_imu = state.T_map_base.rotation;
     const Eigen::Vector3d force =
-        R_map_imu.conjugate() * (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kGravity));
+        R_map_imu.conjugate() *
+        (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kStandardGravity));
     ImuSample sample;
     sample.stamp = stamp;
     sample.angular_velocity = gyro.measured(state.angular_velocity_base, random);

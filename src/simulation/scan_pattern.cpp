@@ -1,29 +1,29 @@
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/simulation/lidar_model.hpp"
 
 namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kGolden = 0.618033988749895;  ///< multiples of it spread best over [0, 1)
 
 // Mid-360: ten turns a frame. Each is a fraction of a column and a fraction of a quarter of the
 // swing behind the one before, both golden, so that turns and frames fill the gaps of those before.
 constexpr double kColumnsPerTurn = 500.0 + kGolden;
 constexpr double kSwingsPerTurn = 17.0 + 0.25 * kGolden;
-constexpr double kSwingLow = -7.0 * kDegree, kSwingHigh = 52.0 * kDegree;
+constexpr double kSwingLow = -7.0 * kRadPerDeg, kSwingHigh = 52.0 * kRadPerDeg;
 
 // Avia: turns of its prisms in a frame of 0.1 s (7294 and 4664 a minute, against each other), the
 // angle by which both together bend a beam at most, and the fan of its beams.
 constexpr double kFirstPrism = 12.15667, kSecondPrism = 7.77333;
-constexpr double kBend = 35.2 * kDegree;
-constexpr double kFan = 6.8 * kDegree;
+constexpr double kBend = 35.2 * kRadPerDeg;
+constexpr double kFan = 6.8 * kRadPerDeg;
 
 // M1: five fields side by side, each of 120 x 125 points at 0.2 degrees.
 constexpr int kRasterColumns = 120, kRasterRows = 125;
-constexpr double kRasterStep = 0.2 * kDegree;
+constexpr double kRasterStep = 0.2 * kRadPerDeg;
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -38,13 +38,13 @@ Eigen::Vector3d swinging(const LidarModel& model, double column, int beam) {
   const double phase = fraction(turns * kSwingsPerTurn +
                                 static_cast<double>(beam) / static_cast<double>(model.beams));
   const double up = 1.0 - std::abs(2.0 * phase - 1.0);
-  return direction(M_PI - 2.0 * M_PI * fraction(turns), kSwingLow + up * (kSwingHigh - kSwingLow));
+  return direction(kPi - 2.0 * kPi * fraction(turns), kSwingLow + up * (kSwingHigh - kSwingLow));
 }
 
 Eigen::Vector3d rosette(const LidarModel& model, double column, int beam) {
   const double frames = column / model.columns;
-  const double first = 2.0 * M_PI * fraction(frames * kFirstPrism);
-  const double second = -2.0 * M_PI * fraction(frames * kSecondPrism);
+  const double first = 2.0 * kPi * fraction(frames * kFirstPrism);
+  const double second = -2.0 * kPi * fraction(frames * kSecondPrism);
   const double fan = kFan * (0.5 - beam / (model.beams - 1.0));
   const double left = 0.5 * kBend * (std::cos(first) + std::cos(second));
   const double up = 0.5 * kBend * (std::sin(first) + std::sin(second)) + fan;

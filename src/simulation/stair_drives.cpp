@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "carrier_motion.hpp"
 #include "mounting.hpp"
 #include "scenario.hpp"
@@ -56,7 +58,7 @@ struct Ride {
 void enter(Track& track) {
   track.walk({{kLiftX, 0.0}}, kWalking);
   track.walk({{kLiftX, kLiftY + 0.15}}, kWalking, {0.3, 0.1});
-  track.turn(M_PI, 2.0);
+  track.turn(kPi, 2.0);
   track.stand(0.5);
 }
 
@@ -138,7 +140,7 @@ Scenario make_stairs(const DriveOptions& options) {
 }
 
 Scenario make_elevator(const DriveOptions& options) {
-  Track track({-3.0, 0.0}, M_PI);
+  Track track({-3.0, 0.0}, kPi);
   Ride ride;
   track.stand(3.0);
   for (const int storey : {3, 1}) {

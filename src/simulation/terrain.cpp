@@ -2,14 +2,16 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::simulation {
 
 Terrain::Terrain(Random random, int waves, double shortest, double longest, double slope) {
   for (int i = 0; i < waves; ++i) {
-    const double direction = random.uniform(0.0, 2.0 * M_PI);
-    const double number = 2.0 * M_PI / random.uniform(shortest, longest);
+    const double direction = random.uniform(0.0, 2.0 * kPi);
+    const double number = 2.0 * kPi / random.uniform(shortest, longest);
     waves_.push_back({number * Eigen::Vector2d(std::cos(direction), std::sin(direction)),
-                      random.uniform(0.0, 2.0 * M_PI), slope / number / std::sqrt(waves)});
+                      random.uniform(0.0, 2.0 * kPi), slope / number / std::sqrt(waves)});
   }
 }
 

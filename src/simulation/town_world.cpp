@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "buildings.hpp"
 #include "ground.hpp"
 #include "palette.hpp"
@@ -137,9 +139,9 @@ class BlockBuilder {
       if (avenue && pick < 0.6) {
         add_tree(mesh_, foot, random_.uniform(4.5, 9.0), split());
       } else if (pick < 0.75) {
-        add_lamp(mesh_, foot, side.yaw - M_PI_2, split());
+        add_lamp(mesh_, foot, side.yaw - 0.5 * kPi, split());
       } else if (pick < 0.9) {
-        add_sign(mesh_, foot, side.yaw + (random_.chance(0.5) ? M_PI : 0.0), split());
+        add_sign(mesh_, foot, side.yaw + (random_.chance(0.5) ? kPi : 0.0), split());
       } else {
         add_street_box(mesh_, on_pavement(side.at(s, 1.9)), side.yaw, split());
       }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::simulation {
 
 namespace {
@@ -44,7 +46,7 @@ void Track::walk(std::vector<Eigen::Vector2d> points, const SpeedLimits& limits,
   const TrackState start = states_.back();
   points.insert(points.begin(), start.position);
   const Path path = Path::rounded(points, corners.radius, corners.blend);
-  const double turn_to_path = std::remainder(path.heading(0.0) - start.yaw, 2.0 * M_PI);
+  const double turn_to_path = std::remainder(path.heading(0.0) - start.yaw, 2.0 * kPi);
   turn(turn_to_path, kUsualTurn);
   const double yaw_offset = start.yaw + turn_to_path - path.heading(0.0);
   for (const double s :

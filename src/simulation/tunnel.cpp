@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "buildings.hpp"
 #include "ground.hpp"
 #include "mounting.hpp"
@@ -29,7 +31,7 @@ std::vector<Eigen::Vector2d> tube_outline() {
   constexpr int kArchFaces = 28;
   std::vector<Eigen::Vector2d> outline = {{-kTubeHalfWidth, -0.3}};
   for (int i = 0; i <= kArchFaces; ++i) {
-    const double angle = M_PI * (1.0 - static_cast<double>(i) / kArchFaces);
+    const double angle = kPi * (1.0 - static_cast<double>(i) / kArchFaces);
     outline.emplace_back(kTubeHalfWidth * std::cos(angle),
                          kWallHeight + kTubeHalfWidth * std::sin(angle));
   }
@@ -87,9 +89,9 @@ void add_roadside(TriangleMesh& mesh, const Terrain& ground, const Path& path, R
     } else if (pick < 0.7) {
       add_bush(mesh, foot, 1.5, own);
     } else if (pick < 0.85) {
-      add_lamp(mesh, foot, path.heading(s) - side * M_PI_2, own);
+      add_lamp(mesh, foot, path.heading(s) - side * 0.5 * kPi, own);
     } else {
-      add_sign(mesh, foot, path.heading(s) + M_PI, own);
+      add_sign(mesh, foot, path.heading(s) + kPi, own);
     }
   }
 }
@@ -103,7 +105,7 @@ void add_houses(TriangleMesh& mesh, const Path& path, Random& random) {
     if (s > kPortalIn - 25.0 && s < kPortalOut + 25.0) continue;
     const Eigen::Vector2d at = beside(path, s, kLane + side * off);
     // The front faces the road.
-    const double yaw = path.heading(s) + (side > 0.0 ? 0.0 : M_PI) + turn;
+    const double yaw = path.heading(s) + (side > 0.0 ? 0.0 : kPi) + turn;
     add_house(mesh,
               {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
                {at.x(), at.y(), 0.1}},

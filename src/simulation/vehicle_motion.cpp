@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "scenario.hpp"
 #include "smoothing.hpp"
 
@@ -65,13 +67,13 @@ Timing timing(const std::vector<double>& speed, double begin, const std::vector<
 class Shaking {
  public:
   explicit Shaking(Random random) {
-    for (double& phase : phases_) phase = random.uniform(0.0, 2.0 * M_PI);
+    for (double& phase : phases_) phase = random.uniform(0.0, 2.0 * kPi);
   }
   double at(int axis, double station) const {
     constexpr std::array<double, 4> kLengths = {4.7, 7.9, 13.0, 29.0};
     double sum = 0.0;
     for (std::size_t i = 0; i < kLengths.size(); ++i) {
-      sum += std::sin(2.0 * M_PI * station / kLengths[i] + phases_[axis * kLengths.size() + i]);
+      sum += std::sin(2.0 * kPi * station / kLengths[i] + phases_[axis * kLengths.size() + i]);
     }
     return 0.5 * sum;
   }

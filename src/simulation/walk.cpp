@@ -2,6 +2,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "mounting.hpp"
 #include "office.hpp"
 #include "path.hpp"
@@ -63,12 +65,12 @@ std::vector<Eigen::Vector2d> corners() {
 /// Steps and a hand that is never still, over a smooth walk.
 SmoothTrajectory walked(const Path& path, const std::vector<double>& stations, Random random) {
   std::array<double, 8> phase{};
-  for (double& p : phase) p = random.uniform(0.0, 2.0 * M_PI);
+  for (double& p : phase) p = random.uniform(0.0, 2.0 * kPi);
   std::vector<Vector6d> control(stations.size());
   constexpr double kStride = 0.68;  // m per step
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const double s = stations[i], t = static_cast<double>(i) * kControlStep;
-    const double step = 2.0 * M_PI * s / kStride;
+    const double step = 2.0 * kPi * s / kStride;
     control[i] << path.position(s), kCarried + 0.02 * std::sin(step) + 0.01 * std::sin(1.1 * t),
         path.heading(s) + 0.04 * std::sin(0.5 * step + phase[0]) +
             0.05 * std::sin(0.9 * t + phase[1]),

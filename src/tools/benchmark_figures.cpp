@@ -7,7 +7,9 @@
 
 #include <sys/resource.h>
 
+#include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
 #include "step_checker.hpp"
@@ -22,13 +24,6 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0.0
                         : std::accumulate(values.begin(), values.end(), 0.0) /
                               static_cast<double>(values.size());
-}
-
-/// The value that `share` of the sorted values do not exceed.
-double quantile(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return 0.0;
-  const auto index = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
-  return sorted[std::min(index, sorted.size() - 1)];
 }
 
 std::size_t count_of(const std::vector<ScanRecord>& records, TrackingState state) {
@@ -104,7 +99,7 @@ Json figures_of(const std::vector<ScanRecord>& records) {
           {"rescued", flagged([](const ScanRecord& r) { return r.status.rescued; })},
           {"repeated", flagged([](const ScanRecord& r) { return r.status.repeated; })},
           {"elevation_shift_deg",
-           records.empty() ? 0.0 : records.back().status.elevation_shift * 180.0 / M_PI}};
+           records.empty() ? 0.0 : records.back().status.elevation_shift * kDegPerRad}};
 }
 
 Json errors_of(const std::vector<evaluation::PosePair>& pairs) {

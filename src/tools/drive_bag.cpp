@@ -7,6 +7,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
@@ -68,8 +69,8 @@ sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagConte
 }
 
 ImuSample spoilt(ImuSample sample, const BagContent& content) {
-  if (content.has(BagFault::kImuInG)) sample.linear_acceleration /= kGravity;
-  if (content.has(BagFault::kGyroInDegrees)) sample.angular_velocity *= 180.0 / M_PI;
+  if (content.has(BagFault::kImuInG)) sample.linear_acceleration /= kStandardGravity;
+  if (content.has(BagFault::kGyroInDegrees)) sample.angular_velocity *= kDegPerRad;
   return sample;
 }
 

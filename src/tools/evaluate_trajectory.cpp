@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
@@ -61,8 +62,7 @@ Pose lever_arm_of(const Options& options) {
   Pose pose;
   if (!options.lever_arm.empty()) pose.translation = Eigen::Vector3d(options.lever_arm.data());
   if (!options.lever_rotation_deg.empty()) {
-    const Eigen::Vector3d angles =
-        Eigen::Vector3d(options.lever_rotation_deg.data()) * M_PI / 180.0;
+    const Eigen::Vector3d angles = Eigen::Vector3d(options.lever_rotation_deg.data()) * kRadPerDeg;
     pose.rotation = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
                     Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
                     Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
@@ -150,7 +150,7 @@ void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
     const Eigen::Vector3d& e = pairs[i].estimate.translation;
     const Pose error = pairs[i].truth.inverse() * pairs[i].estimate;
     poses.push_back({distance[i], t.x(), t.y(), t.z(), e.x(), e.y(), e.z(),
-                     error.translation.norm(), rotation_angle(error.rotation) * 180.0 / M_PI});
+                     error.translation.norm(), rotation_angle(error.rotation) * kDegPerRad});
   }
   const std::string data = picture + ".json";
   write_text(data, tools::dumped(poses));

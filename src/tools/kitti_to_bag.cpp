@@ -13,6 +13,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pipeline/folder_input.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
@@ -83,7 +84,8 @@ sensor_msgs::Imu attitude_at(const Pose& T_enu_lidar, Stamp stamp) {
   ImuSample sample;
   sample.stamp = stamp;
   sample.orientation = T_enu_lidar.rotation;
-  sample.linear_acceleration = T_enu_lidar.rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, 9.81);
+  sample.linear_acceleration =
+      T_enu_lidar.rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, kStandardGravity);
   sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
   for (std::size_t i = 0; i < 9; i += 4) message.orientation_covariance[i] = kSigma * kSigma;
   // No gyro in these poses: sensor_msgs/Imu says so by -1.

@@ -11,6 +11,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
@@ -76,7 +77,7 @@ void print(const std::vector<map::GhostVector>& ghosts, std::size_t places) {
     const map::GhostVector& ghost = ghosts[i];
     std::printf("  %9u %7.1f %7.1f   %8.1f %8.1f %7.1f  %7.3f  %6zu\n", ghost.key_frame,
                 ghost.position.x(), ghost.position.y(), 1000.0 * ghost.along, 1000.0 * ghost.left,
-                1000.0 * ghost.up, ghost.yaw * 180.0 / M_PI, ghost.planes);
+                1000.0 * ghost.up, ghost.yaw * kDegPerRad, ghost.planes);
   }
 }
 

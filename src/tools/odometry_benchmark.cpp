@@ -11,6 +11,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/load.hpp"
 
 #include "article_odometry.hpp"
@@ -152,7 +153,7 @@ void run(const Options& options) {
   if (!notice.empty()) std::cerr << "odometry_benchmark: " << notice << "\n";
   const tools::Recording recording = tools::open_recording(
       options.recording, options.topic,
-      {options.elevation_correction_deg * M_PI / 180.0, options.time_from_azimuth});
+      {options.elevation_correction_deg * kRadPerDeg, options.time_from_azimuth});
   const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
   const double memory_before = tools::peak_memory_mb();

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -71,7 +72,7 @@ Json loop_figures(const ReportInput& input) {
     row["odometry_residual_m"] =
         (loop.T_from_to.inverse() * (odometry.at(loop.from).inverse() * odometry.at(loop.to)))
             .translation.norm();
-    row["residual_deg"] = rotation_angle(residual.rotation) * kDegrees;
+    row["residual_deg"] = rotation_angle(residual.rotation) * kDegPerRad;
     if (verdict.verdict == Verdict::kAccepted) {
       metres.push_back(row["residual_m"]);
       degrees.push_back(row["residual_deg"]);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/map/key_frame_track.hpp"
 
@@ -85,7 +86,7 @@ Json trajectory_figures(const ReportInput& input) {
     const Pose& odometry = input.odometry.poses[i].T_map_base;
     const Eigen::Vector3d& p = map_pose.translation;
     const Eigen::Vector3d& q = odometry.translation;
-    const double turned = yaw_of(odometry.rotation * map_pose.rotation.conjugate()) * kDegrees;
+    const double turned = yaw_of(odometry.rotation * map_pose.rotation.conjugate()) * kDegPerRad;
     rows.push_back({input.poses.poses[i].index, distances[i], p.x(), p.y(), p.z(), q.x(), q.y(),
                     q.z(), turned});
     farthest = std::max(farthest, (q - p).norm());
@@ -139,7 +140,7 @@ Json truth_figures(const ReportInput& input) {
     const Pose error = pairs[i].truth.inverse() * pairs[i].estimate;
     const Pose before = of_odometry[i].truth.inverse() * of_odometry[i].estimate;
     rows.push_back({distances[i], error.translation.norm(),
-                    rotation_angle(error.rotation) * kDegrees, before.translation.norm()});
+                    rotation_angle(error.rotation) * kDegPerRad, before.translation.norm()});
   }
   return {{"poses", pairs.size()},
           {"ape_rmse_m", ape.translation_m.rmse},
@@ -179,7 +180,7 @@ Json to_json(const map::GhostVector& ghost) {
           {"along_m", ghost.along},
           {"left_m", ghost.left},
           {"up_m", ghost.up},
-          {"yaw_deg", ghost.yaw * kDegrees},
+          {"yaw_deg", ghost.yaw * kDegPerRad},
           {"size_m", ghost.size()},
           {"planes", ghost.planes},
           {"residual_m", ghost.residual}};

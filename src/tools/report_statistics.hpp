@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "lidar_mapping/common/key_frame.hpp"
+#include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::tools {
-
-constexpr double kDegrees = 180.0 / M_PI;
 
 /// Distance travelled from the first pose to each, m.
 inline std::vector<double> distances_of(const KeyFramePoses& poses) {
@@ -18,13 +18,6 @@ inline std::vector<double> distances_of(const KeyFramePoses& poses) {
     distances[i] = distances[i - 1] + (position(i) - position(i - 1)).norm();
   }
   return distances;
-}
-
-/// The value below which a share of all lies; 0 of none.
-inline double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 }  // namespace lidar_mapping::tools

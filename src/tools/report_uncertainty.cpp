@@ -3,6 +3,7 @@
 #include <set>
 
 #include "lidar_mapping/back_end/marginal_covariance.hpp"
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -70,7 +71,7 @@ Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back
     const auto covariance = back_end::marginal_covariance(*problem, input.poses.poses[i].index);
     if (!covariance) continue;
     const double metres = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
-    const double degrees = std::sqrt(covariance->bottomRightCorner<3, 3>().trace()) * kDegrees;
+    const double degrees = std::sqrt(covariance->bottomRightCorner<3, 3>().trace()) * kDegPerRad;
     rows.push_back({distances[i], metres, degrees});
     worst = std::max(worst, metres);
   }

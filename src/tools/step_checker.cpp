@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 namespace lidar_mapping::tools {
 
 using front_end::TrackingState;
 
 bool CheckedStep::is_right() const {
   return error.metres <= 3.0 * status.evidence.sigma &&
-         error.degrees * M_PI / 180.0 <= 3.0 * status.evidence.sigma_angle;
+         error.degrees * kRadPerDeg <= 3.0 * status.evidence.sigma_angle;
 }
 
 std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base,
@@ -19,8 +21,8 @@ std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T
   if (last_) {
     const Pose difference = (last_->T_map_base.inverse() * T_map_base).inverse() *
                             (last_->T_odom_base.inverse() * T_odom_base);
-    error = StepError{difference.translation.norm(),
-                      rotation_angle(difference.rotation) * 180.0 / M_PI};
+    error =
+        StepError{difference.translation.norm(), rotation_angle(difference.rotation) * kDegPerRad};
     count(*error, state);
   }
   if (claims_pose(state) || new_segment) last_ = Claim{T_map_base, T_odom_base};

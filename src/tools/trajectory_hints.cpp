@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 
@@ -18,7 +19,6 @@ constexpr double kWorthSaying = 0.5;  // of the error, that would be left at mos
 constexpr double kLeastGain_m = 0.02;
 constexpr double kLeastGain_deg = 0.5;
 constexpr double kLeastLeverArm_m = 0.05;
-constexpr double kDegrees = 180.0 / M_PI;
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {
@@ -88,7 +88,7 @@ Eigen::Vector3d angles_of(const Eigen::Quaterniond& rotation) {
                                std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
                                std::atan2(R(1, 0), R(0, 0)));
   // To a tenth; the sum makes 0 of -0.
-  return (10.0 * kDegrees * angles).array().round() / 10.0 + 0.0;
+  return (10.0 * kDegPerRad * angles).array().round() / 10.0 + 0.0;
 }
 
 }  // namespace

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "lidar_mapping/common/cloud_source.hpp"
+#include "lidar_mapping/common/units.hpp"
 
 namespace lidar_mapping::loop_closing::test {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Box {
   Eigen::Vector3d low;

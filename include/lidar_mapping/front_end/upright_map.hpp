@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 
 namespace lidar_mapping::front_end {
@@ -18,8 +19,8 @@ std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points);
 /// hash): a quarter of a megabyte that answers in the time of one look at the cache.
 class KeyFilter {
  public:
-  void insert(std::uint64_t key);
-  bool may_contain(std::uint64_t key) const;
+  void insert(VoxelKey key);
+  bool may_contain(VoxelKey key) const;
 
  private:
   std::vector<bool> bits_;
@@ -57,7 +58,7 @@ class UprightMap {
   /// The mean of the voxel that is nearest to `p`; false if there is none.
   bool nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const;
 
-  std::unordered_map<std::uint64_t, Cell> cells_;
+  std::unordered_map<VoxelKey, Cell, VoxelKeyHash> cells_;
   KeyFilter occupied_;
   KeyFilter near_;  ///< in or beside an occupied one
 };

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 /// Thins points while they come: the mean of those in each voxel, in the order of the voxels' first
@@ -21,25 +23,23 @@ class VoxelMeans {
   std::vector<Eigen::Vector3f> points();
 
  private:
-  using Key = std::uint64_t;  ///< the three numbers of a cell, 21 bits each
   struct Voxel {
-    Key key;
+    VoxelKey key;
     float count;
     Eigen::Vector3f sum;  // of the offsets from the corner of the cell: small, so float will do
   };
   /// A point on its way to its voxel. A few wait for each other: the processor often guesses wrong
   /// where one of them goes, and then it should not have begun with the numbers of the next ones.
   struct Waiting {
-    Key key;
+    VoxelKey key;
     Eigen::Vector3f offset;
   };
   static constexpr std::size_t kWaiting = 32;
 
   void settle();
-  std::uint32_t find_or_add(Key key);
-  std::uint32_t& slot_of(Key key);
+  std::uint32_t find_or_add(VoxelKey key);
+  std::uint32_t& slot_of(VoxelKey key);
   void grow();
-  Eigen::Vector3f corner_of(Key key) const;
 
   float leaf_ = 0.0F;
   float per_leaf_ = 0.0F;

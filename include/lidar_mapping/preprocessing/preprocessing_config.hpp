@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/config/schema.hpp"
 
 namespace lidar_mapping::preprocessing {

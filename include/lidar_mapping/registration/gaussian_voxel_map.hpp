@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::registration {
 
 /// Mean and covariance of the points of a voxel.
@@ -79,7 +81,7 @@ class GaussianVoxelMap {
 
   /// Where the search for a voxel starts.
   struct Place {
-    std::uint64_t key;
+    VoxelKey key;
     std::uint32_t slot;
   };
   /// `cell` counts from the origin's voxel.
@@ -99,7 +101,7 @@ class GaussianVoxelMap {
  private:
   /// One cache line. Sums are relative to the voxel's centre.
   struct alignas(64) Voxel {
-    std::uint64_t key = 0;  ///< 0 marks an empty slot
+    VoxelKey key = 0;  ///< 0 marks an empty slot
     std::array<float, 3> sum{};
     std::array<float, 6> products{};  ///< xx xy xz yy yz zz
     std::array<float, 3> normal{};    ///< until there is a plane the last point's view
@@ -111,11 +113,11 @@ class GaussianVoxelMap {
     Voxel() : count_at_plane(0), has_front(0) {}
   };
 
-  std::uint64_t key_of(const Eigen::Vector3i& cell) const;
-  Eigen::Vector3i cell_of(std::uint64_t key) const;
-  Place place_of(std::uint64_t key) const { return {key, slot_of(key)}; }
-  std::uint32_t slot_of(std::uint64_t key) const {
-    return static_cast<std::uint32_t>((key * 0x9E3779B97F4A7C15ULL) >> hash_shift_);
+  VoxelKey key_of(const VoxelIndex& cell) const;
+  VoxelIndex cell_of(VoxelKey key) const;
+  Place place_of(VoxelKey key) const { return {key, slot_of(key)}; }
+  std::uint32_t slot_of(VoxelKey key) const {
+    return static_cast<std::uint32_t>(fibonacci_hash(key) >> hash_shift_);
   }
   std::optional<std::uint32_t> find(const Place& place) const;
   Voxel* find_or_add(const Place& place);

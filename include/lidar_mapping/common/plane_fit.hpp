@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace lidar_mapping {
+
+/// Sums over points, from which their mean and spread follow. In double, and exact enough for a
+/// cell some metres wide a few hundred metres from the origin; what is wider or farther is to be
+/// added relative to a point nearby.
+struct PointMoments {
+  double count = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+
+  void add(const Eigen::Vector3d& point) {
+    count += 1.0;
+    sum += point;
+    squares += point * point.transpose();
+  }
+  Eigen::Vector3d mean() const { return sum / count; }
+  Eigen::Matrix3d covariance() const { return squares / count - mean() * mean().transpose(); }
+};
+
+/// The plane through the mean of points that lies closest to them in the sense of least squares.
+struct PlaneFit {
+  Eigen::Vector3d normal;     ///< of length 1; which of the two directions is open
+  Eigen::Vector3d mean;       ///< m
+  Eigen::Vector3d variances;  ///< m^2, along the normal first, then in the plane, rising
+
+  explicit PlaneFit(const PointMoments& moments);
+};
+
+}  // namespace lidar_mapping

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace lidar_mapping {
+
+/// The greatest whole number that is not above `value`, which has to fit in the result. Without
+/// std::floor, which is a call where the processor has no instruction for it.
+inline int floor_to_int(float value) {
+  const int whole = static_cast<int>(value);
+  return whole - static_cast<int>(value < static_cast<float>(whole));
+}
+inline std::int64_t floor_to_int(double value) {
+  const auto whole = static_cast<std::int64_t>(value);
+  return whole - static_cast<std::int64_t>(value < static_cast<double>(whole));
+}
+
+/// Number of the voxel that a point lies in, along each axis.
+using VoxelIndex = Eigen::Vector3i;
+
+/// `scaled`: the point in units of the voxel's edge.
+inline VoxelIndex voxel_index(const Eigen::Vector3f& scaled) {
+  return {floor_to_int(scaled.x()), floor_to_int(scaled.y()), floor_to_int(scaled.z())};
+}
+inline VoxelIndex voxel_index(const Eigen::Vector3d& scaled) {
+  return {static_cast<int>(floor_to_int(scaled.x())), static_cast<int>(floor_to_int(scaled.y())),
+          static_cast<int>(floor_to_int(scaled.z()))};
+}
+
+/// A voxel's index in one word: 21 bits for each axis, x above y above z, each with half of its
+/// range added. So keys sort as indices do, a neighbour's key is a sum of steps, and bit 63 is
+/// free. Indices beyond +-2^20 (at voxels of 1 cm beyond 10 km) come back from the other side.
+using VoxelKey = std::uint64_t;
+
+constexpr int kVoxelKeyBits = 21;
+constexpr int kVoxelKeyHalf = 1 << (kVoxelKeyBits - 1);
+constexpr VoxelKey kVoxelKeyMask = (VoxelKey{1} << kVoxelKeyBits) - 1;
+constexpr VoxelKey kVoxelKeyStepX = VoxelKey{1} << (2 * kVoxelKeyBits);
+constexpr VoxelKey kVoxelKeyStepY = VoxelKey{1} << kVoxelKeyBits;
+constexpr VoxelKey kVoxelKeyStepZ = 1;
+
+inline VoxelKey voxel_key(const VoxelIndex& index) {
+  const auto bits = [](int number) {
+    return static_cast<VoxelKey>(static_cast<std::uint32_t>(number) + kVoxelKeyHalf) &
+           kVoxelKeyMask;
+  };
+  return bits(index.x()) * kVoxelKeyStepX | bits(index.y()) * kVoxelKeyStepY | bits(index.z());
+}
+
+inline VoxelIndex voxel_index(VoxelKey key) {
+  const auto number = [](VoxelKey bits) {
+    return static_cast<int>(bits & kVoxelKeyMask) - kVoxelKeyHalf;
+  };
+  return {number(key >> (2 * kVoxelKeyBits)), number(key >> kVoxelKeyBits), number(key)};
+}
+
+/// Calls `act(key)` for the voxel and its 26 neighbours, in the order of their keys.
+template <typename Act>
+void for_voxels_around(VoxelKey key, const Act& act) {
+  for (const VoxelKey x : {key - kVoxelKeyStepX, key, key + kVoxelKeyStepX}) {
+    for (const VoxelKey y : {x - kVoxelKeyStepY, x, x + kVoxelKeyStepY}) {
+      for (const VoxelKey z : {y - kVoxelKeyStepZ, y, y + kVoxelKeyStepZ}) act(z);
+    }
+  }
+}
+
+/// Spreads keys over 64 bits, of which the upper ones are the best (Fibonacci hashing, Knuth 1998,
+/// The Art of Computer Programming 3, 6.4).
+inline std::uint64_t fibonacci_hash(std::uint64_t key) { return key * 0x9E3779B97F4A7C15ULL; }
+
+/// For containers of the standard library, which look at the lower bits.
+struct VoxelKeyHash {
+  std::size_t operator()(VoxelKey key) const {
+    return static_cast<std::size_t>(fibonacci_hash(key) >> 32U);
+  }
+};
+
+}  // namespace lidar_mapping
