@@ -42,7 +42,8 @@ function(lidar_mapping_executable name)
   endif()
 endfunction()
 
-# lidar_mapping_test(NAME SOURCES a.cpp ... LIBRARIES libs): one GTest program
+# lidar_mapping_test(NAME SOURCES a.cpp ... LIBRARIES libs): one GTest program; it also sees the headers
+# that lie beside the sources of the stage that its folder is named after.
 function(lidar_mapping_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   set(main ${PROJECT_SOURCE_DIR}/test/support/gtest_main.cpp)
@@ -56,5 +57,7 @@ function(lidar_mapping_test name)
     target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} GTest::gtest lidar_mapping_warnings)
     add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
   endif()
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support)
+  get_filename_component(stage ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support
+                                             ${PROJECT_SOURCE_DIR}/src/${stage})
 endfunction()

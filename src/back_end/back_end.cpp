@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/back_end/optimization.hpp"
-#include "lidar_mapping/back_end/tilt_scatter.hpp"
-
 #include "drive_intake.hpp"
 #include "drive_update.hpp"
 #include "drive_views.hpp"
+#include "optimization.hpp"
+#include "tilt_scatter.hpp"
 
 namespace lidar_mapping::back_end {
 

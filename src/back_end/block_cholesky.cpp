@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/block_cholesky.hpp"
+#include "block_cholesky.hpp"
 
 #include <algorithm>
 

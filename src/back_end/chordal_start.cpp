@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/chordal_start.hpp"
+#include "chordal_start.hpp"
 
 #include <memory>
 
@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "lidar_mapping/back_end/block_cholesky.hpp"
-#include "lidar_mapping/back_end/odometry_chain.hpp"
+#include "block_cholesky.hpp"
+#include "odometry_chain.hpp"
 
 namespace lidar_mapping::back_end {
 

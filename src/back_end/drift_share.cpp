@@ -1,10 +1,10 @@
-#include "lidar_mapping/back_end/drift_share.hpp"
+#include "drift_share.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
 

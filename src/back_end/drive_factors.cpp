@@ -1,10 +1,9 @@
-#include "lidar_mapping/back_end/drive_factors.hpp"
+#include "drive_factors.hpp"
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
-#include "lidar_mapping/back_end/vertical.hpp"
-
+#include "edge_covariance.hpp"
 #include "floor_factors.hpp"
 #include "gnss_factors.hpp"
+#include "vertical.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,11 +1,11 @@
-#include "lidar_mapping/back_end/drive_graph.hpp"
+#include "drive_graph.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
-#include "lidar_mapping/back_end/vertical.hpp"
+#include "edge_covariance.hpp"
+#include "vertical.hpp"
 
 namespace lidar_mapping::back_end {
 

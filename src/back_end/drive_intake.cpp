@@ -4,9 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
-#include "lidar_mapping/back_end/gnss_weights.hpp"
 #include "lidar_mapping/common/errors.hpp"
+
+#include "edge_covariance.hpp"
+#include "gnss_weights.hpp"
 
 namespace lidar_mapping::back_end {
 

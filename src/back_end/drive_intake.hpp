@@ -3,7 +3,7 @@
 #include <map>
 #include <optional>
 
-#include "lidar_mapping/back_end/drive_graph.hpp"
+#include "drive_graph.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,14 +1,15 @@
-#include "lidar_mapping/back_end/drive_placement.hpp"
+#include "drive_placement.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "lidar_mapping/back_end/gnss_alignment.hpp"
-#include "lidar_mapping/back_end/gnss_delay.hpp"
-#include "lidar_mapping/back_end/gnss_weights.hpp"
 #include "lidar_mapping/common/units.hpp"
+
+#include "gnss_alignment.hpp"
+#include "gnss_delay.hpp"
+#include "gnss_weights.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lidar_mapping/back_end/drive_window.hpp"
+#include "drive_window.hpp"
 
 namespace lidar_mapping::back_end {
 

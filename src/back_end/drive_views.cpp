@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
-#include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/residuals.hpp"
+
+#include "edge_covariance.hpp"
+#include "gnss_delay.hpp"
 
 namespace lidar_mapping::back_end {
 

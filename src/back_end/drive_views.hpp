@@ -1,7 +1,8 @@
 #pragma once
 
-#include "lidar_mapping/back_end/drive_graph.hpp"
 #include "lidar_mapping/back_end/pose_graph.hpp"
+
+#include "drive_graph.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,10 +1,10 @@
-#include "lidar_mapping/back_end/drive_window.hpp"
+#include "drive_window.hpp"
 
 #include <algorithm>
 #include <deque>
 #include <map>
 
-#include "lidar_mapping/back_end/gnss_delay.hpp"
+#include "gnss_delay.hpp"
 
 namespace lidar_mapping::back_end {
 

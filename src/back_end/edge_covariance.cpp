@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "edge_covariance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,9 +8,9 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include "lidar_mapping/back_end/gauss_newton.hpp"
 #include "lidar_mapping/common/errors.hpp"
 
+#include "gauss_newton.hpp"
 #include "openmp_silence.hpp"
 
 namespace lidar_mapping::back_end {

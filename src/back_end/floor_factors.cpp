@@ -1,6 +1,6 @@
 #include "floor_factors.hpp"
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
+#include "edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
 

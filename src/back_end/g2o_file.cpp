@@ -15,9 +15,10 @@
 
 #include <Eigen/Cholesky>
 
-#include "lidar_mapping/back_end/odometry_chain.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
+
+#include "odometry_chain.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/gauss_newton.hpp"
+#include "gauss_newton.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "lidar_mapping/back_end/block_cholesky.hpp"
+#include "block_cholesky.hpp"
 
 namespace lidar_mapping::back_end {
 

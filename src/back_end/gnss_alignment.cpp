@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/gnss_alignment.hpp"
+#include "gnss_alignment.hpp"
 
 #include <algorithm>
 #include <cmath>

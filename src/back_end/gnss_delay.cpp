@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/gnss_delay.hpp"
+#include "gnss_delay.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/back_end/gnss_delay.hpp"
-#include "lidar_mapping/back_end/gnss_weights.hpp"
 #include "lidar_mapping/common/units.hpp"
+
+#include "gnss_delay.hpp"
+#include "gnss_weights.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lidar_mapping/back_end/drive_factors.hpp"
+#include "drive_factors.hpp"
 
 namespace lidar_mapping::back_end {
 

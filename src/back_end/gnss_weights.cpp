@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/gnss_weights.hpp"
+#include "gnss_weights.hpp"
 
 #include <cmath>
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "lidar_mapping/back_end/chordal_start.hpp"
-#include "lidar_mapping/back_end/odometry_chain.hpp"
-#include "lidar_mapping/back_end/robust_solver.hpp"
+#include "chordal_start.hpp"
+#include "odometry_chain.hpp"
+#include "robust_solver.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/linearisation.hpp"
+#include "linearisation.hpp"
 
 #include <array>
 

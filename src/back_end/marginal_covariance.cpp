@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/back_end/drive_factors.hpp"
-#include "lidar_mapping/back_end/linearisation.hpp"
-#include "lidar_mapping/back_end/optimization.hpp"
+#include "drive_factors.hpp"
+#include "linearisation.hpp"
+#include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/odometry_chain.hpp"
+#include "odometry_chain.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,15 +1,16 @@
-#include "lidar_mapping/back_end/optimization.hpp"
+#include "optimization.hpp"
 
 #include <algorithm>
 #include <sstream>
 
-#include "lidar_mapping/back_end/drift_share.hpp"
-#include "lidar_mapping/back_end/drive_factors.hpp"
-#include "lidar_mapping/back_end/drive_placement.hpp"
-#include "lidar_mapping/back_end/gnss_delay.hpp"
 #include "lidar_mapping/back_end/marginal_covariance.hpp"
-#include "lidar_mapping/back_end/robust_solver.hpp"
-#include "lidar_mapping/back_end/shared_errors.hpp"
+
+#include "drift_share.hpp"
+#include "drive_factors.hpp"
+#include "drive_placement.hpp"
+#include "gnss_delay.hpp"
+#include "robust_solver.hpp"
+#include "shared_errors.hpp"
 
 namespace lidar_mapping::back_end {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/robust_solver.hpp"
+#include "robust_solver.hpp"
 
 #include <algorithm>
 #include <array>

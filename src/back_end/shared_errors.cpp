@@ -1,13 +1,14 @@
-#include "lidar_mapping/back_end/shared_errors.hpp"
+#include "shared_errors.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include <Eigen/Cholesky>
 
-#include "lidar_mapping/back_end/gnss_delay.hpp"
-#include "lidar_mapping/back_end/linearisation.hpp"
 #include "lidar_mapping/common/antenna_fit.hpp"
+
+#include "gnss_delay.hpp"
+#include "linearisation.hpp"
 
 namespace lidar_mapping::back_end {
 

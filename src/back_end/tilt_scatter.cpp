@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/tilt_scatter.hpp"
+#include "tilt_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/back_end/vertical.hpp"
+#include "vertical.hpp"
 
 #include <cmath>
 

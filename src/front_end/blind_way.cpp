@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/blind_way.hpp"
+#include "blind_way.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,8 +1,8 @@
-#include "lidar_mapping/front_end/claimed_pose.hpp"
+#include "claimed_pose.hpp"
 
 #include <cmath>
 
-#include "lidar_mapping/front_end/reported_covariance.hpp"
+#include "reported_covariance.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/cloud_fingerprint.hpp"
+#include "cloud_fingerprint.hpp"
 
 #include <algorithm>
 #include <cmath>

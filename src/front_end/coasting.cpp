@@ -1,6 +1,6 @@
-#include "lidar_mapping/front_end/coasting.hpp"
+#include "coasting.hpp"
 
-#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/degeneracy.hpp"
+#include "degeneracy.hpp"
 
 #include <Eigen/Eigenvalues>
 

@@ -1,13 +1,13 @@
-#include "lidar_mapping/front_end/elevation_calibration.hpp"
+#include "elevation_calibration.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lidar_mapping/common/units.hpp"
-#include "lidar_mapping/front_end/local_map.hpp"
 
 #include "elevation_pair.hpp"
+#include "local_map.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -5,7 +5,8 @@
 #include <Eigen/Cholesky>
 
 #include "lidar_mapping/common/voxel_index.hpp"
-#include "lidar_mapping/front_end/degeneracy.hpp"
+
+#include "degeneracy.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "lidar_mapping/front_end/elevation_calibration.hpp"
+#include "elevation_calibration.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -1,8 +1,8 @@
-#include "lidar_mapping/front_end/first_scans.hpp"
+#include "first_scans.hpp"
 
 #include <utility>
 
-#include "lidar_mapping/front_end/degeneracy.hpp"
+#include "degeneracy.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -6,15 +6,16 @@
 
 #include "lidar_mapping/common/elevation_shift.hpp"
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/front_end/cloud_fingerprint.hpp"
-#include "lidar_mapping/front_end/coasting.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
-#include "lidar_mapping/front_end/key_frame_rule.hpp"
-#include "lidar_mapping/front_end/reported_covariance.hpp"
-#include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
-#include "lidar_mapping/front_end/surface_support.hpp"
-#include "lidar_mapping/front_end/tracker.hpp"
+
+#include "cloud_fingerprint.hpp"
+#include "coasting.hpp"
+#include "key_frame_rule.hpp"
+#include "reported_covariance.hpp"
+#include "scan_sampler.hpp"
+#include "surface_support.hpp"
+#include "tracker.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/gyro_trust.hpp"
+#include "gyro_trust.hpp"
 
 #include <algorithm>
 #include <cmath>

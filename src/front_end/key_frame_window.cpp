@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/key_frame_window.hpp"
+#include "key_frame_window.hpp"
 
 #include <utility>
 

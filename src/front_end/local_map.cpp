@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/local_map.hpp"
+#include "local_map.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,6 @@
-#include "lidar_mapping/front_end/ndt_tracker.hpp"
-#include "lidar_mapping/front_end/sliding_window_tracker.hpp"
+
+#include "ndt_tracker.hpp"
+#include "sliding_window_tracker.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -1,8 +1,8 @@
-#include "lidar_mapping/front_end/map_beginning.hpp"
+#include "map_beginning.hpp"
 
-#include "lidar_mapping/front_end/degeneracy.hpp"
-#include "lidar_mapping/front_end/reported_covariance.hpp"
-#include "lidar_mapping/front_end/search_starts.hpp"
+#include "degeneracy.hpp"
+#include "reported_covariance.hpp"
+#include "search_starts.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/match_evidence.hpp"
+#include "match_evidence.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/match_judge.hpp"
+#include "match_judge.hpp"
 
 #include <cmath>
 

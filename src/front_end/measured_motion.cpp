@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/measured_motion.hpp"
+#include "measured_motion.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "motion_filter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/ndt_tracker.hpp"
+#include "ndt_tracker.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -6,26 +6,27 @@
 
 #include <Eigen/LU>
 
-#include "lidar_mapping/front_end/blind_way.hpp"
-#include "lidar_mapping/front_end/claimed_pose.hpp"
-#include "lidar_mapping/front_end/degeneracy.hpp"
-#include "lidar_mapping/front_end/elevation_calibration.hpp"
-#include "lidar_mapping/front_end/gyro_trust.hpp"
-#include "lidar_mapping/front_end/key_frame_rule.hpp"
-#include "lidar_mapping/front_end/local_map.hpp"
-#include "lidar_mapping/front_end/map_beginning.hpp"
-#include "lidar_mapping/front_end/match_evidence.hpp"
-#include "lidar_mapping/front_end/match_judge.hpp"
-#include "lidar_mapping/front_end/measured_motion.hpp"
-#include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/reported_covariance.hpp"
-#include "lidar_mapping/front_end/ring_spacing.hpp"
-#include "lidar_mapping/front_end/step_belief.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
-#include "lidar_mapping/front_end/sweep_clock.hpp"
-#include "lidar_mapping/front_end/sweep_matcher.hpp"
-#include "lidar_mapping/front_end/sweep_sampler.hpp"
-#include "lidar_mapping/front_end/unnoticed_motion.hpp"
+
+#include "blind_way.hpp"
+#include "claimed_pose.hpp"
+#include "degeneracy.hpp"
+#include "elevation_calibration.hpp"
+#include "gyro_trust.hpp"
+#include "key_frame_rule.hpp"
+#include "local_map.hpp"
+#include "map_beginning.hpp"
+#include "match_evidence.hpp"
+#include "match_judge.hpp"
+#include "measured_motion.hpp"
+#include "motion_filter.hpp"
+#include "reported_covariance.hpp"
+#include "ring_spacing.hpp"
+#include "step_belief.hpp"
+#include "sweep_clock.hpp"
+#include "sweep_matcher.hpp"
+#include "sweep_sampler.hpp"
+#include "unnoticed_motion.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/reported_covariance.hpp"
+#include "reported_covariance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/ring_bridges.hpp"
+#include "ring_bridges.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/ring_spacing.hpp"
+#include "ring_spacing.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/scan_sampler.hpp"
+#include "scan_sampler.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
-#include "lidar_mapping/front_end/search_starts.hpp"
+#include "search_starts.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/front_end/motion_filter.hpp"
+#include "motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/sliding_window_tracker.hpp"
+#include "sliding_window_tracker.hpp"
 
 #include <cmath>
 #include <utility>
@@ -7,16 +7,17 @@
 #include <Eigen/LU>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
-#include "lidar_mapping/front_end/blind_way.hpp"
-#include "lidar_mapping/front_end/claimed_pose.hpp"
-#include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
-#include "lidar_mapping/front_end/key_frame_rule.hpp"
-#include "lidar_mapping/front_end/key_frame_window.hpp"
-#include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/step_belief.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
+
+#include "blind_way.hpp"
+#include "claimed_pose.hpp"
+#include "degeneracy.hpp"
+#include "key_frame_rule.hpp"
+#include "key_frame_window.hpp"
+#include "motion_filter.hpp"
+#include "step_belief.hpp"
 
 namespace lidar_mapping::front_end {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/step_belief.hpp"
+#include "step_belief.hpp"
 
 #include <algorithm>
 #include <array>

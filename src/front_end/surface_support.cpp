@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/surface_support.hpp"
+#include "surface_support.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/front_end/sweep_order.hpp"
+
+#include "sweep_order.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/sweep_clock.hpp"
+#include "sweep_clock.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "lidar_mapping/front_end/sweep_matcher.hpp"
+#include "sweep_matcher.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "lidar_mapping/front_end/degeneracy.hpp"
-#include "lidar_mapping/front_end/search_starts.hpp"
+#include "degeneracy.hpp"
+#include "search_starts.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

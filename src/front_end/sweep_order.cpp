@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/sweep_order.hpp"
+#include "sweep_order.hpp"
 
 #include <cmath>
 

@@ -1,11 +1,12 @@
-#include "lidar_mapping/front_end/sweep_sampler.hpp"
+#include "sweep_sampler.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/front_end/sweep_order.hpp"
+
+#include "sweep_order.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

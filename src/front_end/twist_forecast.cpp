@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/twist_forecast.hpp"
+#include "twist_forecast.hpp"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
-#include "lidar_mapping/front_end/unnoticed_motion.hpp"
+#include "unnoticed_motion.hpp"
 
 #include <cmath>
 #include <utility>
 
-#include "lidar_mapping/front_end/degeneracy.hpp"
-#include "lidar_mapping/front_end/local_map.hpp"
+#include "degeneracy.hpp"
+#include "local_map.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

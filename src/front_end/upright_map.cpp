@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/upright_map.hpp"
+#include "upright_map.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/front_end/velocity_trust.hpp"
+#include "velocity_trust.hpp"
 
 #include <algorithm>
 #include <cmath>

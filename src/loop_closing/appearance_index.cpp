@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "lidar_mapping/loop_closing/surface.hpp"
+#include "surface.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/judgement.hpp"
+#include "judgement.hpp"
 
 #include <cmath>
 #include <iomanip>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/kd_tree.hpp"
+#include "kd_tree.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "lidar_mapping/loop_closing/scan_alignment.hpp"
-#include "lidar_mapping/loop_closing/segment_joins.hpp"
-#include "lidar_mapping/loop_closing/submaps.hpp"
-#include "lidar_mapping/loop_closing/trial.hpp"
+#include "scan_alignment.hpp"
+#include "segment_joins.hpp"
+#include "submaps.hpp"
+#include "trial.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -6,9 +6,10 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
-#include "lidar_mapping/loop_closing/scan_alignment.hpp"
-#include "lidar_mapping/loop_closing/submaps.hpp"
-#include "lidar_mapping/loop_closing/trial.hpp"
+
+#include "scan_alignment.hpp"
+#include "submaps.hpp"
+#include "trial.hpp"
 
 namespace lidar_mapping::loop_closing {
 

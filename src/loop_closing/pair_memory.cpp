@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/pair_memory.hpp"
+#include "pair_memory.hpp"
 
 #include <cmath>
 

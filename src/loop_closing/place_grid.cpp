@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/place_grid.hpp"
+#include "place_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,11 @@
-#include "lidar_mapping/loop_closing/places.hpp"
+#include "places.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "lidar_mapping/loop_closing/submaps.hpp"
-
 #include "starting_pose.hpp"
+#include "submaps.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,11 +1,11 @@
-#include "lidar_mapping/loop_closing/point_to_plane.hpp"
+#include "point_to_plane.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include <Eigen/Cholesky>
 
-#include "lidar_mapping/loop_closing/pair_memory.hpp"
+#include "pair_memory.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/prior.hpp"
+#include "prior.hpp"
 
 #include <algorithm>
 #include <cmath>

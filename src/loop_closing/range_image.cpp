@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/range_image.hpp"
+#include "range_image.hpp"
 
 #include <algorithm>
 #include <cmath>

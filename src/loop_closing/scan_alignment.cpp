@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/scan_alignment.hpp"
+#include "scan_alignment.hpp"
 
 #include "lidar_mapping/registration/registration.hpp"
 

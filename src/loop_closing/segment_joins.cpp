@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/segment_joins.hpp"
+#include "segment_joins.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/separation.hpp"
+#include "separation.hpp"
 
 #include <algorithm>
 #include <cmath>

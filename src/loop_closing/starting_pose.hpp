@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
-#include "lidar_mapping/loop_closing/prior.hpp"
+
+#include "prior.hpp"
 
 namespace lidar_mapping::loop_closing {
 

@@ -1,8 +1,8 @@
-#include "lidar_mapping/loop_closing/submaps.hpp"
+#include "submaps.hpp"
 
 #include <algorithm>
 
-#include "lidar_mapping/loop_closing/surface.hpp"
+#include "surface.hpp"
 
 namespace lidar_mapping::loop_closing {
 

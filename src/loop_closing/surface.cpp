@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/surface.hpp"
+#include "surface.hpp"
 
 #include <algorithm>
 #include <cmath>

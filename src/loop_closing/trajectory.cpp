@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/trajectory.hpp"
+#include "trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/trial.hpp"
+#include "trial.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/loop_closing/verification.hpp"
+#include "verification.hpp"
 
 #include <algorithm>
 #include <bitset>

@@ -3,10 +3,9 @@
 #include <atomic>
 #include <vector>
 
-#include "lidar_mapping/map/map_products.hpp"
-
 #include "grid_frame.hpp"
 #include "ground_raster.hpp"
+#include "map_products.hpp"
 
 namespace lidar_mapping::map {
 

@@ -8,7 +8,8 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/utm.hpp"
-#include "lidar_mapping/map/map_products.hpp"
+
+#include "map_products.hpp"
 
 namespace lidar_mapping::map {
 

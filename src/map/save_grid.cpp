@@ -6,11 +6,11 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/map/map_products.hpp"
 
 #include "free_space.hpp"
 #include "grid_frame.hpp"
 #include "ground_raster.hpp"
+#include "map_products.hpp"
 
 namespace lidar_mapping::map {
 

@@ -8,9 +8,10 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
-#include "lidar_mapping/map/map_products.hpp"
 #include "lidar_mapping/map/moving_objects.hpp"
 #include "lidar_mapping/map/top_view.hpp"
+
+#include "map_products.hpp"
 
 namespace lidar_mapping::map {
 

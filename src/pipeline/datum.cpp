@@ -1,4 +1,4 @@
-#include "lidar_mapping/pipeline/datum.hpp"
+#include "datum.hpp"
 
 #include <vector>
 

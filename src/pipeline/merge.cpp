@@ -5,7 +5,8 @@
 #include <set>
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
-#include "lidar_mapping/pipeline/datum.hpp"
+
+#include "datum.hpp"
 
 namespace lidar_mapping::pipeline {
 

@@ -4,12 +4,11 @@
 #include <mutex>
 #include <utility>
 
-#include "lidar_mapping/pipeline/stage_thread.hpp"
-
 #include "graph_keeper.hpp"
 #include "loop_search.hpp"
 #include "scan_odometry.hpp"
 #include "scan_preparation.hpp"
+#include "stage_thread.hpp"
 
 namespace lidar_mapping::pipeline {
 

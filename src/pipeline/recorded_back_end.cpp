@@ -3,10 +3,11 @@
 #include <set>
 
 #include "lidar_mapping/back_end/g2o_file.hpp"
-#include "lidar_mapping/pipeline/datum.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
+
+#include "datum.hpp"
 
 namespace lidar_mapping::pipeline {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/fix_scatter.hpp"
+#include "fix_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
-#include "lidar_mapping/preprocessing/gnss_track.hpp"
-#include "lidar_mapping/preprocessing/local_frame.hpp"
-#include "lidar_mapping/preprocessing/motion_sensors.hpp"
 
 #include "examinations.hpp"
+#include "gnss_track.hpp"
+#include "local_frame.hpp"
+#include "motion_sensors.hpp"
 #include "time_offset.hpp"
 
 namespace lidar_mapping::preprocessing {

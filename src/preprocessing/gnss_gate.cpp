@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/gnss_gate.hpp"
+#include "gnss_gate.hpp"
 
 #include <algorithm>
 #include <cmath>

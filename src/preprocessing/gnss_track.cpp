@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/gnss_track.hpp"
+#include "gnss_track.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/gyro_bias.hpp"
+#include "gyro_bias.hpp"
 
 namespace lidar_mapping::preprocessing {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/heading_check.hpp"
+#include "heading_check.hpp"
 
 #include <algorithm>
 #include <cmath>

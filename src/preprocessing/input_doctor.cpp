@@ -1,10 +1,9 @@
 #include "lidar_mapping/preprocessing/input_doctor.hpp"
 
-#include "lidar_mapping/preprocessing/interpolation.hpp"
-#include "lidar_mapping/preprocessing/local_frame.hpp"
-#include "lidar_mapping/preprocessing/velocity_check.hpp"
-
 #include "examinations.hpp"
+#include "interpolation.hpp"
+#include "local_frame.hpp"
+#include "velocity_check.hpp"
 
 namespace lidar_mapping::preprocessing {
 

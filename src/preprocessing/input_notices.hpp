@@ -4,9 +4,10 @@
 #include <string>
 
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/motion_sensors.hpp"
 #include "lidar_mapping/preprocessing/notices.hpp"
-#include "lidar_mapping/preprocessing/sensor_stream.hpp"
+
+#include "motion_sensors.hpp"
+#include "sensor_stream.hpp"
 
 namespace lidar_mapping::preprocessing {
 

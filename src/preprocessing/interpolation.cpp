@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/interpolation.hpp"
+#include "interpolation.hpp"
 
 namespace lidar_mapping::preprocessing {
 

@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/local_frame.hpp"
+#include "local_frame.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,11 +3,11 @@
 #include <optional>
 
 #include "lidar_mapping/common/units.hpp"
-#include "lidar_mapping/preprocessing/interpolation.hpp"
-#include "lidar_mapping/preprocessing/velocity_check.hpp"
 
 #include "examinations.hpp"
+#include "interpolation.hpp"
 #include "time_offset.hpp"
+#include "velocity_check.hpp"
 
 namespace lidar_mapping::preprocessing {
 

@@ -1,11 +1,12 @@
-#include "lidar_mapping/preprocessing/motion_sensors.hpp"
+#include "motion_sensors.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "lidar_mapping/common/units.hpp"
-#include "lidar_mapping/preprocessing/interpolation.hpp"
+
+#include "interpolation.hpp"
 
 namespace lidar_mapping::preprocessing {
 

@@ -4,15 +4,15 @@
 #include <utility>
 
 #include "lidar_mapping/common/units.hpp"
-#include "lidar_mapping/preprocessing/gnss_track.hpp"
-#include "lidar_mapping/preprocessing/motion_sensors.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
-#include "lidar_mapping/preprocessing/thinning.hpp"
 
+#include "gnss_track.hpp"
 #include "input_notices.hpp"
+#include "motion_sensors.hpp"
 #include "scan_queue.hpp"
 #include "stamp_guard.hpp"
+#include "thinning.hpp"
 
 namespace lidar_mapping::preprocessing {
 

@@ -6,7 +6,8 @@
 
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
-#include "lidar_mapping/preprocessing/sensor_stream.hpp"
+
+#include "sensor_stream.hpp"
 
 namespace lidar_mapping::preprocessing {
 

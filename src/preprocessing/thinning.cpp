@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/thinning.hpp"
+#include "thinning.hpp"
 
 #include <unordered_set>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "lidar_mapping/preprocessing/velocity_check.hpp"
+#include "velocity_check.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/back_end/drive_factors.hpp"
 #include "lidar_mapping/back_end/factor_graph.hpp"
-#include "lidar_mapping/back_end/gauss_newton.hpp"
-#include "lidar_mapping/back_end/linearisation.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
+
+#include "drive_factors.hpp"
+#include "gauss_newton.hpp"
+#include "linearisation.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

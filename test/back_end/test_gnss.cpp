@@ -1,9 +1,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lidar_mapping/back_end/gnss_alignment.hpp"
-
 #include "back_end_fixture.hpp"
+#include "gnss_alignment.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

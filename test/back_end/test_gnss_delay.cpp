@@ -1,6 +1,6 @@
-#include "lidar_mapping/back_end/gnss_delay.hpp"
 
 #include "back_end_fixture.hpp"
+#include "gnss_delay.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

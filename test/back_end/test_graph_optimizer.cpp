@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/back_end/block_cholesky.hpp"
-#include "lidar_mapping/back_end/chordal_start.hpp"
 #include "lidar_mapping/back_end/graph_optimizer.hpp"
-#include "lidar_mapping/back_end/odometry_chain.hpp"
 #include "lidar_mapping/back_end/residuals.hpp"
 
+#include "block_cholesky.hpp"
+#include "chordal_start.hpp"
+#include "odometry_chain.hpp"
 #include "synthetic_drive.hpp"
 
 namespace lidar_mapping::back_end {

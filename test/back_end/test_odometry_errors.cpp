@@ -1,9 +1,9 @@
-#include "lidar_mapping/back_end/drift_share.hpp"
-#include "lidar_mapping/back_end/optimization.hpp"
-#include "lidar_mapping/back_end/robust_solver.hpp"
-#include "lidar_mapping/back_end/shared_errors.hpp"
 
 #include "back_end_fixture.hpp"
+#include "drift_share.hpp"
+#include "optimization.hpp"
+#include "robust_solver.hpp"
+#include "shared_errors.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

@@ -5,11 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/back_end/optimization.hpp"
-#include "lidar_mapping/back_end/tilt_scatter.hpp"
-#include "lidar_mapping/back_end/vertical.hpp"
-
 #include "back_end_fixture.hpp"
+#include "optimization.hpp"
+#include "tilt_scatter.hpp"
+#include "vertical.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

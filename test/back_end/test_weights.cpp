@@ -1,12 +1,12 @@
 #include <cmath>
 #include <random>
 
-#include "lidar_mapping/back_end/edge_covariance.hpp"
 #include "lidar_mapping/back_end/residuals.hpp"
 #include "lidar_mapping/back_end/robust_kernel.hpp"
 #include "lidar_mapping/config/load.hpp"
 
 #include "back_end_fixture.hpp"
+#include "edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

@@ -1,10 +1,10 @@
 #include <ctime>
 
-#include "lidar_mapping/back_end/drive_window.hpp"
 #include "lidar_mapping/back_end/marginal_covariance.hpp"
-#include "lidar_mapping/back_end/optimization.hpp"
 
 #include "back_end_fixture.hpp"
+#include "drive_window.hpp"
+#include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/blind_way.hpp"
 #include "lidar_mapping/simulation/random.hpp"
+
+#include "blind_way.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/cloud_fingerprint.hpp"
-#include "lidar_mapping/front_end/coasting.hpp"
+#include "cloud_fingerprint.hpp"
+#include "coasting.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
-#include "lidar_mapping/front_end/elevation_calibration.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
-#include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/sweep_sampler.hpp"
 
+#include "elevation_calibration.hpp"
+#include "motion_filter.hpp"
 #include "ride.hpp"
+#include "sweep_sampler.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

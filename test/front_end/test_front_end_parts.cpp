@@ -8,13 +8,14 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/config/load.hpp"
-#include "lidar_mapping/front_end/degeneracy.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
-#include "lidar_mapping/front_end/key_frame_rule.hpp"
-#include "lidar_mapping/front_end/match_judge.hpp"
-#include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/ring_spacing.hpp"
+
+#include "degeneracy.hpp"
+#include "key_frame_rule.hpp"
+#include "match_judge.hpp"
+#include "motion_filter.hpp"
+#include "ring_spacing.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/gyro_trust.hpp"
+#include "gyro_trust.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/motion_filter.hpp"
-#include "lidar_mapping/front_end/twist_forecast.hpp"
-#include "lidar_mapping/front_end/velocity_trust.hpp"
+#include "motion_filter.hpp"
+#include "twist_forecast.hpp"
+#include "velocity_trust.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/ring_bridges.hpp"
+#include "ring_bridges.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/scan_sampler.hpp"
-#include "lidar_mapping/front_end/sweep_order.hpp"
+#include "scan_sampler.hpp"
+#include "sweep_order.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

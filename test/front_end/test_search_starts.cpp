@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/search_starts.hpp"
+#include "search_starts.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/key_frame_window.hpp"
-#include "lidar_mapping/front_end/sliding_window_tracker.hpp"
+#include "key_frame_window.hpp"
+#include "sliding_window_tracker.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/match_judge.hpp"
 #include "lidar_mapping/registration/registration_config.hpp"
 
+#include "match_judge.hpp"
 #include "ride.hpp"
 
 namespace lidar_mapping::front_end {

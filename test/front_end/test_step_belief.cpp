@@ -4,11 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/claimed_pose.hpp"
-#include "lidar_mapping/front_end/match_evidence.hpp"
-#include "lidar_mapping/front_end/step_belief.hpp"
-
+#include "claimed_pose.hpp"
+#include "match_evidence.hpp"
 #include "ride.hpp"
+#include "step_belief.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

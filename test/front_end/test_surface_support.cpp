@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
-#include "lidar_mapping/front_end/surface_support.hpp"
 
 #include "ride.hpp"
+#include "surface_support.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

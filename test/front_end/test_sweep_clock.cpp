@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/sweep_clock.hpp"
 #include "lidar_mapping/simulation/random.hpp"
+
+#include "sweep_clock.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

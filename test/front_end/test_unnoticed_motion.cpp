@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/unnoticed_motion.hpp"
+#include "unnoticed_motion.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

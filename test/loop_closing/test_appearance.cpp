@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
-#include "lidar_mapping/loop_closing/surface.hpp"
 
+#include "surface.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {

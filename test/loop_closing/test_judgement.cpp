@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/config/load.hpp"
-#include "lidar_mapping/loop_closing/judgement.hpp"
 
+#include "judgement.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {

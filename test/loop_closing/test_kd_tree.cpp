@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/loop_closing/kd_tree.hpp"
+#include "kd_tree.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {

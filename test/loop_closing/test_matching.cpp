@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/config/load.hpp"
-#include "lidar_mapping/loop_closing/judgement.hpp"
-#include "lidar_mapping/loop_closing/scan_alignment.hpp"
-#include "lidar_mapping/loop_closing/submaps.hpp"
 
 #include "drive.hpp"
+#include "judgement.hpp"
+#include "scan_alignment.hpp"
+#include "submaps.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/loop_closing/pair_memory.hpp"
+#include "pair_memory.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {

@@ -4,9 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/loop_closing/places.hpp"
-
 #include "drive.hpp"
+#include "places.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

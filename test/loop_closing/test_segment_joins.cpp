@@ -1,8 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/loop_closing/segment_joins.hpp"
-
 #include "drive.hpp"
+#include "segment_joins.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

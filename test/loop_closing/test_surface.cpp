@@ -3,8 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/loop_closing/surface.hpp"
-
+#include "surface.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {

@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/loop_closing/place_grid.hpp"
-#include "lidar_mapping/loop_closing/separation.hpp"
-#include "lidar_mapping/loop_closing/trajectory.hpp"
 
 #include "drive.hpp"
+#include "place_grid.hpp"
+#include "separation.hpp"
+#include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {

@@ -4,8 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
-#include "lidar_mapping/loop_closing/recent.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
+
+#include "recent.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_config.hpp"
-#include "lidar_mapping/map/map_products.hpp"
 
+#include "map_products.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {

@@ -15,9 +15,9 @@
 #include <sys/wait.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/map/map_products.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
+#include "map_products.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {

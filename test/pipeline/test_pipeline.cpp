@@ -7,9 +7,9 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
-#include "lidar_mapping/pipeline/stage_thread.hpp"
 
 #include "simulated_input.hpp"
+#include "stage_thread.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::pipeline {

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/preprocessing/gnss_gate.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
+#include "gnss_gate.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

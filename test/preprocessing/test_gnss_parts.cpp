@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/antenna_fit.hpp"
-#include "lidar_mapping/preprocessing/fix_scatter.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
+#include "fix_scatter.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

@@ -4,8 +4,7 @@
 #include <GeographicLib/Geocentric.hpp>
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/preprocessing/local_frame.hpp"
-
+#include "local_frame.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

@@ -5,10 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/preprocessing/interpolation.hpp"
-#include "lidar_mapping/preprocessing/local_frame.hpp"
-#include "lidar_mapping/preprocessing/sample_buffer.hpp"
-
+#include "interpolation.hpp"
+#include "local_frame.hpp"
+#include "sample_buffer.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {

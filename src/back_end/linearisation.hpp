@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lidar_mapping/back_end/factor_graph.hpp"
+
+#include "block_cholesky.hpp"
+
+namespace lidar_mapping::back_end {
+
+/// A constraint at the present states: its whitened residual and the derivatives with respect to
+/// its nodes' tangents (those of a second node are zero where there is none).
+struct Linearised {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd first;
+  Eigen::MatrixXd second;
+};
+Linearised linearised(const FactorGraph& graph, const Constraint& constraint);
+
+/// The information matrix of all marked constraints at the present states, without kernels.
+std::unique_ptr<BlockCholesky<6>> information_matrix(const FactorGraph& graph,
+                                                     const std::vector<bool>& marked);
+
+}  // namespace lidar_mapping::back_end

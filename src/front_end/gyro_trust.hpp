@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "lidar_mapping/front_end/motion_prior.hpp"
+
+#include "motion_filter.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// What the mean rates of a gyro during the sweeps are worth, learnt from the matches: its bias,
+/// and how far off it is. One that foretells the matches worse than they foretell each other counts
+/// for nothing.
+class GyroTrust {
+ public:
+  /// A sweep of `duration` seconds, `seconds` after the one before, and its mean rate (rad/s, axes
+  /// of base_link).
+  void add(const std::optional<Eigen::Vector3d>& rate, double seconds, double duration);
+  /// The turning from the sweep before to this one; nothing where sweeps or rates are missing or
+  /// the gyro has not deserved it.
+  std::optional<MeasuredTurning> turning() const;
+  /// What a filter that turning() was given to may still be told.
+  MotionPrior rest(MotionPrior prior) const;
+  /// Takes in the attitude of the sweep before, the one expected without a gyro, and the matched
+  /// one.
+  void update(const Eigen::Quaterniond& before, const Eigen::Quaterniond& without,
+              const Eigen::Quaterniond& matched);
+  /// It was looked at for long enough and found wrong.
+  bool is_distrusted() const;
+
+ private:
+  double sigma() const;
+
+  std::optional<Eigen::Vector3d> rate_;     ///< of this sweep, as measured
+  std::optional<Eigen::Vector3d> between_;  ///< mean since the sweep before, as measured
+  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
+  double seconds_ = 0.0;
+  int matches_ = 0;
+  double by_gyro_ = 0.0;  ///< running mean of its squared errors per axis, (rad/s)^2
+  double without_ = 0.0;  ///< and of the predictions without it
+};
+
+}  // namespace lidar_mapping::front_end

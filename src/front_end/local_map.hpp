@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/registration/gaussian_voxel_map.hpp"
+#include "lidar_mapping/registration/ndt_matcher.hpp"
+
+#include "scan_sampler.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Where the points were seen, relative to `origin`: R p(s) + t. `placed` gets no times.
+void place(const SampledPoints& points, const registration::MotionState& state,
+           const Eigen::Vector3d& origin, SampledPoints& placed);
+
+/// What the sensor has seen around it: a fine map for matching and a coarse one for finding back.
+class LocalMap {
+ public:
+  LocalMap(double voxel_size, double radius);
+
+  /// Begins anew with voxels of this edge (m).
+  void begin(double voxel_size);
+  void clear();
+  /// See GaussianVoxelMap; only the fine map is matched to the millimetre.
+  void set_ring_spacing(double angle) { fine_.set_ring_spacing(angle); }
+  bool empty() const { return fine_.size() == 0; }
+  /// Adds points where the sensor was when it saw them.
+  void insert(const SampledPoints& points, const registration::MotionState& state);
+  /// To be called once per scan: keeps the origin near the sensor and lets go of what is far away.
+  void follow(const Eigen::Vector3d& position);
+
+  /// Points so far, over all insertions, that found a table full and are not in the map.
+  std::size_t dropped_points() const { return dropped_points_; }
+  registration::GaussianVoxelMap& fine() { return fine_; }
+  registration::GaussianVoxelMap& coarse() { return coarse_; }
+  /// One point per voxel of the fine map, in odom.
+  PointCloud cloud() const;
+
+ private:
+  void move_origin(const Eigen::Vector3d& position);
+
+  double radius_;
+  registration::GaussianVoxelMap fine_;
+  registration::GaussianVoxelMap coarse_;
+  SampledPoints placed_;
+  std::size_t dropped_points_ = 0;
+};
+
+}  // namespace lidar_mapping::front_end

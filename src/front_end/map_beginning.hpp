@@ -1,0 +1,74 @@
+#pragma once
+
+#include <vector>
+
+#include "first_scans.hpp"
+#include "local_map.hpp"
+#include "sweep_matcher.hpp"
+#include "tracker.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// The beginning of a local map. The points of its first scan are kept until the motion during that
+/// scan is known; where few rings make a poor map of it, the first scans are looked at again
+/// (FirstScans). Tells how much of the map there is.
+class MapBeginning {
+ public:
+  explicit MapBeginning(registration::NeighborSearch neighbors) : first_scans_(neighbors) {}
+
+  /// The map is given up.
+  void forget();
+  /// A map begins with a scan whose pose at its stamp is known.
+  void begin(const Pose& T_odom_base);
+  /// The points of that scan and those between its rings, times counted from `reference` (s after
+  /// the stamp); skewed if they have times.
+  void keep_first(const SampledPoints& points, const SampledPoints& between, bool have_times,
+                  double reference);
+
+  /// False until a second scan was matched.
+  bool motion_known() const { return motion_known_; }
+  /// Matches the second scan, whose reference time is `seconds` after that of the first one: the
+  /// speed may be anything, and the first scan is still as skewed as it came. Leaves it in the map
+  /// as deskewed as it can be.
+  SweepMatcher::Found find_motion(const registration::NdtPoints& points,
+                                  const registration::MotionBelief& prediction, double seconds,
+                                  SweepMatcher& matcher, LocalMap& map) const;
+  /// That match was accepted.
+  void know_motion(const registration::NdtMatch& match);
+
+  /// The points of the first scan, and where they were seen if it moved with this twist.
+  const SampledPoints& first_points() const { return first_; }
+  MotionState first_state(const Vector6d& twist) const {
+    return {moved(start_, twist, first_reference_), twist};
+  }
+
+  /// True as long as scans may be looked at again.
+  bool is_provisional() const { return first_scans_.is_open(); }
+  /// What is provisional stays as it is.
+  void settle() { first_scans_.end(); }
+  void add(MatchedScan scan) { first_scans_.add(std::move(scan)); }
+  /// To be called after each matched scan; see FirstScans::look_again().
+  std::vector<Revision> look_again(const MotionFilter& filter, const MatchJudge& judge,
+                                   LocalMap& map);
+
+  /// The scan that was added last went into the map, which has voxels of this edge (m).
+  void set_inserted(const SampledPoints& points, const Eigen::Vector3d& p_odom, double voxel_size);
+  int inserted_scans() const { return inserted_scans_; }
+  /// True while the map is that of few scans: see variance_in_young_map().
+  bool is_young() const;
+  /// True while all of the map was made from about one place.
+  bool is_one_place() const { return one_place_; }
+
+ private:
+  FirstScans first_scans_;
+  Pose start_;  ///< of the first scan, at its stamp
+  SampledPoints first_;
+  SampledPoints between_first_;
+  bool first_has_times_ = false;
+  double first_reference_ = 0.0;
+  int inserted_scans_ = 0;
+  bool one_place_ = true;
+  bool motion_known_ = false;
+};
+
+}  // namespace lidar_mapping::front_end

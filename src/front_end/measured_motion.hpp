@@ -1,0 +1,25 @@
+#pragma once
+
+#include "lidar_mapping/front_end/motion_prior.hpp"
+
+#include "motion_filter.hpp"
+#include "velocity_trust.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Takes what other sensors measured of the motion into the filter's prediction, as far as it has
+/// deserved that so far.
+class MeasuredMotion {
+ public:
+  /// Rate and velocity; the velocity as one that may have gone wrong just now.
+  void take(const MotionPrior& prior, MotionFilter& filter) const;
+  /// The filter's belief, held to the measured velocity as firmly as it has deserved.
+  registration::MotionBelief trusting(const MotionPrior& prior, MotionFilter filter) const;
+  /// Takes in a velocity (m/s, own axes) that a match observed in all directions.
+  void see(const MotionPrior& prior, const Eigen::Vector3d& true_velocity);
+
+ private:
+  VelocityTrust trust_;
+};
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "motion_filter.hpp"
+#include "upright_map.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Finds out that a sensor moves although its rings on the ground look as if it stood still: by
+/// upright points, which stay behind. Then follows it by these until the map is no longer that of
+/// one place.
+class UnnoticedMotion {
+ public:
+  /// The map is given up.
+  void forget();
+  /// These points went into the map.
+  void insert(const SampledPoints& points, const MotionState& state);
+
+  /// Where a motion was found, puts `filter` to where the upright points are, and returns true:
+  /// what else there is in the scan may be asked from there. `agile` is `filter` predicted to this
+  /// scan with the largest accelerations.
+  bool follow(const SampledPoints& points, const MotionFilter& agile, MotionFilter& filter);
+
+  /// To be called for each scan that was not followed, `seconds` after the last one. If the sensor
+  /// turns out to be elsewhere than where it was matched, `filter` is put there, and true returned.
+  /// `one_place` is MapBeginning::is_one_place().
+  bool notice(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
+              bool one_place, MotionFilter& filter);
+
+ private:
+  struct Inserted {
+    SampledPoints points;
+    MotionState state;
+  };
+  /// Where a scan seems to be.
+  struct Step {
+    Pose pose;
+    double seconds = 0.0;  ///< since the one before
+    int there = 0;         ///< evidence for it
+    int here = 0;          ///< and for the pose that was matched
+  };
+
+  void take_inserted();
+  void end();
+  std::optional<MotionState> look(const SampledPoints& points, const MotionState& matched);
+  std::optional<Step> elsewhere(const std::vector<Eigen::Vector3f>& points, const Pose& matched);
+  Pose roughly(const std::vector<Eigen::Vector3f>& points) const;
+  void trust(const Pose& pose);
+  bool is_steady() const;
+  std::optional<Pose> fit(const SampledPoints& points, const MotionState& predicted);
+  /// True if the points fit there, and less well before and behind.
+  bool is_place(const UprightMap::Fit& fit, const std::vector<Eigen::Vector3f>& points) const;
+
+  std::vector<Inserted> inserted_;  ///< not yet in the map: it is seldom needed
+  UprightMap map_;
+  int scans_ = 0;              ///< put into it
+  std::optional<Pose> first_;  ///< where the map began
+  Pose sure_;                  ///< the last pose with upright points where they were
+  std::vector<Step> steps_;
+  double since_step_ = 0.0;  ///< s
+  bool found_ = false;
+  int misses_ = 0;
+  bool over_ = false;
+};
+
+}  // namespace lidar_mapping::front_end

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/loop.hpp"
+
+#include "trajectory.hpp"
+
+namespace lidar_mapping::loop_closing {
+
+/// Matches between segments of the trajectory that nothing joins yet. Two streets can look alike,
+/// so one match is not believed without a prior; matches that agree over a long way are.
+class SegmentJoins {
+ public:
+  /// `stretch`: the way (m) that no two places look alike over.
+  explicit SegmentJoins(double stretch) : stretch_(stretch) {}
+
+  /// Takes in a match; returns all that are to be believed now, this one included, or none.
+  std::vector<Loop> add(const Loop& loop, const Trajectory& trajectory);
+
+ private:
+  struct Known {
+    Loop loop;
+    bool believed = false;
+  };
+  double stretch_;
+  std::vector<Known> known_;  // bounded; the oldest is given up
+};
+
+}  // namespace lidar_mapping::loop_closing

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/extrinsics.hpp"
+#include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/preprocessing/scan_motion.hpp"
+#include "lidar_mapping/preprocessing/scan_times.hpp"
+
+#include "gyro_bias.hpp"
+#include "sensor_stream.hpp"
+#include "velocity_check.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+/// How the motion during a scan was found.
+enum class MotionSource { kNone, kImu, kVelocity, kImuAndVelocity };
+const char* to_string(MotionSource source);
+
+struct MeasuredMotion {
+  MotionSource source = MotionSource::kNone;
+  ScanMotion motion;
+};
+
+/// IMU and velocity: their values in base_link at an instant, and the motion over a scan.
+class MotionSensors {
+ public:
+  MotionSensors(const PreprocessingConfig& config, const Extrinsics& extrinsics);
+
+  Insertion add_imu(ImuSample sample, const std::string& frame_id);
+  Insertion add_velocity(VelocitySample sample, const std::string& frame_id);
+
+  /// Learns the gyro's bias and whether its rates can be believed from the samples up to `stamp`,
+  /// in the order of the stamps: the order in which messages of several sensors arrive changes
+  /// nothing. Called when the samples up to there have come.
+  void learn_until(Stamp stamp);
+
+  /// In base_link; nothing in a gap, without a transform, or without the sensor, and no velocity
+  /// that the other sensors contradict.
+  std::optional<ImuSample> imu_at(Stamp stamp) const;
+  std::optional<VelocitySample> velocity_at(Stamp stamp) const;
+
+  /// The motion over the time span of a scan, by the gyro (else the turning of the velocity) and
+  /// the velocity. With the gyro alone only the turning is known (kImu).
+  MeasuredMotion motion(Stamp stamp, const TimeSpan& span) const;
+
+  /// Holds the velocity against the turning by the gyro and the way of the fixes.
+  void check_velocity(Stamp stamp);
+  void check_velocity(const LocalFix& fix);
+  /// Why the velocity at `stamp` is not used, and that in words.
+  VelocityProblem velocity_problem(Stamp stamp) const;
+  std::string sentence(VelocityProblem problem) const { return velocity_check_.sentence(problem); }
+
+  const SensorStream<ImuSample>& imu() const { return imu_; }
+  const SensorStream<VelocitySample>& velocity() const { return velocity_; }
+  /// It turned as nobody drives, or far more than the velocity, so its rates are not used any more:
+  /// they are in degrees/s.
+  bool gyro_is_absurd() const { return absurd_since_.has_value(); }
+  void give_up_silent_sensors();
+  void clear();
+
+ private:
+  void learn(const ImuSample& sample);
+  bool is_absurd(const ImuSample& sample);
+  std::optional<bool> is_standing(Stamp stamp) const;
+  bool velocity_turns(Stamp stamp) const { return turns_since_ && *turns_since_ <= stamp; }
+  /// Sensor's axes, without bias; nothing where the sample has no rates that can be believed.
+  std::optional<Eigen::Vector3d> turning(const ImuSample& sample,
+                                         const Eigen::Vector3d& bias) const;
+  std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
+  bool outturns_velocity(const ImuSample& sample) const;
+
+  const Extrinsics& extrinsics_;
+  double acceleration_unit_;
+  double angular_unit_;
+  bool estimate_bias_;
+  Stamp imu_offset_;
+  Stamp velocity_offset_;
+  SensorStream<ImuSample> imu_;
+  SensorStream<VelocitySample> velocity_;
+  GyroBias gyro_bias_;
+  VelocityCheck velocity_check_;
+  int fast_samples_ = 0;  ///< in a row
+  std::optional<Stamp> outturns_since_;
+  Stamp learned_until_ = 0;
+  std::optional<Stamp> absurd_since_;
+  std::optional<Stamp> turns_since_;  ///< when the velocity's angular part first was not zero
+};
+
+}  // namespace lidar_mapping::preprocessing

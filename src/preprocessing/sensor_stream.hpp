@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "sample_buffer.hpp"
+
+namespace lidar_mapping::preprocessing {
+
+enum class Insertion { kTaken, kRefused, kTimeWentBack };
+
+/// The samples of one sensor and what its stamps say about it.
+template <typename Sample>
+class SensorStream {
+ public:
+  SensorStream(std::string name, bool enabled, double max_gap)
+      : name_(std::move(name)),
+        enabled_(enabled),
+        max_gap_(from_seconds(max_gap)),
+        buffer_(from_seconds(kHorizon), kCapacity) {}
+
+  /// Refuses duplicates and samples that are older than all that is kept; says when the stamps have
+  /// jumped back so far that the recording must have begun anew (nothing is inserted then).
+  Insertion insert(Sample sample, const std::string& frame_id) {
+    if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - from_seconds(kJumpBack)) {
+      return Insertion::kTimeWentBack;
+    }
+    if (frame_id != frame_id_) buffer_.clear();  // another sensor
+    frame_id_ = frame_id;
+    return buffer_.insert(std::move(sample)) ? Insertion::kTaken : Insertion::kRefused;
+  }
+
+  /// Whether a sample at or after `until` may still come: the sensor is alive, or has not had the
+  /// time to show itself.
+  bool may_still_deliver(Stamp until, Stamp now, Stamp latency) const {
+    if (!enabled_ || given_up_) return false;
+    if (buffer_.empty()) return now < until + latency;
+    if (buffer_.newest().stamp >= until || now >= until + latency) return false;
+    return buffer_.newest().stamp > now - from_seconds(kSilence) - latency;
+  }
+
+  /// Nobody waits any longer for a sensor that never showed itself; until it does.
+  void give_up_if_silent() { given_up_ = buffer_.empty(); }
+
+  auto around(Stamp stamp) const { return buffer_.around(stamp, max_gap_); }
+  const Sample* before(Stamp stamp) const { return buffer_.before(stamp, max_gap_); }
+  const SampleBuffer<Sample>& buffer() const { return buffer_; }
+  const std::string& frame_id() const { return frame_id_; }
+  const std::string& name() const { return name_; }
+  bool enabled() const { return enabled_; }
+  void clear() {
+    buffer_.clear();
+    given_up_ = false;
+  }
+
+ private:
+  static constexpr double kHorizon = 20.0;  // s
+  static constexpr std::size_t kCapacity = 20000;
+  static constexpr double kJumpBack = 2.0;  // s; later than any network
+  static constexpr double kSilence = 1.0;   // s without a sample: the sensor has gone
+
+  std::string name_;
+  bool enabled_;
+  bool given_up_ = false;
+  Stamp max_gap_;
+  std::string frame_id_;
+  SampleBuffer<Sample> buffer_;
+};
+
+}  // namespace lidar_mapping::preprocessing
