@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "scan_alignment.hpp"
-#include "segment_joins.hpp"
-#include "submaps.hpp"
-#include "trial.hpp"
+#include "segment_connector.hpp"
+#include "submap_builder.hpp"
+#include "verified_candidate.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -23,48 +23,48 @@ class LoopCloser::Impl {
       : config_(config),
         alignment_(config),
         submaps_(config, clouds),
-        places_(config, directory),
-        joins_(config.unanchored_stretch) {}
+        generator_(config, directory),
+        connector_(config.unanchored_stretch) {}
 
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
     submaps_.set_sensor_origin(p_base_lidar);
   }
-  void update_poses(const KeyFramePoses& poses) { places_.update_poses(poses); }
-  void add_gnss(const GnssPosition& position) { places_.add_gnss(position); }
+  void update_poses(const KeyFramePoses& poses) { generator_.update_poses(poses); }
+  void add_gnss(const GnssPosition& position) { generator_.add_gnss(position); }
 
-  void take_in(const KeyFrame& key_frame, const PreparedKeyFrame& prepared);
-  void take_in(const Loop& loop);
+  void add(const KeyFrame& key_frame, const PreparedKeyFrame& prepared);
+  void add(const Loop& loop);
   LoopClosingResult process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared);
 
  private:
   using NodeId = Trajectory::NodeId;
 
-  const Trajectory& trajectory() const { return places_.trajectory(); }
+  const Trajectory& trajectory() const { return generator_.trajectory(); }
   bool is_due() const;
-  std::vector<Candidate> chosen() const;
-  Trial tried(const Candidate& candidate, const std::optional<QueryScan>& query);
-  std::vector<Trial> tried_candidates();
-  void conclude(const Trial& trial, LoopClosingResult& result);
+  std::vector<Candidate> selected_candidates() const;
+  VerifiedCandidate verify(const Candidate& candidate, const std::optional<QueryScan>& query);
+  std::vector<VerifiedCandidate> verify_candidates();
+  void accept(const VerifiedCandidate& verified, LoopClosingResult& result);
 
   LoopClosingConfig config_;
   ScanAlignment alignment_;
-  Submaps submaps_;
-  Places places_;
-  SegmentJoins joins_;
+  SubmapBuilder submaps_;
+  CandidateGenerator generator_;
+  SegmentConnector connector_;
   int key_frames_since_search_ = 0;
   std::optional<double> last_loop_travelled_;
 };
 
-void LoopCloser::Impl::take_in(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {
-  const PointsPtr scan = submaps_.take_newest(key_frame, prepared.points);
+void LoopCloser::Impl::add(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {
+  const PointsPtr scan = submaps_.add_newest(key_frame, prepared.points);
   std::optional<Appearance> appearance = prepared.appearance;
   if (scan && !appearance) appearance = appearance_of(*scan);
-  places_.append(key_frame, appearance);
+  generator_.append(key_frame, appearance);
   ++key_frames_since_search_;
 }
 
-void LoopCloser::Impl::take_in(const Loop& loop) {
-  places_.add_loop(loop);
+void LoopCloser::Impl::add(const Loop& loop) {
+  generator_.add_loop(loop);
   const auto to = trajectory().find(loop.to);
   if (!to) return;
   last_loop_travelled_ = std::max(last_loop_travelled_.value_or(0.0), trajectory()[*to].travelled);
@@ -79,9 +79,9 @@ bool LoopCloser::Impl::is_due() const {
 
 /// The best candidates, from different places where possible: neighbours would succeed or fail
 /// together.
-std::vector<Candidate> LoopCloser::Impl::chosen() const {
+std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   std::vector<Candidate> result;
-  for (const Candidate& candidate : places_.candidates()) {
+  for (const Candidate& candidate : generator_.candidates()) {
     const auto is_near = [&](const Candidate& other) {
       return std::abs(trajectory()[candidate.node].travelled - trajectory()[other.node].travelled) <
              kDistinct;
@@ -93,44 +93,46 @@ std::vector<Candidate> LoopCloser::Impl::chosen() const {
   return result;
 }
 
-Trial LoopCloser::Impl::tried(const Candidate& candidate, const std::optional<QueryScan>& query) {
-  Trial trial{candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
-  trial.match.alignment.T_target_source = candidate.T_from_to;
+VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
+                                           const std::optional<QueryScan>& query) {
+  VerifiedCandidate result{
+      candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
+  result.match.alignment.T_target_source = candidate.T_from_to;
   const auto submap = submaps_.around(trajectory(), candidate.node);
-  if (!query || submap == nullptr) return trial;
-  trial.match.alignment = alignment_.align(query->points, submap->surface, candidate.T_from_to);
-  trial.match.figures = measure_match(*query, *submap, trial.match.alignment.T_target_source,
-                                      config_.fitness_score_max_range);
-  if (candidate.prior.jumped > 0.0) trial.match.figures.roofed = roofed_share(*submap);
-  trial.judgement = judge(trial.match, candidate.prior, config_);
-  return trial;
+  if (!query || submap == nullptr) return result;
+  result.match.alignment = alignment_.align(query->points, submap->surface, candidate.T_from_to);
+  result.match.figures = measure_match(*query, *submap, result.match.alignment.T_target_source,
+                                       config_.fitness_score_max_range);
+  if (candidate.prior.jumped > 0.0) result.match.figures.roofed = roofed_fraction(*submap);
+  result.decision = decide(result.match, candidate.prior, config_);
+  return result;
 }
 
 /// The most promising first. Where the estimate leaves no room for another place, the others would
 /// only say the same again; where places may be mistaken for each other all have their say.
-std::vector<Trial> LoopCloser::Impl::tried_candidates() {
-  const std::vector<Candidate> candidates = chosen();
+std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
+  const std::vector<Candidate> candidates = selected_candidates();
   if (candidates.empty()) return {};
   key_frames_since_search_ = 0;
   const auto query = submaps_.query(trajectory());
-  std::vector<Trial> trials;
+  std::vector<VerifiedCandidate> verified;
   for (const Candidate& candidate : candidates) {
-    trials.push_back(tried(candidate, query));
-    if (settles(trials.back())) break;
+    verified.push_back(verify(candidate, query));
+    if (is_conclusive(verified.back())) break;
   }
-  return trials;
+  return verified;
 }
 
 /// What an accepted match leads to. Between segments that nothing joins yet it has to wait for
 /// others that agree with it, and these are accepted with it.
-void LoopCloser::Impl::conclude(const Trial& trial, LoopClosingResult& result) {
-  const Loop loop = to_loop(trial, trajectory(), config_);
-  result.verdicts.push_back(to_verdict(trial, trajectory()));
-  if (trial.candidate.prior.anchored || gnss_decides(trial.candidate.prior)) {
+void LoopCloser::Impl::accept(const VerifiedCandidate& verified, LoopClosingResult& result) {
+  const Loop loop = to_loop(verified, trajectory(), config_);
+  result.verdicts.push_back(to_verdict(verified, trajectory()));
+  if (verified.candidate.prior.anchored || gnss_decides(verified.candidate.prior)) {
     result.loops.push_back(loop);
     return;
   }
-  const std::vector<Loop> group = joins_.add(loop, trajectory());
+  const std::vector<Loop> group = connector_.add(loop, trajectory());
   if (group.empty()) {
     result.verdicts.back().verdict = Verdict::kUndecided;
     std::ostringstream reason;
@@ -146,19 +148,19 @@ void LoopCloser::Impl::conclude(const Trial& trial, LoopClosingResult& result) {
 
 LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
                                             const PreparedKeyFrame& prepared) {
-  take_in(key_frame, prepared);
+  add(key_frame, prepared);
   if (!is_due()) return {};
-  std::vector<Trial> trials = tried_candidates();
-  keep_best(trials, trajectory());
+  std::vector<VerifiedCandidate> verified = verify_candidates();
+  keep_best(verified, trajectory());
   LoopClosingResult result;
-  for (const Trial& trial : trials) {
-    if (trial.judgement.verdict == Verdict::kAccepted) {
-      conclude(trial, result);
+  for (const VerifiedCandidate& entry : verified) {
+    if (entry.decision.verdict == Verdict::kAccepted) {
+      accept(entry, result);
     } else {
-      result.verdicts.push_back(to_verdict(trial, trajectory()));
+      result.verdicts.push_back(to_verdict(entry, trajectory()));
     }
   }
-  for (const Loop& loop : result.loops) take_in(loop);
+  for (const Loop& loop : result.loops) add(loop);
   return result;
 }
 
@@ -170,8 +172,8 @@ LoopCloser::~LoopCloser() = default;
 void LoopCloser::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
   impl_->set_sensor_origin(p_base_lidar);
 }
-void LoopCloser::restore(const KeyFrame& key_frame) { impl_->take_in(key_frame, {}); }
-void LoopCloser::restore(const Loop& loop) { impl_->take_in(loop); }
+void LoopCloser::restore(const KeyFrame& key_frame) { impl_->add(key_frame, {}); }
+void LoopCloser::restore(const Loop& loop) { impl_->add(loop); }
 void LoopCloser::update_poses(const KeyFramePoses& poses) { impl_->update_poses(poses); }
 void LoopCloser::add_gnss(const GnssPosition& position) { impl_->add_gnss(position); }
 LoopClosingResult LoopCloser::process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {

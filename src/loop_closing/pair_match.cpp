@@ -8,8 +8,8 @@
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
 #include "scan_alignment.hpp"
-#include "submaps.hpp"
-#include "trial.hpp"
+#include "submap_builder.hpp"
+#include "verified_candidate.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -63,23 +63,24 @@ LoopClosingConfig trusting(LoopClosingConfig config) {
   return config;
 }
 
-Trial tried(const QueryScan& query, const Submap& submap, Trajectory::NodeId from,
-            const Pose& start, const LoopClosingConfig& config, ScanAlignment& alignment) {
-  Trial trial;
-  trial.candidate.node = from;
-  trial.candidate.source = LoopSource::kManual;
-  trial.candidate.T_from_to = start;
-  trial.candidate.prior.T_from_to = start;
-  trial.match.alignment = alignment.align(query.points, submap.surface, start);
-  trial.match.figures = measure_match(query, submap, trial.match.alignment.T_target_source,
-                                      config.fitness_score_max_range);
-  trial.judgement = judge(trial.match, trial.candidate.prior, config);
-  return trial;
+VerifiedCandidate verify(const QueryScan& query, const Submap& submap, Trajectory::NodeId from,
+                         const Pose& start, const LoopClosingConfig& config,
+                         ScanAlignment& alignment) {
+  VerifiedCandidate result;
+  result.candidate.node = from;
+  result.candidate.source = LoopSource::kManual;
+  result.candidate.T_from_to = start;
+  result.candidate.prior.T_from_to = start;
+  result.match.alignment = alignment.align(query.points, submap.surface, start);
+  result.match.figures = measure_match(query, submap, result.match.alignment.T_target_source,
+                                       config.fitness_score_max_range);
+  result.decision = decide(result.match, result.candidate.prior, config);
+  return result;
 }
 
-bool is_better(const Trial& a, const Trial& b) {
-  const bool accepted_a = a.judgement.verdict == Verdict::kAccepted;
-  const bool accepted_b = b.judgement.verdict == Verdict::kAccepted;
+bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b) {
+  const bool accepted_a = a.decision.verdict == Verdict::kAccepted;
+  const bool accepted_b = b.decision.verdict == Verdict::kAccepted;
   return accepted_a != accepted_b ? accepted_a : a.margin() > b.margin();
 }
 
@@ -97,9 +98,9 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
                      " are too near in the drive to be matched; the second must come at least " +
                      std::to_string(least) + " key frames later");
   }
-  Submaps submaps(config, clouds);
+  SubmapBuilder submaps(config, clouds);
   submaps.set_sensor_origin(p_base_lidar);
-  const bool have_scan = submaps.take_newest(key_frames[newer]) != nullptr;
+  const bool have_scan = submaps.add_newest(key_frames[newer]) != nullptr;
   const auto query = have_scan ? submaps.query(trajectory) : std::nullopt;
   const auto submap = submaps.around(trajectory, older);
   PairMatch result;
@@ -114,13 +115,13 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
   }
   const LoopClosingConfig rules = trusting(config);
   ScanAlignment alignment(config);
-  std::optional<Trial> best;
+  std::optional<VerifiedCandidate> best;
   for (const Pose& start : starts_for(clouds, from, to, guess)) {
-    const Trial trial = tried(*query, *submap, older, start, rules, alignment);
-    if (!best || is_better(trial, *best)) best = trial;
+    const VerifiedCandidate verified = verify(*query, *submap, older, start, rules, alignment);
+    if (!best || is_better(verified, *best)) best = verified;
   }
   result.verdict = to_verdict(*best, trajectory);
-  if (best->judgement.verdict == Verdict::kAccepted) {
+  if (best->decision.verdict == Verdict::kAccepted) {
     result.loop = to_loop(*best, trajectory, config);
   }
   return result;

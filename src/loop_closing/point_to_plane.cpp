@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "pair_memory.hpp"
+#include "correspondence_cache.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -40,7 +40,7 @@ double robust_weight(double residual, double c) {
 }
 
 Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
-                    PairMemory& pairs, const Pose& T, const Level& level) {
+                    CorrespondenceCache& pairs, const Pose& T, const Level& level) {
   Equations equations;
   const Eigen::Matrix3d R = T.rotation_matrix();
   const std::size_t stride = std::max<std::size_t>(1, source.size() / level.points);
@@ -90,7 +90,7 @@ Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
                                const SurfaceCloud& target, const Pose& T_target_source_guess) {
   Alignment result;
   result.T_target_source = T_target_source_guess;
-  PairMemory pairs(target.tree(), source.size());
+  CorrespondenceCache pairs(target.tree(), source.size());
   Equations equations;
   for (const Level& level : kLevels) {
     result.converged = false;
@@ -110,7 +110,7 @@ Alignment align_point_to_plane(const std::vector<Eigen::Vector3f>& source,
 std::optional<Covariance6> point_to_plane_covariance(const std::vector<Eigen::Vector3f>& source,
                                                      const SurfaceCloud& target,
                                                      const Pose& T_target_source) {
-  PairMemory pairs(target.tree(), source.size());
+  CorrespondenceCache pairs(target.tree(), source.size());
   const Equations equations = linearise(source, target, pairs, T_target_source, kLevels.back());
   if (equations.pairs < kMinPairs) return std::nullopt;
   return covariance_of(equations);

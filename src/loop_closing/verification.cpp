@@ -121,7 +121,7 @@ double violation_of_submap(const QueryScan& query, const Submap& submap,
 
 }  // namespace
 
-double roofed_share(const Submap& submap) {
+double roofed_fraction(const Submap& submap) {
   constexpr int kPlaces = 15;        // along each axis
   constexpr float kPlace = 2.0F;     // m
   constexpr float kOverhead = 0.5F;  // m above the LiDAR

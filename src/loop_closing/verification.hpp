@@ -35,11 +35,11 @@ struct MatchFigures {
   /// Mean squared distance of the points with a partner within the range, m^2; the squared range if
   /// none has one.
   double fitness = 0.0;
-  double roofed = 0.0;  ///< roofed_share() of the submap, where it matters
+  double roofed = 0.0;  ///< roofed_fraction() of the submap, where it matters
 };
 
 /// Share of the places within 15 m that have a level surface overhead, 0 to 1.
-double roofed_share(const Submap& submap);
+double roofed_fraction(const Submap& submap);
 
 MatchFigures measure_match(const QueryScan& query, const Submap& submap, const Pose& T_submap_query,
                            double fitness_score_max_range);

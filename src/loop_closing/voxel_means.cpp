@@ -46,7 +46,7 @@ inline std::uint32_t VoxelMeans::find_or_add(VoxelKey key) {
   return added;
 }
 
-void VoxelMeans::settle() {
+void VoxelMeans::flush() {
   for (std::size_t i = 0; i < waiting_count_; ++i) {
     Voxel& voxel = voxels_[find_or_add(waiting_[i].key)];
     voxel.sum += waiting_[i].offset;
@@ -68,11 +68,11 @@ void VoxelMeans::add(const Eigen::Vector3f& p) {
   Waiting& waiting = waiting_[waiting_count_++];
   waiting.key = voxel_key(cell);
   waiting.offset = p - leaf_ * cell.cast<float>();
-  if (waiting_count_ == kWaiting) settle();
+  if (waiting_count_ == kWaiting) flush();
 }
 
 std::vector<Eigen::Vector3f> VoxelMeans::points() {
-  settle();
+  flush();
   std::vector<Eigen::Vector3f> result;
   result.reserve(voxels_.size());
   for (const Voxel& voxel : voxels_) {

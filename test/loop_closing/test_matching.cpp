@@ -2,10 +2,10 @@
 
 #include "lidar_mapping/config/load.hpp"
 
+#include "decision.hpp"
 #include "drive.hpp"
-#include "judgement.hpp"
 #include "scan_alignment.hpp"
-#include "submaps.hpp"
+#include "submap_builder.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {
@@ -16,9 +16,9 @@ TEST(Matching, ARoofIsALevelSurfaceOverhead) {
     DriveClouds clouds(world, truth);
     Trajectory trajectory;
     for (std::size_t i = 0; i < truth.size(); ++i) trajectory.append(key_frame(i, truth[i]));
-    Submaps submaps({}, clouds);
+    SubmapBuilder submaps({}, clouds);
     submaps.set_sensor_origin(ToyWorld::sensor());
-    return roofed_share(*submaps.around(trajectory, truth.size() / 2));
+    return roofed_fraction(*submaps.around(trajectory, truth.size() / 2));
   };
   ToyWorld world = make_town(60.0, 100.0, 3);
   EXPECT_LT(share(world), 0.1);
@@ -36,7 +36,7 @@ struct Street {
     KeyFrame last = key_frame(poses.size(), newest);
     last.segment = 1;
     trajectory.append(last);
-    submaps.take_newest(last);
+    submaps.add_newest(last);
     query = submaps.query(trajectory);
     T_true = poses[kMiddle].inverse() * newest;
   }
@@ -55,7 +55,7 @@ struct Street {
   std::vector<Pose> poses;
   DriveClouds clouds;
   Trajectory trajectory;
-  Submaps submaps;
+  SubmapBuilder submaps;
   std::shared_ptr<const Submap> submap;
   std::optional<QueryScan> query;
   Pose T_true;
@@ -72,7 +72,7 @@ TEST(Matching, ConvergesFromWhatTheAppearanceGives) {
       const Vector6d error = difference(street.T_true, match.alignment.T_target_source);
       EXPECT_LT(error.head<3>().norm(), 0.05);
       EXPECT_LT(error.tail<3>().norm(), 0.005);
-      EXPECT_EQ(judge(match, anything(), {}).verdict, Verdict::kAccepted);
+      EXPECT_EQ(decide(match, anything(), {}).verdict, Verdict::kAccepted);
     }
   }
 }
@@ -95,7 +95,7 @@ TEST_P(MatchingBy, FindsTheTruePlaceAndStatesTheSameCovariance) {
   EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
   match.figures =
       measure_match(*street.query, *street.submap, match.alignment.T_target_source, 2.0);
-  EXPECT_EQ(judge(match, anything(), config).verdict, Verdict::kAccepted);
+  EXPECT_EQ(decide(match, anything(), config).verdict, Verdict::kAccepted);
 }
 
 TEST_P(MatchingBy, IsNotConvergedWhereNothingIsNear) {
@@ -147,16 +147,16 @@ TEST(Matching, AnotherPlaceIsRefused) {
   const ToyWorld elsewhere = make_town(100.0, 100.0, 7);
   Street street(here, planar(0.0, 0.0, 0.0));
   DriveClouds other(elsewhere, {planar(0.0, 0.0, 0.0)});
-  Submaps submaps({}, other);
+  SubmapBuilder submaps({}, other);
   Trajectory trajectory;
   KeyFrame key = key_frame(0, planar(0.0, 0.0, 0.0));
   trajectory.append(key);
-  submaps.take_newest(key);
+  submaps.add_newest(key);
   street.query = submaps.query(trajectory);
   int accepted = 0;
   for (double heading = 0.0; heading < 2.0 * kPi; heading += kPi / 6.0) {
     const Match match = street.matched(planar(0.0, 0.0, heading));
-    accepted += judge(match, anything(), {}).verdict == Verdict::kAccepted;
+    accepted += decide(match, anything(), {}).verdict == Verdict::kAccepted;
   }
   EXPECT_EQ(accepted, 0);
 }
@@ -175,15 +175,15 @@ TEST(Matching, ATunnelDoesNotPinThePosition) {
   for (const double slip : {-6.0, -3.0, 3.0, 6.0}) {
     const Match match = street.matched(street.T_true * planar(slip, 0.3, 0.02));
     EXPECT_LT(match.figures.horizontal_eigenvalue, 0.02);
-    EXPECT_NE(judge(match, anything(), {}).verdict, Verdict::kAccepted);
+    EXPECT_NE(decide(match, anything(), {}).verdict, Verdict::kAccepted);
   }
 }
 
 TEST(Matching, AnOpenFieldStaysUndecided) {
   const Street street(ToyWorld(), planar(1.0, 0.0, 0.0));
   const Match match = street.matched(street.T_true);
-  const Judgement judgement = judge(match, anything(), {});
-  EXPECT_NE(judgement.verdict, Verdict::kAccepted);
+  const Decision decision = decide(match, anything(), {});
+  EXPECT_NE(decision.verdict, Verdict::kAccepted);
 }
 
 TEST(Matching, ObjectsWhereOneLookedThroughViolateFreeSpace) {
@@ -193,11 +193,11 @@ TEST(Matching, ObjectsWhereOneLookedThroughViolateFreeSpace) {
   const Street same(before, planar(0.0, 0.0, 0.0));
   Street changed(before, planar(0.0, 0.0, 0.0));
   DriveClouds clouds(after, {planar(0.0, 0.0, 0.0)});
-  Submaps submaps({}, clouds);
+  SubmapBuilder submaps({}, clouds);
   submaps.set_sensor_origin(ToyWorld::sensor());
   Trajectory trajectory;
   trajectory.append(key_frame(0, planar(0.0, 0.0, 0.0)));
-  submaps.take_newest(key_frame(0, planar(0.0, 0.0, 0.0)));
+  submaps.add_newest(key_frame(0, planar(0.0, 0.0, 0.0)));
   changed.query = submaps.query(trajectory);
   EXPECT_LT(same.matched(same.T_true).figures.free_space_violation, 0.02);
   EXPECT_GT(changed.matched(changed.T_true).figures.free_space_violation, 0.1);

@@ -6,7 +6,7 @@
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
-#include "recent.hpp"
+#include "lru_cache.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {
@@ -78,8 +78,8 @@ TEST(VoxelMeans, KeepsFarAwayCellsApart) {
   }
 }
 
-TEST(Recent, ForgetsWhatWasNotAskedForTheLongest) {
-  Recent<char> recent(10);
+TEST(LruCache, ForgetsWhatWasNotAskedForTheLongest) {
+  LruCache<char> recent(10);
   recent.keep(1, 'a', 4);
   recent.keep(2, 'b', 4);
   ASSERT_NE(recent.find(1), nullptr);

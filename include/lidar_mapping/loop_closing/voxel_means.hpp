@@ -36,7 +36,7 @@ class VoxelMeans {
   };
   static constexpr std::size_t kWaiting = 32;
 
-  void settle();
+  void flush();
   std::uint32_t find_or_add(VoxelKey key);
   std::uint32_t& slot_of(VoxelKey key);
   void grow();

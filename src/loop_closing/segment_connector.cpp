@@ -1,4 +1,4 @@
-#include "segment_joins.hpp"
+#include "segment_connector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ double farthest_apart(const Ends& ends, const Trajectory& trajectory) {
 
 }  // namespace
 
-std::vector<Loop> SegmentJoins::add(const Loop& loop, const Trajectory& trajectory) {
+std::vector<Loop> SegmentConnector::add(const Loop& loop, const Trajectory& trajectory) {
   const Ends ends = ends_of(loop, trajectory);
   bool believed = farthest_apart(ends, trajectory) <= stretch_;
   std::vector<Known*> agreeing;

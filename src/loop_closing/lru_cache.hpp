@@ -11,9 +11,9 @@ namespace lidar_mapping::loop_closing {
 
 /// What belongs to the key frames that were asked for last, up to a total weight.
 template <typename Value>
-class Recent {
+class LruCache {
  public:
-  explicit Recent(std::size_t capacity) : capacity_(capacity) {}
+  explicit LruCache(std::size_t capacity) : capacity_(capacity) {}
 
   /// Null if it is not kept (any more).
   const Value* find(KeyFrameIndex index) {
@@ -23,12 +23,13 @@ class Recent {
     return &found->second->value;
   }
 
-  /// Keeps the value of a key frame that find() does not know, and forgets the oldest ones.
-  const Value& keep(KeyFrameIndex index, Value value, std::size_t weight) {
+  /// Adds the value of a key frame that find() does not know; what was asked for least recently
+  /// goes as soon as the total weight is above the capacity.
+  const Value& insert(KeyFrameIndex index, Value value, std::size_t weight) {
     newest_first_.push_front({index, std::move(value), weight});
     at_index_[index] = newest_first_.begin();
     weight_ += weight;
-    while (weight_ > capacity_ && newest_first_.size() > 1) forget_oldest();
+    while (weight_ > capacity_ && newest_first_.size() > 1) evict_oldest();
     return newest_first_.front().value;
   }
 
@@ -45,7 +46,7 @@ class Recent {
     std::size_t weight;
   };
 
-  void forget_oldest() {
+  void evict_oldest() {
     weight_ -= newest_first_.back().weight;
     at_index_.erase(newest_first_.back().index);
     newest_first_.pop_back();

@@ -1,4 +1,4 @@
-#include "judgement.hpp"
+#include "decision.hpp"
 
 #include <cmath>
 #include <iomanip>
@@ -19,10 +19,10 @@ constexpr double kKnownVertical = 0.5;        // m; storeys are 3 m apart
 constexpr double kKnownRotation = 0.35;       // rad
 constexpr double kInnovationExpected = 12.6;  // 95 %, six degrees of freedom
 
-using Objection = std::optional<Judgement>;
+using Objection = std::optional<Decision>;
 using Config = LoopClosingConfig;
 
-Judgement refused(const std::string& reason) { return {Verdict::kRefused, reason}; }
+Decision refused(const std::string& reason) { return {Verdict::kRefused, reason}; }
 
 Objection object_to_convergence(const Match& match) {
   if (match.alignment.converged) return std::nullopt;
@@ -32,9 +32,9 @@ Objection object_to_convergence(const Match& match) {
 
 Objection object_to_evidence(const MatchFigures& figures, const Config& config) {
   if (figures.tested_points >= config.min_tested_points) return std::nullopt;
-  return Judgement{Verdict::kUndecided,
-                   figure_sentence("points above ground", figures.tested_points, "below",
-                                   config.min_tested_points, "min_tested_points")};
+  return Decision{Verdict::kUndecided,
+                  figure_sentence("points above ground", figures.tested_points, "below",
+                                  config.min_tested_points, "min_tested_points")};
 }
 
 Objection object_to_distance(const Match& match, const Config& config) {
@@ -81,9 +81,9 @@ Objection object_to_storey(const MatchFigures& figures, const Prior& prior) {
   std::ostringstream between;
   between << "odometry jumped " << std::setprecision(3) << prior.jumped
           << " m in height between the two: the storey is unknown";
-  return Judgement{Verdict::kUndecided,
-                   figure_sentence("share of the place under a roof", figures.roofed, "above",
-                                   kRoofed, between.str())};
+  return Decision{Verdict::kUndecided,
+                  figure_sentence("share of the place under a roof", figures.roofed, "above",
+                                  kRoofed, between.str())};
 }
 
 Objection object_to_gnss(const Match& match, const Prior& prior) {
@@ -111,7 +111,7 @@ std::string figure_sentence(const std::string& figure, double value, const std::
   return text.str();
 }
 
-Judgement judge(const Match& match, const Prior& prior, const LoopClosingConfig& config) {
+Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config) {
   if (const auto objection = object_to_convergence(match)) return *objection;
   if (const auto objection = object_to_evidence(match.figures, config)) return *objection;
   if (const auto objection = object_to_figures(match.figures, config)) return *objection;

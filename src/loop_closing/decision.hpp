@@ -19,14 +19,14 @@ struct Match {
 double margin_of(const MatchFigures& figures);
 
 /// A verdict and why: one sentence that names figure, limit and parameter.
-struct Judgement {
+struct Decision {
   Verdict verdict = Verdict::kUndecided;
   std::string reason;
 };
 
 /// Holds a match against every rule, one after the other (doc/loop_closing.md); accepted only if
 /// none objects.
-Judgement judge(const Match& match, const Prior& prior, const LoopClosingConfig& config);
+Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config);
 
 /// True if the estimate knew within about a metre where an accepted match has to lie, and there it
 /// lies: whatever else looks like the place can only be the same place.

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "drive.hpp"
-#include "segment_joins.hpp"
+#include "segment_connector.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {
@@ -31,35 +31,35 @@ struct Streets {
   Trajectory trajectory;
 };
 
-TEST(SegmentJoins, BelieveMatchesThatAgreeOverALongWay) {
+TEST(SegmentConnector, BelieveMatchesThatAgreeOverALongWay) {
   const Streets streets(1000.0);
-  SegmentJoins joins(100.0);
+  SegmentConnector joins(100.0);
   EXPECT_TRUE(joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
   EXPECT_TRUE(joins.add(streets.match(40, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
   EXPECT_EQ(joins.add(streets.match(61, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 3U);
   EXPECT_EQ(joins.add(streets.match(64, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 1U);
 }
 
-TEST(SegmentJoins, DoNotBelieveMatchesThatContradictEachOther) {
+TEST(SegmentConnector, DoNotBelieveMatchesThatContradictEachOther) {
   const Streets streets(1000.0);
-  SegmentJoins joins(100.0);
+  SegmentConnector joins(100.0);
   joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory);
   EXPECT_TRUE(joins.add(streets.match(61, planar(9.0, 1.0, 0.0)), streets.trajectory).empty());
   EXPECT_TRUE(joins.add(streets.match(90, planar(0.2, 1.0, 0.5)), streets.trajectory).empty());
 }
 
-TEST(SegmentJoins, BelieveOneMatchWhereTheVehicleCannotHaveGoneFar) {
+TEST(SegmentConnector, BelieveOneMatchWhereTheVehicleCannotHaveGoneFar) {
   const Streets streets(1.0);
-  SegmentJoins joins(100.0);
+  SegmentConnector joins(100.0);
   Loop loop = streets.match(0, planar(1.0, 0.0, 0.0));
   loop.from = static_cast<KeyFrameIndex>(streets.count - 3);
   EXPECT_EQ(joins.add(loop, streets.trajectory).size(), 1U);
 }
 
 // Two vehicles at the same time may be anywhere.
-TEST(SegmentJoins, DoNotBelieveOneMatchBetweenSegmentsAtTheSameTime) {
+TEST(SegmentConnector, DoNotBelieveOneMatchBetweenSegmentsAtTheSameTime) {
   const Streets streets(-60.0);
-  SegmentJoins joins(100.0);
+  SegmentConnector joins(100.0);
   Loop loop = streets.match(0, planar(1.0, 0.0, 0.0));
   loop.from = static_cast<KeyFrameIndex>(streets.count - 3);
   EXPECT_TRUE(joins.add(loop, streets.trajectory).empty());

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pair_memory.hpp"
+#include "correspondence_cache.hpp"
 
 namespace lidar_mapping::loop_closing {
 namespace {
@@ -15,11 +15,11 @@ std::vector<Eigen::Vector3f> random_points(std::size_t count, std::mt19937& gene
 }
 
 // As in a matching: steps that become smaller, and limits too.
-TEST(PairMemory, GivesWhatASearchEachTimeGives) {
+TEST(CorrespondenceCache, GivesWhatASearchEachTimeGives) {
   std::mt19937 generator(1);
   const KdTree tree(random_points(3000, generator));
   std::vector<Eigen::Vector3f> moving = random_points(500, generator);
-  PairMemory memory(tree, moving.size());
+  CorrespondenceCache memory(tree, moving.size());
   std::normal_distribution<float> normal;
   int found = 0;
   int missed = 0;
@@ -42,14 +42,14 @@ TEST(PairMemory, GivesWhatASearchEachTimeGives) {
   EXPECT_GT(missed, 1000);
 }
 
-TEST(PairMemory, BearsATreeOfOnePointOrNone) {
+TEST(CorrespondenceCache, BearsATreeOfOnePointOrNone) {
   const KdTree one({{1.0F, 0.0F, 0.0F}});
-  PairMemory memory(one, 1);
+  CorrespondenceCache memory(one, 1);
   EXPECT_TRUE(memory.nearest(0, Eigen::Vector3f::Zero(), 2.0F));
   EXPECT_TRUE(memory.nearest(0, Eigen::Vector3f(0.2F, 0.0F, 0.0F), 2.0F));
   EXPECT_FALSE(memory.nearest(0, Eigen::Vector3f(-2.0F, 0.0F, 0.0F), 2.0F));
   const KdTree none;
-  EXPECT_FALSE(PairMemory(none, 1).nearest(0, Eigen::Vector3f::Zero(), 2.0F));
+  EXPECT_FALSE(CorrespondenceCache(none, 1).nearest(0, Eigen::Vector3f::Zero(), 2.0F));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "pair_memory.hpp"
+#include "correspondence_cache.hpp"
 
 #include <cmath>
 
@@ -11,13 +11,13 @@ constexpr float kRounding = 1e-3F;  // m; what single precision may be off some 
 }  // namespace
 
 /// The nearest may have come nearer, or gone away, by what the point moved, and so may all others.
-bool PairMemory::still_holds(const Known& known, const Eigen::Vector3f& p, float limit) {
+bool CorrespondenceCache::still_holds(const Known& known, const Eigen::Vector3f& p, float limit) {
   const float room = known.found ? 0.5F * known.lead : known.lead - limit;
   if (room <= kRounding) return false;
   return (p - known.p).squaredNorm() < (room - kRounding) * (room - kRounding);
 }
 
-void PairMemory::search(Known& known, const Eigen::Vector3f& p, float limit) const {
+void CorrespondenceCache::search(Known& known, const Eigen::Vector3f& p, float limit) const {
   const auto result = tree_.nearest_with_lead(p, limit);
   known.p = p;
   known.found = result.has_value();
@@ -27,8 +27,9 @@ void PairMemory::search(Known& known, const Eigen::Vector3f& p, float limit) con
   known.lead = std::sqrt(result->next_squared) - std::sqrt(result->nearest.squared_distance);
 }
 
-std::optional<KdTree::Neighbour> PairMemory::nearest(std::size_t i, const Eigen::Vector3f& p,
-                                                     float limit) {
+std::optional<KdTree::Neighbour> CorrespondenceCache::nearest(std::size_t i,
+                                                              const Eigen::Vector3f& p,
+                                                              float limit) {
   Known& known = known_[i];
   if (!still_holds(known, p, limit)) search(known, p, limit);
   if (!known.found) return std::nullopt;

@@ -10,10 +10,10 @@ namespace lidar_mapping::loop_closing {
 
 /// Matches between segments of the trajectory that nothing joins yet. Two streets can look alike,
 /// so one match is not believed without a prior; matches that agree over a long way are.
-class SegmentJoins {
+class SegmentConnector {
  public:
   /// `stretch`: the way (m) that no two places look alike over.
-  explicit SegmentJoins(double stretch) : stretch_(stretch) {}
+  explicit SegmentConnector(double stretch) : stretch_(stretch) {}
 
   /// Takes in a match; returns all that are to be believed now, this one included, or none.
   std::vector<Loop> add(const Loop& loop, const Trajectory& trajectory);

@@ -8,7 +8,7 @@
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 #include "lidar_mapping/loop_closing/voxel_means.hpp"
 
-#include "recent.hpp"
+#include "lru_cache.hpp"
 #include "trajectory.hpp"
 #include "verification.hpp"
 
@@ -19,15 +19,15 @@ constexpr int kQueryKeyFrames = 3;
 
 /// Makes what is matched: the scan of a key frame and the submap around another. Keeps a few
 /// thinned clouds and submaps, so that memory does not grow with the drive.
-class Submaps {
+class SubmapBuilder {
  public:
   /// Both must outlive this object.
-  Submaps(const LoopClosingConfig& config, CloudSource& clouds);
+  SubmapBuilder(const LoopClosingConfig& config, CloudSource& clouds);
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
 
   /// Keeps the cloud of a new key frame and returns it thinned, in base_link; null if it is not to
   /// be had. If it was thinned ahead, `prepared` are its points.
-  PointsPtr take_newest(const KeyFrame& key_frame, const PointsPtr& prepared = nullptr);
+  PointsPtr add_newest(const KeyFrame& key_frame, const PointsPtr& prepared = nullptr);
   /// The newest scan with those of the two nodes before, which a sensor of few beams needs.
   std::optional<QueryScan> query(const Trajectory& trajectory);
   /// The key frames within extend_frame_num of the node, as far as there are any on either side;
@@ -39,7 +39,7 @@ class Submaps {
   double scan_leaf() const;
   Points thinned(const PointCloud& cloud, double leaf);
   PointsPtr map_points(KeyFrameIndex index);
-  PointsPtr keep(KeyFrameIndex index, const PointsPtr& points);
+  PointsPtr cache(KeyFrameIndex index, const PointsPtr& points);
   Points newest_scan(KeyFrameIndex index);
   Points joined(const Trajectory& trajectory, Trajectory::NodeId middle, const Points& own,
                 std::size_t before, std::size_t after, double leaf);
@@ -50,8 +50,8 @@ class Submaps {
   PointCloudPtr newest_;
   KeyFramePreparation preparation_;
   VoxelMeans voxels_;
-  Recent<PointsPtr> kept_points_;
-  Recent<std::shared_ptr<const Submap>> kept_submaps_;
+  LruCache<PointsPtr> points_cache_;
+  LruCache<std::shared_ptr<const Submap>> submap_cache_;
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -2,7 +2,7 @@
 
 #include "lidar_mapping/config/load.hpp"
 
-#include "judgement.hpp"
+#include "decision.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {
@@ -26,15 +26,15 @@ Prior certain_prior() {
   return prior;
 }
 
-Judgement judged(const Match& match, const Prior& prior = certain_prior(),
-                 const LoopClosingConfig& config = {}) {
-  return judge(match, prior, config);
+Decision judged(const Match& match, const Prior& prior = certain_prior(),
+                const LoopClosingConfig& config = {}) {
+  return decide(match, prior, config);
 }
 
 /// The verdict is `verdict` and the reason names `parameter`.
-void expect(const Judgement& judgement, Verdict verdict, const std::string& parameter) {
-  EXPECT_EQ(judgement.verdict, verdict) << judgement.reason;
-  EXPECT_NE(judgement.reason.find(parameter), std::string::npos) << judgement.reason;
+void expect(const Decision& decision, Verdict verdict, const std::string& parameter) {
+  EXPECT_EQ(decision.verdict, verdict) << decision.reason;
+  EXPECT_NE(decision.reason.find(parameter), std::string::npos) << decision.reason;
 }
 
 TEST(Judge, AcceptsWhatNothingSpeaksAgainst) {

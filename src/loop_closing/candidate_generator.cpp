@@ -1,11 +1,11 @@
-#include "places.hpp"
+#include "candidate_generator.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "starting_pose.hpp"
-#include "submaps.hpp"
+#include "submap_builder.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -28,10 +28,12 @@ bool is_followed(const Loop& loop, const TrajectoryNode& from, const TrajectoryN
 
 }  // namespace
 
-Places::Places(const LoopClosingConfig& config, const std::filesystem::path& directory)
+CandidateGenerator::CandidateGenerator(const LoopClosingConfig& config,
+                                       const std::filesystem::path& directory)
     : config_(config), appearances_(directory) {}
 
-void Places::append(const KeyFrame& key_frame, const std::optional<Appearance>& appearance) {
+void CandidateGenerator::append(const KeyFrame& key_frame,
+                                const std::optional<Appearance>& appearance) {
   const NodeId node = trajectory_.append(key_frame);
   const bool continues = node > 0 && trajectory_[node - 1].segment == trajectory_[node].segment;
   const double step = continues ? trajectory_[node].travelled - trajectory_[node - 1].travelled
@@ -41,27 +43,27 @@ void Places::append(const KeyFrame& key_frame, const std::optional<Appearance>& 
   put_on_grids(node);
 }
 
-void Places::put_on_grids(NodeId node) {
+void CandidateGenerator::put_on_grids(NodeId node) {
   map_grid_.place(node, horizontal(trajectory_[node].T_map_base));
   if (const auto& gnss = trajectory_[node].gnss) {
     gnss_grid_.place(node, gnss->p_enu_antenna.head<2>());
   }
 }
 
-void Places::update_poses(const KeyFramePoses& poses) {
+void CandidateGenerator::update_poses(const KeyFramePoses& poses) {
   for (const NodeId node : trajectory_.update(poses)) put_on_grids(node);
   relink();
 }
 
-void Places::add_gnss(const GnssPosition& position) {
+void CandidateGenerator::add_gnss(const GnssPosition& position) {
   if (const auto node = trajectory_.add_gnss(position)) put_on_grids(*node);
 }
 
-void Places::add_loop(const Loop& loop) { loops_.push_back(loop); }
+void CandidateGenerator::add_loop(const Loop& loop) { loops_.push_back(loop); }
 
 /// Only loops that the newest estimate follows make it more certain: the back end may not have
 /// solved since, or may not believe a loop.
-void Places::relink() {
+void CandidateGenerator::relink() {
   std::vector<Separation::Link> links;
   for (const Loop& loop : loops_) {
     const auto from = trajectory_.find(loop.from);
@@ -74,7 +76,7 @@ void Places::relink() {
 
 /// Neighbours along the way see the same place trivially, and scan and submap must not share
 /// clouds.
-bool Places::is_apart(NodeId older) const {
+bool CandidateGenerator::is_apart(NodeId older) const {
   const NodeId newest = trajectory_.size() - 1;
   if (!std::isfinite(separation_.to(older))) return true;
   const auto gap = static_cast<int>(trajectory_[newest].index - trajectory_[older].index);
@@ -83,17 +85,18 @@ bool Places::is_apart(NodeId older) const {
          way >= config_.accum_distance_thresh;
 }
 
-bool Places::admits(NodeId older) const {
+bool CandidateGenerator::admits(NodeId older) const {
   return is_apart(older) && may_meet(prior_to(older), config_);
 }
 
-Prior Places::prior_to(NodeId older) const {
+Prior CandidateGenerator::prior_to(NodeId older) const {
   return prior_between(trajectory_, separation_, older, trajectory_.size() - 1, config_);
 }
 
 /// Nearest first, not more than one per some metres of one pass.
-std::vector<Places::NodeId> Places::spread(std::vector<NodeId> nodes, const Eigen::Vector2d& centre,
-                                           const PlaceGrid& grid) const {
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::spread(std::vector<NodeId> nodes,
+                                                                   const Eigen::Vector2d& centre,
+                                                                   const PlaceGrid& grid) const {
   std::stable_sort(nodes.begin(), nodes.end(), [&](NodeId a, NodeId b) {
     return (grid.position(a) - centre).squaredNorm() < (grid.position(b) - centre).squaredNorm();
   });
@@ -110,8 +113,8 @@ std::vector<Places::NodeId> Places::spread(std::vector<NodeId> nodes, const Eige
   return chosen;
 }
 
-std::vector<Places::NodeId> Places::near(const PlaceGrid& grid, double radius,
-                                         const std::function<bool(NodeId)>& qualifies) const {
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::near(
+    const PlaceGrid& grid, double radius, const std::function<bool(NodeId)>& qualifies) const {
   const NodeId newest = trajectory_.size() - 1;
   if (!grid.has(newest)) return {};
   std::vector<NodeId> nodes;
@@ -121,27 +124,27 @@ std::vector<Places::NodeId> Places::near(const PlaceGrid& grid, double radius,
   return spread(std::move(nodes), grid.position(newest), grid);
 }
 
-std::vector<Places::NodeId> Places::by_position() const {
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_position() const {
   if (!config_.position_candidates) return {};
   const double radius = largest_radius(trajectory_[trajectory_.size() - 1].travelled, config_);
   return near(map_grid_, radius,
               [this](NodeId node) { return std::isfinite(separation_.to(node)); });
 }
 
-std::vector<Places::NodeId> Places::by_gnss() const {
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_gnss() const {
   if (!config_.gnss_candidates) return {};
   const double radius = config_.detect_area + kGnssReach;
   return near(gnss_grid_, radius, [this](NodeId node) { return gnss_decides(prior_to(node)); });
 }
 
-std::vector<Places::NodeId> Places::by_appearance() const {
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_appearance() const {
   if (!config_.appearance_candidates) return {};
   return appearances_.similar_to_newest([this](NodeId node) { return admits(node); });
 }
 
 /// The key frame of the same pass that is nearest to the start, instead of the candidate's own: the
 /// nearer, the more the scans share.
-void Places::move_to_nearest(Candidate& candidate) const {
+void CandidateGenerator::move_to_nearest(Candidate& candidate) const {
   const TrajectoryNode own = trajectory_[candidate.node];
   const Pose T_odom_newest = own.T_odom_base * candidate.T_from_to;
   const auto distance = [&](NodeId node) {
@@ -164,7 +167,7 @@ void Places::move_to_nearest(Candidate& candidate) const {
 }
 
 /// From all sources; a key frame that several name belongs to the first.
-std::vector<Candidate> Places::suspects() const {
+std::vector<Candidate> CandidateGenerator::unscored_candidates() const {
   std::vector<Candidate> result;
   const auto collect = [&](LoopSource source, const std::vector<NodeId>& nodes) {
     for (const NodeId node : nodes) {
@@ -179,12 +182,12 @@ std::vector<Candidate> Places::suspects() const {
   return result;
 }
 
-std::vector<Candidate> Places::candidates() const {
+std::vector<Candidate> CandidateGenerator::candidates() const {
   if (trajectory_.size() < 2) return {};
   const auto appearance = appearances_[trajectory_.size() - 1];
   const auto cells = appearance ? appearance->view.cells() : std::vector<Eigen::Vector2f>();
   std::vector<Candidate> result;
-  for (Candidate& candidate : suspects()) {
+  for (Candidate& candidate : unscored_candidates()) {
     const Start start =
         start_by_views(candidate.prior, appearances_[candidate.node], appearance, cells);
     candidate.T_from_to = start.T_from_to;

@@ -10,10 +10,10 @@ namespace lidar_mapping::loop_closing {
 /// The nearest points to points that move little from one search to the next, as those of a cloud
 /// do that is being matched. A search is only made where the move was large enough that another
 /// point may have become the nearest; the result is that of a search each time.
-class PairMemory {
+class CorrespondenceCache {
  public:
   /// For `count` moving points. The tree must outlive this object.
-  PairMemory(const KdTree& tree, std::size_t count) : tree_(tree), known_(count) {}
+  CorrespondenceCache(const KdTree& tree, std::size_t count) : tree_(tree), known_(count) {}
 
   /// The nearest point to moving point `i`, now at `p`, that is closer than `limit` (m).
   std::optional<KdTree::Neighbour> nearest(std::size_t i, const Eigen::Vector3f& p, float limit);

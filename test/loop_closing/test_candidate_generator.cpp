@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "candidate_generator.hpp"
 #include "drive.hpp"
-#include "places.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {
@@ -99,7 +99,7 @@ TEST(Candidates, EverySourceCanBeSwitchedOff) {
 
 // F73: the search does not slow down with the drive.
 TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
-  Places places{LoopClosingConfig()};
+  CandidateGenerator places{LoopClosingConfig()};
   std::vector<Eigen::Vector2d> corners;
   for (int row = 0; row < 20; ++row) {
     corners.emplace_back(row % 2 == 0 ? 0.0 : 1000.0, 50.0 * row);
@@ -127,7 +127,7 @@ std::vector<Pose> two_streets() { return along({{0, 0}, {200, 0}, {200, 60}, {0,
 TEST(Candidates, AreThoseOfTheCorrectedMap) {
   LoopClosingConfig config;
   config.horizontal_drift = 0.0;
-  Places places(config);
+  CandidateGenerator places(config);
   const auto poses = two_streets();
   KeyFramePoses corrected{1, true, {}};
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -147,7 +147,7 @@ TEST(Candidates, AreThoseOfTheCorrectedMap) {
 TEST(Candidates, AnotherStoreyIsNoCandidate) {
   LoopClosingConfig config;
   config.vertical_drift = 0.001;
-  Places places(config);
+  CandidateGenerator places(config);
   auto poses = along({{0, 0}, {60, 0}, {60, 20}, {0, 20}, {0, 0}, {60, 0}});
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (i > 80) poses[i].translation.z() = 6.0;
@@ -169,7 +169,7 @@ TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
   LoopClosingConfig config;
   config.position_candidates = false;
   config.accum_distance_thresh = 100.0;
-  Places places(config);
+  CandidateGenerator places(config);
   const auto truth = along({{0, 0}, {300, 0}, {300, 100}, {0, 100}, {0, 0}});
   for (std::size_t i = 0; i < truth.size(); ++i) {
     GnssPosition position = position_at(i, truth[i]);
@@ -182,13 +182,13 @@ TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
   ASSERT_FALSE(candidates.empty());
   EXPECT_EQ(candidates.front().source, LoopSource::kGnss);
   config.gnss_candidates = false;
-  EXPECT_TRUE(Places(config).candidates().empty());
+  EXPECT_TRUE(CandidateGenerator(config).candidates().empty());
 }
 
 TEST(Candidates, LoopsThatTheMapFollowsMakeItCertain) {
   LoopClosingConfig config;
   config.max_loop_distance = 30.0;
-  Places places(config);
+  CandidateGenerator places(config);
   const auto poses = along({{0, 0}, {500, 0}, {500, 25}, {0, 25}});
   KeyFramePoses whole{1, true, {}};
   for (std::size_t i = 0; i < poses.size(); ++i) {

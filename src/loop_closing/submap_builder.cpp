@@ -1,4 +1,4 @@
-#include "submaps.hpp"
+#include "submap_builder.hpp"
 
 #include <algorithm>
 
@@ -21,59 +21,60 @@ Eigen::Isometry3f isometry(const Pose& pose) {
 
 }  // namespace
 
-Submaps::Submaps(const LoopClosingConfig& config, CloudSource& clouds)
+SubmapBuilder::SubmapBuilder(const LoopClosingConfig& config, CloudSource& clouds)
     : config_(config),
       clouds_(clouds),
       preparation_(config),
-      kept_points_(kMostPoints),
-      kept_submaps_(kMostSubmaps) {}
+      points_cache_(kMostPoints),
+      submap_cache_(kMostSubmaps) {}
 
-double Submaps::map_leaf() const {
+double SubmapBuilder::map_leaf() const {
   return config_.map_filter == FilterMethod::kVoxel ? config_.map_leaf_size : 0.0;
 }
 
-double Submaps::scan_leaf() const {
+double SubmapBuilder::scan_leaf() const {
   return config_.scan_filter == FilterMethod::kVoxel ? config_.scan_leaf_size : 0.0;
 }
 
-void Submaps::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
+void SubmapBuilder::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
   if (p_base_lidar_ == p_base_lidar.cast<float>()) return;
   p_base_lidar_ = p_base_lidar.cast<float>();
-  kept_submaps_.clear();
+  submap_cache_.clear();
 }
 
-Points Submaps::thinned(const PointCloud& cloud, double leaf) {
+Points SubmapBuilder::thinned(const PointCloud& cloud, double leaf) {
   voxels_.restart(leaf);
   for (const Point& point : cloud.points) voxels_.add(point.position());
   return voxels_.points();
 }
 
-PointsPtr Submaps::map_points(KeyFrameIndex index) {
-  if (const auto* kept = kept_points_.find(index)) return *kept;
+PointsPtr SubmapBuilder::map_points(KeyFrameIndex index) {
+  if (const auto* kept = points_cache_.find(index)) return *kept;
   const PointCloudPtr cloud = clouds_.cloud(index);
-  return cloud ? keep(index, preparation_.thinned(*cloud)) : nullptr;
+  return cloud ? cache(index, preparation_.thinned(*cloud)) : nullptr;
 }
 
-PointsPtr Submaps::keep(KeyFrameIndex index, const PointsPtr& points) {
-  return kept_points_.keep(index, points, points->size());
+PointsPtr SubmapBuilder::cache(KeyFrameIndex index, const PointsPtr& points) {
+  return points_cache_.insert(index, points, points->size());
 }
 
-PointsPtr Submaps::take_newest(const KeyFrame& key_frame, const PointsPtr& prepared) {
+PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& prepared) {
   newest_ = key_frame.cloud ? key_frame.cloud : clouds_.cloud(key_frame.index);
   if (newest_ == nullptr) return nullptr;
-  return keep(key_frame.index, prepared ? prepared : preparation_.thinned(*newest_));
+  return cache(key_frame.index, prepared ? prepared : preparation_.thinned(*newest_));
 }
 
 /// The newest cloud, thinned as a scan.
-Points Submaps::newest_scan(KeyFrameIndex index) {
+Points SubmapBuilder::newest_scan(KeyFrameIndex index) {
   if (scan_leaf() == map_leaf()) return *map_points(index);
   return thinned(*newest_, scan_leaf());
 }
 
 /// The points of `middle`, `own`, and of the key frames around it, placed by odometry, which over
 /// some metres is better than any estimate that still moves; thinned, in the base_link of `middle`.
-Points Submaps::joined(const Trajectory& trajectory, Trajectory::NodeId middle, const Points& own,
-                       std::size_t before, std::size_t after, double leaf) {
+Points SubmapBuilder::joined(const Trajectory& trajectory, Trajectory::NodeId middle,
+                             const Points& own, std::size_t before, std::size_t after,
+                             double leaf) {
   std::vector<std::pair<PointsPtr, Eigen::Isometry3f>> others;
   const Pose T_middle_odom = trajectory[middle].T_odom_base.inverse();
   const std::size_t first = middle - std::min(before, middle);
@@ -93,7 +94,7 @@ Points Submaps::joined(const Trajectory& trajectory, Trajectory::NodeId middle, 
   return voxels_.points();
 }
 
-std::optional<QueryScan> Submaps::query(const Trajectory& trajectory) {
+std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
   if (newest_ == nullptr) return std::nullopt;
   const Trajectory::NodeId node = trajectory.size() - 1;
   const Points own = newest_scan(trajectory[node].index);
@@ -104,10 +105,10 @@ std::optional<QueryScan> Submaps::query(const Trajectory& trajectory) {
   return query;
 }
 
-std::shared_ptr<const Submap> Submaps::around(const Trajectory& trajectory,
-                                              Trajectory::NodeId node) {
+std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory,
+                                                    Trajectory::NodeId node) {
   const KeyFrameIndex index = trajectory[node].index;
-  if (const auto* kept = kept_submaps_.find(index)) return *kept;
+  if (const auto* kept = submap_cache_.find(index)) return *kept;
   const PointsPtr own = map_points(index);
   if (own == nullptr) return nullptr;
   const auto extent = static_cast<std::size_t>(config_.extend_frame_num);
@@ -116,7 +117,7 @@ std::shared_ptr<const Submap> Submaps::around(const Trajectory& trajectory,
   submap->above_ground = above_ground(submap->surface.tree().points());
   submap->image = RangeImage(*own, p_base_lidar_);
   submap->p_base_lidar = p_base_lidar_;
-  return kept_submaps_.keep(index, std::move(submap), 1);
+  return submap_cache_.insert(index, std::move(submap), 1);
 }
 
 }  // namespace lidar_mapping::loop_closing

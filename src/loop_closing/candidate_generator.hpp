@@ -21,11 +21,12 @@ struct Candidate {
 
 /// The memory of a drive, without its clouds: where key frames are and how they look. Answers which
 /// of them the newest one may see again (doc/loop_closing.md).
-class Places {
+class CandidateGenerator {
  public:
   /// Appearances are kept in a file in that folder.
-  explicit Places(const LoopClosingConfig& config,
-                  const std::filesystem::path& directory = std::filesystem::temp_directory_path());
+  explicit CandidateGenerator(
+      const LoopClosingConfig& config,
+      const std::filesystem::path& directory = std::filesystem::temp_directory_path());
 
   /// Takes in the next key frame; without an appearance if its cloud is not to be had.
   void append(const KeyFrame& key_frame, const std::optional<Appearance>& appearance);
@@ -53,7 +54,7 @@ class Places {
   std::vector<NodeId> by_position() const;
   std::vector<NodeId> by_gnss() const;
   std::vector<NodeId> by_appearance() const;
-  std::vector<Candidate> suspects() const;
+  std::vector<Candidate> unscored_candidates() const;
   void move_to_nearest(Candidate& candidate) const;
 
   LoopClosingConfig config_;

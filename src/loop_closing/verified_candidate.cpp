@@ -1,0 +1,90 @@
+#include "verified_candidate.hpp"
+
+#include <algorithm>
+
+namespace lidar_mapping::loop_closing {
+
+namespace {
+
+const TrajectoryNode& newest(const Trajectory& trajectory) {
+  return trajectory[trajectory.size() - 1];
+}
+
+bool is_accepted(const VerifiedCandidate& verified) {
+  return verified.decision.verdict == Verdict::kAccepted;
+}
+
+/// The Hessian knows of noise alone; a loop is never stiffer than what it is measured against.
+Covariance6 floored(const Covariance6& covariance, const LoopClosingConfig& config) {
+  return covariance + diagonal_covariance(config.min_stddev_x, config.min_stddev_q);
+}
+
+}  // namespace
+
+bool is_conclusive(const VerifiedCandidate& verified) {
+  return is_accepted(verified) && is_beyond_doubt(verified.match, verified.candidate.prior);
+}
+
+void keep_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory) {
+  const auto is_worse = [](const VerifiedCandidate& a, const VerifiedCandidate& b) {
+    if (is_accepted(a) != is_accepted(b)) return is_accepted(b);
+    return a.margin() < b.margin();
+  };
+  const auto best = std::max_element(verified.begin(), verified.end(), is_worse);
+  for (VerifiedCandidate& entry : verified) {
+    if (!is_accepted(entry) || &entry == &*best) continue;
+    const KeyFrameIndex better = trajectory[best->candidate.node].index;
+    entry.decision = {
+        Verdict::kRefused,
+        figure_sentence("overlap minus twice the free-space violation", entry.margin(), "below",
+                        best->margin(), "of the match with key frame " + std::to_string(better))};
+  }
+}
+
+Loop to_loop(const VerifiedCandidate& verified, const Trajectory& trajectory,
+             const LoopClosingConfig& config) {
+  Loop loop;
+  loop.from = trajectory[verified.candidate.node].index;
+  loop.to = newest(trajectory).index;
+  loop.stamp = newest(trajectory).stamp;
+  loop.T_from_to = verified.match.alignment.T_target_source;
+  loop.covariance = floored(verified.match.alignment.covariance, config);
+  loop.fitness = verified.match.figures.fitness;
+  loop.overlap = verified.match.figures.overlap;
+  loop.source = verified.candidate.source;
+  return loop;
+}
+
+LoopVerdict to_verdict(const VerifiedCandidate& verified, const Trajectory& trajectory) {
+  LoopVerdict verdict;
+  verdict.from = trajectory[verified.candidate.node].index;
+  verdict.to = newest(trajectory).index;
+  verdict.stamp = newest(trajectory).stamp;
+  verdict.source = verified.candidate.source;
+  verdict.verdict = verified.decision.verdict;
+  verdict.reason = verified.decision.reason;
+  verdict.distance = verified.candidate.prior.T_from_to.translation.norm();
+  verdict.fitness = verified.match.figures.fitness;
+  verdict.overlap = verified.match.figures.overlap;
+  verdict.free_space_violation = verified.match.figures.free_space_violation;
+  verdict.horizontal_eigenvalue = verified.match.figures.horizontal_eigenvalue;
+  verdict.innovation =
+      innovation_of(verified.candidate.prior, verified.match.alignment.T_target_source).whole;
+  return verdict;
+}
+
+LoopVerdict confirmed_verdict(const Loop& loop, const Loop& by) {
+  LoopVerdict verdict;
+  verdict.from = loop.from;
+  verdict.to = loop.to;
+  verdict.stamp = loop.stamp;
+  verdict.source = loop.source;
+  verdict.verdict = Verdict::kAccepted;
+  verdict.reason = "the match of key frames " + std::to_string(by.from) + " and " +
+                   std::to_string(by.to) + " confirms it (unanchored_stretch)";
+  verdict.fitness = loop.fitness;
+  verdict.overlap = loop.overlap;
+  return verdict;
+}
+
+}  // namespace lidar_mapping::loop_closing
