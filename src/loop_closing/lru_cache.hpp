@@ -9,7 +9,7 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// What belongs to the key frames that were asked for last, up to a total weight.
+/// A least-recently-used cache of what belongs to key frames, bounded by its total weight.
 template <typename Value>
 class LruCache {
  public:

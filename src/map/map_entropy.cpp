@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius = 0.3;         // m, of the neighbourhood
 constexpr double kPlaceRadius = 8.0;    // m around a key frame where entropy is taken
-constexpr double kWitnesses = 30.0;     // m; key frames this near give the points
+constexpr double kObservers = 30.0;     // m; key frames this near give the points
 constexpr std::size_t kPlaces = 60;     // along the whole way
 constexpr std::size_t kQueries = 1500;  // points of a place
 constexpr double kMinNeighbours = 5.0;
@@ -35,7 +35,7 @@ std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& pose
   const Eigen::Vector3d centre = poses[place].T_map_base.translation;
   const double reach = kPlaceRadius + kRadius;
   for (const KeyFramePose& pose : poses) {
-    if ((pose.T_map_base.translation - centre).norm() > kWitnesses) continue;
+    if ((pose.T_map_base.translation - centre).norm() > kObservers) continue;
     const PointCloudPtr cloud = clouds.cloud(pose.index);
     if (!cloud) continue;
     const Pose T_centre_base{pose.T_map_base.rotation, pose.T_map_base.translation - centre};

@@ -10,8 +10,8 @@
 
 #include "mark_file.hpp"
 #include "moving_things.hpp"
+#include "observing_scan.hpp"
 #include "placed_points.hpp"
-#include "witness.hpp"
 
 namespace lidar_mapping::map {
 
@@ -82,7 +82,7 @@ class StaticClouds::Impl {
   void judge_around(Position position) {
     const Position begin = position / kBatch * kBatch;
     const Position end = std::min(poses_.size(), begin + kBatch);
-    const Clouds clouds = gather_witnesses(begin, end);
+    const Clouds clouds = gather_observers(begin, end);
     std::vector<Marks> marks(end - begin);
     in_parallel(marks.size(), [&](std::size_t i) {
       const auto cloud = clouds.find(begin + i);
@@ -91,25 +91,25 @@ class StaticClouds::Impl {
     for (std::size_t i = 0; i < marks.size(); ++i) marks_.put(begin + i, marks[i]);
   }
 
-  /// Makes witnesses of all around [begin, end), and lets go of the others. Returns the clouds of
+  /// Makes observers of all around [begin, end), and lets go of the others. Returns the clouds of
   /// that range.
-  Clouds gather_witnesses(Position begin, Position end) {
+  Clouds gather_observers(Position begin, Position end) {
     const Position first = first_of(begin, config_.neighbours);
     const Position last = end_of(end - 1, config_.neighbours);
-    witnesses_.erase(witnesses_.begin(), witnesses_.lower_bound(first));
-    witnesses_.erase(witnesses_.lower_bound(last), witnesses_.end());
+    observers_.erase(observers_.begin(), observers_.lower_bound(first));
+    observers_.erase(observers_.lower_bound(last), observers_.end());
     std::vector<Position> wanted;
     for (Position i = first; i < last; ++i) {
       const bool is_judged = i >= begin && i < end;
-      if (is_judged || witnesses_.count(i) == 0) wanted.push_back(i);
+      if (is_judged || observers_.count(i) == 0) wanted.push_back(i);
     }
     Clouds judged;
     Clouds fresh;
     for (const auto& [i, cloud] : clouds_at(wanted)) {
       if (i >= begin && i < end) judged.emplace(i, cloud);
-      if (witnesses_.count(i) == 0) fresh.emplace(i, cloud);
+      if (observers_.count(i) == 0) fresh.emplace(i, cloud);
     }
-    add_witnesses({fresh.begin(), fresh.end()});
+    add_observers({fresh.begin(), fresh.end()});
     return judged;
   }
 
@@ -125,16 +125,17 @@ class StaticClouds::Impl {
     return clouds;
   }
 
-  void add_witnesses(const std::vector<std::pair<Position, PointCloudPtr>>& clouds) {
-    std::vector<std::unique_ptr<Witness>> made(clouds.size());
+  void add_observers(const std::vector<std::pair<Position, PointCloudPtr>>& clouds) {
+    std::vector<std::unique_ptr<ObservingScan>> made(clouds.size());
     in_parallel(clouds.size(), [&](std::size_t i) {
-      made[i] = std::make_unique<Witness>(witness_of(clouds[i].first, *clouds[i].second));
+      made[i] =
+          std::make_unique<ObservingScan>(observing_scan_of(clouds[i].first, *clouds[i].second));
     });
     for (std::size_t i = 0; i < clouds.size(); ++i)
-      witnesses_[clouds[i].first] = std::move(made[i]);
+      observers_[clouds[i].first] = std::move(made[i]);
   }
 
-  Witness witness_of(Position position, const PointCloud& cloud) const {
+  ObservingScan observing_scan_of(Position position, const PointCloud& cloud) const {
     const Pose& T_map_base = poses_[position].T_map_base;
     const Pose T_base_sensor{Eigen::Quaterniond::Identity(), p_base_sensor_};
     return {(T_map_base * T_base_sensor).inverse(), RangeImage(cloud, p_base_sensor_.cast<float>()),
@@ -144,12 +145,12 @@ class StaticClouds::Impl {
   Marks marks_of(Position position, const PointCloud& cloud) const {
     const Pose& T_map_base = poses_[position].T_map_base;
     const PlacedPoints points(cloud, T_map_base);
-    const std::vector<const Witness*> witnesses = nearest_first(position);
+    const std::vector<const ObservingScan*> observers = nearest_first(position);
     std::vector<Layer> layers = layers_of(position, points);
     const std::vector<Vote> votes =
-        votes_on(cloud, T_map_base, voted_on(layers), witnesses, config_);
+        votes_on(cloud, T_map_base, voted_on(layers), observers, config_);
     for (const std::uint32_t drop :
-         drops_of(cloud, T_map_base, lonely_points(points, votes), witnesses)) {
+         drops_of(cloud, T_map_base, lonely_points(points, votes), observers)) {
       layers[drop] = Layer::kAlone;
     }
     return moving_points(points, votes, layers);
@@ -159,11 +160,11 @@ class StaticClouds::Impl {
   /// decide with has to be seen through more clearly.
   Marks drops_of(const PointCloud& cloud, const Pose& T_map_base,
                  const std::vector<std::uint32_t>& alone,
-                 const std::vector<const Witness*>& witnesses) const {
+                 const std::vector<const ObservingScan*>& observers) const {
     MovingObjectsConfig surer = config_;
     surer.min_votes *= 2;
     surer.min_share = 0.5 * (1.0 + config_.min_share);
-    const std::vector<Vote> votes = votes_on(cloud, T_map_base, alone, witnesses, surer);
+    const std::vector<Vote> votes = votes_on(cloud, T_map_base, alone, observers, surer);
     Marks drops;
     std::copy_if(alone.begin(), alone.end(), std::back_inserter(drops),
                  [&](std::uint32_t i) { return votes[i] == Vote::kMoves; });
@@ -174,25 +175,25 @@ class StaticClouds::Impl {
 
   std::vector<Layer> layers_of(Position position, const PlacedPoints& points) const {
     Grounds grounds(points);
-    grounds.own.add(witnesses_.at(position)->ground);
+    grounds.own.add(observers_.at(position)->ground);
     for (Position i = first_of(position, config_.neighbours);
          i < end_of(position, config_.neighbours); ++i) {
-      const auto witness = witnesses_.find(i);
-      if (witness == witnesses_.end()) continue;
+      const auto observer = observers_.find(i);
+      if (observer == observers_.end()) continue;
       const Position distance = i > position ? i - position : position - i;
-      if (distance <= kGroundNeighbours) grounds.near.add(witness->second->ground);
-      if (distance % kGroundStep == 0) grounds.wide.add(witness->second->ground);
+      if (distance <= kGroundNeighbours) grounds.near.add(observer->second->ground);
+      if (distance % kGroundStep == 0) grounds.wide.add(observer->second->ground);
     }
     return map::layers_of(points, grounds);
   }
 
   /// The others around; those near by mostly settle a case.
-  std::vector<const Witness*> nearest_first(Position position) const {
-    std::vector<const Witness*> nearest;
+  std::vector<const ObservingScan*> nearest_first(Position position) const {
+    std::vector<const ObservingScan*> nearest;
     for (Position step = 1; step <= static_cast<Position>(config_.neighbours); ++step) {
       for (const Position other : {position - step, position + step}) {  // below 0 is none's
-        const auto witness = witnesses_.find(other);
-        if (witness != witnesses_.end()) nearest.push_back(witness->second.get());
+        const auto observer = observers_.find(other);
+        if (observer != observers_.end()) nearest.push_back(observer->second.get());
       }
     }
     return nearest;
@@ -215,7 +216,7 @@ class StaticClouds::Impl {
   const Eigen::Vector3d p_base_sensor_;
   const MovingObjectsConfig config_;
   std::map<KeyFrameIndex, Position> positions_;
-  std::map<Position, std::unique_ptr<Witness>> witnesses_;
+  std::map<Position, std::unique_ptr<ObservingScan>> observers_;
   MarkFile marks_;  ///< of points that move
 };
 

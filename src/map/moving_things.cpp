@@ -41,18 +41,20 @@ float height_above_all(float z, std::uint32_t column, Grounds& grounds) {
 }
 
 /// Voters in some place, and those of them that say that it moves.
-struct Poll {
+struct VoteCount {
   int voters = 0;
   int moving = 0;
 
-  void add(const Poll& other) {
+  void add(const VoteCount& other) {
     voters += other.voters;
     moving += other.moving;
   }
   bool moves(double share) const { return static_cast<double>(moving) > share * voters; }
 };
 
-Poll poll_of(Vote vote) { return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0}; }
+VoteCount vote_count_of(Vote vote) {
+  return {vote == Vote::kUnseen ? 0 : 1, vote == Vote::kMoves ? 1 : 0};
+}
 
 /// Keys of the voxels of points, and of the columns that these stand in: of one of kColumns of a
 /// pattern that repeats itself, the same for all voxels of a column.
@@ -109,9 +111,10 @@ class Columns {
 };
 
 /// How many points are in the 3x3x3 small voxels around a candidate.
-class Crowds {
+class NeighbourCounts {
  public:
-  Crowds(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kSmallVoxel) {
+  NeighbourCounts(const PlacedPoints& points, const std::vector<Vote>& votes)
+      : keys_(points, kSmallVoxel) {
     Columns near;
     bool is_empty = true;
     for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -140,7 +143,7 @@ class Crowds {
   std::unordered_map<VoxelKey, int, VoxelKeyHash> counts_;
 };
 
-/// The polls of the 3x3x3 voxels around each voxel that is or touches a candidate's.
+/// The vote counts of the 3x3x3 voxels around each voxel that is or touches a candidate's.
 class Blocks {
  public:
   Blocks(const PlacedPoints& points, const std::vector<Vote>& votes) : keys_(points, kBlockVoxel) {
@@ -152,11 +155,11 @@ class Blocks {
       near_.add_around(key, 2);
       for_voxels_around(key, [&](VoxelKey block) { blocks_.try_emplace(block); });
     }
-    for (const auto& [key, voxel] : polled_voxels(votes)) {
-      const Poll& poll = voxel;
+    for (const auto& [key, voxel] : counted_voxels(votes)) {
+      const VoteCount& vote_count = voxel;
       for_voxels_around(key, [&](VoxelKey near) {
         const auto block = blocks_.find(near);
-        if (block != blocks_.end()) block->second.add(poll);
+        if (block != blocks_.end()) block->second.add(vote_count);
       });
     }
   }
@@ -172,19 +175,19 @@ class Blocks {
 
  private:
   /// All that can count in a block, and some others.
-  std::unordered_map<VoxelKey, Poll, VoxelKeyHash> polled_voxels(
+  std::unordered_map<VoxelKey, VoteCount, VoxelKeyHash> counted_voxels(
       const std::vector<Vote>& votes) const {
-    std::unordered_map<VoxelKey, Poll, VoxelKeyHash> voxels;
+    std::unordered_map<VoxelKey, VoteCount, VoxelKeyHash> voxels;
     if (blocks_.empty()) return voxels;
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (votes[i] == Vote::kUnseen || !near_.may_hold(keys_.column_of(i))) continue;
-      voxels[keys_.of(i)].add(poll_of(votes[i]));
+      voxels[keys_.of(i)].add(vote_count_of(votes[i]));
     }
     return voxels;
   }
 
   VoxelKeys keys_;
-  std::unordered_map<VoxelKey, Poll, VoxelKeyHash> blocks_;
+  std::unordered_map<VoxelKey, VoteCount, VoxelKeyHash> blocks_;
   Columns near_;
 };
 
@@ -267,22 +270,22 @@ class Things {
     });
     each_body([&](std::uint32_t cell, Vote vote) {
       const std::uint32_t thing = things_.at(cell);
-      if (thing != CellNumbers::kNone) polls_[thing - 1].add(poll_of(vote));
+      if (thing != CellNumbers::kNone) vote_counts_[thing - 1].add(vote_count_of(vote));
     });
     for (const std::uint32_t cell : gathered_) {
-      if (goes(polls_[things_.at(cell) - 1])) let_go(cell);
+      if (goes(vote_counts_[things_.at(cell) - 1])) let_go(cell);
     }
   }
 
   bool is_inside(std::size_t i) const { return cells_of_points_[i] != CellArea::kOutside; }
 
-  static bool goes(const Poll& poll) {
-    return poll.voters >= kFewVoters && poll.moves(kThingShare);
+  static bool goes(const VoteCount& vote_count) {
+    return vote_count.voters >= kFewVoters && vote_count.moves(kThingShare);
   }
 
   void gather(std::uint32_t first) {
-    polls_.emplace_back();
-    const auto thing = static_cast<std::uint32_t>(polls_.size());
+    vote_counts_.emplace_back();
+    const auto thing = static_cast<std::uint32_t>(vote_counts_.size());
     std::size_t next = gathered_.size();
     const auto reach = [&](std::uint32_t cell) {
       things_.set(cell, thing);
@@ -314,7 +317,7 @@ class Things {
   CellSet taken_;  ///< with something on it
   CellNumbers things_;
   std::vector<std::uint32_t> gathered_;  ///< cells, thing by thing
-  std::vector<Poll> polls_;              ///< of the things, which begin with 1
+  std::vector<VoteCount> vote_counts_;   ///< of the things, which begin with 1
   CellSet going_;
   CellSet beside_;  ///< those that go and those around
 };
@@ -353,10 +356,10 @@ std::vector<Layer> layers_of(const PlacedPoints& points, Grounds& grounds) {
 
 std::vector<std::uint32_t> lonely_points(const PlacedPoints& points,
                                          const std::vector<Vote>& votes) {
-  const Crowds crowds(points, votes);
+  const NeighbourCounts neighbour_counts(points, votes);
   std::vector<std::uint32_t> lonely;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (votes[i] == Vote::kMoves && crowds.around(i) <= kFewAround)
+    if (votes[i] == Vote::kMoves && neighbour_counts.around(i) <= kFewAround)
       lonely.push_back(static_cast<std::uint32_t>(i));
   }
   return lonely;

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "observing_scan.hpp"
 #include "placed_points.hpp"
-#include "witness.hpp"
 
 namespace lidar_mapping::map {
 

@@ -32,8 +32,8 @@ struct Directions {
       z[count++] = p_sensor.z();
     }
     for (std::vector<int>* values : {&columns, &rows, &ranges}) values->resize(count);
-    sight_kernels().project({x.data(), y.data(), z.data()}, count, columns.data(), rows.data(),
-                            ranges.data());
+    visibility_kernels().project({x.data(), y.data(), z.data()}, count, columns.data(), rows.data(),
+                                 ranges.data());
   }
 
   std::vector<int> columns, rows, ranges;
@@ -114,9 +114,9 @@ RangeImage::RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
   }
 }
 
-void RangeImage::look(const Aims& aims, std::size_t count, const Counts& counts,
+void RangeImage::look(const ProjectedPixels& targets, std::size_t count, const Counts& counts,
                       int* unclear) const {
-  sight_kernels().look(windows_.data(), aims, count, counts, unclear);
+  visibility_kernels().look(windows_.data(), targets, count, counts, unclear);
   std::size_t open = 0;  // without branches, which nobody foresees
   for (std::size_t i = 0; i < count; ++i) {
     const int is_unclear = unclear[i];
@@ -124,9 +124,9 @@ void RangeImage::look(const Aims& aims, std::size_t count, const Counts& counts,
     open += static_cast<std::size_t>(is_unclear);
   }
   for (std::size_t n = 0; n < open; ++n) {
-    if (n + kAhead < open) fetch_around(aims.pixels[unclear[n + kAhead]]);
+    if (n + kAhead < open) fetch_around(targets.pixels[unclear[n + kAhead]]);
     const int i = unclear[n];
-    counts.hits[i] += is_hit_around(aims.pixels[i], aims.nearest[i], aims.farthest[i]);
+    counts.hits[i] += is_hit_around(targets.pixels[i], targets.nearest[i], targets.farthest[i]);
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include "lidar_mapping/common/point_cloud.hpp"
 
-#include "sight_kernels.hpp"
+#include "visibility_kernels.hpp"
 
 namespace lidar_mapping::map {
 
@@ -20,7 +20,8 @@ class RangeImage {
   int rows() const { return rows_; }
 
   /// Counts what the sensor saw of some places; `unclear` has room for as many numbers.
-  void look(const Aims& aims, std::size_t count, const Counts& counts, int* unclear) const;
+  void look(const ProjectedPixels& targets, std::size_t count, const Counts& counts,
+            int* unclear) const;
 
  private:
   static std::size_t pixel_at(int column, int row) {

@@ -39,7 +39,7 @@ Shares shares_of(const std::string& lidar, std::size_t thinning, double sigma_m,
   double moving_kept = 0.0;
   double standing = 0.0;
   double standing_kept = 0.0;
-  // Key frames at the ends have witnesses on one side only.
+  // Key frames at the ends have observers on one side only.
   const std::size_t count = frames.poses.poses.size();
   for (std::size_t k = 10; k + 10 < count; ++k) {
     const KeyFrameIndex index = frames.poses.poses[k].index;

@@ -1,15 +1,15 @@
 // Compiled with AVX-512 where the compiler has it; nothing but plain pointers crosses its border.
 #include "lidar_mapping/common/instruction_set.hpp"
 
-#include "sight_kernels.hpp"
+#include "visibility_kernels.hpp"
 
 #ifdef LIDAR_MAPPING_HAS_AVX512
-#include "sight_kernels_body.hpp"
+#include "visibility_kernels_body.hpp"
 #endif
 
 namespace lidar_mapping::map {
 
-const SightKernels* avx512_sight_kernels() {
+const VisibilityKernels* avx512_visibility_kernels() {
 #ifdef LIDAR_MAPPING_HAS_AVX512
   return processor_has(InstructionSet::kAvx512) ? &kKernels : nullptr;
 #else

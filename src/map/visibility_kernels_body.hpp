@@ -1,9 +1,9 @@
-// The kernels of sight_kernels.hpp; included by one file per instruction set. Loops without
+// The kernels of visibility_kernels.hpp; included by one file per instruction set. Loops without
 // branches, which become vectors, and no function that the linker could take from another file.
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "sight_kernels.hpp"
+#include "visibility_kernels.hpp"
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
 
@@ -97,15 +97,15 @@ int count_reach(const Viewpoint& view, const PointArrays& points, std::size_t co
   return sum;
 }
 
-void aim(const Viewpoint& view, const PointArrays& points, std::size_t count, const Aims& aims,
-         int* __restrict left) {
+void aim(const Viewpoint& view, const PointArrays& points, std::size_t count,
+         const ProjectedPixels& targets, int* __restrict left) {
   const Viewpoint v = view;
   const PointArrays p = points;
   const float* R = v.R_sensor_points;
   const int no_pixel = v.no_pixel();
-  int* __restrict pixels = aims.pixels;
-  int* __restrict nearest = aims.nearest;
-  int* __restrict farthest = aims.farthest;
+  int* __restrict pixels = targets.pixels;
+  int* __restrict nearest = targets.nearest;
+  int* __restrict farthest = targets.farthest;
   for (std::size_t i = 0; i < count; ++i) {
     const float x = p.x[i] - v.p_points_sensor[0];
     const float y = p.y[i] - v.p_points_sensor[1];
@@ -124,11 +124,11 @@ void aim(const Viewpoint& view, const PointArrays& points, std::size_t count, co
   }
 }
 
-void look(const Seen* windows, const Aims& aims, std::size_t count, const Counts& counts,
-          int* __restrict unclear) {
-  const int* __restrict pixels = aims.pixels;
-  const int* __restrict nearest = aims.nearest;
-  const int* __restrict farthest = aims.farthest;
+void look(const Seen* windows, const ProjectedPixels& targets, std::size_t count,
+          const Counts& counts, int* __restrict unclear) {
+  const int* __restrict pixels = targets.pixels;
+  const int* __restrict nearest = targets.nearest;
+  const int* __restrict farthest = targets.farthest;
   int* __restrict through = counts.through;
   int* __restrict hits = counts.hits;
 #pragma GCC ivdep
@@ -146,7 +146,7 @@ void look(const Seen* windows, const Aims& aims, std::size_t count, const Counts
   }
 }
 
-constexpr SightKernels kKernels = {project, count_reach, aim, look};
+constexpr VisibilityKernels kKernels = {project, count_reach, aim, look};
 
 }  // namespace
 }  // namespace lidar_mapping::map

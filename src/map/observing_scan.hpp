@@ -9,21 +9,21 @@
 
 namespace lidar_mapping::map {
 
-/// A key frame as a witness: what it saw, from where.
-struct Witness {
+/// A key frame as an observer: what it saw, from where.
+struct ObservingScan {
   Pose T_sensor_map;
   RangeImage image;
   std::vector<GroundColumn> ground;
 };
 
-/// What the witnesses say of a point.
+/// What the observers say of a point.
 enum class Vote : char { kStands, kMoves, kUnseen };
 
-/// The witnesses' verdict on the points of a key frame with those numbers; the others are unseen.
-/// Who is asked first does not matter: a witness is left out only where it could change nothing.
+/// The observers' verdict on the points of a key frame with those numbers; the others are unseen.
+/// Who is asked first does not matter: an observer is left out only where it could change nothing.
 std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
                            const std::vector<std::uint32_t>& asked,
-                           const std::vector<const Witness*>& witnesses,
+                           const std::vector<const ObservingScan*>& observers,
                            const MovingObjectsConfig& config);
 
 }  // namespace lidar_mapping::map

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../../src/map/sight_kernels.hpp"
+#include "../../src/map/visibility_kernels.hpp"
 
 namespace lidar_mapping::map {
 namespace {
@@ -55,21 +55,21 @@ std::vector<Seen> some_windows() {
 }
 
 /// All that the kernels give for the same points.
-std::vector<std::vector<int>> results_of(const SightKernels& kernels) {
+std::vector<std::vector<int>> results_of(const VisibilityKernels& kernels) {
   const Points points;
   std::vector<std::vector<int>> results(12, std::vector<int>(kCount, 5));
   const auto to = [&](std::size_t i) { return results[i].data(); };
   kernels.project(points.arrays(), kCount, to(0), to(1), to(2));
   results[11][0] = kernels.count_reach(some_viewpoint(), points.arrays(), kCount, to(3));
-  const Aims aims = {to(4), to(5), to(6)};
-  kernels.aim(some_viewpoint(), points.arrays(), kCount, aims, to(7));
-  kernels.look(some_windows().data(), aims, kCount, {to(8), to(9)}, to(10));
+  const ProjectedPixels targets = {to(4), to(5), to(6)};
+  kernels.aim(some_viewpoint(), points.arrays(), kCount, targets, to(7));
+  kernels.look(some_windows().data(), targets, kCount, {to(8), to(9)}, to(10));
   return results;
 }
 
-TEST(SightKernels, FindThePixelsOfDirections) {
+TEST(VisibilityKernels, FindThePixelsOfDirections) {
   const Points points;
-  const auto results = results_of(portable_sight_kernels());
+  const auto results = results_of(portable_visibility_kernels());
   for (std::size_t i = 0; i < kCount; ++i) {
     const double x = points.x[i], y = points.y[i], z = points.z[i];
     if (std::isnan(x)) continue;
@@ -82,9 +82,9 @@ TEST(SightKernels, FindThePixelsOfDirections) {
   }
 }
 
-TEST(SightKernels, AskOnlyInReach) {
+TEST(VisibilityKernels, AskOnlyInReach) {
   const Points points;
-  const auto results = results_of(portable_sight_kernels());
+  const auto results = results_of(portable_visibility_kernels());
   const Viewpoint view = some_viewpoint();
   for (std::size_t i = 0; i < kCount; ++i) {
     const double distance = std::hypot(points.x[i] - 3.0, points.y[i] + 2.0, points.z[i] - 1.8);
@@ -95,37 +95,39 @@ TEST(SightKernels, AskOnlyInReach) {
   }
 }
 
-TEST(SightKernels, CountWhatAWindowSays) {
+TEST(VisibilityKernels, CountWhatAWindowSays) {
   const auto seen = [](Seen nearest, Seen farthest) { return farthest << 16U | nearest; };
   // Behind the place; in front of it; the nearest or the farthest there; around it; nothing.
   const std::vector<Seen> windows = {seen(1201, 9000), seen(100, 999),  seen(1000, 9000),
                                      seen(100, 1200),  seen(100, 9000), kSeenHidden};
   std::vector<int> pixels = {0, 1, 2, 3, 4, 5}, nearest(6, 1000), farthest(6, 1200);
   std::vector<int> through(6), hits(6), unclear(6);
-  portable_sight_kernels().look(windows.data(), {pixels.data(), nearest.data(), farthest.data()}, 6,
-                                {through.data(), hits.data()}, unclear.data());
+  portable_visibility_kernels().look(windows.data(),
+                                     {pixels.data(), nearest.data(), farthest.data()}, 6,
+                                     {through.data(), hits.data()}, unclear.data());
   EXPECT_EQ(through, (std::vector<int>{1, 0, 0, 0, 0, 0}));
   EXPECT_EQ(hits, (std::vector<int>{0, 0, 1, 1, 0, 0}));
   EXPECT_EQ(unclear, (std::vector<int>{0, 0, 0, 0, 1, 0}));
 }
 
-TEST(SightKernels, CountTheirPointsInReach) {
+TEST(VisibilityKernels, CountTheirPointsInReach) {
   const Points points;
   std::vector<int> counts(kCount);
-  const int sum = portable_sight_kernels().count_reach(some_viewpoint(), points.arrays(), kCount,
-                                                       counts.data());
+  const int sum = portable_visibility_kernels().count_reach(some_viewpoint(), points.arrays(),
+                                                            kCount, counts.data());
   EXPECT_GT(sum, 0);
   EXPECT_EQ(sum, std::accumulate(counts.begin(), counts.end(), 0));
 }
 
-TEST(SightKernels, GiveTheSameWithAvx2) {
-  if (avx2_sight_kernels() == nullptr) GTEST_SKIP() << "this processor has no AVX2";
-  EXPECT_EQ(results_of(*avx2_sight_kernels()), results_of(portable_sight_kernels()));
+TEST(VisibilityKernels, GiveTheSameWithAvx2) {
+  if (avx2_visibility_kernels() == nullptr) GTEST_SKIP() << "this processor has no AVX2";
+  EXPECT_EQ(results_of(*avx2_visibility_kernels()), results_of(portable_visibility_kernels()));
 }
 
-TEST(SightKernels, GiveTheSameWithAvx512) {
-  if (avx512_sight_kernels() == nullptr) GTEST_SKIP() << "this processor is not fast with AVX-512";
-  EXPECT_EQ(results_of(*avx512_sight_kernels()), results_of(portable_sight_kernels()));
+TEST(VisibilityKernels, GiveTheSameWithAvx512) {
+  if (avx512_visibility_kernels() == nullptr)
+    GTEST_SKIP() << "this processor is not fast with AVX-512";
+  EXPECT_EQ(results_of(*avx512_visibility_kernels()), results_of(portable_visibility_kernels()));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "witness.hpp"
+#include "observing_scan.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::size_t kChunk = 1024;     // points that are asked about together
 constexpr std::size_t kLanes = 16;       // of the longest vectors
-constexpr std::size_t kSettleEvery = 4;  // witnesses; more often costs more than it saves
+constexpr std::size_t kSettleEvery = 4;  // observers; more often costs more than it saves
 
-/// A witness seen from the key frame in question.
+/// An observer seen from the key frame in question.
 struct Place {
   const RangeImage* image;
   Viewpoint view;
@@ -22,7 +22,7 @@ struct Place {
 struct Cases {
   std::array<float, kChunk> x{}, y{}, z{};  ///< in base_link
   std::array<std::uint32_t, kChunk> points{};
-  std::array<int, kChunk> left{};  ///< witnesses in reach that were not asked yet
+  std::array<int, kChunk> left{};  ///< observers in reach that were not asked yet
   std::array<int, kChunk> through{};
   std::array<int, kChunk> hits{};
   std::size_t size = 0;
@@ -51,9 +51,9 @@ struct Cases {
   }
 };
 
-class Court {
+class VoteCollector {
  public:
-  Court(std::vector<Place> places, const MovingObjectsConfig& config)
+  VoteCollector(std::vector<Place> places, const MovingObjectsConfig& config)
       : places_(std::move(places)), needed_(places_.size() + 1) {
     int needed = config.min_votes;
     for (std::size_t votes = 0; votes < needed_.size(); ++votes) {
@@ -68,7 +68,7 @@ class Court {
     near_.clear();
     for (const Place& place : places_) {
       const int in_reach =
-          sight_kernels().count_reach(place.view, cases.arrays(), count, cases.left.data());
+          visibility_kernels().count_reach(place.view, cases.arrays(), count, cases.left.data());
       if (in_reach > 0) near_.push_back(&place);
     }
     for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -82,9 +82,9 @@ class Court {
  private:
   void ask(const Place& place, Cases& cases) {
     const std::size_t count = cases.padded_size();
-    const Aims aims = {pixels_.data(), nearest_.data(), farthest_.data()};
-    sight_kernels().aim(place.view, cases.arrays(), count, aims, cases.left.data());
-    place.image->look(aims, count, {cases.through.data(), cases.hits.data()}, unclear_.data());
+    const ProjectedPixels targets = {pixels_.data(), nearest_.data(), farthest_.data()};
+    visibility_kernels().aim(place.view, cases.arrays(), count, targets, cases.left.data());
+    place.image->look(targets, count, {cases.through.data(), cases.hits.data()}, unclear_.data());
   }
 
   /// Takes away the cases that are certain. Without branches, as nobody foresees which they are: of
@@ -121,24 +121,24 @@ class Court {
   std::array<int, kChunk> pixels_{}, nearest_{}, farthest_{}, unclear_{};  ///< of one place
 };
 
-Viewpoint view_of(const Witness& witness, const Pose& T_map_base, double reach) {
-  const Pose T_sensor_base = witness.T_sensor_map * T_map_base;
+Viewpoint view_of(const ObservingScan& observer, const Pose& T_map_base, double reach) {
+  const Pose T_sensor_base = observer.T_sensor_map * T_map_base;
   Viewpoint view{};
   Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(view.R_sensor_points) =
       T_sensor_base.rotation_matrix().cast<float>();
   Eigen::Map<Eigen::Vector3f>(view.p_points_sensor) =
       T_sensor_base.inverse().translation.cast<float>();
   view.squared_reach = static_cast<float>(reach * reach);
-  view.first_row = witness.image.first_row();
-  view.rows = witness.image.rows();
+  view.first_row = observer.image.first_row();
+  view.rows = observer.image.rows();
   return view;
 }
 
-std::vector<Place> places_of(const std::vector<const Witness*>& witnesses, const Pose& T_map_base,
-                             double reach) {
+std::vector<Place> places_of(const std::vector<const ObservingScan*>& observers,
+                             const Pose& T_map_base, double reach) {
   std::vector<Place> places;
-  for (const Witness* witness : witnesses)
-    places.push_back({&witness->image, view_of(*witness, T_map_base, reach)});
+  for (const ObservingScan* observer : observers)
+    places.push_back({&observer->image, view_of(*observer, T_map_base, reach)});
   return places;
 }
 
@@ -146,14 +146,14 @@ std::vector<Place> places_of(const std::vector<const Witness*>& witnesses, const
 
 std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
                            const std::vector<std::uint32_t>& asked,
-                           const std::vector<const Witness*>& witnesses,
+                           const std::vector<const ObservingScan*>& observers,
                            const MovingObjectsConfig& config) {
   std::vector<Vote> votes(cloud.size(), Vote::kUnseen);
-  Court court(places_of(witnesses, T_map_base, config.reach), config);
+  VoteCollector collector(places_of(observers, T_map_base, config.reach), config);
   Cases cases;
   for (std::size_t i = 0; i < asked.size(); i += kChunk) {
     cases.fill(cloud, asked.data() + i, std::min(kChunk, asked.size() - i));
-    court.judge(cases, votes);
+    collector.judge(cases, votes);
   }
   return votes;
 }

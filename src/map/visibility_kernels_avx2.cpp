@@ -1,15 +1,15 @@
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
 #include "lidar_mapping/common/instruction_set.hpp"
 
-#include "sight_kernels.hpp"
+#include "visibility_kernels.hpp"
 
 #ifdef LIDAR_MAPPING_HAS_AVX2
-#include "sight_kernels_body.hpp"
+#include "visibility_kernels_body.hpp"
 #endif
 
 namespace lidar_mapping::map {
 
-const SightKernels* avx2_sight_kernels() {
+const VisibilityKernels* avx2_visibility_kernels() {
 #ifdef LIDAR_MAPPING_HAS_AVX2
   return processor_has(InstructionSet::kAvx2) ? &kKernels : nullptr;
 #else

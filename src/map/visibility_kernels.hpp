@@ -8,7 +8,7 @@ namespace lidar_mapping::map {
 constexpr int kRangeImageColumns = 900;
 
 /// Ranges are counted in units of 2 mm, so that a pixel is small. What is nearer than 1 is 1, and
-/// what is farther than 128 m, three times as far as witnesses reach, is kFarthestUnit.
+/// what is farther than 128 m, three times as far as observers reach, is kFarthestUnit.
 constexpr float kUnitsPerMeter = 512.0F;
 constexpr int kFarthestUnit = 65'534;
 
@@ -38,7 +38,7 @@ struct Viewpoint {
 
 /// Where to look for points, one array each: numbers of pixels, and the nearest and farthest range
 /// at which something is taken for the point, in units.
-struct Aims {
+struct ProjectedPixels {
   int* pixels;
   int* nearest;
   int* farthest;
@@ -52,7 +52,7 @@ struct Counts {
 
 /// The inner loops of looking into range images, compiled for every processor, for AVX2 and for
 /// AVX-512. All do the same operations in the same order and give the same bits.
-struct SightKernels {
+struct VisibilityKernels {
   /// Where points are seen from the origin in any range image: column, row and range in units.
   void (*project)(const PointArrays& points, std::size_t count, int* columns, int* rows,
                   int* ranges);
@@ -60,20 +60,20 @@ struct SightKernels {
   int (*count_reach)(const Viewpoint& view, const PointArrays& points, std::size_t count,
                      int* counts);
   /// Takes one from `left` of points in reach.
-  void (*aim)(const Viewpoint& view, const PointArrays& points, std::size_t count, const Aims& aims,
-              int* left);
+  void (*aim)(const Viewpoint& view, const PointArrays& points, std::size_t count,
+              const ProjectedPixels& targets, int* left);
   /// windows: what was seen in the 3x3 pixels around each. Counts what that says; `unclear` is 1
   /// where the single pixels have to be asked, 0 elsewhere.
-  void (*look)(const Seen* windows, const Aims& aims, std::size_t count, const Counts& counts,
-               int* unclear);
+  void (*look)(const Seen* windows, const ProjectedPixels& targets, std::size_t count,
+               const Counts& counts, int* unclear);
 };
 
 /// The fastest kernels that this processor can run.
-const SightKernels& sight_kernels();
-const SightKernels& portable_sight_kernels();
+const VisibilityKernels& visibility_kernels();
+const VisibilityKernels& portable_visibility_kernels();
 /// Null where the compiler or the processor knows no AVX2.
-const SightKernels* avx2_sight_kernels();
+const VisibilityKernels* avx2_visibility_kernels();
 /// Null where the compiler does not know AVX-512 or the processor is not fast with it.
-const SightKernels* avx512_sight_kernels();
+const VisibilityKernels* avx512_visibility_kernels();
 
 }  // namespace lidar_mapping::map
