@@ -173,7 +173,13 @@ void LoopCloser::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
   impl_->set_sensor_origin(p_base_lidar);
 }
 void LoopCloser::restore(const KeyFrame& key_frame) { impl_->add(key_frame, {}); }
-void LoopCloser::restore(const Loop& loop) { impl_->add(loop); }
+void LoopCloser::restore(const std::vector<Loop>& loops, const std::vector<GnssPosition>& gnss,
+                         const KeyFramePoses& poses) {
+  for (const Loop& loop : loops) impl_->add(loop);
+  for (const GnssPosition& position : gnss) impl_->add_gnss(position);
+  impl_->update_poses(poses);
+}
+void LoopCloser::add_loop(const Loop& loop) { impl_->add(loop); }
 void LoopCloser::update_poses(const KeyFramePoses& poses) { impl_->update_poses(poses); }
 void LoopCloser::add_gnss(const GnssPosition& position) { impl_->add_gnss(position); }
 LoopClosingResult LoopCloser::process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared) {

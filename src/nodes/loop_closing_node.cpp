@@ -109,9 +109,7 @@ void LoopClosingNode::begin_run(const std::string& run_id) {
 
 /// The old key frames are back, by restore(): so are loops, fixes and poses.
 void LoopClosingNode::recall() {
-  for (const Loop& loop : memory_->loops) run_->closer.restore(loop);
-  for (const GnssPosition& position : memory_->gnss) run_->closer.add_gnss(position);
-  run_->closer.update_poses(memory_->poses);
+  run_->closer.restore(memory_->loops, memory_->gnss, memory_->poses);
   if (memory_->searched > 0) {
     ROS_INFO_STREAM("going on at key frame " << memory_->searched << " with "
                                              << memory_->loops.size() << " loops that are known");

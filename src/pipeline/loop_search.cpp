@@ -2,7 +2,7 @@
 
 namespace lidar_mapping::pipeline {
 
-void LoopSearch::take(DrivePiece& piece) {
+void LoopSearch::process(DrivePiece& piece) {
   if (!piece.key_frame) return;
   if (piece.p_base_lidar) closer_.set_sensor_origin(*piece.p_base_lidar);
   if (const auto moved = feedback_.take()) closer_.update_poses(*moved);
@@ -19,9 +19,7 @@ void LoopSearch::restore(const RecordedBackEnd& run) {
   const session::Session& session = run.session();
   if (const auto origin = session.sensor_origin()) closer_.set_sensor_origin(*origin);
   for (const KeyFrame& key_frame : session.key_frames()) closer_.restore(key_frame);
-  for (const GnssPosition& position : session.gnss()) closer_.add_gnss(position);
-  for (const Loop& loop : session.loops()) closer_.restore(loop);
-  closer_.update_poses(run.poses());
+  closer_.restore(session.loops(), session.gnss(), run.poses());
 }
 
 }  // namespace lidar_mapping::pipeline

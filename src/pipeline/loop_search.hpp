@@ -15,8 +15,8 @@ class LoopSearch {
              PoseFeedback& feedback)
       : closer_(config, session.clouds(), session.directory()), feedback_(feedback) {}
 
-  void take(DrivePiece& piece);
-  /// Takes in what is known of a drive that is gone on with.
+  void process(DrivePiece& piece);
+  /// The drive so far, which is resumed.
   void restore(const RecordedBackEnd& run);
 
  private:

@@ -217,7 +217,7 @@ void Merge::Impl::add_own_loop(const Loop& loop) {
   if (loop.decision != LoopDecision::kAuto) {
     session().set_loop_decision(loop.from, loop.to, loop.decision);
   }
-  if (loop.decision != LoopDecision::kRefuse) closer_.restore(loop);
+  if (loop.decision != LoopDecision::kRefuse) closer_.add_loop(loop);
   pairs_.emplace(loop.from, loop.to);
 }
 

@@ -126,7 +126,7 @@ class Pipeline::Impl {
   }
 
   void search(DrivePiece&& piece) {
-    search_.take(piece);
+    search_.process(piece);
     loops_ += piece.loops.size();
     keeping_.push(std::move(piece));
   }

@@ -267,7 +267,7 @@ TEST(LoopCloser, ClosesSoonAfterARestart) {
     Loop known;
     known.from = 17;
     known.to = stop - 1;
-    if (has_loop) closer.restore(known);
+    closer.restore(has_loop ? std::vector<Loop>{known} : std::vector<Loop>{}, {}, {});
     EXPECT_EQ(closer.process(key_frame(stop, truth[stop])).verdicts.empty(), has_loop);
     DriveOutcome outcome;
     for (std::size_t i = stop + 1; i < stop + 5; ++i) {

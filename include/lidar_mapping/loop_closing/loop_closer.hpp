@@ -31,9 +31,13 @@ class LoopCloser {
 
   /// Where the LiDAR sits in base_link (m), for the free-space check; the origin if never told.
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
-  /// After a restart: a key frame or a loop of before. Like process(), but without a search.
+  /// After a restart: the key frames of before, in their order, and then what was known of them.
+  /// Like process(), but without a search.
   void restore(const KeyFrame& key_frame);
-  void restore(const Loop& loop);
+  void restore(const std::vector<Loop>& loops, const std::vector<GnssPosition>& gnss,
+               const KeyFramePoses& poses);
+  /// A loop that the map holds and that this search did not find.
+  void add_loop(const Loop& loop);
 
   /// The newest poses from the back end. They replace what odometry said of these key frames.
   void update_poses(const KeyFramePoses& poses);
