@@ -72,7 +72,7 @@ KeyFramePoses solved_while_growing(const SyntheticDrive& drive, std::launch poli
   return back_end.apply(*solution.get());
 }
 
-// F63: a solver in another thread and sensor data share nothing that changes.
+// A solver in another thread and sensor data share nothing that changes.
 TEST(BackEnd, SolvesInAnotherThreadWhileTheGraphGrows) {
   const SyntheticDrive drive = test::make_drive();
   const KeyFramePoses one_after_the_other = solved_while_growing(drive, std::launch::deferred);
@@ -120,7 +120,6 @@ TEST(BackEnd, SwitchesLeaveConstraintsOut) {
             1e-6);
 }
 
-// F54
 TEST(BackEnd, RefusesLoopsWithIndicesThatMeanNothing) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});

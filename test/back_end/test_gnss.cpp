@@ -32,7 +32,6 @@ struct MappedDrive {
   }
 };
 
-// F27
 TEST(Gnss, ThirtyMetresGiveTheHeadingWithoutAnImu) {
   for (const double yaw : {0.0, 1.0, 2.5, -3.0}) {
     DriveSettings settings;
@@ -59,7 +58,7 @@ void drive_shortly(MappedDrive& run, int metres, double sigma_m, BackEnd& back_e
   EXPECT_TRUE(optimize(back_end).success);
 }
 
-// F27: until the heading is known the map is odometry's.
+// Until the heading is known the map is odometry's.
 TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsTooShortForItsFixes) {
   DriveSettings settings;
   settings.start_yaw = 2.0;
@@ -72,7 +71,7 @@ TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsTooShortForItsFixes) {
   EXPECT_LT(rough_fixes.T_map_odom().translation.norm(), 1e-6);
 }
 
-// F27: good fixes need no long track.
+// Good fixes need no long track.
 TEST(Gnss, TenMetresDoForGoodFixes) {
   for (const double yaw : {0.0, 2.0, -3.0}) {
     DriveSettings settings;
@@ -97,7 +96,7 @@ TEST(Gnss, AKeyFrameTakesItsFirstPositionOnly) {
   EXPECT_EQ(optimize(back_end).gnss_used, once);
 }
 
-// F27: it does not wait for a hundred fixes.
+// It does not wait for a hundred fixes.
 TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   MappedDrive run;
   BackEnd back_end(BackEndConfig{});
@@ -110,7 +109,6 @@ TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   EXPECT_FALSE(back_end.optimization_due());
 }
 
-// F28
 TEST(Gnss, AnyStartHeadingEndsInTheSameMap) {
   double reference = 0.0;
   for (const double yaw_deg : {0.0, 170.0}) {
@@ -126,7 +124,6 @@ TEST(Gnss, AnyStartHeadingEndsInTheSameMap) {
   }
 }
 
-// F26
 TEST(Gnss, TheLeverArmIsPartOfTheModel) {
   MappedDrive with_arm;
   MappedDrive without_arm;
@@ -143,7 +140,7 @@ TEST(Gnss, TheLeverArmIsPartOfTheModel) {
   EXPECT_GT(true_rmse(without_arm.back_end, without_arm.drive), 1.0);
 }
 
-// F24: no fix, NaN and jumps of 30 m, 5 s each.
+// No fix, NaN and jumps of 30 m, 5 s each.
 TEST(Gnss, BadFixesChangeNextToNothing) {
   MappedDrive good;
   MappedDrive spoiled;
@@ -204,7 +201,7 @@ TEST(Gnss, ADeniedFirstHalfIsJoinedWithoutAKink) {
   }
 }
 
-// F53: positions on a line do not observe the roll about it.
+// Positions on a line do not observe the roll about it.
 TEST(Gnss, AStraightRoadDoesNotRoll) {
   DriveSettings settings;
   settings.side = 500.0;
@@ -292,7 +289,7 @@ TEST(Gnss, IsNeverWorseThanWithoutIt) {
             aligned_rmse(without.back_end, without.drive) + 0.3);
 }
 
-// R6: a street driven twice with independent errors of 12 cm stays one street.
+// A street driven twice with independent errors of 12 cm stays one street.
 TEST(Gnss, LoopsWinLocallyOverFixes) {
   MappedDrive run;
   std::normal_distribution<double> normal(0.0, 0.12);
@@ -326,7 +323,7 @@ TEST(Gnss, LoopsWinLocallyOverFixes) {
   EXPECT_LT(true_rmse(run.back_end, run.drive), error_before + 0.02);
 }
 
-// F36: the default configuration is a usable one.
+// The default configuration is a usable one.
 TEST(Gnss, DefaultsReachTwoDecimetresWithRtk) {
   MappedDrive run;
   for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i, 0.02));

@@ -88,7 +88,6 @@ TEST_P(BothKinds, ExactMeasurementsAreMetByTheChordalStartAlone) {
   EXPECT_LT(largest_shift(graph, started), 1e-6);
 }
 
-// F50
 TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesKept) {
   const test::SyntheticDrive drive = test::make_drive();
   PoseGraph clean = lap_graph(GetParam(), drive);
@@ -119,7 +118,6 @@ TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesKept) {
   EXPECT_LT(largest_shift(clean, spoiled), 0.05);
 }
 
-// F64
 TEST(GraphOptimizer, ClosesALoopOfFourKeyFrames) {
   PoseGraph graph;
   const Pose quarter = {exp_so3({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.0}};
@@ -131,7 +129,6 @@ TEST(GraphOptimizer, ClosesALoopOfFourKeyFrames) {
   EXPECT_NEAR((graph.nodes[2].pose.translation - Eigen::Vector3d(1.0, 1.0, 0.0)).norm(), 0.0, 1e-5);
 }
 
-// F52
 TEST(GraphOptimizer, ASolvedGraphStaysWhereItIs) {
   PoseGraph graph = lap_graph(false, test::make_drive());
   optimize(graph);

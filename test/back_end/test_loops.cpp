@@ -33,7 +33,6 @@ void add_false_loops(BackEnd& back_end, const SyntheticDrive& drive, int groups,
   }
 }
 
-// F50
 TEST(Loops, FalseOnesChangeNextToNothing) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd clean(BackEndConfig{});
@@ -84,7 +83,6 @@ TEST(Loops, ARefusedOneIsTakenWhenOthersConfirmIt) {
   EXPECT_EQ(believed_count(back_end, 0, 20), 0U);
 }
 
-// F64
 TEST(Loops, FourKeyFramesAndOneLoopClose) {
   DriveSettings settings;
   settings.side = 100.0;
@@ -104,7 +102,6 @@ TEST(Loops, FourKeyFramesAndOneLoopClose) {
             0.2);
 }
 
-// F52
 TEST(Loops, AnOptimisationWithoutNewsMovesNothing) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
@@ -120,7 +117,7 @@ TEST(Loops, AnOptimisationWithoutNewsMovesNothing) {
   }
 }
 
-// F51: the first loop is due at once, the next when the least interval has passed.
+// The first loop is due at once, the next when the least interval has passed.
 TEST(Loops, AreOptimisedSoonAndNotTooOften) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
@@ -136,7 +133,6 @@ TEST(Loops, AreOptimisedSoonAndNotTooOften) {
   EXPECT_TRUE(back_end.optimization_due());
 }
 
-// F55
 TEST(Loops, AnEmptyGraphSaysSo) {
   BackEnd back_end(BackEndConfig{});
   const auto solution = solve(*back_end.problem(true));
@@ -145,7 +141,6 @@ TEST(Loops, AnEmptyGraphSaysSo) {
   EXPECT_TRUE(back_end.apply(*solution).poses.empty());
 }
 
-// F60, F58
 TEST(Loops, PosesKeepIndexAndStampBitForBit) {
   SyntheticDrive drive = test::make_drive();
   for (std::size_t i = 0; i < drive.key_frames.size(); ++i) {
@@ -165,7 +160,7 @@ TEST(Loops, PosesKeepIndexAndStampBitForBit) {
   }
 }
 
-// F62: what a session keeps is enough to go on: the same inputs again give the same poses.
+// What a session keeps is enough to go on: the same inputs again give the same poses.
 TEST(Loops, ReplayingTheInputsGivesTheSameBytes) {
   const SyntheticDrive drive = test::make_drive();
   const auto run = [&] {

@@ -192,7 +192,7 @@ TEST(Residuals, PlanarRelativePoseHasExactDerivatives) {
   }
 }
 
-// F35: a standard deviation is squared, and half angles are accounted for.
+// A standard deviation is squared, and half angles are accounted for.
 TEST(Residuals, OneStandardDeviationGivesOne) {
   const auto cost = relative_pose_residual(Pose(), g2o_information(diagonal_covariance(0.2, 0.01)));
   Vector6d d = Vector6d::Zero();

@@ -63,7 +63,7 @@ ImuSample imu_at(const SyntheticDrive& drive, std::size_t i) {
 }
 
 TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
-  // F30: the heading of such an orientation may be anything.
+  // The heading of such an orientation may be anything.
   const SyntheticDrive drive = tilting_drive();
   BackEndConfig config;
   config.imu_orientation_stddev_deg = 0.5;
@@ -82,7 +82,6 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
   EXPECT_LT(mean_tilt_error(back_end, drive), 0.3 * kDeg);
 }
 
-// F31
 TEST(Imu, GravityOfEitherSignAndABrakingVehicle) {
   const SyntheticDrive drive = tilting_drive();
   for (const double sign : {1.0, -1.0}) {
@@ -152,7 +151,6 @@ double height_error_with(FloorConstraint constraint, const SyntheticDrive& drive
   return height_error(back_end, drive);
 }
 
-// F34
 TEST(Floor, NeighboursRemoveTheDriftOfAFlatHall) {
   const SyntheticDrive drive = tilting_drive();
   const double off = height_error_with(FloorConstraint::kNone, drive, 0.0);
@@ -160,7 +158,6 @@ TEST(Floor, NeighboursRemoveTheDriftOfAFlatHall) {
   EXPECT_LT(height_error_with(FloorConstraint::kPlane, drive, 0.0), 0.1 * off);
 }
 
-// F34
 TEST(Floor, ARampIsNotFlattened) {
   const SyntheticDrive drive = tilting_drive(0.08);
   const double off = height_error_with(FloorConstraint::kNone, drive, 0.08);
@@ -191,7 +188,7 @@ TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
   EXPECT_LT(test::aligned_rmse(back_end, drive), 0.0095);
 }
 
-// F34: two storeys with floors of their own, joined by a ramp.
+// Two storeys with floors of their own, joined by a ramp.
 TEST(Floor, TwoStoreysStayApart) {
   DriveSettings settings;
   settings.hill = 3.0;

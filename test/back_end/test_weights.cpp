@@ -40,7 +40,6 @@ TEST(Weights, TheFirstMetresOfEverySegmentAreHeldLessFirmly) {
   EXPECT_GT(stddev(second - 1), 1.2 * stddev(edges.size() - 1));
 }
 
-// F67
 TEST(Weights, DegenerateDirectionsAreHardlyHeld) {
   const BackEndConfig config;
   const Covariance6 covariance = step_covariance(diagonal_covariance(0.001, 0.0001), forward(2.0),
@@ -49,7 +48,7 @@ TEST(Weights, DegenerateDirectionsAreHardlyHeld) {
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }
 
-// F67: in a corridor a loop that knows nothing along it corrects nothing along it.
+// In a corridor a loop that knows nothing along it corrects nothing along it.
 TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
   const test::SyntheticDrive drive = test::make_drive({1, 300.0});
   std::mt19937 engine(1);
@@ -69,7 +68,7 @@ TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
   EXPECT_GT(moved.y(), 0.15);
 }
 
-// F66: constant and by fitness, as hdl_graph_slam has them but with squares (F35).
+// Constant and by fitness, as hdl_graph_slam has them but with squares.
 TEST(Weights, OtherRulesAreThereByName) {
   BackEndConfig config;
   config.use_const_inf_matrix = true;
@@ -88,7 +87,7 @@ TEST(Weights, OtherRulesAreThereByName) {
   EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), 2.131, 0.001);
 }
 
-// F66, F35: where noise is as the parameters say, chi2 per degree of freedom is about one.
+// Where noise is as the parameters say, chi2 per degree of freedom is about one.
 TEST(Weights, ChiSquareIsHonest) {
   BackEndConfig config;
   config.odometry_min_stddev_m = config.loop_min_stddev_m = 1e-6;

@@ -33,7 +33,6 @@ struct LongDrive {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// F65, F51
 TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
   LongDrive run;
   const auto before = run.back_end.poses().poses;
@@ -108,7 +107,6 @@ TEST(MarginalCovariance, GrowsAlongTheChainAndShrinksWithALoop) {
   EXPECT_FALSE(marginal_covariance(*back_end.problem(), 100000));
 }
 
-// F53
 TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
@@ -126,7 +124,6 @@ TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   EXPECT_GT(least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * held);
 }
 
-// F53
 TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});

@@ -32,7 +32,7 @@ Trajectory sample() {
   return trajectory;
 }
 
-// F58: stamps to the nanosecond, positions to less than a micrometre.
+// Stamps to the nanosecond, positions to less than a micrometre.
 TEST_F(TrajectoryFile, TumComesBackTheSame) {
   const Trajectory again = read(to_tum(sample()));
   ASSERT_EQ(again.poses.size(), 2U);

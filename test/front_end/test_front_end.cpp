@@ -50,7 +50,7 @@ TEST(FrontEnd, FollowsADrive) {
   }
 }
 
-// F40, F41: nothing about the motion is known at first, and scans go missing on the way.
+// Nothing about the motion is known at first, and scans go missing on the way.
 TEST(FrontEnd, StartsAtSpeedAndBearsLossOfScans) {
   const simulation::Drive drive = town();
   constexpr std::size_t kFirst = 100;
@@ -97,7 +97,7 @@ TEST(FrontEnd, StandsStillAmongMovingCars) {
   EXPECT_EQ(key_frames, 1U);
 }
 
-// F37, F38: blindness is told, the pose goes on as predicted with a growing covariance, and the
+// Blindness is told, the pose goes on as predicted with a growing covariance, and the
 // drive is found again.
 TEST(FrontEnd, SaysThatItIsLostAndFindsBack) {
   const simulation::Drive drive = town();
@@ -137,7 +137,7 @@ TEST(FrontEnd, BeginsANewSegmentWhenLostForLong) {
   EXPECT_EQ(segments.back(), 1U);
 }
 
-// F49: nothing is kept outside of the object.
+// Nothing is kept outside of the object.
 TEST(FrontEnd, TwoInstancesDoNotDisturbEachOther) {
   const simulation::Drive drive = town();
   FrontEnd alone{FrontEndConfig{}};

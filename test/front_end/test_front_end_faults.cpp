@@ -44,7 +44,7 @@ double error(const simulation::Drive& drive, std::size_t from, const Pose& T_odo
   return (truth(drive, from, to).inverse() * T_odom_from.inverse() * T_odom_to).translation.norm();
 }
 
-// F37: a sweep of another place is told within three sweeps and never becomes a key frame, and the
+// A sweep of another place is told within three sweeps and never becomes a key frame, and the
 // drive goes on when the view returns.
 TEST(FrontEndFaults, SweepsOfAnotherPlaceAreToldAndKeptOutOfTheMap) {
   const simulation::Drive drive = drive_of("town");
@@ -66,7 +66,7 @@ TEST(FrontEndFaults, SweepsOfAnotherPlaceAreToldAndKeptOutOfTheMap) {
   EXPECT_LT(error(drive, kFirst + 24, T_odom_before, kFirst + 39, result.T_odom_base), 0.1);
 }
 
-// F37: bare ground holds no position. The pose stays at the prediction instead of running after
+// Bare ground holds no position. The pose stays at the prediction instead of running after
 // the rings, which travel with the sensor.
 TEST(FrontEndFaults, BareGroundDoesNotDragThePose) {
   const simulation::Drive drive = drive_of("town");
@@ -82,7 +82,7 @@ TEST(FrontEndFaults, BareGroundDoesNotDragThePose) {
   EXPECT_LT(error(drive, kFirst + 14, T_odom_before, kFirst + 19, result.T_odom_base), 0.4);
 }
 
-// F38: two seconds without sweeps: the next one is found where the vehicle is by then.
+// Two seconds without sweeps: the next one is found where the vehicle is by then.
 TEST(FrontEndFaults, ResumesAfterTwoSecondsWithoutSweeps) {
   const simulation::Drive drive = drive_of("town");
   constexpr std::size_t kGap = kFirst + 10;
@@ -130,7 +130,7 @@ Pose against_single_key_frames(const simulation::Drive& drive, std::size_t from,
   return T_from_key * T_key_last;
 }
 
-// F46: scans are matched with all that was seen, not with one key frame.
+// Scans are matched with all that was seen, not with one key frame.
 TEST(FrontEndFaults, DriftsLessThanScanToKeyFrame) {
   const simulation::Drive drive = drive_of("town");
   constexpr std::size_t kFrom = kFirst + 5;
@@ -147,7 +147,7 @@ TEST(FrontEndFaults, DriftsLessThanScanToKeyFrame) {
   EXPECT_LT(error(drive, kFrom, T_odom_from, kTo, result.T_odom_base), 0.5 * single) << single;
 }
 
-// F48: each pose comes with a covariance that is one and with the twist of the vehicle.
+// Each pose comes with a covariance that is one and with the twist of the vehicle.
 TEST(FrontEndFaults, ReportsCovarianceAndTwist) {
   const simulation::Drive drive = drive_of("town");
   FrontEnd front_end{FrontEndConfig{}};

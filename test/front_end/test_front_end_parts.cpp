@@ -32,7 +32,7 @@ TEST(FrontEndConfig, KnowsTheKeyFramesOfHdlGraphSlam) {
   EXPECT_EQ(config.key_frame_interval, 10000.0);
 }
 
-// F43: the whole angle counts, whatever the sign of the quaternion.
+// The whole angle counts, whatever the sign of the quaternion.
 TEST(KeyFrameRule, ComparesWholeAngles) {
   const KeyFrameRule rule{100.0, 1.0, 0.0};
   for (const double angle : {-3.0, -1.1, -0.9, 0.0, 0.9, 1.1, 3.0}) {
@@ -43,7 +43,7 @@ TEST(KeyFrameRule, ComparesWholeAngles) {
   }
 }
 
-// F44: the distance is Euclidean, so it does not depend on the direction of the drive.
+// The distance is Euclidean, so it does not depend on the direction of the drive.
 TEST(KeyFrameRule, MeasuresTheSameInAllDirections) {
   const KeyFrameRule rule{2.0, 1.0, 0.0};
   for (double direction = 0.0; direction < 6.3; direction += 0.1) {

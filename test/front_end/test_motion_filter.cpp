@@ -13,7 +13,7 @@ namespace {
 
 Pose turned(double angle) { return {exp_so3({0.0, 0.0, angle}), Eigen::Vector3d::Zero()}; }
 
-// F40, F41: the prediction goes on with the velocity for as long as the stamps say.
+// The prediction goes on with the velocity for as long as the stamps say.
 TEST(MotionFilter, PredictsWithConstantVelocityOverRealTime) {
   Vector6d twist;
   twist << 30.0, 0.0, 0.0, 0.0, 0.0, 0.3;
@@ -70,7 +70,7 @@ TEST(MotionFilter, AJumpIsNoAcceleration) {
   EXPECT_EQ(filter.acceleration().norm(), 0.0);
 }
 
-// F39: a measured speed forward moves the prediction forward.
+// A measured speed forward moves the prediction forward.
 TEST(MotionFilter, MeasuredVelocityPointsTheRightWay) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(turned(0.5), 15.0, 1.0);
@@ -211,7 +211,7 @@ TEST(VelocityTrust, LearnsTheScaleAndWhatTheVelocityIsWorth) {
   EXPECT_GT(dead.usual_sigma(), 3.0);
 }
 
-// F47: long chains of motions stay rotations.
+// Long chains of motions stay rotations.
 TEST(Moved, StaysARotationOverAHundredThousandSteps) {
   Vector6d twist;
   twist << 10.0, 0.0, 0.0, 0.01, -0.02, 0.3;

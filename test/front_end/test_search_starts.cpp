@@ -10,7 +10,7 @@ namespace {
 
 using registration::MotionState;
 
-// F41: after a gap the vehicle may be anywhere between where it was and where its speed would have
+// After a gap the vehicle may be anywhere between where it was and where its speed would have
 // put it.
 TEST(SearchStarts, LeaveNoGapBetweenTheAnchorAndThePrediction) {
   MotionState prediction;

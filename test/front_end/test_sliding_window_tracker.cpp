@@ -121,7 +121,7 @@ TEST(SlidingWindowTracker, IsWhatNdtMatchesAgainstWhereThatIsAsked) {
   EXPECT_TRUE(is_window());
 }
 
-// F40, F41: the prediction is one of velocity, by stamps.
+// The prediction is one of velocity, by stamps.
 TEST(SlidingWindowTracker, BearsTheLossOfScansAtSpeed) {
   SlidingWindowTracker tracker(config_for(registration::Method::kVgicp));
   std::mt19937 engine(3);
@@ -133,7 +133,7 @@ TEST(SlidingWindowTracker, BearsTheLossOfScansAtSpeed) {
   }
 }
 
-// F37, F38: what does not fit is reported lost and held at the prediction, and found again.
+// What does not fit is reported lost and held at the prediction, and found again.
 TEST(SlidingWindowTracker, IsLostWithoutAViewAndRecovers) {
   SlidingWindowTracker tracker(config_for(registration::Method::kVgicp));
   const double speed = 6.0;
@@ -187,7 +187,7 @@ TEST(SlidingWindowTracker, StartsWhereItIsTold) {
   EXPECT_LT(error_of(tracker.track(scan_at(0.0, 0.0), prior), 3.0, 4.0), 1e-12);
 }
 
-// F49: two instances know nothing of each other, and a restart forgets all.
+// Two instances know nothing of each other, and a restart forgets all.
 TEST(SlidingWindowTracker, ForgetsEverythingOnRestart) {
   SlidingWindowTracker used(config_for(registration::Method::kVgicp));
   for (int k = 0; k < 4; ++k) used.track(scan_at(9.0, kPeriod * k), {});

@@ -20,7 +20,7 @@ Appearance seen_from(const ToyWorld& world, const Pose& pose) {
 
 double modulo_pi(double angle) { return std::abs(std::remainder(angle, kPi)); }
 
-// F74: the heading comes from the descriptor, the position from the correlation.
+// The heading comes from the descriptor, the position from the correlation.
 TEST(Appearance, GivesHeadingAndPositionOfARevisit) {
   const ToyWorld world = make_town(150.0, 100.0, 4);
   const Pose older = planar(10.0, 0.0, 0.0);

@@ -39,7 +39,7 @@ std::size_t first_possible(const std::vector<Pose>& poses, double step) {
   return poses.size();
 }
 
-// F71: waiting never oversleeps a street that is driven back, whatever the length of the drive.
+// Waiting never oversleeps a street that is driven back, whatever the length of the drive.
 TEST(Candidates, AreTriedWithinTenKeyFramesOfTheFirstPossibility) {
   for (double length = 200.0; length < 310.0; length += 9.0) {
     const auto poses =
@@ -50,7 +50,7 @@ TEST(Candidates, AreTriedWithinTenKeyFramesOfTheFirstPossibility) {
   }
 }
 
-// F72: no spacing of key frames is assumed.
+// No spacing of key frames is assumed.
 TEST(Candidates, DoNotDependOnTheSpacingOfKeyFrames) {
   for (const double step : {0.5, 2.0, 5.0}) {
     const auto poses = along({{0, 0}, {150, 0}, {150, 150}, {0, 150}, {0, 0}, {100, 0}}, step);
@@ -97,7 +97,7 @@ TEST(Candidates, EverySourceCanBeSwitchedOff) {
   EXPECT_TRUE(attempts(poses, config).empty());
 }
 
-// F73: the search does not slow down with the drive.
+// The search does not slow down with the drive.
 TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
   CandidateGenerator places{LoopClosingConfig()};
   std::vector<Eigen::Vector2d> corners;
@@ -123,7 +123,7 @@ TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
 /// Two streets 60 m apart; by odometry the second is a new one.
 std::vector<Pose> two_streets() { return along({{0, 0}, {200, 0}, {200, 60}, {0, 60}}); }
 
-// F69: a correction of the map changes what is near.
+// A correction of the map changes what is near.
 TEST(Candidates, AreThoseOfTheCorrectedMap) {
   LoopClosingConfig config;
   config.horizontal_drift = 0.0;
@@ -143,7 +143,7 @@ TEST(Candidates, AreThoseOfTheCorrectedMap) {
   EXPECT_LE(candidates.front().node, 3U);
 }
 
-// F77: what lies above each other is not near each other.
+// What lies above each other is not near each other.
 TEST(Candidates, AnotherStoreyIsNoCandidate) {
   LoopClosingConfig config;
   config.vertical_drift = 0.001;
@@ -164,7 +164,7 @@ GnssPosition position_at(std::size_t i, const Pose& T_enu_base) {
   return position;
 }
 
-// Whatever the heights of the receiver are (F77), and before or after the key frame.
+// Whatever the heights of the receiver are, and before or after the key frame.
 TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
   LoopClosingConfig config;
   config.position_candidates = false;

@@ -41,7 +41,7 @@ TEST(Judge, AcceptsWhatNothingSpeaksAgainst) {
   expect(judged(good_match()), Verdict::kAccepted, "overlap_margin_limit");
 }
 
-// F77: storeys look alike, and the estimate does not know on which of them the vehicle is.
+// Storeys look alike, and the estimate does not know on which of them the vehicle is.
 TEST(Judge, AfterAJumpOfTheHeightARoofLeavesItUndecided) {
   Match match = good_match();
   match.figures.roofed = 0.6;
@@ -74,7 +74,7 @@ TEST(Judge, DoubtStaysWhereTwoPlacesFit) {
   }
 }
 
-// F75: every figure has its say, none alone decides.
+// Every figure has its say, none alone decides.
 TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
   Match match = good_match();
   match.alignment.converged = false;

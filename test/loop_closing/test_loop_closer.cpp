@@ -9,8 +9,8 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-// F70: a square that ends where it began closes on the first key frames.
-// F68: without GNSS, although odometry ends 20 m away from the start.
+// A square that ends where it began closes on the first key frames.
+// Without GNSS, although odometry ends 20 m away from the start.
 TEST(LoopCloser, ClosesASquareOnItsFirstKeyFrames) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}});
@@ -42,7 +42,7 @@ DriveOutcome square_off_by(double metres, bool appearance) {
   return drive(world, truth, odometry, config);
 }
 
-// F68: odometry so bad that what lies nearest in the estimate is another place.
+// Odometry so bad that what lies nearest in the estimate is another place.
 TEST(LoopCloser, AppearanceFindsWhatPositionMisses) {
   const DriveOutcome by_position = square_off_by(90.0, false);
   EXPECT_TRUE(by_position.loops.empty());
@@ -77,8 +77,8 @@ TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
   }
 }
 
-// F74: the way back through the same street, without an absolute heading.
-// F79: a loop at least every ten metres of it.
+// The way back through the same street, without an absolute heading.
+// A loop at least every ten metres of it.
 TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {100, 0}, {100, 3.5}, {0, 3.5}});
@@ -120,7 +120,7 @@ TEST(LoopCloser, MatchesOneCandidateWhereTheEstimateKnowsThePlace) {
 
 TEST(LoopCloser, MatchesAllWhereTheEstimateLeavesADoubt) { EXPECT_EQ(most_matched(0.02), 2U); }
 
-// F74: a crossing, where the headings differ by a quarter turn.
+// A crossing, where the headings differ by a quarter turn.
 TEST(LoopCloser, ClosesACrossing) {
   const ToyWorld world = make_town(150.0, 100.0, 8);
   const auto truth = along({{-40, 0}, {40, 0}, {40, 40}, {0, 40}, {0, -20}});
@@ -187,7 +187,7 @@ std::vector<Pose> car_park_drive() {
   return truth;
 }
 
-// F75, F77: what repeats from storey to storey is not the same place.
+// What repeats from storey to storey is not the same place.
 TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
@@ -196,7 +196,7 @@ TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
   EXPECT_GE(outcome.loops.size(), 6U);
 }
 
-// F77: an odometry that falls back by a storey at the end of each ramp.
+// An odometry that falls back by a storey at the end of each ramp.
 TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
@@ -209,7 +209,7 @@ TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
   EXPECT_GT(std::count_if(outcome.verdicts.begin(), outcome.verdicts.end(), is_undecided), 0);
 }
 
-// F77: a height that drifted by 15 m hides nothing.
+// A height that drifted by 15 m hides nothing.
 TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}}, 3.0);
@@ -224,7 +224,7 @@ TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
   EXPECT_FALSE(outcome.loops.empty());
 }
 
-// F76: any window and any gap work, and scan and submap never share a cloud.
+// Any window and any gap work, and scan and submap never share a cloud.
 TEST(LoopCloser, BearsEveryWindow) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {30, 0}, {30, 3.5}, {0, 3.5}});
@@ -255,7 +255,7 @@ TEST(LoopCloser, UnfilteredCloudsCloseToo) {
   EXPECT_FALSE(outcome.loops.empty());
 }
 
-// F78: after a restart the bookkeeping is that of before.
+// After a restart the bookkeeping is that of before.
 TEST(LoopCloser, ClosesSoonAfterARestart) {
   const ToyWorld world = make_town(80.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}});

@@ -141,7 +141,7 @@ TEST(Matching, CovarianceIsThatOfTheErrors) {
   EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
 }
 
-// F75: the fitness of a wrong place can be small; overlap and free space tell.
+// The fitness of a wrong place can be small; overlap and free space tell.
 TEST(Matching, AnotherPlaceIsRefused) {
   const ToyWorld here = make_town(100.0, 100.0, 6);
   const ToyWorld elsewhere = make_town(100.0, 100.0, 7);
@@ -169,7 +169,7 @@ ToyWorld make_tunnel() {
   return world;
 }
 
-// F75: a tunnel looks the same everywhere along its axis.
+// A tunnel looks the same everywhere along its axis.
 TEST(Matching, ATunnelDoesNotPinThePosition) {
   const Street street(make_tunnel(), planar(0.5, 0.0, 0.0));
   for (const double slip : {-6.0, -3.0, 3.0, 6.0}) {

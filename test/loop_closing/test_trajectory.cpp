@@ -22,7 +22,7 @@ Trajectory straight(std::size_t count) {
   return trajectory;
 }
 
-// F69: what is not optimised yet follows the newest pose that is.
+// What is not optimised yet follows the newest pose that is.
 TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
   Trajectory trajectory = straight(5);
   const auto moved = trajectory.update({1, true, {{2, 0, planar(4.0, 10.0, kPi / 2.0)}}});

@@ -26,7 +26,7 @@ KeyFramePoses shifted(KeyFrameIndex last, double shift) {
   return poses;
 }
 
-// F80: three optimisations in a row; what is new lies where the newest correction puts it.
+// Three optimisations in a row; what is new lies where the newest correction puts it.
 TEST(KeyFrameTrack, CorrectionsReplaceEachOther) {
   KeyFrameTrack track;
   for (KeyFrameIndex index = 0; index < 10; ++index) track.add(key_frame_at(index, 1.0 * index));
@@ -42,7 +42,7 @@ TEST(KeyFrameTrack, CorrectionsReplaceEachOther) {
   }
 }
 
-// F81: entries may miss in both lists; the others are joined by index.
+// Entries may miss in both lists; the others are joined by index.
 TEST(KeyFrameTrack, JoinsByIndexWhateverIsMissing) {
   std::mt19937 random(4);
   for (int round = 0; round < 50; ++round) {
@@ -63,7 +63,7 @@ TEST(KeyFrameTrack, JoinsByIndexWhateverIsMissing) {
   }
 }
 
-// F60: stamps and indices are those of the key frames.
+// Stamps and indices are those of the key frames.
 TEST(KeyFrameTrack, KeepsStamps) {
   KeyFrameTrack track;
   track.add(key_frame_at(3, 1.0));

@@ -75,7 +75,7 @@ PointCloudPtr cloud_of(std::vector<Point> points) {
   return cloud;
 }
 
-// F85: centroid and mean intensity, not the centre of the cell.
+// Centroid and mean intensity, not the centre of the cell.
 TEST(MapBuilder, GivesCentroidAndMeanIntensityOfEachVoxel) {
   Clouds clouds;
   clouds.clouds[0] = cloud_of({{0.1F, 0.1F, 0.1F, 10.0F}, {0.3F, 0.2F, 0.1F, 20.0F}});
@@ -92,7 +92,7 @@ TEST(MapBuilder, GivesCentroidAndMeanIntensityOfEachVoxel) {
   EXPECT_NEAR(centroid->intensity, 20.0, 1e-6);
 }
 
-// F85: a plane at an angle keeps its shape: RMS below a tenth of the voxel.
+// A plane at an angle keeps its shape: RMS below a tenth of the voxel.
 TEST(MapBuilder, KeepsASlantedPlaneFlat) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
@@ -124,7 +124,7 @@ TEST(MapBuilder, LeavesOutPointsThatAreNotFinite) {
   EXPECT_EQ(build_map(poses, clouds, exact_config()).size(), 1U);
 }
 
-// F80, F81, F83: whatever moved, came, went or came late, the map is that of the poses.
+// Whatever moved, came, went or came late, the map is that of the poses.
 TEST(MapBuilder, PartialUpdatesEqualAFullRebuildBitForBit) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
@@ -154,7 +154,7 @@ TEST(MapBuilder, TakesPartsOfThePosesIn) {
   expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, exact_config()));
 }
 
-// F83: only what moved is put in again.
+// Only what moved is put in again.
 TEST(MapBuilder, PutsOnlyTheNeighboursOfAMovedKeyFrameInAgain) {
   Drive drive(200);
   MapBuilder builder(exact_config(), drive.clouds);
@@ -168,7 +168,7 @@ TEST(MapBuilder, PutsOnlyTheNeighboursOfAMovedKeyFrameInAgain) {
   EXPECT_LT(builder.insertions() - before, 60U);
 }
 
-// F84: nothing changed, nothing is done.
+// Nothing changed, nothing is done.
 TEST(MapBuilder, AnIdleSystemRebuildsNothing) {
   Drive drive(10);
   MapBuilder builder(exact_config(), drive.clouds);
@@ -223,7 +223,7 @@ TEST(MapBuilder, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-// F87: the resolution asked for is the one that is used, for small and large maps.
+// The resolution asked for is the one that is used, for small and large maps.
 TEST(MapBuilder, BuildsWithAnotherResolutionOnRequest) {
   Drive drive(10);
   MapBuilder builder(exact_config(), drive.clouds);
@@ -281,7 +281,7 @@ TEST(BuildTiles, ReadsEachCloudOnce) {
   EXPECT_EQ(drive.clouds.reads, 200U);
 }
 
-// F86: points keep their precision far away from the origin.
+// Points keep their precision far away from the origin.
 TEST(BuildTiles, KeepsMillimetresFarAway) {
   Clouds clouds;
   clouds.clouds[0] = cloud_of({{1.0F, 1.0F, 0.0F, 0.0F}, {1.601F, 1.0F, 0.0F, 0.0F}});

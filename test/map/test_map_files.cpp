@@ -76,7 +76,7 @@ TEST(SaveMap, WritesLargeMapsPartByPart) {
   expect_whole(cloud);
 }
 
-// F90: frame, origin, leaf size and bounds stand beside the map and fit it.
+// Frame, origin, leaf size and bounds stand beside the map and fit it.
 TEST(SaveMap, DescribesTheMapBesideIt) {
   const TemporaryFolder folder;
   MapDescription description;
@@ -93,7 +93,7 @@ TEST(SaveMap, DescribesTheMapBesideIt) {
   EXPECT_NEAR(yaml["max"][0].as<double>(), 99.9, 1e-3);
 }
 
-// F86: in UTM, whose northings floats hold to half a metre, distances stay to a millimetre; F25:
+// In UTM, whose northings floats hold to half a metre, distances stay to a millimetre;
 // with the origin beside it a point is found on the globe.
 TEST(SaveMap, InUtmKeepsDistancesAndTheOrigin) {
   const TemporaryFolder folder;
@@ -144,7 +144,7 @@ TEST(SaveMap, HasSomethingElseDoneOnceFilesCanBeWritten) {
   }
 }
 
-// F55: what cannot be done is said.
+// What cannot be done is said.
 TEST(SaveMap, RefusesUnknownFormatsEmptyMapsAndUnwritableFolders) {
   const TemporaryFolder folder;
   EXPECT_THROW(save_map(example_map(), {}, folder.path(), {"doc"}), InputError);
@@ -153,7 +153,7 @@ TEST(SaveMap, RefusesUnknownFormatsEmptyMapsAndUnwritableFolders) {
   EXPECT_THROW(save_map(example_map(), {}, folder.path() / "file", {}), FileError);
 }
 
-// F56: a foreign map is not overwritten; one's own is.
+// A foreign map is not overwritten; one's own is.
 TEST(SaveMap, ReplacesItsOwnFilesOnly) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "map.pcd") << "mine";

@@ -79,7 +79,7 @@ TEST(SaveTiles, WritesAutowaresLayout) {
   EXPECT_TRUE(fs::exists(folder.path() / "foreign"));
 }
 
-// F86: coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.
+// Coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.
 TEST(WriteLas, CoordinatesAreRightToAMillimetre) {
   const TemporaryFolder folder;
   const GeodeticDatum datum{48.98, 8.39, 116.5};

@@ -86,7 +86,7 @@ double ghost_error(const Pose& displacement, const Eigen::Vector3d& expected) {
   return worst;
 }
 
-// R6: a pass displaced on purpose is found with its size to 1 cm.
+// A pass displaced on purpose is found with its size to 1 cm.
 TEST(GhostVectors, FindADisplacedPassToACentimetre) {
   EXPECT_LT(ghost_error(moved(0.0, 0.0, 0.0), {0.0, 0.0, 0.0}), 0.01);
   EXPECT_LT(ghost_error(moved(0.0, 0.05, 0.0), {0.0, 0.05, 0.0}), 0.01);
@@ -106,7 +106,7 @@ TEST(GhostVectors, ADriveThatNeverComesBackHasNone) {
   EXPECT_TRUE(ghost_vectors(passes.poses, passes, {}).empty());
 }
 
-// R5: thickness as a ratio to what range noise alone gives.
+// Thickness as a ratio to what range noise alone gives.
 TEST(LocalThickness, OfAPerfectMapIsThatOfTheNoise) {
   TwoPasses passes(moved(0.0, 0.0, 0.0));
   const LocalThickness thickness = local_thickness(passes.poses, passes, {});

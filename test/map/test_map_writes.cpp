@@ -67,7 +67,7 @@ void write_all(const fs::path& directory, int points) {
   write_png(directory / "top_view.png", top_view(cloud, 0.5));
 }
 
-// F58: an independent reader finds every product as its format is published, also where the map
+// An independent reader finds every product as its format is published, also where the map
 // frame is as far away as UTM coordinates.
 TEST(MapProducts, AreReadByAnIndependentReader) {
   const TemporaryFolder folder;
@@ -134,7 +134,7 @@ void expect_whole(const fs::path& directory, std::size_t points) {
   }
 }
 
-// F58: a kill at any moment leaves files that are whole, and the next run goes through.
+// A kill at any moment leaves files that are whole, and the next run goes through.
 TEST(MapProducts, SurviveKillAtAnyMoment) {
   constexpr int kPoints = 40'000;
   const TemporaryFolder folder;
@@ -181,7 +181,7 @@ int write_to_a_full_disk(const fs::path& directory) {
   return silent;
 }
 
-// F55: a full disk is an error that names the file; what was there before stays.
+// A full disk is an error that names the file; what was there before stays.
 TEST(MapProducts, AFullDiskIsSaidAndLeavesTheOldMap) {
   const TemporaryFolder folder;
   write_all(folder.path(), 4000);

@@ -72,7 +72,7 @@ class BackEndNode : public testing::Test {
   Listener<KeyFramePosesMessage> poses_{"key_frame_poses"};
 };
 
-// F55: the answer comes when the work is done, with figures.
+// The answer comes when the work is done, with figures.
 TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   const auto node = start();
   publish(0, kRound);
@@ -114,7 +114,7 @@ TEST_F(BackEndNode, SaysThatItMapsADriveOfTheLidarAlone) {
   })) << diagnostics.messages.back().status.at(0).message;
 }
 
-// F55: an empty graph says so.
+// An empty graph says so.
 TEST_F(BackEndNode, SaysThatThereIsNothingToOptimise) {
   const auto node = start();
   const OptimizeMap::Response answer = optimize();
@@ -122,7 +122,7 @@ TEST_F(BackEndNode, SaysThatThereIsNothingToOptimise) {
   EXPECT_NE(answer.message.find("no key frames"), std::string::npos) << answer.message;
 }
 
-// F61: clouds come over the service, those that were asked for.
+// Clouds come over the service, those that were asked for.
 TEST_F(BackEndNode, GivesKeyFramesWithAndWithoutClouds) {
   const auto node = start();
   publish(0, 10);
@@ -185,7 +185,7 @@ TEST_F(BackEndNode, GivesLoopsAndPositionsOfKeyFrames) {
   EXPECT_EQ(answer.antennas.size(), 1U);
 }
 
-// F54: unknown, equal and foreign indices are refused with a message, and nothing ends.
+// Unknown, equal and foreign indices are refused with a message, and nothing ends.
 TEST_F(BackEndNode, RefusesLoopsThatDoNotFit) {
   const auto node = start();
   publish(0, 10);
@@ -222,7 +222,7 @@ TEST_F(BackEndNode, GivesUpAKeyFrameThatNeverComes) {
       << node->output();
 }
 
-// F62: killed in mid-drive and started again, it goes on with the session.
+// Killed in mid-drive and started again, it goes on with the session.
 TEST_F(BackEndNode, GoesOnWithItsSessionAfterItWasKilled) {
   auto node = start();
   publish(0, 25);
@@ -250,7 +250,7 @@ TEST_F(BackEndNode, ResumesASessionOnRequest) {
   EXPECT_EQ(poses_.messages[0].run_id, "run");
 }
 
-// F56: another run gets a session of its own.
+// Another run gets a session of its own.
 TEST_F(BackEndNode, AnotherRunBeginsAnotherSession) {
   const auto node = start();
   publish(0, 5, "first");
@@ -261,7 +261,7 @@ TEST_F(BackEndNode, AnotherRunBeginsAnotherSession) {
   EXPECT_EQ(sessions().size(), 2U);
 }
 
-// F82, F88, F89: tf map -> odom at the stamps of the data, never twice for one.
+// Tf map -> odom at the stamps of the data, never twice for one.
 TEST_F(BackEndNode, BroadcastsMapToOdomAtTheStampsOfOdometry) {
   Listener<tf2_msgs::TFMessage> transforms("/tf");
   Listener<nav_msgs::Odometry> optimized("optimized_odom");

@@ -67,7 +67,7 @@ class FrontEndNode : public testing::Test {
   Listener<tf2_msgs::TFMessage> tf_{"tf"};
 };
 
-// F1, F10: stamps were mangled, and lost messages shifted the pairs.
+// Stamps were mangled, and lost messages shifted the pairs.
 TEST_F(FrontEndNode, GivesOdometryForEachScanWithItsStampBitForBit) {
   drive(0, 12);
   ASSERT_TRUE(odometry_.wait_for(12));
@@ -97,7 +97,7 @@ TEST_F(FrontEndNode, CountsTheScansThatWereLostBeforeIt) {
   }));
 }
 
-// F48: no covariance, no twist, no tf.
+// No covariance, no twist, no tf.
 TEST_F(FrontEndNode, GivesCovarianceTwistAndTransform) {
   drive(0, 12);
   ASSERT_TRUE(odometry_.wait_for(12));
@@ -113,7 +113,7 @@ TEST_F(FrontEndNode, GivesCovarianceTwistAndTransform) {
   EXPECT_EQ(transform.transform.translation.x, last.pose.pose.position.x);
 }
 
-// F13: a stored cloud must have the pose of its own stamp.
+// A stored cloud must have the pose of its own stamp.
 TEST_F(FrontEndNode, NumbersItsKeyFramesAndGivesThemThePoseOfTheirStamp) {
   drive(0, 14);
   ASSERT_TRUE(odometry_.wait_for(14) && key_frames_.wait_for(3));
@@ -133,7 +133,7 @@ TEST_F(FrontEndNode, NumbersItsKeyFramesAndGivesThemThePoseOfTheirStamp) {
   }
 }
 
-// F20: empty and all-NaN sweeps crashed, or became key frames.
+// Empty and all-NaN sweeps crashed, or became key frames.
 TEST_F(FrontEndNode, LeavesOutScansThatCannotBeUsedAndSaysWhy) {
   drive(0, 3);
   clouds_.publish(ros_border::to_message(PointCloud(), stamp_of(3), "base_link"));
@@ -165,7 +165,7 @@ TEST_F(FrontEndNode, SaysOnceThatABagIsPlayedAgain) {
   EXPECT_EQ(output.find("message left out"), std::string::npos) << output;
 }
 
-// F9, F10: queues without bound, and losses in silence.
+// Queues without bound, and losses in silence.
 TEST_F(FrontEndNode, CountsEveryScanThatItCannotKeepUpWith) {
   start({"_queue_size:=3"});
   odometry_.messages.clear();
@@ -182,7 +182,7 @@ TEST_F(FrontEndNode, CountsEveryScanThatItCannotKeepUpWith) {
   EXPECT_EQ(odometry_.messages.size(), status_.messages.size());
 }
 
-// F21: a missing transform killed or muted the pipeline.
+// A missing transform killed or muted the pipeline.
 // Not before a second has passed: /tf_static may come a moment after the first scan.
 TEST_F(FrontEndNode, NamesBothFramesOfAMissingTransformOnceAndLivesOn) {
   const std::string warning = "no transform from frame 'velodyne' to 'base_link' yet";

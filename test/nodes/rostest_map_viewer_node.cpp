@@ -15,7 +15,7 @@
 namespace lidar_mapping::test {
 namespace {
 
-// F82: who subscribes after the fact sees everything; F88: stamps are those of the data.
+// Who subscribes after the fact sees everything; stamps are those of the data.
 TEST_F(MapViewerNode, ShowsMapPathsAndGraphToWhoComesLate) {
   store(kRound);
   const NodeProcess node("map_viewer_node");
@@ -131,7 +131,7 @@ TEST_F(MapViewerNode, FetchesTheLastKeyFrameWhenThePosesNameIt) {
   EXPECT_TRUE(wait_until([&] { return shows(kRound); })) << node.output();
 }
 
-// F84: without anything new the map is sent once.
+// Without anything new the map is sent once.
 TEST_F(MapViewerNode, AnIdleSystemSendsTheMapOnce) {
   store(kRound);
   const NodeProcess node("map_viewer_node");

@@ -98,7 +98,7 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
   answer = save(call);
   EXPECT_FALSE(answer.success);
   EXPECT_NE(answer.message.find("is there already"), std::string::npos) << answer.message;
-  // F25: a session that is gone on with keeps the datum of its first drive.
+  // A session that is gone on with keeps the datum of its first drive.
   session::Session::create_in(folder_.path() / "session").set_datum({10.0, 20.0, 30.0});
   ros::NodeHandle().setParam("session_folder", (folder_.path() / "session").string());
   call.request.destination = (folder_.path() / "first.pcd").string();
@@ -132,7 +132,7 @@ TEST_F(MapViewerNode, SavesTheMapWithoutMovingObjects) {
   EXPECT_GT(points_of_box(folder_.path() / "kept/map.pcd"), 10);
 }
 
-// F55: saving works without an optimisation, and says what it wrote.
+// Saving works without an optimisation, and says what it wrote.
 TEST_F(MapViewerNode, SavesTheMapAndNamesTheFiles) {
   store(kRound);
   const NodeProcess node("map_viewer_node");
@@ -190,7 +190,7 @@ TEST_F(MapViewerNode, SavesEveryFormat) {
   }
 }
 
-// F55: each thing that cannot be done has its own message.
+// Each thing that cannot be done has its own message.
 TEST_F(MapViewerNode, SaysWhyItCannotSave) {
   ros::param::del("session_folder");
   const NodeProcess node("map_viewer_node");

@@ -243,7 +243,7 @@ TEST_F(Mapping, GivesAMapAndLosesNoScan) {
   EXPECT_NEAR(static_cast<double>(live.size()), others, 0.001 * others);
 }
 
-// F12: LiDAR alone did not work.
+// LiDAR alone did not work.
 TEST_F(Mapping, GivesAMapOfTheLidarAlone) {
   connect({"points", "tf_static"});
   const std::size_t scans = drive();
@@ -276,7 +276,7 @@ TEST_F(Mapping, GoesOnInANewSegmentAfterTheFrontEndWasKilled) {
   EXPECT_EQ(optimize().key_frames, after);
 }
 
-// F21: a missing transform muted the pipeline, or killed it.
+// A missing transform muted the pipeline, or killed it.
 TEST_F(Mapping, SaysWhichTransformIsMissingAndMakesNoMap) {
   connect({"points", "imu", "velocity", "gnss"});
   for (int i = 0; i < 20; ++i) {
@@ -334,7 +334,7 @@ class LaunchedMapping : public Mapping {
   }
 };
 
-// F61, F62: what was killed lost the drive.
+// What was killed lost the drive.
 TEST_F(LaunchedMapping, IsCompleteAfterEveryNodeWasKilledInMidDrive) {
   connect(kAllTopics);
   drive(20);

@@ -17,7 +17,7 @@ class EveryNode : public testing::TestWithParam<const char*> {
   std::string name() const { return GetParam(); }
 };
 
-// F92: a wrong value crashed later, or had no effect.
+// A wrong value crashed later, or had no effect.
 TEST_P(EveryNode, EndsWithALinePerProblemBeforeItTouchesData) {
   NodeProcess node(name(), {"_queue_size:=0", "_base_frame:=/base_link"});
   EXPECT_EQ(node.wait(), 1);
@@ -28,7 +28,7 @@ TEST_P(EveryNode, EndsWithALinePerProblemBeforeItTouchesData) {
   EXPECT_NE(output.find("'/base_link' starts with a slash"), std::string::npos) << output;
 }
 
-// F93: a misspelt key was ignored in silence.
+// A misspelt key was ignored in silence.
 TEST_P(EveryNode, EndsForAnUnknownKeyAndSuggestsTheRightOne) {
   NodeProcess node(name(), {"_base_farme:=vehicle"});
   EXPECT_EQ(node.wait(), 1);
@@ -57,7 +57,7 @@ TEST_P(EveryNode, EndsForAnOptionThatItDoesNotKnow) {
   EXPECT_NE(node.output().find("--print-confg"), std::string::npos) << node.output();
 }
 
-// F91: frames, topics and paths were compiled in; two instances could not run beside each other.
+// Frames, topics and paths were compiled in; two instances could not run beside each other.
 TEST_P(EveryNode, StartsInTwoNamespacesAtOnceAndEndsWhenAsked) {
   NodeProcess one(name(), {"__ns:=one"});
   NodeProcess two(name(), {"__ns:=two"});

@@ -100,7 +100,7 @@ class PreprocessingNode : public testing::Test {
   Listener<sensor_msgs::NavSatFix> datum_{"gnss_datum"};
 };
 
-// F1, F8, F12, F21: late tf, the LiDAR with and without other sensors, stamps bit for bit.
+// Late tf, the LiDAR with and without other sensors, stamps bit for bit.
 TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   for (int step = 0; step < 5; ++step) send_cloud(step);
   EXPECT_FALSE(synced_.wait_for(1, 0.1));
@@ -139,7 +139,7 @@ class StoppedMaster {
   pid_t pid_ = -1;
 };
 
-// F94: nothing is asked of the master while scans go through, once it knows the datum of the run.
+// Nothing is asked of the master while scans go through, once it knows the datum of the run.
 TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
   Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   send_transform();
@@ -333,7 +333,7 @@ TEST_F(PreprocessingNode, NamesATypeThatItDoesNotRead) {
   })) << node_->output();
 }
 
-// F5, F20: clouds without points or cut off.
+// Clouds without points or cut off.
 TEST_F(PreprocessingNode, SurvivesUnusableClouds) {
   send_transform();
   sensor_msgs::PointCloud2 empty;

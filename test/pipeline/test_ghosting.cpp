@@ -1,4 +1,4 @@
-// R6, F79: a street that was driven twice is one street in the map, and a wrong pass is found.
+// A street that was driven twice is one street in the map, and a wrong pass is found.
 #include <random>
 
 #include <gtest/gtest.h>

@@ -104,7 +104,7 @@ TEST(HdlDump, HasTheFilesThatInteractiveSlamReads) {
   EXPECT_THROW(write_hdl_dump(session, graph_of(session), dump), FileError) << "is there";
 }
 
-// F62: out and in again loses nothing of what the format has.
+// Out and in again loses nothing of what the format has.
 TEST(HdlDump, ComesBackAsItWent) {
   const TemporaryFolder folder;
   const Session before = example_session(folder.path() / "session");

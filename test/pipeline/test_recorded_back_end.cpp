@@ -79,7 +79,7 @@ TEST(RecordedBackEnd, KeepsWhatTheOptimisationDid) {
   EXPECT_TRUE(optimize(back_end).verdicts.empty()) << "an opinion is said once";
 }
 
-// F54: indices that the graph does not know leave session and graph as they were.
+// Indices that the graph does not know leave session and graph as they were.
 TEST(RecordedBackEnd, RefusesLoopsWithUnknownOrEqualIndices) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});
@@ -91,7 +91,7 @@ TEST(RecordedBackEnd, RefusesLoopsWithUnknownOrEqualIndices) {
   EXPECT_TRUE(back_end.session().loops().empty());
 }
 
-// F62: save, load, continue equals the run that was not interrupted.
+// Save, load, continue equals the run that was not interrupted.
 TEST(RecordedBackEnd, GoesOnWithASessionAsIfNothingHadHappened) {
   const TemporaryFolder undisturbed_folder;
   RecordedBackEnd undisturbed(Session::create_in(undisturbed_folder.path()), {});

@@ -114,7 +114,7 @@ SyncedScan deskewed(const Rig& rig) {
   return scans.front();
 }
 
-TEST(Deskewing, IsExactForEveryStartAndDirection) {  // F16, F17
+TEST(Deskewing, IsExactForEveryStartAndDirection) {
   for (const double direction : {-1.0, 1.0}) {
     for (const double start : {0.0, 0.5, M_PI / 2, M_PI, 4.7}) {
       for (const double begin : {0.0, -0.05, -0.1}) {
@@ -131,7 +131,7 @@ TEST(Deskewing, IsExactForEveryStartAndDirection) {  // F16, F17
   }
 }
 
-TEST(Deskewing, HeedsTurnedAndDistantSensors) {  // F14, F15, F18
+TEST(Deskewing, HeedsTurnedAndDistantSensors) {
   std::mt19937 engine(4);
   std::normal_distribution<double> normal(0.0, 1.0);
   const auto vector = [&] {
@@ -147,7 +147,7 @@ TEST(Deskewing, HeedsTurnedAndDistantSensors) {  // F14, F15, F18
   }
 }
 
-TEST(Deskewing, FollowsUnevenTurning) {  // F18
+TEST(Deskewing, FollowsUnevenTurning) {
   Rig rig;
   rig.motion.wobble = 0.05;
   Rig without = rig;

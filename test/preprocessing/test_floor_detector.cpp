@@ -118,13 +118,13 @@ TEST(FloorDetector, ShowsInWhichPointsItLooksAndWhichItFound) {
   EXPECT_TRUE(points.inliers.empty());
 }
 
-TEST(FloorDetector, LooksOnlyWhereTheFloorIsExpected) {  // F34: heights from base_link
+TEST(FloorDetector, LooksOnlyWhereTheFloorIsExpected) {  // Heights from base_link
   const Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 9);
   EXPECT_FALSE(FloorDetector(config_for(0.0)).process(scan).found);
   EXPECT_TRUE(FloorDetector(config_for(1.3)).process(scan).found);
 }
 
-TEST(FloorDetector, RefusesWallsAndEmptyScans) {  // F20
+TEST(FloorDetector, RefusesWallsAndEmptyScans) {
   EXPECT_FALSE(FloorDetector({}).process({}).found);
   Scan walls = scan_of_plane(Eigen::Vector3d::UnitZ(), 100.0, true, 10);
   EXPECT_FALSE(FloorDetector(config_for(1.0)).process(walls).found);

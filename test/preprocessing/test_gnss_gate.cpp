@@ -88,7 +88,7 @@ TEST(GnssGate, TakesAllOfACleanDrive) {
   EXPECT_LT(outcome.worst, 0.15);
 }
 
-TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {  // F24
+TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {
   for (const double metres : {5.0, 50.0}) {
     simulation::DriveOptions options;
     options.gnss_jumps = {{40.0, metres}, {90.0, metres}};

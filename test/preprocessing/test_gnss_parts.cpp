@@ -98,7 +98,7 @@ TEST(FixScatter, RaisesCovariancesThatAreTooSmallAndOnlyThese) {
   EXPECT_EQ(scatter_of(0.1, 1.0).variance_factor(), 1.0);
 }
 
-/// F33: the extrinsic was applied the wrong way round. A wall north of a vehicle that turns on the
+/// The extrinsic was applied the wrong way round. A wall north of a vehicle that turns on the
 /// spot must stay where it is, seen by a sensor that is turned by 90 degrees and a metre off.
 TEST(Preprocessor, AppliesTheExtrinsicTheRightWayRound) {
   const Pose T_base_lidar{exp_so3({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.5}};

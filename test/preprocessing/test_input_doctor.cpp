@@ -88,7 +88,7 @@ TEST(InputDoctor, FindsAccelerationsInG) {
   expect_fault(messages, "in g");
 }
 
-TEST(InputDoctor, FindsGravityOfTheWrongSign) {  // F31
+TEST(InputDoctor, FindsGravityOfTheWrongSign) {
   Messages messages = clean();
   for (ImuSample& sample : messages.imu) sample.linear_acceleration *= -1.0;
   expect_fault(messages, "wrong sign");
@@ -223,7 +223,7 @@ TEST(InputDoctor, FindsSpeedsInOtherUnits) {
   }
 }
 
-TEST(InputDoctor, FindsFixesThatAreNone) {  // F24
+TEST(InputDoctor, FindsFixesThatAreNone) {
   Messages messages = clean();
   for (std::size_t i = 0; i < 100; ++i) {
     messages.gnss[5 * i].latitude_deg = messages.gnss[5 * i].longitude_deg = 0.0;

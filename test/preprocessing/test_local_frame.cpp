@@ -39,7 +39,7 @@ TEST(LocalFrame, KeepsDistancesOfTheEarth) {
               (ecef(a) - ecef(b)).norm(), 1e-6);
 }
 
-TEST(LocalFrame, HasTheConfiguredDatum) {  // F25
+TEST(LocalFrame, HasTheConfiguredDatum) {
   PreprocessingConfig config;
   config.use_datum = true;
   config.datum = {49.0, 8.4, 100.0};
@@ -49,7 +49,7 @@ TEST(LocalFrame, HasTheConfiguredDatum) {  // F25
   EXPECT_NEAR(frame.to_local(fix(at(0.0))).p_enu.z(), 15.0, 1e-6);
 }
 
-TEST(LocalFrame, RaisesCovariancesToTheFloorAndFillsUnknownOnes) {  // F24, F35
+TEST(LocalFrame, RaisesCovariancesToTheFloorAndFillsUnknownOnes) {
   LocalFrame frame({});
   GnssFix bad = fix(at(0.0));
   bad.covariance = 1e-10 * Eigen::Matrix3d::Identity();
@@ -67,7 +67,7 @@ TEST(LocalFrame, RaisesCovariancesToTheFloorAndFillsUnknownOnes) {  // F24, F35
   EXPECT_EQ(frame.to_local(bad).covariance(0, 1), 0.0);
 }
 
-TEST(LocalFrame, NamesWhatIsWrongWithAFix) {  // F24
+TEST(LocalFrame, NamesWhatIsWrongWithAFix) {
   const PreprocessingConfig config;
   EXPECT_EQ(problem_of(fix(at(0.0)), config), "");
   const auto refuses = [&](auto&& spoil) {

@@ -20,7 +20,7 @@ using test::velocity;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Preprocessor, KeepsTheStampOfEveryScanBitForBit) {  // F1, F8
+TEST(Preprocessor, KeepsTheStampOfEveryScanBitForBit) {
   Preprocessor stage({}, identity_lookup);
   const auto scans = drive(stage, 3.0, kNothingMissing);
   ASSERT_GE(scans.size(), 28U);
@@ -35,7 +35,7 @@ TEST(Preprocessor, KeepsTheStampOfEveryScanBitForBit) {  // F1, F8
   }
 }
 
-TEST(Preprocessor, RunsWithEverySubsetOfSensors) {  // F12
+TEST(Preprocessor, RunsWithEverySubsetOfSensors) {
   for (int subset = 0; subset < 8; ++subset) {
     const auto missing = [&](const std::string& name, double) {
       return (name == "imu" && (subset & 1)) || (name == "velocity" && (subset & 2)) ||
@@ -51,7 +51,7 @@ TEST(Preprocessor, RunsWithEverySubsetOfSensors) {  // F12
   }
 }
 
-TEST(Preprocessor, GivesEveryScanOnceAndInOrder) {  // F7, F8
+TEST(Preprocessor, GivesEveryScanOnceAndInOrder) {
   std::mt19937 engine(5);
   std::vector<int> order(40);
   for (int i = 0; i < 40; ++i) order[static_cast<std::size_t>(i)] = i;
@@ -87,7 +87,7 @@ TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
   EXPECT_EQ(stage.take_notices().size(), 2U);
 }
 
-TEST(Preprocessor, StaysFiniteWhateverComes) {  // F5
+TEST(Preprocessor, StaysFiniteWhateverComes) {
   Preprocessor stage({}, identity_lookup);
   std::vector<SyncedScan> scans;
   for (int i = 0; i < 200; ++i) {
@@ -120,7 +120,7 @@ TEST(Preprocessor, StaysFiniteWhateverComes) {  // F5
   }
 }
 
-TEST(Preprocessor, DropsScansWithoutPointsAndSaysSo) {  // F20
+TEST(Preprocessor, DropsScansWithoutPointsAndSaysSo) {
   Preprocessor stage({}, identity_lookup);
   RawScan empty{at(0.0), "lidar", {}};
   RawScan nan = ring_scan(at(0.1));

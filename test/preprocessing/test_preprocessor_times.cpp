@@ -17,7 +17,7 @@ using test::kNothingMissing;
 using test::ring_scan;
 using test::velocity;
 
-TEST(Preprocessor, GoesOnAfterAGapOfAnySensor) {  // F2
+TEST(Preprocessor, GoesOnAfterAGapOfAnySensor) {
   for (const std::string name : {"imu", "velocity", "gnss"}) {
     Preprocessor stage({}, identity_lookup);
     auto scans = drive(stage, 6.0, [&](const std::string& sensor, double t) {
@@ -36,7 +36,7 @@ TEST(Preprocessor, GoesOnAfterAGapOfAnySensor) {  // F2
   }
 }
 
-TEST(Preprocessor, WaitsForSlowAndLateSensors) {  // F3
+TEST(Preprocessor, WaitsForSlowAndLateSensors) {
   for (const double period : {0.01, 0.1, 0.25, 0.5, 1.0}) {
     for (const double delay : {0.0, 0.05, 0.12, 0.3}) {
       Preprocessor stage({}, identity_lookup);
@@ -68,7 +68,7 @@ TEST(Preprocessor, DoesNotWaitForASensorThatHasGone) {
   EXPECT_GE(scans.size(), 58U);
 }
 
-TEST(Preprocessor, BeginsAnewWhenTimeGoesBack) {  // F7
+TEST(Preprocessor, BeginsAnewWhenTimeGoesBack) {
   Preprocessor fresh({}, identity_lookup), stage({}, identity_lookup);
   auto expected = drive(fresh, 3.0, kNothingMissing);
   append(expected, fresh.flush());

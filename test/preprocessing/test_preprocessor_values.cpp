@@ -56,7 +56,7 @@ TEST(Preprocessor, DoesNotUseAGyroThatTurnsFarMoreThanTheVelocity) {
   }
 }
 
-TEST(Preprocessor, WaitsForTheTransformOfTheScan) {  // F21
+TEST(Preprocessor, WaitsForTheTransformOfTheScan) {
   bool known = false;
   Preprocessor stage({}, [&](const std::string&) {
     return known ? std::optional<Pose>(Pose::Identity()) : std::nullopt;
@@ -173,7 +173,7 @@ SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double 
   return scans.back();
 }
 
-TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {  // F27
+TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {
   EXPECT_TRUE(last_of_drive_with_heading(0.1, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(1.0, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 8.0).gnss->R_enu_base);
@@ -188,7 +188,7 @@ TEST(Preprocessor, BelievesTheHeadingOfAVehicleThatBacksUp) {
       last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
 }
 
-TEST(Preprocessor, HandsTheLeverArmOn) {  // F26
+TEST(Preprocessor, HandsTheLeverArmOn) {
   Preprocessor stage({}, [](const std::string& frame) {
     return std::optional<Pose>(
         Pose{Eigen::Quaterniond::Identity(), {frame == "gps" ? 1.5 : 0.0, 0.0, 0.3}});

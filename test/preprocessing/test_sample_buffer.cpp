@@ -15,7 +15,7 @@ namespace {
 
 using test::at;
 
-TEST(SampleBuffer, PutsSamplesIntoTheOrderOfTheirStamps) {  // F7
+TEST(SampleBuffer, PutsSamplesIntoTheOrderOfTheirStamps) {
   std::mt19937 engine(1);
   std::vector<int> order(100);
   for (int i = 0; i < 100; ++i) order[static_cast<std::size_t>(i)] = i;
@@ -33,7 +33,7 @@ TEST(SampleBuffer, PutsSamplesIntoTheOrderOfTheirStamps) {  // F7
   }
 }
 
-TEST(SampleBuffer, RefusesDuplicatesAndStaysBounded) {  // F5, F9
+TEST(SampleBuffer, RefusesDuplicatesAndStaysBounded) {
   SampleBuffer<ImuSample> buffer(from_seconds(1.0), 50);
   for (int i = 0; i < 1000; ++i) {
     EXPECT_TRUE(buffer.insert(test::imu(at(0.01 * i))));
@@ -43,7 +43,7 @@ TEST(SampleBuffer, RefusesDuplicatesAndStaysBounded) {  // F5, F9
   EXPECT_FALSE(buffer.insert(test::imu(at(0.0))));
 }
 
-TEST(Interpolation, StaysBetweenNeighboursOrGivesNothing) {  // F4
+TEST(Interpolation, StaysBetweenNeighboursOrGivesNothing) {
   std::mt19937 engine(2);
   std::uniform_real_distribution<double> value(-5.0, 5.0);
   std::uniform_real_distribution<double> step(0.001, 0.4);
@@ -72,7 +72,7 @@ TEST(Interpolation, StaysBetweenNeighboursOrGivesNothing) {  // F4
   EXPECT_LT(found, 4500);
 }
 
-TEST(Interpolation, TakesTheShorterWayWhateverTheSigns) {  // F6
+TEST(Interpolation, TakesTheShorterWayWhateverTheSigns) {
   for (double yaw = -3.1; yaw < 3.1; yaw += 0.1) {
     ImuSample a = test::imu(at(0.0));
     ImuSample b = test::imu(at(0.1));
@@ -94,7 +94,7 @@ TEST(Interpolation, HasNoOrientationWhereOneSampleHasNone) {
   EXPECT_FALSE(interpolated(without, with, at(0.05)).orientation);
 }
 
-TEST(Interpolation, MovesVelocitiesOfTurnedAndDistantSensors) {  // F14, F15
+TEST(Interpolation, MovesVelocitiesOfTurnedAndDistantSensors) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 1.0);
   const auto vector = [&] {
@@ -118,7 +118,7 @@ TEST(Interpolation, MovesVelocitiesOfTurnedAndDistantSensors) {  // F14, F15
   }
 }
 
-TEST(Interpolation, ComposesTheOrientationOnTheRightSide) {  // F30
+TEST(Interpolation, ComposesTheOrientationOnTheRightSide) {
   // An IMU mounted with 90 degrees of yaw on a vehicle that heads for 30 degrees.
   const Pose T_base_imu{exp_so3({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.0}};
   ImuSample sample = test::imu(at(0.0), {1.0, 0.0, 0.0});
@@ -128,7 +128,7 @@ TEST(Interpolation, ComposesTheOrientationOnTheRightSide) {  // F30
   EXPECT_LT((base.angular_velocity - Eigen::Vector3d::UnitY()).norm(), 1e-12);
 }
 
-TEST(Interpolation, KeepsFixesOnTheTrack) {  // F29: 30 m/s, 10 Hz and 1 Hz
+TEST(Interpolation, KeepsFixesOnTheTrack) {  // 30 m/s, 10 Hz and 1 Hz
   for (const double period : {0.1, 1.0}) {
     const LocalFix a{at(0.0), {0.0, 0.0, 0.0}, 0.01 * Eigen::Matrix3d::Identity(), 2};
     const LocalFix b{at(period), {30.0 * period, 0.0, 0.0}, 0.01 * Eigen::Matrix3d::Identity(), 0};

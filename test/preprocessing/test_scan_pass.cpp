@@ -43,14 +43,14 @@ TEST(ScanPass, CutsByRangeFromTheSensor) {
     const Eigen::Vector3d expected = T_base_lidar * raw.points[i].position().cast<double>();
     ASSERT_LT(kept, cloud.size());
     EXPECT_LT((cloud.points[kept].position().cast<double>() - expected).norm(), 1e-5);
-    EXPECT_EQ(cloud.points[kept].intensity, raw.points[i].intensity);  // F19
+    EXPECT_EQ(cloud.points[kept].intensity, raw.points[i].intensity);
     EXPECT_EQ(cloud.times[kept], raw.times[i]);
     ++kept;
   }
   EXPECT_EQ(cloud.size(), kept);
 }
 
-TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {  // F22
+TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {
   PreprocessingConfig config;
   config.use_distance_filter = false;
   PointCloud cloud = random_cloud(2, 1000, 500.0F);
@@ -58,7 +58,7 @@ TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {  // F22
   EXPECT_EQ(cloud.size(), 1000U);
 }
 
-TEST(ScanPass, DropsWhatIsNoPoint) {  // F20
+TEST(ScanPass, DropsWhatIsNoPoint) {
   PointCloud cloud;
   cloud.points = {
       {kNaN, 1, 1, 0}, {0, 0, 0, 0},     {std::numeric_limits<float>::infinity(), 0, 0, 0},
@@ -104,7 +104,7 @@ TEST(ScanPass, CorrectsTheVerticalAngle) {
   }
 }
 
-TEST(ScanTimes, FollowTheAzimuthEitherWay) {  // F17
+TEST(ScanTimes, FollowTheAzimuthEitherWay) {
   for (const ScanDirection direction :
        {ScanDirection::kClockwise, ScanDirection::kCounterclockwise}) {
     for (const double start_deg : {0.0, 90.0, 180.0, -135.0}) {
@@ -158,7 +158,7 @@ TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
   }
 }
 
-TEST(Thinning, FiltersWhateverTheExtent) {  // F23
+TEST(Thinning, FiltersWhateverTheExtent) {
   for (const DownsampleMethod method :
        {DownsampleMethod::kVoxelGrid, DownsampleMethod::kApproximateVoxelGrid}) {
     PreprocessingConfig config;

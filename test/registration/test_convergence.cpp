@@ -25,7 +25,7 @@ double sure_distance(Method method) { return method == Method::kNdt ? 2.0 : 0.5;
 
 class Convergence : public MethodTest {};
 
-// F42, F37: the basin of convergence is known, and outside of it nothing is called a success.
+// The basin of convergence is known, and outside of it nothing is called a success.
 TEST_P(Convergence, SucceedsNearbyAndSaysSoElsewhere) {
   Scene scene = make_scene(0.02);
   scene.source.points.resize(1500);
@@ -53,7 +53,7 @@ TEST_P(Convergence, SucceedsNearbyAndSaysSoElsewhere) {
 
 INSTANTIATE_TEST_SUITE_P(All, Convergence, testing::ValuesIn(kAllMethods), method_name);
 
-// F42: 1 cm, not the root of it: no step is longer than 0.1 m, so the first one would be the last.
+// 1 cm, not the root of it: no step is longer than 0.1 m, so the first one would be the last.
 TEST(PclNdt, TakesTheEpsilonOfTheArticlesAsALength) {
   const Scene scene = make_scene(0.05);
   RegistrationConfig config;

@@ -151,7 +151,7 @@ TEST(GaussianVoxelMap, KeepsFloorAndCeilingOfASlabApart) {
   EXPECT_NEAR(height_seen(level, map).value_or(0.0F), 0.4F, 0.01F);
 }
 
-// F45: what is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
+// What is far away is let go of bit by bit, what is near stays, and nothing is rebuilt.
 TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
   GaussianVoxelMap map(1.0, 4096);
   for (int x = 0; x < 1000; ++x) {
@@ -165,7 +165,7 @@ TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
   }
 }
 
-// F45: a drive of ten kilometres needs no more memory than its beginning.
+// A drive of ten kilometres needs no more memory than its beginning.
 TEST(GaussianVoxelMap, StaysOfOneSizeOverALongDrive) {
   GaussianVoxelMap map(1.0, 4096);
   std::size_t largest = 0;

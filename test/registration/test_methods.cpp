@@ -36,7 +36,7 @@ TEST_P(Methods, BearNoise) {
   EXPECT_LT(angle_between(result.T_target_source, scene.T_target_source), 0.008);
 }
 
-// F37: the method's library may call it converged; this package does not.
+// The method's library may call it converged; this package does not.
 TEST_P(Methods, AdmitThatIterationsRanOut) {
   const Scene scene = make_scene(0.02);
   RegistrationConfig hasty = config();
@@ -46,7 +46,7 @@ TEST_P(Methods, AdmitThatIterationsRanOut) {
   EXPECT_FALSE(result.converged);
 }
 
-// F37: a scan of another place fits nowhere, and the figures say so.
+// A scan of another place fits nowhere, and the figures say so.
 TEST_P(Methods, ShowThatAForeignCloudDoesNotFit) {
   const Scene scene = make_scene(0.02);
   PointCloud foreign;

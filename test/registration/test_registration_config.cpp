@@ -10,7 +10,7 @@ RegistrationConfig load_text(const std::string& text) {
   return config::load<RegistrationConfig>({config::parse_yaml(text, "test.yaml")});
 }
 
-// F93: parameters of the ancestors must not be read as something else, or silently ignored.
+// Parameters of the ancestors must not be read as something else, or silently ignored.
 TEST(RegistrationConfig, ReadsTheParametersOfTheArticles) {
   const RegistrationConfig config =
       load_text("NDT: {res: 1.5, step_size: 0.2, trans_eps: 0.02, max_iter: 40}\n");

@@ -41,7 +41,7 @@ void expect_same(const PointCloud& a, const PointCloud& b) {
   EXPECT_EQ(a.times, b.times);
 }
 
-// F1: stamps went through a 32-bit float and lost up to 64 s.
+// Stamps went through a 32-bit float and lost up to 64 s.
 TEST(StampConversion, IsExactToTheNanosecond) {
   std::mt19937_64 random(1);
   std::uniform_int_distribution<Stamp> stamps(0, 4294967295999999999);
@@ -129,7 +129,7 @@ TEST(CloudConversion, SendsTheSameBytesFromWhereThePointsLie) {
   EXPECT_STREQ(ros::message_traits::datatype<OutgoingCloud>(), "sensor_msgs/PointCloud2");
 }
 
-// F20: empty and all-NaN sweeps.
+// Empty and all-NaN sweeps.
 TEST(CloudConversion, LeavesOutPointsThatAreNotFinite) {
   PointCloud cloud = *some_cloud();
   cloud.points[0].y = std::numeric_limits<float>::quiet_NaN();
@@ -187,7 +187,7 @@ TEST(KeyFrameConversion, RefusesACovarianceThatIsNotFinite) {
   EXPECT_THROW(from_message(message), InputError);
 }
 
-// F60: stamps and indices of optimised key frames were lost.
+// Stamps and indices of optimised key frames were lost.
 TEST(KeyFramePosesConversion, ComesBackTheSame) {
   const KeyFramePoses poses{5, false, {{3, kStamp, some_pose()}, {9, kStamp + 1, Pose()}}};
   const KeyFramePosesMessage message = to_message(poses, "run", "map");
@@ -332,7 +332,7 @@ TEST(GnssConversion, SaysWhenTheOrientationIsUnknown) {
   EXPECT_FALSE(from_message(message, Eigen::Vector3d::Zero()).R_enu_base);
 }
 
-// F48: odometry without covariance and twist.
+// Odometry without covariance and twist.
 TEST(OdometryConversion, TurnsTheCovarianceIntoTheAxesOfOdom) {
   front_end::FrontEndResult result;
   result.stamp = kStamp;

@@ -56,7 +56,7 @@ TEST(NodeConfig, HasTheFieldsOfTheStageAndOfTheNode) {
   EXPECT_EQ(config.node.odom_frame, "odom");
 }
 
-// F92, F93: wrong values crashed later; misspelt keys had no effect.
+// Wrong values crashed later; misspelt keys had no effect.
 TEST(NodeConfig, NamesEveryProblemInALineOfItsOwn) {
   XmlRpc::XmlRpcValue values;
   values["key_frame_distance"] = -1.0;

@@ -55,7 +55,7 @@ TEST(PointCloudDecoder, ReadsVelodyne) {
   const DecodedCloud decoded = decode(message, {});
   expect_points(
       decoded, [](std::size_t i) { return kPeriod * (fraction(i) - 1.0); }, 1e-7);
-  EXPECT_EQ(decoded.scan.cloud.points[300].intensity, 44.0F);  // F19
+  EXPECT_EQ(decoded.scan.cloud.points[300].intensity, 44.0F);
   EXPECT_EQ(decoded.format.time_unit, "s");
   EXPECT_FALSE(decoded.scan.times_are_absolute);
 }
@@ -114,7 +114,7 @@ PointCloud2 absolute_cloud(double unit, const ros::Time& stamp, double first) {
   return message;
 }
 
-TEST(PointCloudDecoder, ReadsAbsoluteTimesInAnyUnit) {  // F1: a float cannot hold them
+TEST(PointCloudDecoder, ReadsAbsoluteTimesInAnyUnit) {  // A float cannot hold them
   const ros::Time stamp(1673400677, 700635123);
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
     for (const double first : {0.0, -0.1, -0.05}) {
@@ -335,7 +335,7 @@ TEST(PointCloudDecoder, IgnoresTimesThatNobodyFilled) {
   EXPECT_FALSE(decode(message, {}).scan.cloud.has_times());
 }
 
-TEST(PointCloudDecoder, TakesEmptyClouds) {  // F20
+TEST(PointCloudDecoder, TakesEmptyClouds) {
   PointCloud2 message;
   EXPECT_TRUE(decode(message, {}).scan.cloud.empty());
 }

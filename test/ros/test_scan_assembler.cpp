@@ -103,7 +103,7 @@ TEST(ScanAssembler, TakesNoTurningFromAnImuWithoutGyro) {
   EXPECT_FALSE(out[0].prior.angular_velocity);
 }
 
-// F13: pairing by nearness; here a sample of another stamp must never be taken.
+// Pairing by nearness; here a sample of another stamp must never be taken.
 TEST(ScanAssembler, NeverTakesASampleOfAnotherStamp) {
   ScanAssembler assembler(false);
   assembler.add_imu(imu_at(kPeriod + 1));
@@ -113,7 +113,7 @@ TEST(ScanAssembler, NeverTakesASampleOfAnotherStamp) {
   EXPECT_FALSE(out[0].prior.angular_velocity);
 }
 
-// F12: LiDAR alone must work.
+// LiDAR alone must work.
 TEST(ScanAssembler, WaitsForSilentSensorsOnlyOnce) {
   ScanAssembler assembler(false);
   for (int i = 1; i <= 10; ++i) assembler.add_scan(scan_at(i * kPeriod));
@@ -188,7 +188,7 @@ TEST(ScanAssembler, LeavesOutScansInAGapOfTheOutsideOdometry) {
   EXPECT_EQ(assembler.scans_without_odometry(), 1U);
 }
 
-// F7: arrival order was taken for time order.
+// Arrival order was taken for time order.
 TEST(ScanAssembler, RefusesStampsThatGoBackAndKeepsTheOthers) {
   ScanAssembler assembler(false);
   assembler.add_scan(scan_at(2 * kPeriod));

@@ -45,7 +45,7 @@ TEST(Worker, TakesTasksOfAllChannelsInOrderOfArrival) {
   EXPECT_EQ(order, (Order{1, 2, 3}));
 }
 
-// F9, F10: queues grew without bound or lost messages in silence.
+// Queues grew without bound or lost messages in silence.
 TEST(Worker, DropsTheOldestOfAFullChannelAndCountsIt) {
   Order order;
   Worker worker(ignore);
@@ -127,7 +127,7 @@ TEST(Worker, RunsTheIdleTaskOnceAfterWork) {
   EXPECT_EQ(idle.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
 }
 
-// F11: computations blocked the handling of messages.
+// Computations blocked the handling of messages.
 TEST(Worker, PostNeverWaitsForATask) {
   Worker worker(ignore);
   const auto channel = worker.add_channel("scans", 2);

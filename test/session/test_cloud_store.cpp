@@ -83,7 +83,7 @@ TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
   }
 }
 
-// F61: a missing or cut file is 'no cloud', never an empty one and never a crash.
+// A missing or cut file is 'no cloud', never an empty one and never a crash.
 TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(3, example_cloud(100, 3));
@@ -96,7 +96,7 @@ TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
   }
 }
 
-// F58: a temporary file that an interrupted writer left is no cloud and is in nobody's way.
+// A temporary file that an interrupted writer left is no cloud and is in nobody's way.
 TEST(CloudStore, IgnoresTemporaryFilesOfAnInterruptedWriter) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / ".000003.pcd.part") << "half of a file";

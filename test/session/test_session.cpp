@@ -36,7 +36,7 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   return files;
 }
 
-// F62: the saved state is complete.
+// The saved state is complete.
 TEST(Session, GivesKeyFramesBackBitForBit) {
   const TemporaryFolder folder;
   {
@@ -191,7 +191,7 @@ TEST(Session, RefusesAnIndexTwiceAndStaysAsItWas) {
   EXPECT_EQ(session.clouds().cloud(3)->size(), 100U);
 }
 
-// F56: starting twice leaves the first run untouched.
+// Starting twice leaves the first run untouched.
 TEST(Session, TwoStartsDoNotTouchEachOther) {
   const TemporaryFolder root;
   fs::path first;
@@ -207,7 +207,7 @@ TEST(Session, TwoStartsDoNotTouchEachOther) {
   EXPECT_EQ(find_session(root.path()), fs::canonical(second.directory()));
 }
 
-// F56: foreign files survive, also one that is named as the link would be.
+// Foreign files survive, also one that is named as the link would be.
 TEST(Session, LeavesForeignFilesAlone) {
   const TemporaryFolder root;
   std::ofstream(root.path() / "latest") << "not a link";
@@ -219,7 +219,7 @@ TEST(Session, LeavesForeignFilesAlone) {
   EXPECT_THROW(Session::create_in(session.directory()), FileError);
 }
 
-// F57: parents that are missing are made, in whatever order things start.
+// Parents that are missing are made, in whatever order things start.
 TEST(Session, MakesMissingParents) {
   const TemporaryFolder root;
   const Session session = Session::create(root.path() / "a" / "b", kNow);
@@ -252,7 +252,7 @@ TEST(Session, BeginsWhereItsMakerWasKilledBeforeThereWereTables) {
   EXPECT_EQ(Session::open(folder.path(), Session::Access::kRead).key_frame_count(), 1U);
 }
 
-// F62: files with missing parts fail cleanly.
+// Files with missing parts fail cleanly.
 TEST(Session, SaysWhatIsWrongWithAFolderThatIsNoSession) {
   const TemporaryFolder folder;
   EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
@@ -278,7 +278,7 @@ TEST(Session, RefusesAFolderThatCannotBeMade) {
   }
 }
 
-// F58, F61: what was said to be kept is kept whole, whenever the process is killed.
+// What was said to be kept is kept whole, whenever the process is killed.
 TEST(Session, SurvivesKillAtAnyMoment) {
   for (int round = 1; round <= 6; ++round) {
     const TemporaryFolder folder;
@@ -326,7 +326,7 @@ int write_to_a_full_disk(const fs::path& folder) {
   return 1;
 }
 
-// F55: a full disk is an error, and what was kept before stays whole.
+// A full disk is an error, and what was kept before stays whole.
 TEST(Session, RefusesWhatDoesNotFitOnTheDisk) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();

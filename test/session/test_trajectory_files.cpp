@@ -40,7 +40,7 @@ Session example_session(const std::filesystem::path& folder) {
   return session;
 }
 
-// F58: all files come from the same key frames, with stamps, and lose nothing.
+// All files come from the same key frames, with stamps, and lose nothing.
 TEST(TrajectoryFiles, HoldTheSameKeyFramesToAMicrometre) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path());
@@ -89,7 +89,7 @@ TEST(TrajectoryFiles, AreTakenByEvoAsTheyAre) {
   }
 }
 
-// F59: the GNSS track is there under its honest name, and lines correspond.
+// The GNSS track is there under its honest name, and lines correspond.
 TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
   const TemporaryFolder folder;
   Session session = example_session(folder.path());
