@@ -9,8 +9,11 @@ namespace lidar_mapping::ros_border {
 struct BackEndNodeConfig {
   NodeFields node;
   back_end::BackEndConfig stage;
+  /// Folder in which every run gets a folder of its own; ~ is the home folder.
   std::string session_directory = "~/.ros/lidar_mapping";
+  /// Session to go on with: a folder, or latest; empty begins a new one.
   std::string resume;
+  /// Frame of the LiDAR in tf, kept for the removal of moving objects; may be empty.
   std::string lidar_frame;
 
   static const config::Schema<BackEndNodeConfig>& schema() {

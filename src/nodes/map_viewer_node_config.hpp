@@ -9,6 +9,8 @@ namespace lidar_mapping::ros_border {
 struct MapViewerNodeConfig {
   NodeFields node;
   map::MapConfig stage;
+  /// [s] The map on display takes new key frames in once in so long, by the wall clock; 0: with
+  /// each. Moved poses show at once.
   double map_cloud_update_interval = 10.0;
 
   static const config::Schema<MapViewerNodeConfig>& schema() {

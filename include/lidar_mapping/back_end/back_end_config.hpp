@@ -12,62 +12,115 @@ enum class FloorConstraint { kNone, kNeighbours, kPlane };
 
 /// Parameters of the stage; each is described once, in schema().
 struct BackEndConfig {
+  /// Whether GNSS positions are used at all.
   bool use_gnss = true;
+  /// With use_gnss: GNSS only moves the whole map to East-North-Up, without bending it.
   bool georeference_only = false;
+  /// Whether loops are used.
   bool use_loop_close = true;
 
+  /// [key frames] Optimise at the latest after so many new key frames.
   int optimize_step_with_key_frame = 100;
+  /// [positions] Optimise at the latest after so many new GNSS positions.
   int optimize_step_with_gnss = 100;
+  /// [loops] Optimise after so many new loops.
   int optimize_step_with_loop = 1;
+  /// [s] Least time between optimisations, by the key frames' stamps.
   double optimize_min_interval = 1.0;
 
+  /// [share of the distance] Standard deviation that drift adds to a motion's translation, at most:
+  /// down to a tenth of it and of the next three where positions show less.
   double odometry_drift = 0.005;
+  /// [deg/m] Standard deviation that drift adds to a motion's rotation.
   double odometry_drift_deg_per_m = 0.02;
+  /// [m] Added to the covariance of every motion.
   double odometry_min_stddev_m = 0.0025;
+  /// [deg] Added to the covariance of every motion.
   double odometry_min_stddev_deg = 0.02;
+  /// [share of the distance] Standard deviation added along directions that matching could not
+  /// observe.
   double odometry_degenerate_drift = 0.2;
+  /// [m] Added to the covariance of every loop.
   double loop_min_stddev_m = 0.02;
+  /// [deg] Added to the covariance of every loop.
   double loop_min_stddev_deg = 0.1;
 
+  /// Hold the first key frame where it began, as firmly as fix_first_node_stddev says, instead of
+  /// as firmly as suits the other constraints.
   bool fix_first_node = false;
-  /// x, y, z in m; roll, pitch, yaw in rad; in the axes of base_link.
+  /// [m and rad: x y z roll pitch yaw] With fix_first_node: standard deviations of its pose, in the
+  /// axes of base_link.
   std::vector<double> fix_first_node_stddev = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 
+  /// Weigh all motions and loops by const_stddev_x and const_stddev_q instead of their covariances.
   bool use_const_inf_matrix = false;
+  /// Weigh loops by their fitness (var_gain_a, min and max stddevs) instead of their covariances.
   bool use_fitness_inf_matrix = false;
+  /// [m] Translation, with use_const_inf_matrix.
   double const_stddev_x = 0.5;
+  /// [half rad] Vector part of the quaternion, with use_const_inf_matrix.
   double const_stddev_q = 0.1;
+  /// [1/m^2] How fast variances grow with the fitness, with use_fitness_inf_matrix.
   double var_gain_a = 20.0;
+  /// [m] At fitness zero.
   double min_stddev_x = 0.1;
+  /// [m] At inf_matrix_max_fitness.
   double max_stddev_x = 5.0;
+  /// [half rad] At fitness zero.
   double min_stddev_q = 0.05;
+  /// [half rad] At inf_matrix_max_fitness.
   double max_stddev_q = 0.2;
+  /// [m^2] Fitness at which the variances reach their maxima.
   double inf_matrix_max_fitness = 0.5;
 
+  /// [m] Least horizontal standard deviation of a GNSS position.
   double gnss_min_stddev_m = 0.05;
+  /// [m] Least standard deviation of a GNSS altitude.
   double gnss_min_stddev_altitude_m = 0.1;
+  /// [m] Positions with a larger horizontal standard deviation are refused.
   double gnss_max_stddev_m = 10.0;
+  /// [m] Fixes closer together share one error; their weights are reduced to that of one fix.
   double gnss_correlation_distance = 10.0;
+  /// [m] Least extent of the track before it is turned to East-North-Up.
   double gnss_alignment_distance = 5.0;
+  /// [deg] The heading must be known this well before the track is turned to East-North-Up.
   double gnss_alignment_stddev_deg = 3.0;
+  /// Correct GNSS stamps that are late or early beside odometry.
   bool estimate_gnss_time_offset = true;
 
+  /// Whether the tilt of the IMU's orientation keeps the map level.
   bool enable_imu_orientation = true;
+  /// Whether headings that come with GNSS positions are used; only for an IMU with a true heading.
   bool enable_imu_heading = false;
+  /// Whether the measured acceleration, as gravity, keeps the map level.
   bool enable_imu_acceleration = false;
+  /// [deg] Of the tilt at one key frame, at most: down to a quarter of it where the tilt agrees
+  /// with odometry.
   double imu_orientation_stddev_deg = 2.0;
+  /// [deg] Of the heading at one key frame; larger than the IMU's, because neighbours share errors.
   double imu_heading_stddev_deg = 2.0;
+  /// [deg] Of the vertical by acceleration at one key frame; motion adds to it.
   double imu_acceleration_stddev_deg = 5.0;
 
+  /// Floors of successive key frames as one plane each (safe on slopes), or all floors as a single
+  /// plane (flat halls).
   FloorConstraint floor_constraint = FloorConstraint::kNone;
+  /// [deg] How much the slope of the floor differs from the plane, added to its covariance.
   double floor_stddev_deg = 0.2;
+  /// [m] How much the height of the floor differs from the plane, added to its covariance.
   double floor_stddev_m = 0.02;
 
+  /// Kernel of odometry constraints.
   RobustKernel odometry_robust_kernel = RobustKernel::kNone;
+  /// Kernel of the loops that are believed.
   RobustKernel loop_robust_kernel = RobustKernel::kHuber;
+  /// Kernel of the GNSS positions that are believed.
   RobustKernel gnss_robust_kernel = RobustKernel::kHuber;
+  /// Kernel of orientations, headings and accelerations.
   RobustKernel imu_robust_kernel = RobustKernel::kHuber;
+  /// Kernel of floors.
   RobustKernel floor_robust_kernel = RobustKernel::kCauchy;
+  /// [standard deviations] Where the kernels begin to bend.
   double robust_kernel_size = 3.0;
 
   static const config::Schema<BackEndConfig>& schema();

@@ -16,19 +16,32 @@ enum class Method { kNdt, kVgicp, kPclNdt, kIcp, kGicp, kNdtOmp, kFastGicp, kFas
 /// Parameters of scan matching; each is described once, in schema(). All thresholds are lengths in
 /// metres and angles in radians, whatever the method's library makes of them.
 struct RegistrationConfig {
+  /// Method that aligns clouds; hdl_graph_slam's names stand for ours.
   Method method = Method::kNdt;
-  double resolution = 1.0;                ///< edge of a voxel of the target, m
-  double step_size = 0.1;                 ///< longest step of the line search, m
-  double transformation_epsilon = 0.001;  ///< a shorter step ends the search, m
-  double rotation_epsilon = 0.0001;       ///< and a smaller turn, rad
+  /// [m] Edge of a voxel of the target's normal distributions.
+  double resolution = 1.0;
+  /// [m] Longest step of the line search of PCL_NDT.
+  double step_size = 0.1;
+  /// [m] A step that is shorter ends the search.
+  double transformation_epsilon = 0.001;
+  /// [rad] A step that turns less, and is short, ends the search; pi looks at lengths alone.
+  double rotation_epsilon = 0.0001;
+  /// [iterations] Iterations after which a search has failed.
   int max_iterations = 64;
-  double max_correspondence_distance = 2.5;  ///< m
-  int correspondence_randomness = 20;        ///< neighbours per covariance
+  /// [m] Points farther apart are no pair for ICP and GICP.
+  double max_correspondence_distance = 2.5;
+  /// [points] Neighbours from which GICP and VGICP take a point's covariance.
+  int correspondence_randomness = 20;
+  /// [iterations] Inner iterations of GICP.
   int max_optimizer_iterations = 20;
+  /// Voxels in which NDT and VGICP look for a point's partners.
   NeighborSearch neighbor_search = NeighborSearch::kDirect1;
+  /// Upper limit of VGICP's threads; 0 takes all cores. The result does not depend on it.
   int num_threads = 1;
+  /// ICP pairs only points that are each other's nearest.
   bool use_reciprocal_correspondences = false;
-  double fitness_max_range = 1.0;  ///< m
+  /// [m] Points farther from the target count neither in the fitness nor in the overlap.
+  double fitness_max_range = 1.0;
 
   static const config::Schema<RegistrationConfig>& schema();
   /// Without the method and the fitness, for a stage that has a choice and a fitness of its own.

@@ -8,9 +8,14 @@ namespace lidar_mapping::ros_border {
 
 /// Parameters that every node has. Topics are remapped as always in ROS.
 struct NodeFields {
+  /// Frame of the map: East-North-Up with GNSS, else that of the first pose.
   std::string map_frame = "map";
+  /// Frame in which odometry is smooth and drifts.
   std::string odom_frame = "odom";
+  /// Frame of the vehicle.
   std::string base_frame = "base_link";
+  /// [messages] Messages of a topic that may wait; beyond that the oldest is dropped, counted and
+  /// reported.
   int queue_size = 100;
   static const config::Schema<NodeFields>& schema();
 };
@@ -34,6 +39,7 @@ struct NodeConfig {
 template <typename StageConfig>
 struct LidarNodeConfig {
   NodeFields node;
+  /// Frame of the LiDAR in tf, whose place is where points were seen from; may be empty.
   std::string lidar_frame;
   StageConfig stage;
 
