@@ -95,11 +95,11 @@ class FrontEnd::Impl {
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
-    std::vector<FrontEndResult> settled;
-    if (tracked.new_segment || !tracked.provisional) settled = release(tracked.revisions);
+    std::vector<FrontEndResult> finalized;
+    if (tracked.new_segment || !tracked.provisional) finalized = release(tracked.revisions);
     if (tracked.new_segment) begin_segment();
     FrontEndResult result = result_of(scan.stamp, tracked);
-    result.settled = std::move(settled);
+    result.finalized = std::move(finalized);
     if (tracked.provisional) {
       result.provisional = true;
       held_.push_back({result, tracked, key_frame_points(scan.cloud, tracked.elevation_shift)});
@@ -112,8 +112,8 @@ class FrontEnd::Impl {
     return result;
   }
 
-  std::vector<FrontEndResult> settle() {
-    if (tracker_) tracker_->settle();
+  std::vector<FrontEndResult> finalize() {
+    if (tracker_) tracker_->finalize();
     return release({});
   }
 
@@ -153,11 +153,11 @@ class FrontEnd::Impl {
 
   /// A scan that came again is not matched: it would fit where the last one did.
   FrontEndResult coast(Stamp stamp) {
-    std::vector<FrontEndResult> settled = settle();
+    std::vector<FrontEndResult> finalized = finalize();
     last_stamp_ = stamp;
     FrontEndResult result =
         result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
-    result.settled = std::move(settled);
+    result.finalized = std::move(finalized);
     return result;
   }
 
@@ -175,14 +175,14 @@ class FrontEnd::Impl {
   }
 
   std::vector<FrontEndResult> release(const std::vector<Revision>& revisions) {
-    std::vector<FrontEndResult> settled;
+    std::vector<FrontEndResult> finalized;
     if (!held_.empty()) last_.reset();
     for (std::size_t i = 0; i < held_.size(); ++i) {
       if (i < revisions.size()) revise(held_[i].tracked, revisions[i]);
-      settled.push_back(released(std::move(held_[i])));
+      finalized.push_back(released(std::move(held_[i])));
     }
     held_.clear();
-    return settled;
+    return finalized;
   }
 
   static void revise(TrackedScan& tracked, const Revision& revision) {
@@ -306,7 +306,7 @@ FrontEndResult FrontEnd::process(const Scan& scan, const MotionPrior& prior) {
   return impl_->process(scan, prior);
 }
 
-std::vector<FrontEndResult> FrontEnd::settle() { return impl_->settle(); }
+std::vector<FrontEndResult> FrontEnd::finalize() { return impl_->finalize(); }
 
 void FrontEnd::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
   impl_->set_sensor_origin(p_base_sensor);

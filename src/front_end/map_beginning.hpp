@@ -45,7 +45,7 @@ class MapBeginning {
   /// True as long as scans may be looked at again.
   bool is_provisional() const { return first_scans_.is_open(); }
   /// What is provisional stays as it is.
-  void settle() { first_scans_.end(); }
+  void finalize() { first_scans_.end(); }
   void add(MatchedScan scan) { first_scans_.add(std::move(scan)); }
   /// To be called after each matched scan; see FirstScans::look_again().
   std::vector<Revision> look_again(const MotionFilter& filter, const MatchJudge& judge,

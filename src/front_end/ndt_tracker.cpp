@@ -101,7 +101,7 @@ class NdtTracker::Impl {
     start_ = T_odom_base;
   }
 
-  void settle() { beginning_.settle(); }
+  void finalize() { beginning_.finalize(); }
 
   PointCloud local_map() const { return map_.cloud(); }
 
@@ -238,7 +238,7 @@ class NdtTracker::Impl {
   /// The match where upright points have put the filter.
   std::pair<SweepMatcher::Found, MotionBelief> match_beside_rings() {
     beside_rings_ = true;
-    beginning_.settle();
+    beginning_.finalize();
     judge_.reset();
     const MotionBelief believed = filter_.belief();
     return {matcher_.match_beside(sampler_.points(), map_, believed, kLevel), believed};
@@ -312,7 +312,7 @@ class NdtTracker::Impl {
 
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
-    beginning_.settle();
+    beginning_.finalize();
     blind_way_.interrupt();
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
@@ -430,7 +430,7 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   return impl_->track(scan, prior);
 }
 
-void NdtTracker::settle() { impl_->settle(); }
+void NdtTracker::finalize() { impl_->finalize(); }
 
 void NdtTracker::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
   impl_->set_sensor_origin(p_base_sensor);

@@ -16,7 +16,7 @@ class NdtTracker : public Tracker {
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) override;
   void restart(const Pose& T_odom_base) override;
-  void settle() override;
+  void finalize() override;
   PointCloud local_map() const override;
 
  private:

@@ -55,7 +55,7 @@ class Tracker {
   /// Forgets all; the next scan is the first one of a new local map and lies at this pose.
   virtual void restart(const Pose& T_odom_base) = 0;
   /// What is provisional stays as it is.
-  virtual void settle() {}
+  virtual void finalize() {}
   /// The local map in odom, one point per voxel: for display.
   virtual PointCloud local_map() const = 0;
 };

@@ -75,7 +75,7 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
   resume();
   context.worker.set_on_stop(Worker::OnStop::kDrain);
   context.worker.set_idle_task(kIdle, [this] {
-    settle();
+    finalize();
     write_files();
   });
   subscribe_all();
@@ -104,7 +104,7 @@ BackEndNode::~BackEndNode() {
   service_spinner_.stop();
   solver_.stop();
   try {
-    settle();
+    finalize();
     write_files();
     say_session();
   } catch (const Error& error) {
@@ -182,9 +182,9 @@ void BackEndNode::say_session() const {
 }
 
 /// What waits for a key frame that will not come need wait no longer.
-void BackEndNode::settle() {
+void BackEndNode::finalize() {
   const std::size_t before = key_frames_.missing();
-  key_frames_.settle();
+  key_frames_.flush();
   if (key_frames_.missing() > before) {
     ROS_WARN_STREAM("key frames that never came: " << key_frames_.missing() - before);
   }

@@ -49,7 +49,7 @@ class BackEndNode {
   KeyFrameIndex go_on_with(const std::string& run_id);
   void take_key_frame(const KeyFrame& key_frame);
   void take_early_loops();
-  void settle();
+  void finalize();
   void keep_sensor_origin();
   void take_loop(const LoopMessage& message);
   void take_gnss(const nav_msgs::Odometry& message);

@@ -51,7 +51,7 @@ bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& res
       nothing.message = "there are no key frames yet; nothing to optimise";
       return answer->set_value(nothing);
     }
-    settle();
+    finalize();
     (solving_ ? next_answers_ : answers_).push_back(std::move(*answer));
     if (!solving_) start_solving(true);
   });

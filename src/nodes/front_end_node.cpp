@@ -59,7 +59,7 @@ class FrontEndNode {
   void process(const AssembledScan& assembled);
   void begin_run();
   void tell_sensor_origin();
-  void settle();
+  void finalize();
   void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void publish_verdict(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
@@ -100,7 +100,7 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] {
     process(assembler_.flush());
-    settle();
+    finalize();
   });
 }
 
@@ -213,15 +213,16 @@ void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
   tell_sensor_origin();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
-  for (const front_end::FrontEndResult& settled : result.settled) publish_verdict(settled);
+  for (const front_end::FrontEndResult& finalized : result.finalized) publish_verdict(finalized);
   publish(result, assembled.scan.cloud);
   report(result);
   previous_ = result;
 }
 
 /// Nothing comes any more: what waits to be looked at again is all that there will be.
-void FrontEndNode::settle() {
-  for (const front_end::FrontEndResult& settled : front_end_.settle()) publish_verdict(settled);
+void FrontEndNode::finalize() {
+  for (const front_end::FrontEndResult& finalized : front_end_.finalize())
+    publish_verdict(finalized);
 }
 
 /// What is to stay: others keep it.

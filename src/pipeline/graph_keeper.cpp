@@ -37,7 +37,7 @@ GraphKeeper::GraphKeeper(session::Session session, const back_end::BackEndConfig
       kept_at_(key_frames_) {}
 
 void GraphKeeper::take(const DrivePiece& piece) try {
-  keep(piece);
+  record(piece);
   if (!piece.key_frame) return;
   run_.session().clouds().set_cache_bytes(cache_beside(++key_frames_));
   feedback_.put(solve_when_due());
@@ -47,7 +47,7 @@ void GraphKeeper::take(const DrivePiece& piece) try {
 }
 
 /// One event of the session: all of it is there after a kill, or nothing.
-void GraphKeeper::keep(const DrivePiece& piece) {
+void GraphKeeper::record(const DrivePiece& piece) {
   session::Session& session = run_.session();
   session::Session::Batch batch(session);
   if (piece.datum) run_.set_datum(*piece.datum);

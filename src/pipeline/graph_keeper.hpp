@@ -33,7 +33,7 @@ class GraphKeeper {
     double seconds = 0.0;
   };
 
-  void keep(const DrivePiece& piece);
+  void record(const DrivePiece& piece);
   MovedPoses solve_when_due();
   MovedPoses take_solution();
   void start_solving(bool thorough);

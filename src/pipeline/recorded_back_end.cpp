@@ -52,10 +52,10 @@ LoopVerdict verdict_on(const Loop& loop, bool used) {
 
 RecordedBackEnd::RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config)
     : session_(std::move(session)), back_end_(config) {
-  if (session_.key_frame_count() > 0) go_on();
+  if (session_.key_frame_count() > 0) resume();
 }
 
-void RecordedBackEnd::go_on() {
+void RecordedBackEnd::resume() {
   replay(session_, back_end_);
   back_end_.apply(*back_end::solve(*back_end_.problem(true)));
   first_revision_ = session_.poses().revision;

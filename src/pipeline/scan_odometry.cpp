@@ -59,7 +59,7 @@ void ScanOdometry::take(const PreparedScan& prepared) {
   front_end::FrontEndResult result = front_end_.process(synced.scan, prior_of(synced, !has_begun_));
   has_begun_ = true;
   mention(result.status);
-  take_settled(std::exchange(result.settled, {}));
+  add_finalized(std::exchange(result.finalized, {}));
   if (result.provisional) {
     held_.push_back(synced);
   } else {
@@ -67,16 +67,16 @@ void ScanOdometry::take(const PreparedScan& prepared) {
   }
 }
 
-void ScanOdometry::take_settled(std::vector<front_end::FrontEndResult>&& settled) {
-  if (settled.empty()) return;
+void ScanOdometry::add_finalized(std::vector<front_end::FrontEndResult>&& finalized) {
+  if (finalized.empty()) return;
   const std::vector<preprocessing::SyncedScan> held = std::exchange(held_, {});
-  for (std::size_t i = 0; i < held.size(); ++i) take(held[i], std::move(settled[i]));
+  for (std::size_t i = 0; i < held.size(); ++i) take(held[i], std::move(finalized[i]));
 }
 
 void ScanOdometry::take(const preprocessing::SyncedScan& synced,
                         front_end::FrontEndResult&& result) {
   if (resumed_ && !resumed_->takes(result)) return;
-  keep(synced, result);
+  record(synced, result);
   if (!piece_.key_frame) return;
   piece_.floor = floor_detector_.process(synced.scan);
   send();
@@ -100,14 +100,14 @@ void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
   say_(front_end::elevation_notice(elevation_shift_));
 }
 
-void ScanOdometry::keep(const preprocessing::SyncedScan& synced,
-                        const front_end::FrontEndResult& result) {
+void ScanOdometry::record(const preprocessing::SyncedScan& synced,
+                          const front_end::FrontEndResult& result) {
   piece_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
   piece_.key_frame = result.key_frame;
 }
 
 void ScanOdometry::flush() {
-  take_settled(front_end_.settle());
+  add_finalized(front_end_.finalize());
   send();
 }
 

@@ -31,9 +31,9 @@ class ScanOdometry {
 
  private:
   void mention(const front_end::FrontEndStatus& status);
-  void take_settled(std::vector<front_end::FrontEndResult>&& settled);
+  void add_finalized(std::vector<front_end::FrontEndResult>&& finalized);
   void take(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result);
-  void keep(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
+  void record(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
   void send();
 
   front_end::FrontEnd front_end_;

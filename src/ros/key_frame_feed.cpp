@@ -35,7 +35,7 @@ void KeyFrameFeed::push(RunKeyFrame key_frame) {
   while (pending_.size() > kPatience) give_up_first();
 }
 
-void KeyFrameFeed::settle() {
+void KeyFrameFeed::flush() {
   while (!pending_.empty()) give_up_first();
 }
 

@@ -17,7 +17,7 @@ CloudStore::CloudStore(std::filesystem::path folder, std::size_t cache_bytes)
 
 void CloudStore::put(KeyFrameIndex index, const PointCloudPtr& cloud) {
   write_pcd(file(index), *cloud);
-  keep(index, cloud);
+  cache(index, cloud);
 }
 
 PointCloudPtr CloudStore::cloud(KeyFrameIndex index) {
@@ -25,7 +25,7 @@ PointCloudPtr CloudStore::cloud(KeyFrameIndex index) {
   if (!contains(index)) return nullptr;
   try {
     auto loaded = std::make_shared<const PointCloud>(read_pcd(file(index)));
-    keep(index, loaded);
+    cache(index, loaded);
     return loaded;
   } catch (const std::exception&) {
     return nullptr;
@@ -69,7 +69,7 @@ PointCloudPtr CloudStore::cached(KeyFrameIndex index) {
   return found->second->cloud;
 }
 
-void CloudStore::keep(KeyFrameIndex index, const PointCloudPtr& cloud) {
+void CloudStore::cache(KeyFrameIndex index, const PointCloudPtr& cloud) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (const auto found = entries_.find(index); found != entries_.end()) {
     bytes_ -= bytes_of(*found->second->cloud);
@@ -79,16 +79,16 @@ void CloudStore::keep(KeyFrameIndex index, const PointCloudPtr& cloud) {
   newest_first_.push_front({index, cloud});
   entries_[index] = newest_first_.begin();
   bytes_ += bytes_of(*cloud);
-  forget_oldest();
+  evict_oldest();
 }
 
 void CloudStore::set_cache_bytes(std::size_t bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
   cache_bytes_ = bytes;
-  forget_oldest();
+  evict_oldest();
 }
 
-void CloudStore::forget_oldest() {
+void CloudStore::evict_oldest() {
   while (bytes_ > cache_bytes_) {
     bytes_ -= bytes_of(*newest_first_.back().cloud);
     entries_.erase(newest_first_.back().index);

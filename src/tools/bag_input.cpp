@@ -60,7 +60,7 @@ class BagInput::Impl {
       : bags_(paths), config_(config), frames_(base_frame) {
     topics_ = ros_border::topics_in(bags_, wanted);
     read_frames();
-    settle_base_frame();
+    choose_base_frame();
     if (config.enable_robot_odometry_init_guess) {
       topics_.velocity.clear();
       wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
@@ -137,7 +137,7 @@ class BagInput::Impl {
   }
 
   /// Where nothing says where the LiDAR is on the vehicle, its frame stands for the vehicle's.
-  void settle_base_frame() {
+  void choose_base_frame() {
     const auto cloud = ros_border::first_cloud(bags_, topics_.points);
     if (!cloud) return;
     const std::string lidar_frame = ros_border::frame_name(cloud->message.header.frame_id);

@@ -31,9 +31,10 @@ front_end::FrontEndConfig make_config(const CampaignCase& c) {
 }
 
 /// The last of the poses become what they are to stay.
-void settle(const std::vector<FrontEndResult>& settled, std::vector<evaluation::PosePair>& pairs) {
-  auto pair = pairs.end() - static_cast<std::ptrdiff_t>(settled.size());
-  for (const FrontEndResult& result : settled) (pair++)->estimate = result.T_odom_base;
+void finalize(const std::vector<FrontEndResult>& finalized,
+              std::vector<evaluation::PosePair>& pairs) {
+  auto pair = pairs.end() - static_cast<std::ptrdiff_t>(finalized.size());
+  for (const FrontEndResult& result : finalized) (pair++)->estimate = result.T_odom_base;
 }
 
 void count(TrackingState state, CampaignFigures& figures) {
@@ -82,10 +83,10 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
     if (error) score({result.stamp, result.status, *error}, figures);
     if (error && checked != nullptr) checked->push_back({result.stamp, result.status, *error});
     segment = result.segment;
-    settle(result.settled, pairs);
+    finalize(result.finalized, pairs);
     pairs.push_back({drive.scan_stamp(i), T_map_base, result.T_odom_base});
   }
-  settle(front_end.settle(), pairs);
+  finalize(front_end.finalize(), pairs);
   figures.cpu_ms /= static_cast<double>(std::max<std::size_t>(1, figures.scans));
   figures.silent = steps.silent();
   figures.wrong = steps.wrong();

@@ -183,7 +183,7 @@ class MappingRun {
     }
     pipeline_.reset();
     record_.is_complete = stop_asked == 0 && options_.duration == 0.0 && report_.progress.scans > 0;
-    if (output_.keep(record_, report_.optimization.key_frames)) return;
+    if (output_.commit(record_, report_.optimization.key_frames)) return;
     std::printf("the session of %zu key frames stays as it was: this run came to %zu\n",
                 output_.key_frames_before(), report_.optimization.key_frames);
   }

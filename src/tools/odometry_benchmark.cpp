@@ -78,10 +78,10 @@ Process make_process(const Options& options, const front_end::FrontEndConfig& co
 }
 
 /// The last of the records become what they are to stay.
-void settle(const std::vector<front_end::FrontEndResult>& settled,
-            std::vector<ScanRecord>& records) {
-  auto record = records.end() - static_cast<std::ptrdiff_t>(settled.size());
-  for (const front_end::FrontEndResult& result : settled) {
+void finalize(const std::vector<front_end::FrontEndResult>& finalized,
+              std::vector<ScanRecord>& records) {
+  auto record = records.end() - static_cast<std::ptrdiff_t>(finalized.size());
+  for (const front_end::FrontEndResult& result : finalized) {
     record->T_odom_base = result.T_odom_base;
     record->key_frame = result.key_frame.has_value();
     ++record;
@@ -102,7 +102,7 @@ void add_timed(const Process& process, const Scan& scan, std::vector<ScanRecord>
   record.key_frame = result.key_frame.has_value();
   record.segment = result.segment;
   record.status = result.status;
-  settle(result.settled, records);
+  finalize(result.finalized, records);
   records.push_back(record);
 }
 

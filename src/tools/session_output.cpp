@@ -123,7 +123,7 @@ Session SessionOutput::open(const RunRecord& record) {
   return Session::create_in(folder_);
 }
 
-bool SessionOutput::keep(const RunRecord& record, std::size_t key_frames) {
+bool SessionOutput::commit(const RunRecord& record, std::size_t key_frames) {
   if (is_made_again()) {
     if (key_frames < key_frames_before_) return false;
     move_into_place();

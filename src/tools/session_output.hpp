@@ -46,7 +46,7 @@ class SessionOutput {
   session::Session open(const RunRecord& record);
   /// Puts what was written, so many key frames, in its place when nobody writes to it any more.
   /// False if the old session reaches farther and stays.
-  bool keep(const RunRecord& record, std::size_t key_frames);
+  bool commit(const RunRecord& record, std::size_t key_frames);
 
  private:
   bool is_made_again() const { return is_there_ && resume_ == Resume::kExact; }

@@ -194,17 +194,17 @@ TEST(FrontEnd, MakesNoKeyFrameOfAScanThatItCannotDeskew) {
   EXPECT_FALSE(front_end.process(drive.base_scan(0)).key_frame) << "the motion is not known yet";
   const FrontEndResult second = front_end.process(drive.base_scan(1));
   EXPECT_TRUE(second.key_frame);
-  ASSERT_EQ(second.settled.size(), 1U);
-  EXPECT_FALSE(second.settled[0].key_frame) << "the drive begins at rest: there are others";
+  ASSERT_EQ(second.finalized.size(), 1U);
+  EXPECT_FALSE(second.finalized[0].key_frame) << "the drive begins at rest: there are others";
 
   Scan without_times = drive.base_scan(0);
   without_times.cloud.times.clear();
   FrontEnd other{FrontEndConfig{}};
   EXPECT_TRUE(other.process(without_times).provisional);
-  const std::vector<FrontEndResult> settled = other.settle();
-  ASSERT_EQ(settled.size(), 1U);
-  EXPECT_TRUE(settled[0].key_frame);
-  EXPECT_TRUE(other.settle().empty());
+  const std::vector<FrontEndResult> finalized = other.finalize();
+  ASSERT_EQ(finalized.size(), 1U);
+  EXPECT_TRUE(finalized[0].key_frame);
+  EXPECT_TRUE(other.finalize().empty());
 }
 
 /// What becomes of the scans from `first` on, until the first one that is not provisional.
@@ -212,8 +212,8 @@ std::vector<FrontEndResult> settled_from(const simulation::Drive& drive, std::si
                                          FrontEnd& front_end) {
   for (std::size_t i = first;; ++i) {
     const FrontEndResult result = front_end.process(drive.base_scan(i));
-    if (!result.provisional) return result.settled;
-    EXPECT_TRUE(result.settled.empty());
+    if (!result.provisional) return result.finalized;
+    EXPECT_TRUE(result.finalized.empty());
     EXPECT_FALSE(result.key_frame);
   }
 }
@@ -222,20 +222,20 @@ TEST(FrontEnd, LooksAgainAtItsFirstScansWhereADriveBeginsAtSpeed) {
   const simulation::Drive drive = town();
   constexpr std::size_t kFirst = 120;
   FrontEnd front_end{FrontEndConfig{}};
-  const std::vector<FrontEndResult> settled = settled_from(drive, kFirst, front_end);
-  ASSERT_GT(settled.size(), 10U);
-  EXPECT_LT(settled.size(), 72U) << "seven seconds";
+  const std::vector<FrontEndResult> finalized = settled_from(drive, kFirst, front_end);
+  ASSERT_GT(finalized.size(), 10U);
+  EXPECT_LT(finalized.size(), 72U) << "seven seconds";
   KeyFrameIndex key_frames = 0;
-  for (std::size_t i = 0; i < settled.size(); ++i) {
-    EXPECT_EQ(settled[i].stamp, drive.scan_stamp(kFirst + i));
-    EXPECT_FALSE(settled[i].provisional);
-    if (!settled[i].key_frame) continue;
-    EXPECT_EQ(settled[i].key_frame->index, key_frames++);
-    EXPECT_EQ(settled[i].key_frame->stamp, settled[i].stamp);
-    EXPECT_EQ(settled[i].key_frame->T_odom_base.matrix(), settled[i].T_odom_base.matrix());
-    EXPECT_FALSE(settled[i].key_frame->cloud->has_times());
+  for (std::size_t i = 0; i < finalized.size(); ++i) {
+    EXPECT_EQ(finalized[i].stamp, drive.scan_stamp(kFirst + i));
+    EXPECT_FALSE(finalized[i].provisional);
+    if (!finalized[i].key_frame) continue;
+    EXPECT_EQ(finalized[i].key_frame->index, key_frames++);
+    EXPECT_EQ(finalized[i].key_frame->stamp, finalized[i].stamp);
+    EXPECT_EQ(finalized[i].key_frame->T_odom_base.matrix(), finalized[i].T_odom_base.matrix());
+    EXPECT_FALSE(finalized[i].key_frame->cloud->has_times());
   }
-  EXPECT_TRUE(settled[0].key_frame) << "its motion is known now";
+  EXPECT_TRUE(finalized[0].key_frame) << "its motion is known now";
   EXPECT_GT(key_frames, 6U);
 }
 
@@ -246,16 +246,16 @@ TEST(FrontEnd, FirstScansStayAsTheyAreWhereNothingComesAfterThem) {
   for (std::size_t i = 150; i < 155; ++i) {
     provisional.push_back(front_end.process(drive.base_scan(i)).T_odom_base);
   }
-  const std::vector<FrontEndResult> settled = front_end.settle();
-  ASSERT_EQ(settled.size(), provisional.size());
-  for (std::size_t i = 0; i < settled.size(); ++i) {
-    EXPECT_EQ(settled[i].T_odom_base.matrix(), provisional[i].matrix());
+  const std::vector<FrontEndResult> finalized = front_end.finalize();
+  ASSERT_EQ(finalized.size(), provisional.size());
+  for (std::size_t i = 0; i < finalized.size(); ++i) {
+    EXPECT_EQ(finalized[i].T_odom_base.matrix(), provisional[i].matrix());
   }
-  EXPECT_FALSE(settled[0].key_frame) << "it cannot be deskewed";
-  EXPECT_TRUE(settled[1].key_frame);
+  EXPECT_FALSE(finalized[0].key_frame) << "it cannot be deskewed";
+  EXPECT_TRUE(finalized[1].key_frame);
   const FrontEndResult next = front_end.process(drive.base_scan(155));
   EXPECT_FALSE(next.provisional);
-  EXPECT_TRUE(next.settled.empty());
+  EXPECT_TRUE(next.finalized.empty());
 }
 
 TEST(FrontEnd, FirstScansStayAsTheyAreWhereItIsLostAfterThem) {
@@ -265,7 +265,7 @@ TEST(FrontEnd, FirstScansStayAsTheyAreWhereItIsLostAfterThem) {
   const FrontEndResult lost = front_end.process(empty_scan(drive, 155));
   EXPECT_EQ(lost.status.state, TrackingState::kLost);
   EXPECT_FALSE(lost.provisional);
-  EXPECT_EQ(lost.settled.size(), 5U);
+  EXPECT_EQ(lost.finalized.size(), 5U);
 }
 
 TEST(FrontEnd, KeyFramesFollowAnExternalOdometry) {

@@ -69,7 +69,7 @@ std::vector<KeyFrame> first_key_frames(const simulation::Drive& drive, std::size
   };
   for (std::size_t i = begin; key_frames.size() < count; ++i) {
     const FrontEndResult result = front_end.process(drive.base_scan(i));
-    for (const FrontEndResult& settled : result.settled) take(settled);
+    for (const FrontEndResult& finalized : result.finalized) take(finalized);
     take(result);
   }
   key_frames.resize(count);

@@ -148,7 +148,7 @@ TEST(KeyFrameFeed, GoesOnWhereTheRunStandsAndGivesUpWhenTold) {
   for (const KeyFrameIndex i : {27U, 24U, 25U, 26U, 29U}) feed.push(make(i));
   EXPECT_EQ(delivered, (Indices{25, 26, 27}));
   EXPECT_EQ(feed.missing(), 0U);
-  feed.settle();
+  feed.flush();
   EXPECT_EQ(delivered, (Indices{25, 26, 27, 29}));
   EXPECT_EQ(feed.missing(), 1U);
 }

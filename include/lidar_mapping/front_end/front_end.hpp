@@ -32,7 +32,7 @@ struct FrontEndResult {
   /// where a drive with few rings begins at speed. Key frames are chosen afterwards.
   bool provisional = false;
   /// The scans that were provisional until now, in their order, and as they are to stay.
-  std::vector<FrontEndResult> settled;
+  std::vector<FrontEndResult> finalized;
 };
 
 /// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames
@@ -48,7 +48,7 @@ class FrontEnd {
 
   /// For the end of a drive, or where nothing comes for long: scans that are still provisional stay
   /// as they are.
-  std::vector<FrontEndResult> settle();
+  std::vector<FrontEndResult> finalize();
 
   /// Where the LiDAR sits, in base_link: the two sides of a thin plate are told apart by it.
   /// Without it they are not.

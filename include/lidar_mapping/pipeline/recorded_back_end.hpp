@@ -73,7 +73,7 @@ class RecordedBackEnd {
   void write_files() const;
 
  private:
-  void go_on();
+  void resume();
 
   session::Session session_;
   back_end::BackEnd back_end_;

@@ -42,7 +42,7 @@ class KeyFrameFeed {
   /// These key frames exist; fetches and hands on those that were not yet.
   void catch_up(const RunIndices& known);
   /// Gives up what is missing, and hands on what waits for it.
-  void settle();
+  void flush();
 
   const std::string& run_id() const { return run_id_; }
   /// One more than the newest index that was handed on.

@@ -40,8 +40,8 @@ class CloudStore : public CloudSource {
     PointCloudPtr cloud;
   };
   PointCloudPtr cached(KeyFrameIndex index);
-  void keep(KeyFrameIndex index, const PointCloudPtr& cloud);
-  void forget_oldest();
+  void cache(KeyFrameIndex index, const PointCloudPtr& cloud);
+  void evict_oldest();
 
   const std::filesystem::path folder_;
   mutable std::mutex mutex_;  ///< guards what follows
