@@ -1,92 +1,46 @@
 #include "bag_chunk.hpp"
 
-#include <algorithm>
-#include <cstring>
-#include <limits>
+#include <new>
 
 #include <bzlib.h>
-#include <lz4.h>
+#include <lz4frame.h>
 
 #include "lidar_mapping/common/errors.hpp"
-
-#include "xxh32.hpp"
 
 namespace lidar_mapping::ros_border {
 
 namespace {
 
-// Of the LZ4 frame format (lz4_Frame_format.md), as far as rosbag uses it.
-constexpr std::uint32_t kMagic = 0x184D2204;
-constexpr std::uint32_t kNotCompressed = 0x80000000;
-constexpr std::uint8_t kVersionMask = 0xC0, kVersion = 0x40;
-constexpr std::uint8_t kIndependent = 0x20;
-constexpr std::uint8_t kBlockChecksum = 0x10;
-constexpr std::uint8_t kContentSize = 0x08;
-constexpr std::uint8_t kContentChecksum = 0x04;
-constexpr std::uint8_t kDictionary = 0x01;
-constexpr std::size_t kMostToLz4 = std::numeric_limits<int>::max();
-constexpr std::size_t kDescriptor = 3;  // flags, block size, checksum of the header
-
 [[noreturn]] void fail() { throw InputError("a chunk is damaged"); }
 
-class Reader {
- public:
-  explicit Reader(ByteRange data) : data_(data) {}
+struct Lz4Context {
+  LZ4F_dctx* get = nullptr;
 
-  const std::uint8_t* take(std::size_t size) {
-    if (size > data_.size) fail();
-    const std::uint8_t* const first = data_.first;
-    data_ = {first + size, data_.size - size};
-    return first;
+  Lz4Context() {
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&get, LZ4F_VERSION)) != 0) {
+      throw std::bad_alloc();
+    }
   }
-  std::uint32_t take_number() {
-    std::uint32_t number = 0;
-    std::memcpy(&number, take(sizeof number), sizeof number);
-    return number;
-  }
-
- private:
-  ByteRange data_;
+  ~Lz4Context() { LZ4F_freeDecompressionContext(get); }
+  Lz4Context(const Lz4Context&) = delete;
+  Lz4Context& operator=(const Lz4Context&) = delete;
 };
 
-/// Returns the flags. The header's checksum is the second byte of that of all before it.
-std::uint8_t read_frame_header(Reader& reader) {
-  if (reader.take_number() != kMagic) fail();
-  const std::uint8_t* const descriptor = reader.take(kDescriptor);
-  const std::uint32_t checksum = xxh32({descriptor, kDescriptor - 1});
-  if (descriptor[kDescriptor - 1] != static_cast<std::uint8_t>(checksum >> 8U)) fail();
-  const std::uint8_t flags = descriptor[0];
-  const std::uint8_t unknown = kContentSize | kDictionary;
-  if ((flags & kVersionMask) != kVersion || (flags & kIndependent) == 0 || (flags & unknown) != 0) {
-    fail();
-  }
-  return flags;
-}
-
+/// The library compares the checksums of header, blocks and content.
 void decompress_lz4(ByteRange data, std::uint8_t* to, std::size_t size) {
-  const ByteRange content{to, size};
-  Reader reader(data);
-  const std::uint8_t flags = read_frame_header(reader);
-  while (const std::uint32_t block = reader.take_number()) {
-    const std::size_t length = block & ~kNotCompressed;
-    const std::uint8_t* const from = reader.take(length);
-    std::size_t written = length;
-    if ((block & kNotCompressed) == 0) {
-      const int result = LZ4_decompress_safe(reinterpret_cast<const char*>(from),
-                                             reinterpret_cast<char*>(to), static_cast<int>(length),
-                                             static_cast<int>(std::min(size, kMostToLz4)));
-      if (result < 0) fail();
-      written = static_cast<std::size_t>(result);
-    } else {
-      if (length > size) fail();
-      std::memcpy(to, from, length);
-    }
+  const Lz4Context context;
+  std::size_t wanted = 1;
+  while (wanted != 0) {
+    std::size_t read = data.size;
+    std::size_t written = size;
+    wanted = LZ4F_decompress(context.get, to, &written, data.first, &read, nullptr);
+    if (LZ4F_isError(wanted) != 0) fail();
+    if (wanted != 0 && read == 0 && written == 0) fail();  // cut off, or longer than it says
+    data = {data.first + read, data.size - read};
     to += written;
     size -= written;
-    if ((flags & kBlockChecksum) != 0 && reader.take_number() != xxh32({from, length})) fail();
   }
   if (size != 0) fail();
-  if ((flags & kContentChecksum) != 0 && reader.take_number() != xxh32(content)) fail();
 }
 
 void decompress_bz2(ByteRange data, std::uint8_t* to, std::size_t size) {
