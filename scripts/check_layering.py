@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Hold the includes against the table of stages: a file includes only its own stage and those below.
 
+doc/architecture.md shows this table, and a picture of it; draw_layers.py writes both.
 usage: check_layering.py [ROOT]
 """
 import pathlib
@@ -11,23 +12,25 @@ CONFIGURED = {'common', 'config'}
 MATCHING = CONFIGURED | {'registration'}
 CORE = {'common', 'config', 'preprocessing', 'registration', 'front_end', 'loop_closing',
         'back_end', 'map', 'session', 'evaluation', 'simulation'}
-ALLOWED = {
-    'common': set(),
-    'config': {'common'},
-    'preprocessing': CONFIGURED,
-    'registration': CONFIGURED,
-    'front_end': MATCHING,
-    'loop_closing': MATCHING,
-    'back_end': CONFIGURED,
-    'map': CONFIGURED,
-    'session': CONFIGURED,
-    'evaluation': {'common'},
-    'simulation': CONFIGURED,
-    'pipeline': CORE,
-    'ros': CORE | {'pipeline'},
-    'nodes': CORE | {'pipeline', 'ros'},
-    'tools': CORE | {'pipeline', 'ros'},
+# From the ground up: what a stage is, and the stages that it may include.
+STAGES = {
+    'common': ('time, poses, point clouds, covariances, units, voxel keys, errors', set()),
+    'config': ('fields, YAML files, checks', {'common'}),
+    'registration': ('Gaussian voxel maps, NDT, VGICP and the methods of PCL', CONFIGURED),
+    'front_end': ('odometry: pose of each scan, key frames', MATCHING),
+    'loop_closing': ('candidates for loops and their verification', MATCHING),
+    'preprocessing': ('synchronisation, deskewing, filters, GNSS in local axes, floor', CONFIGURED),
+    'back_end': ('pose graph: factors, solvers, robust kernels, g2o files', CONFIGURED),
+    'map': ('maps and their files, moving objects, quality', CONFIGURED),
+    'session': ('what is kept of a drive on disk', CONFIGURED),
+    'simulation': ('worlds, sensors and drives', CONFIGURED),
+    'evaluation': ('errors of trajectories against the truth', {'common'}),
+    'pipeline': ('the stages put together, without ROS', CORE),
+    'ros': ('messages and values, bags, parameters, queues', CORE | {'pipeline'}),
+    'nodes': ('one file for each node', CORE | {'pipeline', 'ros'}),
+    'tools': ('one file for each command', CORE | {'pipeline', 'ros'}),
 }
+ALLOWED = {stage: allowed for stage, (_, allowed) in STAGES.items()}
 ROS_STAGES = {'ros', 'nodes', 'tools'}
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"lidar_mapping/(\w+)/')
 ROS_INCLUDE = re.compile(

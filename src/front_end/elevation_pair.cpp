@@ -55,7 +55,7 @@ NormalEquations normal_equations(const SampledPoints& points, registration::Gaus
   for (std::size_t i = 0; i < points.size(); i += step) {
     const Eigen::Vector3d p_b(points.x[i], points.y[i], points.z[i]);
     const Eigen::Vector3d p_a = R * p_b + T_a_b.translation;
-    const Eigen::Vector3i cell = voxel_index(Eigen::Vector3d(p_a / map.resolution()));
+    const Eigen::Vector3i cell = voxel_index(p_a / map.resolution());
     const registration::WeightedPlane plane = map.plane(cell);
     if (plane.normal.isZero(0.0F)) continue;
     const Eigen::Vector3d n_a = plane.normal.cast<double>();

@@ -35,9 +35,7 @@ constexpr int kShareOfDirection = 18;
 constexpr double kHeldPosition = 0.1;
 constexpr double kHeldAngle = 20.0;
 
-VoxelKey key_at(const Eigen::Vector3f& p, float edge) {
-  return voxel_key(voxel_index(Eigen::Vector3f(p / edge)));
-}
+VoxelKey key_at(const Eigen::Vector3f& p, float edge) { return voxel_key(voxel_index(p / edge)); }
 
 std::size_t bit_of(VoxelKey key) { return fibonacci_hash(key) >> (64 - kFilterBits); }
 

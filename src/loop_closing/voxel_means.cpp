@@ -64,7 +64,7 @@ void VoxelMeans::add(const Eigen::Vector3f& p) {
     voxels_.push_back({0, 1.0F, p});
     return;
   }
-  const VoxelIndex cell = voxel_index(Eigen::Vector3f(p * per_leaf_));
+  const VoxelIndex cell = voxel_index(p * per_leaf_);
   Waiting& waiting = waiting_[waiting_count_++];
   waiting.key = voxel_key(cell);
   waiting.offset = p - leaf_ * cell.cast<float>();

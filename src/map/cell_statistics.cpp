@@ -10,7 +10,7 @@ Plane plane_of(const PointMoments& moments) {
 }
 
 VoxelKey cell_key(const Eigen::Vector3d& point, double size) {
-  return voxel_key(voxel_index(Eigen::Vector3d(point / size)));
+  return voxel_key(voxel_index(point / size));
 }
 
 }  // namespace lidar_mapping::map

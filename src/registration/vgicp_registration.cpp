@@ -144,7 +144,7 @@ class VgicpRegistration : public Registration {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const Eigen::Vector3d p_source = cloud[i].getVector3fMap().cast<double>();
       const Eigen::Vector3d p = T * p_source - origin;
-      const Eigen::Vector3i cell = voxel_index(Eigen::Vector3d(p / map.resolution()));
+      const Eigen::Vector3i cell = voxel_index(p / map.resolution());
       const Eigen::Matrix3d of_point = plane_covariance(R * normals[i]);
       for (const Eigen::Vector3i& offset : neighborhood_) {
         const Gaussian gaussian = map.gaussian(cell + offset);

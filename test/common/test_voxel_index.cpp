@@ -22,7 +22,7 @@ TEST(FloorToInt, RoundsDownOnBothSidesOfZero) {
 TEST(VoxelIndex, IsTheSameInBothPrecisions) {
   const Eigen::Vector3d scaled(-0.25, 3.75, -8.0);
   EXPECT_EQ(voxel_index(scaled), VoxelIndex(-1, 3, -8));
-  EXPECT_EQ(voxel_index(Eigen::Vector3f(scaled.cast<float>())), VoxelIndex(-1, 3, -8));
+  EXPECT_EQ(voxel_index(scaled.cast<float>()), VoxelIndex(-1, 3, -8));
 }
 
 std::vector<VoxelIndex> some_indices() {

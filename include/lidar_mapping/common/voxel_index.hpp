@@ -21,13 +21,12 @@ inline std::int64_t floor_to_int(double value) {
 /// Number of the voxel that a point lies in, along each axis.
 using VoxelIndex = Eigen::Vector3i;
 
-/// `scaled`: the point in units of the voxel's edge.
-inline VoxelIndex voxel_index(const Eigen::Vector3f& scaled) {
-  return {floor_to_int(scaled.x()), floor_to_int(scaled.y()), floor_to_int(scaled.z())};
-}
-inline VoxelIndex voxel_index(const Eigen::Vector3d& scaled) {
-  return {static_cast<int>(floor_to_int(scaled.x())), static_cast<int>(floor_to_int(scaled.y())),
-          static_cast<int>(floor_to_int(scaled.z()))};
+/// `scaled`: the point in units of the voxel's edge, float or double.
+template <typename Derived>
+VoxelIndex voxel_index(const Eigen::MatrixBase<Derived>& scaled) {
+  EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(Derived, 3)
+  const auto floored = [&](int axis) { return static_cast<int>(floor_to_int(scaled[axis])); };
+  return {floored(0), floored(1), floored(2)};
 }
 
 /// A voxel's index in one word: 21 bits for each axis, x above y above z, each with half of its
