@@ -74,7 +74,7 @@ class VoxelKeys {
         voxel_index(scale_ * Eigen::Vector3f(points_.x[i], points_.y[i], points_.z[i])));
   }
   std::uint16_t column_of(std::size_t i) const { return columns_[i]; }
-  static std::uint16_t column_of(VoxelKey key) {
+  static std::uint16_t column_of_key(VoxelKey key) {
     const VoxelIndex voxel = voxel_index(key);
     return column(voxel.x(), voxel.y());
   }
@@ -99,8 +99,8 @@ class Columns {
     const VoxelKey first = key - static_cast<VoxelKey>(reach) * (kVoxelKeyStepX + kVoxelKeyStepY);
     for (int dx = 0; dx <= 2 * reach; ++dx) {
       for (int dy = 0; dy <= 2 * reach; ++dy) {
-        taken_.set(VoxelKeys::column_of(first + static_cast<VoxelKey>(dx) * kVoxelKeyStepX +
-                                        static_cast<VoxelKey>(dy) * kVoxelKeyStepY));
+        taken_.set(VoxelKeys::column_of_key(first + static_cast<VoxelKey>(dx) * kVoxelKeyStepX +
+                                            static_cast<VoxelKey>(dy) * kVoxelKeyStepY));
       }
     }
   }
