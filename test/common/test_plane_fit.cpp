@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/plane_fit.hpp"
