@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Run the commands of README.md and doc/ as they are written, and look up what the pages name.
+"""Run the commands of README.md, CONTRIBUTING.md and doc/ as they are written, and look up what the pages name.
 
 Each command of a bash block is run in a folder that holds a short simulated drive under the names that
 the pages use (drive.bag, SESSION, monday, ...), with a home and a ROS master of its own. It fails when
@@ -367,6 +367,7 @@ class Names:
 
     def _check_file(self, span):
         name = span.text.split()[0].rstrip('/')
+        name = re.sub(r'(\.\w+):[\w:~]+$', r'\1', name)  # file:function, which check_names.py looks up
         if name.split('/')[0] in FOLDERS and '/' in name:
             pattern = re.sub(r'<\w+>|\*', '*', name)
             if not list(ROOT.glob(pattern)):
@@ -436,7 +437,7 @@ def check_the_check(environment, folder):
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--keep', type=pathlib.Path, help='a new folder to work in, which stays')
-    parser.add_argument('pages', nargs='*', help='default: README.md and all of doc/')
+    parser.add_argument('pages', nargs='*', help='default: README.md, CONTRIBUTING.md, examples/README.md and all of doc/')
     return parser.parse_args()
 
 
@@ -464,7 +465,8 @@ def main():
     # Who is started in the background has SIGINT ignored, and all that it starts too: masters would not end.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     options = arguments()
-    names = options.pages or ['README.md'] + sorted(str(path.relative_to(ROOT)) for path in (ROOT / 'doc').rglob('*.md'))
+    names = options.pages or ['README.md', 'CONTRIBUTING.md', 'examples/README.md'] + sorted(
+        str(path.relative_to(ROOT)) for path in (ROOT / 'doc').rglob('*.md'))
     if options.keep:
         options.keep.mkdir(parents=True)
         return check(names, options.keep.resolve())

@@ -16,6 +16,8 @@
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
 
+#include "map_formats.hpp"
+
 namespace lidar_mapping::map {
 
 namespace {
@@ -140,6 +142,12 @@ void write_utm_origin(const fs::path& file, const std::optional<UtmFrame>& utm) 
   write_text_atomically(path, line("%.6f %.6f %.6f\n", origin.x(), origin.y(), origin.z()));
 }
 
+/// Of a format of points alone; null for others.
+auto writer_of(const std::string& name) {
+  const MapFormat* format = find_format(name);
+  return format == nullptr ? nullptr : format->write_points;
+}
+
 void refuse_foreign(const fs::path& file, const fs::path& description) {
   if (fs::exists(file) && !fs::exists(description)) {
     throw FileError(file.string() +
@@ -158,8 +166,8 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
     return directory / (description.name + "." + format);
   };
   for (const std::string& format : wanted) {
-    if (format != "pcd" && format != "ply") {
-      throw InputError("map format '" + format + "' is not known; use pcd or ply");
+    if (writer_of(format) == nullptr) {
+      throw InputError("map format '" + format + "' cannot be written from points alone");
     }
     refuse_foreign(file_of(format), described);
   }
@@ -171,7 +179,7 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
   const auto write = [&] {
     for (const std::string& format : wanted) {
       const fs::path& file = files.emplace_back(file_of(format));
-      format == "pcd" ? write_pcd(file, map) : write_ply(file, map);
+      writer_of(format)(file, map);
       write_utm_origin(file, description.utm);
       if (description.utm) files.push_back(file_of(format + ".utm"));
     }

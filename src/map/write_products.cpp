@@ -11,6 +11,7 @@
 #include "lidar_mapping/map/moving_objects.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
+#include "map_formats.hpp"
 #include "map_products.hpp"
 
 namespace lidar_mapping::map {
@@ -21,16 +22,19 @@ bool is_among(const std::string& format, const std::vector<std::string>& formats
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
+std::string in_small_letters(std::string text) {
+  for (char& letter : text) {
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  return text;
+}
+
 /// In small letters. Throws InputError for one that is not known.
 std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
   std::vector<std::string> result;
   for (const std::string& format : formats) {
-    std::string small = format;
-    for (char& letter : small) {
-      letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-    }
-    result.push_back(small);
-    if (is_among(small, product_formats())) continue;
+    result.push_back(in_small_letters(format));
+    if (find_format(result.back()) != nullptr) continue;
     std::string known;
     for (const std::string& name : product_formats()) known += (known.empty() ? "" : ", ") + name;
     throw InputError("map format '" + format + "' is not known; use " + known);
@@ -78,10 +82,13 @@ class CroppedClouds : public CloudSource {
   std::map<KeyFrameIndex, Pose> poses_;
 };
 
-class Writer {
+}  // namespace
+
+/// Makes what the options ask for. The map is built tile by tile as often as a format needs it.
+class ProductWriter {
  public:
-  Writer(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
-         const ProductOptions& options, const std::filesystem::path& directory)
+  ProductWriter(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
+                const ProductOptions& options, const std::filesystem::path& directory)
       : poses_(poses), clouds_(clouds), config_(config), options_(options), directory_(directory) {
     if (options.p_base_sensor && !options.keep_moving) {
       MovingObjectsConfig removal;
@@ -95,10 +102,31 @@ class Writer {
   }
 
   Products write() {
-    write_joined();
-    write_tiled();
+    write_point_files();
+    for (const MapFormat& format : map_formats()) {
+      if (format.write != nullptr && wants(format.name)) (this->*format.write)();
+    }
     if (options_.save_removed && fixed_) write_removed();
     return products_;
+  }
+
+  void write_picture() {
+    if (!has_picture_) draw();
+    add({picture()});
+  }
+
+  void write_grid() { add(save_grid(points(), grid_options(), directory_, rays())); }
+
+  void write_tiles() {
+    const auto folder = directory_ / "pointcloud_map";
+    save_tiles(tiles(), true_tile_size(config_), folder);
+    add({folder});
+  }
+
+  void write_las() {
+    const auto file = directory_ / (options_.name + ".las");
+    map::write_las(file, tiles(), options_.datum, max_intensity());
+    add({file});
   }
 
  private:
@@ -128,28 +156,30 @@ class Writer {
     };
   }
 
-  /// What is made of the points alone, wherever the tiles' borders are.
-  void write_joined() {
+  /// The points alone, wherever the tiles' borders are: built once, kept on disk.
+  const CloudParts& points() {
+    if (!points_) points_ = stored_parts(tiles(), directory_);
+    return *points_;
+  }
+
+  /// Packing them takes long and one thread: the picture is drawn meanwhile.
+  void write_point_files() {
     std::vector<std::string> formats;
-    for (const char* format : {"pcd", "ply"}) {
-      if (wants(format)) formats.emplace_back(format);
+    for (const MapFormat& format : map_formats()) {
+      if (format.write_points != nullptr && wants(format.name)) formats.emplace_back(format.name);
     }
-    if (formats.empty() && !wants("png") && !wants("grid")) return;
-    const CloudParts points = stored_parts(tiles(), directory_);
-    Files picture;
-    const auto draw = [&] {
-      if (!wants("png")) return;
-      picture = {directory_ / "top_view.png"};
-      write_png(picture.front(), top_view(points, options_.pixel));
-    };
-    if (formats.empty()) {
-      draw();
-    } else {
-      add(save_map(options_.utm ? in_utm(points) : points, description(), directory_, formats,
-                   {draw, config_.threads}));
-    }
-    add(picture);
-    if (wants("grid")) add(save_grid(points, grid_options(), directory_, rays()));
+    if (formats.empty()) return;
+    Meanwhile meanwhile;
+    if (wants("png")) meanwhile = {[this] { draw(); }, config_.threads};
+    add(save_map(options_.utm ? in_utm(points()) : points(), description(), directory_, formats,
+                 meanwhile));
+  }
+
+  std::filesystem::path picture() const { return directory_ / "top_view.png"; }
+
+  void draw() {
+    write_png(picture(), top_view(points(), options_.pixel));
+    has_picture_ = true;
   }
 
   MapDescription description() const {
@@ -183,19 +213,6 @@ class Writer {
   std::optional<GridRays> rays() {
     if (!options_.p_base_sensor) return std::nullopt;
     return GridRays{poses_, uncropped(), *options_.p_base_sensor};
-  }
-
-  void write_tiled() {
-    if (wants("tiles")) {
-      const auto folder = directory_ / "pointcloud_map";
-      save_tiles(tiles(), true_tile_size(config_), folder);
-      add({folder});
-    }
-    if (wants("las")) {
-      const auto file = directory_ / (options_.name + ".las");
-      write_las(file, tiles(), options_.datum, max_intensity());
-      add({file});
-    }
   }
 
   float max_intensity() {
@@ -233,14 +250,53 @@ class Writer {
   const std::filesystem::path& directory_;
   std::unique_ptr<StaticClouds> fixed_;
   std::unique_ptr<CroppedClouds> cropped_;
+  std::optional<CloudParts> points_;
+  bool has_picture_ = false;
   Products products_;
 };
 
-}  // namespace
+const std::vector<MapFormat>& map_formats() {
+  static const std::vector<MapFormat> formats = {
+      {"pcd", "", true, &write_pcd, nullptr},
+      {"ply", "", true, &write_ply, nullptr},
+      {"png", "view from above", false, nullptr, &ProductWriter::write_picture},
+      {"las", "", true, nullptr, &ProductWriter::write_las},
+      {"tiles", "Autoware", false, nullptr, &ProductWriter::write_tiles},
+      {"grid", "map_server", false, nullptr, &ProductWriter::write_grid}};
+  return formats;
+}
+
+const MapFormat* find_format(const std::string& name) {
+  for (const MapFormat& format : map_formats()) {
+    if (format.name == name) return &format;
+  }
+  return nullptr;
+}
 
 const std::vector<std::string>& product_formats() {
-  static const std::vector<std::string> formats = {"pcd", "ply", "png", "las", "tiles", "grid"};
-  return formats;
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const MapFormat& format : map_formats()) all.emplace_back(format.name);
+    return all;
+  }();
+  return names;
+}
+
+std::string product_format_help() {
+  std::string text;
+  for (const MapFormat& format : map_formats()) {
+    text += (text.empty() ? "" : ", ") + std::string(format.name);
+    if (*format.remark != '\0') text += " (" + std::string(format.remark) + ")";
+  }
+  return text;
+}
+
+std::vector<std::string> one_file_formats() {
+  std::vector<std::string> names;
+  for (const MapFormat& format : map_formats()) {
+    if (format.one_file) names.emplace_back(format.name);
+  }
+  return names;
 }
 
 std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners) {
@@ -266,7 +322,7 @@ Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const M
     throw InputError(
         "the place of the map on Earth is not known, as there was no GNSS; leave UTM out");
   }
-  return Writer(poses, clouds, config, options, directory).write();
+  return ProductWriter(poses, clouds, config, options, directory).write();
 }
 
 }  // namespace lidar_mapping::map

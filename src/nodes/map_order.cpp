@@ -18,9 +18,13 @@ std::string format_of(const fs::path& file) {
   if (!format.empty()) format.erase(0, 1);
   std::transform(format.begin(), format.end(), format.begin(),
                  [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  if (format == "pcd" || format == "ply" || format == "las") return format;
-  throw InputError("destination is '" + file.string() +
-                   "', which does not end in .pcd, .ply or .las: it is the name of one file");
+  std::string known;
+  for (const std::string& name : map::one_file_formats()) {
+    if (format == name) return format;
+    known += (known.empty() ? "." : ", .") + name;
+  }
+  throw InputError("destination is '" + file.string() + "', which does not end in " + known +
+                   ": it is the name of one file");
 }
 
 void name_file(const SaveMap::Request& request, MapOrder& order) {

@@ -25,8 +25,7 @@ int main(int argc, char** argv) {
   app.add_option("--cell", output.grid_cell,
                  "edge of the grid's cells, m; as in the drive, or that of the voxels");
   app.add_option("--formats", output.products.formats,
-                 "pcd, ply, png (view from above), las, tiles (Autoware), grid (map_server); "
-                 "pcd,ply,png if left out")
+                 map::product_format_help() + "; pcd,ply,png if left out")
       ->delimiter(',')
       ->check(CLI::IsMember(map::product_formats(), CLI::ignore_case));
   std::vector<double> crop;

@@ -30,13 +30,12 @@ struct Meanwhile {
   int threads = 1;  ///< with one it is done afterwards; 0: all cores
 };
 
-/// Writes map.pcd (write_pcd()) and map.ply (binary), as `formats` ("pcd", "ply"; empty:
-/// both) says, and map.yaml (frame, datum, resolution, number of points, bounds) beside them; in
-/// UTM also map.pcd.utm, which has easting, northing and height of the origin. Files appear whole
-/// or not at all. Nothing large is added to points, which floats would not hold. Throws InputError
-/// for another format or an empty map, FileError for the disk, and where the folder holds a map.pcd
-/// or map.ply that does not come from this package (no map.yaml beside it); what is to be done
-/// meanwhile is not begun then.
+/// Writes map.pcd (write_pcd()) and map.ply (binary), as `formats` (empty: both) says, and map.yaml
+/// (frame, datum, resolution, number of points, bounds) beside them; in UTM also map.pcd.utm, which
+/// has easting, northing and height of the origin. Files appear whole or not at all. Nothing large
+/// is added to points, which floats would not hold. Throws InputError for another format or an
+/// empty map, FileError for the disk, and where the folder holds a map.pcd or map.ply that does not
+/// come from this package (no map.yaml beside it); what is to be done meanwhile is not begun then.
 Files save_map(const CloudParts& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats,
                const Meanwhile& meanwhile = {});

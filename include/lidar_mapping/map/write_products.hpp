@@ -13,9 +13,12 @@
 
 namespace lidar_mapping::map {
 
-/// What ProductOptions::formats may hold, in capitals or not: pcd, ply, png (view from above), las,
-/// tiles (Autoware), grid (map_server).
+/// What ProductOptions::formats may hold, in capitals or not.
 const std::vector<std::string>& product_formats();
+/// The same in one line with what they are: "pcd, ply, png (view from above), ...".
+std::string product_format_help();
+/// Those of which a map is one file, with the format's name as its extension.
+std::vector<std::string> one_file_formats();
 
 /// The box of x0 y0 z0 x1 y1 z1, m; none of no numbers. Throws InputError for another count, and
 /// where it is empty.
@@ -34,7 +37,7 @@ struct ProductOptions {
   std::optional<Eigen::AlignedBox3d> crop;
   /// pcd and ply in UTM, relative to the datum (las always is in UTM, the others in the map frame).
   bool utm = false;
-  std::string name = "map";   ///< of pcd, ply and las, without extension
+  std::string name = "map";   ///< of formats that are one file, without extension
   bool keep_moving = false;   ///< leaves points of moving objects in
   bool save_removed = false;  ///< writes the points left out to moving_objects.pcd
 };

@@ -1,0 +1,84 @@
+// What the table of formats promises holds for each of its rows.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/map/write_products.hpp"
+
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::map {
+namespace {
+
+/// One key frame: a square of ground of 10 m with a wall, a point every 10 cm.
+class OneKeyFrame : public CloudSource {
+ public:
+  PointCloudPtr cloud(KeyFrameIndex) override {
+    auto cloud = std::make_shared<PointCloud>();
+    for (int i = 0; i < 100; ++i) {
+      for (int j = 0; j < 100; ++j) {
+        const float u = 0.1F * static_cast<float>(i) + 0.05F;
+        const float v = 0.1F * static_cast<float>(j) + 0.05F;
+        cloud->points.push_back({u, v, 0.0F, 1.0F});
+        if (j < 30) cloud->points.push_back({u, 10.0F, v, 1.0F});
+      }
+    }
+    return cloud;
+  }
+
+  const KeyFramePoses poses{1, true, {{0, 0, Pose::Identity()}}};
+};
+
+class MapFormats : public testing::Test {
+ protected:
+  Products written(const std::vector<std::string>& formats) {
+    ProductOptions options;
+    options.formats = formats;
+    options.name = "site";
+    return write_products(source_.poses, source_, {}, options, folder_.path());
+  }
+
+  OneKeyFrame source_;
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(MapFormats, EachIsWrittenAlone) {
+  for (const std::string& format : product_formats()) {
+    const Products products = written({format});
+    ASSERT_FALSE(products.files.empty()) << format;
+    EXPECT_GT(products.points, 1000U) << format;
+    for (const auto& file : products.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+  }
+}
+
+TEST_F(MapFormats, AllAreWrittenTogetherAndEachOnce) {
+  std::vector<std::filesystem::path> files = written(product_formats()).files;
+  std::sort(files.begin(), files.end());
+  EXPECT_EQ(std::adjacent_find(files.begin(), files.end()), files.end());
+  EXPECT_GE(files.size(), product_formats().size());
+}
+
+TEST_F(MapFormats, OfOneFileBearTheNameAndTheFormat) {
+  ASSERT_FALSE(one_file_formats().empty());
+  for (const std::string& format : one_file_formats()) {
+    written({format});
+    EXPECT_TRUE(std::filesystem::exists(folder_.path() / ("site." + format))) << format;
+  }
+}
+
+TEST_F(MapFormats, AreNamedInHelpAndErrors) {
+  std::string problem;
+  try {
+    written({"shp"});
+  } catch (const InputError& error) {
+    problem = error.what();
+  }
+  for (const std::string& format : product_formats()) {
+    EXPECT_NE(product_format_help().find(format), std::string::npos) << format;
+    EXPECT_NE(problem.find(format), std::string::npos) << format << " is not in: " << problem;
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::map
