@@ -9,6 +9,7 @@
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
 
+#include "base_frame.hpp"
 #include "cloud_fingerprint.hpp"
 #include "coasting.hpp"
 #include "key_frame_rule.hpp"
@@ -16,6 +17,7 @@
 #include "scan_sampler.hpp"
 #include "surface_support.hpp"
 #include "tracker.hpp"
+#include "upright_axes.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -62,27 +64,21 @@ PointCloud picked(const PointCloud& cloud, const std::vector<std::uint32_t>& ind
   return result;
 }
 
-}  // namespace
-
-class FrontEnd::Impl {
+/// Follows the frame that the scans are in, here called base, from where it is first.
+class SensorOdometry {
  public:
-  explicit Impl(const FrontEndConfig& config)
+  explicit SensorOdometry(const FrontEndConfig& config)
       : config_(config),
         rule_{config.key_frame_distance, config.key_frame_angle, config.key_frame_interval},
         patient_rule_{kPatience * config.key_frame_distance, kPatience * config.key_frame_angle,
                       kPatience * config.key_frame_interval} {
     if (config.odometry == OdometrySource::kLidar) tracker_ = make_tracker(config);
-    const Eigen::Map<const Vector6d> given(config.initial_pose.data());
-    if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
   }
 
-  void set_initial_pose(const Pose& T_odom_base) {
-    if (last_stamp_) {
-      throw InputError("an initial pose after the first scan; give it before, or start anew");
-    }
-    initial_ = T_odom_base;
-    initial_given_ = true;
-    if (tracker_) tracker_->restart(T_odom_base);
+  bool has_begun() const { return last_stamp_.has_value(); }
+  /// As it was last seen to turn, rad/s.
+  Eigen::Vector3d turning() const {
+    return tracked_ ? Eigen::Vector3d(tracked_->twist.tail<3>()) : Eigen::Vector3d::Zero();
   }
 
   FrontEndResult process(const Scan& taken, const MotionPrior& prior) {
@@ -91,7 +87,7 @@ class FrontEnd::Impl {
     timer_.start("support");
     const Scan& scan = tracker_ ? support_.supported(taken) : taken;
     timer_.stop();
-    const TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
+    const TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
@@ -117,22 +113,21 @@ class FrontEnd::Impl {
     return release({});
   }
 
-  void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base) {
+  void resume(KeyFrameIndex next_index, std::uint32_t next_segment) {
     next_index_ = next_index;
     segment_ = next_segment;
-    initial_ = T_odom_base;
-    initial_given_ = false;
+    T_first_external_.reset();
     last_key_frame_.reset();
     last_.reset();
     tracked_.reset();
     repeated_.forget();
     held_.clear();
-    if (tracker_) tracker_->restart(T_odom_base);
+    if (tracker_) tracker_->restart();
   }
 
-  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-    if (tracker_) tracker_->set_sensor_origin(p_base_sensor);
-    support_.set_sensor_origin(p_base_sensor);
+  /// The scans are in the LiDAR's own frame.
+  void know_viewpoint() {
+    if (tracker_) tracker_->know_viewpoint();
   }
 
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
@@ -211,12 +206,6 @@ class FrontEnd::Impl {
     last_key_frame_.reset();
   }
 
-  /// What a person says of the beginning goes before what other sensors say.
-  TrackedScan track(const Scan& scan, MotionPrior prior) {
-    if (initial_given_) prior.T_odom_base_initial.reset();
-    return tracker_->track(scan, prior);
-  }
-
   /// `odometry: external`.
   TrackedScan follow(const Scan& scan, const MotionPrior& prior) {
     if (!prior.T_external_base) {
@@ -224,8 +213,8 @@ class FrontEnd::Impl {
                        " ns; give MotionPrior::T_external_base or set odometry: lidar");
     }
     TrackedScan tracked;
-    if (!T_odom_external_) T_odom_external_ = initial_ * prior.T_external_base->inverse();
-    tracked.T_odom_base = *T_odom_external_ * *prior.T_external_base;
+    if (!T_first_external_) T_first_external_ = prior.T_external_base->inverse();
+    tracked.T_odom_base = *T_first_external_ * *prior.T_external_base;
     tracked.status.converged = true;
     return tracked;
   }
@@ -285,9 +274,7 @@ class FrontEnd::Impl {
   RepeatedScans repeated_;
   SurfaceSupport support_;
   std::unique_ptr<Tracker> tracker_;
-  Pose initial_;
-  bool initial_given_ = false;
-  std::optional<Pose> T_odom_external_;
+  std::optional<Pose> T_first_external_;
   std::vector<Held> held_;
   std::optional<TrackedScan> last_;
   std::optional<Stamp> last_stamp_;
@@ -299,6 +286,77 @@ class FrontEnd::Impl {
   std::uint32_t segment_ = 0;
 };
 
+}  // namespace
+
+/// The odometry of the scans' own frame, and the border to base_link.
+class FrontEnd::Impl {
+ public:
+  explicit Impl(const FrontEndConfig& config)
+      : odometry_(config), takes_initial_(config.odometry == OdometrySource::kLidar) {
+    const Eigen::Map<const Vector6d> given(config.initial_pose.data());
+    if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
+  }
+
+  void set_initial_pose(const Pose& T_odom_base) {
+    if (odometry_.has_begun()) {
+      throw InputError("an initial pose after the first scan; give it before, or start anew");
+    }
+    start_ = T_odom_base;
+    takes_initial_ = false;
+  }
+
+  void set_sensor_pose(const Pose& T_base_sensor) {
+    odometry_.know_viewpoint();
+    T_base_sensor_ = T_base_sensor;
+    take_axes();
+  }
+
+  FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
+    if (start_) begin(scan, prior);
+    const MotionPrior own_prior = border_.of_sensor(prior, odometry_.turning());
+    return border_.of_base(odometry_.process(turned(scan), own_prior));
+  }
+
+  std::vector<FrontEndResult> finalize() { return border_.of_base(odometry_.finalize()); }
+
+  void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base) {
+    odometry_.resume(next_index, next_segment);
+    start_ = T_odom_base;
+  }
+
+  PointCloud local_map() const { return border_.in_odom(odometry_.local_map()); }
+
+ private:
+  /// What a person says of the beginning goes before what other sensors say.
+  void begin(const Scan& scan, const MotionPrior& prior) {
+    R_sensor_upright_ = upright_axes(scan.cloud, T_base_sensor_);
+    take_axes();
+    const bool is_measured = takes_initial_ && prior.T_odom_base_initial;
+    border_.begin_at(is_measured ? *prior.T_odom_base_initial : *start_);
+    start_.reset();
+  }
+
+  void take_axes() {
+    border_.set_sensor_pose(T_base_sensor_ * Pose{R_sensor_upright_, Eigen::Vector3d::Zero()});
+  }
+
+  /// In upright axes, which mostly are the LiDAR's own.
+  const Scan& turned(const Scan& scan) {
+    if (rotation_angle(R_sensor_upright_) == 0.0) return scan;
+    const Pose T_upright_sensor{R_sensor_upright_.conjugate(), Eigen::Vector3d::Zero()};
+    turned_ = {scan.stamp, transformed(scan.cloud, T_upright_sensor)};
+    return turned_;
+  }
+
+  SensorOdometry odometry_;
+  BaseFrame border_;
+  Pose T_base_sensor_;
+  Eigen::Quaterniond R_sensor_upright_ = Eigen::Quaterniond::Identity();
+  Scan turned_;
+  std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, until the first scan
+  bool takes_initial_;                            ///< of other sensors
+};
+
 FrontEnd::FrontEnd(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 FrontEnd::~FrontEnd() = default;
 
@@ -308,9 +366,7 @@ FrontEndResult FrontEnd::process(const Scan& scan, const MotionPrior& prior) {
 
 std::vector<FrontEndResult> FrontEnd::finalize() { return impl_->finalize(); }
 
-void FrontEnd::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  impl_->set_sensor_origin(p_base_sensor);
-}
+void FrontEnd::set_sensor_pose(const Pose& T_base_sensor) { impl_->set_sensor_pose(T_base_sensor); }
 
 void FrontEnd::set_initial_pose(const Pose& T_odom_base) { impl_->set_initial_pose(T_odom_base); }
 

@@ -79,7 +79,6 @@ class NdtTracker::Impl {
     result.status.elevation_shift = elevation_.found();
     result.elevation_shift = elevation_.applied();
     if (map_.empty()) {
-      if (prior.T_odom_base_initial) start_ = *prior.T_odom_base_initial;
       begin(scan, start_, result.status);
     } else {
       timer_.start("matching");
@@ -91,14 +90,14 @@ class NdtTracker::Impl {
     return result;
   }
 
-  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-    sampler_.set_sensor_origin(p_base_sensor);
-    sensor_origin_ = p_base_sensor;
+  void know_viewpoint() {
+    sampler_.know_viewpoint();
+    viewpoint_known_ = true;
   }
 
-  void restart(const Pose& T_odom_base) {
+  void restart() {
     forget();
-    start_ = T_odom_base;
+    start_ = Pose::Identity();
   }
 
   void finalize() { beginning_.finalize(); }
@@ -127,7 +126,8 @@ class NdtTracker::Impl {
     parting_variance_ = 1.0;
     in_room_ = sampler_.median_range() <= kRoomRange;
     map_.begin(voxel_size());
-    rings_ = HeededRings(sensor_origin_ ? ring_spacing(scan.cloud, *sensor_origin_) : 0.0);
+    rings_ =
+        HeededRings(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -412,7 +412,7 @@ class NdtTracker::Impl {
   bool beside_rings_ = false;                                   ///< the scan was matched like that
   Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
   double parting_variance_ = 1.0;
-  std::optional<Eigen::Vector3d> sensor_origin_;
+  bool viewpoint_known_ = false;
   HeededRings rings_;
   std::size_t scans_ = 0;
   Pose start_;                ///< where a map begins, at the stamp of its first scan
@@ -432,11 +432,9 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
 
 void NdtTracker::finalize() { impl_->finalize(); }
 
-void NdtTracker::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  impl_->set_sensor_origin(p_base_sensor);
-}
+void NdtTracker::know_viewpoint() { impl_->know_viewpoint(); }
 
-void NdtTracker::restart(const Pose& T_odom_base) { impl_->restart(T_odom_base); }
+void NdtTracker::restart() { impl_->restart(); }
 
 PointCloud NdtTracker::local_map() const { return impl_->local_map(); }
 

@@ -14,8 +14,8 @@ class NdtTracker : public Tracker {
   ~NdtTracker() override;
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
-  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) override;
-  void restart(const Pose& T_odom_base) override;
+  void know_viewpoint() override;
+  void restart() override;
   void finalize() override;
   PointCloud local_map() const override;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
@@ -23,27 +25,34 @@ constexpr double kTurnStep = 0.15;
 constexpr double kBetween = 6.0;
 constexpr int kMostBetween = 8;
 
-// Of the first motion, m/s and m.
-constexpr double kForwardSpeed = 40.0;
-constexpr double kBackwardSpeed = 15.0;
-constexpr double kSideSpeed = 2.0;
+/// Slower than that (m/s) a twist does not say which way the vehicle goes.
+constexpr double kGoing = 1.0;
+
+// Of the first motion, m/s and m. Nobody says which way of the LiDAR's is ahead; between two of
+// eight directions a fast vehicle is off by as much as a match reaches.
+constexpr double kFastest = 40.0;
 constexpr double kSpeedStep = 0.75;
+constexpr int kDirections = 8;
 // With few scans a second it turns by more than a match reaches (rad/s, rad).
 constexpr double kTurnRate = 0.6;
 constexpr double kMostTurn = 0.3;
 
-Pose displaced(const Pose& pose, double x, double y, double yaw) {
+/// Which way the vehicle goes, from x towards y; ahead is the LiDAR's x where it hardly goes.
+Eigen::Rotation2Dd course_of(const Vector6d& twist) {
+  const Eigen::Vector2d v = twist.head<2>();
+  return Eigen::Rotation2Dd(v.norm() < kGoing ? 0.0 : std::atan2(v.y(), v.x()));
+}
+
+Pose displaced(const Pose& pose, const Eigen::Vector2d& by, double yaw) {
   Vector6d d = Vector6d::Zero();
-  d[0] = x;
-  d[1] = y;
+  d.head<2>() = by;
   d[5] = yaw;
   return perturbed(pose, d);
 }
 
-MotionState moving(const Pose& first, double x, double y, double yaw, double seconds) {
+MotionState moving(const Pose& first, const Eigen::Vector2d& way, double yaw, double seconds) {
   MotionState state{first, Vector6d::Zero()};
-  state.twist[0] = x / seconds;
-  state.twist[1] = y / seconds;
+  state.twist.head<2>() = way / seconds;
   state.twist[5] = yaw / seconds;
   state.T_map_sensor = moved(first, state.twist, seconds);
   return state;
@@ -69,11 +78,13 @@ std::vector<Pose> centers_around(const Pose& prediction, const std::vector<Pose>
 std::vector<MotionState> starts_around(const MotionState& prediction,
                                        const std::vector<Pose>& anchors) {
   std::vector<MotionState> starts;
+  const Eigen::Rotation2Dd course = course_of(prediction.twist);
   for (const Pose& center : centers_around(prediction.T_map_sensor, anchors)) {
     for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
       for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
         for (double yaw = -kTurn; yaw <= kTurn + 1e-9; yaw += kTurnStep) {
-          starts.push_back({displaced(center, x, y, yaw), prediction.twist});
+          starts.push_back(
+              {displaced(center, course * Eigen::Vector2d(x, y), yaw), prediction.twist});
         }
       }
     }
@@ -85,14 +96,13 @@ std::vector<MotionState> starts_at_speed(const Pose& first, double seconds) {
   std::vector<MotionState> starts = {{first, Vector6d::Zero()}};
   const double turn = std::min(kTurnRate * seconds, kMostTurn);
   const double most = kTurnStep * std::floor(turn / kTurnStep + 1e-9);
-  for (double x = kSpeedStep; x < kForwardSpeed * seconds; x += kSpeedStep) {
-    for (double yaw = -most; yaw <= most + 1e-9; yaw += kTurnStep) {
-      starts.push_back(moving(first, x, 0.0, yaw, seconds));
+  for (double way = kSpeedStep; way < kFastest * seconds; way += kSpeedStep) {
+    for (int direction = 0; direction < kDirections; ++direction) {
+      const Eigen::Rotation2Dd course(2.0 * kPi / kDirections * direction);
+      for (double yaw = -most; yaw <= most + 1e-9; yaw += kTurnStep) {
+        starts.push_back(moving(first, course * Eigen::Vector2d(way, 0.0), yaw, seconds));
+      }
     }
-    if (x < kBackwardSpeed * seconds) starts.push_back(moving(first, -x, 0.0, 0.0, seconds));
-  }
-  for (const double side : {-1.0, 1.0}) {
-    starts.push_back(moving(first, 0.0, side * kSideSpeed * seconds, 0.0, seconds));
   }
   return starts;
 }

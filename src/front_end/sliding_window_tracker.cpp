@@ -100,9 +100,9 @@ class SlidingWindowTracker::Impl {
     return tracked;
   }
 
-  void restart(const Pose& T_odom_base) {
+  void restart() {
     window_.clear();
-    T_odom_base_ = T_odom_base;
+    T_odom_base_ = Pose::Identity();
     twist_.setZero();
     sweep_twist_.setZero();
   }
@@ -117,7 +117,6 @@ class SlidingWindowTracker::Impl {
   };
 
   TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
-    if (prior.T_odom_base_initial) T_odom_base_ = *prior.T_odom_base_initial;
     doubt_.reset();
     predict_twist(prior);
     speed_known_ = prior.linear_velocity.has_value();
@@ -295,7 +294,7 @@ TrackedScan SlidingWindowTracker::track(const Scan& scan, const MotionPrior& pri
   return impl_->track(scan, prior);
 }
 
-void SlidingWindowTracker::restart(const Pose& T_odom_base) { impl_->restart(T_odom_base); }
+void SlidingWindowTracker::restart() { impl_->restart(); }
 
 PointCloud SlidingWindowTracker::local_map() const { return impl_->local_map(); }
 

@@ -16,7 +16,7 @@ class SlidingWindowTracker : public Tracker {
   ~SlidingWindowTracker() override;
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
-  void restart(const Pose& T_odom_base) override;
+  void restart() override;
   PointCloud local_map() const override;
 
  private:

@@ -101,7 +101,7 @@ void RangeGrid::clear(std::size_t points) {
 }
 
 inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
-  const float x = point.x - origin_.x(), y = point.y - origin_.y(), z = point.z - origin_.z();
+  const float x = point.x, y = point.y, z = point.z;
   const float squared = x * x + y * y + z * z;
   std::int32_t bits = 0;
   std::memcpy(&bits, &squared, sizeof(bits));
@@ -158,10 +158,6 @@ bool RangeGrid::is_isolated(const Point& point) const {
 }
 
 SurfaceSupport::SurfaceSupport() = default;
-
-void SurfaceSupport::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  grid_.set_origin(p_base_sensor.cast<float>());
-}
 
 std::size_t SurfaceSupport::isolated_in(const PointCloud& cloud, std::size_t begin,
                                         std::size_t end) const {

@@ -13,7 +13,7 @@ namespace lidar_mapping::front_end {
 /// that were thinned out by voxels, about the edge of these. 0 without points.
 double point_spacing(const PointCloud& cloud);
 
-/// Counts points in cubes whose edge grows with the distance from the sensor.
+/// Counts points in cubes whose edge grows with the distance from the sensor, their origin.
 class RangeGrid {
  public:
   RangeGrid();
@@ -21,7 +21,6 @@ class RangeGrid {
   /// The edge of cubes is this share of the range, at least 0.015, or this length where that is
   /// more.
   void set_edge(double share_of_range, double least);
-  void set_origin(const Eigen::Vector3f& p_base_sensor) { origin_ = p_base_sensor; }
   /// Forgets all points and makes room for so many.
   void clear(std::size_t points);
   void insert(const Point* points, std::size_t count);
@@ -42,7 +41,6 @@ class RangeGrid {
 
   static constexpr std::size_t kLevels = 32;
   std::array<float, kLevels> inverse_edge_{};
-  Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
   /// Key of a cube times 4 and how many points it holds, at most three; 0 where there is none.
   std::vector<std::uint32_t> table_;
   std::uint32_t shift_ = 31;
@@ -55,7 +53,6 @@ class SurfaceSupport {
  public:
   SurfaceSupport();
 
-  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
   /// The scan as it is, or where many points are isolated, without these. Valid until the next
   /// call, and as long as `scan` is.
   const Scan& supported(const Scan& scan);

@@ -57,8 +57,8 @@ SweepSampler::SweepSampler(const FrontEndConfig& config)
       sparse_sampler_(kSparseTableBits),
       dense_sampler_(kDenseTableBits) {}
 
-void SweepSampler::set_sensor_origin(const Eigen::Vector3d& p_base_sensor) {
-  sparse_.viewpoint = dense_.viewpoint = between_.viewpoint = p_base_sensor.cast<float>();
+void SweepSampler::know_viewpoint() {
+  sparse_.viewpoint = dense_.viewpoint = between_.viewpoint = Eigen::Vector3f::Zero();
 }
 
 void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {

@@ -32,8 +32,8 @@ class SweepSampler {
  public:
   explicit SweepSampler(const FrontEndConfig& config);
 
-  /// Points were seen from here, in the frame of the scans.
-  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
+  /// Points were seen from the origin of their frame.
+  void know_viewpoint();
   /// From now on all points are turned upwards by this angle, rad.
   void set_elevation_shift(double angle) { elevation_shift_ = angle; }
   /// Samples the points to be matched; `turn` makes each scan begin with another point.

@@ -21,7 +21,9 @@ struct Revision {
   std::vector<Eigen::Vector3d> degenerate_directions;
 };
 
-/// Where a tracker believes one scan to be.
+/// Where a tracker believes one scan to be. All of it is about the frame of the scans that the
+/// tracker is given, the LiDAR's (BaseFrame): that is its `base`, and lies in its `odom` where it
+/// was first.
 struct TrackedScan {
   Pose T_odom_base;  ///< at the scan's stamp
   /// Of T_odom_base against the local map, axes of base_link.
@@ -50,10 +52,10 @@ class Tracker {
 
   /// Stamps increase from call to call. Never throws for what the world did: see the status.
   virtual TrackedScan track(const Scan& scan, const MotionPrior& prior) = 0;
-  /// Where the LiDAR sits, in base_link.
-  virtual void set_sensor_origin(const Eigen::Vector3d& /*p_base_sensor*/) {}
-  /// Forgets all; the next scan is the first one of a new local map and lies at this pose.
-  virtual void restart(const Pose& T_odom_base) = 0;
+  /// Scans are seen from their origin.
+  virtual void know_viewpoint() {}
+  /// Forgets all; the next scan is the first one of a new local map and lies at its origin.
+  virtual void restart() = 0;
   /// What is provisional stays as it is.
   virtual void finalize() {}
   /// The local map in odom, one point per voxel: for display.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "degeneracy.hpp"
 #include "local_map.hpp"
 
@@ -30,7 +32,8 @@ constexpr double kSteady = 0.25;
 /// A robot that turns on the spot goes on putting scans into its map.
 constexpr int kMostScans = 10;
 
-// Where to look, in the sensor's axes (m).
+// Where to look (m); ahead may be any of four directions of the sensor's.
+constexpr int kDirections = 4;
 constexpr double kBehind = 2.4;
 constexpr double kAhead = 6.0;
 constexpr double kAside = 0.6;
@@ -38,6 +41,8 @@ constexpr double kStep = 0.3;
 
 /// What runs along the way fits as well so far before and behind (m), and tells nothing.
 constexpr double kBeside = 0.7;
+/// A shorter way (m) or a slower motion (m/s) has no direction.
+constexpr double kLeastWay = 0.1;
 /// After so many scans without a fit the matches are trusted again.
 constexpr int kMostMisses = 10;
 /// From here on there are rings of many places in the map (m).
@@ -66,11 +71,16 @@ std::vector<Eigen::Vector3f> some_upright_at(const SampledPoints& points, const 
   return upright;
 }
 
-Pose displaced(const Pose& pose, double x, double y) {
+Pose displaced(const Pose& pose, const Eigen::Vector2d& by) {
   Vector6d d = Vector6d::Zero();
-  d[0] = x;
-  d[1] = y;
+  d.head<2>() = by;
   return perturbed(pose, d);
+}
+
+/// Of unit length; the sensor's x where there is none.
+Eigen::Vector2d direction_of(const Vector6d& way) {
+  const Eigen::Vector2d level = way.head<2>();
+  return level.norm() < kLeastWay ? Eigen::Vector2d::UnitX() : level.normalized();
 }
 
 Matrix12d covariance_of_found() {
@@ -144,17 +154,23 @@ void UnnoticedMotion::trust(const Pose& pose) {
   steps_.clear();
 }
 
+const Pose& UnnoticedMotion::last_place() const {
+  return steps_.empty() ? sure_ : steps_.back().pose;
+}
+
 Pose UnnoticedMotion::roughly(const std::vector<Eigen::Vector3f>& points) const {
-  const Pose base = steps_.empty() ? sure_ : steps_.back().pose;
-  Pose best = base;
+  Pose best = last_place();
   std::size_t most = 0;
-  for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
-    for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
-      const Pose there = displaced(base, x, y);
-      const std::size_t near = map_.count_near(points, there);
-      if (near <= most) continue;
-      most = near;
-      best = there;
+  for (int direction = 0; direction < kDirections; ++direction) {
+    const Eigen::Rotation2Dd course(2.0 * kPi / kDirections * direction);
+    for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
+      for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
+        const Pose there = displaced(last_place(), course * Eigen::Vector2d(x, y));
+        const std::size_t near = map_.count_near(points, there);
+        if (near <= most) continue;
+        most = near;
+        best = there;
+      }
     }
   }
   return best;
@@ -170,7 +186,10 @@ std::optional<UnnoticedMotion::Step> UnnoticedMotion::elsewhere(
   }
   const UprightMap::Fit there = map_.fit(points, roughly(points));
   if (there.evidence <= here.evidence) steps_.clear();
-  if (there.evidence < kMore * here.evidence || !is_place(there, points)) return std::nullopt;
+  const Eigen::Vector2d ahead = direction_of(difference(last_place(), there.T_map_sensor));
+  if (there.evidence < kMore * here.evidence || !is_place(there, ahead, points)) {
+    return std::nullopt;
+  }
   return Step{there.T_map_sensor, 0.0, there.evidence, here.evidence};
 }
 
@@ -202,19 +221,19 @@ std::optional<MotionState> UnnoticedMotion::look(const SampledPoints& points,
   return MotionState{step->pose, twist_between(steps_[0].pose, step->pose, seconds)};
 }
 
-bool UnnoticedMotion::is_place(const UprightMap::Fit& fit,
+bool UnnoticedMotion::is_place(const UprightMap::Fit& fit, const Eigen::Vector2d& ahead,
                                const std::vector<Eigen::Vector3f>& points) const {
   const Pose& pose = fit.T_map_sensor;
-  const int behind = map_.evaluate(points, displaced(pose, -kBeside, 0.0)).evidence;
-  const int ahead = map_.evaluate(points, displaced(pose, kBeside, 0.0)).evidence;
-  return fit.directions >= kFewestDirections && fit.evidence > kMore * 0.5 * (behind + ahead);
+  const int behind = map_.evaluate(points, displaced(pose, -kBeside * ahead)).evidence;
+  const int before = map_.evaluate(points, displaced(pose, kBeside * ahead)).evidence;
+  return fit.directions >= kFewestDirections && fit.evidence > kMore * 0.5 * (behind + before);
 }
 
 std::optional<Pose> UnnoticedMotion::fit(const SampledPoints& points,
                                          const MotionState& predicted) {
   const std::vector<Eigen::Vector3f> upright = some_upright_at(points, predicted.twist);
   const UprightMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
-  if (is_place(fit, upright)) {
+  if (is_place(fit, direction_of(predicted.twist), upright)) {
     misses_ = 0;
     return fit.T_map_sensor;
   }

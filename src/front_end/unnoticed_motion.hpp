@@ -46,12 +46,15 @@ class UnnoticedMotion {
   void end();
   std::optional<MotionState> look(const SampledPoints& points, const MotionState& matched);
   std::optional<Step> elsewhere(const std::vector<Eigen::Vector3f>& points, const Pose& matched);
+  const Pose& last_place() const;
   Pose roughly(const std::vector<Eigen::Vector3f>& points) const;
   void trust(const Pose& pose);
   bool is_steady() const;
   std::optional<Pose> fit(const SampledPoints& points, const MotionState& predicted);
-  /// True if the points fit there, and less well before and behind.
-  bool is_place(const UprightMap::Fit& fit, const std::vector<Eigen::Vector3f>& points) const;
+  /// True if the points fit there, and less well before and behind on the way, whose direction is
+  /// `ahead` in the sensor's axes.
+  bool is_place(const UprightMap::Fit& fit, const Eigen::Vector2d& ahead,
+                const std::vector<Eigen::Vector3f>& points) const;
 
   std::vector<Inserted> inserted_;  ///< not yet in the map: it is seldom needed
   UprightMap map_;

@@ -1,14 +1,16 @@
+#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
+#include "lidar_mapping/ros/transforms.hpp"
 
 namespace lidar_mapping::ros_border {
 
-/// Subscribed: synced_cloud. Published: floor, for every scan, also where there is none; for who
-/// subscribes floor_filtered_points (in which it is sought) and floor_points (on its plane).
+/// Subscribed: synced_cloud, tf. Published: floor, for every scan, also where there is none; for
+/// who subscribes floor_filtered_points (in which it is sought) and floor_points (on its plane).
 class FloorDetectionNode {
  public:
   using Config = NodeConfig<preprocessing::FloorDetectionConfig>;
@@ -27,7 +29,13 @@ class FloorDetectionNode {
 
  private:
   void process(const sensor_msgs::PointCloud2& message) {
-    const Scan scan{from_ros(message.header.stamp), from_message(message)};
+    const std::string& base = config_.node.base_frame;
+    const auto T_base_scan = sensor_frames_.lookup(base, message.header.frame_id);
+    if (!T_base_scan) {
+      throw InputError("no transform from '" + message.header.frame_id + "' to '" + base + "'");
+    }
+    const Scan scan{from_ros(message.header.stamp),
+                    transformed(from_message(message), *T_base_scan)};
     context_.diagnostics.count_input(scan.stamp);
     const bool is_watched =
         filtered_points_.getNumSubscribers() > 0 || floor_points_.getNumSubscribers() > 0;
@@ -49,6 +57,7 @@ class FloorDetectionNode {
   Config config_;
   NodeContext& context_;
   preprocessing::FloorDetector stage_;
+  SensorFrames sensor_frames_;
   std::size_t found_ = 0;
   std::size_t missing_ = 0;
   ros::Publisher floor_, filtered_points_, floor_points_;

@@ -52,13 +52,13 @@ class FrontEndNode {
  private:
   void subscribe_sensors();
   void take_cloud(const sensor_msgs::PointCloud2& message);
+  void move_to_lidar(PointCloud& cloud);
   bool is_played_again(Stamp stamp);
   void take_gnss(const nav_msgs::Odometry& message);
   void take_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void process(std::vector<AssembledScan> scans);
   void process(const AssembledScan& assembled);
   void begin_run();
-  void tell_sensor_origin();
   void finalize();
   void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void publish_verdict(const front_end::FrontEndResult& result);
@@ -72,6 +72,7 @@ class FrontEndNode {
   front_end::FrontEnd front_end_;
   ScanAssembler assembler_;
   SensorFrames sensor_frames_;
+  Pose T_base_scan_;  ///< of the scans' frame
   TransformPublisher transforms_;
   WarningLimiter limiter_;
   std::string run_id_;
@@ -149,10 +150,23 @@ void FrontEndNode::take_cloud(const sensor_msgs::PointCloud2& message) {
     throw InputError("no transform from '" + message.header.frame_id + "' to '" +
                      config_.node.base_frame + "'");
   }
+  T_base_scan_ = *T_base_scan;
   if (frame_name(message.header.frame_id) != config_.node.base_frame) {
-    scan.cloud = transformed(scan.cloud, *T_base_scan);
+    front_end_.set_sensor_pose(T_base_scan_);
+  } else {
+    move_to_lidar(scan.cloud);
   }
   assembler_.add_scan(std::move(scan));
+}
+
+/// Preprocessing leaves scans in the LiDAR's frame; others may have moved them to base_link.
+void FrontEndNode::move_to_lidar(PointCloud& cloud) {
+  if (config_.lidar_frame.empty()) return;
+  const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
+  if (!T_base_lidar) return;
+  T_base_scan_ = *T_base_lidar;
+  cloud = transformed(cloud, T_base_scan_.inverse());
+  front_end_.set_sensor_pose(T_base_scan_);
 }
 
 /// Time that goes far back means a recording that begins anew: said once, not scan by scan.
@@ -211,7 +225,6 @@ void FrontEndNode::process(std::vector<AssembledScan> scans) {
 
 void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
-  tell_sensor_origin();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
   for (const front_end::FrontEndResult& finalized : result.finalized) publish_verdict(finalized);
   publish(result, assembled.scan.cloud);
@@ -247,11 +260,6 @@ void FrontEndNode::begin_run() {
                                        << ", in a new segment of the trajectory");
 }
 
-void FrontEndNode::tell_sensor_origin() {
-  const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
-  if (origin) front_end_.set_sensor_origin(*origin);
-}
-
 void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {
   publish_odometry(result);
   if (!result.provisional) publish_verdict(result);
@@ -274,8 +282,9 @@ void FrontEndNode::publish_odometry(const front_end::FrontEndResult& result) {
 void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,
                                   const PointCloud& cloud) {
   if (current_scan_.getNumSubscribers() > 0) {
-    current_scan_.publish(to_message(front_end::deskewed(cloud, result.twist, result.acceleration),
-                                     result.stamp, config_.node.base_frame));
+    const PointCloud scan =
+        front_end::deskewed(transformed(cloud, T_base_scan_), result.twist, result.acceleration);
+    current_scan_.publish(to_message(scan, result.stamp, config_.node.base_frame));
   }
   if (result.key_frame && local_map_.getNumSubscribers() > 0) {
     local_map_.publish(to_message(front_end_.local_map(), result.stamp, config_.node.odom_frame));

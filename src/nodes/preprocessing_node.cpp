@@ -370,7 +370,8 @@ void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
     publish_datum(synced.scan.stamp);
     synced_gnss_.publish(to_message(*synced.gnss, config_.node.map_frame, antenna_frame_));
   }
-  synced_cloud_.publish(OutgoingCloud(synced.scan.cloud, synced.scan.stamp, base));
+  synced_cloud_.publish(
+      OutgoingCloud(synced.scan.cloud, synced.scan.stamp, frame_name(synced.frame_id)));
   context_.diagnostics.count_output(synced.scan.stamp);
 }
 

@@ -42,8 +42,9 @@ class Collector {
     // The gyro has already made the turning uniform (preprocessing::SyncedScan).
     if (synced.imu && synced.imu->has_angular_velocity) acceleration.tail<3>().setZero();
     turn_upwards(synced.scan.cloud, found->elevation_shift);
-    const PointCloud still = front_end::deskewed(std::move(synced.scan.cloud), found->twist,
-                                                 acceleration, selection_.threads);
+    const PointCloud still =
+        front_end::deskewed(transformed(synced.scan.cloud, synced.T_base_lidar), found->twist,
+                            acceleration, selection_.threads);
     const auto number = static_cast<KeyFrameIndex>(clouds_.size());
     clouds_.add(voxel_filtered(still, selection_.resolution));
     poses_.poses.push_back({number, stamp, found->T_map_base});

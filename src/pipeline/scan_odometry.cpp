@@ -11,7 +11,11 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
   if (synced.imu && synced.imu->has_angular_velocity) {
     prior.angular_velocity = synced.imu->angular_velocity;
   }
-  if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
+  if (synced.velocity) {
+    prior.linear_velocity = synced.velocity->linear;
+    // One that was measured without turning does not turn at all.
+    if (!synced.velocity->angular.isZero(0.0)) prior.velocity_turning = synced.velocity->angular;
+  }
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
     const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;
     prior.T_odom_base_initial =
@@ -52,7 +56,7 @@ void ScanOdometry::resume(const ResumePoint& point) {
 
 void ScanOdometry::take(const PreparedScan& prepared) {
   const preprocessing::SyncedScan& synced = prepared.synced;
-  if (prepared.p_base_lidar) front_end_.set_sensor_origin(*prepared.p_base_lidar);
+  front_end_.set_sensor_pose(synced.T_base_lidar);
   if (resumed_ && !resumed_->wants(synced.scan.stamp)) return;
   if (prepared.datum) piece_.datum = prepared.datum;
   if (prepared.p_base_lidar) piece_.p_base_lidar = prepared.p_base_lidar;
@@ -78,7 +82,8 @@ void ScanOdometry::take(const preprocessing::SyncedScan& synced,
   if (resumed_ && !resumed_->takes(result)) return;
   record(synced, result);
   if (!piece_.key_frame) return;
-  piece_.floor = floor_detector_.process(synced.scan);
+  piece_.floor = floor_detector_.process(
+      {synced.scan.stamp, transformed(synced.scan.cloud, synced.T_base_lidar)});
   send();
 }
 

@@ -10,8 +10,7 @@ namespace lidar_mapping::pipeline {
 ScanPreparation::ScanPreparation(const preprocessing::PreprocessingConfig& config,
                                  preprocessing::ExtrinsicLookup T_base, SpareClouds& spare,
                                  Forward forward, Say say)
-    : T_base_(std::move(T_base)),
-      stage_(config, T_base_),
+    : stage_(config, std::move(T_base)),
       spare_(spare),
       forward_(std::move(forward)),
       say_(std::move(say)) {}
@@ -36,7 +35,6 @@ void ScanPreparation::take(const RecordedScan& scan) {
     if (++unreadable_ == 1) say_(std::string("points: a scan was left out: ") + error.what());
     return;
   }
-  lidar_frame_ = raw.frame_id;
   forward(stage_.process(std::move(raw)));
 }
 
@@ -53,10 +51,8 @@ void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
     PreparedScan prepared;
     prepared.synced = std::move(scan);
     if (!(stage_.datum() == datum_)) prepared.datum = datum_ = stage_.datum();
-    const std::optional<Pose> T_base_lidar = T_base_(lidar_frame_);
-    if (T_base_lidar && p_base_lidar_ != T_base_lidar->translation) {
-      prepared.p_base_lidar = p_base_lidar_ = T_base_lidar->translation;
-    }
+    const Eigen::Vector3d& p_base_lidar = prepared.synced.T_base_lidar.translation;
+    if (p_base_lidar_ != p_base_lidar) prepared.p_base_lidar = p_base_lidar_ = p_base_lidar;
     forward_(std::move(prepared));
   }
 }

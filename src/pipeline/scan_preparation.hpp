@@ -17,7 +17,7 @@ struct PreparedScan {
   std::optional<Eigen::Vector3d> p_base_lidar;  ///< where it is new
 };
 
-/// From what sensors sent to scans in base_link. One thread calls it.
+/// From what sensors sent to scans in the LiDAR's frame. One thread calls it.
 class ScanPreparation {
  public:
   using Forward = std::function<void(PreparedScan&&)>;
@@ -39,12 +39,10 @@ class ScanPreparation {
   void forward(std::vector<preprocessing::SyncedScan> scans);
   void leave_out(Stamp stamp);
 
-  preprocessing::ExtrinsicLookup T_base_;
   preprocessing::Preprocessor stage_;
   SpareClouds& spare_;
   Forward forward_;
   Say say_;
-  std::string lidar_frame_;
   std::optional<Eigen::Vector3d> p_base_lidar_;  ///< that was sent on
   std::optional<GeodeticDatum> datum_;           ///< that was sent on
   std::optional<Stamp> last_;                    ///< stamp of the newest scan that was sent on

@@ -118,8 +118,10 @@ bool MotionSensors::outturns_velocity(const ImuSample& sample) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
   if (!T_base_imu || !T_base_velocity) return false;
-  const double turning = std::abs((T_base_imu->rotation * sample.angular_velocity).z());
-  const double reference = std::abs((T_base_velocity->rotation * velocity->angular).z());
+  const Eigen::Quaterniond R_velocity_imu =
+      T_base_velocity->rotation.conjugate() * T_base_imu->rotation;
+  const double turning = std::abs((R_velocity_imu * sample.angular_velocity).z());
+  const double reference = std::abs(velocity->angular.z());
   return reference > kClearTurn && turning > kOtherUnit * reference;
 }
 
@@ -163,7 +165,7 @@ std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
   if (!sample || velocity_check_.problem(sample->linear) != VelocityProblem::kNone) {
     return std::nullopt;
   }
-  return sample;
+  return in_base(*sample, *extrinsics_.T_base(velocity_.frame_id()));
 }
 
 std::optional<VelocitySample> MotionSensors::measured_velocity_at(Stamp stamp) const {
@@ -178,14 +180,16 @@ std::optional<VelocitySample> MotionSensors::measured_velocity_at(Stamp stamp) c
       sample.angular = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
     }
   }
-  return in_base(sample, *T_base_velocity);
+  return sample;
 }
 
 void MotionSensors::check_velocity(Stamp stamp) {
   const auto velocity = measured_velocity_at(stamp);
   const auto imu = imu_at(stamp);
   if (!velocity || !imu || !imu->has_angular_velocity) return;
-  velocity_check_.see_turning(stamp, velocity->linear, imu->angular_velocity.z());
+  const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
+  const Eigen::Vector3d omega = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
+  velocity_check_.see_turning(stamp, velocity->linear, omega.z());
 }
 
 void MotionSensors::check_velocity(const LocalFix& fix) {

@@ -69,6 +69,7 @@ class MotionSensors {
   /// Sensor's axes, without bias; nothing where the sample has no rates that can be believed.
   std::optional<Eigen::Vector3d> turning(const ImuSample& sample,
                                          const Eigen::Vector3d& bias) const;
+  /// In its own axes, where it was measured; nothing without a transform.
   std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
   bool outturns_velocity(const ImuSample& sample) const;
 

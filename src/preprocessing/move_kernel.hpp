@@ -4,14 +4,15 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Which points stay: by their squared distance from the sensor, and outside of a box in the frame
-/// that they are moved to.
+/// Which points stay: by their squared distance from the sensor, and outside of a box in a frame of
+/// its own, where `to_box` ([R | t], row-major) maps points once they are moved.
 struct KeepRule {
   float near_squared;
   float far_squared;
   bool has_box;
   float box_min[3];
   float box_max[3];
+  float to_box[12];
 };
 
 /// A rigid motion in the middle of a slot of time, row-major [R | t], and what a point that it

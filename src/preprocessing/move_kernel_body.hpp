@@ -219,7 +219,8 @@ LIDAR_MAPPING_INLINE Places moved_timed(const Slots& slots, int slot, const Floa
   return moved_each(slots, positions, copy);
 }
 
-LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Places& p) {
+LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Places& moved) {
+  const Places p = moved_by(rule.to_box, moved);
   return (p.x > rule.box_min[0]) & (p.x < rule.box_max[0]) & (p.y > rule.box_min[1]) &
          (p.y < rule.box_max[1]) & (p.z > rule.box_min[2]) & (p.z < rule.box_max[2]);
 }

@@ -153,7 +153,9 @@ class Preprocessor::Impl {
     }
     sensors_.learn_until(scan.raw.stamp + from_seconds(scan.span.end));
     SyncedScan result = values_at(scan.raw.stamp);
-    result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result.imu);
+    result.frame_id = scan.raw.frame_id;
+    result.T_base_lidar = *T_base_lidar;
+    result.scan.cloud = kept_cloud(std::move(scan), *T_base_lidar, result.imu);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
       notices_.too_few_points();
@@ -202,8 +204,7 @@ class Preprocessor::Impl {
     return position;
   }
 
-  PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar,
-                           std::optional<ImuSample>& imu) {
+  PointCloud kept_cloud(WaitingScan scan, const Pose& T_base_lidar, std::optional<ImuSample>& imu) {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
@@ -214,21 +215,24 @@ class Preprocessor::Impl {
       measured = sensors_.motion(scan.raw.stamp, scan.span);
     }
     if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
-    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, imu);
+    if (measured.source == MotionSource::kImu) {
+      leave_uniform_turning(T_base_lidar.translation, measured.motion, imu);
+    }
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
-        move_to_base(scan.raw.packed ? *scan.raw.packed : packed_in(cloud), cloud, T_base_lidar,
-                     limits_, moves ? &measured.motion : nullptr,
-                     compensates ? PointTimesAfter::kDropped : PointTimesAfter::kKept);
+        keep_and_deskew(scan.raw.packed ? *scan.raw.packed : packed_in(cloud), cloud, T_base_lidar,
+                        limits_, moves ? &measured.motion : nullptr,
+                        compensates ? PointTimesAfter::kDropped : PointTimesAfter::kKept);
     if (compensates) ++counters_.scans_deskewed;
     return without_outliers(downsampled(std::move(cloud), config_), config_);
   }
 
-  /// The front end knows the way of the vehicle, but takes its turning as uniform.
-  static void leave_uniform_turning(ScanMotion& motion, std::optional<ImuSample>& imu) {
+  /// The front end knows the way of the LiDAR, but takes its turning as uniform.
+  static void leave_uniform_turning(const Eigen::Vector3d& p_base_lidar, ScanMotion& motion,
+                                    std::optional<ImuSample>& imu) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
-    motion = without_uniform_turning(motion, omega);
+    motion = turning_about(p_base_lidar, without_uniform_turning(motion, omega));
     if (!imu) return;
     imu->angular_velocity = omega;
     imu->has_angular_velocity = true;

@@ -28,9 +28,9 @@ void write(const Matrix34& place, float* to) {
   Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>{to} = place.cast<float>();
 }
 
-std::vector<MotionSlot> standing(const Pose& T_base_sensor) {
+std::vector<MotionSlot> standing() {
   std::vector<MotionSlot> slots(1);
-  write(T_base_sensor.matrix().topRows<3>(), slots.front().place);
+  write(Matrix34::Identity(), slots.front().place);
   return slots;
 }
 
@@ -64,11 +64,13 @@ Pose halfway(const Pose& a, const Pose& b) {
   return middle;
 }
 
+/// Of the sensor that sits there in base_link.
 std::vector<MotionSlot> slots_of(const ScanMotion& motion, const Pose& T_base_sensor) {
   std::vector<MotionSlot> slots;
   slots.reserve(kSlotsPerStep * (motion.T_stamp_knot.size() - 1));
+  const Pose T_sensor_base = T_base_sensor.inverse();
   const auto place_by = [&](const Pose& T_stamp_base) {
-    return matrix_of(T_stamp_base * T_base_sensor);
+    return matrix_of(T_sensor_base * T_stamp_base * T_base_sensor);
   };
   Matrix34 begin = place_by(motion.T_stamp_knot.front());
   for (std::size_t knot = 1; knot < motion.T_stamp_knot.size(); ++knot) {
@@ -82,13 +84,14 @@ std::vector<MotionSlot> slots_of(const ScanMotion& motion, const Pose& T_base_se
   return slots;
 }
 
-KeepRule keep_rule(const PassLimits& limits) {
+KeepRule keep_rule(const PassLimits& limits, const Pose& T_base_sensor) {
   KeepRule rule{};
   rule.near_squared = limits.near_squared;
   rule.far_squared = limits.far_squared;
   rule.has_box = (limits.box_max - limits.box_min).minCoeff() > 0.0F;
   Eigen::Map<Eigen::Vector3f>{rule.box_min} = limits.box_min;
   Eigen::Map<Eigen::Vector3f>{rule.box_max} = limits.box_max;
+  write(matrix_of(T_base_sensor), rule.to_box);
   return rule;
 }
 
@@ -111,12 +114,12 @@ PackedPoints packed_in(const PointCloud& cloud) {
   return {nullptr, first, sizeof(Point), offsetof(Point, intensity)};
 }
 
-std::size_t move_to_base(const PackedPoints& packed, PointCloud& cloud, const Pose& T_base_sensor,
-                         const PassLimits& limits, const ScanMotion* motion,
-                         PointTimesAfter times) {
+std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
+                            const Pose& T_base_sensor, const PassLimits& limits,
+                            const ScanMotion* motion, PointTimesAfter times) {
   if (cloud.empty()) return 0;
   const std::vector<MotionSlot> slots =
-      motion == nullptr ? standing(T_base_sensor) : slots_of(*motion, T_base_sensor);
+      motion == nullptr ? standing() : slots_of(*motion, T_base_sensor);
   SlottedMotion slotted{slots.data(), static_cast<int>(slots.size()), 0.0F, 0.0F};
   if (motion != nullptr) {
     slotted.begin = static_cast<float>(motion->begin);
@@ -127,7 +130,7 @@ std::size_t move_to_base(const PackedPoints& packed, PointCloud& cloud, const Po
   const PointSource source{packed.first, packed.step, packed.intensity,
                            cloud.has_times() ? cloud.times.data() : nullptr, cloud.size()};
   const MoveResult result = move_kernel()(source, {&cloud.points.data()->x, cloud.times.data()},
-                                          keep_rule(limits), slotted, keeps_times);
+                                          keep_rule(limits, T_base_sensor), slotted, keeps_times);
   cloud.points.resize(result.kept);
   cloud.times.resize(keeps_times ? result.kept : 0);
   return result.not_finite;

@@ -15,11 +15,12 @@ bool is_true_scale(double scale);
 /// "its speeds are 3.60 times those of the fixes: they are in km/h".
 std::string scale_sentence(double scale);
 
-/// Whether a velocity is one in m/s and in the axes of base_link, by what the other sensors show:
-/// its speeds are those of the fixes, and its direction does not turn with the vehicle.
+/// Whether a velocity is one in m/s and in the axes of its frame (x ahead, z up), by what the other
+/// sensors show: its speeds are those of the fixes, and its direction does not turn with the
+/// vehicle.
 class VelocityCheck {
  public:
-  /// A velocity in base_link and the gyro's rate about the vertical (rad/s), scan by scan.
+  /// A velocity and the gyro's rate about that frame's z (rad/s), scan by scan.
   void see_turning(Stamp stamp, const Eigen::Vector3d& velocity, double rate);
   /// A fix and the speed at its stamp.
   void see_fix(const LocalFix& fix, double speed);

@@ -77,7 +77,8 @@ void say_at_end(const std::string& line) {
 
 NodeOptions start_ros(int argc, char** argv, const std::string& name, const std::string& stage) {
   ros::init(argc, argv, name);
-  CLI::App app("Topics, services and tf of " + name + " are in doc/reference/nodes.md. Parameters are set as " +
+  CLI::App app("Topics, services and tf of " + name +
+                   " are in doc/reference/nodes.md. Parameters are set as " +
                    "_name:=value; `rosrun lidar_mapping describe_config " + stage +
                    "` prints them.",
                name);

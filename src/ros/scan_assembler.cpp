@@ -130,6 +130,8 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;
   if (const auto velocity = velocity_.take(stamp)) {
     assembled.prior.linear_velocity = velocity->linear;
+    // One that was measured without turning does not turn at all.
+    if (!velocity->angular.isZero(0.0)) assembled.prior.velocity_turning = velocity->angular;
   }
   assembled.prior.T_odom_base_initial = pose_from(gnss_.take(stamp));
   if (external_odometry_) {

@@ -59,7 +59,7 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
                          std::vector<CheckedStep>* checked) {
   const simulation::Drive drive(drive_options(c, duration));
   front_end::FrontEnd front_end(make_config(c));
-  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   CampaignFigures figures;
   StepChecker steps;
   std::vector<evaluation::PosePair> pairs;
@@ -71,7 +71,8 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
     if (auto fed = feed ? feed->next(i) : std::nullopt) {
       input = *std::move(fed);
     } else {
-      input.first = drive.base_scan(i);
+      simulation::SimulatedScan scan = drive.scan(i);
+      input.first = {scan.stamp, std::move(scan.cloud)};
     }
     const double before = thread_cpu_ms();
     const FrontEndResult result = front_end.process(input.first, input.second);

@@ -66,14 +66,15 @@ front_end::FrontEndConfig make_config(const Options& options) {
 using Process = std::function<front_end::FrontEndResult(const Scan&)>;
 
 Process make_process(const Options& options, const front_end::FrontEndConfig& config,
-                     const Eigen::Vector3d& sensor_origin) {
+                     const Pose& T_base_sensor) {
   if (options.method == kArticles) {
-    return [odometry = std::make_shared<tools::ArticleOdometry>()](const Scan& scan) {
-      return odometry->process(scan);
-    };
+    return
+        [odometry = std::make_shared<tools::ArticleOdometry>(), T_base_sensor](const Scan& scan) {
+          return odometry->process({scan.stamp, transformed(scan.cloud, T_base_sensor)});
+        };
   }
   const auto front_end = std::make_shared<front_end::FrontEnd>(config);
-  front_end->set_sensor_origin(sensor_origin);
+  front_end->set_sensor_pose(T_base_sensor);
   return [front_end](const Scan& scan) { return front_end->process(scan); };
 }
 
@@ -157,7 +158,7 @@ void run(const Options& options) {
   const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
   const double memory_before = tools::peak_memory_mb();
-  const Process process = make_process(options, config, recording.sensor_origin);
+  const Process process = make_process(options, config, recording.T_base_sensor);
   std::vector<ScanRecord> records;
   for (const std::size_t i : scans) add_timed(process, recording.scan(i), records);
 

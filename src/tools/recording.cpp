@@ -52,12 +52,10 @@ class BagRecording {
   Scan scan(std::size_t index) const {
     const RecordedCloud cloud = cloud_at(index);
     preprocessing::RawScan raw = ros_border::decode(cloud.view(), {}).scan;
-    return {raw.stamp, transformed(without_empty_returns(raw.cloud), T_base(raw.frame_id))};
+    return {raw.stamp, without_empty_returns(raw.cloud)};
   }
 
-  Eigen::Vector3d sensor_origin() const {
-    return T_base(cloud_at(0).message.header.frame_id).translation;
-  }
+  Pose T_base_sensor() const { return T_base(cloud_at(0).message.header.frame_id); }
 
  private:
   struct Place {
@@ -140,13 +138,13 @@ class BagRecording {
 
 Recording open_bag(const std::string& path, const std::string& topic) {
   const auto bag = std::make_shared<const BagRecording>(path, topic);
-  return {bag->size(), [bag](std::size_t index) { return bag->scan(index); }, bag->sensor_origin()};
+  return {bag->size(), [bag](std::size_t index) { return bag->scan(index); }, bag->T_base_sensor()};
 }
 
 Recording open_folder(const std::string& path, const pipeline::KittiReading& reading) {
   const auto folder = std::make_shared<const pipeline::KittiFolder>(path, reading);
   return {folder->size(), [folder](std::size_t index) { return folder->scan(index); },
-          Eigen::Vector3d::Zero()};
+          Pose::Identity()};
 }
 
 }  // namespace

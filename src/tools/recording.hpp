@@ -9,12 +9,11 @@
 
 namespace lidar_mapping::tools {
 
-/// Scans that can be read one by one, in base_link where the recording says where the sensor is on
-/// the vehicle, else in the sensor's frame.
+/// Scans that can be read one by one, in the sensor's frame.
 struct Recording {
   std::size_t size = 0;
   std::function<Scan(std::size_t)> scan;
-  Eigen::Vector3d sensor_origin = Eigen::Vector3d::Zero();  ///< in the frame of the scans
+  Pose T_base_sensor;  ///< as the recording says it, else none
 };
 
 /// A folder as KITTI lays it out, or a bag with a topic of PointCloud2 (the first one, unless

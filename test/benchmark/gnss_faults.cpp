@@ -34,14 +34,17 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced) {
   if (synced.imu && synced.imu->has_angular_velocity) {
     prior.angular_velocity = synced.imu->angular_velocity;
   }
-  if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
+  if (synced.velocity) {
+    prior.linear_velocity = synced.velocity->linear;
+    prior.velocity_turning = synced.velocity->angular;
+  }
   return prior;
 }
 
 /// Drives without GNSS; loops are searched about poses that are solved again and again.
 void record(const simulation::Drive& drive, session::Session& session) {
   front_end::FrontEnd front_end{front_end::FrontEndConfig{}};
-  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   SessionClouds clouds(session);
   loop_closing::LoopCloser closer(loop_closing::LoopClosingConfig{}, clouds);
   closer.set_sensor_origin(drive.mounting().T_base_lidar.translation);
@@ -51,7 +54,8 @@ void record(const simulation::Drive& drive, session::Session& session) {
     priors[synced.scan.stamp] = prior_of(synced);
   }
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    const Scan scan = drive.base_scan(i);
+    simulation::SimulatedScan taken = drive.scan(i);
+    const Scan scan{taken.stamp, std::move(taken.cloud)};
     const auto result = front_end.process(scan, priors[scan.stamp]);
     if (!result.key_frame) continue;  // none is held back where a drive begins at rest
     session.add_key_frame(*result.key_frame);

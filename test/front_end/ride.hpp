@@ -5,6 +5,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
@@ -21,17 +22,24 @@ inline simulation::Drive make_drive(const std::string& name, double duration,
   return simulation::Drive(options);
 }
 
+/// A scan in the LiDAR's frame.
+inline Scan lidar_scan(const simulation::Drive& drive, std::size_t index) {
+  simulation::SimulatedScan scan = drive.scan(index);
+  return {scan.stamp, std::move(scan.cloud)};
+}
+
 /// Runs the front end over a drive and compares each result with the truth.
 class Ride {
  public:
   explicit Ride(const simulation::Drive& drive) : drive_(drive) {
-    front_end_.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+    front_end_.set_sensor_pose(drive.mounting().T_base_lidar);
   }
 
   const FrontEndResult& take(std::size_t index, const MotionPrior& prior = {}) {
-    return take(drive_.base_scan(index), prior);
+    return take(lidar_scan(drive_, index), prior);
   }
 
+  /// A scan in the LiDAR's frame.
   const FrontEndResult& take(const Scan& scan, const MotionPrior& prior = {}) {
     const Pose T_map_base = drive_.trajectory().pose(scan.stamp);
     if (!begin_)

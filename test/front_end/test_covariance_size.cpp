@@ -17,7 +17,7 @@ class SizeOfCovariance : public testing::TestWithParam<const char*> {};
 TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
   const simulation::Drive drive = make_drive(GetParam(), 45.0);
   FrontEnd front_end{FrontEndConfig{}};
-  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   NormalisedError of_scans;
   NormalisedError of_key_frames;
   std::optional<FrontEndResult> last;
@@ -26,7 +26,7 @@ TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
     return drive.trajectory().pose(from).inverse() * drive.trajectory().pose(to);
   };
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    const FrontEndResult result = front_end.process(lidar_scan(drive, i));
     if (last) {
       of_scans.add(last->T_odom_base.inverse() * result.T_odom_base, way(last->stamp, result.stamp),
                    result.covariance);

@@ -208,8 +208,8 @@ TEST(FrontEnd, MakesNoKeyFrameOfAScanThatItCannotDeskew) {
 }
 
 /// What becomes of the scans from `first` on, until the first one that is not provisional.
-std::vector<FrontEndResult> settled_from(const simulation::Drive& drive, std::size_t first,
-                                         FrontEnd& front_end) {
+std::vector<FrontEndResult> finalized_from(const simulation::Drive& drive, std::size_t first,
+                                           FrontEnd& front_end) {
   for (std::size_t i = first;; ++i) {
     const FrontEndResult result = front_end.process(drive.base_scan(i));
     if (!result.provisional) return result.finalized;
@@ -222,7 +222,7 @@ TEST(FrontEnd, LooksAgainAtItsFirstScansWhereADriveBeginsAtSpeed) {
   const simulation::Drive drive = town();
   constexpr std::size_t kFirst = 120;
   FrontEnd front_end{FrontEndConfig{}};
-  const std::vector<FrontEndResult> finalized = settled_from(drive, kFirst, front_end);
+  const std::vector<FrontEndResult> finalized = finalized_from(drive, kFirst, front_end);
   ASSERT_GT(finalized.size(), 10U);
   EXPECT_LT(finalized.size(), 72U) << "seven seconds";
   KeyFrameIndex key_frames = 0;

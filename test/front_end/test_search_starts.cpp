@@ -43,6 +43,23 @@ TEST(SearchStarts, OfAFirstMotionTurnIfThereIsTimeToTurn) {
   EXPECT_FALSE(has_turn(fast, 0.15));
 }
 
+// A LiDAR may look any way on its vehicle.
+TEST(SearchStarts, GoWhereTheVehicleGoes) {
+  const auto has = [](const std::vector<MotionState>& starts, double x, double y) {
+    return std::any_of(starts.begin(), starts.end(), [&](const MotionState& start) {
+      return (start.T_map_sensor.translation - Eigen::Vector3d(x, y, 0.0)).norm() < 0.7;
+    });
+  };
+  MotionState sideways;
+  sideways.twist[1] = -8.0;
+  EXPECT_TRUE(has(starts_around(sideways, {}), 0.0, -6.0));
+  EXPECT_FALSE(has(starts_around(sideways, {}), 6.0, 0.0));
+  const auto first = starts_at_speed(Pose{}, 0.1);
+  for (double angle = 0.0; angle < 6.2; angle += 0.25 * M_PI) {
+    EXPECT_TRUE(has(first, 3.5 * std::cos(angle), 3.5 * std::sin(angle))) << angle;
+  }
+}
+
 TEST(SearchStarts, AreNoMoreThanNeeded) {
   const auto around_one = starts_around(MotionState{}, {});
   EXPECT_EQ(starts_around(MotionState{}, {Pose{}}).size(), around_one.size());

@@ -180,18 +180,11 @@ TEST(SlidingWindowTracker, TakesMeasuredVelocitiesIntoThePrediction) {
   EXPECT_NEAR(tracked.T_odom_base.translation.x(), 6.0, 1e-9);
 }
 
-TEST(SlidingWindowTracker, StartsWhereItIsTold) {
-  SlidingWindowTracker tracker(config_for(registration::Method::kVgicp));
-  MotionPrior prior;
-  prior.T_odom_base_initial = pose_at(3.0, 4.0);
-  EXPECT_LT(error_of(tracker.track(scan_at(0.0, 0.0), prior), 3.0, 4.0), 1e-12);
-}
-
 // Two instances know nothing of each other, and a restart forgets all.
 TEST(SlidingWindowTracker, ForgetsEverythingOnRestart) {
   SlidingWindowTracker used(config_for(registration::Method::kVgicp));
   for (int k = 0; k < 4; ++k) used.track(scan_at(9.0, kPeriod * k), {});
-  used.restart(Pose::Identity());
+  used.restart();
   SlidingWindowTracker fresh(config_for(registration::Method::kVgicp));
   for (int k = 4; k < 8; ++k) {
     const Scan scan = scan_at(9.0, kPeriod * k);

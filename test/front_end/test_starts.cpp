@@ -62,13 +62,13 @@ class StartAtSpeed : public testing::TestWithParam<std::uint64_t> {};
 std::vector<KeyFrame> first_key_frames(const simulation::Drive& drive, std::size_t begin,
                                        std::size_t count) {
   FrontEnd front_end{FrontEndConfig{}};
-  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   std::vector<KeyFrame> key_frames;
   const auto take = [&](const FrontEndResult& result) {
     if (result.key_frame) key_frames.push_back(*result.key_frame);
   };
   for (std::size_t i = begin; key_frames.size() < count; ++i) {
-    const FrontEndResult result = front_end.process(drive.base_scan(i));
+    const FrontEndResult result = front_end.process(lidar_scan(drive, i));
     for (const FrontEndResult& finalized : result.finalized) take(finalized);
     take(result);
   }
@@ -108,7 +108,7 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   constexpr std::size_t kReplaced = 4;
   const simulation::Drive drive = make_drive("town", 50.0);
   Ride ride(drive);
-  ride.take({drive.scan_stamp(300), drive.base_scan(kElsewhere).cloud});
+  ride.take({drive.scan_stamp(300), lidar_scan(drive, kElsewhere).cloud});
   for (std::size_t i = 301; i < 320; ++i) {
     const FrontEndResult& result = ride.take(i);
     if (i < 300 + kReplaced) continue;
@@ -125,13 +125,14 @@ TEST(TurnOnTheSpot, IsFollowedFromRest) {
   const Scan standing = drive.base_scan(0);
   constexpr double kStep = 0.2;  // rad per scan
   FrontEnd front_end{FrontEndConfig{}};
-  front_end.set_sensor_origin(drive.mounting().T_base_lidar.translation);
+  front_end.set_sensor_pose(drive.mounting().T_base_lidar);
   for (int i = 0; i < 40; ++i) {
     const double yaw = std::max(0, i - 20) * kStep;
     const Pose T_map_base{exp_so3(yaw * Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
     Scan scan = standing;
     scan.stamp += i * from_seconds(0.1);
-    scan.cloud = transformed(standing.cloud, T_map_base.inverse());
+    scan.cloud =
+        transformed(standing.cloud, (T_map_base * drive.mounting().T_base_lidar).inverse());
     scan.cloud.times.clear();
     const FrontEndResult result = front_end.process(scan);
     EXPECT_NE(result.status.state, TrackingState::kLost) << "scan " << i;

@@ -24,12 +24,6 @@ simulation::Drive spoilt_drive(const std::string& name, const std::string& lidar
   return simulation::Drive(options);
 }
 
-SurfaceSupport support_for(const simulation::Drive& drive) {
-  SurfaceSupport support;
-  support.set_sensor_origin(drive.mounting().T_base_lidar.translation);
-  return support;
-}
-
 /// Shares of the made-up and of the true points that are left out.
 struct LeftOut {
   double made_up = 0.0;
@@ -37,10 +31,10 @@ struct LeftOut {
 };
 
 LeftOut left_out(const simulation::Drive& drive, const simulation::Drive& clean) {
-  const Scan scan = drive.base_scan(kScan);
+  const Scan scan = lidar_scan(drive, kScan);
   std::set<std::tuple<float, float, float>> true_places, kept_places;
-  for (const Point& p : clean.base_scan(kScan).cloud.points) true_places.insert({p.x, p.y, p.z});
-  SurfaceSupport support = support_for(drive);
+  for (const Point& p : lidar_scan(clean, kScan).cloud.points) true_places.insert({p.x, p.y, p.z});
+  SurfaceSupport support;
   for (const Point& p : support.supported(scan).cloud.points) kept_places.insert({p.x, p.y, p.z});
   double made_up = 0.0, made_up_gone = 0.0, true_ones = 0.0, true_gone = 0.0;
   for (const Point& p : scan.cloud.points) {
@@ -80,9 +74,9 @@ TEST(SurfaceSupport, LeavesCleanScansAlone) {
   for (const char* name : {"town", "walk", "open_road", "car_park"}) {
     for (const char* lidar : {"vlp16", "hdl64"}) {
       const simulation::Drive drive = spoilt_drive(name, lidar, "");
-      SurfaceSupport support = support_for(drive);
+      SurfaceSupport support;
       for (const std::size_t i : {0, 60}) {
-        const Scan scan = drive.base_scan(i);
+        const Scan scan = lidar_scan(drive, i);
         EXPECT_EQ(&support.supported(scan), &scan) << name << " " << lidar << " " << i;
       }
       EXPECT_LT(support.isolated_share(), 0.025) << name << " " << lidar;
@@ -94,22 +88,22 @@ TEST(SurfaceSupport, LeavesCleanScansAlone) {
 TEST(SurfaceSupport, LeavesThinnedOutScansAlone) {
   const simulation::Drive drive = spoilt_drive("town", "hdl64", "");
   for (const double edge : {0.1, 0.25, 0.5}) {
-    SurfaceSupport support = support_for(drive);
-    Scan scan = drive.base_scan(kScan);
+    SurfaceSupport support;
+    Scan scan = lidar_scan(drive, kScan);
     scan.cloud = voxel_filtered(scan.cloud, edge);
     const std::size_t left = support.supported(scan).cloud.size();
     EXPECT_GT(static_cast<double>(left), 0.97 * static_cast<double>(scan.cloud.size())) << edge;
   }
   const simulation::Drive sparse = spoilt_drive("town", "hdl64", "sparse=1000");
-  SurfaceSupport support = support_for(sparse);
-  const Scan scan = sparse.base_scan(kScan);
+  SurfaceSupport support;
+  const Scan scan = lidar_scan(sparse, kScan);
   EXPECT_GT(support.supported(scan).cloud.size(), 900U);
 }
 
 TEST(SurfaceSupport, KeepsTheTimesOfThePointsThatStay) {
   const simulation::Drive drive = spoilt_drive("town", "vlp16", "outliers=0.2");
-  SurfaceSupport support = support_for(drive);
-  const Scan scan = drive.base_scan(kScan);
+  SurfaceSupport support;
+  const Scan scan = lidar_scan(drive, kScan);
   const Scan& kept = support.supported(scan);
   ASSERT_LT(kept.cloud.size(), scan.cloud.size());
   ASSERT_EQ(kept.cloud.times.size(), kept.cloud.size());

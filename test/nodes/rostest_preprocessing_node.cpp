@@ -110,7 +110,7 @@ TEST_F(PreprocessingNode, WaitsForTheTransformAndKeepsStamps) {
   for (int step = 0; step < 10; ++step) {
     const auto& message = synced_.messages[static_cast<std::size_t>(step)];
     EXPECT_EQ(from_ros(message.header.stamp), stamp_of(step));
-    EXPECT_EQ(message.header.frame_id, "base_link");
+    EXPECT_EQ(message.header.frame_id, "lidar");
   }
   ASSERT_TRUE(synced_imu_.wait_for(5));
   ASSERT_TRUE(synced_gnss_.wait_for(5));

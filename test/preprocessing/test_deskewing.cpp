@@ -87,6 +87,7 @@ struct Rig {
   Pose T_base_imu;
 };
 
+/// With the points in base_link.
 SyncedScan deskewed(const Rig& rig) {
   const double stamp = 1.0;
   Preprocessor stage({}, [&](const std::string& frame) -> std::optional<Pose> {
@@ -111,7 +112,9 @@ SyncedScan deskewed(const Rig& rig) {
                                             rig.start_azimuth, rig.T_base_lidar));
   test::append(scans, stage.flush());
   EXPECT_EQ(scans.size(), 1U);
-  return scans.front();
+  SyncedScan& scan = scans.front();
+  scan.scan.cloud = transformed(scan.scan.cloud, scan.T_base_lidar);
+  return scan;
 }
 
 TEST(Deskewing, IsExactForEveryStartAndDirection) {
@@ -222,7 +225,7 @@ TEST(Deskewing, PutsASimulatedDriveBackInPlace) {
     std::vector<SyncedScan> out = stage.process(raw);
     test::append(out, stage.flush());
     ASSERT_EQ(out.size(), 1U);
-    const PointCloud& cloud = out[0].scan.cloud;
+    const PointCloud cloud = transformed(out[0].scan.cloud, drive.mounting().T_base_lidar);
     ASSERT_FALSE(cloud.has_times());
     const Pose T_stamp = drive.trajectory().pose(scan.stamp).inverse();
     std::size_t j = 0;

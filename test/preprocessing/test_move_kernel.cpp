@@ -52,14 +52,15 @@ TEST(MoveKernel, IsOffByLessThanATenthOfAMillimetre) {
   for (const Order order : {Order::kByTime, Order::kByBeam, Order::kShuffled}) {
     const PointCloud raw = cloud_in(order, 5003);
     PointCloud moved = raw;
-    move_to_base(packed_in(moved), moved, T_base_sensor, PassLimits({}), &motion);
+    keep_and_deskew(packed_in(moved), moved, T_base_sensor, PassLimits({}), &motion);
     ASSERT_GT(moved.size(), 4900U);
     double worst = 0.0;
     for (std::size_t i = 0; i < moved.size(); ++i) {
       const auto source = static_cast<std::size_t>(moved.points[i].intensity);
       EXPECT_EQ(moved.times[i], raw.times[source]);
-      const Eigen::Vector3d exact = motion.at(raw.times[source]) *
-                                    (T_base_sensor * raw.points[source].position().cast<double>());
+      const Pose T_sensor_then =
+          T_base_sensor.inverse() * motion.at(raw.times[source]) * T_base_sensor;
+      const Eigen::Vector3d exact = T_sensor_then * raw.points[source].position().cast<double>();
       worst = std::max(worst, (moved.points[i].position().cast<double>() - exact).norm());
     }
     EXPECT_LT(worst, 1e-4) << static_cast<int>(order);
@@ -72,7 +73,7 @@ TEST(MoveKernel, HoldsTheMotionBeyondItsEnds) {
   std::fill(cloud.times.begin(), cloud.times.begin() + 8, -1.0F);
   std::fill(cloud.times.begin() + 8, cloud.times.end(), 1.0F);
   const PointCloud raw = cloud;
-  move_to_base(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), &motion);
+  keep_and_deskew(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), &motion);
   ASSERT_EQ(cloud.size(), 16U);
   for (std::size_t i = 0; i < 16; ++i) {
     const Pose& T_stamp_end = i < 8 ? motion.T_stamp_knot.front() : motion.T_stamp_knot.back();
@@ -112,7 +113,12 @@ Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count,
       {{1, -1e-4F, 0, 1.4998F, 1e-4F, 1, 0, 2.0001F, 0, 0, 1, 3.25F},
        {0, 0, 1e-4F},
        {0.5F, 0, 0.25F}}};
-  const KeepRule rule{4.0F, 4000.0F, true, {-9.0F, -9.0F, -9.0F}, {9.0F, 9.0F, 90.0F}};
+  const KeepRule rule{4.0F,
+                      4000.0F,
+                      true,
+                      {-9.0F, -9.0F, -9.0F},
+                      {9.0F, 9.0F, 90.0F},
+                      {1.0F, 0.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0F}};
   PointCloud cloud = cloud_in(order, count);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < count; i += 11) cloud.points[i].x = nan;
@@ -156,8 +162,8 @@ TEST(MoveKernel, MovesInPlace) {
   const PointCloud raw = cloud_in(Order::kByBeam, 1003);
   PointCloud apart = raw, in_place = raw;
   const ScanMotion motion = fast_motion();
-  move_to_base(packed_in(raw), apart, Pose::Identity(), PassLimits({}), &motion);
-  move_to_base(packed_in(in_place), in_place, Pose::Identity(), PassLimits({}), &motion);
+  keep_and_deskew(packed_in(raw), apart, Pose::Identity(), PassLimits({}), &motion);
+  keep_and_deskew(packed_in(in_place), in_place, Pose::Identity(), PassLimits({}), &motion);
   ASSERT_EQ(apart.size(), in_place.size());
   EXPECT_EQ(apart.times, in_place.times);
   EXPECT_EQ(std::memcmp(apart.points.data(), in_place.points.data(), 16 * apart.size()), 0);

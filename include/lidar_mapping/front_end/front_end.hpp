@@ -17,9 +17,9 @@ struct FrontEndResult {
   Pose T_odom_base;
   /// Of the motion since the previous scan, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
-  /// Of base_link in its own axes, at the stamp: m/s, rad/s. deskewed(scan.cloud, twist,
-  /// acceleration) is the scan as it would have been seen then (deskew.hpp); the pose does not need
-  /// it, so who shows it makes it.
+  /// Of base_link in its own axes, at the stamp: m/s, rad/s. With the scan in base_link,
+  /// deskewed(cloud, twist, acceleration) is as it would have been seen then (deskew.hpp); the pose
+  /// does not need it, so who shows it makes it.
   Vector6d twist = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   /// If this scan was chosen. The first one is as soon as its points are deskewed or can be: where
@@ -36,8 +36,9 @@ struct FrontEndResult {
 };
 
 /// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames
-/// (Magnusson 2009; doc/front_end.md). Scans are in base_link; poses are T_odom_base at the scan's
-/// stamp. One thread calls it; it owns no clock and no file.
+/// (Magnusson 2009; doc/front_end.md). Scans are in the LiDAR's frame; what comes out is about
+/// base_link, poses are T_odom_base at the scan's stamp. One thread calls it; it owns no clock and
+/// no file.
 class FrontEnd {
  public:
   explicit FrontEnd(const FrontEndConfig& config);
@@ -50,9 +51,9 @@ class FrontEnd {
   /// as they are.
   std::vector<FrontEndResult> finalize();
 
-  /// Where the LiDAR sits, in base_link: the two sides of a thin plate are told apart by it.
-  /// Without it they are not.
-  void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
+  /// How the LiDAR sits on the vehicle. Without it scans are taken to be in base_link, seen from
+  /// nowhere in particular: the two sides of a thin plate are not told apart.
+  void set_sensor_pose(const Pose& T_base_sensor);
 
   /// The first scan lies at this pose in odom, whatever other sensors say. Throws InputError if
   /// there was a scan already.

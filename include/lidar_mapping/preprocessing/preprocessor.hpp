@@ -31,12 +31,14 @@ struct RawScan {
   void unpack();
 };
 
-/// A scan in base_link and what the other sensors measured at its stamp. No value where a sensor is
-/// absent or has a gap there: nothing is extrapolated. The cloud has times if the motion during the
-/// scan is still in it; where only the IMU's gyro was there, the turning that remains is uniform,
-/// at the rate imu->angular_velocity.
+/// A scan in the LiDAR's own frame and what the other sensors measured at its stamp. No value where
+/// a sensor is absent or has a gap there: nothing is extrapolated. The cloud has times if the
+/// motion during the scan is still in it; where only the IMU's gyro was there, the turning that
+/// remains is uniform, at the rate imu->angular_velocity.
 struct SyncedScan {
   Scan scan;
+  std::string frame_id;  ///< the LiDAR's
+  Pose T_base_lidar;
   std::optional<ImuSample> imu;            ///< in the axes of base_link
   std::optional<VelocitySample> velocity;  ///< of base_link
   std::optional<GnssPosition> gnss;
@@ -60,8 +62,7 @@ struct PreprocessingCounters {
 
 /// Brings scans and the samples of the other sensors together: waits until each sensor in use has a
 /// sample after the scan (or its latency has passed, in data time), interpolates at the scan's
-/// stamp, deskews, filters and moves the points to base_link. It owns no clock: time is what the
-/// data say. One thread calls it.
+/// stamp, deskews and filters. It owns no clock: time is what the data say. One thread calls it.
 class Preprocessor {
  public:
   using ExtrinsicLookup = preprocessing::ExtrinsicLookup;

@@ -39,4 +39,8 @@ Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
 /// scan that is moved by it looks as if the vehicle had turned at the constant rate `omega`.
 ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
 
+/// The same turning, about a point of the vehicle (in base_link) that stays where it is: where only
+/// the turning is known, which point that is has to be said.
+ScanMotion turning_about(const Eigen::Vector3d& p_base, const ScanMotion& motion);
+
 }  // namespace lidar_mapping::preprocessing

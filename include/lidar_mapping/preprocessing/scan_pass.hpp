@@ -23,12 +23,14 @@ enum class PointTimesAfter { kKept, kDropped };
 
 /// The one pass over the points of a raw scan, from where they are `packed` to the cloud, which has
 /// their times and the room for them (in place with packed_in(cloud)): drops points that are not
-/// finite, at the sensor itself, out of range or on the vehicle, and moves the others to base_link;
-/// with a `motion` to its place at the scan's stamp as well. Times stay with their points, or are
-/// dropped. Returns how many were not finite.
-std::size_t move_to_base(const PackedPoints& packed, PointCloud& cloud, const Pose& T_base_sensor,
-                         const PassLimits& limits, const ScanMotion* motion,
-                         PointTimesAfter times = PointTimesAfter::kKept);
+/// finite, at the sensor itself, out of range or on the vehicle; with a `motion` (of base_link) it
+/// moves the others to where the sensor would have seen them at the scan's stamp. Points stay in
+/// the sensor's frame. Times stay with their points, or are dropped. Returns how many were not
+/// finite.
+std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
+                            const Pose& T_base_sensor, const PassLimits& limits,
+                            const ScanMotion* motion,
+                            PointTimesAfter times = PointTimesAfter::kKept);
 
 /// The cloud's own points.
 PackedPoints packed_in(const PointCloud& cloud);

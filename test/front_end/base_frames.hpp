@@ -1,0 +1,177 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+namespace lidar_mapping::test {
+
+/// What the sensors of a vehicle give, and where they sit in one base_link.
+struct SensorData {
+  Pose T_base_lidar;
+  Pose T_base_imu;  ///< of the velocity too
+  std::size_t scan_count = 0;
+  std::function<preprocessing::RawScan(std::size_t)> scan;  ///< of the frame "lidar"
+  std::vector<ImuSample> imu;
+  std::vector<VelocitySample> velocity;
+};
+
+inline SensorData sensor_data(const simulation::Drive& drive, bool with_others) {
+  SensorData data;
+  data.T_base_lidar = drive.mounting().T_base_lidar;
+  data.T_base_imu = drive.mounting().T_base_imu;
+  data.scan_count = drive.scan_count();
+  // They are wanted once per base_link.
+  const auto scans = std::make_shared<std::vector<preprocessing::RawScan>>();
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    simulation::SimulatedScan taken = drive.scan(i);
+    scans->push_back({taken.stamp, "lidar", std::move(taken.cloud)});
+  }
+  data.scan = [scans](std::size_t index) { return (*scans)[index]; };
+  if (!with_others) return data;
+  data.imu = drive.imu();
+  data.velocity = drive.velocity();
+  return data;
+}
+
+/// Another base_link of the same vehicle, where it lies in the usual one.
+struct OtherBase {
+  std::string name;
+  Pose T_usual_other;
+};
+
+/// Displaced (m), then turned about z, y and x (degrees).
+inline OtherBase other_base(std::string name, const Eigen::Vector3d& at, double yaw_deg,
+                            double pitch_deg, double roll_deg) {
+  const double to_rad = M_PI / 180.0;
+  const Eigen::AngleAxisd yaw(yaw_deg * to_rad, Eigen::Vector3d::UnitZ());
+  const Eigen::AngleAxisd pitch(pitch_deg * to_rad, Eigen::Vector3d::UnitY());
+  const Eigen::AngleAxisd roll(roll_deg * to_rad, Eigen::Vector3d::UnitX());
+  return {std::move(name), Pose{Eigen::Quaterniond(yaw * pitch * roll), at}};
+}
+
+/// Poses of the LiDAR from its first one on, and what was said of them.
+struct SensorTrack {
+  std::vector<Pose> T_first_lidar;
+  std::size_t lost = 0;
+  std::size_t key_frames = 0;
+};
+
+/// The odometry of a vehicle whose base_link is that one.
+class OdometryInOtherBase {
+ public:
+  OdometryInOtherBase(const SensorData& data, const OtherBase& other)
+      : data_(data),
+        T_other_lidar_(other.T_usual_other.inverse() * data.T_base_lidar),
+        T_other_imu_(other.T_usual_other.inverse() * data.T_base_imu),
+        preprocessor_(config(data), [this](const std::string& frame) {
+          return std::optional<Pose>(frame == "lidar" ? T_other_lidar_ : T_other_imu_);
+        }) {}
+
+  SensorTrack run() {
+    for (const ImuSample& sample : data_.imu) add_until(sample);
+    for (; next_scan_ < data_.scan_count; ++next_scan_) take(data_.scan(next_scan_));
+    for (const auto& synced : preprocessor_.flush()) take(synced);
+    put(front_end_.finalize());
+    SensorTrack track;
+    for (const Pose& T_odom_lidar : T_odom_lidar_) {
+      track.T_first_lidar.push_back(T_odom_lidar_.front().inverse() * T_odom_lidar);
+    }
+    track.lost = lost_;
+    track.key_frames = key_frames_;
+    return track;
+  }
+
+ private:
+  static preprocessing::PreprocessingConfig config(const SensorData& data) {
+    preprocessing::PreprocessingConfig config;
+    config.use_gnss = false;
+    config.use_imu = !data.imu.empty();
+    config.use_velocity = !data.velocity.empty();
+    return config;
+  }
+
+  /// Scans come when their turn is over, in the order of time with the samples.
+  void add_until(const ImuSample& sample) {
+    while (next_scan_ < data_.scan_count) {
+      if (!pending_) pending_ = data_.scan(next_scan_);
+      if (pending_->stamp + from_seconds(0.1) > sample.stamp) break;
+      take(*std::exchange(pending_, std::nullopt));
+      ++next_scan_;
+    }
+    preprocessor_.add_imu(sample, "imu");
+    while (next_velocity_ < data_.velocity.size() &&
+           data_.velocity[next_velocity_].stamp <= sample.stamp) {
+      preprocessor_.add_velocity(data_.velocity[next_velocity_++], "imu");
+    }
+  }
+
+  void take(preprocessing::RawScan raw) {
+    for (const auto& synced : preprocessor_.process(std::move(raw))) take(synced);
+  }
+
+  void take(const preprocessing::SyncedScan& synced) {
+    front_end_.set_sensor_pose(synced.T_base_lidar);
+    front_end::MotionPrior prior;
+    if (synced.imu && synced.imu->has_angular_velocity) {
+      prior.angular_velocity = synced.imu->angular_velocity;
+    }
+    if (synced.velocity) {
+      prior.linear_velocity = synced.velocity->linear;
+      if (!synced.velocity->angular.isZero(0.0)) prior.velocity_turning = synced.velocity->angular;
+    }
+    const front_end::FrontEndResult result = front_end_.process(synced.scan, prior);
+    put(result.finalized);
+    lost_ += result.status.state == front_end::TrackingState::kLost ? 1 : 0;
+    key_frames_ += result.key_frame ? 1 : 0;
+    T_odom_lidar_.push_back(result.T_odom_base * T_other_lidar_);
+  }
+
+  void put(const std::vector<front_end::FrontEndResult>& finalized) {
+    std::size_t index = T_odom_lidar_.size() - finalized.size();
+    for (const front_end::FrontEndResult& result : finalized) {
+      key_frames_ += result.key_frame ? 1 : 0;
+      T_odom_lidar_[index++] = result.T_odom_base * T_other_lidar_;
+    }
+  }
+
+  const SensorData& data_;
+  Pose T_other_lidar_;
+  Pose T_other_imu_;
+  preprocessing::Preprocessor preprocessor_;
+  front_end::FrontEnd front_end_{front_end::FrontEndConfig{}};
+  std::vector<Pose> T_odom_lidar_;
+  std::size_t lost_ = 0;
+  std::size_t key_frames_ = 0;
+  std::size_t next_scan_ = 0;
+  std::size_t next_velocity_ = 0;
+  std::optional<preprocessing::RawScan> pending_;  ///< number next_scan_, where it was made
+};
+
+/// By how much two tracks differ at most.
+struct TrackDifference {
+  double metres = 0.0;
+  double degrees = 0.0;
+};
+
+inline TrackDifference difference_of(const SensorTrack& a, const SensorTrack& b) {
+  TrackDifference largest;
+  if (a.T_first_lidar.size() != b.T_first_lidar.size()) return {INFINITY, INFINITY};
+  for (std::size_t i = 0; i < a.T_first_lidar.size(); ++i) {
+    const Pose T_a_b = a.T_first_lidar[i].inverse() * b.T_first_lidar[i];
+    largest.metres = std::max(largest.metres, T_a_b.translation.norm());
+    largest.degrees = std::max(largest.degrees, rotation_angle(T_a_b.rotation) * 180.0 / M_PI);
+  }
+  return largest;
+}
+
+}  // namespace lidar_mapping::test

@@ -1,0 +1,169 @@
+// What base_link is decides nothing but what poses are said of.
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/motion_filter.hpp"
+
+#include "base_frame.hpp"
+#include "base_frames.hpp"
+#include "ride.hpp"
+#include "upright_axes.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+std::vector<test::OtherBase> other_bases() {
+  return {test::other_base("rear axle, driven backwards", {-1.5, 0.0, -1.5}, 180.0, 0.0, 0.0),
+          test::other_base("on its back", {0.5, -0.5, 1.5}, 0.0, 30.0, 180.0),
+          test::other_base("corner", {1.5, 1.5, 0.0}, 90.0, -20.0, 10.0)};
+}
+
+struct Case {
+  const char* drive;
+  const char* imu;
+  bool with_others;
+};
+
+class OtherBaseLink : public testing::TestWithParam<Case> {};
+
+TEST_P(OtherBaseLink, GivesTheSamePosesOfTheSensor) {
+  simulation::DriveOptions options;
+  options.drive = GetParam().drive;
+  options.lidar = "vlp16";
+  options.imu = GetParam().imu;
+  options.seed = 13;
+  options.duration = 10.0;
+  const simulation::Drive drive(options);
+  const test::SensorData data = test::sensor_data(drive, GetParam().with_others);
+  const test::SensorTrack usual = test::OdometryInOtherBase(data, {"usual", {}}).run();
+  ASSERT_GT(usual.T_first_lidar.size(), 95U);
+  EXPECT_EQ(usual.lost, 0U);
+  for (const test::OtherBase& other : other_bases()) {
+    SCOPED_TRACE(other.name);
+    const test::SensorTrack track = test::OdometryInOtherBase(data, other).run();
+    const test::TrackDifference difference = test::difference_of(usual, track);
+    EXPECT_LT(difference.metres, 0.001);
+    EXPECT_LT(difference.degrees, 0.01);
+    EXPECT_EQ(track.key_frames, usual.key_frames);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Drives, OtherBaseLink,
+                         testing::Values(Case{"town", "good", true}, Case{"town", "good", false},
+                                         Case{"handheld", "consumer", true}),
+                         [](const auto& info) {
+                           return std::string(info.param.drive) +
+                                  (info.param.with_others ? "" : "_lidar_alone");
+                         });
+
+// Some are bolted on tilted; base_link says so, and may say anything.
+TEST(UprightAxes, AreThoseOfATiltedLidarOnly) {
+  for (const char* name : {"town", "car_park", "open_road", "forest"}) {
+    SCOPED_TRACE(name);
+    const simulation::Drive drive = make_drive(name, 3.0, 5);
+    const PointCloud cloud = lidar_scan(drive, 10).cloud;
+    const Pose& T_base_lidar = drive.mounting().T_base_lidar;
+    EXPECT_EQ(rotation_angle(upright_axes(cloud, T_base_lidar)), 0.0);
+    for (const test::OtherBase& other : other_bases()) {
+      const Pose T_other_lidar = other.T_usual_other.inverse() * T_base_lidar;
+      EXPECT_EQ(rotation_angle(upright_axes(cloud, T_other_lidar)), 0.0) << other.name;
+    }
+    const Pose T_lidar_tilted{exp_so3({0.3, 0.7, 0.0}), Eigen::Vector3d::Zero()};
+    const Eigen::Quaterniond R_tilted_upright =
+        upright_axes(transformed(cloud, T_lidar_tilted.inverse()), T_base_lidar * T_lidar_tilted);
+    const Eigen::Vector3d up =
+        (T_base_lidar * T_lidar_tilted).rotation * R_tilted_upright * Eigen::Vector3d::UnitZ();
+    EXPECT_GT(up.z(), 0.999);
+  }
+}
+
+/// Of the LiDAR.
+FrontEndResult some_result() {
+  FrontEndResult result;
+  result.T_odom_base = {exp_so3({0.1, -0.2, 0.7}), {3.0, 1.0, -0.5}};
+  result.twist << 4.0, 0.2, -0.1, 0.05, -0.1, 0.6;
+  result.acceleration << 1.0, -0.5, 0.3, 0.2, 0.1, -0.4;
+  Matrix6d root;
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal(0.0, 0.1);
+  for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = normal(engine);
+  result.covariance = root * root.transpose();
+  return result;
+}
+
+const Pose kBaseSensor{exp_so3({0.4, 1.0, -2.0}), {1.5, -0.7, 1.2}};
+
+BaseFrame border() {
+  BaseFrame frame;
+  frame.set_sensor_pose(kBaseSensor);
+  frame.begin_at({exp_so3({0.0, 0.0, 1.0}), {100.0, 50.0, 2.0}});
+  return frame;
+}
+
+TEST(BaseFrame, GivesTheTwistWithWhichBaseLinkMoves) {
+  const BaseFrame frame = border();
+  FrontEndResult now = some_result();
+  FrontEndResult later = now;
+  later.T_odom_base = moved(now.T_odom_base, now.twist, 0.3);
+  const Pose expected = frame.of_base(later).T_odom_base;
+  now = frame.of_base(now);
+  EXPECT_LT(difference(moved(now.T_odom_base, now.twist, 0.3), expected).norm(), 1e-9);
+}
+
+TEST(BaseFrame, GivesTheCovarianceOfBaseLinksMotion) {
+  const BaseFrame frame = border();
+  const FrontEndResult of_sensor = some_result();
+  const FrontEndResult of_base = frame.of_base(of_sensor);
+  // Column by column: an error of the LiDAR's pose, and what it does to that of base_link.
+  Matrix6d J;
+  for (int axis = 0; axis < 6; ++axis) {
+    FrontEndResult off = of_sensor;
+    off.T_odom_base = perturbed(of_sensor.T_odom_base, Vector6d(1e-6 * Vector6d::Unit(axis)));
+    J.col(axis) = difference(of_base.T_odom_base, frame.of_base(off).T_odom_base) / 1e-6;
+  }
+  EXPECT_LT((of_base.covariance - J * of_sensor.covariance * J.transpose()).norm(), 1e-5);
+}
+
+TEST(BaseFrame, MeasuredVelocitiesGoOverTheLeverArm) {
+  const BaseFrame frame = border();
+  const FrontEndResult of_base = frame.of_base(some_result());
+  const Eigen::Vector3d v = some_result().twist.head<3>();
+  const Eigen::Vector3d omega = some_result().twist.tail<3>();
+  MotionPrior prior;
+  prior.linear_velocity = of_base.twist.head<3>();
+  EXPECT_LT((*frame.of_sensor(prior, omega).linear_velocity - v).norm(), 1e-9) << "as last seen";
+  const Eigen::Vector3d unknown(0.0, 0.0, 9.0);
+  prior.angular_velocity = of_base.twist.tail<3>();
+  EXPECT_LT((*frame.of_sensor(prior, unknown).linear_velocity - v).norm(), 1e-9) << "by the gyro";
+  EXPECT_LT((*frame.of_sensor(prior, unknown).angular_velocity - omega).norm(), 1e-9);
+  prior.velocity_turning = of_base.twist.tail<3>();
+  prior.angular_velocity->z() += 1.0;
+  EXPECT_LT((*frame.of_sensor(prior, unknown).linear_velocity - v).norm(), 1e-9) << "by its own";
+}
+
+// What leaves the front end hangs together in base_link.
+TEST(BaseFrame, KeyFramesAreInBaseLink) {
+  const simulation::Drive drive = make_drive("town", 3.0, 1);
+  Ride ride(drive);
+  std::optional<KeyFrame> key_frame;
+  for (std::size_t i = 0; i < 20 && !key_frame; ++i) {
+    const FrontEndResult& result = ride.take(i);
+    for (const FrontEndResult& finalized : result.finalized) {
+      if (finalized.key_frame) key_frame = finalized.key_frame;
+    }
+    if (result.key_frame) key_frame = result.key_frame;
+  }
+  ASSERT_TRUE(key_frame);
+  EXPECT_LT(difference(key_frame->T_odom_base, Pose::Identity()).norm(), 1e-3) << "stands still";
+  // The ground lies where base_link stands on it.
+  std::size_t on_ground = 0;
+  for (const Point& p : key_frame->cloud->points) {
+    if (std::hypot(p.x, p.y) < 15.0F && std::abs(p.z) < 0.15F) ++on_ground;
+  }
+  EXPECT_GT(on_ground, 500U);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
