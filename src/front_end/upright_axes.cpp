@@ -4,8 +4,9 @@
 #include <cstddef>
 
 #include "lidar_mapping/common/units.hpp"
-#include "lidar_mapping/front_end/scan_sampler.hpp"
-#include "lidar_mapping/front_end/upright_map.hpp"
+
+#include "scan_sampler.hpp"
+#include "upright_map.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

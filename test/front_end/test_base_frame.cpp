@@ -4,10 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/front_end/motion_filter.hpp"
-
 #include "base_frame.hpp"
 #include "base_frames.hpp"
+#include "motion_filter.hpp"
 #include "ride.hpp"
 #include "upright_axes.hpp"
 
