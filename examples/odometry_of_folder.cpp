@@ -16,8 +16,6 @@ namespace {
 
 using namespace lidar_mapping;
 
-constexpr char kLidarFrame[] = "velo_link";  // as FolderInput calls it
-
 /// Preprocessing and front end, one after the other.
 class Odometry {
  public:
@@ -25,7 +23,7 @@ class Odometry {
       : preprocessor_({}, [&input](const std::string& frame) { return input.T_base(frame); }),
         front_end_({}) {
     // The front end tells the two sides of a thin wall apart by the place of the sensor.
-    front_end_.set_sensor_origin(input.T_base(kLidarFrame).value().translation);
+    front_end_.set_sensor_origin(input.T_base(input.kLidarFrame).value().translation);
   }
 
   void add(preprocessing::RawScan scan) { track(preprocessor_.process(std::move(scan))); }

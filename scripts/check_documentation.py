@@ -375,7 +375,7 @@ class Names:
         elif re.fullmatch(r'[\w/]*\w\.(hpp|cpp|msg|srv|launch|rviz)', name) and not self._is_file(name):
             self.problems.add(span, f'no file is called {name}')
         elif re.fullmatch(r'(rostest|test)_\w+', name) and not self._is_file(name + '.cpp') \
-                and not any(f'({name} ' in self._text(file) for file in self.files
+                and not any(re.search(rf'\({name}\s', self._text(file)) for file in self.files
                             if re.match(r'test/.*CMakeLists.txt', file)):
             self.problems.add(span, f'no test program is called {name}')
 

@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kLidarFrame[] = "velo_link";
 constexpr char kImuFrame[] = "imu_link";
 constexpr double kUsualPeriod = 0.1;              // s, where nothing says otherwise
 constexpr Stamp kHalfTurn = from_seconds(0.05);   // from a scan's stamp to its last point

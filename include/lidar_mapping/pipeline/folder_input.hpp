@@ -26,6 +26,9 @@ struct FolderOptions {
 ///   names like 1317617735.250.pcd, else 10 Hz.
 class FolderInput : public InputSource {
  public:
+  /// The frame_id of its scans, as KITTI calls it.
+  static constexpr char kLidarFrame[] = "velo_link";
+
   /// Throws FileError for a folder without scans or with fewer times than scans.
   explicit FolderInput(const std::string& path, const FolderOptions& options = {});
 
