@@ -21,10 +21,7 @@ class Odometry {
  public:
   explicit Odometry(const pipeline::FolderInput& input)
       : preprocessor_({}, [&input](const std::string& frame) { return input.T_base(frame); }),
-        front_end_({}) {
-    // The front end tells the two sides of a thin wall apart by the place of the sensor.
-    front_end_.set_sensor_origin(input.T_base(input.kLidarFrame).value().translation);
-  }
+        front_end_({}) {}
 
   void add(preprocessing::RawScan scan) { track(preprocessor_.process(std::move(scan))); }
 
@@ -38,6 +35,7 @@ class Odometry {
  private:
   void track(const std::vector<preprocessing::SyncedScan>& scans) {
     for (const preprocessing::SyncedScan& scan : scans) {
+      front_end_.set_sensor_pose(scan.T_base_lidar);
       const front_end::FrontEndResult result = front_end_.process(scan.scan);
       revise(result.finalized);
       trajectory_.poses.push_back({result.stamp, result.T_odom_base});

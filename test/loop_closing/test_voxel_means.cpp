@@ -80,13 +80,13 @@ TEST(VoxelMeans, KeepsFarAwayCellsApart) {
 
 TEST(LruCache, ForgetsWhatWasNotAskedForTheLongest) {
   LruCache<char> recent(10);
-  recent.keep(1, 'a', 4);
-  recent.keep(2, 'b', 4);
+  recent.insert(1, 'a', 4);
+  recent.insert(2, 'b', 4);
   ASSERT_NE(recent.find(1), nullptr);
-  recent.keep(3, 'c', 4);
+  recent.insert(3, 'c', 4);
   EXPECT_EQ(recent.find(2), nullptr);
   EXPECT_EQ(*recent.find(1), 'a');
-  EXPECT_EQ(recent.keep(4, 'd', 100), 'd') << "the newest stays, however heavy";
+  EXPECT_EQ(recent.insert(4, 'd', 100), 'd') << "the newest stays, however heavy";
   EXPECT_EQ(recent.find(1), nullptr);
   recent.clear();
   EXPECT_EQ(recent.find(4), nullptr);
