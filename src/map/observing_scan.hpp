@@ -20,7 +20,7 @@ struct ObservingScan {
 enum class Vote : char { kStands, kMoves, kUnseen };
 
 /// The observers' verdict on the points of a key frame with those numbers; the others are unseen.
-/// Who is asked first does not matter: an observer is left out only where it could change nothing.
+/// The order of asking does not matter: an observer is left out only where it could change nothing.
 std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
                            const std::vector<std::uint32_t>& asked,
                            const std::vector<const ObservingScan*>& observers,

@@ -26,7 +26,7 @@ namespace lidar_mapping::ros_border {
 
 /// Subscribed: key_frame, loop, loop_verdict, synced_gnss, synced_imu, floor, gnss_datum,
 /// laser_odom, front_end_status. Published: key_frame_poses (latched, whole), optimized_odom,
-/// graph_verdict (of all loops to who subscribes, then of those that change), tf map -> odom.
+/// graph_verdict (of all loops to a new subscriber, then of those that change), tf map -> odom.
 /// Services: optimize_map, get_key_frames, dump_graph, load_graph. The session's folder stands in
 /// the parameter session_folder beside the node.
 class BackEndNode {

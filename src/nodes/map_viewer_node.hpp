@@ -26,7 +26,7 @@ namespace lidar_mapping::ros_border {
 
 /// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, synced_gnss,
 /// gnss_datum, floor, front_end_status, /diagnostics. Published: global_map, odom_path,
-/// optimized_path (latched), graph_markers (changes; the whole to who comes). Service: save_map.
+/// optimized_path (latched), graph_markers (changes; the whole to late ones). Service: save_map.
 /// Asks get_key_frames for what it missed; a restart loses nothing.
 class MapViewerNode {
  public:

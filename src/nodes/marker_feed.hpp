@@ -12,7 +12,7 @@ namespace lidar_mapping::ros_border {
 
 /// Keeps subscribers of a topic of markers up to date with what has changed: a message has at most
 /// `kMarkerBytes`, however long the drive is, so that a correction of a whole long drive goes out
-/// over some messages. Who comes late is given the whole.
+/// over some messages. A late subscriber is given the whole.
 class MarkerFeed {
  public:
   using Markers = std::vector<visualization_msgs::Marker>;

@@ -27,8 +27,8 @@ struct FixVerdict {
 /// GNSS fixes as a track in the local frame. A first fix that is kilometres from the next two,
 /// which agree, is left out, and the frame begins with these. Covariances that are too small for
 /// the fixes' scatter are raised. Stamps that are late (or early) beside the measured motion are
-/// named, and judged as if they were not, but left as they are: who knows the whole drive corrects
-/// all of them.
+/// named, and judged as if they were not, but left as they are: the back end, which knows
+/// the whole drive, corrects them.
 class GnssTrack {
  public:
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);

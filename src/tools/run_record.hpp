@@ -44,7 +44,7 @@ std::optional<RunRecord> read_run_record(const std::filesystem::path& session);
 void write_run_record(const std::filesystem::path& session, const RunRecord& record);
 
 /// In what the two recordings differ, in words; empty if they are one and the same. Names of files
-/// do not count: who moves a recording has the same one.
+/// do not count: a recording that was moved is the same one.
 std::string recording_difference(const RunRecord& session, const RunRecord& given);
 
 /// In which parameter the stages' texts (YAML) differ first; empty if in none.

@@ -30,7 +30,7 @@ struct OptimizationReport {
   /// Of the information matrix, after a thorough solution (marginal_covariance.hpp): how firmly the
   /// least known motion of the map is held; 0: not computed, or not held at all.
   double least_eigenvalue = 0.0;
-  double seconds = 0.0;  ///< filled in by who calls solve(); the core owns no clock
+  double seconds = 0.0;  ///< filled in by the caller of solve(); the core owns no clock
   /// What a person has to know of the map beside the figures; no full stop at the end.
   std::vector<std::string> remarks;
 };

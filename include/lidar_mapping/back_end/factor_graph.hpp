@@ -64,7 +64,7 @@ struct MinimizerSummary {
   std::string message;
 };
 
-/// The loss of a constraint during one minimisation; null for least squares. Who gives it keeps it.
+/// The loss of a constraint during one minimisation; null for least squares. The caller owns it.
 using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
 
 /// Moves the nodes to the least sum over the `used` constraints: by the package's own Gauss-Newton

@@ -18,8 +18,8 @@ struct FrontEndResult {
   /// Of the motion since the previous scan, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
   /// Of base_link in its own axes, at the stamp: m/s, rad/s. With the scan in base_link,
-  /// deskewed(cloud, twist, acceleration) is as it would have been seen then (deskew.hpp); the pose
-  /// does not need it, so who shows it makes it.
+  /// deskewed(cloud, twist, acceleration) gives it as it would have been seen at the stamp
+  /// (deskew.hpp). The pose does not need that, so it is left to those who display the scan.
   Vector6d twist = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   /// If this scan was chosen. The first one is as soon as its points are deskewed or can be: where

@@ -45,7 +45,7 @@ class RecordedBackEnd {
   std::shared_ptr<const back_end::OptimizationProblem> problem(bool thorough) const {
     return back_end_.problem(thorough);
   }
-  /// The poses are kept in the session only if wanted: who solves again and again need not write
+  /// The poses are kept in the session only if wanted: a caller that solves often need not write
   /// them all each time.
   AppliedSolution apply(const back_end::OptimizationSolution& solution, double seconds,
                         bool keep_poses = true);

@@ -22,7 +22,7 @@ struct RawScan {
   PointCloud cloud;
   /// The times came from absolute ones: they refer to `stamp` whatever `scan_stamp` says.
   bool times_are_absolute = false;
-  /// Of the cloud's times, where who read them knows it.
+  /// Of the cloud's times, where the reader of the message knows it.
   std::optional<TimeSpan> time_span = std::nullopt;
   /// Where the points have not been read yet; the cloud has the room for them.
   std::optional<PackedPoints> packed = std::nullopt;
