@@ -52,9 +52,9 @@ TEST_P(OtherBaseLink, GivesTheSamePosesOfTheSensor) {
 INSTANTIATE_TEST_SUITE_P(Drives, OtherBaseLink,
                          testing::Values(Case{"town", "good", true}, Case{"town", "good", false},
                                          Case{"handheld", "consumer", true}),
-                         [](const auto& info) {
-                           return std::string(info.param.drive) +
-                                  (info.param.with_others ? "" : "_lidar_alone");
+                         [](const auto& test_case) {
+                           return std::string(test_case.param.drive) +
+                                  (test_case.param.with_others ? "" : "_lidar_alone");
                          });
 
 // Some are bolted on tilted; base_link says so, and may say anything.
