@@ -88,7 +88,9 @@ class FrontEnd::Impl {
     check_stamp(taken.stamp);
     if (tracker_ && repeated_.repeats(taken.cloud) && tracked_) return coast(taken.stamp);
     timer_.start("support");
-    const Scan& scan = tracker_ ? support_.supported(taken) : taken;
+    const std::optional<Scan> unbent = without_wrong_gyro(taken, prior);
+    const Scan& seen = unbent ? *unbent : taken;
+    const Scan& scan = tracker_ ? support_.supported(seen) : seen;
     timer_.stop();
     const TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
     tracked_ = tracked;
@@ -143,6 +145,12 @@ class FrontEnd::Impl {
     TrackedScan tracked;
     PointCloud points;
   };
+
+  /// The scan as the sensor saw it, where it was bent by a gyro that is not believed.
+  std::optional<Scan> without_wrong_gyro(const Scan& scan, const MotionPrior& prior) const {
+    if (!prior.uneven_turning || !tracker_ || tracker_->believes_gyro(prior)) return std::nullopt;
+    return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
+  }
 
   void check_stamp(Stamp stamp) const {
     if (!last_stamp_ || stamp > *last_stamp_) return;

@@ -117,8 +117,9 @@ void FrontEndNode::subscribe_sensors() {
                       go_on([this](const auto& m) { take_cloud(m); }), Numbered::kYes),
                   subscribe<SyncedInputsMessage>(
                       context_, "synced_inputs", capacity, go_on([this](const auto& m) {
-                        assembler_.add_inputs(from_ros(m.header.stamp),
-                                              {m.imu != 0, m.velocity != 0, m.gnss != 0});
+                        assembler_.add_inputs(
+                            from_ros(m.header.stamp),
+                            {m.imu != 0, m.velocity != 0, m.gnss != 0, uneven_turning_of(m)});
                       })),
                   subscribe<sensor_msgs::Imu>(
                       context_, "synced_imu", capacity,

@@ -11,6 +11,7 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
   if (synced.imu && synced.imu->has_angular_velocity) {
     prior.angular_velocity = synced.imu->angular_velocity;
   }
+  prior.uneven_turning = synced.uneven_turning;
   if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
     const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;

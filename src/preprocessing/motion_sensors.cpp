@@ -91,6 +91,7 @@ void MotionSensors::learn_until(Stamp stamp) {
 
 void MotionSensors::learn(const ImuSample& sample) {
   if (!absurd_since_ && is_absurd(sample)) absurd_since_ = sample.stamp;
+  if (sample.has_angular_velocity) gyro_limits_.add(sample.angular_velocity);
   const bool shows_rest = sample.has_angular_velocity && sample.has_linear_acceleration;
   if (estimate_bias_ && shows_rest && !absurd_since_) {
     gyro_bias_.add(sample, is_standing(sample.stamp));
@@ -151,7 +152,8 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
 
 std::optional<Eigen::Vector3d> MotionSensors::turning(const ImuSample& sample,
                                                       const Eigen::Vector3d& bias) const {
-  if (!sample.has_angular_velocity || (absurd_since_ && sample.stamp >= *absurd_since_)) {
+  if (!sample.has_angular_velocity || (absurd_since_ && sample.stamp >= *absurd_since_) ||
+      gyro_limits_.are_reached(sample.angular_velocity)) {
     return std::nullopt;
   }
   return sample.angular_velocity - bias;
@@ -247,6 +249,7 @@ void MotionSensors::clear() {
   imu_.clear();
   velocity_.clear();
   gyro_bias_ = {};
+  gyro_limits_ = AxisLimits(kSlowestLimit);
   learned_until_ = 0;
   fast_samples_ = 0;
   outturns_since_.reset();

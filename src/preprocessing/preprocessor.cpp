@@ -152,7 +152,7 @@ class Preprocessor::Impl {
     }
     sensors_.learn_until(scan.raw.stamp + from_seconds(scan.span.end));
     SyncedScan result = values_at(scan.raw.stamp);
-    result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result.imu);
+    result.scan.cloud = cloud_in_base(std::move(scan), *T_base_lidar, result);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
       notices_.too_few_points();
@@ -176,6 +176,7 @@ class Preprocessor::Impl {
     note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
     note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
     if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
+    if (const auto limit = sensors_.gyro_limit()) notices_.clipped_gyro(*limit);
     const VelocityProblem problem = sensors_.velocity_problem(stamp);
     if (problem != VelocityProblem::kNone) {
       notices_.refused_velocity(problem, sensors_.sentence(problem));
@@ -201,8 +202,7 @@ class Preprocessor::Impl {
     return position;
   }
 
-  PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar,
-                           std::optional<ImuSample>& imu) {
+  PointCloud cloud_in_base(WaitingScan scan, const Pose& T_base_lidar, SyncedScan& synced) {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
@@ -211,9 +211,13 @@ class Preprocessor::Impl {
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {
       measured = sensors_.motion(scan.raw.stamp, scan.span);
+      // The rate of an instant is not that of the sweep.
+      if (measured.source == MotionSource::kNone && synced.imu) {
+        synced.imu->has_angular_velocity = false;
+      }
     }
     if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
-    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, imu);
+    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, synced);
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
@@ -225,12 +229,13 @@ class Preprocessor::Impl {
   }
 
   /// The front end knows the way of the vehicle, but takes its turning as uniform.
-  static void leave_uniform_turning(ScanMotion& motion, std::optional<ImuSample>& imu) {
+  static void leave_uniform_turning(ScanMotion& motion, SyncedScan& synced) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
     motion = without_uniform_turning(motion, omega);
-    if (!imu) return;
-    imu->angular_velocity = omega;
-    imu->has_angular_velocity = true;
+    synced.uneven_turning = turning_of(motion);
+    if (!synced.imu) return;
+    synced.imu->angular_velocity = omega;
+    synced.imu->has_angular_velocity = true;
   }
 
   PreprocessingConfig config_;

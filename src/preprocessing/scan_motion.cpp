@@ -85,4 +85,10 @@ ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector
   return result;
 }
 
+UnevenTurning turning_of(const ScanMotion& motion) {
+  UnevenTurning turning{motion.begin, motion.step, {}};
+  for (const Pose& knot : motion.T_stamp_knot) turning.R_stamp_knot.push_back(knot.rotation);
+  return turning;
+}
+
 }  // namespace lidar_mapping::preprocessing

@@ -125,4 +125,26 @@ GnssPosition from_message(const nav_msgs::Odometry& message,
   return position;
 }
 
+void fill(SyncedInputsMessage& message, const UnevenTurning& turning) {
+  message.turning_begin = turning.begin;
+  message.turning_step = turning.step;
+  for (const Eigen::Quaterniond& knot : turning.R_stamp_knot) {
+    geometry_msgs::Quaternion q;
+    q.x = knot.x();
+    q.y = knot.y();
+    q.z = knot.z();
+    q.w = knot.w();
+    message.uneven_turning.push_back(q);
+  }
+}
+
+std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message) {
+  if (message.uneven_turning.empty()) return std::nullopt;
+  UnevenTurning turning{message.turning_begin, message.turning_step, {}};
+  for (const auto& q : message.uneven_turning) {
+    turning.R_stamp_knot.emplace_back(q.w, q.x, q.y, q.z);
+  }
+  return turning;
+}
+
 }  // namespace lidar_mapping::ros_border

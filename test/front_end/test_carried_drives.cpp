@@ -85,7 +85,10 @@ Outcome follow(const simulation::Drive& drive) {
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const preprocessing::SyncedScan synced = scans.next(i);
     MotionPrior prior;
-    if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
+    if (synced.imu && synced.imu->has_angular_velocity) {
+      prior.angular_velocity = synced.imu->angular_velocity;
+    }
+    prior.uneven_turning = synced.uneven_turning;
     const FrontEndResult& result = ride.take(synced.scan, prior);
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;

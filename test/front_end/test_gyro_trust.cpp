@@ -15,6 +15,12 @@ Eigen::Vector3d true_rate(int i) {
   return {0.8 * std::sin(0.5 * i), 0.6 * std::cos(0.4 * i), 0.5 * std::sin(0.3 * i)};
 }
 
+MotionPrior turning_at(const Eigen::Vector3d& rate) {
+  MotionPrior prior;
+  prior.angular_velocity = rate;
+  return prior;
+}
+
 /// Shows GyroTrust so many sweeps, as a gyro sees them and as they are matched; without a gyro the
 /// last turning is expected to go on.
 template <typename Gyro>
@@ -22,7 +28,7 @@ void ride(int sweeps, const Gyro& gyro, GyroTrust& trust) {
   Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond turn = last;
   for (int i = 0; i < sweeps; ++i) {
-    trust.add(Eigen::Vector3d(gyro(true_rate(i))), kSweep, kSweep);
+    trust.add(turning_at(gyro(true_rate(i))), kSweep, kSweep);
     const Eigen::Quaterniond without = last * turn;
     turn = exp_so3(0.5 * kSweep * true_rate(i - 1)) * exp_so3(0.5 * kSweep * true_rate(i));
     trust.update(last, without, last * turn);
@@ -77,11 +83,11 @@ TEST(GyroTrust, LooksOnAtFirst) {
 TEST(GyroTrust, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
   GyroTrust trust;
   ride(20, kExact, trust);
-  trust.add(true_rate(20), 2.0 * kSweep, kSweep);
+  trust.add(turning_at(true_rate(20)), 2.0 * kSweep, kSweep);
   EXPECT_FALSE(trust.turning());
-  trust.add(true_rate(21), kSweep, kSweep);
+  trust.add(turning_at(true_rate(21)), kSweep, kSweep);
   EXPECT_TRUE(trust.turning());
-  trust.add(std::nullopt, kSweep, kSweep);
+  trust.add({}, kSweep, kSweep);
   EXPECT_FALSE(trust.turning());
 }
 
@@ -103,6 +109,27 @@ TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
     ride(200, kExact, trust);
     EXPECT_FALSE(trust.is_distrusted());
   }
+}
+
+// F: degrees for radians after rest, where nothing has shown yet what the gyro is worth.
+TEST(GyroTrust, DoesNotBelieveFarMoreThanItWasRightAbout) {
+  GyroTrust trust;
+  const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
+  for (int i = 0; i < 30; ++i) {
+    trust.add(turning_at(Eigen::Vector3d::Zero()), kSweep, kSweep);
+    trust.update(level, level, level);
+  }
+  EXPECT_FALSE(trust.is_distrusted());
+  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 0.5})));
+  EXPECT_FALSE(trust.believes(turning_at({0.0, 0.0, 20.0})));
+  MotionPrior bent = turning_at({0.0, 0.0, 0.5});
+  bent.uneven_turning = UnevenTurning{-0.1, 0.05, {level, exp_so3({0.3, 0.0, 0.0}), level}};
+  EXPECT_FALSE(trust.believes(bent));
+  trust.add(bent, kSweep, kSweep);
+  EXPECT_FALSE(trust.turning());
+  EXPECT_FALSE(trust.rest(bent).angular_velocity);
+  ride(10, kExact, trust);
+  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 5.0}))) << "as fast as a sensor is turned by hand";
 }
 
 // Taken in already, it is not measured a second time.

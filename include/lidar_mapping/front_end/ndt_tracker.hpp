@@ -16,6 +16,7 @@ class NdtTracker : public Tracker {
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void set_sensor_origin(const Eigen::Vector3d& p_base_sensor) override;
   void restart(const Pose& T_odom_base) override;
+  bool believes_gyro(const MotionPrior& prior) const override;
   void settle() override;
   PointCloud local_map() const override;
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/axis_limits.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/gyro_bias.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
@@ -57,10 +58,15 @@ class MotionSensors {
   /// It turned as nobody drives, or far more than the velocity, so its rates are not used any more:
   /// they are in degrees/s.
   bool gyro_is_absurd() const { return absurd_since_.has_value(); }
+  /// Where the gyro's range was found to end, rad/s: rates that reach it are not used.
+  std::optional<double> gyro_limit() const { return gyro_limits_.lowest(); }
   void give_up_silent_sensors();
   void clear();
 
  private:
+  /// No gyro's range ends below that, rad/s; a rate that is steady there is a turn, or rest.
+  static constexpr double kSlowestLimit = 1.0;
+
   void learn(const ImuSample& sample);
   bool is_absurd(const ImuSample& sample);
   std::optional<bool> is_standing(Stamp stamp) const;
@@ -80,6 +86,7 @@ class MotionSensors {
   SensorStream<ImuSample> imu_;
   SensorStream<VelocitySample> velocity_;
   GyroBias gyro_bias_;
+  AxisLimits gyro_limits_{kSlowestLimit};
   VelocityCheck velocity_check_;
   int fast_samples_ = 0;  ///< in a row
   std::optional<Stamp> outturns_since_;

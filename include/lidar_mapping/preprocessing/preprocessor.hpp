@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/uneven_turning.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/packed_points.hpp"
@@ -40,6 +41,8 @@ struct SyncedScan {
   std::optional<ImuSample> imu;            ///< in the axes of base_link
   std::optional<VelocitySample> velocity;  ///< of base_link
   std::optional<GnssPosition> gnss;
+  /// What the gyro alone has taken out of the cloud: whoever finds it wrong puts it back.
+  std::optional<UnevenTurning> uneven_turning = std::nullopt;
 };
 
 /// What was dropped, and why, since the start.
