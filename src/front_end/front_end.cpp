@@ -1,6 +1,7 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/front_end/surface_support.hpp"
 #include "lidar_mapping/front_end/tracker.hpp"
+#include "lidar_mapping/front_end/unseen_ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -92,7 +94,8 @@ class FrontEnd::Impl {
     const Scan& seen = unbent ? *unbent : taken;
     const Scan& scan = tracker_ ? support_.supported(seen) : seen;
     timer_.stop();
-    const TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
+    TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
+    feel(scan.stamp, prior, tracked);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
@@ -127,6 +130,7 @@ class FrontEnd::Impl {
     last_.reset();
     tracked_.reset();
     repeated_.forget();
+    ride_.interrupt();
     held_.clear();
     if (tracker_) tracker_->restart(T_odom_base);
   }
@@ -152,6 +156,22 @@ class FrontEnd::Impl {
     return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
   }
 
+  /// What goes up or down unseen is observed no more than the way in a tunnel.
+  void feel(Stamp stamp, const MotionPrior& prior, TrackedScan& tracked) {
+    FrontEndStatus& status = tracked.status;
+    const bool hangs_together =
+        last_stamp_ && !tracked.new_segment && status.state != TrackingState::kLost;
+    if (!hangs_together) ride_.interrupt();
+    const double seconds = last_stamp_ ? to_seconds(stamp - *last_stamp_) : 0.0;
+    const bool adjoins = prior.felt && last_stamp_ == prior.felt->since;
+    ride_.add(tracked.T_odom_base, seconds, adjoins ? prior.felt : std::nullopt);
+    status.unseen_way = ride_.way();
+    status.unobserved_stddev = std::hypot(status.unobserved_stddev, ride_.way());
+    if (!ride_.is_on()) return;
+    status.degenerate_directions.push_back(tracked.T_odom_base.rotation.conjugate() * ride_.up());
+    if (claims_pose(status.state)) status.state = TrackingState::kDegenerate;
+  }
+
   void check_stamp(Stamp stamp) const {
     if (!last_stamp_ || stamp > *last_stamp_) return;
     throw InputError("front_end: stamp " + std::to_string(stamp) + " ns does not come after " +
@@ -161,6 +181,7 @@ class FrontEnd::Impl {
   /// A scan that came again is not matched: it would fit where the last one did.
   FrontEndResult coast(Stamp stamp) {
     std::vector<FrontEndResult> settled = settle();
+    ride_.interrupt();
     last_stamp_ = stamp;
     FrontEndResult result =
         result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
@@ -297,6 +318,7 @@ class FrontEnd::Impl {
   std::optional<Pose> T_odom_external_;
   std::vector<Held> held_;
   std::optional<TrackedScan> last_;
+  UnseenRide ride_;
   std::optional<Stamp> last_stamp_;
   std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
   Stamp tracked_stamp_ = 0;

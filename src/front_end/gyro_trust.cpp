@@ -34,8 +34,7 @@ double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaternio
 
 bool GyroTrust::believes(const MotionPrior& prior) const {
   const double most = kBeyond * std::max(kSlow, confirmed_);
-  const bool is_likely =
-      !prior.angular_velocity || prior.angular_velocity->norm() <= most;
+  const bool is_likely = !prior.angular_velocity || prior.angular_velocity->norm() <= most;
   return is_likely && !is_distrusted() &&
          (!prior.uneven_turning || prior.uneven_turning->mean_rate() <= most);
 }

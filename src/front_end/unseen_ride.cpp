@@ -49,8 +49,7 @@ void UnseenRide::add(const Pose& T_odom_base, double seconds,
 
 void UnseenRide::extend(const Pose& T_odom_base, double seconds, const FeltForce& force) {
   if (steps_.empty()) steps_.push_back({0.0, *T_odom_last_ * force.p_base_imu, {}});
-  const Eigen::Quaterniond R_odom_middle =
-      T_odom_last_->rotation.slerp(0.5, T_odom_base.rotation);
+  const Eigen::Quaterniond R_odom_middle = T_odom_last_->rotation.slerp(0.5, T_odom_base.rotation);
   steps_.push_back({seconds, T_odom_base * force.p_base_imu, R_odom_middle * force.mean});
   span_ += seconds;
   while (span_ - steps_[1].seconds >= 2.0 * kSpan) {
@@ -80,8 +79,8 @@ std::optional<Eigen::Vector3d> UnseenRide::felt_beside_seen() const {
   if (after < 0.5 * kSpan) return std::nullopt;  // a gap between the scans
   const Eigen::Vector3d felt =
       second_difference(Eigen::Vector3d::Zero(), felt_middle, place, before, after);
-  return felt - second_difference(steps_.front().p_odom_imu, seen_middle,
-                                  steps_.back().p_odom_imu, before, after);
+  return felt - second_difference(steps_.front().p_odom_imu, seen_middle, steps_.back().p_odom_imu,
+                                  before, after);
 }
 
 void UnseenRide::learn(const Eigen::Vector3d& felt, double seconds) {

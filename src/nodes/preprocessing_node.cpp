@@ -71,6 +71,7 @@ SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
   message.velocity = synced.velocity.has_value();
   message.gnss = synced.gnss.has_value();
   if (synced.uneven_turning) fill(message, *synced.uneven_turning);
+  if (synced.felt) fill(message, *synced.felt);
   return message;
 }
 

@@ -12,6 +12,7 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
     prior.angular_velocity = synced.imu->angular_velocity;
   }
   prior.uneven_turning = synced.uneven_turning;
+  prior.felt = synced.felt;
   if (synced.velocity) prior.linear_velocity = synced.velocity->linear;
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
     const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;
@@ -95,6 +96,10 @@ void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
   if (status.gyro_distrusted && !gyro_mentioned_) {
     gyro_mentioned_ = true;
     say_(front_end::gyro_notice());
+  }
+  if (status.unseen_way > 0.0 && !ride_mentioned_) {
+    ride_mentioned_ = true;
+    say_(front_end::ride_notice());
   }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;

@@ -77,6 +77,10 @@ void InputNotices::clipped_gyro(double limit) {
             limit));
 }
 
+void InputNotices::refused_acceleration(const std::string& sentence) {
+  warn("acceleration", "imu: " + sentence);
+}
+
 void InputNotices::refused_velocity(VelocityProblem problem, const std::string& sentence) {
   warn("velocity " + std::to_string(static_cast<int>(problem)), "velocity: " + sentence);
 }

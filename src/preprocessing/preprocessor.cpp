@@ -127,7 +127,7 @@ class Preprocessor::Impl {
     gnss_.clear();
     counters_.scans_forgotten += waiting_.size();
     waiting_.clear();
-    newest_ = 0;
+    newest_ = last_stamp_ = 0;
   }
 
   void refuse_fix(const std::string& problem) {
@@ -172,10 +172,14 @@ class Preprocessor::Impl {
     result.imu = sensors_.imu_at(stamp);
     result.velocity = sensors_.velocity_at(stamp);
     result.gnss = gnss_at(stamp, result);
+    result.felt = sensors_.felt_between(std::exchange(last_stamp_, stamp), stamp);
     note_missing(sensors_.imu(), imu_guard_, stamp, result.imu.has_value());
     note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
     note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
     if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
+    if (sensors_.acceleration_problem() != AccelerationProblem::kNone) {
+      notices_.refused_acceleration(sensors_.acceleration_sentence());
+    }
     if (const auto limit = sensors_.gyro_limit()) notices_.clipped_gyro(*limit);
     const VelocityProblem problem = sensors_.velocity_problem(stamp);
     if (problem != VelocityProblem::kNone) {
@@ -246,7 +250,8 @@ class Preprocessor::Impl {
   Stamp latency_;
   StampGuard scan_guard_, imu_guard_, velocity_guard_, gnss_guard_;
   ScanQueue waiting_;
-  Stamp newest_ = 0;  ///< the time that the data have reached
+  Stamp newest_ = 0;      ///< the time that the data have reached
+  Stamp last_stamp_ = 0;  ///< of the scan before
   PreprocessingCounters counters_;
   InputNotices notices_;
 };

@@ -127,6 +127,7 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   has_begun_ = true;
   if (auto inputs = inputs_.take(stamp)) {
     assembled.prior.uneven_turning = std::move(inputs->uneven_turning);
+    assembled.prior.felt = inputs->felt;
   }
   const auto imu = imu_.take(stamp);
   if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;

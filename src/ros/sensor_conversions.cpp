@@ -138,6 +138,18 @@ void fill(SyncedInputsMessage& message, const UnevenTurning& turning) {
   }
 }
 
+void fill(SyncedInputsMessage& message, const FeltForce& felt) {
+  message.felt_since = to_ros(felt.since);
+  message.felt_force = to_message(felt.mean);
+  message.felt_at = to_message(felt.p_base_imu);
+}
+
+std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message) {
+  const Stamp since = from_ros(message.felt_since);
+  if (since == 0) return std::nullopt;
+  return FeltForce{since, from_message(message.felt_force), from_message(message.felt_at)};
+}
+
 std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message) {
   if (message.uneven_turning.empty()) return std::nullopt;
   UnevenTurning turning{message.turning_begin, message.turning_step, {}};

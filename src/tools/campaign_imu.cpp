@@ -48,6 +48,7 @@ std::optional<std::pair<Scan, front_end::MotionPrior>> ImuFeed::next(std::size_t
     prior.angular_velocity = synced.imu->angular_velocity;
   }
   prior.uneven_turning = synced.uneven_turning;
+  prior.felt = synced.felt;
   return std::make_pair(std::move(synced.scan), std::move(prior));
 }
 

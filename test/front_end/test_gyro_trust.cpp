@@ -129,7 +129,8 @@ TEST(GyroTrust, DoesNotBelieveFarMoreThanItWasRightAbout) {
   EXPECT_FALSE(trust.turning());
   EXPECT_FALSE(trust.rest(bent).angular_velocity);
   ride(10, kExact, trust);
-  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 5.0}))) << "as fast as a sensor is turned by hand";
+  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 5.0})))
+      << "as fast as a sensor is turned by hand";
 }
 
 // Taken in already, it is not measured a second time.
@@ -155,6 +156,25 @@ TEST(MotionFilter, TurnsAsMeasured) {
   EXPECT_NEAR(std::sqrt(filter.covariance()(5, 5)), 0.02 * kSweep, 1e-4);
   EXPECT_NEAR(std::sqrt(filter.covariance()(11, 11)), 0.02, 1e-4);
   EXPECT_LT(rotation_angle(filter.forecast_state().T_map_sensor.rotation), 1e-9);
+}
+
+// F: a gyro that has its say in some sweeps only does not make the others look calm.
+TEST(MotionFilter, AGyroDoesNotHideHowAbruptlyTheSensorTurns) {
+  const auto spread = [](bool with_gyro) {
+    MotionFilter filter(10.0, 50.0);
+    filter.reset(Pose{}, 1.0, 1.0);
+    MotionState truth{Pose{}, Vector6d::Zero()};
+    for (int i = 0; i < 20; ++i) {
+      filter.predict(kSweep);
+      truth.twist[5] = i % 2 == 0 ? 1.0 : -1.0;
+      truth.T_map_sensor.rotation = exp_so3({0.0, 0.0, 0.02 * truth.twist[5]});
+      if (with_gyro) filter.measure_rate(truth.twist.tail<3>(), 0.1);
+      filter.correct(truth, 1e-6 * Matrix12d::Identity());
+    }
+    filter.predict(kSweep);
+    return std::sqrt(filter.covariance()(11, 11));
+  };
+  EXPECT_GT(spread(true), 0.8 * spread(false));
 }
 
 }  // namespace

@@ -24,8 +24,7 @@ AccelerometerCheck carried(double nod, double seconds, const Fault& fault) {
     sample.angular_velocity = {0.0, 2.0 * nod * std::cos(2.0 * t), 0.3};
     const Eigen::Vector3d force(0.5 * std::sin(25.0 * t), 0.4 * std::cos(13.0 * t),
                                 kGravity + 6.0 * std::sin(25.0 * t));
-    sample.linear_acceleration =
-        fault(exp_so3({0.0, angle, 0.0}).conjugate() * force);
+    sample.linear_acceleration = fault(exp_so3({0.0, angle, 0.0}).conjugate() * force);
     check.add(sample);
   }
   return check;
@@ -45,9 +44,10 @@ TEST(AccelerometerCheck, FindsTheUnitAndNamesIt) {
 }
 
 TEST(AccelerometerCheck, FindsThatGravityOrAnAxisIsMissing) {
-  for (const Fault& fault : {Fault([](const auto&) { return Eigen::Vector3d(0.0, 0.0, 0.0); }),
-                             Fault([](const auto& a) { return Eigen::Vector3d(a.x(), a.y(), 0.0); }),
-                             Fault([](const auto& a) { return Eigen::Vector3d(3.28 * a); })}) {
+  for (const Fault& fault :
+       {Fault([](const auto&) { return Eigen::Vector3d(0.0, 0.0, 0.0); }),
+        Fault([](const auto& a) { return Eigen::Vector3d(a.x(), a.y(), 0.0); }),
+        Fault([](const auto& a) { return Eigen::Vector3d(3.28 * a); })}) {
     const auto check = carried(0.2, 8.0, fault);
     EXPECT_EQ(check.problem(), AccelerationProblem::kNotGravity);
     EXPECT_EQ(check.sentence().find("imu_acceleration_unit"), std::string::npos);

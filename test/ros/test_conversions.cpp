@@ -290,7 +290,8 @@ TEST(ImuConversion, TakesACovarianceOfMinusOneForNoValue) {
 TEST(SyncedInputsConversion, BringsTheUnevenTurningBackBitForBit) {
   SyncedInputsMessage message;
   EXPECT_FALSE(uneven_turning_of(message));
-  const UnevenTurning turning{-0.0521, 0.002, {exp_so3({0.1, 0.3, -0.2}), exp_so3({1e-9, 0.0, 0.0})}};
+  const UnevenTurning turning{
+      -0.0521, 0.002, {exp_so3({0.1, 0.3, -0.2}), exp_so3({1e-9, 0.0, 0.0})}};
   fill(message, turning);
   const auto again = uneven_turning_of(message);
   ASSERT_TRUE(again);
@@ -300,6 +301,18 @@ TEST(SyncedInputsConversion, BringsTheUnevenTurningBackBitForBit) {
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(again->R_stamp_knot[i].coeffs(), turning.R_stamp_knot[i].coeffs());
   }
+}
+
+TEST(SyncedInputsConversion, BringsTheFeltForceBackBitForBit) {
+  SyncedInputsMessage message;
+  EXPECT_FALSE(felt_force_of(message));
+  const FeltForce felt{kStamp, {0.1, -0.2, 9.83}, {1.0, 0.5, 0.1}};
+  fill(message, felt);
+  const auto again = felt_force_of(message);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->since, felt.since);
+  EXPECT_EQ(again->mean, felt.mean);
+  EXPECT_EQ(again->p_base_imu, felt.p_base_imu);
 }
 
 TEST(VelocityConversion, ComesBackTheSame) {

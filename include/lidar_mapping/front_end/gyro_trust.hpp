@@ -42,8 +42,8 @@ class GyroTrust {
   int matches_ = 0;
   bool believed_ = true;    ///< in this sweep
   double confirmed_ = 0.0;  ///< the largest turning that it was right about, rad/s
-  double by_gyro_ = 0.0;  ///< running mean of its squared errors per axis, (rad/s)^2
-  double without_ = 0.0;  ///< and of the predictions without it
+  double by_gyro_ = 0.0;    ///< running mean of its squared errors per axis, (rad/s)^2
+  double without_ = 0.0;    ///< and of the predictions without it
 };
 
 }  // namespace lidar_mapping::front_end
