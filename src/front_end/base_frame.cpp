@@ -17,6 +17,15 @@ MotionPrior BaseFrame::of_sensor(const MotionPrior& prior, const Eigen::Vector3d
         R_sensor_base * (*prior.linear_velocity + omega.cross(T_base_sensor_.translation));
     result.velocity_turning = R_sensor_base * omega;
   }
+  if (prior.uneven_turning) {
+    for (Eigen::Quaterniond& knot : result.uneven_turning->R_stamp_knot) {
+      knot = R_sensor_base * knot * T_base_sensor_.rotation;
+    }
+  }
+  if (prior.felt) {
+    result.felt->mean = R_sensor_base * prior.felt->mean;
+    result.felt->p_base_imu = T_base_sensor_.inverse() * prior.felt->p_base_imu;
+  }
   if (prior.T_external_base) result.T_external_base = *prior.T_external_base * T_base_sensor_;
   return result;
 }

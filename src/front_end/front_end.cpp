@@ -1,6 +1,7 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "scan_sampler.hpp"
 #include "surface_support.hpp"
 #include "tracker.hpp"
+#include "unseen_ride.hpp"
 #include "upright_axes.hpp"
 
 namespace lidar_mapping::front_end {
@@ -85,9 +87,12 @@ class SensorOdometry {
     check_stamp(taken.stamp);
     if (tracker_ && repeated_.repeats(taken.cloud) && tracked_) return coast(taken.stamp);
     timer_.start("support");
-    const Scan& scan = tracker_ ? support_.supported(taken) : taken;
+    const std::optional<Scan> unbent = without_wrong_gyro(taken, prior);
+    const Scan& seen = unbent ? *unbent : taken;
+    const Scan& scan = tracker_ ? support_.supported(seen) : seen;
     timer_.stop();
-    const TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
+    TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
+    feel(scan.stamp, prior, tracked);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
@@ -121,6 +126,7 @@ class SensorOdometry {
     last_.reset();
     tracked_.reset();
     repeated_.forget();
+    ride_.interrupt();
     held_.clear();
     if (tracker_) tracker_->restart();
   }
@@ -140,6 +146,28 @@ class SensorOdometry {
     PointCloud points;
   };
 
+  /// The scan as the sensor saw it, where it was bent by a gyro that is not believed.
+  std::optional<Scan> without_wrong_gyro(const Scan& scan, const MotionPrior& prior) const {
+    if (!prior.uneven_turning || !tracker_ || tracker_->believes_gyro(prior)) return std::nullopt;
+    return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
+  }
+
+  /// What goes up or down unseen is observed no more than the way in a tunnel.
+  void feel(Stamp stamp, const MotionPrior& prior, TrackedScan& tracked) {
+    FrontEndStatus& status = tracked.status;
+    const bool hangs_together =
+        last_stamp_ && !tracked.new_segment && status.state != TrackingState::kLost;
+    if (!hangs_together) ride_.interrupt();
+    const double seconds = last_stamp_ ? to_seconds(stamp - *last_stamp_) : 0.0;
+    const bool adjoins = prior.felt && last_stamp_ == prior.felt->since;
+    ride_.add(tracked.T_odom_base, seconds, adjoins ? prior.felt : std::nullopt);
+    status.unseen_way = ride_.way();
+    status.unobserved_stddev = std::hypot(status.unobserved_stddev, ride_.way());
+    if (!ride_.is_on()) return;
+    status.degenerate_directions.push_back(tracked.T_odom_base.rotation.conjugate() * ride_.up());
+    if (claims_pose(status.state)) status.state = TrackingState::kDegenerate;
+  }
+
   void check_stamp(Stamp stamp) const {
     if (!last_stamp_ || stamp > *last_stamp_) return;
     throw InputError("front_end: stamp " + std::to_string(stamp) + " ns does not come after " +
@@ -149,6 +177,7 @@ class SensorOdometry {
   /// A scan that came again is not matched: it would fit where the last one did.
   FrontEndResult coast(Stamp stamp) {
     std::vector<FrontEndResult> finalized = finalize();
+    ride_.interrupt();
     last_stamp_ = stamp;
     FrontEndResult result =
         result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
@@ -277,6 +306,7 @@ class SensorOdometry {
   std::optional<Pose> T_first_external_;
   std::vector<Held> held_;
   std::optional<TrackedScan> last_;
+  UnseenRide ride_;
   std::optional<Stamp> last_stamp_;
   std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
   Stamp tracked_stamp_ = 0;

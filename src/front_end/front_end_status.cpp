@@ -50,6 +50,13 @@ std::string jitter_notice(double jitter) {
          "clock";
 }
 
+std::string ride_notice() {
+  return "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
+         "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
+         "unless "
+         "loops or GNSS put them right";
+}
+
 std::string gyro_notice() {
   return "imu: the gyro does not agree with the matched motion, so it is not used to predict; "
          "check "

@@ -18,6 +18,13 @@ constexpr double kClearlyWorse = 1.5;
 /// much at 1.4 rad/s. One that is held to more firmly turns the map away from the points.
 constexpr double kLeastSigma = 0.02;
 
+/// A gyro may say so many times the turning that it was right about, or that of a slow vehicle
+/// (rad/s): degrees for radians are 57 times, and a quick turn takes more than one scan to begin.
+constexpr double kBeyond = 10.0;
+constexpr double kSlow = 0.1;
+/// Right is one that is off by less than this share.
+constexpr double kRight = 0.5;
+
 double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaterniond& matched,
                      double seconds) {
   return (log_so3(predicted.conjugate() * matched) / seconds).squaredNorm() / 3.0;
@@ -25,7 +32,16 @@ double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaternio
 
 }  // namespace
 
-void GyroTrust::add(const std::optional<Eigen::Vector3d>& rate, double seconds, double duration) {
+bool GyroTrust::believes(const MotionPrior& prior) const {
+  const double most = kBeyond * std::max(kSlow, confirmed_);
+  const bool is_likely = !prior.angular_velocity || prior.angular_velocity->norm() <= most;
+  return is_likely && !is_distrusted() &&
+         (!prior.uneven_turning || prior.uneven_turning->mean_rate() <= most);
+}
+
+void GyroTrust::add(const MotionPrior& prior, double seconds, double duration) {
+  const std::optional<Eigen::Vector3d>& rate = prior.angular_velocity;
+  believed_ = believes(prior);
   between_.reset();
   const bool adjoin = std::abs(seconds - duration) < kLeftOut * seconds;
   if (rate_ && rate && adjoin) {
@@ -36,12 +52,12 @@ void GyroTrust::add(const std::optional<Eigen::Vector3d>& rate, double seconds, 
 }
 
 std::optional<MeasuredTurning> GyroTrust::turning() const {
-  if (!between_ || matches_ < kFirstMatches || is_distrusted()) return std::nullopt;
+  if (!between_ || matches_ < kFirstMatches || !believed_) return std::nullopt;
   return MeasuredTurning{*between_ - bias_, *rate_ - bias_, sigma()};
 }
 
 MotionPrior GyroTrust::rest(MotionPrior prior) const {
-  if (turning() || is_distrusted()) prior.angular_velocity.reset();
+  if (turning() || !believed_) prior.angular_velocity.reset();
   return prior;
 }
 
@@ -51,6 +67,8 @@ void GyroTrust::update(const Eigen::Quaterniond& before, const Eigen::Quaternion
   ++matches_;
   const Eigen::Quaterniond by_gyro = before * exp_so3(seconds_ * (*between_ - bias_));
   const Eigen::Vector3d error = log_so3(by_gyro.conjugate() * matched) / seconds_;
+  const double turned = rotation_angle(before.conjugate() * matched) / seconds_;
+  if (error.norm() < kRight * turned) confirmed_ = std::max(confirmed_, turned);
   const double share = 1.0 / static_cast<double>(matches_);
   const double rate = std::max(kErrorRate, share);
   by_gyro_ += rate * (squared_error(by_gyro, matched, seconds_) - by_gyro_);

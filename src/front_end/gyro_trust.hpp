@@ -12,12 +12,15 @@ namespace lidar_mapping::front_end {
 
 /// What the mean rates of a gyro during the sweeps are worth, learnt from the matches: its bias,
 /// and how far off it is. One that foretells the matches worse than they foretell each other counts
-/// for nothing.
+/// for nothing, and so does a rate far beyond all that it was right about so far.
 class GyroTrust {
  public:
+  /// Whether the gyro may have its say in this scan: it is not distrusted, and what it says of the
+  /// mean rate and of the rest of the turning is not far beyond what it was right about.
+  bool believes(const MotionPrior& prior) const;
   /// A sweep of `duration` seconds, `seconds` after the one before, and its mean rate (rad/s, axes
   /// of base_link).
-  void add(const std::optional<Eigen::Vector3d>& rate, double seconds, double duration);
+  void add(const MotionPrior& prior, double seconds, double duration);
   /// The turning from the sweep before to this one; nothing where sweeps or rates are missing or
   /// the gyro has not deserved it.
   std::optional<MeasuredTurning> turning() const;
@@ -38,8 +41,10 @@ class GyroTrust {
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
   double seconds_ = 0.0;
   int matches_ = 0;
-  double by_gyro_ = 0.0;  ///< running mean of its squared errors per axis, (rad/s)^2
-  double without_ = 0.0;  ///< and of the predictions without it
+  bool believed_ = true;    ///< in this sweep
+  double confirmed_ = 0.0;  ///< the largest turning that it was right about, rad/s
+  double by_gyro_ = 0.0;    ///< running mean of its squared errors per axis, (rad/s)^2
+  double without_ = 0.0;    ///< and of the predictions without it
 };
 
 }  // namespace lidar_mapping::front_end

@@ -173,6 +173,7 @@ void MotionFilter::measure(const Vector12d& row, double innovation, double sigma
 }
 
 void MotionFilter::measure_rate(const Eigen::Vector3d& angular_velocity, double sigma) {
+  turning_measured_ = true;
   for (int axis = 0; axis < 3; ++axis) {
     const double innovation = angular_velocity[axis] - state_.twist[3 + axis];
     measure(Vector12d::Unit(9 + axis), innovation, sigma);

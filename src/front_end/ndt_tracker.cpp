@@ -90,6 +90,8 @@ class NdtTracker::Impl {
     return result;
   }
 
+  bool believes_gyro(const MotionPrior& prior) const { return gyro_.believes(prior); }
+
   void know_viewpoint() {
     sampler_.know_viewpoint();
     viewpoint_known_ = true;
@@ -147,7 +149,7 @@ class NdtTracker::Impl {
   }
 
   Prediction predict(double seconds, const MotionPrior& prior) {
-    gyro_.add(prior.angular_velocity, seconds, sampler_.duration());
+    gyro_.add(prior, seconds, sampler_.duration());
     const std::optional<MeasuredTurning> turning = gyro_.turning();
     turned_from_ = filter_.state().T_map_sensor.rotation;
     MotionFilter agile = filter_.agile();
@@ -428,6 +430,10 @@ NdtTracker::~NdtTracker() = default;
 
 TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   return impl_->track(scan, prior);
+}
+
+bool NdtTracker::believes_gyro(const MotionPrior& prior) const {
+  return impl_->believes_gyro(prior);
 }
 
 void NdtTracker::finalize() { impl_->finalize(); }

@@ -113,24 +113,26 @@ void FrontEndNode::subscribe_sensors() {
       process(assembler_.take_ready());
     };
   };
-  subscribers_ = {subscribe<sensor_msgs::PointCloud2>(
-                      context_, "synced_cloud", capacity,
-                      go_on([this](const auto& m) { take_cloud(m); }), Numbered::kYes),
-                  subscribe<SyncedInputsMessage>(
-                      context_, "synced_inputs", capacity, go_on([this](const auto& m) {
-                        assembler_.add_inputs(from_ros(m.header.stamp),
-                                              {m.imu != 0, m.velocity != 0, m.gnss != 0});
-                      })),
-                  subscribe<sensor_msgs::Imu>(
-                      context_, "synced_imu", capacity,
-                      go_on([this](const auto& m) { assembler_.add_imu(from_message(m)); })),
-                  subscribe<geometry_msgs::TwistStamped>(
-                      context_, "synced_velocity", capacity,
-                      go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
-                  subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
-                                                go_on([this](const auto& m) { take_gnss(m); })),
-                  subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
-                                              [this](const auto& m) { lost_before_ = m->data; })};
+  subscribers_ = {
+      subscribe<sensor_msgs::PointCloud2>(context_, "synced_cloud", capacity,
+                                          go_on([this](const auto& m) { take_cloud(m); }),
+                                          Numbered::kYes),
+      subscribe<SyncedInputsMessage>(
+          context_, "synced_inputs", capacity, go_on([this](const auto& m) {
+            assembler_.add_inputs(
+                from_ros(m.header.stamp),
+                {m.imu != 0, m.velocity != 0, m.gnss != 0, uneven_turning_of(m), felt_force_of(m)});
+          })),
+      subscribe<sensor_msgs::Imu>(context_, "synced_imu", capacity, go_on([this](const auto& m) {
+                                    assembler_.add_imu(from_message(m));
+                                  })),
+      subscribe<geometry_msgs::TwistStamped>(
+          context_, "synced_velocity", capacity,
+          go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
+      subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
+                                    go_on([this](const auto& m) { take_gnss(m); })),
+      subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
+                                  [this](const auto& m) { lost_before_ = m->data; })};
   subscribers_.push_back(subscribe<geometry_msgs::PoseWithCovarianceStamped>(
       context_, "initialpose", capacity, [this](const auto& m) { take_initial_pose(*m); }));
   if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
@@ -316,6 +318,11 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   }
   if (result.status.gyro_distrusted && limiter_.due("gyro"))
     ROS_WARN_STREAM(front_end::gyro_notice());
+  if (result.status.unseen_way > 0.0) {
+    context_.diagnostics.set("way up or down that no points showed, m",
+                             std::to_string(result.status.unseen_way));
+    if (limiter_.due("ride")) ROS_WARN_STREAM(front_end::ride_notice());
+  }
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {
       ROS_WARN(

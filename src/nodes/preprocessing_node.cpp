@@ -70,6 +70,8 @@ SyncedInputsMessage inputs_of(const preprocessing::SyncedScan& synced) {
   message.imu = synced.imu.has_value();
   message.velocity = synced.velocity.has_value();
   message.gnss = synced.gnss.has_value();
+  if (synced.uneven_turning) fill(message, *synced.uneven_turning);
+  if (synced.felt) fill(message, *synced.felt);
   return message;
 }
 

@@ -11,6 +11,8 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
   if (synced.imu && synced.imu->has_angular_velocity) {
     prior.angular_velocity = synced.imu->angular_velocity;
   }
+  prior.uneven_turning = synced.uneven_turning;
+  prior.felt = synced.felt;
   if (synced.velocity) {
     prior.linear_velocity = synced.velocity->linear;
     // One that was measured without turning does not turn at all.
@@ -99,6 +101,10 @@ void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
   if (status.gyro_distrusted && !gyro_mentioned_) {
     gyro_mentioned_ = true;
     say_(front_end::gyro_notice());
+  }
+  if (status.unseen_way > 0.0 && !ride_mentioned_) {
+    ride_mentioned_ = true;
+    say_(front_end::ride_notice());
   }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;

@@ -46,6 +46,7 @@ class ScanOdometry {
   std::size_t map_points_dropped_ = 0;  ///< the same
   bool jitter_mentioned_ = false;
   bool gyro_mentioned_ = false;
+  bool ride_mentioned_ = false;
   std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
   DrivePiece piece_;
 };

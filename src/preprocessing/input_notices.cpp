@@ -70,6 +70,17 @@ void InputNotices::absurd_gyro() {
        "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
 }
 
+void InputNotices::clipped_gyro(double limit) {
+  warn("gyro limit",
+       text("imu: its rates end at %.1f rad/s, where the sensor turns faster; scans meanwhile are "
+            "taken as without gyro (set a larger range in its driver)",
+            limit));
+}
+
+void InputNotices::refused_acceleration(const std::string& sentence) {
+  warn("acceleration", "imu: " + sentence);
+}
+
 void InputNotices::refused_velocity(VelocityProblem problem, const std::string& sentence) {
   warn("velocity " + std::to_string(static_cast<int>(problem)), "velocity: " + sentence);
 }

@@ -23,6 +23,8 @@ class InputNotices : public Notices {
   void too_few_points();
   void useless_heading();
   void absurd_gyro();
+  void clipped_gyro(double limit);
+  void refused_acceleration(const std::string& sentence);
   void refused_velocity(VelocityProblem problem, const std::string& sentence);
   void missing_transform(const std::string& input, const std::string& frame_id);
   /// Of a sensor that is there (`newest` is what it sent last), but gives no value at `stamp`: why,

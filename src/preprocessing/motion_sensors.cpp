@@ -92,7 +92,10 @@ void MotionSensors::learn_until(Stamp stamp) {
 
 void MotionSensors::learn(const ImuSample& sample) {
   if (!absurd_since_ && is_absurd(sample)) absurd_since_ = sample.stamp;
-  const bool shows_rest = sample.has_angular_velocity && sample.has_linear_acceleration;
+  if (sample.has_angular_velocity) gyro_limits_.add(sample.angular_velocity);
+  if (sample.has_linear_acceleration) acceleration_limits_.add(sample.linear_acceleration);
+  accelerations_.add(sample);
+  const bool shows_rest = sample.has_angular_velocity && feels(sample);
   if (estimate_bias_ && shows_rest && !absurd_since_) {
     gyro_bias_.add(sample, is_standing(sample.stamp));
   }
@@ -149,15 +152,48 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
   const auto omega = turning(sample, gyro_bias_.at(stamp));
   sample.has_angular_velocity = omega.has_value();
   if (omega) sample.angular_velocity = *omega;
+  if (!feels(sample)) {
+    sample.has_linear_acceleration = false;
+    sample.linear_acceleration.setZero();
+  }
   return in_base(sample, *T_base_imu);
 }
 
 std::optional<Eigen::Vector3d> MotionSensors::turning(const ImuSample& sample,
                                                       const Eigen::Vector3d& bias) const {
-  if (!sample.has_angular_velocity || (absurd_since_ && sample.stamp >= *absurd_since_)) {
+  if (!sample.has_angular_velocity || (absurd_since_ && sample.stamp >= *absurd_since_) ||
+      gyro_limits_.are_reached(sample.angular_velocity)) {
     return std::nullopt;
   }
   return sample.angular_velocity - bias;
+}
+
+/// Its acceleration is one that can be believed.
+bool MotionSensors::feels(const ImuSample& sample) const {
+  return sample.has_linear_acceleration && accelerations_.problem() == AccelerationProblem::kNone &&
+         !acceleration_limits_.are_reached(sample.linear_acceleration);
+}
+
+std::optional<FeltForce> MotionSensors::felt_between(Stamp begin, Stamp end) const {
+  const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
+  const auto first = imu_.around(begin);
+  const auto last = imu_.around(end);
+  if (!T_base_imu || !first || !last || begin >= end) return std::nullopt;
+  // Straight lines between the samples.
+  ImuSample before = interpolated(*first->first, *first->second, begin);
+  bool is_whole = feels(before);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const auto add = [&](const ImuSample& sample) {
+    const Stamp step = sample.stamp - before.stamp;
+    is_whole = is_whole && feels(sample) && step <= kHold;
+    sum += 0.5 * to_seconds(step) * (before.linear_acceleration + sample.linear_acceleration);
+    before = sample;
+  };
+  imu_.buffer().for_each(begin, end, add);
+  add(interpolated(*last->first, *last->second, end));
+  if (!is_whole) return std::nullopt;
+  return FeltForce{begin, T_base_imu->rotation * sum / to_seconds(end - begin),
+                   T_base_imu->translation};
 }
 
 std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
@@ -252,6 +288,9 @@ void MotionSensors::clear() {
   imu_.clear();
   velocity_.clear();
   gyro_bias_ = {};
+  gyro_limits_ = AxisLimits(kSlowestLimit);
+  acceleration_limits_ = AxisLimits(kLowestLimit);
+  accelerations_ = {};
   learned_until_ = 0;
   fast_samples_ = 0;
   outturns_since_.reset();

@@ -3,12 +3,15 @@
 #include <optional>
 #include <string>
 
+#include "lidar_mapping/common/felt_force.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/preprocessing/scan_motion.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
+#include "accelerometer_check.hpp"
+#include "axis_limits.hpp"
 #include "gyro_bias.hpp"
 #include "sensor_stream.hpp"
 #include "velocity_check.hpp"
@@ -46,6 +49,10 @@ class MotionSensors {
   /// the velocity. With the gyro alone only the turning is known (kImu).
   MeasuredMotion motion(Stamp stamp, const TimeSpan& span) const;
 
+  /// The mean of what the accelerometer felt between two stamps; nothing where samples are missing,
+  /// are at the end of its range, or are none that can be believed.
+  std::optional<FeltForce> felt_between(Stamp begin, Stamp end) const;
+
   /// Holds the velocity against the turning by the gyro and the way of the fixes.
   void check_velocity(Stamp stamp);
   void check_velocity(const LocalFix& fix);
@@ -58,10 +65,20 @@ class MotionSensors {
   /// It turned as nobody drives, or far more than the velocity, so its rates are not used any more:
   /// they are in degrees/s.
   bool gyro_is_absurd() const { return absurd_since_.has_value(); }
+  /// Why accelerations are not used, and that in words.
+  AccelerationProblem acceleration_problem() const { return accelerations_.problem(); }
+  std::string acceleration_sentence() const { return accelerations_.sentence(); }
+  /// Where the gyro's range was found to end, rad/s: rates that reach it are not used.
+  std::optional<double> gyro_limit() const { return gyro_limits_.lowest(); }
   void give_up_silent_sensors();
   void clear();
 
  private:
+  /// No gyro's range ends below that, rad/s; a rate that is steady there is a turn, or rest.
+  static constexpr double kSlowestLimit = 1.0;
+  /// m/s^2: all have to measure gravity.
+  static constexpr double kLowestLimit = 11.0;
+
   void learn(const ImuSample& sample);
   bool is_absurd(const ImuSample& sample);
   std::optional<bool> is_standing(Stamp stamp) const;
@@ -69,6 +86,7 @@ class MotionSensors {
   /// Sensor's axes, without bias; nothing where the sample has no rates that can be believed.
   std::optional<Eigen::Vector3d> turning(const ImuSample& sample,
                                          const Eigen::Vector3d& bias) const;
+  bool feels(const ImuSample& sample) const;
   /// In its own axes, where it was measured; nothing without a transform.
   std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
   bool outturns_velocity(const ImuSample& sample) const;
@@ -82,6 +100,9 @@ class MotionSensors {
   SensorStream<ImuSample> imu_;
   SensorStream<VelocitySample> velocity_;
   GyroBias gyro_bias_;
+  AxisLimits gyro_limits_{kSlowestLimit};
+  AxisLimits acceleration_limits_{kLowestLimit};
+  AccelerometerCheck accelerations_;
   VelocityCheck velocity_check_;
   int fast_samples_ = 0;  ///< in a row
   std::optional<Stamp> outturns_since_;

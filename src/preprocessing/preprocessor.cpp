@@ -128,7 +128,7 @@ class Preprocessor::Impl {
     gnss_.clear();
     counters_.scans_forgotten += waiting_.size();
     waiting_.clear();
-    newest_ = 0;
+    newest_ = last_stamp_ = 0;
   }
 
   void refuse_fix(const std::string& problem) {
@@ -155,7 +155,7 @@ class Preprocessor::Impl {
     SyncedScan result = values_at(scan.raw.stamp);
     result.frame_id = scan.raw.frame_id;
     result.T_base_lidar = *T_base_lidar;
-    result.scan.cloud = kept_cloud(std::move(scan), *T_base_lidar, result.imu);
+    result.scan.cloud = kept_cloud(std::move(scan), *T_base_lidar, result);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
       notices_.too_few_points();
@@ -175,10 +175,15 @@ class Preprocessor::Impl {
     result.imu = sensors_.imu_at(stamp);
     result.velocity = sensors_.velocity_at(stamp);
     result.gnss = gnss_at(stamp, result);
+    result.felt = sensors_.felt_between(std::exchange(last_stamp_, stamp), stamp);
     note_missing(sensors_.imu(), imu_guard_, stamp, result.imu.has_value());
     note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
     note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
     if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
+    if (sensors_.acceleration_problem() != AccelerationProblem::kNone) {
+      notices_.refused_acceleration(sensors_.acceleration_sentence());
+    }
+    if (const auto limit = sensors_.gyro_limit()) notices_.clipped_gyro(*limit);
     const VelocityProblem problem = sensors_.velocity_problem(stamp);
     if (problem != VelocityProblem::kNone) {
       notices_.refused_velocity(problem, sensors_.sentence(problem));
@@ -204,7 +209,7 @@ class Preprocessor::Impl {
     return position;
   }
 
-  PointCloud kept_cloud(WaitingScan scan, const Pose& T_base_lidar, std::optional<ImuSample>& imu) {
+  PointCloud kept_cloud(WaitingScan scan, const Pose& T_base_lidar, SyncedScan& synced) {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
@@ -213,10 +218,14 @@ class Preprocessor::Impl {
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {
       measured = sensors_.motion(scan.raw.stamp, scan.span);
+      // The rate of an instant is not that of the sweep.
+      if (measured.source == MotionSource::kNone && synced.imu) {
+        synced.imu->has_angular_velocity = false;
+      }
     }
     if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
     if (measured.source == MotionSource::kImu) {
-      leave_uniform_turning(T_base_lidar.translation, measured.motion, imu);
+      leave_uniform_turning(T_base_lidar.translation, measured.motion, synced);
     }
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
@@ -230,12 +239,13 @@ class Preprocessor::Impl {
 
   /// The front end knows the way of the LiDAR, but takes its turning as uniform.
   static void leave_uniform_turning(const Eigen::Vector3d& p_base_lidar, ScanMotion& motion,
-                                    std::optional<ImuSample>& imu) {
+                                    SyncedScan& synced) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
     motion = turning_about(p_base_lidar, without_uniform_turning(motion, omega));
-    if (!imu) return;
-    imu->angular_velocity = omega;
-    imu->has_angular_velocity = true;
+    synced.uneven_turning = turning_of(motion);
+    if (!synced.imu) return;
+    synced.imu->angular_velocity = omega;
+    synced.imu->has_angular_velocity = true;
   }
 
   PreprocessingConfig config_;
@@ -246,7 +256,8 @@ class Preprocessor::Impl {
   Stamp latency_;
   StampGuard scan_guard_, imu_guard_, velocity_guard_, gnss_guard_;
   ScanQueue waiting_;
-  Stamp newest_ = 0;  ///< the time that the data have reached
+  Stamp newest_ = 0;      ///< the time that the data have reached
+  Stamp last_stamp_ = 0;  ///< of the scan before
   PreprocessingCounters counters_;
   InputNotices notices_;
 };

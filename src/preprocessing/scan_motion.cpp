@@ -91,4 +91,10 @@ ScanMotion turning_about(const Eigen::Vector3d& p_base, const ScanMotion& motion
   return result;
 }
 
+UnevenTurning turning_of(const ScanMotion& motion) {
+  UnevenTurning turning{motion.begin, motion.step, {}};
+  for (const Pose& knot : motion.T_stamp_knot) turning.R_stamp_knot.push_back(knot.rotation);
+  return turning;
+}
+
 }  // namespace lidar_mapping::preprocessing

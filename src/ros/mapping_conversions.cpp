@@ -195,6 +195,7 @@ FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
   message.elevation_shift = status.elevation_shift;
   message.stamp_jitter = status.stamp_jitter;
   message.gyro_distrusted = status.gyro_distrusted;
+  message.unseen_way = status.unseen_way;
   message.unobserved_stddev = status.unobserved_stddev;
   message.key_frame = result.key_frame.has_value();
   if (result.key_frame) message.key_frame_index = result.key_frame->index;

@@ -125,7 +125,10 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   AssembledScan assembled{std::move(waiting_.front()), {}};
   waiting_.pop_front();
   has_begun_ = true;
-  inputs_.take(stamp);
+  if (auto inputs = inputs_.take(stamp)) {
+    assembled.prior.uneven_turning = std::move(inputs->uneven_turning);
+    assembled.prior.felt = inputs->felt;
+  }
   const auto imu = imu_.take(stamp);
   if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;
   if (const auto velocity = velocity_.take(stamp)) {

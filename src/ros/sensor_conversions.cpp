@@ -125,4 +125,38 @@ GnssPosition from_message(const nav_msgs::Odometry& message,
   return position;
 }
 
+void fill(SyncedInputsMessage& message, const UnevenTurning& turning) {
+  message.turning_begin = turning.begin;
+  message.turning_step = turning.step;
+  for (const Eigen::Quaterniond& knot : turning.R_stamp_knot) {
+    geometry_msgs::Quaternion q;
+    q.x = knot.x();
+    q.y = knot.y();
+    q.z = knot.z();
+    q.w = knot.w();
+    message.uneven_turning.push_back(q);
+  }
+}
+
+void fill(SyncedInputsMessage& message, const FeltForce& felt) {
+  message.felt_since = to_ros(felt.since);
+  message.felt_force = to_message(felt.mean);
+  message.felt_at = to_message(felt.p_base_imu);
+}
+
+std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message) {
+  const Stamp since = from_ros(message.felt_since);
+  if (since == 0) return std::nullopt;
+  return FeltForce{since, from_message(message.felt_force), from_message(message.felt_at)};
+}
+
+std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message) {
+  if (message.uneven_turning.empty()) return std::nullopt;
+  UnevenTurning turning{message.turning_begin, message.turning_step, {}};
+  for (const auto& q : message.uneven_turning) {
+    turning.R_stamp_knot.emplace_back(q.w, q.x, q.y, q.z);
+  }
+  return turning;
+}
+
 }  // namespace lidar_mapping::ros_border

@@ -44,7 +44,11 @@ std::optional<std::pair<Scan, front_end::MotionPrior>> ImuFeed::next(std::size_t
   if (complete.empty()) return std::nullopt;
   preprocessing::SyncedScan& synced = complete.back();
   front_end::MotionPrior prior;
-  if (synced.imu) prior.angular_velocity = synced.imu->angular_velocity;
+  if (synced.imu && synced.imu->has_angular_velocity) {
+    prior.angular_velocity = synced.imu->angular_velocity;
+  }
+  prior.uneven_turning = synced.uneven_turning;
+  prior.felt = synced.felt;
   return std::make_pair(std::move(synced.scan), std::move(prior));
 }
 

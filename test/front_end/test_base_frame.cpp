@@ -164,5 +164,24 @@ TEST(BaseFrame, KeyFramesAreInBaseLink) {
   EXPECT_GT(on_ground, 500U);
 }
 
+// What the gyro took out of a scan, and what the accelerometer felt, go over the border, too.
+TEST(BaseFrame, TurnsGyroAndAccelerometerIntoTheLidarsAxes) {
+  const Pose T_base_sensor{exp_so3({0.1, -0.4, 1.2}), {1.0, -0.5, 1.8}};
+  BaseFrame border;
+  border.set_sensor_pose(T_base_sensor);
+  const Eigen::Quaterniond turning = exp_so3({0.03, 0.01, -0.02});
+  MotionPrior prior;
+  prior.uneven_turning = UnevenTurning{0.0, 0.1, {turning, turning}};
+  prior.felt = FeltForce{5, {0.3, 0.2, 9.8}, {0.2, 0.0, 1.0}};
+  const MotionPrior over = border.of_sensor(prior, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d v_sensor(3.0, -2.0, 0.7);
+  const Eigen::Vector3d v_base = T_base_sensor.rotation * v_sensor;
+  EXPECT_TRUE((T_base_sensor.rotation * (over.uneven_turning->R_stamp_knot[0] * v_sensor))
+                  .isApprox(turning * v_base, 1e-12));
+  EXPECT_TRUE((T_base_sensor.rotation * over.felt->mean).isApprox(prior.felt->mean, 1e-12));
+  EXPECT_TRUE((T_base_sensor * over.felt->p_base_imu).isApprox(prior.felt->p_base_imu, 1e-12));
+  EXPECT_EQ(over.felt->since, 5);
+}
+
 }  // namespace
 }  // namespace lidar_mapping::front_end

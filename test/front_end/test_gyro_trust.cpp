@@ -15,6 +15,12 @@ Eigen::Vector3d true_rate(int i) {
   return {0.8 * std::sin(0.5 * i), 0.6 * std::cos(0.4 * i), 0.5 * std::sin(0.3 * i)};
 }
 
+MotionPrior turning_at(const Eigen::Vector3d& rate) {
+  MotionPrior prior;
+  prior.angular_velocity = rate;
+  return prior;
+}
+
 /// Shows GyroTrust so many sweeps, as a gyro sees them and as they are matched; without a gyro the
 /// last turning is expected to go on.
 template <typename Gyro>
@@ -22,7 +28,7 @@ void ride(int sweeps, const Gyro& gyro, GyroTrust& trust) {
   Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond turn = last;
   for (int i = 0; i < sweeps; ++i) {
-    trust.add(Eigen::Vector3d(gyro(true_rate(i))), kSweep, kSweep);
+    trust.add(turning_at(gyro(true_rate(i))), kSweep, kSweep);
     const Eigen::Quaterniond without = last * turn;
     turn = exp_so3(0.5 * kSweep * true_rate(i - 1)) * exp_so3(0.5 * kSweep * true_rate(i));
     trust.update(last, without, last * turn);
@@ -77,11 +83,11 @@ TEST(GyroTrust, LooksOnAtFirst) {
 TEST(GyroTrust, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
   GyroTrust trust;
   ride(20, kExact, trust);
-  trust.add(true_rate(20), 2.0 * kSweep, kSweep);
+  trust.add(turning_at(true_rate(20)), 2.0 * kSweep, kSweep);
   EXPECT_FALSE(trust.turning());
-  trust.add(true_rate(21), kSweep, kSweep);
+  trust.add(turning_at(true_rate(21)), kSweep, kSweep);
   EXPECT_TRUE(trust.turning());
-  trust.add(std::nullopt, kSweep, kSweep);
+  trust.add({}, kSweep, kSweep);
   EXPECT_FALSE(trust.turning());
 }
 
@@ -103,6 +109,28 @@ TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
     ride(200, kExact, trust);
     EXPECT_FALSE(trust.is_distrusted());
   }
+}
+
+// F: degrees for radians after rest, where nothing has shown yet what the gyro is worth.
+TEST(GyroTrust, DoesNotBelieveFarMoreThanItWasRightAbout) {
+  GyroTrust trust;
+  const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
+  for (int i = 0; i < 30; ++i) {
+    trust.add(turning_at(Eigen::Vector3d::Zero()), kSweep, kSweep);
+    trust.update(level, level, level);
+  }
+  EXPECT_FALSE(trust.is_distrusted());
+  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 0.5})));
+  EXPECT_FALSE(trust.believes(turning_at({0.0, 0.0, 20.0})));
+  MotionPrior bent = turning_at({0.0, 0.0, 0.5});
+  bent.uneven_turning = UnevenTurning{-0.1, 0.05, {level, exp_so3({0.3, 0.0, 0.0}), level}};
+  EXPECT_FALSE(trust.believes(bent));
+  trust.add(bent, kSweep, kSweep);
+  EXPECT_FALSE(trust.turning());
+  EXPECT_FALSE(trust.rest(bent).angular_velocity);
+  ride(10, kExact, trust);
+  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 5.0})))
+      << "as fast as a sensor is turned by hand";
 }
 
 // Taken in already, it is not measured a second time.
@@ -128,6 +156,25 @@ TEST(MotionFilter, TurnsAsMeasured) {
   EXPECT_NEAR(std::sqrt(filter.covariance()(5, 5)), 0.02 * kSweep, 1e-4);
   EXPECT_NEAR(std::sqrt(filter.covariance()(11, 11)), 0.02, 1e-4);
   EXPECT_LT(rotation_angle(filter.forecast_state().T_map_sensor.rotation), 1e-9);
+}
+
+// F: a gyro that has its say in some sweeps only does not make the others look calm.
+TEST(MotionFilter, AGyroDoesNotHideHowAbruptlyTheSensorTurns) {
+  const auto spread = [](bool with_gyro) {
+    MotionFilter filter(10.0, 50.0);
+    filter.reset(Pose{}, 1.0, 1.0);
+    MotionState truth{Pose{}, Vector6d::Zero()};
+    for (int i = 0; i < 20; ++i) {
+      filter.predict(kSweep);
+      truth.twist[5] = i % 2 == 0 ? 1.0 : -1.0;
+      truth.T_map_sensor.rotation = exp_so3({0.0, 0.0, 0.02 * truth.twist[5]});
+      if (with_gyro) filter.measure_rate(truth.twist.tail<3>(), 0.1);
+      filter.correct(truth, 1e-6 * Matrix12d::Identity());
+    }
+    filter.predict(kSweep);
+    return std::sqrt(filter.covariance()(11, 11));
+  };
+  EXPECT_GT(spread(true), 0.8 * spread(false));
 }
 
 }  // namespace

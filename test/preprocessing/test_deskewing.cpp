@@ -207,6 +207,29 @@ TEST(Deskewing, ByTheGyroAloneLeavesUniformTurning) {
   EXPECT_LT(residual(compensated), 0.005);
 }
 
+// F: a gyro that is found wrong has bent the scan.
+TEST(Deskewing, WhatTheGyroTookOutCanBePutBack) {
+  Rig rig;
+  rig.velocity = false;
+  rig.motion.speed = 0.0;
+  rig.motion.wobble = 0.05;
+  rig.T_base_lidar = {exp_so3({0.1, 0.2, -0.3}), {0.5, -0.2, 1.0}};
+  const SyncedScan scan = deskewed(rig);
+  rig.imu = false;
+  const SyncedScan raw = deskewed(rig);
+  ASSERT_TRUE(scan.uneven_turning);
+  EXPECT_FALSE(raw.uneven_turning);
+  double bent = 0.0, left = 0.0;
+  const PointCloud again = put_back(*scan.uneven_turning, scan.scan.cloud);
+  for (std::size_t i = 0; i < raw.scan.cloud.size(); ++i) {
+    const Eigen::Vector3f seen = raw.scan.cloud.points[i].position();
+    bent = std::max<double>(bent, (scan.scan.cloud.points[i].position() - seen).norm());
+    left = std::max<double>(left, (again.points[i].position() - seen).norm());
+  }
+  EXPECT_GT(bent, 0.02);
+  EXPECT_LT(left, 1e-4);
+}
+
 TEST(Deskewing, PutsASimulatedDriveBackInPlace) {
   simulation::DriveOptions options;
   options.lidar = "vlp16";

@@ -56,6 +56,52 @@ TEST(Preprocessor, DoesNotUseAGyroThatTurnsFarMoreThanTheVelocity) {
   }
 }
 
+/// Rates of a gait that the range of the gyro cuts off, and rings of points with times.
+std::vector<SyncedScan> walked_with(Preprocessor& stage, double limit) {
+  std::vector<SyncedScan> scans;
+  for (int i = 0; i < 600; ++i) {
+    const double rate = std::clamp(4.0 * std::sin(2.0 * M_PI * 0.005 * i), -limit, limit);
+    stage.add_imu(imu(at(0.005 * i), {0.1, rate, 0.0}), "imu");
+    if (i % 20 != 10) continue;
+    RawScan scan = ring_scan(at(0.005 * i));
+    for (int k = 0; k < 100; ++k) scan.cloud.times.push_back(0.001F * static_cast<float>(k));
+    scan.times_are_absolute = true;
+    append(scans, stage.process(std::move(scan)));
+  }
+  append(scans, stage.flush());
+  return scans;
+}
+
+// Rates that end at a limit are not the vehicle's.
+TEST(Preprocessor, DoesNotUseAGyroAtTheEndOfItsRange) {
+  PreprocessingConfig config;
+  config.use_velocity = config.use_gnss = false;
+  Preprocessor clipped(config, identity_lookup), whole(config, identity_lookup);
+  const auto few = walked_with(clipped, 3.0);
+  const auto all = walked_with(whole, 10.0);
+  ASSERT_EQ(few.size(), all.size());
+  const auto has_rate = [](const SyncedScan& scan) {
+    return scan.imu && scan.imu->has_angular_velocity;
+  };
+  int kept = 0;
+  for (std::size_t i = 1; i + 1 < all.size(); ++i) {
+    EXPECT_TRUE(has_rate(all[i]));
+    if (!has_rate(few[i])) continue;
+    ++kept;
+    EXPECT_NEAR(few[i].imu->angular_velocity.y(), all[i].imu->angular_velocity.y(), 0.05);
+  }
+  EXPECT_GT(kept, 3);
+  EXPECT_LT(kept, 25);
+  const auto says_range = [](Preprocessor& stage) {
+    const auto notices = stage.take_notices();
+    return std::count_if(notices.begin(), notices.end(), [](const Notice& notice) {
+      return notice.text.find("end at 3.0 rad/s") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(says_range(clipped), 1);
+  EXPECT_EQ(says_range(whole), 0);
+}
+
 TEST(Preprocessor, WaitsForTheTransformOfTheScan) {
   bool known = false;
   Preprocessor stage({}, [&](const std::string&) {

@@ -286,6 +286,35 @@ TEST(ImuConversion, TakesACovarianceOfMinusOneForNoValue) {
   EXPECT_EQ(again.linear_acceleration_covariance[0], -1.0);
 }
 
+// The nodes and map_bag make the same of it to the bit.
+TEST(SyncedInputsConversion, BringsTheUnevenTurningBackBitForBit) {
+  SyncedInputsMessage message;
+  EXPECT_FALSE(uneven_turning_of(message));
+  const UnevenTurning turning{
+      -0.0521, 0.002, {exp_so3({0.1, 0.3, -0.2}), exp_so3({1e-9, 0.0, 0.0})}};
+  fill(message, turning);
+  const auto again = uneven_turning_of(message);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->begin, turning.begin);
+  EXPECT_EQ(again->step, turning.step);
+  ASSERT_EQ(again->R_stamp_knot.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(again->R_stamp_knot[i].coeffs(), turning.R_stamp_knot[i].coeffs());
+  }
+}
+
+TEST(SyncedInputsConversion, BringsTheFeltForceBackBitForBit) {
+  SyncedInputsMessage message;
+  EXPECT_FALSE(felt_force_of(message));
+  const FeltForce felt{kStamp, {0.1, -0.2, 9.83}, {1.0, 0.5, 0.1}};
+  fill(message, felt);
+  const auto again = felt_force_of(message);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->since, felt.since);
+  EXPECT_EQ(again->mean, felt.mean);
+  EXPECT_EQ(again->p_base_imu, felt.p_base_imu);
+}
+
 TEST(VelocityConversion, ComesBackTheSame) {
   const VelocitySample sample{kStamp, {10.0, 0.1, 0.0}, {0.0, 0.0, 0.2}};
   const VelocitySample again = from_message(to_message(sample, "base_link"));

@@ -53,6 +53,21 @@ TEST(ScanAssembler, PairsByStampWhateverArrivesFirst) {
   EXPECT_EQ(ready[0].prior.linear_velocity->x(), static_cast<double>(kPeriod));
 }
 
+// F: what the gyro took out is told apart from its mean.
+TEST(ScanAssembler, HandsOnWhatTheGyroTookOut) {
+  ScanAssembler assembler(false);
+  const UnevenTurning turning{-0.1, 0.002, {exp_so3({0.1, 0.0, 0.0}), exp_so3({0.0, 0.2, 0.0})}};
+  assembler.add_inputs(kPeriod, {false, false, false, turning});
+  assembler.add_scan(scan_at(kPeriod));
+  assembler.add_inputs(2 * kPeriod, {});
+  assembler.add_scan(scan_at(2 * kPeriod));
+  const auto ready = assembler.take_ready();
+  ASSERT_EQ(ready.size(), 2U);
+  ASSERT_TRUE(ready[0].prior.uneven_turning);
+  EXPECT_EQ(ready[0].prior.uneven_turning->R_stamp_knot.size(), 2U);
+  EXPECT_FALSE(ready[1].prior.uneven_turning);
+}
+
 // Two scans that came before the IMU's sample of the first were taken without it.
 TEST(ScanAssembler, WaitsForWhatIsNamedHoweverManyScansComeFirst) {
   ScanAssembler assembler(false);

@@ -48,6 +48,9 @@ struct FrontEndStatus {
   double stamp_jitter = 0.0;
   /// The gyro foretells matches worse than they foretell each other, and is not used (GyroTrust).
   bool gyro_distrusted = false;
+  /// What the sensor went up or down so far by the accelerometer alone, m: no points showed it
+  /// (UnseenRide).
+  double unseen_way = 0.0;
   /// That the step from the last scan that claimed its pose is right within three of its own
   /// standard deviations, 0 to 1 (StepBelief).
   double probability = 1.0;
@@ -64,6 +67,8 @@ std::string elevation_notice(double elevation_shift);
 std::string full_map_notice(std::size_t map_points_dropped);
 /// Says that stamps scatter by `jitter` (s) and what is done about it.
 std::string jitter_notice(double jitter);
+/// Says that the sensor rides up or down without any points that show it.
+std::string ride_notice();
 /// Says that the gyro is not used to predict, and what to look at.
 std::string gyro_notice();
 

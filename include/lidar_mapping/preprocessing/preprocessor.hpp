@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "lidar_mapping/common/felt_force.hpp"
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/uneven_turning.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
 #include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/packed_points.hpp"
@@ -42,6 +44,9 @@ struct SyncedScan {
   std::optional<ImuSample> imu;            ///< in the axes of base_link
   std::optional<VelocitySample> velocity;  ///< of base_link
   std::optional<GnssPosition> gnss;
+  /// What the gyro alone has taken out of the cloud: whoever finds it wrong puts it back.
+  std::optional<UnevenTurning> uneven_turning = std::nullopt;
+  std::optional<FeltForce> felt = std::nullopt;  ///< since the scan before
 };
 
 /// What was dropped, and why, since the start.

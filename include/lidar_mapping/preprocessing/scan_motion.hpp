@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/pose.hpp"
+#include "lidar_mapping/common/uneven_turning.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -38,6 +39,8 @@ Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
 /// What remains of the turning when a uniform one is taken away: rotations exp(-omega t) R(t). A
 /// scan that is moved by it looks as if the vehicle had turned at the constant rate `omega`.
 ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
+/// The rotations of a motion without a uniform turning.
+UnevenTurning turning_of(const ScanMotion& motion);
 
 /// The same turning, about a point of the vehicle (in base_link) that stays where it is: where only
 /// the turning is known, which point that is has to be said.

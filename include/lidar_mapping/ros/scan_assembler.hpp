@@ -23,6 +23,8 @@ struct SyncedInputs {
   bool imu = false;
   bool velocity = false;
   bool gnss = false;
+  std::optional<UnevenTurning> uneven_turning = std::nullopt;
+  std::optional<FeltForce> felt = std::nullopt;
 };
 
 /// Puts together what preprocessing sends about one scan on several topics, which arrive in any

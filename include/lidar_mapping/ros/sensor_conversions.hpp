@@ -7,7 +7,10 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
 
+#include "lidar_mapping/common/felt_force.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/uneven_turning.hpp"
+#include "lidar_mapping/ros/messages.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -30,5 +33,12 @@ nav_msgs::Odometry to_message(const GnssPosition& position, const std::string& m
                               const std::string& antenna_frame);
 /// `p_base_antenna` is the lever arm that tf gives for the message's child_frame_id.
 GnssPosition from_message(const nav_msgs::Odometry& message, const Eigen::Vector3d& p_base_antenna);
+
+/// What synced_inputs tells of the scan beside the samples that there are: what the gyro has taken
+/// out of it, and what the accelerometer felt. Bit for bit.
+void fill(SyncedInputsMessage& message, const UnevenTurning& turning);
+void fill(SyncedInputsMessage& message, const FeltForce& felt);
+std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message);
+std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message);
 
 }  // namespace lidar_mapping::ros_border

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "lidar_mapping/common/stamp.hpp"
+
+namespace lidar_mapping {
+
+/// What an accelerometer has felt between two instants.
+struct FeltForce {
+  Stamp since = 0;
+  /// Mean specific force, m/s^2 (+g upward at rest), axes of base_link.
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_base_imu = Eigen::Vector3d::Zero();  ///< where it was felt
+};
+
+}  // namespace lidar_mapping

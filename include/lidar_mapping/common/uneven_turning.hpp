@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+
+namespace lidar_mapping {
+
+/// What a gyro says of the turning during a sweep beside its mean: exp(-w t) R(t) at equal steps of
+/// time (s, relative to the scan's stamp; R(t) from the axes at time t to those at the stamp).
+struct UnevenTurning {
+  double begin = 0.0;
+  double step = 0.0;
+  std::vector<Eigen::Quaterniond> R_stamp_knot;
+
+  /// Slerp between the knots; held beyond the ends.
+  Eigen::Quaterniond at(double time) const;
+  /// The largest angle of the sweep over its duration, rad/s.
+  double mean_rate() const;
+};
+
+/// The points as they were seen before `turning` was taken out of their sweep.
+PointCloud put_back(const UnevenTurning& turning, PointCloud cloud);
+
+}  // namespace lidar_mapping

@@ -1,0 +1,43 @@
+#include "axis_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidar_mapping::preprocessing {
+namespace {
+
+/// Noise and the steps of the converter make two neighbours equal every now and then; three at the
+/// largest value of all hardly ever.
+constexpr int kStays = 3;
+
+}  // namespace
+
+void AxisLimits::add(const Eigen::Vector3d& value) {
+  for (int i = 0; i < 3; ++i) {
+    Axis& axis = axes_[static_cast<std::size_t>(i)];
+    const double size = std::abs(value[i]);
+    axis.equal = value[i] == axis.last ? axis.equal + 1 : 1;
+    axis.last = value[i];
+    axis.largest = std::max(axis.largest, size);
+    if (axis.limit && size > *axis.limit) axis.limit.reset();
+    if (axis.equal >= kStays && size >= axis.largest && size > least_) axis.limit = size;
+  }
+}
+
+bool AxisLimits::are_reached(const Eigen::Vector3d& value) const {
+  for (int i = 0; i < 3; ++i) {
+    const std::optional<double>& limit = axes_[static_cast<std::size_t>(i)].limit;
+    if (limit && std::abs(value[i]) >= *limit) return true;
+  }
+  return false;
+}
+
+std::optional<double> AxisLimits::lowest() const {
+  std::optional<double> lowest;
+  for (const Axis& axis : axes_) {
+    if (axis.limit && (!lowest || *axis.limit < *lowest)) lowest = axis.limit;
+  }
+  return lowest;
+}
+
+}  // namespace lidar_mapping::preprocessing
