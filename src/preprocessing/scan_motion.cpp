@@ -85,10 +85,4 @@ ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector
   return result;
 }
 
-ScanMotion turning_about(const Eigen::Vector3d& p_base, const ScanMotion& motion) {
-  ScanMotion result = motion;
-  for (Pose& knot : result.T_stamp_knot) knot.translation = p_base - knot.rotation * p_base;
-  return result;
-}
-
 }  // namespace lidar_mapping::preprocessing
