@@ -19,7 +19,6 @@
 #include "surface_support.hpp"
 #include "tracker.hpp"
 #include "unseen_ride.hpp"
-#include "upright_axes.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -337,14 +336,13 @@ class FrontEnd::Impl {
 
   void set_sensor_pose(const Pose& T_base_sensor) {
     odometry_.know_viewpoint();
-    T_base_sensor_ = T_base_sensor;
-    take_axes();
+    border_.set_sensor_pose(T_base_sensor);
   }
 
   FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
-    if (start_) begin(scan, prior);
+    if (start_) begin(prior);
     const MotionPrior own_prior = border_.of_sensor(prior, odometry_.turning());
-    return border_.of_base(odometry_.process(turned(scan), own_prior));
+    return border_.of_base(odometry_.process(scan, own_prior));
   }
 
   std::vector<FrontEndResult> finalize() { return border_.of_base(odometry_.finalize()); }
@@ -358,31 +356,14 @@ class FrontEnd::Impl {
 
  private:
   /// What a person says of the beginning goes before what other sensors say.
-  void begin(const Scan& scan, const MotionPrior& prior) {
-    R_sensor_upright_ = upright_axes(scan.cloud, T_base_sensor_);
-    take_axes();
+  void begin(const MotionPrior& prior) {
     const bool is_measured = takes_initial_ && prior.T_odom_base_initial;
     border_.begin_at(is_measured ? *prior.T_odom_base_initial : *start_);
     start_.reset();
   }
 
-  void take_axes() {
-    border_.set_sensor_pose(T_base_sensor_ * Pose{R_sensor_upright_, Eigen::Vector3d::Zero()});
-  }
-
-  /// In upright axes, which mostly are the LiDAR's own.
-  const Scan& turned(const Scan& scan) {
-    if (rotation_angle(R_sensor_upright_) == 0.0) return scan;
-    const Pose T_upright_sensor{R_sensor_upright_.conjugate(), Eigen::Vector3d::Zero()};
-    turned_ = {scan.stamp, transformed(scan.cloud, T_upright_sensor)};
-    return turned_;
-  }
-
   SensorOdometry odometry_;
   BaseFrame border_;
-  Pose T_base_sensor_;
-  Eigen::Quaterniond R_sensor_upright_ = Eigen::Quaterniond::Identity();
-  Scan turned_;
   std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, until the first scan
   bool takes_initial_;                            ///< of other sensors
 };

@@ -147,7 +147,8 @@ std::string GnssTrack::judge(const PendingFix& pending, const MotionSensors& sen
 std::optional<Pose> GnssTrack::motion_until(Stamp stamp, const MotionSensors& sensors) const {
   const double seconds = to_seconds(stamp - last_judged_);
   if (last_judged_ == 0 || seconds >= kLongestMotion) return std::nullopt;
-  const MeasuredMotion measured = sensors.motion(last_judged_, {0.0, seconds});
+  const MeasuredMotion measured =
+      sensors.motion(last_judged_, {0.0, seconds}, Eigen::Vector3d::Zero());
   const bool drives = measured.source == MotionSource::kImuAndVelocity ||
                       measured.source == MotionSource::kVelocity;
   if (!drives) return std::nullopt;

@@ -238,7 +238,8 @@ VelocityProblem MotionSensors::velocity_problem(Stamp stamp) const {
   return velocity ? velocity_check_.problem(velocity->linear) : VelocityProblem::kNone;
 }
 
-MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
+MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span,
+                                     const Eigen::Vector3d& p_base) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   const auto T_base_velocity = velocity_problem(stamp) == VelocityProblem::kNone
                                    ? extrinsics_.T_base(velocity_.frame_id())
@@ -259,7 +260,8 @@ MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span) const {
   const VelocityAtTime driving = [&](double time, const Eigen::Vector3d& omega) -> MaybeVector {
     const auto sample = value_near(velocity_, stamp + from_seconds(time));
     if (!sample) return std::nullopt;
-    return T_base_velocity->rotation * sample->linear - omega.cross(T_base_velocity->translation);
+    const Eigen::Vector3d lever = p_base - T_base_velocity->translation;
+    return T_base_velocity->rotation * sample->linear + omega.cross(lever);
   };
   if (T_base_imu && T_base_velocity) {
     if (auto both = integrated(span.begin, span.end, gyro, driving)) {

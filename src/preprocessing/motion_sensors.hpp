@@ -45,9 +45,10 @@ class MotionSensors {
   std::optional<ImuSample> imu_at(Stamp stamp) const;
   std::optional<VelocitySample> velocity_at(Stamp stamp) const;
 
-  /// The motion over the time span of a scan, by the gyro (else the turning of the velocity) and
-  /// the velocity. With the gyro alone only the turning is known (kImu).
-  MeasuredMotion motion(Stamp stamp, const TimeSpan& span) const;
+  /// The motion of a point of the vehicle over the time span of a scan, by the gyro (else the
+  /// turning of the velocity) and the velocity. With the gyro alone only the turning is known
+  /// (kImu).
+  MeasuredMotion motion(Stamp stamp, const TimeSpan& span, const Eigen::Vector3d& p_base) const;
 
   /// The mean of what the accelerometer felt between two stamps; nothing where samples are missing,
   /// are at the end of its range, or are none that can be believed.

@@ -217,16 +217,14 @@ class Preprocessor::Impl {
     }
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {
-      measured = sensors_.motion(scan.raw.stamp, scan.span);
+      measured = sensors_.motion(scan.raw.stamp, scan.span, T_base_lidar.translation);
       // The rate of an instant is not that of the sweep.
       if (measured.source == MotionSource::kNone && synced.imu) {
         synced.imu->has_angular_velocity = false;
       }
     }
     if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
-    if (measured.source == MotionSource::kImu) {
-      leave_uniform_turning(T_base_lidar.translation, measured.motion, synced);
-    }
+    if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, synced);
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
     counters_.points_not_finite +=
@@ -238,10 +236,9 @@ class Preprocessor::Impl {
   }
 
   /// The front end knows the way of the LiDAR, but takes its turning as uniform.
-  static void leave_uniform_turning(const Eigen::Vector3d& p_base_lidar, ScanMotion& motion,
-                                    SyncedScan& synced) {
+  static void leave_uniform_turning(ScanMotion& motion, SyncedScan& synced) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
-    motion = turning_about(p_base_lidar, without_uniform_turning(motion, omega));
+    motion = without_uniform_turning(motion, omega);
     synced.uneven_turning = turning_of(motion);
     if (!synced.imu) return;
     synced.imu->angular_velocity = omega;

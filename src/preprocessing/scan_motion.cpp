@@ -85,12 +85,6 @@ ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector
   return result;
 }
 
-ScanMotion turning_about(const Eigen::Vector3d& p_base, const ScanMotion& motion) {
-  ScanMotion result = motion;
-  for (Pose& knot : result.T_stamp_knot) knot.translation = p_base - knot.rotation * p_base;
-  return result;
-}
-
 UnevenTurning turning_of(const ScanMotion& motion) {
   UnevenTurning turning{motion.begin, motion.step, {}};
   for (const Pose& knot : motion.T_stamp_knot) turning.R_stamp_knot.push_back(knot.rotation);

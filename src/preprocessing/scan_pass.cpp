@@ -64,13 +64,14 @@ Pose halfway(const Pose& a, const Pose& b) {
   return middle;
 }
 
-/// Of the sensor that sits there in base_link.
-std::vector<MotionSlot> slots_of(const ScanMotion& motion, const Pose& T_base_sensor) {
+/// Of the sensor itself, in its axes.
+std::vector<MotionSlot> slots_of(const ScanMotion& motion,
+                                 const Eigen::Quaterniond& R_base_sensor) {
   std::vector<MotionSlot> slots;
   slots.reserve(kSlotsPerStep * (motion.T_stamp_knot.size() - 1));
-  const Pose T_sensor_base = T_base_sensor.inverse();
+  const Pose R{R_base_sensor, Eigen::Vector3d::Zero()};
   const auto place_by = [&](const Pose& T_stamp_base) {
-    return matrix_of(T_sensor_base * T_stamp_base * T_base_sensor);
+    return matrix_of(R.inverse() * T_stamp_base * R);
   };
   Matrix34 begin = place_by(motion.T_stamp_knot.front());
   for (std::size_t knot = 1; knot < motion.T_stamp_knot.size(); ++knot) {
@@ -119,7 +120,7 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
                             const ScanMotion* motion, PointTimesAfter times) {
   if (cloud.empty()) return 0;
   const std::vector<MotionSlot> slots =
-      motion == nullptr ? standing() : slots_of(*motion, T_base_sensor);
+      motion == nullptr ? standing() : slots_of(*motion, T_base_sensor.rotation);
   SlottedMotion slotted{slots.data(), static_cast<int>(slots.size()), 0.0F, 0.0F};
   if (motion != nullptr) {
     slotted.begin = static_cast<float>(motion->begin);

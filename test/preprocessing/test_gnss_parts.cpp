@@ -122,7 +122,7 @@ TEST(Preprocessor, AppliesTheExtrinsicTheRightWayRound) {
   for (int i = 0; i < 4; ++i) {
     const Pose T_map_base{exp_so3({0.0, 0.0, 0.8 * i}), Eigen::Vector3d::Zero()};
     for (const Point& point : scans[static_cast<std::size_t>(i)].scan.cloud.points) {
-      const Eigen::Vector3d p_map = T_map_base * point.position().cast<double>();
+      const Eigen::Vector3d p_map = T_map_base * T_base_lidar * point.position().cast<double>();
       ASSERT_NEAR(p_map.y(), 12.0, 1e-4);
       ASSERT_NEAR(p_map.z(), 1.0, 1e-4);
     }

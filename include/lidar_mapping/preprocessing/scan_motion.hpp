@@ -9,8 +9,9 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// The motion of base_link during a scan: T_stamp_t, its pose at time t in its own frame at the
-/// scan's stamp, at equal steps of time (s, relative to the stamp).
+/// The motion of a point of the vehicle during a scan, in the axes of base_link: T_stamp_t, its
+/// pose at time t in its own frame at the scan's stamp, at equal steps of time (s, relative to the
+/// stamp).
 struct ScanMotion {
   double begin = 0.0;
   double step = 0.0;
@@ -41,9 +42,5 @@ Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
 ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
 /// The rotations of a motion without a uniform turning.
 UnevenTurning turning_of(const ScanMotion& motion);
-
-/// The same turning, about a point of the vehicle (in base_link) that stays where it is: where only
-/// the turning is known, which point that is has to be said.
-ScanMotion turning_about(const Eigen::Vector3d& p_base, const ScanMotion& motion);
 
 }  // namespace lidar_mapping::preprocessing

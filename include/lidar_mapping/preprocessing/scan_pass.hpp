@@ -23,7 +23,7 @@ enum class PointTimesAfter { kKept, kDropped };
 
 /// The one pass over the points of a raw scan, from where they are `packed` to the cloud, which has
 /// their times and the room for them (in place with packed_in(cloud)): drops points that are not
-/// finite, at the sensor itself, out of range or on the vehicle; with a `motion` (of base_link) it
+/// finite, at the sensor itself, out of range or on the vehicle; with a `motion` (its own) it
 /// moves the others to where the sensor would have seen them at the scan's stamp. Points stay in
 /// the sensor's frame. Times stay with their points, or are dropped. Returns how many were not
 /// finite.
