@@ -70,10 +70,11 @@ void for_voxels_around(VoxelKey key, const Act& act) {
 /// The Art of Computer Programming 3, 6.4).
 inline std::uint64_t fibonacci_hash(std::uint64_t key) { return key * 0x9E3779B97F4A7C15ULL; }
 
-/// For containers of the standard library, which look at the lower bits.
+/// For tables that look at the lower bits. Those of x lie high in a key, where multiplying moves
+/// them out of the word: they are folded down first.
 struct VoxelKeyHash {
   std::size_t operator()(VoxelKey key) const {
-    return static_cast<std::size_t>(fibonacci_hash(key) >> 32U);
+    return static_cast<std::size_t>(fibonacci_hash(key ^ (key >> 31U)) >> 32U);
   }
 };
 
