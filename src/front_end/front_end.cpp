@@ -90,7 +90,7 @@ class SensorOdometry {
     const Scan& seen = unbent ? *unbent : taken;
     const Scan& scan = tracker_ ? support_.supported(seen) : seen;
     timer_.stop();
-    TrackedScan tracked = tracker_ ? track(scan, prior) : follow(scan, prior);
+    TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
     feel(scan.stamp, prior, tracked);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;

@@ -62,7 +62,7 @@ std::optional<Eigen::Vector3d> UnseenRide::felt_beside_seen() const {
   if (span_ < 2.0 * kSpan) return std::nullopt;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();
-  Eigen::Vector3d seen_middle, felt_middle;
+  Eigen::Vector3d seen_middle = Eigen::Vector3d::Zero(), felt_middle = Eigen::Vector3d::Zero();
   double before = 0.0;
   double time = 0.0;
   for (std::size_t i = 1; i < steps_.size(); ++i) {
