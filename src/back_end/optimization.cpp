@@ -7,7 +7,7 @@
 #include "lidar_mapping/back_end/drive_factors.hpp"
 #include "lidar_mapping/back_end/drive_placement.hpp"
 #include "lidar_mapping/back_end/gnss_delay.hpp"
-#include "lidar_mapping/back_end/marginal_covariance.hpp"
+#include "lidar_mapping/back_end/least_eigenvalue.hpp"
 #include "lidar_mapping/back_end/robust_solver.hpp"
 #include "lidar_mapping/back_end/shared_errors.hpp"
 

@@ -10,6 +10,7 @@
 #include "lidar_mapping/front_end/coasting.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/key_frame_rule.hpp"
+#include "lidar_mapping/front_end/motion_doubt.hpp"
 #include "lidar_mapping/front_end/reported_covariance.hpp"
 #include "lidar_mapping/front_end/scan_sampler.hpp"
 #include "lidar_mapping/front_end/step_timer.hpp"
@@ -123,6 +124,7 @@ class FrontEnd::Impl {
     initial_given_ = false;
     last_key_frame_.reset();
     last_.reset();
+    doubt_ = {};
     tracked_.reset();
     repeated_.forget();
     held_.clear();
@@ -168,14 +170,24 @@ class FrontEnd::Impl {
     result.twist = tracked.twist;
     result.acceleration = tracked.acceleration;
     result.status = tracked.status;
-    if (last_) result.covariance = covariance_since(*last_, tracked);
+    if (last_) take_step(*last_, tracked, result.covariance);
     last_ = tracked;
     return result;
   }
 
+  void take_step(const TrackedScan& from, const TrackedScan& to, Covariance6& covariance) {
+    covariance = covariance_since(from, to);
+    if (is_doubtful(to.status)) covariance += expected_error_covariance(to.status);
+    doubt_.take(from.T_odom_base.inverse() * to.T_odom_base, to.status);
+  }
+
   std::vector<FrontEndResult> release(const std::vector<Revision>& revisions) {
     std::vector<FrontEndResult> settled;
-    if (!held_.empty()) last_.reset();
+    if (!held_.empty()) {
+      // Their steps are taken once more.
+      last_.reset();
+      doubt_ = {};
+    }
     for (std::size_t i = 0; i < held_.size(); ++i) {
       if (i < revisions.size()) revise(held_[i].tracked, revisions[i]);
       settled.push_back(released(std::move(held_[i])));
@@ -208,6 +220,7 @@ class FrontEnd::Impl {
     ++segment_;
     last_.reset();
     last_key_frame_.reset();
+    doubt_ = {};
   }
 
   /// What a person says of the beginning goes before what other sensors say.
@@ -251,7 +264,11 @@ class FrontEnd::Impl {
     key_frame.segment = segment_;
     key_frame.stamp = stamp;
     key_frame.T_odom_base = tracked.T_odom_base;
-    if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
+    if (last_key_frame_) {
+      key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
+      doubt_.hand_over(key_frame);
+    }
+    doubt_ = {};
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
     key_frame.cloud = std::make_shared<const PointCloud>(
         deskewed(std::move(points), tracked.twist, tracked.acceleration, config_.threads));
@@ -293,6 +310,7 @@ class FrontEnd::Impl {
   std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
   Stamp tracked_stamp_ = 0;
   std::optional<TrackedScan> last_key_frame_;
+  MotionDoubt doubt_;  ///< of the way since then
   Stamp key_frame_stamp_ = 0;
   KeyFrameIndex next_index_ = 0;
   std::uint32_t segment_ = 0;
