@@ -235,7 +235,7 @@ def pictures(report, data_directory):
     uncertainty = table(report['uncertainty'])
     if len(uncertainty['distance']):
         images['uncertainty'] = along(
-            [(uncertainty['distance'], uncertainty['sigma_m'], BLUE, None, '-o')],
+            [(uncertainty['distance'], uncertainty['sigma_m'], BLUE, None, '-')],
             'standard deviation (m)', 0.01, from_zero=True)
     if report['ghosts']:
         images['ghosts'] = ghost_plan(report, trajectory)

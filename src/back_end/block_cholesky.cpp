@@ -126,6 +126,19 @@ Eigen::MatrixXd BlockCholesky<size>::solve(const Eigen::MatrixXd& right_hand_sid
   return ordered;
 }
 
+template <int size>
+typename BlockCholesky<size>::Block BlockCholesky<size>::block(const SelectedInverse& inverse,
+                                                               int row_node,
+                                                               int column_node) const {
+  const int row = row_of_[static_cast<std::size_t>(row_node)] * size;
+  const int column = row_of_[static_cast<std::size_t>(column_node)] * size;
+  Block result;
+  for (int r = 0; r < size; ++r) {
+    for (int c = 0; c < size; ++c) result(r, c) = inverse.at(row + r, column + c);
+  }
+  return result;
+}
+
 template class BlockCholesky<2>;
 template class BlockCholesky<3>;
 template class BlockCholesky<6>;

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+
+#include "selected_inverse.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -28,6 +31,11 @@ class BlockCholesky {
   bool factorize();
   /// Columns of right-hand sides in the order of the nodes, and likewise their solutions.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides);
+
+  /// The inverse at least for all nodes and pairs, and a block of it. None if the matrix is not
+  /// positive definite.
+  std::optional<SelectedInverse> selected_inverse() const { return SelectedInverse::of(lower_); }
+  Block block(const SelectedInverse& inverse, int row_node, int column_node) const;
 
  private:
   using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;

@@ -53,7 +53,7 @@ AlongTheWay add_up(const DriveGraph& drive, const BackEndConfig& config,
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     if (factors.motion_of[i] < 0) {
       begin = i;
-    } else {
+    } else if (!drive.nodes[i].doubtful) {  // what such a step has lost is no drift
       errors += motion_error(drive, config, factors.graph, i);
     }
     positions += has_position[i];

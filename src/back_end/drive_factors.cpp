@@ -51,14 +51,21 @@ void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_
   }
 }
 
+// A step that is probably wrong holds where nothing else does, and gives way to what contradicts it
+// by more than the error that is expected of it.
+constexpr RobustKernel kDoubtfulKernel = RobustKernel::kCauchy;
+constexpr double kDoubtfulKernelSize = 1.0;  // standard deviations
+
 void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     if (!drive.nodes[i].joined) continue;
     const int to = static_cast<int>(i);
     factors.motion_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information = g2o_information(motion_covariance_to(drive, i, config));
+    const bool doubtful = drive.nodes[i].doubtful;
     factors.graph.add({relative_pose_residual(motion_to(drive, i), information), to - 1, to, false,
-                       config.odometry_robust_kernel, config.robust_kernel_size});
+                       doubtful ? kDoubtfulKernel : config.odometry_robust_kernel,
+                       doubtful ? kDoubtfulKernelSize : config.robust_kernel_size, doubtful});
   }
 }
 

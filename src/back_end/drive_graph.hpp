@@ -17,6 +17,8 @@ struct DriveNode {
   int segment = 0;      ///< in order of appearance
   bool joined = false;  ///< odometry joins it to the node before
   bool held = false;    ///< at the border of a window
+  /// A step of the motion to it may be wrong: no reason to refuse a loop.
+  bool doubtful = false;
   Stamp stamp = 0;
   Pose T_odom_base;
   Pose T_map_base;

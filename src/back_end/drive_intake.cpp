@@ -95,6 +95,7 @@ void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   if (node.joined) {
     const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
     way_ += motion.translation.norm();
+    node.doubtful = key_frame.doubtful;
     node.step_covariance = step_covariance(key_frame.motion_covariance, motion, way_,
                                            key_frame.degenerate_directions, config_);
   }

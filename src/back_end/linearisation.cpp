@@ -20,8 +20,17 @@ Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
           jacobians[1].leftCols<6>()};
 }
 
-std::unique_ptr<BlockCholesky<6>> information_matrix(const FactorGraph& graph,
-                                                     const std::vector<bool>& marked) {
+double kernel_slope(const Constraint& constraint, const Eigen::VectorXd& residual) {
+  const auto kernel = make_kernel(constraint.kernel, constraint.kernel_size);
+  if (!kernel) return 1.0;
+  std::array<double, 3> value{};
+  kernel->Evaluate(residual.squaredNorm(), value.data());
+  return value[1];
+}
+
+std::unique_ptr<BlockCholesky<6>> information_matrix(
+    const FactorGraph& graph, const std::vector<bool>& marked,
+    const std::vector<std::pair<int, int>>& more_pairs) {
   std::vector<std::pair<int, int>> pairs;
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const Constraint& constraint = graph.constraints[i];
@@ -29,6 +38,7 @@ std::unique_ptr<BlockCholesky<6>> information_matrix(const FactorGraph& graph,
       pairs.emplace_back(constraint.first, constraint.second);
     }
   }
+  pairs.insert(pairs.end(), more_pairs.begin(), more_pairs.end());
   auto system = std::make_unique<BlockCholesky<6>>(static_cast<int>(graph.states.size()), pairs);
   system->set_zero();
   std::size_t pair = 0;
@@ -36,10 +46,11 @@ std::unique_ptr<BlockCholesky<6>> information_matrix(const FactorGraph& graph,
     if (!marked[i]) continue;
     const Constraint& constraint = graph.constraints[i];
     const auto [residual, first, second] = linearised(graph, constraint);
-    system->add_diagonal(constraint.first, first.transpose() * first);
+    const double share = constraint.doubtful ? kernel_slope(constraint, residual) : 1.0;
+    system->add_diagonal(constraint.first, share * first.transpose() * first);
     if (constraint.second < 0) continue;
-    system->add_diagonal(constraint.second, second.transpose() * second);
-    system->add_pair(pair++, first.transpose() * second);
+    system->add_diagonal(constraint.second, share * second.transpose() * second);
+    system->add_pair(pair++, share * first.transpose() * second);
   }
   return system;
 }

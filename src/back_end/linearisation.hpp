@@ -18,8 +18,14 @@ struct Linearised {
 };
 Linearised linearised(const FactorGraph& graph, const Constraint& constraint);
 
-/// The information matrix of all marked constraints at the present states, without kernels.
-std::unique_ptr<BlockCholesky<6>> information_matrix(const FactorGraph& graph,
-                                                     const std::vector<bool>& marked);
+/// By what its kernel multiplies the pull of a constraint with this whitened residual.
+double kernel_slope(const Constraint& constraint, const Eigen::VectorXd& residual);
+
+/// The information matrix of all marked constraints at the present states, without kernels; but a
+/// doubtful constraint tells as little as its kernel has left of it. There is room in it for
+/// `more_pairs` of nodes, too.
+std::unique_ptr<BlockCholesky<6>> information_matrix(
+    const FactorGraph& graph, const std::vector<bool>& marked,
+    const std::vector<std::pair<int, int>>& more_pairs = {});
 
 }  // namespace lidar_mapping::back_end

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <sstream>
 
-#include "lidar_mapping/back_end/marginal_covariance.hpp"
-
 #include "drift_share.hpp"
 #include "drive_factors.hpp"
 #include "drive_placement.hpp"
 #include "gnss_delay.hpp"
+#include "least_eigenvalue.hpp"
 #include "robust_solver.hpp"
 #include "shared_errors.hpp"
 

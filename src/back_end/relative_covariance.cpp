@@ -10,7 +10,9 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr double kKnown = 1e8;     // information of the key frame that is known: 0.1 mm
+// Information of the key frame that is known: a micrometre and two microradians, which at the end
+// of ten kilometres are two centimetres.
+constexpr double kKnown = 1e12;
 constexpr double kUnknown = 1e-6;  // of each, so that none is free: a kilometre
 
 /// What odometry says, and nothing else.

@@ -19,14 +19,27 @@ constexpr std::array<double, 3> kWeightsOfOthers = {1.0, 0.04, 0.0016};
 /// Losses by kernel and size, made once and kept while a problem uses them.
 class Kernels {
  public:
+  using Losses = std::map<std::pair<RobustKernel, double>, std::unique_ptr<ceres::LossFunction>>;
+
   ceres::LossFunction* get(RobustKernel kernel, double size) {
     auto& loss = losses_[{kernel, size}];
     if (!loss) loss = make_kernel(kernel, size);
     return loss.get();
   }
 
+  /// With the least weight.
+  ceres::LossFunction* get_light(RobustKernel kernel, double size) {
+    auto& loss = light_[{kernel, size}];
+    if (!loss) {
+      loss = std::make_unique<ceres::ScaledLoss>(get(kernel, size), kWeightsOfOthers.back(),
+                                                 ceres::DO_NOT_TAKE_OWNERSHIP);
+    }
+    return loss.get();
+  }
+
  private:
-  std::map<std::pair<RobustKernel, double>, std::unique_ptr<ceres::LossFunction>> losses_;
+  Losses losses_;
+  Losses light_;
 };
 
 /// All constraints under their own kernels.
@@ -36,9 +49,10 @@ LossOf own_kernels(Kernels& kernels) {
 
 /// Switchable constraints under Cauchy with one standard deviation: it still pulls from far away.
 /// The others with a share of their weight, so that they give way to drift that their covariances
-/// do not know of.
+/// do not know of. Doubtful ones have the least: they are no evidence against any.
 LossOf pulling(Kernels& kernels, ceres::LossFunction* others) {
   return [&kernels, others](const Constraint& c) {
+    if (c.doubtful) return kernels.get_light(c.kernel, c.kernel_size);
     return c.switchable ? kernels.get(RobustKernel::kCauchy, 1.0) : others;
   };
 }
@@ -46,6 +60,7 @@ LossOf pulling(Kernels& kernels, ceres::LossFunction* others) {
 /// Switchable constraints under DCS that bends at the limit of contradiction.
 LossOf deciding(Kernels& kernels) {
   return [&kernels](const Constraint& c) {
+    if (c.doubtful) return kernels.get_light(c.kernel, c.kernel_size);
     return c.switchable ? kernels.get(RobustKernel::kDcs,
                                       std::sqrt(contradiction_limit(c.degrees_of_freedom())))
                         : kernels.get(c.kernel, c.kernel_size);

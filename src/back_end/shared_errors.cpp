@@ -1,7 +1,6 @@
 #include "shared_errors.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include <Eigen/Cholesky>
 
@@ -23,15 +22,6 @@ enum Unknown { kStretch, kDelay, kArmX, kArmY, kCount };
 using UnknownVector = Eigen::Matrix<double, kCount, 1>;
 using Shifts = Eigen::Matrix<double, 3, kCount>;
 
-/// Of the constraint's kernel at its residual: the poses are at a minimum with kernels.
-double slope(const Constraint& constraint, const Eigen::VectorXd& residual) {
-  const auto kernel = make_kernel(constraint.kernel, constraint.kernel_size);
-  if (!kernel) return 1.0;
-  std::array<double, 3> value{};
-  kernel->Evaluate(residual.squaredNorm(), value.data());
-  return value[1];
-}
-
 /// Normal equations of the unknowns beside the poses.
 class SharedEquations {
  public:
@@ -43,7 +33,8 @@ class SharedEquations {
       if (!used[i]) continue;
       const Constraint& c = graph.constraints[i];
       const Linearised at = linearised(graph, c);
-      const Eigen::VectorXd pull = slope(c, at.residual) * at.residual;
+      // The poses are at a minimum with kernels.
+      const Eigen::VectorXd pull = kernel_slope(c, at.residual) * at.residual;
       pose_gradient_.segment<6>(6 * c.first) += at.first.transpose() * pull;
       if (c.second < 0) continue;
       pose_gradient_.segment<6>(6 * c.second) += at.second.transpose() * pull;
@@ -81,7 +72,7 @@ class SharedEquations {
 
 void add_stretch(const DriveGraph& drive, const DriveFactors& factors, SharedEquations& equations) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
-    if (factors.motion_of[i] < 0) continue;
+    if (factors.motion_of[i] < 0 || drive.nodes[i].doubtful) continue;
     const int node = static_cast<int>(i);
     const Eigen::Quaterniond R_node_previous =
         factors.graph.pose(node).rotation.conjugate() * factors.graph.pose(node - 1).rotation;

@@ -14,6 +14,7 @@
 #include "cloud_fingerprint.hpp"
 #include "coasting.hpp"
 #include "key_frame_rule.hpp"
+#include "motion_doubt.hpp"
 #include "reported_covariance.hpp"
 #include "scan_sampler.hpp"
 #include "surface_support.hpp"
@@ -123,6 +124,7 @@ class SensorOdometry {
     T_first_external_.reset();
     last_key_frame_.reset();
     last_.reset();
+    doubt_ = {};
     tracked_.reset();
     repeated_.forget();
     ride_.interrupt();
@@ -192,14 +194,24 @@ class SensorOdometry {
     result.twist = tracked.twist;
     result.acceleration = tracked.acceleration;
     result.status = tracked.status;
-    if (last_) result.covariance = covariance_since(*last_, tracked);
+    if (last_) take_step(*last_, tracked, result.covariance);
     last_ = tracked;
     return result;
   }
 
+  void take_step(const TrackedScan& from, const TrackedScan& to, Covariance6& covariance) {
+    covariance = covariance_since(from, to);
+    if (is_doubtful(to.status)) covariance += expected_error_covariance(to.status);
+    doubt_.take(from.T_odom_base.inverse() * to.T_odom_base, to.status);
+  }
+
   std::vector<FrontEndResult> release(const std::vector<Revision>& revisions) {
     std::vector<FrontEndResult> finalized;
-    if (!held_.empty()) last_.reset();
+    if (!held_.empty()) {
+      // Their steps are taken once more.
+      last_.reset();
+      doubt_ = {};
+    }
     for (std::size_t i = 0; i < held_.size(); ++i) {
       if (i < revisions.size()) revise(held_[i].tracked, revisions[i]);
       finalized.push_back(released(std::move(held_[i])));
@@ -232,6 +244,7 @@ class SensorOdometry {
     ++segment_;
     last_.reset();
     last_key_frame_.reset();
+    doubt_ = {};
   }
 
   /// `odometry: external`.
@@ -269,7 +282,11 @@ class SensorOdometry {
     key_frame.segment = segment_;
     key_frame.stamp = stamp;
     key_frame.T_odom_base = tracked.T_odom_base;
-    if (last_key_frame_) key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
+    if (last_key_frame_) {
+      key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
+      doubt_.hand_over(key_frame);
+    }
+    doubt_ = {};
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
     key_frame.cloud = std::make_shared<const PointCloud>(
         deskewed(std::move(points), tracked.twist, tracked.acceleration, config_.threads));
@@ -310,6 +327,7 @@ class SensorOdometry {
   std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
   Stamp tracked_stamp_ = 0;
   std::optional<TrackedScan> last_key_frame_;
+  MotionDoubt doubt_;  ///< of the way since then
   Stamp key_frame_stamp_ = 0;
   KeyFrameIndex next_index_ = 0;
   std::uint32_t segment_ = 0;

@@ -95,6 +95,8 @@ void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
     return;
   }
   status.probability = belief.probability;
+  status.expected_error = belief.expected_error;
+  status.expected_error_angle = belief.expected_error_angle;
   // What is not known is said already, and a tunnel has to come into the map.
   if (!status.degenerate_directions.empty()) return;
   in_doubt_ = !belief.is_safe(in_doubt_);

@@ -29,8 +29,8 @@ struct StepBelief {
 
 StepBelief believe(const StepEvidence& evidence, EvidenceSource source);
 
-/// Takes beliefs into the status: their probability, and a state that claims no more than that. Of
-/// the steps before it remembers only whether the last one was doubted.
+/// Takes beliefs into the status: their probability and expected error, and a state that claims no
+/// more than that. Of the steps before it remembers only whether the last one was doubted.
 class DoubtState {
  public:
   void lower(const StepBelief& belief, FrontEndStatus& status);

@@ -71,14 +71,19 @@ class Judge {
     return found == variances_.end() ? 0.0 : found->second;
   }
 
-  /// What odometry says of its own error between the key frames around a stretch.
+  /// What odometry says of its own error between the key frames around a stretch: a turn that is
+  /// wrong leads the farther astray the longer the way behind it. Over a break it says nothing.
   double claimed_error(const DoubtfulStretch& stretch) const {
-    double variance = 0.0;
+    Covariance6 covariance = Covariance6::Zero();
     for (std::size_t i = std::max<std::size_t>(1, first_from(stretch.begin));
          i < key_frames_.size() && key_frames_[i - 1].stamp <= stretch.end; ++i) {
-      variance += key_frames_[i].motion_covariance.topLeftCorner<3, 3>().trace();
+      const KeyFrame& from = key_frames_[i - 1];
+      const KeyFrame& to = key_frames_[i];
+      if (from.segment != to.segment) continue;
+      covariance = compose_covariance(covariance, from.T_odom_base.inverse() * to.T_odom_base,
+                                      to.motion_covariance);
     }
-    return std::sqrt(variance);
+    return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   }
 
   /// Numbers of the last key frame before the stretch and of the first one after it.

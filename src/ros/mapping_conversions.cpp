@@ -42,6 +42,7 @@ KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
   message.odometry_pose = to_message(key_frame.T_odom_base);
   message.motion_covariance = to_array(key_frame.motion_covariance);
   message.degenerate_directions = to_messages(key_frame.degenerate_directions);
+  message.doubtful = key_frame.doubtful;
   if (key_frame.cloud) message.cloud = to_message(*key_frame.cloud, key_frame.stamp, base_frame);
   return message;
 }
@@ -56,6 +57,7 @@ KeyFrame from_message(const KeyFrameMessage& message) {
   for (const auto& direction : message.degenerate_directions) {
     key_frame.degenerate_directions.push_back(from_message(direction));
   }
+  key_frame.doubtful = message.doubtful;
   if (!message.cloud.fields.empty()) {
     key_frame.cloud = std::make_shared<PointCloud>(from_message(message.cloud));
   }

@@ -122,7 +122,7 @@ struct Row {};
 template <typename V, typename Each>
 void visit(Row<KeyFrame>, V& v, Each each) {
   each(v.index, v.segment, v.stamp, v.T_odom_base, v.motion_covariance, v.degenerate_directions,
-       v.cloud);
+       v.cloud, v.doubtful);
 }
 
 template <typename V, typename Each>

@@ -23,12 +23,15 @@ std::optional<Eigen::Vector3d> vector_property(const Database& database, const s
 }  // namespace
 
 std::vector<KeyFrame> Session::key_frames() const {
-  return impl_->all("SELECT * FROM key_frames ORDER BY key_frame", read_key_frame);
+  return impl_->all(
+      "SELECT " + columns_of_key_frames(impl_->database) + " FROM key_frames ORDER BY key_frame",
+      read_key_frame);
 }
 
 std::optional<KeyFrame> Session::key_frame(KeyFrameIndex index) const {
-  Statement row =
-      impl_->database.query("SELECT * FROM key_frames WHERE key_frame = ?", {std::int64_t{index}});
+  Statement row = impl_->database.query(
+      "SELECT " + columns_of_key_frames(impl_->database) + " FROM key_frames WHERE key_frame = ?",
+      {std::int64_t{index}});
   if (!row.step()) return std::nullopt;
   return read_key_frame(row);
 }

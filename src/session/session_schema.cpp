@@ -7,12 +7,13 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
-constexpr std::int64_t kVersion = 5;
+constexpr std::int64_t kVersion = 6;
 // Older ones can be read, and are brought up to date to be written.
 constexpr std::int64_t kWithoutDecisions = 1;
 constexpr std::int64_t kWithoutUnobserved = 2;
 constexpr std::int64_t kWithoutElevation = 3;
 constexpr std::int64_t kWithoutProbability = 4;
+constexpr std::int64_t kWithoutDoubt = 5;
 
 // Stamps in ns, metres, radians; poses as x y z qx qy qz qw; covariances as blobs of doubles, row
 // by row, in the order translation, rotation (axes of the child frame).
@@ -77,12 +78,16 @@ constexpr const char* kElevation = "ALTER TABLE scans ADD COLUMN elevation_shift
 /// From version 4 to 5.
 constexpr const char* kProbability = "ALTER TABLE scans ADD COLUMN probability REAL DEFAULT -1.0";
 
+/// From version 5 to 6.
+constexpr const char* kDoubt = "ALTER TABLE key_frames ADD COLUMN doubtful INTEGER DEFAULT 0";
+
 /// From a version on to the newest.
 void bring_up_to_date(Database& database, std::int64_t version) {
   if (version <= kWithoutDecisions) database.execute(kDecisions);
   if (version <= kWithoutUnobserved) database.execute(kUnobserved);
   if (version <= kWithoutElevation) database.execute(kElevation);
   if (version <= kWithoutProbability) database.execute(kProbability);
+  if (version <= kWithoutDoubt) database.execute(kDoubt);
   database.execute("PRAGMA user_version = " + std::to_string(kVersion));
 }
 
@@ -120,6 +125,10 @@ std::string columns_of_scans(const Database& database) {
   }
   if (version <= kWithoutProbability) columns += ", -1.0";
   return columns;
+}
+
+std::string columns_of_key_frames(const Database& database) {
+  return pragma(database, "user_version") <= kWithoutDoubt ? "*, 0" : "*";
 }
 
 void check_tables(const Database& database, const std::filesystem::path& path) {

@@ -15,6 +15,8 @@ void upgrade_tables(Database& database);
 bool has_loop_decisions(const Database& database);
 /// What to select of the table scans, with "not known" for what an older version lacks.
 std::string columns_of_scans(const Database& database);
+/// And of the table key_frames.
+std::string columns_of_key_frames(const Database& database);
 
 /// Throws FileError if the database is no session or one of a newer version of this package.
 void check_tables(const Database& database, const std::filesystem::path& path);

@@ -29,6 +29,7 @@ using tools::Json;
 struct Options {
   std::string session;
   std::string json;
+  std::string key_frames;
   std::string truth;
   double range_noise = 0.02;
   std::size_t places = 10;
@@ -100,8 +101,8 @@ Json to_json(const Judged& found, const map::QualityConfig& config) {
 
 /// Everything that is known of the drive and its map.
 Json report_of(const tools::ReportInput& input, const Judged& found,
-               const map::QualityConfig& config) {
-  const auto graph = tools::solved_graph(input.session);
+               const map::QualityConfig& config, const back_end::BackEnd& graph,
+               const std::vector<back_end::KeyFrameDeviation>& deviations) {
   Json report = {{"format", 2},
                  {"session", input.session.directory().filename().string()},
                  {"origin", tools::origin_figures(input)},
@@ -111,10 +112,10 @@ Json report_of(const tools::ReportInput& input, const Judged& found,
   report["entropy"] = tools::to_json(map::mean_map_entropy(input.poses, input.session.clouds()));
   report["trajectory"] = tools::trajectory_figures(input);
   report["loops"] = tools::loop_figures(input);
-  report["gnss"] = tools::gnss_figures(input, *graph);
+  report["gnss"] = tools::gnss_figures(input, graph);
   report["scans"] = tools::scan_figures(input);
-  report["uncertainty"] = tools::uncertainty_figures(input, *graph);
-  report["doubt"] = tools::doubt_figures(input, *graph);
+  report["uncertainty"] = tools::uncertainty_figures(input, graph, deviations);
+  report["doubt"] = tools::doubt_figures(input, graph);
   report["truth"] = tools::truth_figures(input);
   report["verdicts"] = tools::verdicts(report);
   report["overall"] = tools::overall_verdict(report);
@@ -181,13 +182,18 @@ void judge(const Options& options) {
   }
   const tools::ReportInput input = tools::report_input(session, truth);
   const Judged found = judged(input, config, sensor.has_value());
-  const Json report = report_of(input, found, config);
+  const auto graph = tools::solved_graph(session);
+  const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
+  const Json report = report_of(input, found, config, *graph, deviations);
   print(found, options.places);
   print_verdicts(report);
   if (!options.json.empty()) {
     Json figures = to_json(found, config);
-    for (const char* part : {"verdicts", "truth"}) figures[part] = report[part];
+    for (const char* part : {"verdicts", "truth", "uncertainty"}) figures[part] = report[part];
     write_text_atomically(options.json, tools::dumped(figures, 2) + "\n");
+  }
+  if (!options.key_frames.empty()) {
+    write_text_atomically(options.key_frames, tools::key_frame_table(input, deviations));
   }
   if (options.report) write_report(input, found, config, report);
 }
@@ -206,7 +212,9 @@ int main(int argc, char** argv) {
   app.add_option("--sensor-origin", options.sensor_origin, "the LiDAR in base_link, m; as recorded")
       ->expected(3);
   app.add_option("--json", options.json,
-                 "write thickness, ghost vectors, verdicts and errors to this file");
+                 "write thickness, ghost vectors, verdicts, uncertainty and errors to this file");
+  app.add_option("--key-frames", options.key_frames,
+                 "write how well the graph knows each key frame to this CSV file");
   app.add_flag("--report", options.report, "write report.html and report.json to the session");
   app.add_option("--truth", options.truth, "true trajectory (TUM) to compare with");
   CLI11_PARSE(app, argc, argv);

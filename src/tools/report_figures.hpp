@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/back_end/key_frame_deviation.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/map/map_quality.hpp"
@@ -42,8 +43,14 @@ Json trajectory_figures(const ReportInput& input);
 Json loop_figures(const ReportInput& input);
 Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 Json scan_figures(const ReportInput& input);
-/// Standard deviations of poses along the path, and the longest part of it without a loop or GNSS.
-Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end);
+/// Standard deviations of key frames relative to the first one along the path, the largest of these
+/// and of neighbours, how many are not tied to the first or doubtful, and the longest part of the
+/// path without a loop or GNSS.
+Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end,
+                         const std::vector<back_end::KeyFrameDeviation>& deviations);
+/// The same for each key frame, as a CSV file has it.
+std::string key_frame_table(const ReportInput& input,
+                            const std::vector<back_end::KeyFrameDeviation>& deviations);
 /// Stretches of the map that are doubtful, with the key frames around them; see drive_doubt().
 Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back_end);
 /// APE, RPE and KITTI's errors; null without truth. Throws InputError where the truth has none of

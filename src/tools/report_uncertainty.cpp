@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <map>
 #include <set>
+#include <sstream>
 
-#include "lidar_mapping/back_end/marginal_covariance.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
@@ -14,7 +16,7 @@ namespace lidar_mapping::tools {
 
 namespace {
 
-constexpr std::size_t kSamples = 40;  // poses whose covariance is asked for
+using back_end::KeyFrameDeviation;
 
 back_end::BackEndConfig configuration_of(const session::Session& session) {
   return config::load<back_end::BackEndConfig>(
@@ -53,6 +55,44 @@ Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& constr
   return {{"length_m", longest}, {"begin_m", at}};
 }
 
+/// A key frame of the map with what the graph knows of it.
+struct Place {
+  const KeyFramePose* pose = nullptr;
+  const KeyFrameDeviation* deviation = nullptr;
+  double distance = 0.0;  ///< of the way to it, m
+};
+
+std::vector<Place> places_of(const ReportInput& input,
+                             const std::vector<KeyFrameDeviation>& deviations) {
+  std::map<KeyFrameIndex, const KeyFrameDeviation*> by_index;
+  for (const KeyFrameDeviation& deviation : deviations) by_index[deviation.index] = &deviation;
+  const std::vector<double> distances = distances_of(input.poses);
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const KeyFramePose& pose = input.poses.poses[i];
+    const auto found = by_index.find(pose.index);
+    if (found != by_index.end()) places.push_back({&pose, found->second, distances[i]});
+  }
+  return places;
+}
+
+/// The largest standard deviation of a position that is known at all, and where; null for none.
+Json largest(const std::vector<Place>& places, back_end::PoseDeviation KeyFrameDeviation::*which) {
+  const Place* worst = nullptr;
+  for (const Place& place : places) {
+    const double sigma = (place.deviation->*which).position;
+    if (!std::isfinite(sigma)) continue;
+    if (worst == nullptr || sigma > (worst->deviation->*which).position) worst = &place;
+  }
+  if (worst == nullptr) return nullptr;
+  const Eigen::Vector3d& p = worst->pose->T_map_base.translation;
+  return {{"sigma_m", (worst->deviation->*which).position},
+          {"key_frame", worst->deviation->index},
+          {"x", p.x()},
+          {"y", p.y()},
+          {"distance_m", worst->distance}};
+}
+
 }  // namespace
 
 std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session) {
@@ -62,25 +102,45 @@ std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session)
   return back_end;
 }
 
-Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end) {
-  const auto problem = back_end.problem(true);
-  const auto distances = distances_of(input.poses);
+Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end,
+                         const std::vector<back_end::KeyFrameDeviation>& deviations) {
+  const std::vector<Place> places = places_of(input, deviations);
   Json rows = Json::array();
-  double worst = 0.0;
-  for (std::size_t i = 0; i < distances.size(); i += distances.size() / kSamples + 1) {
-    const auto covariance = back_end::marginal_covariance(*problem, input.poses.poses[i].index);
-    if (!covariance) continue;
-    const double metres = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
-    const double degrees = std::sqrt(covariance->bottomRightCorner<3, 3>().trace()) * kDegPerRad;
-    rows.push_back({distances[i], metres, degrees});
-    worst = std::max(worst, metres);
+  for (const Place& place : places) {
+    const back_end::PoseDeviation& sigma = place.deviation->from_first;
+    if (!std::isfinite(sigma.position)) continue;
+    rows.push_back({place.distance, sigma.position, sigma.angle * kDegPerRad});
   }
-  return {{"largest_sigma_m", worst},
+  const auto count = [&](const auto& is_so) {
+    return std::count_if(deviations.begin(), deviations.end(), is_so);
+  };
+  return {{"largest", largest(places, &KeyFrameDeviation::from_first)},
+          {"largest_step", largest(places, &KeyFrameDeviation::from_previous)},
+          {"not_tied", count([](const auto& d) { return !std::isfinite(d.from_first.position); })},
+          {"doubtful", count([](const auto& d) { return d.doubtful; })},
           {"longest_without_constraint",
            longest_gap(
                input, constrained_ones(input, back_end, configuration_of(input.session).use_gnss))},
           {"columns", {"distance", "sigma_m", "sigma_deg"}},
           {"rows", rows}};
+}
+
+std::string key_frame_table(const ReportInput& input,
+                            const std::vector<back_end::KeyFrameDeviation>& deviations) {
+  std::ostringstream text;
+  text << "key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m,sigma_first_deg,"
+          "sigma_previous_m,sigma_previous_deg\n"
+       << std::fixed << std::setprecision(6);
+  for (const Place& place : places_of(input, deviations)) {
+    const Eigen::Vector3d& p = place.pose->T_map_base.translation;
+    const back_end::KeyFrameDeviation& deviation = *place.deviation;
+    text << deviation.index << ',' << place.pose->stamp << ',' << p.x() << ',' << p.y() << ','
+         << p.z() << ',' << place.distance << ',' << deviation.part << ','
+         << (deviation.doubtful ? "yes" : "no") << ',' << deviation.from_first.position << ','
+         << deviation.from_first.angle * kDegPerRad << ',' << deviation.from_previous.position
+         << ',' << deviation.from_previous.angle * kDegPerRad << '\n';
+  }
+  return text.str();
 }
 
 }  // namespace lidar_mapping::tools

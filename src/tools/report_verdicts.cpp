@@ -123,13 +123,33 @@ Json scan_line(const Json& scans) {
               "all tracked, none dropped");
 }
 
+/// In words, of a key frame.
+std::string place(const Json& of) {
+  return text("key frame %u at %.1f, %.1f", of["key_frame"].get<unsigned>(), of["x"].get<double>(),
+              of["y"].get<double>());
+}
+
 Json uncertainty_line(const Json& uncertainty) {
-  const double sigma = uncertainty["largest_sigma_m"];
+  const char* name = "Pose uncertainty";
   const Json& gap = uncertainty["longest_without_constraint"];
-  return line("Pose uncertainty", text("standard deviation up to %.2f m", sigma), sigma < kMaxSigma,
-              text("longest path without loop or GNSS: %.0f m, from %.0f m on",
-                   gap["length_m"].get<double>(), gap["begin_m"].get<double>()),
-              text("below %.1f m; loops or GNSS on that path make it smaller", kMaxSigma));
+  const std::string note = text("longest path without loop or GNSS: %.0f m, from %.0f m on",
+                                gap["length_m"].get<double>(), gap["begin_m"].get<double>());
+  const std::string limit =
+      text("below %.1f m, all tied and none doubtful; loops or GNSS on that path make it smaller",
+           kMaxSigma);
+  const Json& first = uncertainty["largest"];
+  const Json& step = uncertainty["largest_step"];
+  if (first.is_null() || step.is_null()) return line(name, "not known", nullptr, note);
+  const double sigma = first["sigma_m"];
+  std::string value = text("standard deviation up to %.2f m from the first key frame (%s), ", sigma,
+                           place(first).c_str()) +
+                      text("up to %.2f m from a neighbour (%s)", step["sigma_m"].get<double>(),
+                           place(step).c_str());
+  const std::size_t not_tied = uncertainty["not_tied"];
+  const std::size_t doubtful = uncertainty["doubtful"];
+  if (not_tied > 0) value += text("; %zu key frames are not tied to the first", not_tied);
+  if (doubtful > 0) value += text("; %zu are doubtful", doubtful);
+  return line(name, value, sigma < kMaxSigma && not_tied == 0 && doubtful == 0, note, limit);
 }
 
 /// The worst of what is not to be relied on.

@@ -49,6 +49,26 @@ TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
               1.0 - 2e-4, 8e-5);
 }
 
+// Its three metres would pass for a stretch of the way of 0.2 %, and for all of the drift.
+TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
+  SyntheticDrive drive = good_drive(0.0005, 2e-4);
+  const Pose before = drive.key_frames[299].T_odom_base;
+  const Pose ahead{Eigen::Quaterniond::Identity(), Eigen::Vector3d(3.0, 0.0, 0.0)};
+  const Pose moved = before * ahead * before.inverse();
+  for (std::size_t i = 300; i < drive.key_frames.size(); ++i) {
+    drive.key_frames[i].T_odom_base = moved * drive.key_frames[i].T_odom_base;
+  }
+  drive.key_frames[300].doubtful = true;
+  drive.key_frames[300].motion_covariance += diagonal_covariance(2.0, 0.02);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  add_positions(back_end, drive, 800, 0.02);
+  optimize(back_end, true);
+  EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
+  EXPECT_LT(learnt(*back_end.problem()).drift_share.maxCoeff(), 0.75);
+  EXPECT_LT(test::true_rmse(back_end, drive), 0.05);
+}
+
 TEST(OdometryErrors, LittleDriftIsToldFromMuch) {
   for (const double sigma : {0.02, 1.0}) {
     BackEnd good(BackEndConfig{});

@@ -1,9 +1,8 @@
 #include <ctime>
 
-#include "lidar_mapping/back_end/marginal_covariance.hpp"
-
 #include "back_end_fixture.hpp"
 #include "drive_window.hpp"
+#include "least_eigenvalue.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -89,24 +88,6 @@ TEST(Window, AFarLoopCallsForTheWholeGraph) {
   EXPECT_FALSE(run.back_end.problem()->window) << "ten metres are not absorbed in a window";
 }
 
-TEST(MarginalCovariance, GrowsAlongTheChainAndShrinksWithALoop) {
-  const SyntheticDrive drive = test::make_drive({1});
-  BackEnd back_end(BackEndConfig{});
-  feed(back_end, drive);
-  const auto sigma = [&](KeyFrameIndex index) {
-    const auto covariance = marginal_covariance(*back_end.problem(), index);
-    EXPECT_TRUE(covariance);
-    EXPECT_TRUE(is_valid_covariance(*covariance));
-    return std::sqrt(covariance->topLeftCorner<3, 3>().trace());
-  };
-  EXPECT_LT(sigma(100), sigma(300));
-  const double before = sigma(399);
-  std::mt19937 engine(3);
-  back_end.add_loop(make_loop(drive, 0, 399, engine));
-  EXPECT_LT(sigma(399), 0.1 * before);
-  EXPECT_FALSE(marginal_covariance(*back_end.problem(), 100000));
-}
-
 TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
@@ -131,18 +112,6 @@ TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {
   const auto report = report_of(*solve(*back_end.problem(true)));
   EXPECT_GT(report.least_eigenvalue, 0.0);
   EXPECT_NE(report.message.find("smallest eigenvalue"), std::string::npos) << report.message;
-}
-
-TEST(MarginalCovariance, OfOneMotionIsTheMotionsOwn) {
-  const SyntheticDrive drive = test::make_drive({1});
-  BackEnd back_end(BackEndConfig{});
-  back_end.add_key_frame(drive.key_frames[0]);
-  back_end.add_key_frame(drive.key_frames[1]);
-  const auto problem = back_end.problem();
-  const auto covariance = marginal_covariance(*problem, 1);
-  ASSERT_TRUE(covariance);
-  const Covariance6 expected = motion_covariance_to(problem->drive, 1, problem->config);
-  EXPECT_LT((*covariance - expected).norm(), 0.02 * expected.norm());
 }
 
 }  // namespace

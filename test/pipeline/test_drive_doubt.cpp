@@ -49,6 +49,10 @@ struct StraightDrive {
       if (record.state == "degraded") {
         key_frame.motion_covariance = diagonal_covariance(degraded_sigma, 0.0002);
       }
+      if (record.state == "doubtful") {
+        key_frame.motion_covariance = diagonal_covariance(0.003, 0.01);
+        key_frame.doubtful = true;
+      }
       if (record.state == "degenerate") {
         key_frame.degenerate_directions = {Eigen::Vector3d::UnitX()};
       }
@@ -164,6 +168,28 @@ TEST(DriveDoubt, TrustsProbablyWrongStepsThatLoopsHold) {
   ASSERT_EQ(doubt.stretches.size(), 1U);
   EXPECT_LT(doubt.stretches.front().expected_error, 0.5);
   EXPECT_TRUE(doubt.is_trusted());
+}
+
+StraightDrive probably_turned_wrongly() {
+  StraightDrive drive;
+  drive.state = [](KeyFrameIndex scan) {
+    return std::string(scan >= 100 && scan < 140 ? "doubtful" : "tracking");
+  };
+  return drive;
+}
+
+// Twenty steps of 2 m, each with 0.01 rad: the k-th last of them is 2 m k off at the end, aside and
+// up; in all 0.02 m sqrt(2 (0^2 + 1^2 + ... + 19^2)).
+TEST(DriveDoubt, KnowsThatAWrongTurnLeadsAstray) {
+  const DriveDoubt doubt = doubt_of(probably_turned_wrongly());
+  ASSERT_EQ(doubt.stretches.size(), 1U);
+  const DoubtfulStretch& stretch = doubt.stretches.front();
+  EXPECT_EQ(stretch.doubt, Doubt::kDoubtful);
+  EXPECT_NEAR(stretch.expected_error, 1.4, 0.2);
+  EXPECT_FALSE(stretch.is_trusted);
+  std::vector<Loop> loops;
+  for (KeyFrameIndex i = 48; i < 76; i += 2) loops.push_back(loop_between(10, i));
+  EXPECT_TRUE(doubt_of(probably_turned_wrongly(), loops).is_trusted());
 }
 
 StraightDrive lost_for_a_moment() {

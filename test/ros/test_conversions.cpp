@@ -162,7 +162,8 @@ TEST(CloudConversion, RefusesTruncatedOrForeignData) {
 
 TEST(KeyFrameConversion, ComesBackTheSame) {
   const KeyFrame key_frame{
-      17, 2, kStamp, some_pose(), some_covariance(), {Eigen::Vector3d::UnitX()}, some_cloud()};
+      17,   2,           kStamp, some_pose(), some_covariance(), {Eigen::Vector3d::UnitX()},
+      true, some_cloud()};
   const KeyFrameMessage message = to_message(key_frame, "run", "base_link");
   const KeyFrame again = from_message(message);
   EXPECT_EQ(message.run_id, "run");
@@ -173,12 +174,14 @@ TEST(KeyFrameConversion, ComesBackTheSame) {
   EXPECT_LT((again.motion_covariance - some_covariance()).norm(), 1e-12);
   ASSERT_EQ(again.degenerate_directions.size(), 1U);
   EXPECT_EQ(again.degenerate_directions[0], Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(again.doubtful);
   expect_same(*again.cloud, *some_cloud());
 }
 
 TEST(KeyFrameConversion, LeavesTheCloudNullWhereThereIsNone) {
   KeyFrame key_frame;
   EXPECT_EQ(from_message(to_message(key_frame, "run", "base_link")).cloud, nullptr);
+  EXPECT_FALSE(from_message(to_message(key_frame, "run", "base_link")).doubtful);
 }
 
 TEST(KeyFrameConversion, RefusesACovarianceThatIsNotFinite) {

@@ -35,6 +35,7 @@ inline KeyFrame example_key_frame(KeyFrameIndex index) {
   key_frame.motion_covariance = diagonal_covariance(0.1, 0.01);
   key_frame.motion_covariance(0, 5) = 0.001;
   key_frame.degenerate_directions = {Eigen::Vector3d::UnitX()};
+  key_frame.doubtful = index % 2 == 0;
   key_frame.cloud = example_cloud(100, static_cast<int>(index));
   return key_frame;
 }

@@ -163,7 +163,8 @@ TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
   const TemporaryFolder folder;
   session_with_loops(folder.path());
   execute(folder.path(),
-          "DROP TABLE loop_decisions; DROP TABLE scans; CREATE TABLE scans (stamp INTEGER PRIMARY "
+          "DROP TABLE loop_decisions; ALTER TABLE key_frames DROP COLUMN doubtful; DROP TABLE "
+          "scans; CREATE TABLE scans (stamp INTEGER PRIMARY "
           "KEY, state TEXT, fitness REAL, overlap REAL, seconds REAL, scans_dropped INTEGER); "
           "INSERT INTO scans VALUES (5, 'lost', 0.0, 0.0, 0.0, 0); PRAGMA user_version = 1");
   {
@@ -190,11 +191,29 @@ TEST(LoopFiles, ScansOfTheThirdVersionHaveNoElevationShift) {
   Session::create_in(folder.path()).add_scan({5, "tracking", 0.1, 0.9, 0.0, 0, 0.25, 0.01});
   execute(folder.path(),
           "ALTER TABLE scans DROP COLUMN elevation_shift; "
+          "ALTER TABLE key_frames DROP COLUMN doubtful; "
           "ALTER TABLE scans DROP COLUMN probability; PRAGMA user_version = 3");
   const Session old = Session::open(folder.path(), Session::Access::kRead);
   ASSERT_EQ(old.scans().size(), 1U);
   EXPECT_EQ(old.scans()[0].unobserved_stddev, 0.25);
   EXPECT_EQ(old.scans()[0].elevation_shift, 0.0);
+}
+
+TEST(LoopFiles, KeyFramesOfTheFifthVersionAreNotDoubtful) {
+  const TemporaryFolder folder;
+  Session::create_in(folder.path()).add_key_frame(example_key_frame(2));
+  execute(folder.path(), "ALTER TABLE key_frames DROP COLUMN doubtful; PRAGMA user_version = 5");
+  {
+    const Session old = Session::open(folder.path(), Session::Access::kRead);
+    ASSERT_EQ(old.key_frames().size(), 1U);
+    EXPECT_FALSE(old.key_frames()[0].doubtful);
+    EXPECT_EQ(old.key_frames()[0].stamp, example_key_frame(2).stamp);
+    EXPECT_FALSE(old.key_frame(2)->doubtful);
+  }
+  Session session = Session::open(folder.path(), Session::Access::kWrite);
+  session.add_key_frame(example_key_frame(4));
+  EXPECT_FALSE(session.key_frames()[0].doubtful);
+  EXPECT_TRUE(session.key_frames()[1].doubtful);
 }
 
 }  // namespace

@@ -56,10 +56,13 @@ TEST(Session, GivesKeyFramesBackBitForBit) {
   EXPECT_EQ(key_frames[2].motion_covariance, expected.motion_covariance);
   ASSERT_EQ(key_frames[2].degenerate_directions.size(), 1U);
   EXPECT_EQ(key_frames[2].degenerate_directions[0], expected.degenerate_directions[0]);
+  EXPECT_FALSE(key_frames[1].doubtful);
+  EXPECT_TRUE(key_frames[2].doubtful);
   ASSERT_NE(session.clouds().cloud(12), nullptr);
   expect_equal(*session.clouds().cloud(12), *expected.cloud);
   ASSERT_TRUE(session.key_frame(12).has_value());
   EXPECT_EQ(session.key_frame(12)->stamp, expected.stamp);
+  EXPECT_TRUE(session.key_frame(12)->doubtful);
   expect_equal(session.key_frame(12)->T_odom_base, expected.T_odom_base);
   EXPECT_FALSE(session.key_frame(11).has_value());
 }

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "lidar_mapping/common/trajectory.hpp"
@@ -47,6 +49,16 @@ TEST_F(MapQualityCommand, JudgesWithAndWithoutAReport) {
   EXPECT_EQ(without.find(report["overall"].get<std::string>()), 0U) << report["overall"];
   EXPECT_NE(content(session_ / "report.html").find(report["overall"].get<std::string>()),
             std::string::npos);
+}
+
+TEST_F(MapQualityCommand, WritesHowWellEachKeyFrameIsKnown) {
+  const std::string file = folder_.path() / "key frames.csv";
+  ASSERT_EQ(run("map_quality", {session_, "--key-frames", file}), 0) << said();
+  EXPECT_TRUE(has_said("m from the first key frame (key frame ")) << said();
+  const std::string table = content(file);
+  EXPECT_EQ(table.find("key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m"), 0U) << table;
+  EXPECT_GT(std::count(table.begin(), table.end(), '\n'), 5) << table;
+  EXPECT_EQ(run("map_quality", {session_, "--key-frames", folder_.path() / "no" / "such.csv"}), 1);
 }
 
 TEST_F(MapQualityCommand, ComparesWithTheTruthWithAndWithoutAReport) {

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -79,10 +81,36 @@ TEST_F(ReportFigures, GiveTheResidualOfEveryLoopThatIsUsed) {
 
 TEST_F(ReportFigures, FindTheLongestWayWithoutAConstraint) {
   session_.add_loop(loop(0, 3, 0.0));
-  const Json figures = uncertainty_figures(report_input(session_), *solved_graph(session_));
+  const auto graph = solved_graph(session_);
+  const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
+  const ReportInput input = report_input(session_);
+  const Json figures = uncertainty_figures(input, *graph, deviations);
   EXPECT_NEAR(figures["longest_without_constraint"]["length_m"], 7.0, 0.1);
   EXPECT_NEAR(figures["longest_without_constraint"]["begin_m"], 3.0, 0.1);
-  EXPECT_GT(figures["largest_sigma_m"], 0.0);
+  EXPECT_GT(figures["largest"]["sigma_m"], 0.0);
+  EXPECT_EQ(figures["rows"].size(), input.poses.poses.size());
+  EXPECT_EQ(figures["not_tied"], 0);
+  EXPECT_EQ(figures["doubtful"], 0);
+}
+
+TEST_F(ReportFigures, HaveALineForEachKeyFrame) {
+  const auto graph = solved_graph(session_);
+  const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
+  std::istringstream table(key_frame_table(report_input(session_), deviations));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line,
+            "key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m,sigma_first_deg,"
+            "sigma_previous_m,sigma_previous_deg");
+  std::getline(table, line);
+  EXPECT_NE(line.find(",0,no,0.000000,0.000000,0.000000,0.000000"), std::string::npos) << line;
+  std::size_t lines = 1;
+  while (std::getline(table, line)) {
+    ++lines;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 11) << line;
+    EXPECT_EQ(line.find("inf"), std::string::npos) << line;
+  }
+  EXPECT_EQ(lines, deviations.size());
 }
 
 TEST_F(ReportFigures, NameTheScansThatWereNotTracked) {

@@ -35,7 +35,10 @@ Json good_report() {
           {"drive", {{"length_m", 1000.0}}},
           {"scans", {{"scans", 50}, {"dropped", 0}, {"states", {{"tracking", 50}}}}},
           {"uncertainty",
-           {{"largest_sigma_m", 0.1},
+           {{"largest", {{"sigma_m", 0.1}, {"key_frame", 49}, {"x", 12.0}, {"y", -3.5}}},
+            {"largest_step", {{"sigma_m", 0.02}, {"key_frame", 7}, {"x", 1.0}, {"y", 2.0}}},
+            {"not_tied", 0},
+            {"doubtful", 0},
             {"longest_without_constraint", {{"length_m", 10.0}, {"begin_m", 0.0}}}}},
           {"doubt", {{"stretches", Json::array()}, {"warnings", Json::array()}}},
           {"truth", nullptr}};
@@ -72,7 +75,7 @@ TEST(ReportVerdicts, SayWhereToLook) {
   report["gnss"]["p95_horizontal_m"] = 0.5;
   report["trajectory"]["odometry_max_m"] = 11.0;
   report["scans"]["dropped"] = 2;
-  report["uncertainty"]["largest_sigma_m"] = 0.6;
+  report["uncertainty"]["largest"]["sigma_m"] = 0.6;
   for (const char* name : {"Walls", "Repeated passes", "Loops", "GNSS", "Odometry against the map",
                            "Scans", "Pose uncertainty"}) {
     EXPECT_EQ(verdict_on(report, name), false) << name;
@@ -91,6 +94,30 @@ TEST(ReportVerdicts, CannotBeGoodWhereTheMotionWasNotObserved) {
   EXPECT_EQ(overall_verdict(report), "Look at: Motion observed");
   report["doubt"]["stretches"].push_back(stretch(false, nullptr));
   EXPECT_EQ(verdicts(report).back()["value"], "lost at 12.3 s, parts not joined");
+}
+
+TEST(ReportVerdicts, SayWhereThePosesAreKnownLeast) {
+  Json report = good_report();
+  const auto value = [&] {
+    for (const Json& line : verdicts(report)) {
+      if (line["name"] == "Pose uncertainty") return line["value"].get<std::string>();
+    }
+    return std::string();
+  };
+  const std::string known =
+      "standard deviation up to 0.10 m from the first key frame (key frame 49 at 12.0, -3.5), "
+      "up to 0.02 m from a neighbour (key frame 7 at 1.0, 2.0)";
+  EXPECT_EQ(value(), known);
+  report["uncertainty"]["doubtful"] = 2;
+  EXPECT_EQ(value(), known + "; 2 are doubtful");
+  EXPECT_EQ(verdict_on(report, "Pose uncertainty"), false);
+  report["uncertainty"]["doubtful"] = 0;
+  report["uncertainty"]["not_tied"] = 5;
+  EXPECT_EQ(value(), known + "; 5 key frames are not tied to the first");
+  report["verdicts"] = verdicts(report);
+  EXPECT_EQ(overall_verdict(report), "Look at: Pose uncertainty");
+  report["uncertainty"]["largest"] = nullptr;
+  EXPECT_EQ(value(), "not known");
 }
 
 // Nothing measured is neither good nor bad.
@@ -123,7 +150,7 @@ TEST(ReportVerdicts, AreSummedUp) {
   report["verdicts"] = verdicts(report);
   EXPECT_EQ(overall_verdict(report), "Good: nothing that a person would have to look at");
   report["scans"]["dropped"] = 2;
-  report["uncertainty"]["largest_sigma_m"] = 0.6;
+  report["uncertainty"]["largest"]["sigma_m"] = 0.6;
   report["ghosts"] = Json::array();
   report["verdicts"] = verdicts(report);
   EXPECT_EQ(overall_verdict(report),

@@ -27,7 +27,7 @@ struct OptimizationReport {
   double cost_after = 0.0;
   int iterations = 0;
   double gnss_rms = 0.0;  ///< m, horizontally, of the newest alignment to East-North-Up
-  /// Of the information matrix, after a thorough solution (marginal_covariance.hpp): how firmly the
+  /// Of the information matrix, after a thorough solution (least_eigenvalue.hpp): how firmly the
   /// least known motion of the map is held; 0: not computed, or not held at all.
   double least_eigenvalue = 0.0;
   double seconds = 0.0;  ///< filled in by the caller of solve(); the core owns no clock

@@ -22,6 +22,8 @@ struct Constraint {
   bool switchable = false;                    ///< may be refused when the others contradict it
   RobustKernel kernel = RobustKernel::kNone;  ///< where it is believed
   double kernel_size = 1.0;                   ///< standard deviations
+  /// May be wrong by far more than it says: has the least weight while others are judged.
+  bool doubtful = false;
 
   int degrees_of_freedom() const { return residual->num_residuals(); }
 };

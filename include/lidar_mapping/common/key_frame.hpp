@@ -20,6 +20,9 @@ struct KeyFrame {
   /// Of the motion since the previous key frame.
   Covariance6 motion_covariance = Covariance6::Identity();
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link, unit length
+  /// A step of that motion may be wrong by more than its match says; the covariance has its
+  /// expected error.
+  bool doubtful = false;
   PointCloudPtr cloud;  ///< in base_link, deskewed to the stamp; null where it is kept elsewhere
 };
 

@@ -54,7 +54,10 @@ struct FrontEndStatus {
   /// That the step from the last scan that claimed its pose is right within three of its own
   /// standard deviations, 0 to 1 (StepBelief).
   double probability = 1.0;
-  /// What that follows from.
+  /// How far off such a step usually is, whatever its covariance says; 0 where nothing was matched.
+  double expected_error = 0.0;        ///< m
+  double expected_error_angle = 0.0;  ///< rad
+  /// What these follow from.
   StepEvidence evidence;
   /// For whole scan and for its steps: the only figures that are not the same in each run.
   double seconds = 0.0;

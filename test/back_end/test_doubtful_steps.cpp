@@ -1,0 +1,132 @@
+// A step of the odometry that is probably wrong, in the graph.
+
+#include "lidar_mapping/back_end/relative_covariance.hpp"
+
+#include "back_end_fixture.hpp"
+#include "drive_factors.hpp"
+#include "linearisation.hpp"
+#include "optimization.hpp"
+
+namespace lidar_mapping::back_end {
+namespace {
+
+using test::add_lap_loops;
+using test::aligned_rmse;
+using test::feed;
+using test::make_loop;
+using test::optimize;
+using test::SyntheticDrive;
+
+constexpr std::size_t kWrong = 300;  // the key frame whose step is wrong
+constexpr int kLap = 400;            // key frames
+
+/// What the front end expects of such steps.
+Covariance6 expected_error() { return diagonal_covariance(0.4, 0.03); }
+
+/// Odometry turns by 90 degrees too much on the way to kWrong.
+SyntheticDrive wrongly_turned_drive(bool doubtful) {
+  SyntheticDrive drive = test::make_drive();
+  const Pose before = drive.key_frames[kWrong - 1].T_odom_base;
+  const Pose turn{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::Zero()};
+  const Pose moved = before * turn * before.inverse();
+  for (std::size_t i = kWrong; i < drive.key_frames.size(); ++i) {
+    drive.key_frames[i].T_odom_base = moved * drive.key_frames[i].T_odom_base;
+  }
+  drive.key_frames[kWrong].doubtful = doubtful;
+  if (doubtful) drive.key_frames[kWrong].motion_covariance += expected_error();
+  return drive;
+}
+
+std::size_t believed_count(const BackEnd& back_end) {
+  std::size_t count = 0;
+  for (const auto& [loop, used] : back_end.loops()) count += used ? 1 : 0;
+  return count;
+}
+
+struct Outcome {
+  std::size_t believed = 0;  ///< of 80 right loops
+  double error = 0.0;        ///< m
+};
+
+Outcome outcome_of(const SyntheticDrive& drive) {
+  BackEnd back_end(BackEndConfig{});
+  std::mt19937 engine(5);
+  feed(back_end, drive);
+  add_lap_loops(back_end, drive, kLap, 5, engine);
+  optimize(back_end, true);
+  return {believed_count(back_end), aligned_rmse(back_end, drive)};
+}
+
+TEST(DoubtfulStep, GivesWayToRightLoopsHoweverWrongItIs) {
+  const Outcome clean = outcome_of(test::make_drive());
+  const Outcome doubted = outcome_of(wrongly_turned_drive(true));
+  EXPECT_EQ(doubted.believed, 80U);
+  EXPECT_LT(doubted.error, 1.1 * clean.error);
+  // Taken for what the match claims.
+  const Outcome claimed = outcome_of(wrongly_turned_drive(false));
+  EXPECT_GT(claimed.error, 10.0 * clean.error) << claimed.believed;
+}
+
+TEST(DoubtfulStep, GivesWayToASingleLoop) {
+  const SyntheticDrive drive = wrongly_turned_drive(true);
+  BackEnd back_end(BackEndConfig{});
+  std::mt19937 engine(5);
+  feed(back_end, drive);
+  EXPECT_GT(aligned_rmse(back_end, drive), 20.0);
+  ASSERT_TRUE(back_end.add_loop(make_loop(drive, 0, kLap, engine)));
+  optimize(back_end, true);
+  EXPECT_EQ(believed_count(back_end), 1U);
+  EXPECT_LT(aligned_rmse(back_end, drive), 2.0) << "what is left is drift";
+}
+
+TEST(DoubtfulStep, HoldsTheMapTogetherWhereNothingElseDoes) {
+  const SyntheticDrive drive = wrongly_turned_drive(true);
+  BackEnd back_end(BackEndConfig{});
+  feed(back_end, drive);
+  optimize(back_end, true);
+  const auto poses = back_end.poses().poses;
+  const Pose motion = poses[kWrong - 1].T_map_base.inverse() * poses[kWrong].T_map_base;
+  const Pose odometry =
+      drive.key_frames[kWrong - 1].T_odom_base.inverse() * drive.key_frames[kWrong].T_odom_base;
+  EXPECT_LT(difference(motion, odometry).norm(), 1e-6);
+}
+
+// The loops that stand without the step do not fall with it: false ones are refused as ever.
+TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
+  const SyntheticDrive drive = wrongly_turned_drive(true);
+  BackEnd back_end(BackEndConfig{});
+  std::mt19937 engine(5);
+  feed(back_end, drive);
+  add_lap_loops(back_end, drive, kLap, 5, engine);
+  Loop wrong = make_loop(drive, 50, 500, engine);
+  wrong.T_from_to = Pose();
+  ASSERT_TRUE(back_end.add_loop(wrong));
+  optimize(back_end, true);
+  EXPECT_EQ(believed_count(back_end), 80U);
+  EXPECT_FALSE(back_end.loops().back().second);
+}
+
+// Contradicted by 90 degrees, it tells next to nothing of how its ends lie to each other.
+TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
+  const SyntheticDrive drive = wrongly_turned_drive(true);
+  BackEnd back_end(BackEndConfig{});
+  std::mt19937 engine(5);
+  feed(back_end, drive);
+  const auto deviation = [&] {
+    const auto problem = back_end.problem(true);
+    const RelativeCovariance all(*problem, kWrong - 1, RelativeCovariance::Given::kAll);
+    return std::sqrt(all.of(kWrong)->topLeftCorner<3, 3>().trace());
+  };
+  EXPECT_NEAR(deviation(), std::sqrt(3.0) * 0.4, 0.02) << "as expected, while nothing contradicts";
+  ASSERT_TRUE(back_end.add_loop(make_loop(drive, 0, kLap, engine)));
+  optimize(back_end, true);
+  const auto problem = back_end.problem(true);
+  const DriveFactors factors = make_factors(problem->drive, problem->config);
+  const Constraint& step =
+      factors.graph.constraints[static_cast<std::size_t>(factors.motion_of[kWrong])];
+  EXPECT_TRUE(step.doubtful);
+  EXPECT_LT(kernel_slope(step, linearised(factors.graph, step).residual), 0.01);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::back_end
