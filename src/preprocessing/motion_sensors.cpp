@@ -198,9 +198,7 @@ std::optional<FeltForce> MotionSensors::felt_between(Stamp begin, Stamp end) con
 
 std::optional<VelocitySample> MotionSensors::velocity_at(Stamp stamp) const {
   const auto sample = measured_velocity_at(stamp);
-  if (!sample || velocity_check_.problem(sample->linear) != VelocityProblem::kNone) {
-    return std::nullopt;
-  }
+  if (!sample || problem_of(*sample) != VelocityProblem::kNone) return std::nullopt;
   return in_base(*sample, *extrinsics_.T_base(velocity_.frame_id()));
 }
 
@@ -235,7 +233,15 @@ void MotionSensors::check_velocity(const LocalFix& fix) {
 
 VelocityProblem MotionSensors::velocity_problem(Stamp stamp) const {
   const auto velocity = measured_velocity_at(stamp);
-  return velocity ? velocity_check_.problem(velocity->linear) : VelocityProblem::kNone;
+  return velocity ? problem_of(*velocity) : VelocityProblem::kNone;
+}
+
+VelocityProblem MotionSensors::problem_of(const VelocitySample& velocity) const {
+  const VelocityProblem problem = velocity_check_.problem(velocity.linear);
+  if (problem != VelocityProblem::kAside) return problem;
+  // Its sensor may be mounted askew: then it points ahead in base_link.
+  const Eigen::Quaterniond& R_base_velocity = extrinsics_.T_base(velocity_.frame_id())->rotation;
+  return velocity_check_.problem(R_base_velocity * velocity.linear);
 }
 
 MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span,

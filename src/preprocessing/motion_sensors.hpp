@@ -90,6 +90,8 @@ class MotionSensors {
   bool feels(const ImuSample& sample) const;
   /// In its own axes, where it was measured; nothing without a transform.
   std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
+  /// `velocity` in its own axes.
+  VelocityProblem problem_of(const VelocitySample& velocity) const;
   bool outturns_velocity(const ImuSample& sample) const;
 
   const Extrinsics& extrinsics_;

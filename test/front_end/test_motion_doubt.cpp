@@ -87,7 +87,7 @@ KeyFramesAndSteps key_frames_of(const simulation::Drive& drive, std::size_t ever
     if (result.status.state != TrackingState::kDoubtful) continue;
     ++found.doubtful_steps;
     const double e = result.status.expected_error;
-    EXPECT_GT(result.covariance.topLeftCorner<3, 3>().trace(), 3.0 * e * e);
+    EXPECT_GT((result.covariance.topLeftCorner<3, 3>().trace()), 3.0 * e * e);
   }
   return found;
 }
@@ -99,7 +99,7 @@ TEST(MotionDoubt, IsInTheKeyFramesOfAWalkWithFewScans) {
   const auto doubtful = [](const KeyFrame& k) { return k.doubtful; };
   const auto at = std::find_if(found.key_frames.begin(), found.key_frames.end(), doubtful);
   ASSERT_NE(at, found.key_frames.end());
-  EXPECT_GT(at->motion_covariance.topLeftCorner<3, 3>().trace(), 1e-3);
+  EXPECT_GT((at->motion_covariance.topLeftCorner<3, 3>().trace()), 1e-3);
 }
 
 TEST(MotionDoubt, IsNotInTheKeyFramesOfACleanWalk) {

@@ -214,9 +214,13 @@ TEST(Deskewing, WhatTheGyroTookOutCanBePutBack) {
   rig.motion.speed = 0.0;
   rig.motion.wobble = 0.05;
   rig.T_base_lidar = {exp_so3({0.1, 0.2, -0.3}), {0.5, -0.2, 1.0}};
-  const SyncedScan scan = deskewed(rig);
+  // Turnings are about the LiDAR, in the axes of base_link.
+  const Pose to_lidar{Eigen::Quaterniond::Identity(), -rig.T_base_lidar.translation};
+  SyncedScan scan = deskewed(rig);
+  scan.scan.cloud = transformed(scan.scan.cloud, to_lidar);
   rig.imu = false;
-  const SyncedScan raw = deskewed(rig);
+  SyncedScan raw = deskewed(rig);
+  raw.scan.cloud = transformed(raw.scan.cloud, to_lidar);
   ASSERT_TRUE(scan.uneven_turning);
   EXPECT_FALSE(raw.uneven_turning);
   double bent = 0.0, left = 0.0;
