@@ -32,7 +32,7 @@ struct PointCloud {
 
 using PointCloudPtr = std::shared_ptr<const PointCloud>;
 
-/// One turn of the LiDAR. Points are in base_link; `stamp` is the instant to which they are
+/// One turn of the LiDAR, in its frame or as said; `stamp` is the instant to which points are
 /// deskewed, or to which cloud.times refer.
 struct Scan {
   Stamp stamp = 0;
