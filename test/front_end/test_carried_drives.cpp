@@ -109,7 +109,7 @@ Outcome follow(const simulation::Drive& drive) {
   return outcome;
 }
 
-// F: each scan of a sensor with few beams turned by a degree or two, and the next one back.
+// Each scan of a sensor with few beams turned by a degree or two, and the next one back.
 TEST(CarriedDrive, StepsTurnRightlyWithAGyro) {
   for (const char* name : {"legged", "spin", "handheld"}) {
     SCOPED_TRACE(name);
@@ -130,7 +130,7 @@ TEST(CarriedDrive, AGyroThatIsWrongIsFoundOut) {
   }
 }
 
-// F: scans were bent by it until it was found out and even then, and predicted by it at its limit:
+// Scans were bent by it until it was found out and even then, and predicted by it at its limit:
 // metres off where the LiDAR alone is off by centimetres.
 TEST(CarriedDrive, AGyroThatIsWrongDoesNoHarm) {
   for (const char* fault : {"imu_units=degrees", "imu_frame", "imu_clip=4,1.5"}) {
@@ -143,7 +143,7 @@ TEST(CarriedDrive, AGyroThatIsWrongDoesNoHarm) {
   }
 }
 
-// F: cut for two seconds in mid-walk.
+// Cut for two seconds in mid-walk.
 TEST(CarriedDrive, AGyroMayFailForSeconds) {
   const Outcome outcome = follow(carried_drive("handheld", 12.0, "imu_gap=2,6"));
   EXPECT_EQ(outcome.lost, 0U);

@@ -91,7 +91,7 @@ TEST(GyroTrust, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
   EXPECT_FALSE(trust.turning());
 }
 
-// F: wrong units, wrong axes, and right again.
+// Wrong units, wrong axes, and right again.
 TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
   const auto degrees = [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(57.3 * rate); };
   const auto turned = [](const Eigen::Vector3d& rate) {
@@ -111,7 +111,7 @@ TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
   }
 }
 
-// F: degrees for radians after rest, where nothing has shown yet what the gyro is worth.
+// Degrees for radians after rest, where nothing has shown yet what the gyro is worth.
 TEST(GyroTrust, DoesNotBelieveFarMoreThanItWasRightAbout) {
   GyroTrust trust;
   const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
@@ -158,7 +158,7 @@ TEST(MotionFilter, TurnsAsMeasured) {
   EXPECT_LT(rotation_angle(filter.forecast_state().T_map_sensor.rotation), 1e-9);
 }
 
-// F: a gyro that has its say in some sweeps only does not make the others look calm.
+// A gyro that has its say in some sweeps only does not make the others look calm.
 TEST(MotionFilter, AGyroDoesNotHideHowAbruptlyTheSensorTurns) {
   const auto spread = [](bool with_gyro) {
     MotionFilter filter(10.0, 50.0);

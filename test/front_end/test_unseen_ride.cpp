@@ -72,7 +72,7 @@ Outcome taken(const Walk& walk, double seconds) {
   return outcome;
 }
 
-// F: nothing in the view of a lift's car tells that it goes up.
+// Nothing in the view of a lift's car tells that it goes up.
 TEST(UnseenRide, IsFeltFromStartToStop) {
   Walk walk;
   walk.unseen = lift;

@@ -207,7 +207,7 @@ TEST(Deskewing, ByTheGyroAloneLeavesUniformTurning) {
   EXPECT_LT(residual(compensated), 0.005);
 }
 
-// F: a gyro that is found wrong has bent the scan.
+// A gyro that is found wrong has bent the scan.
 TEST(Deskewing, WhatTheGyroTookOutCanBePutBack) {
   Rig rig;
   rig.velocity = false;

@@ -53,7 +53,7 @@ TEST(ScanAssembler, PairsByStampWhateverArrivesFirst) {
   EXPECT_EQ(ready[0].prior.linear_velocity->x(), static_cast<double>(kPeriod));
 }
 
-// F: what the gyro took out is told apart from its mean.
+// What the gyro took out is told apart from its mean.
 TEST(ScanAssembler, HandsOnWhatTheGyroTookOut) {
   ScanAssembler assembler(false);
   const UnevenTurning turning{-0.1, 0.002, {exp_so3({0.1, 0.0, 0.0}), exp_so3({0.0, 0.2, 0.0})}};
