@@ -240,7 +240,7 @@ VelocityProblem MotionSensors::problem_of(const VelocitySample& velocity) const 
   const VelocityProblem problem = velocity_check_.problem(velocity.linear);
   if (problem != VelocityProblem::kAside) return problem;
   // Its sensor may be mounted askew: then it points ahead in base_link.
-  const Eigen::Quaterniond& R_base_velocity = extrinsics_.T_base(velocity_.frame_id())->rotation;
+  const Eigen::Quaterniond R_base_velocity = extrinsics_.T_base(velocity_.frame_id())->rotation;
   return velocity_check_.problem(R_base_velocity * velocity.linear);
 }
 

@@ -53,7 +53,7 @@ std::vector<Vector6d> places(const Track& track, const std::vector<Ground>& grou
 /// Pitch and roll with which the rotors' push gives this acceleration.
 void tilt_into(const Eigen::Vector3d& acceleration, double share, Vector6d& place) {
   const Eigen::Vector3d push = Eigen::AngleAxisd(-place(3), Eigen::Vector3d::UnitZ()) *
-                               (acceleration + Eigen::Vector3d(0.0, 0.0, kStandardGravity));
+                               (acceleration + Eigen::Vector3d(0.0, 0.0, kGravity));
   place(4) += share * std::atan2(push.x(), push.z());
   place(5) -= share * std::asin(push.y() / push.norm());
 }

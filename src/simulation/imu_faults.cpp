@@ -109,14 +109,14 @@ void spoil(ImuSample& sample, const ImuFault& fault) {
       break;
     }
     case Kind::kClip:
-      clip(sample.linear_acceleration, fault.amount * kStandardGravity);
+      clip(sample.linear_acceleration, fault.amount * kGravity);
       clip(sample.angular_velocity, fault.other);
       break;
     case Kind::kFrame:
       turn(sample);
       break;
     case Kind::kUnits:
-      if (fault.amount == 0.0) sample.linear_acceleration /= kStandardGravity;
+      if (fault.amount == 0.0) sample.linear_acceleration /= kGravity;
       if (fault.amount == 1.0) sample.angular_velocity *= kDegPerRad;
       break;
     case Kind::kOffset:

@@ -37,7 +37,7 @@ ImuModel consumer() {
   model.accelerometer.bias_walk = 1e-3;
   model.accelerometer.scale = 0.005;
   model.accelerometer.misalignment = 0.01;
-  model.accelerometer.range = 4.0 * kStandardGravity;
+  model.accelerometer.range = 4.0 * kGravity;
   return model;
 }
 

@@ -89,8 +89,7 @@ std::vector<ImuSample> sample_imu(const SmoothTrajectory& trajectory, const Pose
     const MotionState state = trajectory.state(stamp).of_frame(T_base_imu);
     const Eigen::Quaterniond& R_map_imu = state.T_map_base.rotation;
     const Eigen::Vector3d force =
-        R_map_imu.conjugate() *
-        (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kStandardGravity));
+        R_map_imu.conjugate() * (state.acceleration_map + Eigen::Vector3d(0.0, 0.0, kGravity));
     ImuSample sample;
     sample.stamp = stamp;
     sample.angular_velocity = gyro.measured(state.angular_velocity_base, random);

@@ -45,7 +45,7 @@ TEST_P(EveryCarrier, ItsImuIntegratesToItsTrajectory) {
   const std::vector<ImuSample> imu = drive.imu();
   ASSERT_EQ(imu[1].stamp - imu[0].stamp, kImuPeriod);
   const Pose& T_base_imu = drive.mounting().T_base_imu;
-  const Eigen::Vector3d gravity(0.0, 0.0, -kStandardGravity);
+  const Eigen::Vector3d gravity(0.0, 0.0, -kGravity);
   const double h = 2.0 * to_seconds(kImuPeriod);
   for (std::size_t first = 0; first + 200 < imu.size(); first += 2000) {
     MotionState state = drive.trajectory().state(imu[first].stamp).of_frame(T_base_imu);
@@ -87,7 +87,7 @@ TEST(Carriers, ARobotWithLegsGetsAShockOfThreeGAtEachStep) {
   ASSERT_GT(peaks.size(), 200U);
   std::nth_element(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() / 2),
                    peaks.end());
-  EXPECT_NEAR(peaks[peaks.size() / 2] / kStandardGravity, 3.0, 0.3);
+  EXPECT_NEAR(peaks[peaks.size() / 2] / kGravity, 3.0, 0.3);
 }
 
 TEST(Carriers, SomebodyTurnsOnTheSpotAtFiveRadiansPerSecond) {

@@ -88,13 +88,13 @@ TEST(Imu, ClipsAtItsRange) {
   for (const ImuSample& s : Drive(options).imu()) {
     most = std::max(most, s.linear_acceleration.cwiseAbs().maxCoeff());
   }
-  EXPECT_EQ(most, 4.0 * kStandardGravity);
+  EXPECT_EQ(most, 4.0 * kGravity);
   most = 0.0;
   for (const ImuSample& s : ideal({"imu_clip=1.1,0.5"})) {
     EXPECT_LE(s.angular_velocity.cwiseAbs().maxCoeff(), 0.5);
     most = std::max(most, s.linear_acceleration.cwiseAbs().maxCoeff());
   }
-  EXPECT_EQ(most, 1.1 * kStandardGravity);
+  EXPECT_EQ(most, 1.1 * kGravity);
 }
 
 TEST(Imu, MayHaveGapsAndADeadAxis) {
@@ -117,8 +117,8 @@ TEST(Imu, MayHaveWrongUnitsScaleFrameAndStamps) {
   const auto near = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return (a - b).norm() < 1e-9;
   };
-  EXPECT_TRUE(near(spoilt("imu_units=g").linear_acceleration,
-                   right.linear_acceleration / kStandardGravity));
+  EXPECT_TRUE(
+      near(spoilt("imu_units=g").linear_acceleration, right.linear_acceleration / kGravity));
   EXPECT_TRUE(
       near(spoilt("imu_units=degrees").angular_velocity, right.angular_velocity * 180.0 / M_PI));
   EXPECT_TRUE(near(spoilt("imu_scale=0.1").angular_velocity, 1.1 * right.angular_velocity));

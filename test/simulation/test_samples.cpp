@@ -100,9 +100,8 @@ TEST_F(Samples, ImuMeasuresRatesAndSpecificForceInItsOwnAxes) {
   for (std::size_t i = 0; i < imu.size(); i += 97) {
     const MotionState state =
         drive.trajectory().state(imu[i].stamp).of_frame(drive.mounting().T_base_imu);
-    const Eigen::Vector3d force =
-        state.T_map_base.rotation.conjugate() *
-        (state.acceleration_map + Eigen::Vector3d(0, 0, kStandardGravity));
+    const Eigen::Vector3d force = state.T_map_base.rotation.conjugate() *
+                                  (state.acceleration_map + Eigen::Vector3d(0, 0, kGravity));
     EXPECT_LT((imu[i].angular_velocity - state.angular_velocity_base).norm(),
               5.0 * (kGyroNoise + kGyroBias));
     EXPECT_LT((imu[i].linear_acceleration - force).norm(),
@@ -114,7 +113,7 @@ TEST_F(Samples, ImuMeasuresRatesAndSpecificForceInItsOwnAxes) {
 
 TEST_F(Samples, ImuAtRestFeelsGravityUpwards) {
   const Drive drive(options());
-  EXPECT_NEAR(drive.imu().front().linear_acceleration.z(), kStandardGravity, 0.3);
+  EXPECT_NEAR(drive.imu().front().linear_acceleration.z(), kGravity, 0.3);
 }
 
 TEST_F(Samples, IntegratedGyroTurnsLikeTheTrajectory) {

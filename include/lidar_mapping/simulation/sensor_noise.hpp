@@ -1,3 +1,4 @@
+constexpr double kGravity = 9.81;  ///< m/s^2, along -z of map, in these worlds
 #pragma once
 
 namespace lidar_mapping::simulation {
@@ -10,5 +11,6 @@ constexpr double kAccelerometerNoise = 0.03;  ///< m/s^2
 constexpr double kAccelerometerBias = 0.04;   ///< m/s^2
 constexpr double kOrientationNoise = 0.001;   ///< rad
 constexpr double kVelocityNoise = 0.02;       ///< m/s
+constexpr double kGravity = 9.81;             ///< m/s^2, along -z of map, in these worlds
 
 }  // namespace lidar_mapping::simulation
