@@ -1,4 +1,3 @@
-constexpr double kGravity = 9.81;  ///< m/s^2, along -z of map, in these worlds
 #pragma once
 
 namespace lidar_mapping::simulation {
