@@ -3,9 +3,10 @@
 #include <cmath>
 
 #include "lidar_mapping/back_end/key_frame_deviation.hpp"
-#include "lidar_mapping/back_end/relative_covariance.hpp"
 
 #include "back_end_fixture.hpp"
+#include "drive_factors.hpp"
+#include "linearisation.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -49,52 +50,93 @@ TEST(KeyFrameDeviation, OfAChainIsThatOfComposedMotions) {
   }
 }
 
+/// The inverse of all that the graph knows, the first key frame known: rows and columns of 6.
+Eigen::MatrixXd whole_inverse(const OptimizationProblem& problem) {
+  const DriveFactors factors = make_factors(problem.drive, problem.config);
+  const auto system = information_matrix(factors.graph, factors.marked);
+  system->add_diagonal(0, 1e12 * Matrix6d::Identity());
+  EXPECT_TRUE(system->factorize());
+  const auto size = 6 * static_cast<Eigen::Index>(factors.graph.states.size());
+  Eigen::MatrixXd inverse = system->solve(Eigen::MatrixXd::Identity(size, size));
+  // The tangent has half angles.
+  for (Eigen::Index i = 0; i < size; ++i) {
+    if (i % 6 < 3) continue;
+    inverse.row(i) *= 2.0;
+    inverse.col(i) *= 2.0;
+  }
+  return inverse;
+}
+
 TEST(KeyFrameDeviation, IsThatOfTheWholeInverseBesideLoops) {
-  const SyntheticDrive drive = test::make_drive();
+  test::DriveSettings settings;
+  settings.spacing = 5.0;
+  const SyntheticDrive drive = test::make_drive(settings);
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
   feed(back_end, drive);
-  add_lap_loops(back_end, drive, 400, 20, engine);
+  add_lap_loops(back_end, drive, 80, 10, engine);
   optimize(back_end, true);
   const auto problem = back_end.problem(true);
+  const Eigen::MatrixXd inverse = whole_inverse(*problem);
   const auto deviations = key_frame_deviations(*problem);
-  for (const KeyFrameIndex index : {1U, 200U, 399U, 410U, 799U}) {
-    const RelativeCovariance first(*problem, 0, RelativeCovariance::Given::kAll);
-    const double expected = deviation_of(*first.of(index)).position;
-    EXPECT_NEAR(deviations[index].from_first.position, expected, 5e-3 * expected) << index;
-    const RelativeCovariance previous(*problem, index - 1, RelativeCovariance::Given::kAll);
-    const double step = deviation_of(*previous.of(index)).position;
-    // Beside the end of a lap, where loops begin, the two differ by up to 8 %.
-    EXPECT_NEAR(deviations[index].from_previous.position, step, 0.1 * step) << index;
+  for (std::size_t i = 1; i < deviations.size(); ++i) {
+    const auto at = 6 * static_cast<Eigen::Index>(i);
+    const PoseDeviation first = deviation_of(inverse.block<6, 6>(at, at));
+    EXPECT_NEAR(deviations[i].from_first.position, first.position, 1e-6 * first.position) << i;
+    EXPECT_NEAR(deviations[i].from_first.angle, first.angle, 1e-6 * first.angle) << i;
+    // d_motion = d_this - Ad d_previous.
+    const auto pose = [&](std::size_t k) { return problem->drive.nodes[k].T_map_base; };
+    Eigen::Matrix<double, 6, 12> of_motion;
+    of_motion << -adjoint(pose(i).inverse() * pose(i - 1)), Matrix6d::Identity();
+    const PoseDeviation previous =
+        deviation_of(of_motion * inverse.block<12, 12>(at - 6, at - 6) * of_motion.transpose());
+    EXPECT_NEAR(deviations[i].from_previous.position, previous.position, 1e-6 * previous.position);
+    EXPECT_NEAR(deviations[i].from_previous.angle, previous.angle, 1e-6 * previous.angle) << i;
   }
 }
 
-TEST(KeyFrameDeviation, HasWhatADoubtfulStepAddsAndLoopsTakeAway) {
-  SyntheticDrive drive = test::make_drive();
+/// A lap of odometry that is as good as its covariances, and those without drift.
+SyntheticDrive exact_lap() {
+  test::DriveSettings settings;
+  settings.laps = 1;
+  settings.scale_error = 0.0;
+  settings.turn_bias_deg = 0.0;
+  return test::make_drive(settings);
+}
+
+BackEndConfig without_drift() {
+  BackEndConfig config;
+  config.odometry_drift = 0.0;
+  config.odometry_drift_deg_per_m = 0.0;
+  return config;
+}
+
+TEST(KeyFrameDeviation, HasWhatADoubtfulStepAddsAndALoopTakesAway) {
+  SyntheticDrive drive = exact_lap();
   drive.key_frames[200].doubtful = true;
-  drive.key_frames[200].motion_covariance += diagonal_covariance(2.0, 0.01);
-  BackEnd back_end(BackEndConfig{});
+  drive.key_frames[200].motion_covariance += diagonal_covariance(20.0, 0.01);
+  BackEnd back_end(without_drift());
   feed(back_end, drive);
   auto deviations = key_frame_deviations(*back_end.problem(true));
+  const double expected = std::sqrt(3.0) * 20.0;
   EXPECT_TRUE(deviations[200].doubtful);
   EXPECT_FALSE(deviations[201].doubtful);
-  const double added = std::sqrt(3.0) * 2.0;
-  EXPECT_NEAR(deviations[200].from_previous.position, added, 0.01);
-  EXPECT_NEAR(deviations[200].from_first.position,
-              std::hypot(deviations[199].from_first.position, added),
-              0.05 * deviations[200].from_first.position);
-  EXPECT_LT(deviations[201].from_previous.position, 0.1);
+  EXPECT_LT(deviations[199].from_first.position, 0.2 * expected);
+  EXPECT_NEAR(deviations[200].from_previous.position, expected, 0.01 * expected);
+  EXPECT_GT(deviations[200].from_first.position, expected);
+  EXPECT_LT(deviations[201].from_previous.position, 0.01 * expected);
   std::mt19937 engine(3);
-  add_lap_loops(back_end, drive, 400, 5, engine);
+  back_end.add_loop(make_loop(drive, 0, 399, engine));
   optimize(back_end, true);
   deviations = key_frame_deviations(*back_end.problem(true));
-  EXPECT_LT(deviations[200].from_previous.position, 0.2 * added) << "the other lap knows better";
+  EXPECT_LT(deviations[200].from_first.position, 0.1 * expected);
+  EXPECT_LT(deviations[200].from_previous.position, 0.2 * expected);
 }
 
 TEST(KeyFrameDeviation, IsInfiniteBehindABreakThatNothingJoins) {
-  SyntheticDrive drive = test::make_drive({1});
+  SyntheticDrive drive = exact_lap();
   for (std::size_t i = 300; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
-  BackEnd back_end(BackEndConfig{});
+  BackEnd back_end(without_drift());
   feed(back_end, drive);
   auto deviations = key_frame_deviations(*back_end.problem(true));
   EXPECT_TRUE(std::isfinite(deviations[299].from_first.position));
@@ -104,11 +146,15 @@ TEST(KeyFrameDeviation, IsInfiniteBehindABreakThatNothingJoins) {
   EXPECT_TRUE(std::isinf(deviations[350].from_first.position));
   EXPECT_LT(deviations[350].from_previous.position, 0.1) << "within the part all is well";
   std::mt19937 engine(3);
-  back_end.add_loop(make_loop(drive, 298, 301, engine));
+  back_end.add_loop(make_loop(drive, 0, 310, engine));
   optimize(back_end, true);
   deviations = key_frame_deviations(*back_end.problem(true));
-  EXPECT_LT(deviations[300].from_previous.position, 0.5) << "by way of the loop";
-  EXPECT_LT(deviations[300].from_first.position, deviations[299].from_first.position + 0.5);
+  EXPECT_EQ(deviations[300].part, deviations[0].part);
+  EXPECT_LT(deviations[310].from_first.position, 0.1) << "it is what the loop says";
+  EXPECT_LT(deviations[310].from_first.position, deviations[300].from_first.position);
+  // By way of the loop, as no odometry joins it to the key frame before.
+  EXPECT_GT(deviations[300].from_previous.position, deviations[299].from_first.position);
+  EXPECT_TRUE(std::isfinite(deviations[300].from_previous.position));
 }
 
 }  // namespace
