@@ -85,8 +85,15 @@ SweepMatcher::Found MapBeginning::find_motion(const registration::NdtPoints& poi
   return found;
 }
 
+bool MapBeginning::gives_way(const StepBelief& belief) {
+  if (motion_known_ || gave_way_ || belief.is_safe(false)) return false;
+  gave_way_ = true;
+  return true;
+}
+
 void MapBeginning::know_motion(const registration::NdtMatch& match) {
   motion_known_ = true;
+  gave_way_ = false;
   if (!first_scans_.is_open()) return;
   const Vector6d& twist = match.state.twist;
   first_scans_.set_first(first_state(twist));

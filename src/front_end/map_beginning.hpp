@@ -4,6 +4,7 @@
 
 #include "first_scans.hpp"
 #include "local_map.hpp"
+#include "step_belief.hpp"
 #include "sweep_matcher.hpp"
 #include "tracker.hpp"
 
@@ -33,6 +34,10 @@ class MapBeginning {
   SweepMatcher::Found find_motion(const registration::NdtPoints& points,
                                   const registration::MotionBelief& prediction, double seconds,
                                   SweepMatcher& matcher, LocalMap& map) const;
+  /// Whether the map is to begin again with the second scan, given the belief in its match. A first
+  /// scan from elsewhere fits somewhere too, and its points would bend the map that grows from it.
+  /// At most once per map: where points are few, no second scan is ever matched with certainty.
+  bool gives_way(const StepBelief& belief);
   /// That match was accepted.
   void know_motion(const registration::NdtMatch& match);
 
@@ -69,6 +74,7 @@ class MapBeginning {
   int inserted_scans_ = 0;
   bool one_place_ = true;
   bool motion_known_ = false;
+  bool gave_way_ = false;  ///< to the scan that the map begins with now
 };
 
 }  // namespace lidar_mapping::front_end

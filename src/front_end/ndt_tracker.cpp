@@ -169,9 +169,14 @@ class NdtTracker::Impl {
     result.status.evidence.degenerate = result.status.degenerate_directions.empty() ? 0.0 : 1.0;
     result.status.state = judge_.judge(found.match, believed);
     if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
-    doubt_.lower(believe(result.status.evidence, EvidenceSource::kNdt), result.status);
+    const StepBelief belief = believe(result.status.evidence, EvidenceSource::kNdt);
+    doubt_.lower(belief, result.status);
     if (result.status.state == TrackingState::kLost) {
       hold(scan, seconds, result);
+      return;
+    }
+    if (beginning_.gives_way(belief)) {
+      begin_over(scan, found.match, believed, result.status);
       return;
     }
     if (!beginning_.motion_known()) {
@@ -330,6 +335,19 @@ class NdtTracker::Impl {
     // Its pose is a prediction all the same.
     result.status.state = TrackingState::kLost;
     result.new_segment = true;
+  }
+
+  /// The map begins again with this scan, where it fitted the map of the first one best.
+  void begin_over(const Scan& scan, const NdtMatch& match, const MotionBelief& believed,
+                  FrontEndStatus& status) {
+    const double to_stamp = -sampler_.reference();
+    const Matrix12d covariance =
+        reported_covariance(match) + doubt_covariance(match.state, believed, status.probability);
+    forget();
+    FrontEndStatus begun;
+    begin(scan, moved(match.state.T_map_sensor, match.state.twist, to_stamp), begun);
+    beginning_.finalize();
+    covariance_ = covariance;
   }
 
   void keep(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
