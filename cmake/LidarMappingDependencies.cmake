@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # All third-party packages but ROS and Eigen, so that each has one place.
 find_package(TBB QUIET CONFIG)
 find_package(yaml-cpp REQUIRED)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Kernels: inner loops in files of their own, of which some are compiled once more for wider
 # instructions and chosen at run time.
 include(CheckCXXCompilerFlag)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # One library per stage, so that the linker holds the layering too.
 add_library(lidar_mapping_warnings INTERFACE)
 target_compile_options(lidar_mapping_warnings INTERFACE

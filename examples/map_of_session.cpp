@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Builds the map of a session (what a drive leaves behind, doc/session.md) and writes its files.
 //   map_of_session SESSION FOLDER [VOXEL_SIZE]
 

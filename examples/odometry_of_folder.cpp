@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Odometry of a folder of scans (*.pcd, *.bin or KITTI's folders), written as a TUM file.
 //   odometry_of_folder FOLDER TRAJECTORY.tum
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A pose graph with a factor of one's own: ranges to radio beacons correct an odometry that drifts.
 //   own_factor
 

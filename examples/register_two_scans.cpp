@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Registers one scan onto another one (PCD files) and prints the pose that was found.
 //   register_two_scans TARGET.pcd SOURCE.pcd [METHOD]
 

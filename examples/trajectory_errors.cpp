@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Errors of an estimated trajectory against the true one (files in TUM's or KITTI's format), after
 // a rigid alignment.
 //   trajectory_errors TRUTH ESTIMATE

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Functions shared by the scripts: install what is missing, build the package in a folder of its
 # own. Meant to be sourced.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Holds the comments of configuration structs against the one description of their fields, the schema.
 
 A field's comment is its unit in brackets and the schema's sentence. `--fix` writes the comments anew.

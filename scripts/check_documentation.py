@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Run the commands of README.md, CONTRIBUTING.md and doc/ as they are written, and look up what the pages name.
 
 Each command of a bash block is run in a folder that holds a short simulated drive under the names that

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Hold the includes against the table of stages: a file includes only its own stage and those below.
 
 doc/architecture.md shows this table, and a picture of it; draw_layers.py writes both.

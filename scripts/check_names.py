@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Hold the names that the documentation gives against the code.
 
 doc/glossary.md has to be in alphabetical order and to explain every field of the messages and services

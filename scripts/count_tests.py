@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Count the test cases in catkin's result files; say which failed; end with 'N passed, N failed'.
 
 usage: count_tests.py RESULT_FOLDER

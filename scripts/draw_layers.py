@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Write the table of stages of check_layering.py into doc/architecture.md, and draw it as a picture.
 
 usage: draw_layers.py [--check]     --check: says whether they are up to date, and changes nothing

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Fits the coefficients of StepBelief to tables that `odometry_campaign --evidence` wrote.
 
 A logistic model of features() (the same as in step_belief.cpp) gives the probability that a step is

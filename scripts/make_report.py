@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Make the page that shows a session's report.
 
 usage: make_report.py REPORT.json PICTURE_DATA_DIR PAGE.html

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """What README.md and the pages of doc/ hold: commands, inline code, links. See check_documentation.py.
 
 usage: pages.py PAGE HEADING PROGRAM    prints the bash block under the heading that begins with the program

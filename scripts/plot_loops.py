@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Plot a session's trajectory with its loops, before and after optimisation.
 
 usage: plot_loops.py REPORT.json PICTURE.png

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Plot two trajectories and the error along the path.
 
 usage: plot_trajectories.py DATA.json PICTURE.png

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Copy a bag with other names for some topics.
 
 usage: rename_topics.py IN.bag OUT.bag OLD:=NEW ...

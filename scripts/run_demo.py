@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Simulate a drive, map it with the nodes while rosbag plays it, and judge the map.
 
 The package must be built and its setup sourced; scripts/demo does both.

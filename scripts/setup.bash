@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Source this file: roslaunch and rosrun find the built package afterwards.
 #   source scripts/setup.bash
 export PATH=/usr/bin:$PATH

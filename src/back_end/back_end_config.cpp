@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/back_end/back_end_config.hpp"
 
 #include <algorithm>

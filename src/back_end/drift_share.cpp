@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "drift_share.hpp"
 
 #include <algorithm>

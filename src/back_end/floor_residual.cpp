@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <ceres/sized_cost_function.h>
 
 #include "lidar_mapping/back_end/residuals.hpp"

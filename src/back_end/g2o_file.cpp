@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/back_end/g2o_file.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "gnss_alignment.hpp"
 
 #include <algorithm>

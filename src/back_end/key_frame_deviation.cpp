@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/back_end/key_frame_deviation.hpp"
 
 #include <algorithm>

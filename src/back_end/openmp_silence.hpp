@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 // CHOLMOD's OpenMP threads spin between the parts of a factorisation, which costs processor time

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/back_end/robust_kernel.hpp"
 
 #include <algorithm>

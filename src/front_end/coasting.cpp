@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "coasting.hpp"
 
 #include "motion_filter.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "gyro_trust.hpp"
 
 #include <algorithm>

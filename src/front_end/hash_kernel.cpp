@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "hash_kernel.hpp"
 
 #include "hash_kernel_body.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The kernel of hash_kernel.hpp; included by one file per instruction set.
 
 #include <cstring>

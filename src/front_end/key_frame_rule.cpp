@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "key_frame_rule.hpp"
 
 namespace lidar_mapping::front_end {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "key_frame_window.hpp"
 
 #include <utility>

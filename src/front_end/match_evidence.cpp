@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "match_evidence.hpp"
 
 #include <algorithm>

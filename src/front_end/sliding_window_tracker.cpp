@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sliding_window_tracker.hpp"
 
 #include <cmath>

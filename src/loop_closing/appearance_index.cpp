@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/map/key_frame_track.hpp"
 
 namespace lidar_mapping::map {

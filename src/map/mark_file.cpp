@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mark_file.hpp"
 
 namespace lidar_mapping::map {

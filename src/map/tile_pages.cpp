@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tile_pages.hpp"
 
 namespace lidar_mapping::map {

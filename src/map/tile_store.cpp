@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tile_store.hpp"
 
 #include <algorithm>

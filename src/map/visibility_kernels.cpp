@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "visibility_kernels.hpp"
 
 #include <initializer_list>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
 #include "lidar_mapping/common/instruction_set.hpp"
 

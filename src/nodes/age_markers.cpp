@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "age_markers.hpp"
 
 #include <algorithm>

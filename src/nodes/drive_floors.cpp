@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "drive_floors.hpp"
 
 #include "marker_layer.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>

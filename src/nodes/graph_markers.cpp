@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "graph_markers.hpp"
 
 #include "marker_layer.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/preprocessing/floor_detection_config.hpp"
 
 namespace lidar_mapping::preprocessing {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "gyro_bias.hpp"
 
 namespace lidar_mapping::preprocessing {

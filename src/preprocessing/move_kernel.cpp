@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "move_kernel.hpp"
 
 #include "move_kernel_body.hpp"

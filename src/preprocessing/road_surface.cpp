@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "road_surface.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include <algorithm>

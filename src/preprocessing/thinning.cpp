@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "thinning.hpp"
 
 #include <unordered_set>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ndt_kernels.hpp"
 
 #include "ndt_kernels_body.hpp"

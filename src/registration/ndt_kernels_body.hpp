@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The kernels of ndt_kernels.hpp; included by one file per instruction set.
 // Eight lanes as the compiler's vectors: on plain x86-64 each becomes two SSE registers.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/registration/ndt_points.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <pcl/registration/gicp.h>
 
 #include "pcl_registration.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/diagnostics.hpp"
 
 #include <array>

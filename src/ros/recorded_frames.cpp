@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/recorded_frames.hpp"
 
 #include <tf2/exceptions.h>

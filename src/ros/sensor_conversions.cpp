@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/ros/warning_limiter.hpp"
 
 namespace lidar_mapping::ros_border {

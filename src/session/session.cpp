@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/session/session.hpp"
 
 #include "lidar_mapping/common/atomic_file.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ray_returns.hpp"
 
 namespace lidar_mapping::simulation {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Builds the map of a session from its newest poses.
 
 #include <cstdio>

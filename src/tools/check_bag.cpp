@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Looks at the sensors' messages in bags and says what is wrong with them.
 
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compares a trajectory with the truth: absolute, relative and KITTI's errors.
 
 #include <cstdio>

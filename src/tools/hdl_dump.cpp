@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sessions to the folders that hdl_graph_slam dumps and interactive_slam edits, and back.
 
 #include "lidar_mapping/pipeline/hdl_dump.hpp"

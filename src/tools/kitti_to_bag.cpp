@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Writes a raw recording of KITTI, or a folder as its odometry benchmark lays it out, as a bag with
 // the topics that mapping.launch expects.
 

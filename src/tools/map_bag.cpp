@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Maps a recorded drive without a ROS master, as fast as the processor allows.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tells how good the map of a session is, without truth; as lines, JSON or a report to look at.
 
 #include "lidar_mapping/map/map_quality.hpp"

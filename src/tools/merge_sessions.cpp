@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joins sessions to one, by what they saw of the same places or by GNSS.
 
 #include <iostream>

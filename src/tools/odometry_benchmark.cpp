@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs the front end over recorded scans and tells how fast and how accurate it was.
 
 #include <chrono>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs the front end over simulated drives with faults and tells where it was wrong in silence.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Optimises a pose graph in a g2o file.
 
 #include <cstdio>

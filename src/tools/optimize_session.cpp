@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Solves the pose graph of a session again, with other settings if wanted.
 
 #include <chrono>

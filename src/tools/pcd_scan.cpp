@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "pcd_scan.hpp"
 
 #include <sensor_msgs/PointCloud2.h>

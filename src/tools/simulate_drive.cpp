@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simulates a drive and writes it as a bag with KITTI's topics, or as a folder of scans.
 
 #include <cstdio>

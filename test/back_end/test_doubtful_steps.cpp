@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A step of the odometry that is probably wrong, in the graph.
 
 #include "lidar_mapping/back_end/relative_covariance.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How well the graph knows its key frames.
 
 #include <cmath>

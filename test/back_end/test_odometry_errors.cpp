@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 
 #include "back_end_fixture.hpp"
 #include "drift_share.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
 
 #include "back_end_fixture.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How far the poses of the LiDAR differ where base_link lies elsewhere on the same vehicle:
 //   base_frame_invariance --drive town --lidar vlp16 --duration 30 [--lidar-alone]
 //   base_frame_invariance --folder DIRECTORY

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Map insertion, one alignment, one whole scan, on a stretch of the simulated town.
 
 #include <vector>

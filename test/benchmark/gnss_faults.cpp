@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What faults of GNSS do to the final error of a simulated drive: a table of errors, and of their
 // ratios to that of the clean receiver. Odometry and loops are computed once and kept in a session.
 

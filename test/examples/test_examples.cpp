@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The programs of examples/, run as a user runs them, against what is known of their input.
 #include <cmath>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What base_link is decides nothing but what poses are said of.
 
 #include <random>

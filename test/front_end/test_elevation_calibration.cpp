@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A sensor whose elevations are all off by the same angle is found out from the drive itself.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the ancestors' front ends get wrong, each with a drive on which it would show.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drives on which an odometry comes to grief: hand-held, without features, with sensors that lie.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What doubtful steps add to the covariance of a motion.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // 207 m of a city street with a sharp bend, recorded at about five scans a second, as it is and as
 // other sensors and other weather would have recorded it.
 

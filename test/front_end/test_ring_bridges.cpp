@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Surfaces between the rings of a scan.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scans that are not what the sensor saw: they may cost accuracy, but no step that is wrong is
 // called tracking.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // First metres: from rest and at speed, with few rings, in open fields.
 
 #include <random>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How sure the front end is of a step, and what it calls one that it is not sure of.
 
 #include <cmath>

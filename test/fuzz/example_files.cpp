@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "example_files.hpp"
 
 #include <cmath>

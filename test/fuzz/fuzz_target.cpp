@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The readers for libFuzzer (clang), which looks for inputs that reach new places in the code:
 //   FUZZ_KIND=pcd_ascii FUZZ_SEEDS=CORPUS fuzz_target CORPUS -max_total_time=60
 // The first byte of an input chooses the file of the kind, where it has several; the rest is what

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What reads files: compiled once more with the sanitizers, so that the fuzz programs find what
 # damaged files do to it. The rest of the package stays as it is built for use. `readers_root` is
 # the folder of the package.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The commands themselves with spoilt files: none of them is ended by a signal or goes on for ever,
 // each says what is wrong with what, and no figure is nan. FUZZ_SECONDS (of each kind) and
 // FUZZ_SEED of the environment let it run longer and elsewhere.

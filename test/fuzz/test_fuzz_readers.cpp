@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Spoilt files of every kind through the functions that read them, in this process: nothing but
 // this package's own errors comes back, nothing hangs, and what is taken is made of finite numbers.
 // FUZZ_SECONDS (of each kind) and FUZZ_SEED of the environment let it run longer and elsewhere.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Reads map products as their formats are published, with nothing of the package.
 
 usage: read_map_products.py FOLDER

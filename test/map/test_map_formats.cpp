@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the table of formats promises holds for each of its rows.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A program of its own, as it counts what every allocation takes.
 
 #include <atomic>

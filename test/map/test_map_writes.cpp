@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a kill, a full disk and readers that know nothing of the package find in a map's folder.
 
 #include <chrono>

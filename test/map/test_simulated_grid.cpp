@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The 2D grid of simulated drives is one that a planner can use.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A street that was driven twice is one street in the map, and a wrong pass is found.
 #include <random>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // On a recorded drive the measure tells better poses from worse ones without being told which, and
 // what stands is not taken for moving.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All scans of a drive can be put into the map, each where it was taken and without its motion.
 #include <gtest/gtest.h>
 

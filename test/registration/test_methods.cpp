@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "method_test.hpp"
 
 namespace lidar_mapping::registration {

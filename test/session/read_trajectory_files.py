@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Holds trajectory files against what evo and other tools expect, with nothing of the package.
 
 usage: read_trajectory_files.py FOLDER   (with *.tum and *.txt)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Computes absolute, relative and KITTI's errors from the definitions with numpy alone, and compares
 them with the figures that evaluate_trajectory wrote.
 

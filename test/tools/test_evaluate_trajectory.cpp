@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // evaluate_trajectory's figures against a computation that shares no code with it (numpy).
 #include <cstdlib>
 #include <fstream>

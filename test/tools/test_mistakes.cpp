@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the commands say to what cannot work: never an abort, always what is wrong and with what.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/NavSatFix.h>
