@@ -10,7 +10,7 @@ namespace lidar_mapping::front_end {
 struct ClaimedPose {
   Pose T_odom_base;
   Covariance6 covariance = Covariance6::Zero();  ///< TrackedScan::covariance
-  double parting_variance = 1.0;                 ///< TrackedScan::parting_variance
+  double drift_variance_factor = 1.0;            ///< TrackedScan::drift_variance_factor
 };
 
 /// Puts the standard deviations of the step from the one to the other into the evidence.

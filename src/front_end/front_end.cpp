@@ -20,7 +20,7 @@
 #include "scan_sampler.hpp"
 #include "surface_support.hpp"
 #include "tracker.hpp"
-#include "unseen_ride.hpp"
+#include "vertical_ride_detector.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -32,8 +32,8 @@ constexpr double kExternalAngleSigma = 0.001;  // rad
 
 Covariance6 matched_covariance(const TrackedScan& from, const TrackedScan& to) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
-  return motion_covariance(from.covariance, from.parting_variance, T_from_to, to.covariance,
-                           to.parting_variance);
+  return motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
+                           to.drift_variance_factor);
 }
 
 Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) {
@@ -224,7 +224,7 @@ class SensorOdometry {
   static void revise(TrackedScan& tracked, const Revision& revision) {
     tracked.T_odom_base = revision.T_odom_base;
     tracked.covariance = revision.covariance;
-    tracked.parting_variance = revision.parting_variance;
+    tracked.drift_variance_factor = revision.drift_variance_factor;
     tracked.twist = revision.twist;
     tracked.acceleration = revision.acceleration;
     tracked.status.degenerate_directions = revision.degenerate_directions;
@@ -323,7 +323,7 @@ class SensorOdometry {
   std::optional<Pose> T_first_external_;
   std::vector<Held> held_;
   std::optional<TrackedScan> last_;
-  UnseenRide ride_;
+  VerticalRideDetector ride_;
   std::optional<Stamp> last_stamp_;
   std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
   Stamp tracked_stamp_ = 0;

@@ -4,7 +4,7 @@
 #include "lidar_mapping/front_end/motion_prior.hpp"
 
 #include "motion_filter.hpp"
-#include "velocity_trust.hpp"
+#include "velocity_validator.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -20,7 +20,7 @@ class MeasuredMotion {
   void see(const MotionPrior& prior, const Eigen::Vector3d& true_velocity);
 
  private:
-  VelocityTrust trust_;
+  VelocityValidator trust_;
 };
 
 }  // namespace lidar_mapping::front_end

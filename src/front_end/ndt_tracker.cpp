@@ -9,14 +9,14 @@
 
 #include "lidar_mapping/front_end/step_timer.hpp"
 
-#include "blind_way.hpp"
 #include "claimed_pose.hpp"
 #include "degeneracy.hpp"
 #include "elevation_calibration.hpp"
-#include "gyro_trust.hpp"
+#include "false_standstill_recovery.hpp"
+#include "gyro_validator.hpp"
 #include "key_frame_rule.hpp"
 #include "local_map.hpp"
-#include "map_beginning.hpp"
+#include "map_initialization.hpp"
 #include "match_evidence.hpp"
 #include "match_judge.hpp"
 #include "measured_motion.hpp"
@@ -27,7 +27,7 @@
 #include "sweep_clock.hpp"
 #include "sweep_matcher.hpp"
 #include "sweep_sampler.hpp"
-#include "unnoticed_motion.hpp"
+#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -115,7 +115,7 @@ class NdtTracker::Impl {
     elevation_.interrupt();
     beginning_.forget();
     unnoticed_.forget();
-    blind_way_.interrupt();
+    unobserved_travel_.interrupt();
     lost_time_ = 0.0;
   }
 
@@ -126,11 +126,11 @@ class NdtTracker::Impl {
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
-    parting_variance_ = 1.0;
+    drift_variance_factor_ = 1.0;
     in_room_ = sampler_.median_range() <= kRoomRange;
     map_.begin(voxel_size());
     rings_ =
-        HeededRings(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
+        RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
@@ -289,7 +289,7 @@ class NdtTracker::Impl {
     filter_.correct(match.state, match.information.inverse(),
                     projection_beside(found.degenerate_directions));
     covariance_ = reported_covariance(match);
-    parting_variance_ = beginning_.is_young() ? variance_in_young_map(match) : 1.0;
+    drift_variance_factor_ = beginning_.is_young() ? variance_in_young_map(match) : 1.0;
     if (status.state != TrackingState::kDegraded) judge_.learn(match);
     last_good_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
@@ -301,7 +301,7 @@ class NdtTracker::Impl {
                       double seconds) {
     if (found.degenerate_directions.empty() || beside_rings_) {
       const Eigen::Matrix3d covariance = speed_covariance(filter_.covariance());
-      blind_way_.see(found.match.state.twist.head<3>().norm(), covariance.trace(), seconds);
+      unobserved_travel_.see(found.match.state.twist.head<3>().norm(), covariance.trace(), seconds);
       return;
     }
     const Eigen::Matrix3d measured = speed_covariance(where_blind.information.inverse());
@@ -311,7 +311,7 @@ class NdtTracker::Impl {
       before += d.dot(unmeasured_speed_ * d);
       after += d.dot(measured * d);
     }
-    blind_way_.pass(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
+    unobserved_travel_.pass(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
   }
 
   static Eigen::Matrix3d speed_covariance(const Matrix12d& covariance) {
@@ -321,10 +321,10 @@ class NdtTracker::Impl {
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
   void hold(const Scan& scan, double seconds, TrackedScan& result) {
     beginning_.finalize();
-    blind_way_.interrupt();
+    unobserved_travel_.interrupt();
     filter_.slow_down(seconds, kHoldTime);
     covariance_ = filter_.covariance();
-    parting_variance_ = 1.0;
+    drift_variance_factor_ = 1.0;
     lost_time_ += seconds;
     // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
     const bool worth_waiting = beginning_.motion_known() && lost_time_ <= config_.max_lost_time;
@@ -393,20 +393,20 @@ class NdtTracker::Impl {
     result.acceleration = filter_.acceleration();
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
                         filter_.unsteadiness(to_stamp);
-    result.parting_variance = parting_variance_;
+    result.drift_variance_factor = drift_variance_factor_;
     result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
     result.provisional = beginning_.is_provisional();
     if (claims_pose(result.status.state) || result.new_segment) claim(result);
     result.status.map_points_dropped = map_.dropped_points();
-    result.status.unobserved_stddev = blind_way_.stddev();
+    result.status.unobserved_stddev = unobserved_travel_.stddev();
     result.status.stamp_jitter = clock_.jitter();
     result.status.gyro_distrusted = gyro_.is_distrusted();
     result.status.step_seconds = timer_.take();
   }
 
   void claim(const TrackedScan& result) {
-    claim_ = {result.T_odom_base, result.covariance, result.parting_variance};
+    claim_ = {result.T_odom_base, result.covariance, result.drift_variance_factor};
     since_claim_ = 0.0;
   }
 
@@ -420,21 +420,21 @@ class NdtTracker::Impl {
   DoubtState doubt_;
   SweepMatcher matcher_;
   MeasuredMotion measured_;
-  GyroTrust gyro_;
+  GyroValidator gyro_;
   Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();  ///< at the scan before
   ElevationCalibration elevation_;
-  MapBeginning beginning_;
-  UnnoticedMotion unnoticed_;
-  BlindWay blind_way_;
+  MapInitialization beginning_;
+  FalseStandstillRecovery unnoticed_;
+  UnobservedTravel unobserved_travel_;
   StepTimer timer_;
 
   Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< covariance, predicted alone
   bool in_room_ = false;                                        ///< the map began there
   bool beside_rings_ = false;                                   ///< the scan was matched like that
   Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
-  double parting_variance_ = 1.0;
+  double drift_variance_factor_ = 1.0;
   bool viewpoint_known_ = false;
-  HeededRings rings_;
+  RingSpacingGate rings_;
   std::size_t scans_ = 0;
   Pose start_;                ///< where a map begins, at the stamp of its first scan
   Pose inserted_;             ///< of the scan last put into the map

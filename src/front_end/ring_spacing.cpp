@@ -78,7 +78,7 @@ double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_senso
   return quantile(std::move(found), 0.25) * kBin;
 }
 
-double HeededRings::spacing_at(const Pose& T_map_sensor) const {
+double RingSpacingGate::spacing_at(const Pose& T_map_sensor) const {
   const bool is_field = left_open_ && (T_map_sensor.translation - *left_open_).norm() <= kOpenField;
   return is_field ? 0.0 : spacing_;
 }

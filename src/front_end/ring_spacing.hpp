@@ -15,9 +15,9 @@ double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_senso
 
 /// The spacing that a map is to heed, see GaussianVoxelMap: none in open fields, where planes leave
 /// a direction open and those of leaves are needed as they are.
-class HeededRings {
+class RingSpacingGate {
  public:
-  explicit HeededRings(double spacing = 0.0) : spacing_(spacing) {}
+  explicit RingSpacingGate(double spacing = 0.0) : spacing_(spacing) {}
   /// The planes left a direction open there.
   void leave_open(const Pose& T_map_sensor) { left_open_ = T_map_sensor.translation; }
   /// rad; 0 for none.

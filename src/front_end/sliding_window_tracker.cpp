@@ -12,13 +12,13 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
-#include "blind_way.hpp"
 #include "claimed_pose.hpp"
 #include "degeneracy.hpp"
 #include "key_frame_rule.hpp"
 #include "key_frame_window.hpp"
 #include "motion_filter.hpp"
 #include "step_belief.hpp"
+#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -135,7 +135,7 @@ class SlidingWindowTracker::Impl {
   }
 
   void claim(const TrackedScan& tracked) {
-    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.parting_variance};
+    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor};
     since_claim_ = 0.0;
   }
 
@@ -230,23 +230,23 @@ class SlidingWindowTracker::Impl {
   /// Takes the pose over; the velocity only from poses that were measured.
   void follow(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
     if (tracked.status.state == TrackingState::kLost) {
-      blind_way_.interrupt();
+      unobserved_travel_.interrupt();
     } else {
       twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
       speed_known_ = true;
       tracked_stamp_ = stamp;
       follow_blindly(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
     }
-    tracked.status.unobserved_stddev = blind_way_.stddev();
+    tracked.status.unobserved_stddev = unobserved_travel_.stddev();
     T_odom_base_ = tracked.T_odom_base;
     stamp_ = stamp;
   }
 
   void follow_blindly(const FrontEndStatus& status, double seconds, bool speed_is_measured) {
     if (status.degenerate_directions.empty()) {
-      blind_way_.see(twist_.head<3>().norm(), kSpeedVariance, seconds);
+      unobserved_travel_.see(twist_.head<3>().norm(), kSpeedVariance, seconds);
     } else {
-      blind_way_.pass(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
+      unobserved_travel_.pass(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
     }
   }
 
@@ -273,7 +273,7 @@ class SlidingWindowTracker::Impl {
   KeyFrameRule rule_;
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
-  BlindWay blind_way_;
+  UnobservedTravel unobserved_travel_;
   DoubtState doubt_;
   StepTimer timer_;
   Pose T_odom_map_;   ///< frame of the registration's target

@@ -16,7 +16,7 @@ namespace lidar_mapping::front_end {
 struct Revision {
   Pose T_odom_base;
   Covariance6 covariance = Covariance6::Identity();
-  double parting_variance = 1.0;
+  double drift_variance_factor = 1.0;
   Vector6d twist = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();
   std::vector<Eigen::Vector3d> degenerate_directions;
@@ -30,7 +30,7 @@ struct TrackedScan {
   /// Of T_odom_base against the local map, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
   /// Variance of errors that part as the sensor moves on, in units of the usual.
-  double parting_variance = 1.0;
+  double drift_variance_factor = 1.0;
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   FrontEndStatus status;

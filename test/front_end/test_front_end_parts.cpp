@@ -117,7 +117,7 @@ TEST(RingSpacing, IsZeroWithoutRings) {
 TEST(RingSpacing, IsNotHeededInAField) {
   constexpr double kSpacing = 0.03;
   const auto at = [](double x) { return Pose{Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; };
-  HeededRings rings(kSpacing);
+  RingSpacingGate rings(kSpacing);
   EXPECT_EQ(rings.spacing_at(at(0.0)), kSpacing);
   rings.leave_open(at(100.0));
   EXPECT_EQ(rings.spacing_at(at(120.0)), 0.0);

@@ -7,7 +7,7 @@
 
 #include "motion_filter.hpp"
 #include "twist_forecast.hpp"
-#include "velocity_trust.hpp"
+#include "velocity_validator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -196,11 +196,11 @@ TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
   EXPECT_EQ(forecast.steadiness()[5], 0.0);
 }
 
-TEST(VelocityTrust, LearnsTheScaleAndWhatTheVelocityIsWorth) {
+TEST(VelocityValidator, LearnsTheScaleAndWhatTheVelocityIsWorth) {
   std::mt19937 engine(5);
   std::normal_distribution<double> noise(0.0, 0.1);
-  VelocityTrust wheels;
-  VelocityTrust dead;
+  VelocityValidator wheels;
+  VelocityValidator dead;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d velocity(10.0, 0.0, 0.0);
     wheels.see(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);

@@ -39,7 +39,8 @@ struct FrontEndStatus {
   /// it is not matched against later.
   std::size_t map_points_dropped = 0;
   /// Standard deviation (m) of the way since the beginning that comes from directions that neither
-  /// the points nor other sensors observed (BlindWay): it grows where the state is degenerate.
+  /// the points nor other sensors observed (UnobservedTravel): it grows where the state is
+  /// degenerate.
   double unobserved_stddev = 0.0;
   /// What the sensor's elevations were found to lack, rad: points are turned upwards by that, in
   /// steps that no match feels.
@@ -47,10 +48,11 @@ struct FrontEndStatus {
   /// Scatter of the stamps, s, where they are so irregular that turns of the sensor are counted
   /// instead (SweepClock); 0 elsewhere.
   double stamp_jitter = 0.0;
-  /// The gyro foretells matches worse than they foretell each other, and is not used (GyroTrust).
+  /// The gyro foretells matches worse than they foretell each other, and is not used
+  /// (GyroValidator).
   bool gyro_distrusted = false;
   /// What the sensor went up or down so far by the accelerometer alone, m: no points showed it
-  /// (UnseenRide).
+  /// (VerticalRideDetector).
   double unseen_way = 0.0;
   /// That the step from the last scan that claimed its pose is right within three of its own
   /// standard deviations, 0 to 1 (StepBelief).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "first_scans.hpp"
+#include "delayed_initialization.hpp"
 
 #include <utility>
 
@@ -28,12 +28,12 @@ void insert(const MatchedScan& scan, const MotionState& state, LocalMap& map) {
 
 }  // namespace
 
-void FirstScans::begin() {
+void DelayedInitialization::begin() {
   end();
   open_ = true;
 }
 
-void FirstScans::end() {
+void DelayedInitialization::end() {
   open_ = false;
   inserted_ = 0;
   scans_.clear();
@@ -41,24 +41,24 @@ void FirstScans::end() {
   found_.clear();
 }
 
-void FirstScans::add(MatchedScan scan) {
+void DelayedInitialization::add(MatchedScan scan) {
   if (open_ && !filter_) scans_.push_back(std::move(scan));
 }
 
-void FirstScans::set_inserted(const SampledPoints& dense) {
+void DelayedInitialization::set_inserted(const SampledPoints& dense) {
   if (!open_ || filter_) return;
   scans_.back().dense = dense;
   ++inserted_;
 }
 
-void FirstScans::set_first(const MotionState& state) { scans_.front().state = state; }
+void DelayedInitialization::set_first(const MotionState& state) { scans_.front().state = state; }
 
-bool FirstScans::is_complete() const {
+bool DelayedInitialization::is_complete() const {
   return inserted_ >= kInsertedScans ||
          to_seconds(scans_.back().stamp - scans_.front().stamp) > kLongest;
 }
 
-std::size_t FirstScans::first_of_later_half() const {
+std::size_t DelayedInitialization::first_of_later_half() const {
   std::size_t earlier = 0;
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     if (scans_[i].dense.size() > 0 && earlier++ == inserted_ / 2) return i;
@@ -66,7 +66,7 @@ std::size_t FirstScans::first_of_later_half() const {
   return 0;
 }
 
-void FirstScans::begin_to_look(const MotionFilter& filter, LocalMap& map) {
+void DelayedInitialization::begin_to_look(const MotionFilter& filter, LocalMap& map) {
   filter_ = filter;
   if (inserted_ < kFewestInserted) return;
   left_ = first_of_later_half();
@@ -76,7 +76,7 @@ void FirstScans::begin_to_look(const MotionFilter& filter, LocalMap& map) {
   filter_->restart(scans_[left_].state, scans_[left_].covariance);
 }
 
-bool FirstScans::match_again(std::size_t i, const MatchJudge& judge, LocalMap& map) {
+bool DelayedInitialization::match_again(std::size_t i, const MatchJudge& judge, LocalMap& map) {
   const MatchedScan& scan = scans_[i];
   const double seconds = seconds_between(scans_[i + 1], scan);
   MotionFilter agile = filter_->agile();
@@ -93,7 +93,8 @@ bool FirstScans::match_again(std::size_t i, const MatchJudge& judge, LocalMap& m
   return true;
 }
 
-bool FirstScans::look_again(const MotionFilter& filter, const MatchJudge& judge, LocalMap& map) {
+bool DelayedInitialization::look_again(const MotionFilter& filter, const MatchJudge& judge,
+                                       LocalMap& map) {
   if (!filter_) {
     if (!is_complete()) return false;
     begin_to_look(filter, map);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "blind_way.hpp"
+#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -10,7 +10,7 @@ constexpr double kLearningRate = 0.05;
 
 }  // namespace
 
-void BlindWay::see(double speed, double variance, double seconds) {
+void UnobservedTravel::see(double speed, double variance, double seconds) {
   speed_variance_ = variance;
   covariance_ = 0.0;
   if (seen_for_ >= 0.0) seen_for_ += seconds;
@@ -23,7 +23,7 @@ void BlindWay::see(double speed, double variance, double seconds) {
   seen_for_ = 0.0;
 }
 
-void BlindWay::pass(double information, double seconds) {
+void UnobservedTravel::pass(double information, double seconds) {
   const double predicted = speed_variance_ + walk_ * seconds;
   speed_variance_ = 1.0 / (1.0 / predicted + information);
   // The share of the error of the speed that has lasted since the scan before.
@@ -34,7 +34,7 @@ void BlindWay::pass(double information, double seconds) {
   seen_for_ = -1.0;
 }
 
-void BlindWay::interrupt() {
+void UnobservedTravel::interrupt() {
   speed_variance_ = kUnknownSpeed;
   seen_for_ = -1.0;
   covariance_ = 0.0;

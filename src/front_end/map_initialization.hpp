@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "first_scans.hpp"
+#include "delayed_initialization.hpp"
 #include "local_map.hpp"
 #include "step_belief.hpp"
 #include "sweep_matcher.hpp"
@@ -13,10 +13,10 @@ namespace lidar_mapping::front_end {
 
 /// The beginning of a local map. The points of its first scan are kept until the motion during that
 /// scan is known; where few rings make a poor map of it, the first scans are looked at again
-/// (FirstScans). Tells how much of the map there is.
-class MapBeginning {
+/// (DelayedInitialization). Tells how much of the map there is.
+class MapInitialization {
  public:
-  explicit MapBeginning(registration::NeighborSearch neighbors) : first_scans_(neighbors) {}
+  explicit MapInitialization(registration::NeighborSearch neighbors) : first_scans_(neighbors) {}
 
   /// The map is given up.
   void forget();
@@ -53,7 +53,7 @@ class MapBeginning {
   /// What is provisional stays as it is.
   void finalize() { first_scans_.end(); }
   void add(MatchedScan scan) { first_scans_.add(std::move(scan)); }
-  /// To be called after each matched scan; see FirstScans::look_again().
+  /// To be called after each matched scan; see DelayedInitialization::look_again().
   std::vector<Revision> look_again(const MotionFilter& filter, const MatchJudge& judge,
                                    LocalMap& map);
 
@@ -66,7 +66,7 @@ class MapBeginning {
   bool is_one_place() const { return one_place_; }
 
  private:
-  FirstScans first_scans_;
+  DelayedInitialization first_scans_;
   Pose start_;  ///< of the first scan, at its stamp
   SampledPoints first_;
   SampledPoints between_first_;

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "unnoticed_motion.hpp"
+#include "false_standstill_recovery.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -97,7 +97,7 @@ class Held {
  private:
   Pose matched_;
   MotionFilter filter_{10.0, 5.0};
-  UnnoticedMotion unnoticed_;
+  FalseStandstillRecovery unnoticed_;
 };
 
 TEST(UprightPoints, AreThoseAboveTheGround) {
@@ -112,15 +112,15 @@ TEST(UprightPoints, AreThoseAboveTheGround) {
   for (const Eigen::Vector3f& p : upright) EXPECT_EQ(p.x(), 0.5F);
 }
 
-TEST(UprightMap, FindsWhereThePointsFit) {
+TEST(VerticalStructureMap, FindsWhereThePointsFit) {
   const Points world = upright_points(seen(field(1), Pose{}));
-  UprightMap map;
+  VerticalStructureMap map;
   map.insert(world, Pose{});
   Vector6d d = Vector6d::Zero();
   d[0] = 0.25;
   d[1] = -0.1;
   d[5] = 0.004;
-  const UprightMap::Fit fit = map.fit(world, perturbed(Pose{}, d));
+  const VerticalStructureMap::Fit fit = map.fit(world, perturbed(Pose{}, d));
   EXPECT_LT(difference(Pose{}, fit.T_map_sensor).norm(), 0.02);
   EXPECT_GT(fit.evidence, map.evaluate(world, perturbed(Pose{}, d)).evidence);
   EXPECT_EQ(fit.seen_again, world.size());
@@ -128,7 +128,7 @@ TEST(UprightMap, FindsWhereThePointsFit) {
   EXPECT_LT(map.count_near(world, ahead(5.0)), world.size() / 10) << "filters err now and then";
 }
 
-TEST(UnnoticedMotion, IsFoundAndFollowed) {
+TEST(FalseStandstillRecovery, IsFoundAndFollowed) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Points world = field(seed);
     Held held(world);
@@ -144,7 +144,7 @@ TEST(UnnoticedMotion, IsFoundAndFollowed) {
   }
 }
 
-TEST(UnnoticedMotion, IsGivenUpWhereNothingStandsUpright) {
+TEST(FalseStandstillRecovery, IsGivenUpWhereNothingStandsUpright) {
   const Points world = field(1);
   Held held(world);
   bool found = false;
@@ -156,14 +156,14 @@ TEST(UnnoticedMotion, IsGivenUpWhereNothingStandsUpright) {
 }
 
 // It fits as well farther ahead and behind.
-TEST(UnnoticedMotion, IsNotSeenByAWallAlongTheWay) {
+TEST(FalseStandstillRecovery, IsNotSeenByAWallAlongTheWay) {
   Points wall;
   for (float x = -40.0F; x < 40.0F; x += 0.5F) add_pole(x, 6.0F, wall);
   Held held(wall, {Eigen::Quaterniond::Identity(), {0.0, 0.8, 0.0}});
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(held.take(seen(wall, Pose{}))) << i;
 }
 
-TEST(UnnoticedMotion, IsNotThatOfATruckWhichPasses) {
+TEST(FalseStandstillRecovery, IsNotThatOfATruckWhichPasses) {
   const Points poles = field(4);
   Points first = poles;
   for (const Eigen::Vector3f& p : truck(-8.0)) first.push_back(p);
@@ -176,7 +176,7 @@ TEST(UnnoticedMotion, IsNotThatOfATruckWhichPasses) {
 }
 
 // More of what stands upright goes than stays, but not by more than chance may make it.
-TEST(UnnoticedMotion, IsNotThatOfSomePeopleWhoWalkAlike) {
+TEST(FalseStandstillRecovery, IsNotThatOfSomePeopleWhoWalkAlike) {
   const auto around = [](double walked) {
     Points world;
     for (const auto& [x, y] : {std::pair{8.0F, 1.0F}, {1.0F, -9.0F}, {-12.0F, -3.0F}}) {

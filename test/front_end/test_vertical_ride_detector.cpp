@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "unseen_ride.hpp"
+#include "vertical_ride_detector.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -47,7 +47,7 @@ Outcome taken(const Walk& walk, double seconds) {
     return T;
   };
   const auto place = [&](double t) { return Eigen::Vector3d(pose(t) * p_base_imu); };
-  UnseenRide ride;
+  VerticalRideDetector ride;
   Outcome outcome;
   for (int i = 0; i * kPeriod < seconds; ++i) {
     const double t = i * kPeriod;
@@ -74,7 +74,7 @@ Outcome taken(const Walk& walk, double seconds) {
 }
 
 // Nothing in the view of a lift's car tells that it goes up.
-TEST(UnseenRide, IsFeltFromStartToStop) {
+TEST(VerticalRideDetector, IsFeltFromStartToStop) {
   Walk walk;
   walk.unseen = lift;
   const Outcome outcome = taken(walk, 30.0);
@@ -85,7 +85,7 @@ TEST(UnseenRide, IsFeltFromStartToStop) {
   EXPECT_NEAR(outcome.way, 9.7, 3.0);
 }
 
-TEST(UnseenRide, IsNotSaidOfAWalk) {
+TEST(VerticalRideDetector, IsNotSaidOfAWalk) {
   for (const double tilt : {0.0, 0.2, 0.5}) {
     Walk walk;
     walk.tilt = tilt;
@@ -94,14 +94,14 @@ TEST(UnseenRide, IsNotSaidOfAWalk) {
 }
 
 // Errors of the odometry are felt as well: they show how much has to be felt before it counts.
-TEST(UnseenRide, IsNotSaidWhereHeightsScatter) {
+TEST(VerticalRideDetector, IsNotSaidWhereHeightsScatter) {
   Walk walk;
   walk.seen_error = 0.06;
   EXPECT_EQ(taken(walk, 60.0).way, 0.0);
 }
 
-TEST(UnseenRide, IsNotSaidWithoutAccelerometer) {
-  UnseenRide ride;
+TEST(VerticalRideDetector, IsNotSaidWithoutAccelerometer) {
+  VerticalRideDetector ride;
   for (int i = 0; i < 100; ++i) {
     Pose pose;
     pose.translation.z() = 0.02 * i * i;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "gyro_trust.hpp"
+#include "gyro_validator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,14 +33,14 @@ double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaternio
 
 }  // namespace
 
-bool GyroTrust::believes(const MotionPrior& prior) const {
+bool GyroValidator::believes(const MotionPrior& prior) const {
   const double most = kBeyond * std::max(kSlow, confirmed_);
   const bool is_likely = !prior.angular_velocity || prior.angular_velocity->norm() <= most;
   return is_likely && !is_distrusted() &&
          (!prior.uneven_turning || prior.uneven_turning->mean_rate() <= most);
 }
 
-void GyroTrust::add(const MotionPrior& prior, double seconds, double duration) {
+void GyroValidator::add(const MotionPrior& prior, double seconds, double duration) {
   const std::optional<Eigen::Vector3d>& rate = prior.angular_velocity;
   believed_ = believes(prior);
   between_.reset();
@@ -52,18 +52,18 @@ void GyroTrust::add(const MotionPrior& prior, double seconds, double duration) {
   seconds_ = seconds;
 }
 
-std::optional<MeasuredTurning> GyroTrust::turning() const {
+std::optional<MeasuredTurning> GyroValidator::turning() const {
   if (!between_ || matches_ < kFirstMatches || !believed_) return std::nullopt;
   return MeasuredTurning{*between_ - bias_, *rate_ - bias_, sigma()};
 }
 
-MotionPrior GyroTrust::rest(MotionPrior prior) const {
+MotionPrior GyroValidator::rest(MotionPrior prior) const {
   if (turning() || !believed_) prior.angular_velocity.reset();
   return prior;
 }
 
-void GyroTrust::update(const Eigen::Quaterniond& before, const Eigen::Quaterniond& without,
-                       const Eigen::Quaterniond& matched) {
+void GyroValidator::update(const Eigen::Quaterniond& before, const Eigen::Quaterniond& without,
+                           const Eigen::Quaterniond& matched) {
   if (!between_) return;
   ++matches_;
   const Eigen::Quaterniond by_gyro = before * exp_so3(seconds_ * (*between_ - bias_));
@@ -77,9 +77,9 @@ void GyroTrust::update(const Eigen::Quaterniond& before, const Eigen::Quaternion
   bias_ -= std::max(kBiasRate, share) * error;
 }
 
-double GyroTrust::sigma() const { return std::max(kLeastSigma, std::sqrt(by_gyro_)); }
+double GyroValidator::sigma() const { return std::max(kLeastSigma, std::sqrt(by_gyro_)); }
 
-bool GyroTrust::is_distrusted() const {
+bool GyroValidator::is_distrusted() const {
   return matches_ >= kFirstMatches &&
          by_gyro_ > kClearlyWorse * kClearlyWorse * std::max(without_, kLeastSigma * kLeastSigma);
 }

@@ -14,7 +14,7 @@ namespace lidar_mapping::front_end {
 /// is the acceleration, weighted by a triangle; the felt force, less gravity, has to give the same.
 /// Only its vertical part is looked at: gravity with the accelerometer's bias is learnt from the
 /// drive, and changes little there as the sensor tilts.
-class UnseenRide {
+class VerticalRideDetector {
  public:
   /// A scan at this pose, `seconds` after the one before, and what was felt since then.
   void add(const Pose& T_odom_base, double seconds, const std::optional<FeltForce>& force);

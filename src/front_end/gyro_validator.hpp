@@ -14,7 +14,7 @@ namespace lidar_mapping::front_end {
 /// What the mean rates of a gyro during the sweeps are worth, learnt from the matches: its bias,
 /// and how far off it is. One that foretells the matches worse than they foretell each other counts
 /// for nothing, and so does a rate far beyond all that it was right about so far.
-class GyroTrust {
+class GyroValidator {
  public:
   /// Whether the gyro may have its say in this scan: it is not distrusted, and what it says of the
   /// mean rate and of the rest of the turning is not far beyond what it was right about.

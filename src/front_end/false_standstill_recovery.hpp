@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "motion_filter.hpp"
-#include "upright_map.hpp"
+#include "vertical_structure_map.hpp"
 
 namespace lidar_mapping::front_end {
 
 /// Finds out that a sensor moves although its rings on the ground look as if it stood still: by
 /// upright points, which stay behind. Then follows it by these until the map is no longer that of
 /// one place.
-class UnnoticedMotion {
+class FalseStandstillRecovery {
  public:
   /// The map is given up.
   void forget();
@@ -26,7 +26,7 @@ class UnnoticedMotion {
 
   /// To be called for each scan that was not followed, `seconds` after the last one. If the sensor
   /// turns out to be elsewhere than where it was matched, `filter` is put there, and true returned.
-  /// `one_place` is MapBeginning::is_one_place().
+  /// `one_place` is MapInitialization::is_one_place().
   bool notice(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
               bool one_place, MotionFilter& filter);
 
@@ -54,11 +54,11 @@ class UnnoticedMotion {
   std::optional<Pose> fit(const SampledPoints& points, const MotionState& predicted);
   /// True if the points fit there, and less well before and behind on the way, whose direction is
   /// `ahead` in the sensor's axes.
-  bool is_place(const UprightMap::Fit& fit, const Eigen::Vector2d& ahead,
+  bool is_place(const VerticalStructureMap::Fit& fit, const Eigen::Vector2d& ahead,
                 const std::vector<Eigen::Vector3f>& points) const;
 
   std::vector<Inserted> inserted_;  ///< not yet in the map: it is seldom needed
-  UprightMap map_;
+  VerticalStructureMap map_;
   int scans_ = 0;              ///< put into it
   std::optional<Pose> first_;  ///< where the map began
   Pose sure_;                  ///< the last pose with upright points where they were

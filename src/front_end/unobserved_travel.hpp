@@ -10,7 +10,7 @@ namespace lidar_mapping::front_end {
 /// up. This is a Kalman filter of way and speed along the open directions: unseen, the speed
 /// changes as at random, as fast as it has done in the drive so far. The filter of the odometry
 /// cannot tell, as it counts a pose as known against what was last put into the map.
-class BlindWay {
+class UnobservedTravel {
  public:
   /// A scan that observed all directions `seconds` after the one before: the speed is `speed` (m/s)
   /// with this variance (m^2/s^2).

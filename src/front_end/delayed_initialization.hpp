@@ -25,9 +25,9 @@ struct MatchedScan {
 /// The first scans of a map that begins in motion. They are matched with a map of one scan or two,
 /// of which few rings make planes that lean; so they are kept until the map is a better one, and
 /// then matched again from the latest to the first, a few per scan that comes in.
-class FirstScans {
+class DelayedInitialization {
  public:
-  explicit FirstScans(registration::NeighborSearch neighbors) : matcher_(neighbors) {}
+  explicit DelayedInitialization(registration::NeighborSearch neighbors) : matcher_(neighbors) {}
 
   void begin();
   void end();

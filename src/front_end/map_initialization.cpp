@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_beginning.hpp"
+#include "map_initialization.hpp"
 
 #include "degeneracy.hpp"
 #include "reported_covariance.hpp"
@@ -41,30 +41,30 @@ Revision revision_of(const SweepMatcher::Found& found, double reference) {
 
 }  // namespace
 
-void MapBeginning::forget() {
+void MapInitialization::forget() {
   first_scans_.end();
   inserted_scans_ = 0;
   one_place_ = true;
   motion_known_ = false;
 }
 
-void MapBeginning::begin(const Pose& T_odom_base) {
+void MapInitialization::begin(const Pose& T_odom_base) {
   start_ = T_odom_base;
   first_scans_.begin();
 }
 
-void MapBeginning::keep_first(const SampledPoints& points, const SampledPoints& between,
-                              bool have_times, double reference) {
+void MapInitialization::keep_first(const SampledPoints& points, const SampledPoints& between,
+                                   bool have_times, double reference) {
   first_ = points;
   between_first_ = between;
   first_has_times_ = have_times;
   first_reference_ = reference;
 }
 
-SweepMatcher::Found MapBeginning::find_motion(const registration::NdtPoints& points,
-                                              const registration::MotionBelief& prediction,
-                                              double seconds, SweepMatcher& matcher,
-                                              LocalMap& map) const {
+SweepMatcher::Found MapInitialization::find_motion(const registration::NdtPoints& points,
+                                                   const registration::MotionBelief& prediction,
+                                                   double seconds, SweepMatcher& matcher,
+                                                   LocalMap& map) const {
   SweepMatcher::Found found;
   std::vector<MotionState> starts = starts_at_speed(start_, seconds + first_reference_);
   starts.push_back(prediction.state);
@@ -86,13 +86,13 @@ SweepMatcher::Found MapBeginning::find_motion(const registration::NdtPoints& poi
   return found;
 }
 
-bool MapBeginning::gives_way(const StepBelief& belief) {
+bool MapInitialization::gives_way(const StepBelief& belief) {
   if (motion_known_ || gave_way_ || belief.is_safe(false)) return false;
   gave_way_ = true;
   return true;
 }
 
-void MapBeginning::know_motion(const registration::NdtMatch& match) {
+void MapInitialization::know_motion(const registration::NdtMatch& match) {
   motion_known_ = true;
   gave_way_ = false;
   if (!first_scans_.is_open()) return;
@@ -101,8 +101,8 @@ void MapBeginning::know_motion(const registration::NdtMatch& match) {
   if (twist.head<3>().norm() < kAtSpeed || match.overlap > kEnoughPlanes) first_scans_.end();
 }
 
-std::vector<Revision> MapBeginning::look_again(const MotionFilter& filter, const MatchJudge& judge,
-                                               LocalMap& map) {
+std::vector<Revision> MapInitialization::look_again(const MotionFilter& filter,
+                                                    const MatchJudge& judge, LocalMap& map) {
   std::vector<Revision> revisions;
   if (!first_scans_.is_open() || !first_scans_.look_again(filter, judge, map)) return revisions;
   const auto& found = first_scans_.found();
@@ -113,10 +113,10 @@ std::vector<Revision> MapBeginning::look_again(const MotionFilter& filter, const
   return revisions;
 }
 
-bool MapBeginning::is_young() const { return inserted_scans_ <= kYoungScans; }
+bool MapInitialization::is_young() const { return inserted_scans_ <= kYoungScans; }
 
-void MapBeginning::set_inserted(const SampledPoints& points, const Eigen::Vector3d& p_odom,
-                                double voxel_size) {
+void MapInitialization::set_inserted(const SampledPoints& points, const Eigen::Vector3d& p_odom,
+                                     double voxel_size) {
   first_scans_.set_inserted(points);
   ++inserted_scans_;
   if ((p_odom - start_.translation).norm() > kOnePlace * voxel_size) one_place_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "upright_map.hpp"
+#include "vertical_structure_map.hpp"
 
 #include <algorithm>
 #include <array>
@@ -71,7 +71,8 @@ void KeyFilter::insert(VoxelKey key) {
 
 bool KeyFilter::may_contain(VoxelKey key) const { return !bits_.empty() && bits_[bit_of(key)]; }
 
-void UprightMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor) {
+void VerticalStructureMap::insert(const std::vector<Eigen::Vector3f>& points,
+                                  const Pose& T_map_sensor) {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T * point;
@@ -84,7 +85,7 @@ void UprightMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& 
   }
 }
 
-bool UprightMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const {
+bool VerticalStructureMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const {
   const VoxelKey here = key_at(p, kEdge);
   if (!near_.may_contain(here)) return false;
   float least = std::numeric_limits<float>::max();
@@ -101,8 +102,8 @@ bool UprightMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const 
   return least < std::numeric_limits<float>::max();
 }
 
-std::size_t UprightMap::count_near(const std::vector<Eigen::Vector3f>& points,
-                                   const Pose& T_map_sensor) const {
+std::size_t VerticalStructureMap::count_near(const std::vector<Eigen::Vector3f>& points,
+                                             const Pose& T_map_sensor) const {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   std::size_t count = 0;
   for (const Eigen::Vector3f& p : points) {
@@ -111,8 +112,8 @@ std::size_t UprightMap::count_near(const std::vector<Eigen::Vector3f>& points,
   return count;
 }
 
-UprightMap::Fit UprightMap::evaluate(const std::vector<Eigen::Vector3f>& points,
-                                     const Pose& T_map_sensor) const {
+VerticalStructureMap::Fit VerticalStructureMap::evaluate(const std::vector<Eigen::Vector3f>& points,
+                                                         const Pose& T_map_sensor) const {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   Fit fit;
   fit.T_map_sensor = T_map_sensor;
@@ -132,8 +133,8 @@ UprightMap::Fit UprightMap::evaluate(const std::vector<Eigen::Vector3f>& points,
   return fit;
 }
 
-UprightMap::Fit UprightMap::fit(const std::vector<Eigen::Vector3f>& points,
-                                const Pose& start) const {
+VerticalStructureMap::Fit VerticalStructureMap::fit(const std::vector<Eigen::Vector3f>& points,
+                                                    const Pose& start) const {
   Pose pose = start;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Eigen::Matrix3f R = pose.rotation_matrix().cast<float>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "unseen_ride.hpp"
+#include "vertical_ride_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,14 +28,14 @@ Eigen::Vector3d second_difference(const Eigen::Vector3d& first, const Eigen::Vec
 
 }  // namespace
 
-void UnseenRide::interrupt() {
+void VerticalRideDetector::interrupt() {
   T_odom_last_.reset();
   steps_.clear();
   span_ = suspected_ = 0.0;
 }
 
-void UnseenRide::add(const Pose& T_odom_base, double seconds,
-                     const std::optional<FeltForce>& force) {
+void VerticalRideDetector::add(const Pose& T_odom_base, double seconds,
+                               const std::optional<FeltForce>& force) {
   if (T_odom_last_ && force) {
     extend(T_odom_base, seconds, *force);
   } else {
@@ -48,7 +48,7 @@ void UnseenRide::add(const Pose& T_odom_base, double seconds,
   judge(vertical, seconds);
 }
 
-void UnseenRide::extend(const Pose& T_odom_base, double seconds, const FeltForce& force) {
+void VerticalRideDetector::extend(const Pose& T_odom_base, double seconds, const FeltForce& force) {
   if (steps_.empty()) steps_.push_back({0.0, *T_odom_last_ * force.p_base_imu, {}});
   const Eigen::Quaterniond R_odom_middle = T_odom_last_->rotation.slerp(0.5, T_odom_base.rotation);
   steps_.push_back({seconds, T_odom_base * force.p_base_imu, R_odom_middle * force.mean});
@@ -59,7 +59,7 @@ void UnseenRide::extend(const Pose& T_odom_base, double seconds, const FeltForce
   }
 }
 
-std::optional<Eigen::Vector3d> UnseenRide::felt_beside_seen() const {
+std::optional<Eigen::Vector3d> VerticalRideDetector::felt_beside_seen() const {
   if (span_ < 2.0 * kSpan) return std::nullopt;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();
@@ -84,7 +84,7 @@ std::optional<Eigen::Vector3d> UnseenRide::felt_beside_seen() const {
                                   before, after);
 }
 
-void UnseenRide::learn(const Eigen::Vector3d& felt, double seconds) {
+void VerticalRideDetector::learn(const Eigen::Vector3d& felt, double seconds) {
   learnt_ += seconds;
   const double rate = std::min(1.0, seconds / std::min(learnt_, kMemory));
   gravity_ += rate * (felt - gravity_);
@@ -92,9 +92,11 @@ void UnseenRide::learn(const Eigen::Vector3d& felt, double seconds) {
   variance_ += rate * (vertical * vertical - variance_);
 }
 
-double UnseenRide::limit() const { return std::max(kLeast, kDeviations * std::sqrt(variance_)); }
+double VerticalRideDetector::limit() const {
+  return std::max(kLeast, kDeviations * std::sqrt(variance_));
+}
 
-void UnseenRide::judge(double vertical, double seconds) {
+void VerticalRideDetector::judge(double vertical, double seconds) {
   if (on_) return go_on(vertical, seconds);
   const bool goes_on = vertical * suspected_ >= 0.0 && std::abs(vertical) >= limit();
   suspected_ = goes_on ? suspected_ + vertical * seconds : 0.0;
@@ -105,7 +107,7 @@ void UnseenRide::judge(double vertical, double seconds) {
   suspected_ = lasts_ = quiet_ = 0.0;
 }
 
-void UnseenRide::go_on(double vertical, double seconds) {
+void VerticalRideDetector::go_on(double vertical, double seconds) {
   lasts_ += seconds;
   speed_ += vertical * seconds;
   fastest_ = std::max(fastest_, std::abs(speed_));

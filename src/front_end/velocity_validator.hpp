@@ -8,7 +8,7 @@ namespace lidar_mapping::front_end {
 /// What a measured velocity (wheels, radar) is worth, learnt from the matches that observed the
 /// motion themselves: its scale, and how far it is off. A velocity with a wrong scale is corrected,
 /// one that is always zero soon counts for nothing.
-class VelocityTrust {
+class VelocityValidator {
  public:
   /// Takes in a pair; both m/s in the same axes.
   void see(const Eigen::Vector3d& measured, const Eigen::Vector3d& true_velocity);

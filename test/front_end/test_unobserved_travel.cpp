@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/simulation/random.hpp"
 
-#include "blind_way.hpp"
+#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kStep = 0.1;  // s
 /// seen, the next 20 s not.
 struct Drives {
   double error = 0.0;   ///< root mean square of the way, m
-  double stated = 0.0;  ///< the same of what BlindWay said, m
+  double stated = 0.0;  ///< the same of what UnobservedTravel said, m
 };
 
 /// `noise` (m/s) is that of a measured speed; 0: none is measured.
@@ -25,7 +25,7 @@ Drives drives(double noise) {
   Drives result;
   simulation::Random random(7);
   for (int drive = 0; drive < kDrives; ++drive) {
-    BlindWay way;
+    UnobservedTravel way;
     double speed = 10.0;
     const auto go_on = [&] { speed += 0.4 * std::sqrt(kStep) * random.normal(); };
     for (int i = 0; i < 100; ++i) {
@@ -51,21 +51,21 @@ Drives drives(double noise) {
   return {std::sqrt(result.error), std::sqrt(result.stated)};
 }
 
-TEST(BlindWay, KnowsHowFarOffAWayIsThatNothingSaw) {
+TEST(UnobservedTravel, KnowsHowFarOffAWayIsThatNothingSaw) {
   const Drives unseen = drives(0.0);
   EXPECT_GT(unseen.error, 10.0);
   EXPECT_NEAR(unseen.stated / unseen.error, 1.0, 0.3);
 }
 
-TEST(BlindWay, KnowsHowMuchAMeasuredSpeedHelps) {
+TEST(UnobservedTravel, KnowsHowMuchAMeasuredSpeedHelps) {
   const Drives measured = drives(0.1);
   EXPECT_LT(measured.error, 0.3);
   EXPECT_NEAR(measured.stated / measured.error, 1.0, 0.3);
 }
 
-TEST(BlindWay, LearnsHowSteadilyTheVehicleGoes) {
-  BlindWay steady;
-  BlindWay jerky;
+TEST(UnobservedTravel, LearnsHowSteadilyTheVehicleGoes) {
+  UnobservedTravel steady;
+  UnobservedTravel jerky;
   for (int i = 0; i < 600; ++i) {
     steady.see(5.0, 1e-4, kStep);
     jerky.see(5.0 + (i / 10 % 2), 1e-4, kStep);
@@ -77,8 +77,8 @@ TEST(BlindWay, LearnsHowSteadilyTheVehicleGoes) {
   EXPECT_LT(3.0 * steady.stddev(), jerky.stddev());
 }
 
-TEST(BlindWay, AddsUpOnlyWhatWasNotSeen) {
-  BlindWay way;
+TEST(UnobservedTravel, AddsUpOnlyWhatWasNotSeen) {
+  UnobservedTravel way;
   for (int i = 0; i < 50; ++i) way.see(5.0, 1e-4, kStep);
   EXPECT_EQ(way.stddev(), 0.0);
   for (int i = 0; i < 50; ++i) way.pass(0.0, kStep);

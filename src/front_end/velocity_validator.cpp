@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "velocity_trust.hpp"
+#include "velocity_validator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,12 +23,12 @@ constexpr double kVarianceRate = 0.02;
 
 }  // namespace
 
-double VelocityTrust::scale() const {
+double VelocityValidator::scale() const {
   const double scale = (product_ + kScalePrior) / (square_ + kScalePrior);
   return std::clamp(scale, 1.0 - kLargestCorrection, 1.0 + kLargestCorrection);
 }
 
-void VelocityTrust::see(const Eigen::Vector3d& measured, const Eigen::Vector3d& true_velocity) {
+void VelocityValidator::see(const Eigen::Vector3d& measured, const Eigen::Vector3d& true_velocity) {
   const Eigen::Vector3d error = true_velocity - corrected(measured);
   peak_ = std::max(error.norm(), (1.0 - kPeakForgetting) * peak_);
   const double squared = error.squaredNorm() / 3.0;
@@ -37,11 +37,11 @@ void VelocityTrust::see(const Eigen::Vector3d& measured, const Eigen::Vector3d& 
   square_ += measured.squaredNorm() - kScaleForgetting * square_;
 }
 
-double VelocityTrust::cautious_sigma(double speed) const {
+double VelocityValidator::cautious_sigma(double speed) const {
   return std::max(kSigma + kScaleSigma * speed, peak_);
 }
 
-double VelocityTrust::usual_sigma() const {
+double VelocityValidator::usual_sigma() const {
   return variance_ < 0.0 ? kUsualSigma : std::max(kLeastSigma, std::sqrt(variance_));
 }
 

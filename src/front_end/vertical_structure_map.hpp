@@ -30,7 +30,7 @@ class KeyFilter {
 
 /// Where upright points were seen, and how later ones fit: point to point, as leaves and posts make
 /// no planes.
-class UprightMap {
+class VerticalStructureMap {
  public:
   /// How points fit at a pose.
   struct Fit {

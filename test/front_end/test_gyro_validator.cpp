@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gyro_trust.hpp"
+#include "gyro_validator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -22,10 +22,10 @@ MotionPrior turning_at(const Eigen::Vector3d& rate) {
   return prior;
 }
 
-/// Shows GyroTrust so many sweeps, as a gyro sees them and as they are matched; without a gyro the
-/// last turning is expected to go on.
+/// Shows GyroValidator so many sweeps, as a gyro sees them and as they are matched; without a gyro
+/// the last turning is expected to go on.
 template <typename Gyro>
-void ride(int sweeps, const Gyro& gyro, GyroTrust& trust) {
+void ride(int sweeps, const Gyro& gyro, GyroValidator& trust) {
   Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond turn = last;
   for (int i = 0; i < sweeps; ++i) {
@@ -39,9 +39,9 @@ void ride(int sweeps, const Gyro& gyro, GyroTrust& trust) {
 
 const auto kExact = [](const Eigen::Vector3d& rate) { return rate; };
 
-TEST(GyroTrust, LearnsTheBias) {
+TEST(GyroValidator, LearnsTheBias) {
   const Eigen::Vector3d bias(0.02, -0.03, 0.01);
-  GyroTrust trust;
+  GyroValidator trust;
   ride(
       200, [&](const Eigen::Vector3d& rate) { return Eigen::Vector3d(rate + bias); }, trust);
   ASSERT_TRUE(trust.turning());
@@ -49,8 +49,8 @@ TEST(GyroTrust, LearnsTheBias) {
   EXPECT_FALSE(trust.is_distrusted());
 }
 
-TEST(GyroTrust, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
-  GyroTrust trust;
+TEST(GyroValidator, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
+  GyroValidator trust;
   ride(20, kExact, trust);
   const Eigen::Quaterniond turn =
       exp_so3(0.5 * kSweep * true_rate(18)) * exp_so3(0.5 * kSweep * true_rate(19));
@@ -59,14 +59,14 @@ TEST(GyroTrust, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
 }
 
 // Held to more firmly than scale and axes of cheap gyros allow, it would turn the map.
-TEST(GyroTrust, BelievesNoGyroMoreThanTheBestOne) {
-  GyroTrust trust;
+TEST(GyroValidator, BelievesNoGyroMoreThanTheBestOne) {
+  GyroValidator trust;
   ride(100, kExact, trust);
   EXPECT_DOUBLE_EQ(trust.turning()->sigma, 0.02);
 }
 
-TEST(GyroTrust, BelievesOneThatErrsAsMuchAsItErrs) {
-  GyroTrust trust;
+TEST(GyroValidator, BelievesOneThatErrsAsMuchAsItErrs) {
+  GyroValidator trust;
   ride(
       100, [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(1.2 * rate); }, trust);
   ASSERT_TRUE(trust.turning());
@@ -74,15 +74,15 @@ TEST(GyroTrust, BelievesOneThatErrsAsMuchAsItErrs) {
   EXPECT_LT(trust.turning()->sigma, 0.3);
 }
 
-TEST(GyroTrust, LooksOnAtFirst) {
-  GyroTrust trust;
+TEST(GyroValidator, LooksOnAtFirst) {
+  GyroValidator trust;
   ride(4, kExact, trust);
   EXPECT_FALSE(trust.turning());
   EXPECT_FALSE(trust.is_distrusted());
 }
 
-TEST(GyroTrust, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
-  GyroTrust trust;
+TEST(GyroValidator, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
+  GyroValidator trust;
   ride(20, kExact, trust);
   trust.add(turning_at(true_rate(20)), 2.0 * kSweep, kSweep);
   EXPECT_FALSE(trust.turning());
@@ -93,7 +93,7 @@ TEST(GyroTrust, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
 }
 
 // Wrong units, wrong axes, and right again.
-TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
+TEST(GyroValidator, DoesNotUseOneThatIsWrong) {
   const auto degrees = [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(57.3 * rate); };
   const auto turned = [](const Eigen::Vector3d& rate) {
     return Eigen::Vector3d(-rate.y(), rate.x(), -rate.z());
@@ -102,7 +102,7 @@ TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
   prior.angular_velocity = Eigen::Vector3d::Zero();
   for (const auto& wrong : {std::function<Eigen::Vector3d(const Eigen::Vector3d&)>(degrees),
                             std::function<Eigen::Vector3d(const Eigen::Vector3d&)>(turned)}) {
-    GyroTrust trust;
+    GyroValidator trust;
     ride(100, wrong, trust);
     EXPECT_TRUE(trust.is_distrusted());
     EXPECT_FALSE(trust.turning());
@@ -113,8 +113,8 @@ TEST(GyroTrust, DoesNotUseOneThatIsWrong) {
 }
 
 // Degrees for radians after rest, where nothing has shown yet what the gyro is worth.
-TEST(GyroTrust, DoesNotBelieveFarMoreThanItWasRightAbout) {
-  GyroTrust trust;
+TEST(GyroValidator, DoesNotBelieveFarMoreThanItWasRightAbout) {
+  GyroValidator trust;
   const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
   for (int i = 0; i < 30; ++i) {
     trust.add(turning_at(Eigen::Vector3d::Zero()), kSweep, kSweep);
@@ -135,10 +135,10 @@ TEST(GyroTrust, DoesNotBelieveFarMoreThanItWasRightAbout) {
 }
 
 // Taken in already, it is not measured a second time.
-TEST(GyroTrust, CountsOnce) {
+TEST(GyroValidator, CountsOnce) {
   MotionPrior prior;
   prior.angular_velocity = Eigen::Vector3d::Zero();
-  GyroTrust trust;
+  GyroValidator trust;
   EXPECT_TRUE(trust.rest(prior).angular_velocity);
   ride(20, kExact, trust);
   EXPECT_FALSE(trust.rest(prior).angular_velocity);

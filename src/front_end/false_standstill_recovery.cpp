@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "unnoticed_motion.hpp"
+#include "false_standstill_recovery.hpp"
 
 #include <cmath>
 #include <utility>
@@ -98,29 +98,29 @@ bool is_held(const registration::NdtMatch& match) {
 
 }  // namespace
 
-void UnnoticedMotion::forget() { *this = UnnoticedMotion(); }
+void FalseStandstillRecovery::forget() { *this = FalseStandstillRecovery(); }
 
-void UnnoticedMotion::insert(const SampledPoints& points, const MotionState& state) {
+void FalseStandstillRecovery::insert(const SampledPoints& points, const MotionState& state) {
   if (over_ || (!found_ && scans_ == kMostScans)) return;
   ++scans_;
   if (!first_) first_ = sure_ = state.T_map_sensor;
   inserted_.push_back({points, state});
 }
 
-void UnnoticedMotion::take_inserted() {
+void FalseStandstillRecovery::take_inserted() {
   for (const Inserted& scan : inserted_) {
     map_.insert(upright_at(scan.points, scan.state.twist), scan.state.T_map_sensor);
   }
   inserted_.clear();
 }
 
-void UnnoticedMotion::end() {
+void FalseStandstillRecovery::end() {
   forget();
   over_ = true;
 }
 
-bool UnnoticedMotion::follow(const SampledPoints& points, const MotionFilter& agile,
-                             MotionFilter& filter) {
+bool FalseStandstillRecovery::follow(const SampledPoints& points, const MotionFilter& agile,
+                                     MotionFilter& filter) {
   if (!found_) return false;
   const MotionState& predicted = agile.state();
   const Pose& where = filter.state().T_map_sensor;
@@ -135,8 +135,9 @@ bool UnnoticedMotion::follow(const SampledPoints& points, const MotionFilter& ag
   return true;
 }
 
-bool UnnoticedMotion::notice(const SampledPoints& points, const registration::NdtMatch& match,
-                             double seconds, bool one_place, MotionFilter& filter) {
+bool FalseStandstillRecovery::notice(const SampledPoints& points,
+                                     const registration::NdtMatch& match, double seconds,
+                                     bool one_place, MotionFilter& filter) {
   if (!one_place || !first_) end();
   if (over_) return false;
   since_step_ += seconds;
@@ -150,16 +151,16 @@ bool UnnoticedMotion::notice(const SampledPoints& points, const registration::Nd
   return state.has_value();
 }
 
-void UnnoticedMotion::trust(const Pose& pose) {
+void FalseStandstillRecovery::trust(const Pose& pose) {
   sure_ = pose;
   steps_.clear();
 }
 
-const Pose& UnnoticedMotion::last_place() const {
+const Pose& FalseStandstillRecovery::last_place() const {
   return steps_.empty() ? sure_ : steps_.back().pose;
 }
 
-Pose UnnoticedMotion::roughly(const std::vector<Eigen::Vector3f>& points) const {
+Pose FalseStandstillRecovery::roughly(const std::vector<Eigen::Vector3f>& points) const {
   Pose best = last_place();
   std::size_t most = 0;
   for (int direction = 0; direction < kDirections; ++direction) {
@@ -177,15 +178,15 @@ Pose UnnoticedMotion::roughly(const std::vector<Eigen::Vector3f>& points) const 
   return best;
 }
 
-std::optional<UnnoticedMotion::Step> UnnoticedMotion::elsewhere(
+std::optional<FalseStandstillRecovery::Step> FalseStandstillRecovery::elsewhere(
     const std::vector<Eigen::Vector3f>& points, const Pose& matched) {
   if (points.size() < kFewest) return std::nullopt;
-  const UprightMap::Fit here = map_.evaluate(points, matched);
+  const VerticalStructureMap::Fit here = map_.evaluate(points, matched);
   if (static_cast<double>(here.seen_again) > kStillThere * static_cast<double>(points.size())) {
     trust(matched);
     return std::nullopt;
   }
-  const UprightMap::Fit there = map_.fit(points, roughly(points));
+  const VerticalStructureMap::Fit there = map_.fit(points, roughly(points));
   if (there.evidence <= here.evidence) steps_.clear();
   const Eigen::Vector2d ahead = direction_of(difference(last_place(), there.T_map_sensor));
   if (there.evidence < kMore * here.evidence || !is_place(there, ahead, points)) {
@@ -194,7 +195,7 @@ std::optional<UnnoticedMotion::Step> UnnoticedMotion::elsewhere(
   return Step{there.T_map_sensor, 0.0, there.evidence, here.evidence};
 }
 
-bool UnnoticedMotion::is_steady() const {
+bool FalseStandstillRecovery::is_steady() const {
   int more = 0;
   int all = 0;
   for (const Step& step : steps_) {
@@ -208,8 +209,8 @@ bool UnnoticedMotion::is_steady() const {
   return difference(between, steps_[1].pose).head<3>().norm() < kSteady;
 }
 
-std::optional<MotionState> UnnoticedMotion::look(const SampledPoints& points,
-                                                 const MotionState& matched) {
+std::optional<MotionState> FalseStandstillRecovery::look(const SampledPoints& points,
+                                                         const MotionState& matched) {
   std::optional<Step> step =
       elsewhere(some_upright_at(points, matched.twist), matched.T_map_sensor);
   if (!step) return std::nullopt;
@@ -222,18 +223,19 @@ std::optional<MotionState> UnnoticedMotion::look(const SampledPoints& points,
   return MotionState{step->pose, twist_between(steps_[0].pose, step->pose, seconds)};
 }
 
-bool UnnoticedMotion::is_place(const UprightMap::Fit& fit, const Eigen::Vector2d& ahead,
-                               const std::vector<Eigen::Vector3f>& points) const {
+bool FalseStandstillRecovery::is_place(const VerticalStructureMap::Fit& fit,
+                                       const Eigen::Vector2d& ahead,
+                                       const std::vector<Eigen::Vector3f>& points) const {
   const Pose& pose = fit.T_map_sensor;
   const int behind = map_.evaluate(points, displaced(pose, -kBeside * ahead)).evidence;
   const int before = map_.evaluate(points, displaced(pose, kBeside * ahead)).evidence;
   return fit.directions >= kFewestDirections && fit.evidence > kMore * 0.5 * (behind + before);
 }
 
-std::optional<Pose> UnnoticedMotion::fit(const SampledPoints& points,
-                                         const MotionState& predicted) {
+std::optional<Pose> FalseStandstillRecovery::fit(const SampledPoints& points,
+                                                 const MotionState& predicted) {
   const std::vector<Eigen::Vector3f> upright = some_upright_at(points, predicted.twist);
-  const UprightMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
+  const VerticalStructureMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
   if (is_place(fit, direction_of(predicted.twist), upright)) {
     misses_ = 0;
     return fit.T_map_sensor;
