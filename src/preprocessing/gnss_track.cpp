@@ -53,17 +53,17 @@ FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   const double factor = scatter_.variance_factor();
   local.covariance *= factor;
   if (factor > 1.0 && scatter_.is_known()) {
-    notices_.warn("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
-                                 ", their covariance says " + metres(scatter_.stated()) +
-                                 "; it is raised to what they do");
+    diagnostics_.warn("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
+                                     ", their covariance says " + metres(scatter_.stated()) +
+                                     "; it is raised to what they do");
   }
   pending_.insert(at, {fix, local, delay_});
   if (pending_.size() > kMostPending) pending_.pop_front();
   return {Insertion::kTaken, ""};
 }
 
-std::vector<std::string> GnssTrack::settle(MotionSensors& sensors, Stamp now, Stamp latency,
-                                           bool all) {
+std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors, Stamp now,
+                                                     Stamp latency, bool all) {
   std::vector<std::string> refused;
   while (!pending_.empty()) {
     PendingFix pending = pending_.front();
@@ -111,9 +111,10 @@ bool GnssTrack::begins_elsewhere(const PendingFix& pending) const {
 /// Everything is forgotten that came from the first fix, and the frame begins anew.
 void GnssTrack::begin_with(PendingFix first, PendingFix& second, const MotionSensors& sensors) {
   const double off = (first.fix.p_enu - stream_.buffer().newest().p_enu).norm();
-  notices_.warn("start", "gnss: the first fix is " + std::to_string(std::lround(off / 1e3)) +
-                             " km from the next ones, which agree; it is left out and the drive "
-                             "begins with these");
+  diagnostics_.warn("start",
+                    "gnss: the first fix is " + std::to_string(std::lround(off / 1e3)) +
+                        " km from the next ones, which agree; it is left out and the drive "
+                        "begins with these");
   local_frame_.begin_at(first.given);
   stream_.clear();
   gate_.clear();
@@ -187,10 +188,11 @@ void GnssTrack::learn_delay() {
   if (!fit.delay_is_known() || (!fit.is_late() && delay_ == 0.0)) return;
   if (std::abs(fit.delay - delay_) < kSmallestStep) return;
   delay_ = fit.delay;
-  notices_.warn("delay", "gnss: its stamps are " + milliseconds(delay_) +
-                             (delay_ > 0.0 ? " late" : " early") +
-                             " beside IMU and velocity; the back end corrects what it finds beside "
-                             "odometry, gnss_time_offset corrects them here");
+  diagnostics_.warn("delay",
+                    "gnss: its stamps are " + milliseconds(delay_) +
+                        (delay_ > 0.0 ? " late" : " early") +
+                        " beside IMU and velocity; the back end corrects what it finds beside "
+                        "odometry, gnss_time_offset corrects them here");
 }
 
 bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {

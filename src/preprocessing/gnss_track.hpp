@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lidar_mapping/common/antenna_fit.hpp"
+#include "lidar_mapping/preprocessing/diagnostic_log.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/notices.hpp"
 
 #include "fix_scatter.hpp"
 #include "gnss_gate.hpp"
@@ -38,7 +38,8 @@ class GnssTrack {
   FixVerdict add(GnssFix fix, const std::string& frame_id);
   /// Judges the fixes whose motion is known by now, or will not be (`latency` after them, or all).
   /// Returns what is wrong with those that it refuses.
-  std::vector<std::string> settle(MotionSensors& sensors, Stamp now, Stamp latency, bool all);
+  std::vector<std::string> evaluate_pending(MotionSensors& sensors, Stamp now, Stamp latency,
+                                            bool all);
   /// Whether a fix at or after `stamp` may still come.
   bool may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const;
   /// The antenna at `stamp` between two good fixes, with its lever arm; no orientation yet.
@@ -54,7 +55,7 @@ class GnssTrack {
   const FixScatter& scatter() const { return scatter_; }
   /// Nothing before two fixes agree: the first may be anywhere.
   std::optional<GeodeticDatum> datum() const;
-  std::vector<Notice> take_notices() { return notices_.take(); }
+  std::vector<Diagnostic> take_diagnostics() { return diagnostics_.take(); }
   void give_up_if_silent() {
     if (pending_.empty()) stream_.give_up_if_silent();
   }
@@ -92,7 +93,7 @@ class GnssTrack {
   SensorStream<LocalFix> stream_;
   std::string frame_id_;
   HeadingCheck heading_check_;
-  Notices notices_;
+  DiagnosticLog diagnostics_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -9,7 +9,7 @@
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include "gnss_track.hpp"
-#include "input_notices.hpp"
+#include "input_diagnostics.hpp"
 #include "motion_sensors.hpp"
 #include "scan_queue.hpp"
 #include "stamp_guard.hpp"
@@ -74,20 +74,21 @@ class Preprocessor::Impl {
     if (config_.point_times == PointTimes::kAzimuth) raw.unpack();
     const auto [span, problem] =
         settle_times(raw.cloud, raw.times_are_absolute, config_, raw.time_span);
-    if (!problem.empty()) notices_.warn("times", "points: " + problem);
+    if (!problem.empty()) diagnostics_.warn("times", "points: " + problem);
     const Stamp stamp = raw.stamp;
     WaitingScan scan{std::move(raw), span};
     const auto insert = [&] { return waiting_.insert(std::move(scan)); };
     if (takes("points", stamp, insert)) return;
     ++counters_.scans_out_of_order;
-    notices_.refused_scan(stamp);
+    diagnostics_.refused_scan(stamp);
   }
 
   std::vector<SyncedScan> take(bool all) {
-    for (const std::string& problem : gnss_.settle(sensors_, newest_, latency_, all)) {
+    for (const std::string& problem : gnss_.evaluate_pending(sensors_, newest_, latency_, all)) {
       refuse_fix(problem);
     }
-    for (const Notice& notice : gnss_.take_notices()) notices_.say(notice.text, notice);
+    for (const Diagnostic& diagnostic : gnss_.take_diagnostics())
+      diagnostics_.say(diagnostic.text, diagnostic);
     std::vector<SyncedScan> result;
     while (!waiting_.empty()) {
       const bool leaves_early = !all && waiting_.is_too_long();
@@ -100,12 +101,12 @@ class Preprocessor::Impl {
 
   std::optional<GeodeticDatum> datum() const { return gnss_.datum(); }
   const PreprocessingCounters& counters() const { return counters_; }
-  std::vector<Notice> take_notices() { return notices_.take(); }
+  std::vector<Diagnostic> take_diagnostics() { return diagnostics_.take(); }
 
  private:
   bool is_stray(const std::string& input, StampGuard& guard, Stamp stamp) {
     if (guard.accepts(stamp, newest_)) return false;
-    notices_.stray_stamp(input, stamp - newest_);
+    diagnostics_.stray_stamp(input, stamp - newest_);
     return true;
   }
 
@@ -124,7 +125,7 @@ class Preprocessor::Impl {
 
   void begin_anew(const std::string& input, Stamp jump) {
     ++counters_.resets;
-    notices_.time_went_back(input, jump);
+    diagnostics_.time_went_back(input, jump);
     sensors_.clear();
     gnss_.clear();
     counters_.scans_forgotten += waiting_.size();
@@ -134,7 +135,7 @@ class Preprocessor::Impl {
 
   void refuse_fix(const std::string& problem) {
     ++counters_.gnss_refused;
-    notices_.refused_fix(problem);
+    diagnostics_.refused_fix(problem);
   }
 
   bool is_incomplete(const WaitingScan& scan) const {
@@ -149,7 +150,7 @@ class Preprocessor::Impl {
     const auto T_base_lidar = extrinsics_.T_base(scan.raw.frame_id);
     if (!T_base_lidar) {
       ++counters_.scans_without_extrinsic;
-      notices_.missing_transform("points", scan.raw.frame_id);
+      diagnostics_.missing_transform("points", scan.raw.frame_id);
       return std::nullopt;
     }
     sensors_.learn_until(scan.raw.stamp + from_seconds(scan.span.end));
@@ -159,7 +160,7 @@ class Preprocessor::Impl {
     result.scan.cloud = kept_cloud(std::move(scan), *T_base_lidar, result);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
-      notices_.too_few_points();
+      diagnostics_.too_few_points();
       return std::nullopt;
     }
     ++counters_.scans_out;
@@ -180,14 +181,14 @@ class Preprocessor::Impl {
     note_missing(sensors_.imu(), imu_guard_, stamp, result.imu.has_value());
     note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
     note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
-    if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
+    if (sensors_.gyro_is_absurd()) diagnostics_.absurd_gyro();
     if (sensors_.acceleration_problem() != AccelerationProblem::kNone) {
-      notices_.refused_acceleration(sensors_.acceleration_sentence());
+      diagnostics_.refused_acceleration(sensors_.acceleration_sentence());
     }
-    if (const auto limit = sensors_.gyro_limit()) notices_.clipped_gyro(*limit);
+    if (const auto limit = sensors_.gyro_limit()) diagnostics_.clipped_gyro(*limit);
     const VelocityProblem problem = sensors_.velocity_problem(stamp);
     if (problem != VelocityProblem::kNone) {
-      notices_.refused_velocity(problem, sensors_.sentence(problem));
+      diagnostics_.refused_velocity(problem, sensors_.sentence(problem));
     }
     return result;
   }
@@ -195,7 +196,7 @@ class Preprocessor::Impl {
   template <typename Sample>
   void note_missing(const SensorStream<Sample>& stream, const StampGuard& guard, Stamp stamp,
                     bool is_there) {
-    if (!is_there) notices_.no_value(stream, guard.newest(), stamp, extrinsics_);
+    if (!is_there) diagnostics_.no_value(stream, guard.newest(), stamp, extrinsics_);
   }
 
   std::optional<GnssPosition> gnss_at(Stamp stamp, const SyncedScan& synced) {
@@ -205,7 +206,7 @@ class Preprocessor::Impl {
     if (gnss_.trusts_heading(*position, *synced.imu->orientation, backwards)) {
       position->R_enu_base = synced.imu->orientation;
     } else if (gnss_.heading_check().verdict().has_value()) {
-      notices_.useless_heading();
+      diagnostics_.useless_heading();
     }
     return position;
   }
@@ -224,7 +225,7 @@ class Preprocessor::Impl {
         synced.imu->has_angular_velocity = false;
       }
     }
-    if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
+    if (!cloud.empty()) diagnostics_.motion(measured.source, cloud.has_times());
     if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, synced);
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
@@ -257,7 +258,7 @@ class Preprocessor::Impl {
   Stamp newest_ = 0;      ///< the time that the data have reached
   Stamp last_stamp_ = 0;  ///< of the scan before
   PreprocessingCounters counters_;
-  InputNotices notices_;
+  InputDiagnostics diagnostics_;
 };
 
 Preprocessor::Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup)
@@ -281,6 +282,6 @@ std::vector<SyncedScan> Preprocessor::take_complete() { return impl_->take(false
 std::vector<SyncedScan> Preprocessor::flush() { return impl_->take(true); }
 std::optional<GeodeticDatum> Preprocessor::datum() const { return impl_->datum(); }
 const PreprocessingCounters& Preprocessor::counters() const { return impl_->counters(); }
-std::vector<Notice> Preprocessor::take_notices() { return impl_->take_notices(); }
+std::vector<Diagnostic> Preprocessor::take_diagnostics() { return impl_->take_diagnostics(); }
 
 }  // namespace lidar_mapping::preprocessing

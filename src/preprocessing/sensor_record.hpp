@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/preprocessing/check_diagnostic.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/finding.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -18,7 +18,7 @@ __attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
 std::string without_slash(const std::string& frame_id);
 
 /// What the headers of a topic say.
-struct TopicFlow {
+struct TopicStatistics {
   std::size_t count = 0;
   std::size_t backward = 0;  ///< stamps that are not later than all before
   Stamp first = 0;
@@ -37,7 +37,7 @@ template <typename Sample>
 struct SensorRecord {
   static constexpr std::size_t kMostKept = 50000;
 
-  TopicFlow flow;
+  TopicStatistics topic;
   std::vector<Sample> samples;
 
   void keep(const Sample& sample) {
@@ -46,8 +46,8 @@ struct SensorRecord {
 };
 
 /// The report of an input as far as its headers go: rate, frame, transform, stamps.
-InputReport examine_headers(const std::string& input, const TopicFlow& flow,
-                            const ExtrinsicLookup& lookup);
+InputReport check_headers(const std::string& input, const TopicStatistics& topic,
+                          const ExtrinsicLookup& lookup);
 
 void add_fault(InputReport& report, const std::string& text, const std::string& remedy);
 void add_warning(InputReport& report, const std::string& text, const std::string& remedy);

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 
 namespace lidar_mapping::preprocessing {
 

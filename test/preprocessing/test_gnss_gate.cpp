@@ -176,7 +176,7 @@ TEST(GnssTrack, BeginsItsFrameWhereTheNextFixesAgree) {
   }
   EXPECT_GE(with_gnss, scans.size() - 6);
   std::string said;
-  for (const Notice& notice : stage.take_notices()) said += notice.text + "\n";
+  for (const Diagnostic& diagnostic : stage.take_diagnostics()) said += diagnostic.text + "\n";
   EXPECT_NE(said.find("gnss: the first fix is 556 km from the next ones"), std::string::npos)
       << said;
 }

@@ -85,7 +85,7 @@ TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
     stage.add_gnss(fix(at(0.1 * i + 0.05), 49.0, 8.4, 50001.0 + i), "gps");
   }
   EXPECT_EQ(stage.counters().gnss_refused, 200U);
-  EXPECT_EQ(stage.take_notices().size(), 2U);
+  EXPECT_EQ(stage.take_diagnostics().size(), 2U);
 }
 
 TEST(Preprocessor, StaysFiniteWhateverComes) {
@@ -133,7 +133,7 @@ TEST(Preprocessor, DropsScansWithoutPointsAndSaysSo) {
   EXPECT_TRUE(stage.flush().empty());
   EXPECT_EQ(stage.counters().scans_without_points, 4U);
   EXPECT_EQ(stage.counters().points_not_finite, 100U);
-  EXPECT_FALSE(stage.take_notices().empty());
+  EXPECT_FALSE(stage.take_diagnostics().empty());
 }
 
 TEST(Preprocessor, RefusesAConfigurationThatContradictsItself) {

@@ -74,13 +74,13 @@ TEST(Preprocessor, BeginsAnewWhenTimeGoesBack) {
   auto expected = drive(fresh, 3.0, kNothingMissing);
   append(expected, fresh.flush());
   drive(stage, 3.0, kNothingMissing, 100.0);
-  stage.take_notices();
+  stage.take_diagnostics();
   auto again = drive(stage, 3.0, kNothingMissing);
   append(again, stage.flush());
   EXPECT_GE(stage.counters().resets, 1U);
-  const auto notices = stage.take_notices();
-  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
-    return notice.text.find("time went back") != std::string::npos;
+  const auto diagnostics = stage.take_diagnostics();
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
+    return diagnostic.text.find("time went back") != std::string::npos;
   }));
   ASSERT_EQ(again.size(), expected.size() - 1);  // the first one might have been stray
   for (std::size_t i = 1; i < again.size(); ++i) {

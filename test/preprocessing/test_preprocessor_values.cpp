@@ -34,9 +34,9 @@ TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
   ASSERT_EQ(scans.size(), 30U);
   EXPECT_TRUE(scans[12].imu->has_angular_velocity);  // a shock is none
   EXPECT_FALSE(scans[20].imu->has_angular_velocity);
-  const auto notices = stage.take_notices();
-  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
-    return notice.text.find("imu_angular_unit") != std::string::npos;
+  const auto diagnostics = stage.take_diagnostics();
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
+    return diagnostic.text.find("imu_angular_unit") != std::string::npos;
   }));
 }
 
@@ -94,9 +94,9 @@ TEST(Preprocessor, DoesNotUseAGyroAtTheEndOfItsRange) {
   EXPECT_GT(kept, 3);
   EXPECT_LT(kept, 25);
   const auto says_range = [](Preprocessor& stage) {
-    const auto notices = stage.take_notices();
-    return std::count_if(notices.begin(), notices.end(), [](const Notice& notice) {
-      return notice.text.find("end at 3.0 rad/s") != std::string::npos;
+    const auto diagnostics = stage.take_diagnostics();
+    return std::count_if(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
+      return diagnostic.text.find("end at 3.0 rad/s") != std::string::npos;
     });
   };
   EXPECT_EQ(says_range(clipped), 1);
@@ -112,10 +112,10 @@ TEST(Preprocessor, WaitsForTheTransformOfTheScan) {
   for (int i = 0; i < 40; ++i) append(scans, stage.process(ring_scan(at(0.1 * i))));
   EXPECT_TRUE(scans.empty());
   EXPECT_EQ(stage.counters().scans_without_extrinsic, 10U);  // the queue holds 30
-  const auto notices = stage.take_notices();
-  ASSERT_EQ(notices.size(), 1U);
-  EXPECT_NE(notices[0].text.find("no transform from 'lidar'"), std::string::npos);
-  EXPECT_EQ(notices[0].level, Notice::Level::kWarning);
+  const auto diagnostics = stage.take_diagnostics();
+  ASSERT_EQ(diagnostics.size(), 1U);
+  EXPECT_NE(diagnostics[0].text.find("no transform from 'lidar'"), std::string::npos);
+  EXPECT_EQ(diagnostics[0].level, Diagnostic::Level::kWarning);
   known = true;
   append(scans, stage.process(ring_scan(at(4.0))));
   append(scans, stage.flush());
@@ -130,10 +130,12 @@ TEST(Preprocessor, UsesNoSensorWithoutATransform) {
   append(scans, stage.flush());
   ASSERT_EQ(scans.size(), 20U);
   for (const SyncedScan& scan : scans) EXPECT_FALSE(scan.imu || scan.velocity || scan.gnss);
-  const auto notices = stage.take_notices();
-  EXPECT_EQ(notices.size(), 4U);  // imu, velocity, gnss; and no point times
-  const auto is_info = [](const Notice& notice) { return notice.level == Notice::Level::kInfo; };
-  EXPECT_EQ(std::count_if(notices.begin(), notices.end(), is_info), 1) << "no point times";
+  const auto diagnostics = stage.take_diagnostics();
+  EXPECT_EQ(diagnostics.size(), 4U);  // imu, velocity, gnss; and no point times
+  const auto is_info = [](const Diagnostic& diagnostic) {
+    return diagnostic.level == Diagnostic::Level::kInfo;
+  };
+  EXPECT_EQ(std::count_if(diagnostics.begin(), diagnostics.end(), is_info), 1) << "no point times";
 }
 
 TEST(Preprocessor, ConvertsTheUnitsOfTheImu) {

@@ -10,8 +10,8 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/common/uneven_turning.hpp"
+#include "lidar_mapping/preprocessing/diagnostic_log.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/packed_points.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
@@ -93,7 +93,7 @@ class Preprocessor {
   std::optional<GeodeticDatum> datum() const;
   const PreprocessingCounters& counters() const;
   /// Sentences about what was found or went wrong since the last call, each said once.
-  std::vector<Notice> take_notices();
+  std::vector<Diagnostic> take_diagnostics();
 
  private:
   class Impl;

@@ -6,7 +6,7 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/cloud_view.hpp"
 

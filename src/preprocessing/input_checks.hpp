@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 
 #include "sensor_record.hpp"
 #include "sweep_seam.hpp"
@@ -18,14 +18,14 @@ using ImuRecord = SensorRecord<ImuSample>;
 using VelocityRecord = SensorRecord<VelocitySample>;
 
 struct PointsRecord {
-  TopicFlow flow;
+  TopicStatistics topic;
   CloudSummary cloud;  ///< the last with points
   SweepSeam seam;
   std::vector<double> delays;  ///< s from the stamps to the deliveries
 };
 
 struct GnssRecord {
-  TopicFlow flow;
+  TopicStatistics topic;
   SensorRecord<GnssFix> good;
   std::map<std::string, std::size_t> refused;  ///< how often, for what
   bool covariance_known = true;
@@ -34,21 +34,21 @@ struct GnssRecord {
 // What the sensors sent, in a line each, and what is wrong with it. Offsets and units are found by
 // comparison with the velocity, where there is one.
 
-InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
-                    const PreprocessingConfig& config);
-InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
-                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
-InputReport examine(const VelocityRecord& velocity, const GnssRecord& gnss,
-                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
-InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
-                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                  const PreprocessingConfig& config);
+InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
+InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
 
 /// How many times the speeds of the fixes the measured ones are; nothing where too little moved.
 std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
                                   const PreprocessingConfig& config);
 
 /// A fault if the offset is large and well known; `parameter` takes it away.
-void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
+void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
                   InputReport& report);
 
 }  // namespace lidar_mapping::preprocessing

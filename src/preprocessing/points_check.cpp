@@ -4,7 +4,7 @@
 
 #include "lidar_mapping/common/order_statistics.hpp"
 
-#include "examinations.hpp"
+#include "input_checks.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -21,7 +21,7 @@ constexpr double kStampedAtTheEnd = 0.4;
 bool fits(double span, double period) { return span >= 0.5 * period && span <= 1.5 * period; }
 
 /// The span is a turn if it is what the parameter says or what passes from scan to scan.
-void judge_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
+void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
   if (fits(span, config.scan_period)) return;
   const std::string problem =
       text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
@@ -32,7 +32,7 @@ void judge_span(double span, double rate, const PreprocessingConfig& config, Inp
   }
 }
 
-void judge_times(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
+void check_times(const CloudSummary& cloud, double rate, const PreprocessingConfig& config,
                  InputReport& report) {
   if (cloud.time_field.empty()) {
     report.found += ", no point times";
@@ -46,7 +46,7 @@ void judge_times(const CloudSummary& cloud, double rate, const PreprocessingConf
   report.found += text(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
                        cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
                        cloud.first_time, cloud.last_time);
-  judge_span(cloud.last_time - cloud.first_time, rate, config, report);
+  check_span(cloud.last_time - cloud.first_time, rate, config, report);
   if (cloud.foreign_clock) {
     add_warning(report, "the points' times are of another clock than the stamps",
                 "they are counted from the first point; synchronise the sensor (PTP, PPS)");
@@ -55,7 +55,7 @@ void judge_times(const CloudSummary& cloud, double rate, const PreprocessingConf
 
 /// A cloud cannot be delivered before its last point was measured: one that was has its stamp later
 /// than at the start. Recordings that were made with the stamps as times of delivery say nothing.
-void judge_stamps(const PointsRecord& points, const PreprocessingConfig& config,
+void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
                   InputReport& report) {
   const CloudSummary& cloud = points.cloud;
   const double span = cloud.last_time - cloud.first_time;
@@ -74,22 +74,22 @@ void judge_stamps(const PointsRecord& points, const PreprocessingConfig& config,
 
 }  // namespace
 
-InputReport examine(const PointsRecord& points, const ExtrinsicLookup& lookup,
-                    const PreprocessingConfig& config) {
-  InputReport report = examine_headers("points", points.flow, lookup);
-  if (points.flow.count == 0) {
+InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
+                  const PreprocessingConfig& config) {
+  InputReport report = check_headers("points", points.topic, lookup);
+  if (points.topic.count == 0) {
     add_fault(report, "nothing came on the topic of the points", "remap `points`");
     return report;
   }
   report.found += text(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
-  judge_times(points.cloud, points.flow.rate(), config, report);
-  judge_stamps(points, config, report);
+  check_times(points.cloud, points.topic.rate(), config, report);
+  check_stamps(points, config, report);
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
     add_fault(report, "the motion during the scans was taken out before, but the points have times",
               "they would be deskewed twice: set point_times to NONE");
   }
-  const double gap = to_seconds(points.flow.longest_gap);
-  if (gap > kShortOfPeriods / std::max(points.flow.rate(), 1e-3)) {
+  const double gap = to_seconds(points.topic.longest_gap);
+  if (gap > kShortOfPeriods / std::max(points.topic.rate(), 1e-3)) {
     add_warning(report, text("%.1f s without a scan", gap),
                 "scans were lost when recording: record with a larger buffer (rosbag record -b)");
   }

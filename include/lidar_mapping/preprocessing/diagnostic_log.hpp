@@ -9,35 +9,35 @@
 namespace lidar_mapping::preprocessing {
 
 /// A sentence for a person: what was found, or what is wrong.
-struct Notice {
+struct Diagnostic {
   enum class Level { kInfo, kWarning };
   Level level = Level::kWarning;
   std::string text;
 };
 
 /// Sentences for a person, each subject once until it is forgotten.
-class Notices {
+class DiagnosticLog {
  public:
-  void say(const std::string& subject, Notice notice) {
-    if (said_.insert(subject).second) pending_.push_back(std::move(notice));
+  void say(const std::string& subject, Diagnostic diagnostic) {
+    if (said_.insert(subject).second) pending_.push_back(std::move(diagnostic));
   }
   void warn(const std::string& subject, const std::string& sentence) {
-    say(subject, {Notice::Level::kWarning, sentence});
+    say(subject, {Diagnostic::Level::kWarning, sentence});
   }
   void inform(const std::string& subject, const std::string& sentence) {
-    say(subject, {Notice::Level::kInfo, sentence});
+    say(subject, {Diagnostic::Level::kInfo, sentence});
   }
   /// The next sentence about that subject is news again.
   void forget(const std::string& subject) { said_.erase(subject); }
-  std::vector<Notice> take() {
-    std::vector<Notice> result;
+  std::vector<Diagnostic> take() {
+    std::vector<Diagnostic> result;
     result.swap(pending_);
     return result;
   }
 
  private:
   std::set<std::string> said_;
-  std::vector<Notice> pending_;
+  std::vector<Diagnostic> pending_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "input_notices.hpp"
+#include "input_diagnostics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr Stamp kOtherClock = from_seconds(10.0);  // no sensor is as late as th
 
 }  // namespace
 
-void InputNotices::motion(MotionSource source, bool has_times) {
+void InputDiagnostics::motion(MotionSource source, bool has_times) {
   if (!has_times) {
     return inform("motion none",
                   "points: no point times; the scans are taken as compensated (raw ones need "
@@ -29,64 +29,64 @@ void InputNotices::motion(MotionSource source, bool has_times) {
   inform("motion " + name, "points: motion during the scan compensated by " + name);
 }
 
-void InputNotices::time_went_back(const std::string& input, Stamp jump) {
+void InputDiagnostics::time_went_back(const std::string& input, Stamp jump) {
   forget("reset");
   warn("reset", input + text(": time went back by %.1f s", to_seconds(jump)) +
                     "; all buffers are empty now (a recording that begins anew?)");
 }
 
-void InputNotices::stray_stamp(const std::string& input, Stamp jump) {
+void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {
   warn("stray " + input,
        input + text(": a stamp %.1f s %s all before was dropped (if the next ones agree with it, "
                     "they are taken)",
                     std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
 }
 
-void InputNotices::refused_fix(const std::string& problem) {
+void InputDiagnostics::refused_fix(const std::string& problem) {
   const std::string kind = problem.substr(0, problem.find_first_of("0123456789(:"));
   warn("gnss " + kind, "gnss: fix refused: " + problem);
 }
 
-void InputNotices::refused_scan(Stamp stamp) {
+void InputDiagnostics::refused_scan(Stamp stamp) {
   warn("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
                            : "points: a scan came with the stamp of an earlier one or after a "
                              "later one; it was dropped");
 }
 
-void InputNotices::too_few_points() {
+void InputDiagnostics::too_few_points() {
   warn("empty",
        "points: a scan had fewer than min_points points after the filters; check "
        "distance_near_thresh, distance_far_thresh and vehicle_box");
 }
 
-void InputNotices::useless_heading() {
+void InputDiagnostics::useless_heading() {
   warn("heading",
        "imu: its heading does not agree with the course over ground; it is not used (set "
        "imu_orientation to ENU if it is true nevertheless)");
 }
 
-void InputNotices::absurd_gyro() {
+void InputDiagnostics::absurd_gyro() {
   warn("gyro",
        "imu: its rates are beyond 12 rad/s or far beyond the velocity's, as if they were in "
        "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
 }
 
-void InputNotices::clipped_gyro(double limit) {
+void InputDiagnostics::clipped_gyro(double limit) {
   warn("gyro limit",
        text("imu: its rates end at %.1f rad/s, where the sensor turns faster; scans meanwhile are "
             "taken as without gyro (set a larger range in its driver)",
             limit));
 }
 
-void InputNotices::refused_acceleration(const std::string& sentence) {
+void InputDiagnostics::refused_acceleration(const std::string& sentence) {
   warn("acceleration", "imu: " + sentence);
 }
 
-void InputNotices::refused_velocity(VelocityProblem problem, const std::string& sentence) {
+void InputDiagnostics::refused_velocity(VelocityProblem problem, const std::string& sentence) {
   warn("velocity " + std::to_string(static_cast<int>(problem)), "velocity: " + sentence);
 }
 
-void InputNotices::missing_transform(const std::string& input, const std::string& frame_id) {
+void InputDiagnostics::missing_transform(const std::string& input, const std::string& frame_id) {
   const std::string what = frame_id.empty()
                                ? "the messages name no frame; set header.frame_id"
                                : "no transform from '" + frame_id +
@@ -95,7 +95,7 @@ void InputNotices::missing_transform(const std::string& input, const std::string
   warn("tf " + input + frame_id, input + ": " + what);
 }
 
-void InputNotices::other_clock(const std::string& input, Stamp ahead, Stamp behind) {
+void InputDiagnostics::other_clock(const std::string& input, Stamp ahead, Stamp behind) {
   const Stamp most = std::max(ahead, behind);
   if (most <= kOtherClock) return;
   warn("clock " + input, input +

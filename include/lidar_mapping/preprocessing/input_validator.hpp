@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/preprocessing/check_diagnostic.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/finding.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -33,15 +33,15 @@ struct CloudSummary {
 
 /// Looks at what sensors send before anybody maps with it: rates, frames, units, times, gravity,
 /// fixes. It judges the messages as they come, not what preprocessing makes of them.
-class InputDoctor {
+class InputValidator {
  public:
-  explicit InputDoctor(const PreprocessingConfig& config);
-  ~InputDoctor();
+  explicit InputValidator(const PreprocessingConfig& config);
+  ~InputValidator();
 
-  void see_scan(const CloudSummary& cloud);
-  void see_imu(const ImuSample& sample, const std::string& frame_id);
-  void see_velocity(const VelocitySample& sample, const std::string& frame_id);
-  void see_gnss(const GnssFix& fix, const std::string& frame_id);
+  void add_scan(const CloudSummary& cloud);
+  void add_imu(const ImuSample& sample, const std::string& frame_id);
+  void add_velocity(const VelocitySample& sample, const std::string& frame_id);
+  void add_gnss(const GnssFix& fix, const std::string& frame_id);
 
   /// Points, imu, velocity, gnss. An input that never came is a fault of the points only.
   std::vector<InputReport> report(const ExtrinsicLookup& lookup) const;

@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
-#include "examinations.hpp"
+#include "input_checks.hpp"
 #include "interpolation.hpp"
 #include "time_offset.hpp"
 #include "velocity_check.hpp"
@@ -56,7 +56,7 @@ double fastest_turn(const std::vector<ImuSample>& samples) {
 }
 
 /// `mean` is that of the accelerations as they are sent, `gravity` its length in m/s^2.
-void judge_gravity(const Eigen::Vector3d& mean, double gravity,
+void check_gravity(const Eigen::Vector3d& mean, double gravity,
                    const std::optional<Pose>& T_base_imu, InputReport& report) {
   if (gravity > 0.9 && gravity < 1.1) {
     add_fault(report, "its accelerations are in g", "set imu_acceleration_unit to G");
@@ -69,11 +69,11 @@ void judge_gravity(const Eigen::Vector3d& mean, double gravity,
   }
 }
 
-void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
+void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
                  const ExtrinsicLookup& lookup, AngularUnit unit, InputReport& report) {
-  const auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.flow.frame()));
+  const auto rates = turning(imu.samples, &ImuSample::angular_velocity, lookup(imu.topic.frame()));
   const auto reference =
-      turning(velocity.samples, &VelocitySample::angular, lookup(velocity.flow.frame()));
+      turning(velocity.samples, &VelocitySample::angular, lookup(velocity.topic.frame()));
   const auto scale = ratio(rates, reference);
   const bool degrees =
       (scale && *scale > 0.5 * kDegPerRad) || fastest_turn(imu.samples) > kFastestVehicleTurn;
@@ -82,13 +82,13 @@ void judge_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   } else if (scale && *scale < 0.0) {
     add_fault(report, "it turns against the velocity's turning", "mend the transform");
   } else {
-    judge_offset(time_offset(reference, rates), "imu_time_offset", report);
+    check_offset(time_offset(reference, rates), "imu_time_offset", report);
   }
 }
 
 }  // namespace
 
-void judge_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
+void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
                   InputReport& report) {
   constexpr double kSignificantOffset = 0.02;  // s
   if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
@@ -101,9 +101,9 @@ void judge_offset(const std::optional<TimeOffset>& offset, const std::string& pa
             text("set %s to %.3f", parameter.c_str(), -offset->seconds));
 }
 
-InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
-                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
-  InputReport report = examine_headers("imu", imu.flow, lookup);
+InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
+  InputReport report = check_headers("imu", imu.topic, lookup);
   if (imu.samples.empty()) return report;
   const bool has_acceleration =
       std::any_of(imu.samples.begin(), imu.samples.end(),
@@ -116,16 +116,16 @@ InputReport examine(const ImuRecord& imu, const VelocityRecord& velocity,
                   [](const ImuSample& sample) { return sample.orientation.has_value(); });
   report.found += text(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
                        fastest_turn(imu.samples), has_orientation ? "with" : "without");
-  if (has_acceleration) judge_gravity(mean, gravity, lookup(imu.flow.frame()), report);
-  judge_rates(imu, velocity, lookup, config.imu_angular_unit, report);
+  if (has_acceleration) check_gravity(mean, gravity, lookup(imu.topic.frame()), report);
+  check_rates(imu, velocity, lookup, config.imu_angular_unit, report);
   return report;
 }
 
-InputReport examine(const VelocityRecord& velocity, const GnssRecord& gnss,
-                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
-  InputReport report = examine_headers("velocity", velocity.flow, lookup);
+InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
+  InputReport report = check_headers("velocity", velocity.topic, lookup);
   if (velocity.samples.empty()) return report;
-  const auto T_base_velocity = lookup(velocity.flow.frame());
+  const auto T_base_velocity = lookup(velocity.topic.frame());
   double ahead = 0.0, aside = 0.0, fastest = 0.0;
   for (const VelocitySample& sample : velocity.samples) {
     const Eigen::Vector3d v =

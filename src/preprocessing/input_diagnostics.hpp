@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "lidar_mapping/preprocessing/diagnostic_log.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/notices.hpp"
 
 #include "motion_sensors.hpp"
 #include "sensor_stream.hpp"
@@ -13,7 +13,7 @@
 namespace lidar_mapping::preprocessing {
 
 /// What is to be said of the inputs while they are brought together, each subject once.
-class InputNotices : public Notices {
+class InputDiagnostics : public DiagnosticLog {
  public:
   /// How the motion during the scans is taken out.
   void motion(MotionSource source, bool has_times);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lidar_mapping/preprocessing/finding.hpp"
+#include "lidar_mapping/preprocessing/check_diagnostic.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -7,6 +7,8 @@ const char* to_string(Severity severity) {
   return severity == Severity::kFault ? "FAULT" : "WARNING";
 }
 
-std::string sentence(const Finding& finding) { return finding.text + ": " + finding.remedy; }
+std::string sentence(const CheckDiagnostic& diagnostic) {
+  return diagnostic.text + ": " + diagnostic.remedy;
+}
 
 }  // namespace lidar_mapping::preprocessing

@@ -7,8 +7,8 @@
 
 #include "lidar_mapping/common/order_statistics.hpp"
 
-#include "examinations.hpp"
 #include "gnss_track.hpp"
+#include "input_checks.hpp"
 #include "local_frame.hpp"
 #include "motion_sensors.hpp"
 #include "time_offset.hpp"
@@ -89,7 +89,7 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
   MotionSensors sensors(config, extrinsics);
   const auto add_until = [](Stamp stamp, const auto& record, std::size_t& next, const auto& add) {
     for (; next < record.samples.size() && record.samples[next].stamp <= stamp; ++next) {
-      add(record.samples[next], record.flow.frame());
+      add(record.samples[next], record.topic.frame());
     }
   };
   std::size_t next_imu = 0, next_velocity = 0;
@@ -99,14 +99,14 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
               [&](const auto& sample, const auto& frame) { sensors.add_imu(sample, frame); });
     add_until(fix.stamp + latency, velocity, next_velocity,
               [&](const auto& sample, const auto& frame) { sensors.add_velocity(sample, frame); });
-    track.add(fix, gnss.flow.frame());
-    track.settle(sensors, fix.stamp, latency, true);
+    track.add(fix, gnss.topic.frame());
+    track.evaluate_pending(sensors, fix.stamp, latency, true);
   }
 }
 
 /// What the messages themselves say, without the floor: horizontal sigma, root mean square of both
 /// axes, m.
-double said_sigma(const std::vector<GnssFix>& fixes) {
+double stated_sigma(const std::vector<GnssFix>& fixes) {
   std::vector<double> sigmas;
   for (const GnssFix& fix : fixes) {
     if (fix.covariance) sigmas.push_back(std::sqrt(fix.covariance->topLeftCorner<2, 2>().trace()));
@@ -114,11 +114,11 @@ double said_sigma(const std::vector<GnssFix>& fixes) {
   return sigmas.empty() ? 0.0 : median(std::move(sigmas));
 }
 
-void judge_scatter(const FixScatter& scatter, const GnssRecord& gnss,
+void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
                    const PreprocessingConfig& config, InputReport& report) {
   if (!scatter.is_known()) return;
-  const double said = said_sigma(gnss.good.samples);
-  const double driven = kUsualAcceleration / std::pow(gnss.good.flow.rate(), 2);
+  const double said = stated_sigma(gnss.good.samples);
+  const double driven = kUsualAcceleration / std::pow(gnss.good.topic.rate(), 2);
   if (scatter.measured() < kTooConfident * said + driven) return;
   const bool is_covered = scatter.variance_factor() <= 1.0;
   add_warning(
@@ -131,11 +131,11 @@ void judge_scatter(const FixScatter& scatter, const GnssRecord& gnss,
 }
 
 /// False if too little is known of the antenna to say anything about the stamps.
-bool judge_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
+bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
                    InputReport& report) {
   const AntennaFit::Result result = fit.result(kAnyArm);
   if (result.delay_sigma > kUncertainOffset) return false;
-  judge_offset(TimeOffset{result.delay, result.delay_sigma}, "gnss_time_offset", report);
+  check_offset(TimeOffset{result.delay, result.delay_sigma}, "gnss_time_offset", report);
   const double off = result.arm_error.norm();
   if (off > std::max(kSignificantArm, kSigmas * result.arm_sigma)) {
     const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
@@ -171,12 +171,12 @@ std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssReco
   return median(std::move(scales));
 }
 
-InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
-                    const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
-  InputReport report = examine_headers("gnss", gnss.flow, lookup);
-  if (gnss.flow.count == 0) return report;
-  const TopicFlow& good = gnss.good.flow;
-  report.found += text(", %zu of %zu fixes usable", good.count, gnss.flow.count);
+InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
+                  const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
+  InputReport report = check_headers("gnss", gnss.topic, lookup);
+  if (gnss.topic.count == 0) return report;
+  const TopicStatistics& good = gnss.good.topic;
+  report.found += text(", %zu of %zu fixes usable", good.count, gnss.topic.count);
   for (const auto& [problem, count] : gnss.refused) {
     add_warning(report, text("%zu fixes refused: %s", count, problem.c_str()),
                 "they are left out; the map leans on odometry and loops there");
@@ -197,16 +197,16 @@ InputReport examine(const GnssRecord& gnss, const ImuRecord& imu, const Velocity
   GnssTrack track(config, extrinsics);
   replay(gnss, imu, velocity, extrinsics, config, track);
   const FixScatter& scatter = track.scatter();
-  if (gnss.covariance_known) judge_scatter(scatter, gnss, config, report);
+  if (gnss.covariance_known) check_scatter(scatter, gnss, config, report);
   const Steps steps = steps_of(local_fixes(gnss, config), speeds_of(velocity),
                                scatter.is_known() ? scatter.measured() : 0.0);
   if (steps.jumps > 0) {
     add_warning(report, text("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
                 "reflections or wrong ambiguities; keep gnss_gating on");
   }
-  const auto T_base_antenna = extrinsics.T_base(gnss.flow.frame());
-  if (!T_base_antenna || !judge_antenna(track.antenna_fit(), T_base_antenna->translation, report)) {
-    judge_offset(time_offset(speeds_of(velocity), steps.speeds), "gnss_time_offset", report);
+  const auto T_base_antenna = extrinsics.T_base(gnss.topic.frame());
+  if (!T_base_antenna || !check_antenna(track.antenna_fit(), T_base_antenna->translation, report)) {
+    check_offset(time_offset(speeds_of(velocity), steps.speeds), "gnss_time_offset", report);
   }
   return report;
 }

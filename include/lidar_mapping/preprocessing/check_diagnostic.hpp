@@ -14,20 +14,20 @@ enum class Severity {
 const char* to_string(Severity severity);
 
 /// What is wrong with an input, and what helps.
-struct Finding {
+struct CheckDiagnostic {
   Severity severity = Severity::kFault;
   std::string text;
   std::string remedy;
 };
 
 /// "text: remedy".
-std::string sentence(const Finding& finding);
+std::string sentence(const CheckDiagnostic& diagnostic);
 
 /// One line about an input and what is wrong with it.
 struct InputReport {
   std::string input;  ///< points, imu, velocity, gnss
   std::string found;
-  std::vector<Finding> findings;
+  std::vector<CheckDiagnostic> diagnostics;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "samples.hpp"
@@ -44,11 +44,11 @@ struct Messages {
 };
 
 std::string all_faults(const Messages& messages, const PreprocessingConfig& config = {}) {
-  InputDoctor doctor(config);
-  for (const CloudSummary& cloud : messages.clouds) doctor.see_scan(cloud);
-  for (const ImuSample& sample : messages.imu) doctor.see_imu(sample, messages.imu_frame);
-  for (const VelocitySample& sample : messages.velocity) doctor.see_velocity(sample, "imu_link");
-  for (const GnssFix& fix : messages.gnss) doctor.see_gnss(fix, messages.gnss_frame);
+  InputValidator validator(config);
+  for (const CloudSummary& cloud : messages.clouds) validator.add_scan(cloud);
+  for (const ImuSample& sample : messages.imu) validator.add_imu(sample, messages.imu_frame);
+  for (const VelocitySample& sample : messages.velocity) validator.add_velocity(sample, "imu_link");
+  for (const GnssFix& fix : messages.gnss) validator.add_gnss(fix, messages.gnss_frame);
   const auto lookup = [&](const std::string& frame) -> std::optional<Pose> {
     if (frame == "velo_link") return messages.mounting.T_base_lidar;
     if (frame == "imu_link") return messages.mounting.T_base_imu;
@@ -58,11 +58,11 @@ std::string all_faults(const Messages& messages, const PreprocessingConfig& conf
     return std::nullopt;
   };
   std::string faults;
-  for (const InputReport& report : doctor.report(lookup)) {
+  for (const InputReport& report : validator.report(lookup)) {
     EXPECT_FALSE(report.found.empty());
-    for (const Finding& finding : report.findings) {
-      EXPECT_FALSE(finding.remedy.empty()) << finding.text;
-      faults += report.input + ": " + sentence(finding) + "\n";
+    for (const CheckDiagnostic& diagnostic : report.diagnostics) {
+      EXPECT_FALSE(diagnostic.remedy.empty()) << diagnostic.text;
+      faults += report.input + ": " + sentence(diagnostic) + "\n";
     }
   }
   return faults;
@@ -81,21 +81,21 @@ void expect_fault(const Messages& messages, const std::string& word) {
   EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1) << faults;
 }
 
-TEST(InputDoctor, FindsNothingWrongWithACleanDrive) { EXPECT_EQ(all_faults(clean()), ""); }
+TEST(InputValidator, FindsNothingWrongWithACleanDrive) { EXPECT_EQ(all_faults(clean()), ""); }
 
-TEST(InputDoctor, FindsAccelerationsInG) {
+TEST(InputValidator, FindsAccelerationsInG) {
   Messages messages = clean();
   for (ImuSample& sample : messages.imu) sample.linear_acceleration /= 9.81;
   expect_fault(messages, "in g");
 }
 
-TEST(InputDoctor, FindsGravityOfTheWrongSign) {
+TEST(InputValidator, FindsGravityOfTheWrongSign) {
   Messages messages = clean();
   for (ImuSample& sample : messages.imu) sample.linear_acceleration *= -1.0;
   expect_fault(messages, "wrong sign");
 }
 
-TEST(InputDoctor, FindsRatesInDegrees) {
+TEST(InputValidator, FindsRatesInDegrees) {
   Messages messages = clean();
   for (ImuSample& sample : messages.imu) sample.angular_velocity *= 180.0 / M_PI;
   expect_fault(messages, "degrees");
@@ -103,7 +103,7 @@ TEST(InputDoctor, FindsRatesInDegrees) {
   expect_fault(messages, "degrees");
 }
 
-TEST(InputDoctor, FindsMissingTransformsAndSlashes) {
+TEST(InputValidator, FindsMissingTransformsAndSlashes) {
   Messages messages = clean();
   messages.gnss_frame = "gps";
   expect_fault(messages, "no transform from 'gps'");
@@ -113,7 +113,7 @@ TEST(InputDoctor, FindsMissingTransformsAndSlashes) {
   expect_fault(messages, "name no frame");
 }
 
-TEST(InputDoctor, FindsMissingAndWrongPointTimes) {
+TEST(InputValidator, FindsMissingAndWrongPointTimes) {
   Messages messages = clean();
   for (CloudSummary& cloud : messages.clouds) cloud.time_field.clear();
   expect_fault(messages, "no times");
@@ -125,7 +125,7 @@ TEST(InputDoctor, FindsMissingAndWrongPointTimes) {
 }
 
 /// Five or twenty turns a second: the span is what passes from scan to scan, whatever scan_period.
-TEST(InputDoctor, TakesTheTimesOfSlowAndFastSensors) {
+TEST(InputValidator, TakesTheTimesOfSlowAndFastSensors) {
   const Stamp start = clean().clouds.front().stamp;
   for (const double period : {0.2, 0.05}) {
     Messages messages = clean();
@@ -140,7 +140,7 @@ TEST(InputDoctor, TakesTheTimesOfSlowAndFastSensors) {
   }
 }
 
-TEST(InputDoctor, FindsLostScansAndStampsThatGoBack) {
+TEST(InputValidator, FindsLostScansAndStampsThatGoBack) {
   Messages messages = clean();
   messages.clouds.erase(messages.clouds.begin() + 100, messages.clouds.begin() + 120);
   expect_fault(messages, "without a scan");
@@ -149,7 +149,7 @@ TEST(InputDoctor, FindsLostScansAndStampsThatGoBack) {
   expect_fault(messages, "do not increase");
 }
 
-TEST(InputDoctor, FindsOutagesAndJumps) {
+TEST(InputValidator, FindsOutagesAndJumps) {
   simulation::DriveOptions outage;
   outage.gnss_outages = {{50.0, 110.0}};
   const std::string faults = all_faults(Messages(outage));
@@ -161,7 +161,7 @@ TEST(InputDoctor, FindsOutagesAndJumps) {
   }
 }
 
-TEST(InputDoctor, FindsCovariancesThatAreTooConfident) {
+TEST(InputValidator, FindsCovariancesThatAreTooConfident) {
   Messages messages = clean();
   std::mt19937 engine(1);
   std::normal_distribution<double> noise(0.0, 1.0 / 111000.0);
@@ -173,14 +173,14 @@ TEST(InputDoctor, FindsCovariancesThatAreTooConfident) {
   EXPECT_NE(faults.find("scatter"), std::string::npos) << faults;
 }
 
-TEST(InputDoctor, FindsCovariancesThatAreTooConfidentBelowTheFloor) {
+TEST(InputValidator, FindsCovariancesThatAreTooConfidentBelowTheFloor) {
   Messages messages = clean();
   for (GnssFix& fix : messages.gnss) *fix.covariance *= 0.01;
   const std::string faults = all_faults(messages);
   EXPECT_NE(faults.find("gnss_sigma_floor_xy (0.05 m) stands in"), std::string::npos) << faults;
 }
 
-TEST(InputDoctor, FindsTimeOffsets) {
+TEST(InputValidator, FindsTimeOffsets) {
   for (const double offset : {0.05, -0.05}) {
     Messages messages = clean();
     for (GnssFix& fix : messages.gnss) fix.stamp += from_seconds(offset);
@@ -191,7 +191,7 @@ TEST(InputDoctor, FindsTimeOffsets) {
   }
 }
 
-TEST(InputDoctor, FindsVelocitiesInTheAxesOfTheMap) {
+TEST(InputValidator, FindsVelocitiesInTheAxesOfTheMap) {
   Messages messages = clean();
   for (VelocitySample& sample : messages.velocity) {
     sample.linear = exp_so3({0.0, 0.0, 1.2}) * sample.linear;
@@ -200,7 +200,7 @@ TEST(InputDoctor, FindsVelocitiesInTheAxesOfTheMap) {
   EXPECT_NE(faults.find("points aside"), std::string::npos) << faults;
 }
 
-TEST(InputDoctor, FindsStampsThatAreNotTheStart) {
+TEST(InputValidator, FindsStampsThatAreNotTheStart) {
   const auto with_delay = [](double delay) {
     Messages messages = clean();
     for (CloudSummary& cloud : messages.clouds) cloud.delay = delay;
@@ -215,7 +215,7 @@ TEST(InputDoctor, FindsStampsThatAreNotTheStart) {
   EXPECT_EQ(all_faults(with_delay(0.01), config), "");
 }
 
-TEST(InputDoctor, FindsSpeedsInOtherUnits) {
+TEST(InputValidator, FindsSpeedsInOtherUnits) {
   for (const auto& [scale, word] :
        {std::pair{3.6, "km/h"}, std::pair{2.237, "times those of the fixes"}}) {
     Messages messages = clean();
@@ -224,7 +224,7 @@ TEST(InputDoctor, FindsSpeedsInOtherUnits) {
   }
 }
 
-TEST(InputDoctor, FindsFixesThatAreNone) {
+TEST(InputValidator, FindsFixesThatAreNone) {
   Messages messages = clean();
   for (std::size_t i = 0; i < 100; ++i) {
     messages.gnss[5 * i].latitude_deg = messages.gnss[5 * i].longitude_deg = 0.0;
