@@ -79,14 +79,14 @@ void DelayedInitialization::begin_to_look(const MotionFilter& filter, LocalMap& 
 bool DelayedInitialization::match_again(std::size_t i, const MatchJudge& judge, LocalMap& map) {
   const MatchedScan& scan = scans_[i];
   const double seconds = seconds_between(scans_[i + 1], scan);
-  MotionFilter agile = filter_->agile();
-  agile.predict(seconds);
+  MotionFilter high_noise = filter_->with_high_process_noise();
+  high_noise.predict(seconds);
   filter_->predict(seconds);
   const registration::MotionBelief belief = filter_->belief();
-  const Prediction prediction{belief, belief, agile.belief()};
+  const Prediction prediction{belief, belief, high_noise.belief()};
   found_[i] = matcher_.find(scan.points, map, judge, prediction, {});
   const registration::NdtMatch& match = found_[i].match;
-  if (judge.judge(match, prediction.agile) == TrackingState::kLost) return false;
+  if (judge.judge(match, prediction.high_noise) == TrackingState::kLost) return false;
   filter_->correct(match.state, match.information.inverse(),
                    projection_beside(found_[i].degenerate_directions));
   insert(scan, match.state, map);

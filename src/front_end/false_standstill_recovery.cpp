@@ -14,62 +14,64 @@ namespace {
 
 /// Where more of the points find a plane, and these hold the sensor in all directions, it does not
 /// go unnoticed.
-constexpr double kEnoughPlanes = 0.5;
+constexpr double kMinConstrainedOverlap = 0.5;
 /// Fewer upright points tell nothing.
-constexpr std::size_t kFewest = 20;
+constexpr std::size_t kMinPoints = 20;
 /// More of them, as streets have, tell no more and take time.
-constexpr std::size_t kMostCompared = 400;
+constexpr std::size_t kMaxPoints = 400;
 /// As long as this share of them is where it was, the sensor is, too.
-constexpr double kStillThere = 0.6;
+constexpr double kMinStandstillFraction = 0.6;
 /// At the new pose they fit in at least so many of 36 directions, and so much better than at the
 /// old one: in each scan, and in all of them together by so many standard deviations.
-constexpr int kFewestDirections = 4;
-constexpr double kMore = 1.25;
-constexpr double kSignificant = 4.0;
+constexpr int kMinDirections = 4;
+constexpr double kMinEvidenceRatio = 1.25;
+constexpr double kMinEvidenceSigmas = 4.0;
 /// So many scans have to tell of a motion that is steady to this (m).
-constexpr std::size_t kScans = 3;
-constexpr double kSteady = 0.25;
+constexpr std::size_t kHypotheses = 3;
+constexpr double kMaxInconsistency = 0.25;
 
 /// A robot that turns on the spot goes on putting scans into its map.
-constexpr int kMostScans = 10;
+constexpr int kMaxInitialScans = 10;
 
 // Where to look (m); ahead may be any of four directions of the sensor's.
-constexpr int kDirections = 4;
-constexpr double kBehind = 2.4;
-constexpr double kAhead = 6.0;
-constexpr double kAside = 0.6;
-constexpr double kStep = 0.3;
+constexpr int kSearchDirections = 4;
+constexpr double kSearchBehind = 2.4;
+constexpr double kSearchAhead = 6.0;
+constexpr double kSearchAside = 0.6;
+constexpr double kSearchStep = 0.3;
 
 /// What runs along the way fits as well so far before and behind (m), and tells nothing.
-constexpr double kBeside = 0.7;
+constexpr double kDistinctDistance = 0.7;
 /// A shorter way (m) or a slower motion (m/s) has no direction.
-constexpr double kLeastWay = 0.1;
+constexpr double kMinDisplacement = 0.1;
 /// After so many scans without a fit the matches are trusted again.
-constexpr int kMostMisses = 10;
+constexpr int kMaxFailedFits = 10;
 /// From here on there are rings of many places in the map (m).
-constexpr double kFollowedWay = 30.0;
+constexpr double kMaxRecoveryDistance = 30.0;
 
 // What a fit tells, and three of them.
-constexpr double kPlaceSigma = 0.15;       // m
-constexpr double kPlaceAngleSigma = 0.01;  // rad
-constexpr double kSpeedSigma = 0.5;        // m/s
-constexpr double kRateSigma = 0.1;         // rad/s
+constexpr double kPoseSigma = 0.15;       // m
+constexpr double kPoseAngleSigma = 0.01;  // rad
+constexpr double kSpeedSigma = 0.5;       // m/s
+constexpr double kRateSigma = 0.1;        // rad/s
 
 /// Upright points as they were at the reference time.
-std::vector<Eigen::Vector3f> upright_at(const SampledPoints& points, const Vector6d& twist) {
+std::vector<Eigen::Vector3f> vertical_points_at(const SampledPoints& points,
+                                                const Vector6d& twist) {
   SampledPoints placed;
   place(points, {Pose{}, twist}, Eigen::Vector3d::Zero(), placed);
-  return upright_points(placed);
+  return vertical_structure_points(placed);
 }
 
 /// Of them about as many as are compared.
-std::vector<Eigen::Vector3f> some_upright_at(const SampledPoints& points, const Vector6d& twist) {
-  std::vector<Eigen::Vector3f> upright = upright_at(points, twist);
-  const std::size_t step = upright.size() / kMostCompared + 1;
+std::vector<Eigen::Vector3f> sampled_vertical_points_at(const SampledPoints& points,
+                                                        const Vector6d& twist) {
+  std::vector<Eigen::Vector3f> vertical = vertical_points_at(points, twist);
+  const std::size_t stride = vertical.size() / kMaxPoints + 1;
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < upright.size(); i += step) upright[kept++] = upright[i];
-  upright.resize(kept);
-  return upright;
+  for (std::size_t i = 0; i < vertical.size(); i += stride) vertical[kept++] = vertical[i];
+  vertical.resize(kept);
+  return vertical;
 }
 
 Pose displaced(const Pose& pose, const Eigen::Vector2d& by) {
@@ -79,171 +81,177 @@ Pose displaced(const Pose& pose, const Eigen::Vector2d& by) {
 }
 
 /// Of unit length; the sensor's x where there is none.
-Eigen::Vector2d direction_of(const Vector6d& way) {
-  const Eigen::Vector2d level = way.head<2>();
-  return level.norm() < kLeastWay ? Eigen::Vector2d::UnitX() : level.normalized();
+Eigen::Vector2d heading_of(const Vector6d& displacement) {
+  const Eigen::Vector2d level = displacement.head<2>();
+  return level.norm() < kMinDisplacement ? Eigen::Vector2d::UnitX() : level.normalized();
 }
 
-Matrix12d covariance_of_found() {
+Matrix12d recovered_covariance() {
   Matrix12d covariance = Matrix12d::Zero();
-  covariance.topLeftCorner<6, 6>() = diagonal_covariance(kPlaceSigma, kPlaceAngleSigma);
+  covariance.topLeftCorner<6, 6>() = diagonal_covariance(kPoseSigma, kPoseAngleSigma);
   covariance.bottomRightCorner<6, 6>() = diagonal_covariance(kSpeedSigma, kRateSigma);
   return covariance;
 }
 
-bool is_held(const registration::NdtMatch& match) {
-  return match.overlap > kEnoughPlanes &&
+bool is_constrained(const registration::NdtMatch& match) {
+  return match.overlap > kMinConstrainedOverlap &&
          degenerate_directions(match.pose_hessian, kOnePlaceShare).empty();
 }
 
 }  // namespace
 
-void FalseStandstillRecovery::forget() { *this = FalseStandstillRecovery(); }
+void FalseStandstillRecovery::reset() { *this = FalseStandstillRecovery(); }
 
 void FalseStandstillRecovery::insert(const SampledPoints& points, const MotionState& state) {
-  if (over_ || (!found_ && scans_ == kMostScans)) return;
-  ++scans_;
-  if (!first_) first_ = sure_ = state.T_map_sensor;
-  inserted_.push_back({points, state});
+  if (finished_ || (!recovering_ && inserted_scans_ == kMaxInitialScans)) return;
+  ++inserted_scans_;
+  if (!first_pose_) first_pose_ = confirmed_pose_ = state.T_map_sensor;
+  pending_.push_back({points, state});
 }
 
-void FalseStandstillRecovery::take_inserted() {
-  for (const Inserted& scan : inserted_) {
-    map_.insert(upright_at(scan.points, scan.state.twist), scan.state.T_map_sensor);
+void FalseStandstillRecovery::insert_pending() {
+  for (const Inserted& scan : pending_) {
+    map_.insert(vertical_points_at(scan.points, scan.state.twist), scan.state.T_map_sensor);
   }
-  inserted_.clear();
+  pending_.clear();
 }
 
-void FalseStandstillRecovery::end() {
-  forget();
-  over_ = true;
+void FalseStandstillRecovery::finish() {
+  reset();
+  finished_ = true;
 }
 
-bool FalseStandstillRecovery::follow(const SampledPoints& points, const MotionFilter& agile,
-                                     MotionFilter& filter) {
-  if (!found_) return false;
-  const MotionState& predicted = agile.state();
-  const Pose& where = filter.state().T_map_sensor;
-  if ((where.translation - first_->translation).norm() > kFollowedWay) {
-    end();
+bool FalseStandstillRecovery::track(const SampledPoints& points,
+                                    const MotionFilter& high_noise_filter, MotionFilter& filter) {
+  if (!recovering_) return false;
+  const MotionState& predicted = high_noise_filter.state();
+  const Pose& filter_pose = filter.state().T_map_sensor;
+  if ((filter_pose.translation - first_pose_->translation).norm() > kMaxRecoveryDistance) {
+    finish();
     return false;
   }
-  take_inserted();
+  insert_pending();
   const std::optional<Pose> pose = fit(points, predicted);
-  filter = agile;
-  if (pose) filter.measure_place(*pose, kPlaceSigma, kPlaceAngleSigma);
+  filter = high_noise_filter;
+  if (pose) filter.measure_planar_pose(*pose, kPoseSigma, kPoseAngleSigma);
   return true;
 }
 
-bool FalseStandstillRecovery::notice(const SampledPoints& points,
+bool FalseStandstillRecovery::detect(const SampledPoints& points,
                                      const registration::NdtMatch& match, double seconds,
-                                     bool one_place, MotionFilter& filter) {
-  if (!one_place || !first_) end();
-  if (over_) return false;
-  since_step_ += seconds;
-  if (is_held(match)) {
-    trust(match.state.T_map_sensor);
+                                     bool single_place, MotionFilter& filter) {
+  if (!single_place || !first_pose_) finish();
+  if (finished_) return false;
+  since_hypothesis_ += seconds;
+  if (is_constrained(match)) {
+    confirm(match.state.T_map_sensor);
     return false;
   }
-  take_inserted();
-  const std::optional<MotionState> state = look(points, match.state);
-  if (state) filter.restart(*state, covariance_of_found());
+  insert_pending();
+  const std::optional<MotionState> state = find_motion(points, match.state);
+  if (state) filter.restart(*state, recovered_covariance());
   return state.has_value();
 }
 
-void FalseStandstillRecovery::trust(const Pose& pose) {
-  sure_ = pose;
-  steps_.clear();
+void FalseStandstillRecovery::confirm(const Pose& pose) {
+  confirmed_pose_ = pose;
+  hypotheses_.clear();
 }
 
-const Pose& FalseStandstillRecovery::last_place() const {
-  return steps_.empty() ? sure_ : steps_.back().pose;
+const Pose& FalseStandstillRecovery::last_pose() const {
+  return hypotheses_.empty() ? confirmed_pose_ : hypotheses_.back().pose;
 }
 
-Pose FalseStandstillRecovery::roughly(const std::vector<Eigen::Vector3f>& points) const {
-  Pose best = last_place();
-  std::size_t most = 0;
-  for (int direction = 0; direction < kDirections; ++direction) {
-    const Eigen::Rotation2Dd course(2.0 * kPi / kDirections * direction);
-    for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
-      for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
-        const Pose there = displaced(last_place(), course * Eigen::Vector2d(x, y));
-        const std::size_t near = map_.count_near(points, there);
-        if (near <= most) continue;
-        most = near;
-        best = there;
+Pose FalseStandstillRecovery::coarse_search(const std::vector<Eigen::Vector3f>& points) const {
+  Pose best = last_pose();
+  std::size_t best_count = 0;
+  for (int direction = 0; direction < kSearchDirections; ++direction) {
+    const Eigen::Rotation2Dd heading(2.0 * kPi / kSearchDirections * direction);
+    for (double x = -kSearchBehind; x <= kSearchAhead + 1e-9; x += kSearchStep) {
+      for (double y = -kSearchAside; y <= kSearchAside + 1e-9; y += kSearchStep) {
+        const Pose candidate = displaced(last_pose(), heading * Eigen::Vector2d(x, y));
+        const std::size_t points_near = map_.count_near(points, candidate);
+        if (points_near <= best_count) continue;
+        best_count = points_near;
+        best = candidate;
       }
     }
   }
   return best;
 }
 
-std::optional<FalseStandstillRecovery::Step> FalseStandstillRecovery::elsewhere(
+std::optional<FalseStandstillRecovery::Hypothesis> FalseStandstillRecovery::find_other_pose(
     const std::vector<Eigen::Vector3f>& points, const Pose& matched) {
-  if (points.size() < kFewest) return std::nullopt;
-  const VerticalStructureMap::Fit here = map_.evaluate(points, matched);
-  if (static_cast<double>(here.seen_again) > kStillThere * static_cast<double>(points.size())) {
-    trust(matched);
+  if (points.size() < kMinPoints) return std::nullopt;
+  const VerticalStructureMap::Fit fit_here = map_.evaluate(points, matched);
+  if (static_cast<double>(fit_here.matched_points) >
+      kMinStandstillFraction * static_cast<double>(points.size())) {
+    confirm(matched);
     return std::nullopt;
   }
-  const VerticalStructureMap::Fit there = map_.fit(points, roughly(points));
-  if (there.evidence <= here.evidence) steps_.clear();
-  const Eigen::Vector2d ahead = direction_of(difference(last_place(), there.T_map_sensor));
-  if (there.evidence < kMore * here.evidence || !is_place(there, ahead, points)) {
+  const VerticalStructureMap::Fit fit_there = map_.fit(points, coarse_search(points));
+  if (fit_there.evidence <= fit_here.evidence) hypotheses_.clear();
+  const Eigen::Vector2d ahead = heading_of(difference(last_pose(), fit_there.T_map_sensor));
+  if (fit_there.evidence < kMinEvidenceRatio * fit_here.evidence ||
+      !is_distinct(fit_there, ahead, points)) {
     return std::nullopt;
   }
-  return Step{there.T_map_sensor, 0.0, there.evidence, here.evidence};
+  return Hypothesis{fit_there.T_map_sensor, 0.0, fit_there.evidence, fit_here.evidence};
 }
 
-bool FalseStandstillRecovery::is_steady() const {
-  int more = 0;
-  int all = 0;
-  for (const Step& step : steps_) {
-    more += step.there - step.here;
-    all += step.there + step.here;
+bool FalseStandstillRecovery::is_consistent() const {
+  int evidence_difference = 0;
+  int evidence_sum = 0;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    evidence_difference += hypothesis.evidence_there - hypothesis.evidence_here;
+    evidence_sum += hypothesis.evidence_there + hypothesis.evidence_here;
   }
-  if (more < kSignificant * std::sqrt(all)) return false;
-  const double seconds = steps_[1].seconds + steps_[2].seconds;
-  const Vector6d twist = twist_between(steps_[0].pose, steps_[2].pose, seconds);
-  const Pose between = moved(steps_[0].pose, twist, steps_[1].seconds);
-  return difference(between, steps_[1].pose).head<3>().norm() < kSteady;
+  if (evidence_difference < kMinEvidenceSigmas * std::sqrt(evidence_sum)) return false;
+  const double seconds = hypotheses_[1].seconds + hypotheses_[2].seconds;
+  const Vector6d twist = twist_between(hypotheses_[0].pose, hypotheses_[2].pose, seconds);
+  const Pose interpolated = moved(hypotheses_[0].pose, twist, hypotheses_[1].seconds);
+  return difference(interpolated, hypotheses_[1].pose).head<3>().norm() < kMaxInconsistency;
 }
 
-std::optional<MotionState> FalseStandstillRecovery::look(const SampledPoints& points,
-                                                         const MotionState& matched) {
-  std::optional<Step> step =
-      elsewhere(some_upright_at(points, matched.twist), matched.T_map_sensor);
-  if (!step) return std::nullopt;
-  step->seconds = std::exchange(since_step_, 0.0);
-  if (steps_.size() == kScans) steps_.erase(steps_.begin());
-  steps_.push_back(*step);
-  if (steps_.size() < kScans || !is_steady()) return std::nullopt;
-  found_ = true;
-  const double seconds = steps_[1].seconds + steps_[2].seconds;
-  return MotionState{step->pose, twist_between(steps_[0].pose, step->pose, seconds)};
+std::optional<MotionState> FalseStandstillRecovery::find_motion(const SampledPoints& points,
+                                                                const MotionState& matched) {
+  std::optional<Hypothesis> hypothesis =
+      find_other_pose(sampled_vertical_points_at(points, matched.twist), matched.T_map_sensor);
+  if (!hypothesis) return std::nullopt;
+  hypothesis->seconds = std::exchange(since_hypothesis_, 0.0);
+  if (hypotheses_.size() == kHypotheses) hypotheses_.erase(hypotheses_.begin());
+  hypotheses_.push_back(*hypothesis);
+  if (hypotheses_.size() < kHypotheses || !is_consistent()) return std::nullopt;
+  recovering_ = true;
+  const double seconds = hypotheses_[1].seconds + hypotheses_[2].seconds;
+  return MotionState{hypothesis->pose,
+                     twist_between(hypotheses_[0].pose, hypothesis->pose, seconds)};
 }
 
-bool FalseStandstillRecovery::is_place(const VerticalStructureMap::Fit& fit,
-                                       const Eigen::Vector2d& ahead,
-                                       const std::vector<Eigen::Vector3f>& points) const {
+bool FalseStandstillRecovery::is_distinct(const VerticalStructureMap::Fit& fit,
+                                          const Eigen::Vector2d& ahead,
+                                          const std::vector<Eigen::Vector3f>& points) const {
   const Pose& pose = fit.T_map_sensor;
-  const int behind = map_.evaluate(points, displaced(pose, -kBeside * ahead)).evidence;
-  const int before = map_.evaluate(points, displaced(pose, kBeside * ahead)).evidence;
-  return fit.directions >= kFewestDirections && fit.evidence > kMore * 0.5 * (behind + before);
+  const int evidence_behind =
+      map_.evaluate(points, displaced(pose, -kDistinctDistance * ahead)).evidence;
+  const int evidence_ahead =
+      map_.evaluate(points, displaced(pose, kDistinctDistance * ahead)).evidence;
+  return fit.directions >= kMinDirections &&
+         fit.evidence > kMinEvidenceRatio * 0.5 * (evidence_behind + evidence_ahead);
 }
 
 std::optional<Pose> FalseStandstillRecovery::fit(const SampledPoints& points,
                                                  const MotionState& predicted) {
-  const std::vector<Eigen::Vector3f> upright = some_upright_at(points, predicted.twist);
-  const VerticalStructureMap::Fit fit = map_.fit(upright, predicted.T_map_sensor);
-  if (is_place(fit, direction_of(predicted.twist), upright)) {
-    misses_ = 0;
+  const std::vector<Eigen::Vector3f> vertical = sampled_vertical_points_at(points, predicted.twist);
+  const VerticalStructureMap::Fit fit = map_.fit(vertical, predicted.T_map_sensor);
+  if (is_distinct(fit, heading_of(predicted.twist), vertical)) {
+    failed_fits_ = 0;
     return fit.T_map_sensor;
   }
-  if (++misses_ == kMostMisses) {
-    misses_ = 0;
-    found_ = false;
-    trust(predicted.T_map_sensor);
+  if (++failed_fits_ == kMaxFailedFits) {
+    failed_fits_ = 0;
+    recovering_ = false;
+    confirm(predicted.T_map_sensor);
   }
   return std::nullopt;
 }

@@ -15,20 +15,21 @@ namespace lidar_mapping::front_end {
 class FalseStandstillRecovery {
  public:
   /// The map is given up.
-  void forget();
+  void reset();
   /// These points went into the map.
   void insert(const SampledPoints& points, const MotionState& state);
 
   /// Where a motion was found, puts `filter` to where the upright points are, and returns true:
   /// what else there is in the scan may be asked from there. `agile` is `filter` predicted to this
   /// scan with the largest accelerations.
-  bool follow(const SampledPoints& points, const MotionFilter& agile, MotionFilter& filter);
+  bool track(const SampledPoints& points, const MotionFilter& high_noise_filter,
+             MotionFilter& filter);
 
   /// To be called for each scan that was not followed, `seconds` after the last one. If the sensor
   /// turns out to be elsewhere than where it was matched, `filter` is put there, and true returned.
   /// `one_place` is MapInitialization::is_one_place().
-  bool notice(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
-              bool one_place, MotionFilter& filter);
+  bool detect(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
+              bool single_place, MotionFilter& filter);
 
  private:
   struct Inserted {
@@ -36,37 +37,38 @@ class FalseStandstillRecovery {
     MotionState state;
   };
   /// Where a scan seems to be.
-  struct Step {
+  struct Hypothesis {
     Pose pose;
-    double seconds = 0.0;  ///< since the one before
-    int there = 0;         ///< evidence for it
-    int here = 0;          ///< and for the pose that was matched
+    double seconds = 0.0;    ///< since the one before
+    int evidence_there = 0;  ///< evidence for it
+    int evidence_here = 0;   ///< and for the pose that was matched
   };
 
-  void take_inserted();
-  void end();
-  std::optional<MotionState> look(const SampledPoints& points, const MotionState& matched);
-  std::optional<Step> elsewhere(const std::vector<Eigen::Vector3f>& points, const Pose& matched);
-  const Pose& last_place() const;
-  Pose roughly(const std::vector<Eigen::Vector3f>& points) const;
-  void trust(const Pose& pose);
-  bool is_steady() const;
+  void insert_pending();
+  void finish();
+  std::optional<MotionState> find_motion(const SampledPoints& points, const MotionState& matched);
+  std::optional<Hypothesis> find_other_pose(const std::vector<Eigen::Vector3f>& points,
+                                            const Pose& matched);
+  const Pose& last_pose() const;
+  Pose coarse_search(const std::vector<Eigen::Vector3f>& points) const;
+  void confirm(const Pose& pose);
+  bool is_consistent() const;
   std::optional<Pose> fit(const SampledPoints& points, const MotionState& predicted);
   /// True if the points fit there, and less well before and behind on the way, whose direction is
   /// `ahead` in the sensor's axes.
-  bool is_place(const VerticalStructureMap::Fit& fit, const Eigen::Vector2d& ahead,
-                const std::vector<Eigen::Vector3f>& points) const;
+  bool is_distinct(const VerticalStructureMap::Fit& fit, const Eigen::Vector2d& ahead,
+                   const std::vector<Eigen::Vector3f>& points) const;
 
-  std::vector<Inserted> inserted_;  ///< not yet in the map: it is seldom needed
+  std::vector<Inserted> pending_;  ///< not yet in the map: it is seldom needed
   VerticalStructureMap map_;
-  int scans_ = 0;              ///< put into it
-  std::optional<Pose> first_;  ///< where the map began
-  Pose sure_;                  ///< the last pose with upright points where they were
-  std::vector<Step> steps_;
-  double since_step_ = 0.0;  ///< s
-  bool found_ = false;
-  int misses_ = 0;
-  bool over_ = false;
+  int inserted_scans_ = 0;          ///< put into it
+  std::optional<Pose> first_pose_;  ///< where the map began
+  Pose confirmed_pose_;             ///< the last pose with upright points where they were
+  std::vector<Hypothesis> hypotheses_;
+  double since_hypothesis_ = 0.0;  ///< s
+  bool recovering_ = false;
+  int failed_fits_ = 0;
+  bool finished_ = false;
 };
 
 }  // namespace lidar_mapping::front_end

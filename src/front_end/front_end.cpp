@@ -88,8 +88,8 @@ class SensorOdometry {
     check_stamp(taken.stamp);
     if (tracker_ && repeated_.repeats(taken.cloud) && tracked_) return coast(taken.stamp);
     timer_.start("support");
-    const std::optional<Scan> unbent = without_wrong_gyro(taken, prior);
-    const Scan& seen = unbent ? *unbent : taken;
+    const std::optional<Scan> undone = with_gyro_correction_undone(taken, prior);
+    const Scan& seen = undone ? *undone : taken;
     const Scan& scan = tracker_ ? support_.supported(seen) : seen;
     timer_.stop();
     TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
@@ -149,8 +149,9 @@ class SensorOdometry {
   };
 
   /// The scan as the sensor saw it, where it was bent by a gyro that is not believed.
-  std::optional<Scan> without_wrong_gyro(const Scan& scan, const MotionPrior& prior) const {
-    if (!prior.uneven_turning || !tracker_ || tracker_->believes_gyro(prior)) return std::nullopt;
+  std::optional<Scan> with_gyro_correction_undone(const Scan& scan,
+                                                  const MotionPrior& prior) const {
+    if (!prior.uneven_turning || !tracker_ || tracker_->accepts_gyro(prior)) return std::nullopt;
     return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
   }
 

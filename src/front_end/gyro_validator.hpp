@@ -18,7 +18,7 @@ class GyroValidator {
  public:
   /// Whether the gyro may have its say in this scan: it is not distrusted, and what it says of the
   /// mean rate and of the rest of the turning is not far beyond what it was right about.
-  bool believes(const MotionPrior& prior) const;
+  bool accepts(const MotionPrior& prior) const;
   /// A sweep of `duration` seconds, `seconds` after the one before, and its mean rate (rad/s, axes
   /// of base_link).
   void add(const MotionPrior& prior, double seconds, double duration);
@@ -26,10 +26,10 @@ class GyroValidator {
   /// the gyro has not deserved it.
   std::optional<MeasuredTurning> turning() const;
   /// What a filter that turning() was given to may still be told.
-  MotionPrior rest(MotionPrior prior) const;
+  MotionPrior remaining_prior(MotionPrior prior) const;
   /// Takes in the attitude of the sweep before, the one expected without a gyro, and the matched
   /// one.
-  void update(const Eigen::Quaterniond& before, const Eigen::Quaterniond& without,
+  void update(const Eigen::Quaterniond& previous, const Eigen::Quaterniond& without_gyro,
               const Eigen::Quaterniond& matched);
   /// It was looked at for long enough and found wrong.
   bool is_distrusted() const;
@@ -42,10 +42,10 @@ class GyroValidator {
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
   double seconds_ = 0.0;
   int matches_ = 0;
-  bool believed_ = true;    ///< in this sweep
-  double confirmed_ = 0.0;  ///< the largest turning that it was right about, rad/s
-  double by_gyro_ = 0.0;    ///< running mean of its squared errors per axis, (rad/s)^2
-  double without_ = 0.0;    ///< and of the predictions without it
+  bool accepted_ = true;                ///< in this sweep
+  double confirmed_rate_ = 0.0;         ///< the largest turning that it was right about, rad/s
+  double gyro_variance_ = 0.0;          ///< running mean of its squared errors per axis, (rad/s)^2
+  double variance_without_gyro_ = 0.0;  ///< and of the predictions without it
 };
 
 }  // namespace lidar_mapping::front_end

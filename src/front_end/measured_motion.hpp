@@ -13,14 +13,15 @@ namespace lidar_mapping::front_end {
 class MeasuredMotion {
  public:
   /// Rate and velocity; the velocity as one that may have gone wrong just now.
-  void take(const MotionPrior& prior, MotionFilter& filter) const;
+  void apply(const MotionPrior& prior, MotionFilter& filter) const;
   /// The filter's belief, held to the measured velocity as firmly as it has deserved.
-  registration::MotionBelief trusting(const MotionPrior& prior, MotionFilter filter) const;
+  registration::MotionBelief belief_with_velocity(const MotionPrior& prior,
+                                                  MotionFilter filter) const;
   /// Takes in a velocity (m/s, own axes) that a match observed in all directions.
-  void see(const MotionPrior& prior, const Eigen::Vector3d& true_velocity);
+  void update(const MotionPrior& prior, const Eigen::Vector3d& true_velocity);
 
  private:
-  VelocityValidator trust_;
+  VelocityValidator validator_;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -57,7 +57,7 @@ class MotionFilter {
   /// As predicted last, but without measurements of the turning.
   const MotionState& forecast_state() const { return forecast_state_; }
   /// The same filter before a motion unlike all of late.
-  MotionFilter agile() const;
+  MotionFilter with_high_process_noise() const;
   /// Take measurements of the twist in, with the standard deviation of each axis.
   void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);
   void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);
@@ -65,7 +65,7 @@ class MotionFilter {
   void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
   /// Takes in where the sensor is along its own x and y, to `sigma` (m), and which way it looks
   /// about its z, to `angle_sigma` (rad).
-  void measure_place(const Pose& pose, double sigma, double angle_sigma);
+  void measure_planar_pose(const Pose& pose, double sigma, double angle_sigma);
   /// Lets the twist fall exponentially: nobody has seen it lately.
   void slow_down(double seconds, double time_constant);
   /// Replaces the predicted state by a matched one, and learns how far off the prediction was. Of
@@ -80,7 +80,7 @@ class MotionFilter {
 
   /// Covariance of the pose `seconds` before or after the state, beside what is known of the state:
   /// the twist is not as constant as it is taken to be.
-  Covariance6 unsteadiness(double seconds) const;
+  Covariance6 acceleration_covariance(double seconds) const;
 
   const MotionState& state() const { return state_; }
   /// How the twist changed on the way to the state that was matched last, per second; zero where
@@ -90,22 +90,22 @@ class MotionFilter {
   registration::MotionBelief belief() const;
 
  private:
-  void take_forecast(double seconds);
-  void hold_turning(const MeasuredTurning& turning);
-  Vector6d believable_acceleration(const Vector6d& acceleration,
-                                   const Eigen::Matrix3d& observed) const;
-  void learn_agility(const MotionState& state, const Eigen::Matrix3d& observed);
+  void apply_forecast(double seconds);
+  void apply_turning(const MeasuredTurning& turning);
+  Vector6d plausible_acceleration(const Vector6d& acceleration,
+                                  const Eigen::Matrix3d& observed) const;
+  void update_acceleration_sigmas(const MotionState& state, const Eigen::Matrix3d& observed);
   void measure(const Vector12d& row, double innovation, double sigma);
 
   /// Standard deviation of an acceleration, between limits.
-  struct Agility {
+  struct AccelerationSigma {
     double max_sigma;
     double sigma;
 
-    void see(double acceleration);
+    void update(double acceleration);
   };
-  Agility linear_;
-  Agility angular_;
+  AccelerationSigma linear_;
+  AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
   TwistForecast forecast_;
   Pose T_map_corrected_;          ///< the pose that was last corrected

@@ -91,7 +91,7 @@ class NdtTracker::Impl {
     return result;
   }
 
-  bool believes_gyro(const MotionPrior& prior) const { return gyro_.believes(prior); }
+  bool accepts_gyro(const MotionPrior& prior) const { return gyro_.accepts(prior); }
 
   void know_viewpoint() {
     sampler_.know_viewpoint();
@@ -114,7 +114,7 @@ class NdtTracker::Impl {
     doubt_.reset();
     elevation_.interrupt();
     beginning_.forget();
-    unnoticed_.forget();
+    false_standstill_.reset();
     unobserved_travel_.interrupt();
     lost_time_ = 0.0;
   }
@@ -153,12 +153,13 @@ class NdtTracker::Impl {
     gyro_.add(prior, seconds, sampler_.duration());
     const std::optional<MeasuredTurning> turning = gyro_.turning();
     turned_from_ = filter_.state().T_map_sensor.rotation;
-    MotionFilter agile = filter_.agile();
-    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(seconds, turning);
-    unmeasured_speed_ = speed_covariance(filter_.covariance());
-    for (MotionFilter* filter : {&filter_, &agile}) measured_.take(gyro_.rest(prior), *filter);
-    agile_ = agile;
-    return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
+    MotionFilter high_noise = filter_.with_high_process_noise();
+    for (MotionFilter* filter : {&filter_, &high_noise}) filter->predict(seconds, turning);
+    predicted_speed_covariance_ = velocity_covariance(filter_.covariance());
+    for (MotionFilter* filter : {&filter_, &high_noise})
+      measured_.apply(gyro_.remaining_prior(prior), *filter);
+    high_noise_filter_ = high_noise;
+    return {filter_.belief(), measured_.belief_with_velocity(prior, filter_), high_noise.belief()};
   }
 
   void follow(const Scan& scan, double seconds, const MotionPrior& prior,
@@ -182,13 +183,14 @@ class NdtTracker::Impl {
     }
     if (!beginning_.motion_known()) {
       beginning_.know_motion(found.match);
-      unnoticed_.insert(beginning_.first_points(), beginning_.first_state(found.match.state.twist));
+      false_standstill_.insert(beginning_.first_points(),
+                               beginning_.first_state(found.match.state.twist));
     }
     accept(found, prior, result.status);
     if (!claims_pose(result.status.state)) {
       covariance_ += doubt_covariance(found.match.state, believed, result.status.probability);
     }
-    follow_blindly(found, prediction.where_blind, seconds);
+    update_unobserved_travel(found, prediction.for_unobserved, seconds);
     remember(scan);
     if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
     result.revisions = beginning_.look_again(filter_, judge_, map_);
@@ -205,13 +207,13 @@ class NdtTracker::Impl {
     if (beginning_.motion_known() && sampler_.duration() > 0.0) {
       const Pose gone_on = moved(last_good_, match.state.twist, lost_time_ + seconds);
       const Vector6d d = difference(gone_on, match.state.T_map_sensor);
-      evidence.unsteadiness = d.head<3>().norm();
-      evidence.unsteadiness_angle = d.tail<3>().norm();
+      evidence.motion_change = d.head<3>().norm();
+      evidence.motion_change_angle = d.tail<3>().norm();
     }
     set_step(claim_,
              {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
               pose_covariance(reported_covariance(match), match.state.twist, to_stamp) +
-                  filter_.unsteadiness(to_stamp),
+                  filter_.acceleration_covariance(to_stamp),
               beginning_.is_young() ? variance_in_young_map(match) : 1.0},
              since_claim_, evidence);
     return evidence;
@@ -230,17 +232,19 @@ class NdtTracker::Impl {
                                                       const Prediction& prediction) {
     beside_rings_ = false;
     if (!beginning_.motion_known()) {
-      return {beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_),
-              prediction.agile};
+      return {
+          beginning_.find_motion(sampler_.points(), prediction.nominal, seconds, matcher_, map_),
+          prediction.high_noise};
     }
-    if (unnoticed_.follow(sampler_.sparse(), agile_, filter_)) return match_beside_rings();
+    if (false_standstill_.track(sampler_.sparse(), high_noise_filter_, filter_))
+      return match_beside_rings();
     SweepMatcher::Found found =
         matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_});
-    if (unnoticed_.notice(sampler_.sparse(), found.match, seconds, beginning_.is_one_place(),
-                          filter_)) {
+    if (false_standstill_.detect(sampler_.sparse(), found.match, seconds, beginning_.is_one_place(),
+                                 filter_)) {
       return match_beside_rings();
     }
-    return {std::move(found), prediction.agile};
+    return {std::move(found), prediction.high_noise};
   }
 
   /// The match where upright points have put the filter.
@@ -283,7 +287,7 @@ class NdtTracker::Impl {
       status.state = TrackingState::kDegenerate;
     }
     if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
-    if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
+    if (status.degenerate_directions.empty()) measured_.update(prior, match.state.twist.head<3>());
     gyro_.update(turned_from_, filter_.forecast_state().T_map_sensor.rotation,
                  match.state.T_map_sensor.rotation);
     filter_.correct(match.state, match.information.inverse(),
@@ -297,24 +301,25 @@ class NdtTracker::Impl {
 
   /// How far off the way may be: where planes leave a direction open, it is only what is believed
   /// of the speed. Upright points that stand in for the rings observe the place.
-  void follow_blindly(const SweepMatcher::Found& found, const MotionBelief& where_blind,
-                      double seconds) {
+  void update_unobserved_travel(const SweepMatcher::Found& found,
+                                const MotionBelief& for_unobserved, double seconds) {
     if (found.degenerate_directions.empty() || beside_rings_) {
-      const Eigen::Matrix3d covariance = speed_covariance(filter_.covariance());
-      unobserved_travel_.see(found.match.state.twist.head<3>().norm(), covariance.trace(), seconds);
+      const Eigen::Matrix3d covariance = velocity_covariance(filter_.covariance());
+      unobserved_travel_.add_observed(found.match.state.twist.head<3>().norm(), covariance.trace(),
+                                      seconds);
       return;
     }
-    const Eigen::Matrix3d measured = speed_covariance(where_blind.information.inverse());
+    const Eigen::Matrix3d measured = velocity_covariance(for_unobserved.information.inverse());
     double before = 0.0;
     double after = 0.0;
     for (const Eigen::Vector3d& d : found.degenerate_directions) {
-      before += d.dot(unmeasured_speed_ * d);
+      before += d.dot(predicted_speed_covariance_ * d);
       after += d.dot(measured * d);
     }
-    unobserved_travel_.pass(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
+    unobserved_travel_.add_unobserved(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
   }
 
-  static Eigen::Matrix3d speed_covariance(const Matrix12d& covariance) {
+  static Eigen::Matrix3d velocity_covariance(const Matrix12d& covariance) {
     return covariance.block<3, 3>(6, 6);
   }
 
@@ -375,7 +380,7 @@ class NdtTracker::Impl {
     }
     inserted_ = filter_.state().T_map_sensor;
     beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
-    if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());
+    if (beginning_.motion_known()) false_standstill_.insert(dense, filter_.state());
     if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
   }
 
@@ -392,7 +397,7 @@ class NdtTracker::Impl {
     result.T_odom_base = at_stamp.T_map_sensor;
     result.acceleration = filter_.acceleration();
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
-                        filter_.unsteadiness(to_stamp);
+                        filter_.acceleration_covariance(to_stamp);
     result.drift_variance_factor = drift_variance_factor_;
     result.twist = at_stamp.twist;
     result.motion_known = beginning_.motion_known();
@@ -415,7 +420,7 @@ class NdtTracker::Impl {
   SweepClock clock_;
   LocalMap map_;
   MotionFilter filter_;
-  MotionFilter agile_ = filter_;
+  MotionFilter high_noise_filter_ = filter_;
   MatchJudge judge_;
   DoubtState doubt_;
   SweepMatcher matcher_;
@@ -424,14 +429,15 @@ class NdtTracker::Impl {
   Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();  ///< at the scan before
   ElevationCalibration elevation_;
   MapInitialization beginning_;
-  FalseStandstillRecovery unnoticed_;
+  FalseStandstillRecovery false_standstill_;
   UnobservedTravel unobserved_travel_;
   StepTimer timer_;
 
-  Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< covariance, predicted alone
-  bool in_room_ = false;                                        ///< the map began there
-  bool beside_rings_ = false;                                   ///< the scan was matched like that
-  Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
+  Eigen::Matrix3d predicted_speed_covariance_ =
+      Eigen::Matrix3d::Zero();                    ///< covariance, predicted alone
+  bool in_room_ = false;                          ///< the map began there
+  bool beside_rings_ = false;                     ///< the scan was matched like that
+  Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   double drift_variance_factor_ = 1.0;
   bool viewpoint_known_ = false;
   RingSpacingGate rings_;
@@ -451,9 +457,7 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   return impl_->track(scan, prior);
 }
 
-bool NdtTracker::believes_gyro(const MotionPrior& prior) const {
-  return impl_->believes_gyro(prior);
-}
+bool NdtTracker::accepts_gyro(const MotionPrior& prior) const { return impl_->accepts_gyro(prior); }
 
 void NdtTracker::finalize() { impl_->finalize(); }
 

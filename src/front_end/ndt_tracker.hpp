@@ -17,7 +17,7 @@ class NdtTracker : public Tracker {
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void know_viewpoint() override;
   void restart() override;
-  bool believes_gyro(const MotionPrior& prior) const override;
+  bool accepts_gyro(const MotionPrior& prior) const override;
   void finalize() override;
   PointCloud local_map() const override;
 

@@ -235,18 +235,19 @@ class SlidingWindowTracker::Impl {
       twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
       speed_known_ = true;
       tracked_stamp_ = stamp;
-      follow_blindly(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
+      update_unobserved_travel(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
     }
     tracked.status.unobserved_stddev = unobserved_travel_.stddev();
     T_odom_base_ = tracked.T_odom_base;
     stamp_ = stamp;
   }
 
-  void follow_blindly(const FrontEndStatus& status, double seconds, bool speed_is_measured) {
+  void update_unobserved_travel(const FrontEndStatus& status, double seconds,
+                                bool speed_is_measured) {
     if (status.degenerate_directions.empty()) {
-      unobserved_travel_.see(twist_.head<3>().norm(), kSpeedVariance, seconds);
+      unobserved_travel_.add_observed(twist_.head<3>().norm(), kSpeedVariance, seconds);
     } else {
-      unobserved_travel_.pass(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
+      unobserved_travel_.add_unobserved(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
     }
   }
 

@@ -51,8 +51,8 @@ Coefficients features(const StepEvidence& e) {
           e.degenerate,
           logarithm(e.residual_variance, 1e-2),
           e.sectors,
-          logarithm(e.unsteadiness, 1e-3),
-          logarithm(e.unsteadiness_angle, 1e-4),
+          logarithm(e.motion_change, 1e-3),
+          logarithm(e.motion_change_angle, 1e-4),
           e.converged};
 }
 

@@ -85,27 +85,27 @@ void keep_distinct(std::vector<NdtMatch>& matches) {
 SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
                                        const MatchJudge& judge, const Prediction& prediction,
                                        const std::vector<Pose>& anchors) {
-  const MotionBelief& usual = prediction.usual;
-  const NdtMatch fine = refine(points, map, usual, start_for(points, map, usual));
-  const NdtMatch first = coarse_if_thin(fine, points, map, usual, {});
-  Found found = observed(first, points, map, prediction.where_blind);
-  if (!judge.in_doubt(found.match, usual)) return found;
-  const MotionBelief& agile = prediction.agile;
-  found =
-      observed(refine(points, map, agile, found.match.state), points, map, prediction.where_blind);
-  const NdtMatch other = search(points, map, agile, starts_around(usual.state, anchors));
+  const MotionBelief& nominal = prediction.nominal;
+  const NdtMatch fine = refine(points, map, nominal, start_for(points, map, nominal));
+  const NdtMatch first = coarse_if_thin(fine, points, map, nominal, {});
+  Found found = observed(first, points, map, prediction.for_unobserved);
+  if (!judge.in_doubt(found.match, nominal)) return found;
+  const MotionBelief& high_noise = prediction.high_noise;
+  found = observed(refine(points, map, high_noise, found.match.state), points, map,
+                   prediction.for_unobserved);
+  const NdtMatch other = search(points, map, high_noise, starts_around(nominal.state, anchors));
   if (other.quality > kClearlyBetter * found.match.quality) {
-    found = observed(other, points, map, prediction.where_blind);
+    found = observed(other, points, map, prediction.for_unobserved);
   }
   found.rescued = true;
   return found;
 }
 
 SweepMatcher::Found SweepMatcher::observed(const NdtMatch& match, const NdtPoints& points,
-                                           LocalMap& map, const MotionBelief& where_blind) {
+                                           LocalMap& map, const MotionBelief& for_unobserved) {
   const std::vector<Eigen::Vector3d> blind = degenerate_directions(match.pose_hessian);
   if (blind.empty()) return {match, {}, false};
-  return {match_beside_from(match.state, points, map, where_blind, blind), blind, false};
+  return {match_beside_from(match.state, points, map, for_unobserved, blind), blind, false};
 }
 
 SweepMatcher::Found SweepMatcher::match_beside(const NdtPoints& points, LocalMap& map,

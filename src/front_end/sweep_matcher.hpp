@@ -12,11 +12,11 @@ namespace lidar_mapping::front_end {
 
 /// What is known of the motion before the match.
 struct Prediction {
-  registration::MotionBelief usual;
+  registration::MotionBelief nominal;
   /// Trusts other sensors more: where the points say nothing (Zhang, Kaess, Singh 2016).
-  registration::MotionBelief where_blind;
+  registration::MotionBelief for_unobserved;
   /// Holds the largest accelerations for possible: once the usual one is in doubt.
-  registration::MotionBelief agile;
+  registration::MotionBelief high_noise;
 };
 
 /// Finds where a sweep was taken: finely from the prediction, coarsely first where a quick test
@@ -52,7 +52,7 @@ class SweepMatcher {
  private:
   /// The match, or the one without what the points do not observe.
   Found observed(const registration::NdtMatch& match, const registration::NdtPoints& points,
-                 LocalMap& map, const registration::MotionBelief& where_blind);
+                 LocalMap& map, const registration::MotionBelief& for_unobserved);
   registration::NdtMatch match_beside_from(const registration::MotionState& start,
                                            const registration::NdtPoints& points, LocalMap& map,
                                            const registration::MotionBelief& prior,

@@ -54,7 +54,7 @@ class Tracker {
   /// Stamps increase from call to call. Never throws for what the world did: see the status.
   virtual TrackedScan track(const Scan& scan, const MotionPrior& prior) = 0;
   /// False where the scan is to be seen as it was before a gyro had its say.
-  virtual bool believes_gyro(const MotionPrior& /*prior*/) const { return true; }
+  virtual bool accepts_gyro(const MotionPrior& /*prior*/) const { return true; }
   /// Scans are seen from their origin.
   virtual void know_viewpoint() {}
   /// Forgets all; the next scan is the first one of a new local map and lies at its origin.

@@ -21,8 +21,8 @@ class TwistForecast {
   /// Takes in a step of `seconds`: its mean twist and that during the sweep at its end. Only
   /// velocities that `observed`, a projection, lets through were seen. Along others the twist stays
   /// what the sweep's has been: a pose that is off by a little would drive the mean twist away.
-  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
-           const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
+  void update(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
+              const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
   /// The mean twist of a next step of `seconds`, and the twist at its end.
   Vector6d next(double seconds) const;
   Vector6d at_end_of_next(double seconds) const;
@@ -30,19 +30,19 @@ class TwistForecast {
   const Eigen::Vector2d& variance() const { return variance_; }
   /// Which share of the change of the twist, per axis, goes on in the next step: 1 for a steady
   /// acceleration, 0 for noise and a gait.
-  Vector6d steadiness() const;
+  Vector6d change_persistence() const;
 
  private:
-  void learn_steadiness(const Vector6d& mean_twist, const Eigen::Matrix3d& observed);
+  void learn_change_persistence(const Vector6d& mean_twist, const Eigen::Matrix3d& observed);
   void learn_acceleration(const Vector6d& mean_twist, double seconds,
                           const Eigen::Matrix3d& observed);
   Vector6d from_mean(double seconds) const;
   Vector6d from_sweep(double seconds) const;
   /// Say of the last step's mean twist; 0: linear, 1: angular.
-  double mean_share(int part) const;
+  double mean_weight(int part) const;
 
   double largest_acceleration_;
-  bool seen_ = false;
+  bool has_step_ = false;
   Vector6d mean_twist_ = Vector6d::Zero();
   Vector6d sweep_twist_ = Vector6d::Zero();
   double seconds_ = 0.0;  ///< of the last step

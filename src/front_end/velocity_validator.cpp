@@ -28,7 +28,8 @@ double VelocityValidator::scale() const {
   return std::clamp(scale, 1.0 - kLargestCorrection, 1.0 + kLargestCorrection);
 }
 
-void VelocityValidator::see(const Eigen::Vector3d& measured, const Eigen::Vector3d& true_velocity) {
+void VelocityValidator::update(const Eigen::Vector3d& measured,
+                               const Eigen::Vector3d& true_velocity) {
   const Eigen::Vector3d error = true_velocity - corrected(measured);
   peak_ = std::max(error.norm(), (1.0 - kPeakForgetting) * peak_);
   const double squared = error.squaredNorm() / 3.0;

@@ -11,7 +11,7 @@ namespace lidar_mapping::front_end {
 class VelocityValidator {
  public:
   /// Takes in a pair; both m/s in the same axes.
-  void see(const Eigen::Vector3d& measured, const Eigen::Vector3d& true_velocity);
+  void update(const Eigen::Vector3d& measured, const Eigen::Vector3d& true_velocity);
 
   Eigen::Vector3d corrected(const Eigen::Vector3d& measured) const { return scale() * measured; }
   /// Standard deviation per axis (m/s) of a corrected velocity that may have gone wrong just now,

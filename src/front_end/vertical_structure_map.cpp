@@ -16,12 +16,12 @@ namespace {
 
 /// Edge of the columns in which points stand above each other, and by how much (m). Slopes of up to
 /// a half have none.
-constexpr float kColumn = 1.0F;
-constexpr float kAbove = 0.5F;
+constexpr float kColumnEdge = 1.0F;
+constexpr float kMinHeightAboveLowest = 0.5F;
 /// Edge of the voxels, m.
-constexpr float kEdge = 0.3F;
+constexpr float kVoxelEdge = 0.3F;
 /// Distance at which a pair loses most of its weight, and within which a point is seen again, m.
-constexpr float kKernel = 0.3F;
+constexpr float kKernelWidth = 0.3F;
 constexpr int kFilterBits = 21;
 constexpr int kIterations = 10;
 /// Steps below this are none (m, rad).
@@ -29,12 +29,12 @@ constexpr double kConverged = 1e-3;
 /// So many directions are told apart. Of one at most this many points count, or this share of all:
 /// one thing beside the sensor is not to outvote all others.
 constexpr int kDirections = 36;
-constexpr int kMostPerDirection = 4;
-constexpr int kShareOfDirection = 18;
+constexpr int kMinPointsPerDirection = 4;
+constexpr int kDirectionDivisor = 18;
 /// How firmly the start holds the pose while it is fitted, in squared standard deviations of a
 /// point (15 cm): half a metre and two degrees.
-constexpr double kHeldPosition = 0.1;
-constexpr double kHeldAngle = 20.0;
+constexpr double kPriorPositionWeight = 0.1;
+constexpr double kPriorAngleWeight = 20.0;
 
 VoxelKey key_at(const Eigen::Vector3f& p, float edge) { return voxel_key(voxel_index(p / edge)); }
 
@@ -47,59 +47,61 @@ int direction_of(const Eigen::Vector3f& p) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points) {
+std::vector<Eigen::Vector3f> vertical_structure_points(const SampledPoints& points) {
   const auto column_of = [&](std::size_t i) {
-    return key_at({points.x[i], points.y[i], 0.0F}, kColumn);
+    return key_at({points.x[i], points.y[i], 0.0F}, kColumnEdge);
   };
   std::unordered_map<VoxelKey, float> lowest;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto [column, is_new] = lowest.try_emplace(column_of(i), points.z[i]);
     if (!is_new) column->second = std::min(column->second, points.z[i]);
   }
-  std::vector<Eigen::Vector3f> upright;
+  std::vector<Eigen::Vector3f> vertical;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points.z[i] < lowest[column_of(i)] + kAbove) continue;
-    upright.emplace_back(points.x[i], points.y[i], points.z[i]);
+    if (points.z[i] < lowest[column_of(i)] + kMinHeightAboveLowest) continue;
+    vertical.emplace_back(points.x[i], points.y[i], points.z[i]);
   }
-  return upright;
+  return vertical;
 }
 
-void KeyFilter::insert(VoxelKey key) {
+void VoxelKeyFilter::insert(VoxelKey key) {
   bits_.resize(std::size_t{1} << kFilterBits);
   bits_[bit_of(key)] = true;
 }
 
-bool KeyFilter::may_contain(VoxelKey key) const { return !bits_.empty() && bits_[bit_of(key)]; }
+bool VoxelKeyFilter::may_contain(VoxelKey key) const {
+  return !bits_.empty() && bits_[bit_of(key)];
+}
 
 void VerticalStructureMap::insert(const std::vector<Eigen::Vector3f>& points,
                                   const Pose& T_map_sensor) {
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T * point;
-    const VoxelKey key = key_at(p, kEdge);
-    Cell& own = cells_[key];
-    own.sum += p;
-    if (own.count++ > 0) continue;
+    const VoxelKey key = key_at(p, kVoxelEdge);
+    Cell& cell = cells_[key];
+    cell.sum += p;
+    if (cell.count++ > 0) continue;
     occupied_.insert(key);
-    for_voxels_around(key, [&](VoxelKey near) { near_.insert(near); });
+    for_voxels_around(key, [&](VoxelKey near) { occupied_or_adjacent_.insert(near); });
   }
 }
 
 bool VerticalStructureMap::nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const {
-  const VoxelKey here = key_at(p, kEdge);
-  if (!near_.may_contain(here)) return false;
-  float least = std::numeric_limits<float>::max();
-  for_voxels_around(here, [&](VoxelKey key) {
+  const VoxelKey own_key = key_at(p, kVoxelEdge);
+  if (!occupied_or_adjacent_.may_contain(own_key)) return false;
+  float nearest_squared = std::numeric_limits<float>::max();
+  for_voxels_around(own_key, [&](VoxelKey key) {
     if (!occupied_.may_contain(key)) return;
     const auto found = cells_.find(key);
     if (found == cells_.end()) return;
     const Eigen::Vector3f m = found->second.sum / static_cast<float>(found->second.count);
     const float distance = (m - p).squaredNorm();
-    if (distance >= least) return;
-    least = distance;
+    if (distance >= nearest_squared) return;
+    nearest_squared = distance;
     mean = m;
   });
-  return least < std::numeric_limits<float>::max();
+  return nearest_squared < std::numeric_limits<float>::max();
 }
 
 std::size_t VerticalStructureMap::count_near(const std::vector<Eigen::Vector3f>& points,
@@ -107,7 +109,7 @@ std::size_t VerticalStructureMap::count_near(const std::vector<Eigen::Vector3f>&
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   std::size_t count = 0;
   for (const Eigen::Vector3f& p : points) {
-    count += near_.may_contain(key_at(T * p, kEdge)) ? 1U : 0U;
+    count += occupied_or_adjacent_.may_contain(key_at(T * p, kVoxelEdge)) ? 1U : 0U;
   }
   return count;
 }
@@ -117,17 +119,18 @@ VerticalStructureMap::Fit VerticalStructureMap::evaluate(const std::vector<Eigen
   const Eigen::Isometry3f T(T_map_sensor.matrix().cast<float>());
   Fit fit;
   fit.T_map_sensor = T_map_sensor;
-  std::array<int, kDirections> again{};
+  std::array<int, kDirections> matched_per_direction{};
   Eigen::Vector3f mean;
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T * point;
-    if (!nearest(p, mean) || (p - mean).norm() > kKernel) continue;
-    ++fit.seen_again;
-    ++again[static_cast<std::size_t>(direction_of(point))];
+    if (!nearest(p, mean) || (p - mean).norm() > kKernelWidth) continue;
+    ++fit.matched_points;
+    ++matched_per_direction[static_cast<std::size_t>(direction_of(point))];
   }
-  const int most = std::max(kMostPerDirection, static_cast<int>(points.size()) / kShareOfDirection);
-  for (const int count : again) {
-    fit.evidence += std::min(count, most);
+  const int limit =
+      std::max(kMinPointsPerDirection, static_cast<int>(points.size()) / kDirectionDivisor);
+  for (const int count : matched_per_direction) {
+    fit.evidence += std::min(count, limit);
     fit.directions += count > 0 ? 1 : 0;
   }
   return fit;
@@ -139,15 +142,16 @@ VerticalStructureMap::Fit VerticalStructureMap::fit(const std::vector<Eigen::Vec
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Eigen::Matrix3f R = pose.rotation_matrix().cast<float>();
     const Eigen::Vector3f t = pose.translation.cast<float>();
-    const Vector6d off = difference(start, pose);
-    const Eigen::Vector3d held(kHeldPosition, kHeldPosition, kHeldAngle);
-    Eigen::Matrix3d H = held.asDiagonal();
-    Eigen::Vector3d b = held.cwiseProduct(Eigen::Vector3d(off[0], off[1], off[5]));
+    const Vector6d offset = difference(start, pose);
+    const Eigen::Vector3d prior_weight(kPriorPositionWeight, kPriorPositionWeight,
+                                       kPriorAngleWeight);
+    Eigen::Matrix3d H = prior_weight.asDiagonal();
+    Eigen::Vector3d b = prior_weight.cwiseProduct(Eigen::Vector3d(offset[0], offset[1], offset[5]));
     Eigen::Vector3f mean;
     for (const Eigen::Vector3f& p : points) {
       if (!nearest(R * p + t, mean)) continue;
       const Eigen::Vector3f r = p - R.transpose() * (mean - t);
-      const float g = 1.0F / (1.0F + r.squaredNorm() / (kKernel * kKernel));
+      const float g = 1.0F / (1.0F + r.squaredNorm() / (kKernelWidth * kKernelWidth));
       Eigen::Matrix3f J = Eigen::Matrix3f::Zero();
       J.col(0) = Eigen::Vector3f::UnitX();
       J.col(1) = Eigen::Vector3f::UnitY();

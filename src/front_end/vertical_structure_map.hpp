@@ -15,11 +15,11 @@ namespace lidar_mapping::front_end {
 
 /// The points that stand above others of their scan: of trees, posts and walls, not of the ground,
 /// on which the rings of a sensor look alike wherever it stands. z is up.
-std::vector<Eigen::Vector3f> upright_points(const SampledPoints& points);
+std::vector<Eigen::Vector3f> vertical_structure_points(const SampledPoints& points);
 
 /// A set of keys that now and then takes in one too many, but never loses one (Bloom 1970, with one
 /// hash): a quarter of a megabyte that answers in the time of one look at the cache.
-class KeyFilter {
+class VoxelKeyFilter {
  public:
   void insert(VoxelKey key);
   bool may_contain(VoxelKey key) const;
@@ -35,9 +35,9 @@ class VerticalStructureMap {
   /// How points fit at a pose.
   struct Fit {
     Pose T_map_sensor;
-    std::size_t seen_again = 0;  ///< so many points are beside points of the map
-    int evidence = 0;            ///< of them, at most a few in each direction
-    int directions = 0;          ///< in so many of 36
+    std::size_t matched_points = 0;  ///< so many points are beside points of the map
+    int evidence = 0;                ///< of them, at most a few in each direction
+    int directions = 0;              ///< in so many of 36
   };
 
   bool empty() const { return cells_.empty(); }
@@ -61,8 +61,8 @@ class VerticalStructureMap {
   bool nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const;
 
   std::unordered_map<VoxelKey, Cell, VoxelKeyHash> cells_;
-  KeyFilter occupied_;
-  KeyFilter near_;  ///< in or beside an occupied one
+  VoxelKeyFilter occupied_;
+  VoxelKeyFilter occupied_or_adjacent_;  ///< in or beside an occupied one
 };
 
 }  // namespace lidar_mapping::front_end

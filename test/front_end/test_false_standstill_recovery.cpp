@@ -76,18 +76,18 @@ class Held {
  public:
   explicit Held(const Points& world, const Pose& matched = Pose{}) : matched_(matched) {
     filter_.reset(Pose{}, 0.1, 0.1);
-    unnoticed_.insert(seen(world, Pose{}), {Pose{}, Vector6d::Zero()});
+    false_standstill_.insert(seen(world, Pose{}), {Pose{}, Vector6d::Zero()});
   }
 
   /// True once it is said to be elsewhere; then filter() knows where.
   bool take(const SampledPoints& points) {
-    MotionFilter agile = filter_.agile();
-    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(0.1);
+    MotionFilter high_noise = filter_.with_high_process_noise();
+    for (MotionFilter* filter : {&filter_, &high_noise}) filter->predict(0.1);
     registration::NdtMatch match;
     match.overlap = 0.3;
     match.state.T_map_sensor = matched_;
-    const bool elsewhere = unnoticed_.follow(points, agile, filter_) ||
-                           unnoticed_.notice(points, match, 0.1, true, filter_);
+    const bool elsewhere = false_standstill_.track(points, high_noise, filter_) ||
+                           false_standstill_.detect(points, match, 0.1, true, filter_);
     if (!elsewhere) filter_.restart({matched_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
     return elsewhere;
   }
@@ -97,7 +97,7 @@ class Held {
  private:
   Pose matched_;
   MotionFilter filter_{10.0, 5.0};
-  FalseStandstillRecovery unnoticed_;
+  FalseStandstillRecovery false_standstill_;
 };
 
 TEST(UprightPoints, AreThoseAboveTheGround) {
@@ -105,15 +105,15 @@ TEST(UprightPoints, AreThoseAboveTheGround) {
   for (float x = -5.0F; x < 5.0F; x += 0.2F) {
     for (float y = -5.0F; y < 5.0F; y += 0.2F) points.emplace_back(x, y, 0.3F * x);
   }
-  EXPECT_TRUE(upright_points(sampled(points)).empty());
+  EXPECT_TRUE(vertical_structure_points(sampled(points)).empty());
   for (float z = 0.3F; z < 3.0F; z += 0.25F) points.emplace_back(0.5F, 0.5F, z);
-  const Points upright = upright_points(sampled(points));
+  const Points upright = vertical_structure_points(sampled(points));
   EXPECT_GE(upright.size(), 8U);
   for (const Eigen::Vector3f& p : upright) EXPECT_EQ(p.x(), 0.5F);
 }
 
 TEST(VerticalStructureMap, FindsWhereThePointsFit) {
-  const Points world = upright_points(seen(field(1), Pose{}));
+  const Points world = vertical_structure_points(seen(field(1), Pose{}));
   VerticalStructureMap map;
   map.insert(world, Pose{});
   Vector6d d = Vector6d::Zero();
@@ -123,7 +123,7 @@ TEST(VerticalStructureMap, FindsWhereThePointsFit) {
   const VerticalStructureMap::Fit fit = map.fit(world, perturbed(Pose{}, d));
   EXPECT_LT(difference(Pose{}, fit.T_map_sensor).norm(), 0.02);
   EXPECT_GT(fit.evidence, map.evaluate(world, perturbed(Pose{}, d)).evidence);
-  EXPECT_EQ(fit.seen_again, world.size());
+  EXPECT_EQ(fit.matched_points, world.size());
   EXPECT_EQ(map.count_near(world, Pose{}), world.size());
   EXPECT_LT(map.count_near(world, ahead(5.0)), world.size() / 10) << "filters err now and then";
 }

@@ -25,14 +25,14 @@ MotionPrior turning_at(const Eigen::Vector3d& rate) {
 /// Shows GyroValidator so many sweeps, as a gyro sees them and as they are matched; without a gyro
 /// the last turning is expected to go on.
 template <typename Gyro>
-void ride(int sweeps, const Gyro& gyro, GyroValidator& trust) {
+void ride(int sweeps, const Gyro& gyro, GyroValidator& validator) {
   Eigen::Quaterniond last = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond turn = last;
   for (int i = 0; i < sweeps; ++i) {
-    trust.add(turning_at(gyro(true_rate(i))), kSweep, kSweep);
-    const Eigen::Quaterniond without = last * turn;
+    validator.add(turning_at(gyro(true_rate(i))), kSweep, kSweep);
+    const Eigen::Quaterniond without_gyro = last * turn;
     turn = exp_so3(0.5 * kSweep * true_rate(i - 1)) * exp_so3(0.5 * kSweep * true_rate(i));
-    trust.update(last, without, last * turn);
+    validator.update(last, without_gyro, last * turn);
     last = last * turn;
   }
 }
@@ -41,55 +41,56 @@ const auto kExact = [](const Eigen::Vector3d& rate) { return rate; };
 
 TEST(GyroValidator, LearnsTheBias) {
   const Eigen::Vector3d bias(0.02, -0.03, 0.01);
-  GyroValidator trust;
+  GyroValidator validator;
   ride(
-      200, [&](const Eigen::Vector3d& rate) { return Eigen::Vector3d(rate + bias); }, trust);
-  ASSERT_TRUE(trust.turning());
-  EXPECT_LT((trust.turning()->within - true_rate(199)).norm(), 2e-3);
-  EXPECT_FALSE(trust.is_distrusted());
+      200, [&](const Eigen::Vector3d& rate) { return Eigen::Vector3d(rate + bias); }, validator);
+  ASSERT_TRUE(validator.turning());
+  EXPECT_LT((validator.turning()->within - true_rate(199)).norm(), 2e-3);
+  EXPECT_FALSE(validator.is_distrusted());
 }
 
 TEST(GyroValidator, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
-  GyroValidator trust;
-  ride(20, kExact, trust);
+  GyroValidator validator;
+  ride(20, kExact, validator);
   const Eigen::Quaterniond turn =
       exp_so3(0.5 * kSweep * true_rate(18)) * exp_so3(0.5 * kSweep * true_rate(19));
-  ASSERT_TRUE(trust.turning());
-  EXPECT_LT(rotation_angle(turn.conjugate() * exp_so3(kSweep * trust.turning()->between)), 1e-4);
+  ASSERT_TRUE(validator.turning());
+  EXPECT_LT(rotation_angle(turn.conjugate() * exp_so3(kSweep * validator.turning()->between)),
+            1e-4);
 }
 
 // Held to more firmly than scale and axes of cheap gyros allow, it would turn the map.
 TEST(GyroValidator, BelievesNoGyroMoreThanTheBestOne) {
-  GyroValidator trust;
-  ride(100, kExact, trust);
-  EXPECT_DOUBLE_EQ(trust.turning()->sigma, 0.02);
+  GyroValidator validator;
+  ride(100, kExact, validator);
+  EXPECT_DOUBLE_EQ(validator.turning()->sigma, 0.02);
 }
 
 TEST(GyroValidator, BelievesOneThatErrsAsMuchAsItErrs) {
-  GyroValidator trust;
+  GyroValidator validator;
   ride(
-      100, [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(1.2 * rate); }, trust);
-  ASSERT_TRUE(trust.turning());
-  EXPECT_GT(trust.turning()->sigma, 0.04);
-  EXPECT_LT(trust.turning()->sigma, 0.3);
+      100, [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(1.2 * rate); }, validator);
+  ASSERT_TRUE(validator.turning());
+  EXPECT_GT(validator.turning()->sigma, 0.04);
+  EXPECT_LT(validator.turning()->sigma, 0.3);
 }
 
 TEST(GyroValidator, LooksOnAtFirst) {
-  GyroValidator trust;
-  ride(4, kExact, trust);
-  EXPECT_FALSE(trust.turning());
-  EXPECT_FALSE(trust.is_distrusted());
+  GyroValidator validator;
+  ride(4, kExact, validator);
+  EXPECT_FALSE(validator.turning());
+  EXPECT_FALSE(validator.is_distrusted());
 }
 
 TEST(GyroValidator, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
-  GyroValidator trust;
-  ride(20, kExact, trust);
-  trust.add(turning_at(true_rate(20)), 2.0 * kSweep, kSweep);
-  EXPECT_FALSE(trust.turning());
-  trust.add(turning_at(true_rate(21)), kSweep, kSweep);
-  EXPECT_TRUE(trust.turning());
-  trust.add({}, kSweep, kSweep);
-  EXPECT_FALSE(trust.turning());
+  GyroValidator validator;
+  ride(20, kExact, validator);
+  validator.add(turning_at(true_rate(20)), 2.0 * kSweep, kSweep);
+  EXPECT_FALSE(validator.turning());
+  validator.add(turning_at(true_rate(21)), kSweep, kSweep);
+  EXPECT_TRUE(validator.turning());
+  validator.add({}, kSweep, kSweep);
+  EXPECT_FALSE(validator.turning());
 }
 
 // Wrong units, wrong axes, and right again.
@@ -102,35 +103,35 @@ TEST(GyroValidator, DoesNotUseOneThatIsWrong) {
   prior.angular_velocity = Eigen::Vector3d::Zero();
   for (const auto& wrong : {std::function<Eigen::Vector3d(const Eigen::Vector3d&)>(degrees),
                             std::function<Eigen::Vector3d(const Eigen::Vector3d&)>(turned)}) {
-    GyroValidator trust;
-    ride(100, wrong, trust);
-    EXPECT_TRUE(trust.is_distrusted());
-    EXPECT_FALSE(trust.turning());
-    EXPECT_FALSE(trust.rest(prior).angular_velocity);
-    ride(200, kExact, trust);
-    EXPECT_FALSE(trust.is_distrusted());
+    GyroValidator validator;
+    ride(100, wrong, validator);
+    EXPECT_TRUE(validator.is_distrusted());
+    EXPECT_FALSE(validator.turning());
+    EXPECT_FALSE(validator.remaining_prior(prior).angular_velocity);
+    ride(200, kExact, validator);
+    EXPECT_FALSE(validator.is_distrusted());
   }
 }
 
 // Degrees for radians after rest, where nothing has shown yet what the gyro is worth.
 TEST(GyroValidator, DoesNotBelieveFarMoreThanItWasRightAbout) {
-  GyroValidator trust;
+  GyroValidator validator;
   const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
   for (int i = 0; i < 30; ++i) {
-    trust.add(turning_at(Eigen::Vector3d::Zero()), kSweep, kSweep);
-    trust.update(level, level, level);
+    validator.add(turning_at(Eigen::Vector3d::Zero()), kSweep, kSweep);
+    validator.update(level, level, level);
   }
-  EXPECT_FALSE(trust.is_distrusted());
-  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 0.5})));
-  EXPECT_FALSE(trust.believes(turning_at({0.0, 0.0, 20.0})));
+  EXPECT_FALSE(validator.is_distrusted());
+  EXPECT_TRUE(validator.accepts(turning_at({0.0, 0.0, 0.5})));
+  EXPECT_FALSE(validator.accepts(turning_at({0.0, 0.0, 20.0})));
   MotionPrior bent = turning_at({0.0, 0.0, 0.5});
   bent.uneven_turning = UnevenTurning{-0.1, 0.05, {level, exp_so3({0.3, 0.0, 0.0}), level}};
-  EXPECT_FALSE(trust.believes(bent));
-  trust.add(bent, kSweep, kSweep);
-  EXPECT_FALSE(trust.turning());
-  EXPECT_FALSE(trust.rest(bent).angular_velocity);
-  ride(10, kExact, trust);
-  EXPECT_TRUE(trust.believes(turning_at({0.0, 0.0, 5.0})))
+  EXPECT_FALSE(validator.accepts(bent));
+  validator.add(bent, kSweep, kSweep);
+  EXPECT_FALSE(validator.turning());
+  EXPECT_FALSE(validator.remaining_prior(bent).angular_velocity);
+  ride(10, kExact, validator);
+  EXPECT_TRUE(validator.accepts(turning_at({0.0, 0.0, 5.0})))
       << "as fast as a sensor is turned by hand";
 }
 
@@ -138,10 +139,10 @@ TEST(GyroValidator, DoesNotBelieveFarMoreThanItWasRightAbout) {
 TEST(GyroValidator, CountsOnce) {
   MotionPrior prior;
   prior.angular_velocity = Eigen::Vector3d::Zero();
-  GyroValidator trust;
-  EXPECT_TRUE(trust.rest(prior).angular_velocity);
-  ride(20, kExact, trust);
-  EXPECT_FALSE(trust.rest(prior).angular_velocity);
+  GyroValidator validator;
+  EXPECT_TRUE(validator.remaining_prior(prior).angular_velocity);
+  ride(20, kExact, validator);
+  EXPECT_FALSE(validator.remaining_prior(prior).angular_velocity);
 }
 
 TEST(MotionFilter, TurnsAsMeasured) {

@@ -112,9 +112,9 @@ TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
   TwistForecast of_a_car(10.0);
   for (int i = 0; i < 200; ++i) {
     const Vector6d gait = Vector6d::NullaryExpr([&](Eigen::Index) { return jitter(engine); });
-    of_a_walk.see(walk + 0.05 * gait, walk + gait, 0.1);
+    of_a_walk.update(walk + 0.05 * gait, walk + gait, 0.1);
     const Vector6d speeding = Vector6d::Constant(0.1 * i);
-    of_a_car.see(speeding, speeding + Vector6d::Constant(0.05), 0.1);
+    of_a_car.update(speeding, speeding + Vector6d::Constant(0.05), 0.1);
   }
   EXPECT_LT((of_a_walk.next(0.1) - walk).norm(), 0.3);
   EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(19.95)).tail<3>().norm(), 0.05);
@@ -133,7 +133,7 @@ TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
     Vector6d sweep_twist = mean_twist;
     time += seconds;
     sweep_twist[0] = 30.0 + acceleration * time;
-    forecast.see(mean_twist, sweep_twist, seconds);
+    forecast.update(mean_twist, sweep_twist, seconds);
   }
   EXPECT_NEAR(forecast.next(0.3)[0], 30.0 + acceleration * (time + 0.15), 1e-6);
   EXPECT_NEAR(forecast.at_end_of_next(0.3)[0], 30.0 + acceleration * (time + 0.3), 1e-6);
@@ -146,11 +146,11 @@ TEST(TwistForecast, TakesAJumpOfThePoseForNoAcceleration) {
   Vector6d twist = Vector6d::Zero();
   for (int step = 0; step < 30; ++step) {
     twist[0] = 0.2 * step;
-    forecast.see(twist, twist, 0.1);
+    forecast.update(twist, twist, 0.1);
   }
   EXPECT_GT(forecast.at_end_of_next(0.1)[0] - forecast.next(0.1)[0], 0.09);
   twist[0] += 3.0;
-  forecast.see(twist, twist, 0.1);
+  forecast.update(twist, twist, 0.1);
   EXPECT_EQ(forecast.at_end_of_next(0.1)[0], forecast.next(0.1)[0]);
 }
 
@@ -189,11 +189,11 @@ TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
     Vector6d sweep_twist = mean_twist;
     sweep_twist[0] += 0.05;
     sweep_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
-    forecast.see(mean_twist, sweep_twist, 0.1);
+    forecast.update(mean_twist, sweep_twist, 0.1);
   }
-  EXPECT_NEAR(forecast.steadiness()[0], 1.0, 1e-9);
-  EXPECT_EQ(forecast.steadiness()[2], 0.0);
-  EXPECT_EQ(forecast.steadiness()[5], 0.0);
+  EXPECT_NEAR(forecast.change_persistence()[0], 1.0, 1e-9);
+  EXPECT_EQ(forecast.change_persistence()[2], 0.0);
+  EXPECT_EQ(forecast.change_persistence()[5], 0.0);
 }
 
 TEST(VelocityValidator, LearnsTheScaleAndWhatTheVelocityIsWorth) {
@@ -203,8 +203,8 @@ TEST(VelocityValidator, LearnsTheScaleAndWhatTheVelocityIsWorth) {
   VelocityValidator dead;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d velocity(10.0, 0.0, 0.0);
-    wheels.see(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);
-    dead.see(Eigen::Vector3d::Zero(), velocity);
+    wheels.update(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);
+    dead.update(Eigen::Vector3d::Zero(), velocity);
   }
   EXPECT_NEAR(wheels.corrected({10.2, 0.0, 0.0}).x(), 10.0, 0.03);
   EXPECT_NEAR(wheels.usual_sigma(), 0.08, 0.03);

@@ -25,12 +25,12 @@ Drives drives(double noise) {
   Drives result;
   simulation::Random random(7);
   for (int drive = 0; drive < kDrives; ++drive) {
-    UnobservedTravel way;
+    UnobservedTravel travel;
     double speed = 10.0;
     const auto go_on = [&] { speed += 0.4 * std::sqrt(kStep) * random.normal(); };
     for (int i = 0; i < 100; ++i) {
       go_on();
-      way.see(speed, 1e-4, kStep);
+      travel.add_observed(speed, 1e-4, kStep);
     }
     double believed = speed;
     double variance = 1e-4;
@@ -43,10 +43,10 @@ Drives drives(double noise) {
       if (noise > 0.0) believed += gain * (speed + noise * random.normal() - believed);
       variance = 1.0 / (information + 1.0 / variance);
       error += kStep * (believed - speed);
-      way.pass(information, kStep);
+      travel.add_unobserved(information, kStep);
     }
     result.error += error * error / kDrives;
-    result.stated += way.stddev() * way.stddev() / kDrives;
+    result.stated += travel.stddev() * travel.stddev() / kDrives;
   }
   return {std::sqrt(result.error), std::sqrt(result.stated)};
 }
@@ -67,25 +67,25 @@ TEST(UnobservedTravel, LearnsHowSteadilyTheVehicleGoes) {
   UnobservedTravel steady;
   UnobservedTravel jerky;
   for (int i = 0; i < 600; ++i) {
-    steady.see(5.0, 1e-4, kStep);
-    jerky.see(5.0 + (i / 10 % 2), 1e-4, kStep);
+    steady.add_observed(5.0, 1e-4, kStep);
+    jerky.add_observed(5.0 + (i / 10 % 2), 1e-4, kStep);
   }
   for (int i = 0; i < 100; ++i) {
-    steady.pass(0.0, kStep);
-    jerky.pass(0.0, kStep);
+    steady.add_unobserved(0.0, kStep);
+    jerky.add_unobserved(0.0, kStep);
   }
   EXPECT_LT(3.0 * steady.stddev(), jerky.stddev());
 }
 
 TEST(UnobservedTravel, AddsUpOnlyWhatWasNotSeen) {
-  UnobservedTravel way;
-  for (int i = 0; i < 50; ++i) way.see(5.0, 1e-4, kStep);
-  EXPECT_EQ(way.stddev(), 0.0);
-  for (int i = 0; i < 50; ++i) way.pass(0.0, kStep);
-  const double passed = way.stddev();
+  UnobservedTravel travel;
+  for (int i = 0; i < 50; ++i) travel.add_observed(5.0, 1e-4, kStep);
+  EXPECT_EQ(travel.stddev(), 0.0);
+  for (int i = 0; i < 50; ++i) travel.add_unobserved(0.0, kStep);
+  const double passed = travel.stddev();
   EXPECT_GT(passed, 0.5);
-  for (int i = 0; i < 50; ++i) way.see(5.0, 1e-4, kStep);
-  EXPECT_EQ(way.stddev(), passed) << "what was driven blindly stays as wrong as it is";
+  for (int i = 0; i < 50; ++i) travel.add_observed(5.0, 1e-4, kStep);
+  EXPECT_EQ(travel.stddev(), passed) << "what was driven blindly stays as wrong as it is";
 }
 
 }  // namespace

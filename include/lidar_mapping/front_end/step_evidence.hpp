@@ -33,8 +33,8 @@ struct StepEvidence {
   double disagreement_angle = 0.0;   ///< rad
   double disagreement_sigmas = 0.0;  ///< in standard deviations
   /// Between the step and the motion during the sweep, gone on with for as long.
-  double unsteadiness = 0.0;        ///< m
-  double unsteadiness_angle = 0.0;  ///< rad
+  double motion_change = 0.0;        ///< m
+  double motion_change_angle = 0.0;  ///< rad
   /// How many of eight sectors around the sensor hold the pose: 8 if all do alike.
   double sectors = 0.0;
 };
