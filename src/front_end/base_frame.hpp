@@ -14,7 +14,7 @@ class BaseFrame {
   /// Where the LiDAR sits on the vehicle.
   void set_sensor_pose(const Pose& T_base_sensor) { T_base_sensor_ = T_base_sensor; }
   /// The LiDAR is where its odometry begins, and base_link here in odom.
-  void begin_at(const Pose& T_odom_base) { T_odom_first_ = T_odom_base * T_base_sensor_; }
+  void set_start(const Pose& T_odom_base) { T_odom_first_ = T_odom_base * T_base_sensor_; }
 
   /// What others measured of the vehicle, as that of the LiDAR. Where nobody measured the turning,
   /// the velocity goes from base_link to the LiDAR by `turning` (rad/s, the LiDAR's axes).

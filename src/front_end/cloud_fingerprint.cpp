@@ -8,9 +8,9 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-constexpr std::size_t kSample = 256;
+constexpr std::size_t kSampledPoints = 256;
 /// Fewer points may be the same by chance, or because there are none.
-constexpr std::size_t kFewest = 50;
+constexpr std::size_t kMinPoints = 50;
 constexpr float kStepsPerMetre = 1e4F;
 
 void mix(std::uint64_t value, std::uint64_t& hash) {
@@ -31,7 +31,7 @@ std::uint64_t step_of(float coordinate) {
 std::uint64_t cloud_fingerprint(const PointCloud& cloud) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   mix(cloud.size(), hash);
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSample);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     const Point& point = cloud.points[i];
     for (const float coordinate : {point.x, point.y, point.z}) mix(step_of(coordinate), hash);
@@ -39,9 +39,9 @@ std::uint64_t cloud_fingerprint(const PointCloud& cloud) {
   return hash;
 }
 
-bool RepeatedScans::repeats(const PointCloud& cloud) {
-  if (cloud.size() < kFewest) {
-    forget();
+bool RepeatedScans::is_repeated(const PointCloud& cloud) {
+  if (cloud.size() < kMinPoints) {
+    reset();
     return false;
   }
   const std::uint64_t fingerprint = cloud_fingerprint(cloud);

@@ -16,8 +16,8 @@ std::uint64_t cloud_fingerprint(const PointCloud& cloud);
 class RepeatedScans {
  public:
   /// True if the points are those of the cloud before. Clouds that are nearly empty never are.
-  bool repeats(const PointCloud& cloud);
-  void forget() { last_.reset(); }
+  bool is_repeated(const PointCloud& cloud);
+  void reset() { last_.reset(); }
 
  private:
   std::optional<std::uint64_t> last_;

@@ -16,7 +16,7 @@ std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& pose_hessian,
   return directions;
 }
 
-Eigen::Matrix3d projection_beside(const std::vector<Eigen::Vector3d>& directions) {
+Eigen::Matrix3d projection_orthogonal_to(const std::vector<Eigen::Vector3d>& directions) {
   Eigen::Matrix3d projection = Eigen::Matrix3d::Identity();
   for (const Eigen::Vector3d& d : directions) projection -= d * d.transpose();
   return projection;

@@ -29,39 +29,39 @@ class DelayedInitialization {
  public:
   explicit DelayedInitialization(registration::NeighborSearch neighbors) : matcher_(neighbors) {}
 
-  void begin();
-  void end();
-  bool is_open() const { return open_; }
+  void start();
+  void stop();
+  bool is_active() const { return active_; }
 
   /// Nothing is kept unless open, and nothing that comes after the map is a better one.
   void add(MatchedScan scan);
   /// What went into the map of the scan that was added last.
   void set_inserted(const SampledPoints& dense);
   /// What only the second scan tells of the first one.
-  void set_first(const registration::MotionState& state);
+  void set_first_state(const registration::MotionState& state);
 
   const std::vector<MatchedScan>& scans() const { return scans_; }
   /// To be called after each scan. Once the map is good enough, or nothing is worth more waiting,
   /// the map becomes that of the later half of the scans; the earlier ones are matched with it and
   /// put into it as they were matched. `filter` knows how the vehicle moves. True when nothing is
   /// left to be done.
-  bool look_again(const MotionFilter& filter, const MatchJudge& judge, LocalMap& map);
+  bool rematch(const MotionFilter& filter, const MatchJudge& judge, LocalMap& map);
   /// One result for each of the earlier scans then; none where one of them was lost.
-  const std::vector<SweepMatcher::Found>& found() const { return found_; }
+  const std::vector<SweepMatcher::Found>& results() const { return results_; }
 
  private:
   bool is_complete() const;
   std::size_t first_of_later_half() const;
-  void begin_to_look(const MotionFilter& filter, LocalMap& map);
-  bool match_again(std::size_t i, const MatchJudge& judge, LocalMap& map);
+  void start_rematching(const MotionFilter& filter, LocalMap& map);
+  bool rematch_scan(std::size_t i, const MatchJudge& judge, LocalMap& map);
 
-  bool open_ = false;
-  std::size_t inserted_ = 0;
+  bool active_ = false;
+  std::size_t inserted_scans_ = 0;
   std::vector<MatchedScan> scans_;
   SweepMatcher matcher_;
   std::optional<MotionFilter> filter_;  ///< goes back through the scans; none before that begins
-  std::size_t left_ = 0;                ///< so many of the scans are still to be matched again
-  std::vector<SweepMatcher::Found> found_;
+  std::size_t remaining_ = 0;           ///< so many of the scans are still to be matched again
+  std::vector<SweepMatcher::Found> results_;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -95,7 +95,7 @@ Matrix12d recovered_covariance() {
 
 bool is_constrained(const registration::NdtMatch& match) {
   return match.overlap > kMinConstrainedOverlap &&
-         degenerate_directions(match.pose_hessian, kOnePlaceShare).empty();
+         degenerate_directions(match.pose_hessian, kSinglePlaceFraction).empty();
 }
 
 }  // namespace

@@ -18,17 +18,17 @@ Covariance6 expected_error_covariance(const FrontEndStatus& status);
 class MotionDoubt {
  public:
   /// The next step of the motion, and how its end was judged.
-  void take(const Pose& T_from_to, const FrontEndStatus& status);
+  void add_step(const Pose& T_from_to, const FrontEndStatus& status);
   /// The motion leads to this key frame: it has the doubt, and all of it in its covariance.
-  void hand_over(KeyFrame& key_frame) const;
+  void apply_to(KeyFrame& key_frame) const;
 
   /// In the axes of where the motion has led; zero where no step was doubtful.
   const Covariance6& covariance() const { return covariance_; }
-  bool any() const { return any_; }
+  bool has_doubt() const { return has_doubt_; }
 
  private:
   Covariance6 covariance_ = Covariance6::Zero();
-  bool any_ = false;
+  bool has_doubt_ = false;
 };
 
 }  // namespace lidar_mapping::front_end

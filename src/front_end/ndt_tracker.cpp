@@ -39,24 +39,25 @@ using registration::NdtMatch;
 const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
 /// The first scans go into it wherever they are, outside of rooms with points between their rings:
 /// planes of single rings fit however the vehicle nods as it pulls away.
-constexpr int kFirstScans = 3;
+constexpr int kInitialScans = 3;
 /// Fewer points are no scan.
 constexpr std::size_t kMinPoints = 50;
 
 /// Median distance of the points (m) below which a scan is taken in a room, and what that does to
 /// all voxels.
-constexpr double kRoomRange = 7.0;
-constexpr double kRoomScale = 0.5;
+constexpr double kIndoorRange = 7.0;
+constexpr double kIndoorVoxelScale = 0.5;
 
 // What is believed of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 
 /// While lost, the speed falls by 1/e in this time.
-constexpr double kHoldTime = 1.0;  // s
+constexpr double kCoastTimeConstant = 1.0;  // s
 
 /// Along these the rings on the ground say nothing.
-const std::vector<Eigen::Vector3d> kLevel = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+const std::vector<Eigen::Vector3d> kLevelDirections = {Eigen::Vector3d::UnitX(),
+                                                       Eigen::Vector3d::UnitY()};
 
 }  // namespace
 
@@ -69,7 +70,7 @@ class NdtTracker::Impl {
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
         judge_(config.max_speed),
         matcher_(config.registration.neighbor_search),
-        beginning_(config.registration.neighbor_search) {}
+        initialization_(config.registration.neighbor_search) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
@@ -80,7 +81,7 @@ class NdtTracker::Impl {
     result.status.elevation_shift = elevation_.found();
     result.elevation_shift = elevation_.applied();
     if (map_.empty()) {
-      begin(scan, start_, result.status);
+      start_map(scan, start_, result.status);
     } else {
       timer_.start("matching");
       follow(scan, seconds, prior, predict(seconds, prior), result);
@@ -93,43 +94,43 @@ class NdtTracker::Impl {
 
   bool accepts_gyro(const MotionPrior& prior) const { return gyro_.accepts(prior); }
 
-  void know_viewpoint() {
-    sampler_.know_viewpoint();
+  void set_viewpoint_at_origin() {
+    sampler_.set_viewpoint_at_origin();
     viewpoint_known_ = true;
   }
 
   void restart() {
-    forget();
+    reset_map();
     start_ = Pose::Identity();
   }
 
-  void finalize() { beginning_.finalize(); }
+  void finalize() { initialization_.finalize(); }
 
   PointCloud local_map() const { return map_.cloud(); }
 
  private:
-  void forget() {
+  void reset_map() {
     map_.clear();
     judge_.reset();
     doubt_.reset();
     elevation_.interrupt();
-    beginning_.forget();
+    initialization_.reset();
     false_standstill_.reset();
     unobserved_travel_.interrupt();
     lost_time_ = 0.0;
   }
 
   /// The first scan of a map. Its points are kept until the motion during it is known.
-  void begin(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
-    start_ = last_good_ = T_odom_base;
+  void start_map(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
+    start_ = last_matched_pose_ = T_odom_base;
     // The pose is known at the stamp, the filter's time is the middle of the sweep.
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
     drift_variance_factor_ = 1.0;
-    in_room_ = sampler_.median_range() <= kRoomRange;
+    indoors_ = sampler_.median_range() <= kIndoorRange;
     map_.begin(voxel_size());
-    rings_ =
+    ring_spacing_gate_ =
         RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
@@ -137,22 +138,23 @@ class NdtTracker::Impl {
     }
     status.state = TrackingState::kTracking;
     status.converged = true;
-    beginning_.begin(T_odom_base);
-    remember(scan);
+    initialization_.start(T_odom_base);
+    store_provisional(scan);
     insert(scan);
-    beginning_.keep_first(sampler_.dense(scan), in_room_ ? SampledPoints{} : sampler_.between(),
-                          scan.cloud.has_times(), sampler_.reference());
+    initialization_.set_first_scan(sampler_.dense(scan),
+                                   indoors_ ? SampledPoints{} : sampler_.between(),
+                                   scan.cloud.has_times(), sampler_.reference());
   }
 
   /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
   double voxel_size() const {
-    return in_room_ ? kRoomScale * config_.voxel_size : config_.voxel_size;
+    return indoors_ ? kIndoorVoxelScale * config_.voxel_size : config_.voxel_size;
   }
 
   Prediction predict(double seconds, const MotionPrior& prior) {
     gyro_.add(prior, seconds, sampler_.duration());
     const std::optional<MeasuredTurning> turning = gyro_.turning();
-    turned_from_ = filter_.state().T_map_sensor.rotation;
+    previous_rotation_ = filter_.state().T_map_sensor.rotation;
     MotionFilter high_noise = filter_.with_high_process_noise();
     for (MotionFilter* filter : {&filter_, &high_noise}) filter->predict(seconds, turning);
     predicted_speed_covariance_ = velocity_covariance(filter_.covariance());
@@ -164,49 +166,50 @@ class NdtTracker::Impl {
 
   void follow(const Scan& scan, double seconds, const MotionPrior& prior,
               const Prediction& prediction, TrackedScan& result) {
-    const auto [found, believed] = locate(seconds, prediction);
-    describe(found, result.status);
-    describe_directions(found, result.status);
-    result.status.evidence = weigh(found, believed, seconds);
+    const auto [found, prior_belief] = locate(seconds, prediction);
+    set_match_status(found, result.status);
+    set_degenerate_directions(found, result.status);
+    result.status.evidence = collect_evidence(found, prior_belief, seconds);
     result.status.evidence.degenerate = result.status.degenerate_directions.empty() ? 0.0 : 1.0;
-    result.status.state = judge_.judge(found.match, believed);
+    result.status.state = judge_.judge(found.match, prior_belief);
     if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
     const StepBelief belief = believe(result.status.evidence, EvidenceSource::kNdt);
     doubt_.lower(belief, result.status);
     if (result.status.state == TrackingState::kLost) {
-      hold(scan, seconds, result);
+      coast(scan, seconds, result);
       return;
     }
-    if (beginning_.gives_way(belief)) {
-      begin_over(scan, found.match, believed, result.status);
+    if (initialization_.replaces_first_scan(belief)) {
+      restart_from(scan, found.match, prior_belief, result.status);
       return;
     }
-    if (!beginning_.motion_known()) {
-      beginning_.know_motion(found.match);
-      false_standstill_.insert(beginning_.first_points(),
-                               beginning_.first_state(found.match.state.twist));
+    if (!initialization_.motion_known()) {
+      initialization_.set_motion(found.match);
+      false_standstill_.insert(initialization_.first_points(),
+                               initialization_.first_state(found.match.state.twist));
     }
     accept(found, prior, result.status);
     if (!claims_pose(result.status.state)) {
-      covariance_ += doubt_covariance(found.match.state, believed, result.status.probability);
+      covariance_ += doubt_covariance(found.match.state, prior_belief, result.status.probability);
     }
     update_unobserved_travel(found, prediction.for_unobserved, seconds);
-    remember(scan);
-    if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
-    result.revisions = beginning_.look_again(filter_, judge_, map_);
+    store_provisional(scan);
+    if (result.status.state != TrackingState::kDegraded)
+      update_map(scan, found.degenerate_directions);
+    result.revisions = initialization_.rematch_first_scans(filter_, judge_, map_);
   }
 
   /// What speaks for and against the match as the end of a step from the last claim.
-  StepEvidence weigh(const SweepMatcher::Found& found, const MotionBelief& believed,
-                     double seconds) const {
+  StepEvidence collect_evidence(const SweepMatcher::Found& found, const MotionBelief& prior_belief,
+                                double seconds) const {
     const NdtMatch& match = found.match;
     const double to_stamp = -sampler_.reference();
-    StepEvidence evidence = evidence_of(match, believed);
+    StepEvidence evidence = evidence_of(match, prior_belief);
     evidence.points = static_cast<double>(sampler_.points().size());
     evidence.rescued = found.rescued ? 1.0 : 0.0;
-    if (beginning_.motion_known() && sampler_.duration() > 0.0) {
-      const Pose gone_on = moved(last_good_, match.state.twist, lost_time_ + seconds);
-      const Vector6d d = difference(gone_on, match.state.T_map_sensor);
+    if (initialization_.motion_known() && sampler_.duration() > 0.0) {
+      const Pose coasted_pose = moved(last_matched_pose_, match.state.twist, lost_time_ + seconds);
+      const Vector6d d = difference(coasted_pose, match.state.T_map_sensor);
       evidence.motion_change = d.head<3>().norm();
       evidence.motion_change_angle = d.tail<3>().norm();
     }
@@ -214,7 +217,7 @@ class NdtTracker::Impl {
              {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
               pose_covariance(reported_covariance(match), match.state.twist, to_stamp) +
                   filter_.acceleration_covariance(to_stamp),
-              beginning_.is_young() ? variance_in_young_map(match) : 1.0},
+              initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0},
              since_claim_, evidence);
     return evidence;
   }
@@ -222,51 +225,52 @@ class NdtTracker::Impl {
   /// The way since the last match, not the motion during the sweep: a jump of the pose says
   /// nothing about that. How a map of one scan was reached is not known yet.
   bool is_possible(const NdtMatch& match, double seconds) const {
-    return !beginning_.motion_known() ||
-           judge_.is_possible_motion(last_good_.inverse() * match.state.T_map_sensor,
+    return !initialization_.motion_known() ||
+           judge_.is_possible_motion(last_matched_pose_.inverse() * match.state.T_map_sensor,
                                      lost_time_ + seconds);
   }
 
   /// The match, and what was believed before it.
   std::pair<SweepMatcher::Found, MotionBelief> locate(double seconds,
                                                       const Prediction& prediction) {
-    beside_rings_ = false;
-    if (!beginning_.motion_known()) {
-      return {
-          beginning_.find_motion(sampler_.points(), prediction.nominal, seconds, matcher_, map_),
-          prediction.high_noise};
+    matched_without_level_ = false;
+    if (!initialization_.motion_known()) {
+      return {initialization_.match_second_scan(sampler_.points(), prediction.nominal, seconds,
+                                                matcher_, map_),
+              prediction.high_noise};
     }
     if (false_standstill_.track(sampler_.sparse(), high_noise_filter_, filter_))
-      return match_beside_rings();
+      return match_vertical_structure();
     SweepMatcher::Found found =
-        matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_});
-    if (false_standstill_.detect(sampler_.sparse(), found.match, seconds, beginning_.is_one_place(),
-                                 filter_)) {
-      return match_beside_rings();
+        matcher_.find(sampler_.points(), map_, judge_, prediction, {last_matched_pose_});
+    if (false_standstill_.detect(sampler_.sparse(), found.match, seconds,
+                                 initialization_.covers_single_place(), filter_)) {
+      return match_vertical_structure();
     }
     return {std::move(found), prediction.high_noise};
   }
 
   /// The match where upright points have put the filter.
-  std::pair<SweepMatcher::Found, MotionBelief> match_beside_rings() {
-    beside_rings_ = true;
-    beginning_.finalize();
+  std::pair<SweepMatcher::Found, MotionBelief> match_vertical_structure() {
+    matched_without_level_ = true;
+    initialization_.finalize();
     judge_.reset();
-    const MotionBelief believed = filter_.belief();
-    return {matcher_.match_beside(sampler_.points(), map_, believed, kLevel), believed};
+    const MotionBelief prior_belief = filter_.belief();
+    return {matcher_.match_without(sampler_.points(), map_, prior_belief, kLevelDirections),
+            prior_belief};
   }
 
-  void remember(const Scan& scan) {
-    if (!beginning_.is_provisional()) return;
-    beginning_.add({scan.stamp,
-                    sampler_.reference(),
-                    sampler_.points(),
-                    filter_.state(),
-                    filter_.covariance(),
-                    {}});
+  void store_provisional(const Scan& scan) {
+    if (!initialization_.is_provisional()) return;
+    initialization_.add({scan.stamp,
+                         sampler_.reference(),
+                         sampler_.points(),
+                         filter_.state(),
+                         filter_.covariance(),
+                         {}});
   }
 
-  static void describe(const SweepMatcher::Found& found, FrontEndStatus& status) {
+  static void set_match_status(const SweepMatcher::Found& found, FrontEndStatus& status) {
     status.converged = found.match.converged;
     status.iterations = found.match.iterations;
     status.fitness = found.match.fitness;
@@ -275,10 +279,11 @@ class NdtTracker::Impl {
     status.rescued = found.rescued;
   }
 
-  void describe_directions(const SweepMatcher::Found& found, FrontEndStatus& status) const {
+  void set_degenerate_directions(const SweepMatcher::Found& found, FrontEndStatus& status) const {
     status.degenerate_directions = found.degenerate_directions;
-    if (!beginning_.is_one_place() || !found.degenerate_directions.empty()) return;
-    status.degenerate_directions = degenerate_directions(found.match.pose_hessian, kOnePlaceShare);
+    if (!initialization_.covers_single_place() || !found.degenerate_directions.empty()) return;
+    status.degenerate_directions =
+        degenerate_directions(found.match.pose_hessian, kSinglePlaceFraction);
   }
 
   void accept(const SweepMatcher::Found& found, const MotionPrior& prior, FrontEndStatus& status) {
@@ -286,16 +291,18 @@ class NdtTracker::Impl {
     if (!status.degenerate_directions.empty() && claims_pose(status.state)) {
       status.state = TrackingState::kDegenerate;
     }
-    if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
+    if (!status.degenerate_directions.empty())
+      ring_spacing_gate_.mark_open_field(match.state.T_map_sensor);
     if (status.degenerate_directions.empty()) measured_.update(prior, match.state.twist.head<3>());
-    gyro_.update(turned_from_, filter_.forecast_state().T_map_sensor.rotation,
+    gyro_.update(previous_rotation_, filter_.forecast_state().T_map_sensor.rotation,
                  match.state.T_map_sensor.rotation);
     filter_.correct(match.state, match.information.inverse(),
-                    projection_beside(found.degenerate_directions));
+                    projection_orthogonal_to(found.degenerate_directions));
     covariance_ = reported_covariance(match);
-    drift_variance_factor_ = beginning_.is_young() ? variance_in_young_map(match) : 1.0;
+    drift_variance_factor_ =
+        initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0;
     if (status.state != TrackingState::kDegraded) judge_.learn(match);
-    last_good_ = match.state.T_map_sensor;
+    last_matched_pose_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
   }
 
@@ -303,7 +310,7 @@ class NdtTracker::Impl {
   /// of the speed. Upright points that stand in for the rings observe the place.
   void update_unobserved_travel(const SweepMatcher::Found& found,
                                 const MotionBelief& for_unobserved, double seconds) {
-    if (found.degenerate_directions.empty() || beside_rings_) {
+    if (found.degenerate_directions.empty() || matched_without_level_) {
       const Eigen::Matrix3d covariance = velocity_covariance(filter_.covariance());
       unobserved_travel_.add_observed(found.match.state.twist.head<3>().norm(), covariance.trace(),
                                       seconds);
@@ -324,41 +331,42 @@ class NdtTracker::Impl {
   }
 
   /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
-  void hold(const Scan& scan, double seconds, TrackedScan& result) {
-    beginning_.finalize();
+  void coast(const Scan& scan, double seconds, TrackedScan& result) {
+    initialization_.finalize();
     unobserved_travel_.interrupt();
-    filter_.slow_down(seconds, kHoldTime);
+    filter_.slow_down(seconds, kCoastTimeConstant);
     covariance_ = filter_.covariance();
     drift_variance_factor_ = 1.0;
     lost_time_ += seconds;
     // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
-    const bool worth_waiting = beginning_.motion_known() && lost_time_ <= config_.max_lost_time;
-    if (worth_waiting || sampler_.points().size() < kMinPoints) return;
+    const bool keeps_map = initialization_.motion_known() && lost_time_ <= config_.max_lost_time;
+    if (keeps_map || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
-    forget();
-    begin(scan, pose, result.status);
+    reset_map();
+    start_map(scan, pose, result.status);
     // Its pose is a prediction all the same.
     result.status.state = TrackingState::kLost;
     result.new_segment = true;
   }
 
   /// The map begins again with this scan, where it fitted the map of the first one best.
-  void begin_over(const Scan& scan, const NdtMatch& match, const MotionBelief& believed,
-                  FrontEndStatus& status) {
+  void restart_from(const Scan& scan, const NdtMatch& match, const MotionBelief& prior_belief,
+                    FrontEndStatus& status) {
     const double to_stamp = -sampler_.reference();
-    const Matrix12d covariance =
-        reported_covariance(match) + doubt_covariance(match.state, believed, status.probability);
-    forget();
-    FrontEndStatus begun;
-    begin(scan, moved(match.state.T_map_sensor, match.state.twist, to_stamp), begun);
-    beginning_.finalize();
+    const Matrix12d covariance = reported_covariance(match) +
+                                 doubt_covariance(match.state, prior_belief, status.probability);
+    reset_map();
+    FrontEndStatus started;
+    start_map(scan, moved(match.state.T_map_sensor, match.state.twist, to_stamp), started);
+    initialization_.finalize();
     covariance_ = covariance;
   }
 
-  void keep(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
-    const Pose T_inserted_now = inserted_.inverse() * filter_.state().T_map_sensor;
-    if (beginning_.inserted_scans() >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0)) {
+  void update_map(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
+    const Pose T_insertion_now = last_insertion_pose_.inverse() * filter_.state().T_map_sensor;
+    if (initialization_.inserted_scans() >= kInitialScans &&
+        !kInsertionRule.reached(T_insertion_now, 0)) {
       timer_.start("calibration");
       elevation_.catch_up();
       return;
@@ -371,17 +379,18 @@ class NdtTracker::Impl {
     timer_.start("dense sampling");
     const SampledPoints& dense = sampler_.dense(scan);
     timer_.start("insertion");
-    map_.set_ring_spacing(rings_.spacing_at(filter_.state().T_map_sensor));
+    map_.set_ring_spacing(ring_spacing_gate_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
     // The surfaces of a room are small, and many rings meet each: a recorded sensor of 16 beams
     // that stands in one is off by 15 mm instead of 5 with these points.
-    if (!in_room_ && beginning_.inserted_scans() < kFirstScans) {
+    if (!indoors_ && initialization_.inserted_scans() < kInitialScans) {
       map_.insert(sampler_.between_rings(scan), filter_.state());
     }
-    inserted_ = filter_.state().T_map_sensor;
-    beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
-    if (beginning_.motion_known()) false_standstill_.insert(dense, filter_.state());
-    if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
+    last_insertion_pose_ = filter_.state().T_map_sensor;
+    initialization_.set_inserted(dense, last_insertion_pose_.translation, map_.fine().resolution());
+    if (initialization_.motion_known()) false_standstill_.insert(dense, filter_.state());
+    if (config_.calibrate_elevation && initialization_.inserted_scans() > kInitialScans)
+      calibrate(dense);
   }
 
   void calibrate(const SampledPoints& dense) {
@@ -400,8 +409,8 @@ class NdtTracker::Impl {
                         filter_.acceleration_covariance(to_stamp);
     result.drift_variance_factor = drift_variance_factor_;
     result.twist = at_stamp.twist;
-    result.motion_known = beginning_.motion_known();
-    result.provisional = beginning_.is_provisional();
+    result.motion_known = initialization_.motion_known();
+    result.provisional = initialization_.is_provisional();
     if (claims_pose(result.status.state) || result.new_segment) claim(result);
     result.status.map_points_dropped = map_.dropped_points();
     result.status.unobserved_stddev = unobserved_travel_.stddev();
@@ -426,25 +435,25 @@ class NdtTracker::Impl {
   SweepMatcher matcher_;
   MeasuredMotion measured_;
   GyroValidator gyro_;
-  Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();  ///< at the scan before
+  Eigen::Quaterniond previous_rotation_ = Eigen::Quaterniond::Identity();  ///< at the scan before
   ElevationCalibration elevation_;
-  MapInitialization beginning_;
+  MapInitialization initialization_;
   FalseStandstillRecovery false_standstill_;
   UnobservedTravel unobserved_travel_;
   StepTimer timer_;
 
   Eigen::Matrix3d predicted_speed_covariance_ =
       Eigen::Matrix3d::Zero();                    ///< covariance, predicted alone
-  bool in_room_ = false;                          ///< the map began there
-  bool beside_rings_ = false;                     ///< the scan was matched like that
+  bool indoors_ = false;                          ///< the map began there
+  bool matched_without_level_ = false;            ///< the scan was matched like that
   Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
   double drift_variance_factor_ = 1.0;
   bool viewpoint_known_ = false;
-  RingSpacingGate rings_;
+  RingSpacingGate ring_spacing_gate_;
   std::size_t scans_ = 0;
   Pose start_;                ///< where a map begins, at the stamp of its first scan
-  Pose inserted_;             ///< of the scan last put into the map
-  Pose last_good_;            ///< of the scan last matched
+  Pose last_insertion_pose_;  ///< of the scan last put into the map
+  Pose last_matched_pose_;    ///< of the scan last matched
   double lost_time_ = 0.0;    ///< s since the last match
   ClaimedPose claim_;         ///< of the last scan that claimed its pose
   double since_claim_ = 0.0;  ///< s
@@ -461,7 +470,7 @@ bool NdtTracker::accepts_gyro(const MotionPrior& prior) const { return impl_->ac
 
 void NdtTracker::finalize() { impl_->finalize(); }
 
-void NdtTracker::know_viewpoint() { impl_->know_viewpoint(); }
+void NdtTracker::set_viewpoint_at_origin() { impl_->set_viewpoint_at_origin(); }
 
 void NdtTracker::restart() { impl_->restart(); }
 

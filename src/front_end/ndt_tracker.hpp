@@ -15,7 +15,7 @@ class NdtTracker : public Tracker {
   ~NdtTracker() override;
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
-  void know_viewpoint() override;
+  void set_viewpoint_at_origin() override;
   void restart() override;
   bool accepts_gyro(const MotionPrior& prior) const override;
   void finalize() override;

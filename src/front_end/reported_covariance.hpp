@@ -14,12 +14,12 @@ registration::Matrix12d reported_covariance(const registration::NdtMatch& match)
 
 /// Variance of the errors that part as the sensor moves on through a map of few scans, in units of
 /// the usual. The map's own error, which two scans that see the same of it share, is no part.
-double variance_in_young_map(const registration::NdtMatch& match);
+double initial_drift_variance_factor(const registration::NdtMatch& match);
 
 /// Covariance of a motion T_from_to between two scans, from the reported ones of both poses and
 /// from how much more than usual errors part in their maps (1: no more).
-Covariance6 motion_covariance(const Covariance6& of_from, double from_variance,
-                              const Pose& T_from_to, const Covariance6& of_to, double to_variance);
+Covariance6 motion_covariance(const Covariance6& of_from, double from_factor, const Pose& T_from_to,
+                              const Covariance6& of_to, double to_factor);
 
 /// What comes on top where a match is right only with this probability and else the prediction is:
 /// the second moment of that about the match.

@@ -28,7 +28,7 @@ constexpr int kLeastRings = 4;
 constexpr double kMostOccupied = 0.6;
 
 /// So far (m) a field is taken to reach from where a direction was left open.
-constexpr double kOpenField = 60.0;
+constexpr double kOpenFieldRadius = 60.0;
 
 using Sector = std::bitset<kBins>;
 
@@ -79,7 +79,8 @@ double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_senso
 }
 
 double RingSpacingGate::spacing_at(const Pose& T_map_sensor) const {
-  const bool is_field = left_open_ && (T_map_sensor.translation - *left_open_).norm() <= kOpenField;
+  const bool is_field =
+      open_field_ && (T_map_sensor.translation - *open_field_).norm() <= kOpenFieldRadius;
   return is_field ? 0.0 : spacing_;
 }
 

@@ -19,13 +19,13 @@ class RingSpacingGate {
  public:
   explicit RingSpacingGate(double spacing = 0.0) : spacing_(spacing) {}
   /// The planes left a direction open there.
-  void leave_open(const Pose& T_map_sensor) { left_open_ = T_map_sensor.translation; }
+  void mark_open_field(const Pose& T_map_sensor) { open_field_ = T_map_sensor.translation; }
   /// rad; 0 for none.
   double spacing_at(const Pose& T_map_sensor) const;
 
  private:
   double spacing_;
-  std::optional<Eigen::Vector3d> left_open_;  ///< m, where last
+  std::optional<Eigen::Vector3d> open_field_;  ///< m, where last
 };
 
 }  // namespace lidar_mapping::front_end

@@ -105,19 +105,19 @@ SweepMatcher::Found SweepMatcher::observed(const NdtMatch& match, const NdtPoint
                                            LocalMap& map, const MotionBelief& for_unobserved) {
   const std::vector<Eigen::Vector3d> blind = degenerate_directions(match.pose_hessian);
   if (blind.empty()) return {match, {}, false};
-  return {match_beside_from(match.state, points, map, for_unobserved, blind), blind, false};
+  return {match_without_from(match.state, points, map, for_unobserved, blind), blind, false};
 }
 
-SweepMatcher::Found SweepMatcher::match_beside(const NdtPoints& points, LocalMap& map,
-                                               const MotionBelief& prediction,
-                                               const std::vector<Eigen::Vector3d>& directions) {
-  return {match_beside_from(prediction.state, points, map, prediction, directions), directions,
+SweepMatcher::Found SweepMatcher::match_without(const NdtPoints& points, LocalMap& map,
+                                                const MotionBelief& prediction,
+                                                const std::vector<Eigen::Vector3d>& directions) {
+  return {match_without_from(prediction.state, points, map, prediction, directions), directions,
           false};
 }
 
-NdtMatch SweepMatcher::match_beside_from(const MotionState& start, const NdtPoints& points,
-                                         LocalMap& map, const MotionBelief& prior,
-                                         const std::vector<Eigen::Vector3d>& directions) {
+NdtMatch SweepMatcher::match_without_from(const MotionState& start, const NdtPoints& points,
+                                          LocalMap& map, const MotionBelief& prior,
+                                          const std::vector<Eigen::Vector3d>& directions) {
   NdtOptions options;
   options.neighbor_search = neighbors_;
   options.blind_directions = directions;

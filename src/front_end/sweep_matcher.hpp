@@ -45,18 +45,18 @@ class SweepMatcher {
                                 const registration::MotionState& start);
   /// The match from where a prediction lies, without what the points say about moving along these
   /// directions (unit, the sensor's axes).
-  Found match_beside(const registration::NdtPoints& points, LocalMap& map,
-                     const registration::MotionBelief& prediction,
-                     const std::vector<Eigen::Vector3d>& directions);
+  Found match_without(const registration::NdtPoints& points, LocalMap& map,
+                      const registration::MotionBelief& prediction,
+                      const std::vector<Eigen::Vector3d>& directions);
 
  private:
   /// The match, or the one without what the points do not observe.
   Found observed(const registration::NdtMatch& match, const registration::NdtPoints& points,
                  LocalMap& map, const registration::MotionBelief& for_unobserved);
-  registration::NdtMatch match_beside_from(const registration::MotionState& start,
-                                           const registration::NdtPoints& points, LocalMap& map,
-                                           const registration::MotionBelief& prior,
-                                           const std::vector<Eigen::Vector3d>& directions);
+  registration::NdtMatch match_without_from(const registration::MotionState& start,
+                                            const registration::NdtPoints& points, LocalMap& map,
+                                            const registration::MotionBelief& prior,
+                                            const std::vector<Eigen::Vector3d>& directions);
   /// The match, or a coarse one from there as long as the fine map is too thin to match with.
   registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
                                         const registration::NdtPoints& points, LocalMap& map,

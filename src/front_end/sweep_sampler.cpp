@@ -58,7 +58,7 @@ SweepSampler::SweepSampler(const FrontEndConfig& config)
       sparse_sampler_(kSparseTableBits),
       dense_sampler_(kDenseTableBits) {}
 
-void SweepSampler::know_viewpoint() {
+void SweepSampler::set_viewpoint_at_origin() {
   sparse_.viewpoint = dense_.viewpoint = between_.viewpoint = Eigen::Vector3f::Zero();
 }
 

@@ -34,7 +34,7 @@ class SweepSampler {
   explicit SweepSampler(const FrontEndConfig& config);
 
   /// Points were seen from the origin of their frame.
-  void know_viewpoint();
+  void set_viewpoint_at_origin();
   /// From now on all points are turned upwards by this angle, rad.
   void set_elevation_shift(double angle) { elevation_shift_ = angle; }
   /// Samples the points to be matched; `turn` makes each scan begin with another point.

@@ -56,7 +56,7 @@ class Tracker {
   /// False where the scan is to be seen as it was before a gyro had its say.
   virtual bool accepts_gyro(const MotionPrior& /*prior*/) const { return true; }
   /// Scans are seen from their origin.
-  virtual void know_viewpoint() {}
+  virtual void set_viewpoint_at_origin() {}
   /// Forgets all; the next scan is the first one of a new local map and lies at its origin.
   virtual void restart() = 0;
   /// What is provisional stays as it is.

@@ -8,17 +8,19 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-constexpr double kSpan = 1.0;     // s
-constexpr double kLearnt = 2.0;   // s of looking on before anything is said
-constexpr double kMemory = 10.0;  // s: tilt and temperature move the bias
+constexpr double kSpan = 1.0;          // s
+constexpr double kLearningTime = 2.0;  // s of looking on before anything is said
+constexpr double kMemory = 10.0;       // s: tilt and temperature move the bias
 /// m/s^2: cheap accelerometers are off by 0.3 on each axis, of which the vertical feels a half as
 /// the sensor tilts by 30 degrees. Lifts for people have 0.6 to 1.2.
-constexpr double kLeast = 0.35;
-constexpr double kDeviations = 5.0;
-constexpr double kLeastSpeed = 0.4;  // m/s; lifts for people have 1 to 2.5
-constexpr double kStopped = 0.35;    // share of the speed that may be left when it has stopped
-constexpr double kQuiet = 1.0;       // s
-constexpr double kLongest = 60.0;    // s; the error of the speed has become as large as the speed
+constexpr double kMinAcceleration = 0.35;
+constexpr double kMinSigmas = 5.0;
+constexpr double kMinSpeed = 0.4;  // m/s; lifts for people have 1 to 2.5
+constexpr double kStoppedFraction =
+    0.35;                           // share of the speed that may be left when it has stopped
+constexpr double kQuietTime = 1.0;  // s
+constexpr double kMaxRideDuration =
+    60.0;  // s; the error of the speed has become as large as the speed
 
 /// Acceleration by places at the begin, in the middle and at the end of two spans.
 Eigen::Vector3d second_difference(const Eigen::Vector3d& first, const Eigen::Vector3d& middle,
@@ -31,7 +33,7 @@ Eigen::Vector3d second_difference(const Eigen::Vector3d& first, const Eigen::Vec
 void VerticalRideDetector::interrupt() {
   T_odom_last_.reset();
   steps_.clear();
-  span_ = suspected_ = 0.0;
+  span_ = suspected_speed_ = 0.0;
 }
 
 void VerticalRideDetector::add(const Pose& T_odom_base, double seconds,
@@ -42,10 +44,12 @@ void VerticalRideDetector::add(const Pose& T_odom_base, double seconds,
     interrupt();
   }
   T_odom_last_ = T_odom_base;
-  const auto felt = felt_beside_seen();
-  const double vertical = felt && learnt_ >= kLearnt ? up().dot(*felt - gravity_) : 0.0;
-  if (felt && !on_ && std::abs(vertical) < limit()) learn(*felt, seconds);
-  judge(vertical, seconds);
+  const auto unseen = unseen_acceleration();
+  const double vertical =
+      unseen && learned_for_ >= kLearningTime ? up().dot(*unseen - gravity_) : 0.0;
+  if (unseen && !riding_ && std::abs(vertical) < acceleration_limit())
+    learn_gravity(*unseen, seconds);
+  update(vertical, seconds);
 }
 
 void VerticalRideDetector::extend(const Pose& T_odom_base, double seconds, const FeltForce& force) {
@@ -59,62 +63,65 @@ void VerticalRideDetector::extend(const Pose& T_odom_base, double seconds, const
   }
 }
 
-std::optional<Eigen::Vector3d> VerticalRideDetector::felt_beside_seen() const {
+std::optional<Eigen::Vector3d> VerticalRideDetector::unseen_acceleration() const {
   if (span_ < 2.0 * kSpan) return std::nullopt;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  Eigen::Vector3d speed = Eigen::Vector3d::Zero();
-  Eigen::Vector3d seen_middle = Eigen::Vector3d::Zero(), felt_middle = Eigen::Vector3d::Zero();
+  Eigen::Vector3d felt_position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d felt_speed = Eigen::Vector3d::Zero();
+  Eigen::Vector3d seen_position_middle = Eigen::Vector3d::Zero(),
+                  felt_position_middle = Eigen::Vector3d::Zero();
   double before = 0.0;
   double time = 0.0;
   for (std::size_t i = 1; i < steps_.size(); ++i) {
     const double t = steps_[i].seconds;
-    place += t * speed + 0.5 * t * t * steps_[i].force;
-    speed += t * steps_[i].force;
+    felt_position += t * felt_speed + 0.5 * t * t * steps_[i].force;
+    felt_speed += t * steps_[i].force;
     time += t;
     if (before > 0.0 || time < kSpan) continue;
     before = time;
-    seen_middle = steps_[i].p_odom_imu;
-    felt_middle = place;
+    seen_position_middle = steps_[i].p_odom_imu;
+    felt_position_middle = felt_position;
   }
   const double after = time - before;
   if (after < 0.5 * kSpan) return std::nullopt;  // a gap between the scans
-  const Eigen::Vector3d felt =
-      second_difference(Eigen::Vector3d::Zero(), felt_middle, place, before, after);
-  return felt - second_difference(steps_.front().p_odom_imu, seen_middle, steps_.back().p_odom_imu,
-                                  before, after);
+  const Eigen::Vector3d unseen = second_difference(Eigen::Vector3d::Zero(), felt_position_middle,
+                                                   felt_position, before, after);
+  return unseen - second_difference(steps_.front().p_odom_imu, seen_position_middle,
+                                    steps_.back().p_odom_imu, before, after);
 }
 
-void VerticalRideDetector::learn(const Eigen::Vector3d& felt, double seconds) {
-  learnt_ += seconds;
-  const double rate = std::min(1.0, seconds / std::min(learnt_, kMemory));
-  gravity_ += rate * (felt - gravity_);
-  const double vertical = up().dot(felt - gravity_);
+void VerticalRideDetector::learn_gravity(const Eigen::Vector3d& unseen, double seconds) {
+  learned_for_ += seconds;
+  const double rate = std::min(1.0, seconds / std::min(learned_for_, kMemory));
+  gravity_ += rate * (unseen - gravity_);
+  const double vertical = up().dot(unseen - gravity_);
   variance_ += rate * (vertical * vertical - variance_);
 }
 
-double VerticalRideDetector::limit() const {
-  return std::max(kLeast, kDeviations * std::sqrt(variance_));
+double VerticalRideDetector::acceleration_limit() const {
+  return std::max(kMinAcceleration, kMinSigmas * std::sqrt(variance_));
 }
 
-void VerticalRideDetector::judge(double vertical, double seconds) {
-  if (on_) return go_on(vertical, seconds);
-  const bool goes_on = vertical * suspected_ >= 0.0 && std::abs(vertical) >= limit();
-  suspected_ = goes_on ? suspected_ + vertical * seconds : 0.0;
-  if (std::abs(suspected_) < kLeastSpeed) return;
-  on_ = true;
-  speed_ = suspected_;
-  fastest_ = std::abs(speed_);
-  suspected_ = lasts_ = quiet_ = 0.0;
+void VerticalRideDetector::update(double vertical, double seconds) {
+  if (riding_) return continue_ride(vertical, seconds);
+  const bool continues =
+      vertical * suspected_speed_ >= 0.0 && std::abs(vertical) >= acceleration_limit();
+  suspected_speed_ = continues ? suspected_speed_ + vertical * seconds : 0.0;
+  if (std::abs(suspected_speed_) < kMinSpeed) return;
+  riding_ = true;
+  speed_ = suspected_speed_;
+  peak_speed_ = std::abs(speed_);
+  suspected_speed_ = ride_duration_ = quiet_for_ = 0.0;
 }
 
-void VerticalRideDetector::go_on(double vertical, double seconds) {
-  lasts_ += seconds;
+void VerticalRideDetector::continue_ride(double vertical, double seconds) {
+  ride_duration_ += seconds;
   speed_ += vertical * seconds;
-  fastest_ = std::max(fastest_, std::abs(speed_));
-  way_ += std::abs(speed_) * seconds;
-  const bool stopped = std::abs(vertical) < limit() && std::abs(speed_) < kStopped * fastest_;
-  quiet_ = stopped ? quiet_ + seconds : 0.0;
-  on_ = quiet_ < kQuiet && lasts_ < kLongest;
+  peak_speed_ = std::max(peak_speed_, std::abs(speed_));
+  distance_ += std::abs(speed_) * seconds;
+  const bool stopped = std::abs(vertical) < acceleration_limit() &&
+                       std::abs(speed_) < kStoppedFraction * peak_speed_;
+  quiet_for_ = stopped ? quiet_for_ + seconds : 0.0;
+  riding_ = quiet_for_ < kQuietTime && ride_duration_ < kMaxRideDuration;
 }
 
 }  // namespace lidar_mapping::front_end

@@ -22,9 +22,9 @@ class VerticalRideDetector {
   void interrupt();
 
   /// The sensor goes up or down unseen.
-  bool is_on() const { return on_; }
+  bool is_riding() const { return riding_; }
   /// All that it went unseen so far, m.
-  double way() const { return way_; }
+  double distance() const { return distance_; }
   /// In odom, as far as it is known.
   Eigen::Vector3d up() const { return gravity_.normalized(); }
 
@@ -36,26 +36,26 @@ class VerticalRideDetector {
   };
 
   void extend(const Pose& T_odom_base, double seconds, const FeltForce& force);
-  std::optional<Eigen::Vector3d> felt_beside_seen() const;
-  void learn(const Eigen::Vector3d& felt, double seconds);
-  void judge(double vertical, double seconds);
-  void go_on(double vertical, double seconds);
-  double limit() const;
+  std::optional<Eigen::Vector3d> unseen_acceleration() const;
+  void learn_gravity(const Eigen::Vector3d& unseen, double seconds);
+  void update(double vertical, double seconds);
+  void continue_ride(double vertical, double seconds);
+  double acceleration_limit() const;
 
   std::optional<Pose> T_odom_last_;
   std::deque<Step> steps_;
   double span_ = 0.0;  ///< s, of all steps but the first
   /// Gravity, upwards, and the accelerometer's bias: what is felt beside the seen acceleration.
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
-  double learnt_ = 0.0;     ///< s
-  double variance_ = 0.0;   ///< of the vertical part about that, (m/s^2)^2
-  double suspected_ = 0.0;  ///< m/s upwards, unseen, before it is sure
-  bool on_ = false;
-  double lasts_ = 0.0;  ///< s
-  double speed_ = 0.0;  ///< m/s upwards, unseen
-  double fastest_ = 0.0;
-  double quiet_ = 0.0;  ///< s without unseen acceleration or speed
-  double way_ = 0.0;
+  double learned_for_ = 0.0;      ///< s
+  double variance_ = 0.0;         ///< of the vertical part about that, (m/s^2)^2
+  double suspected_speed_ = 0.0;  ///< m/s upwards, unseen, before it is sure
+  bool riding_ = false;
+  double ride_duration_ = 0.0;  ///< s
+  double speed_ = 0.0;          ///< m/s upwards, unseen
+  double peak_speed_ = 0.0;
+  double quiet_for_ = 0.0;  ///< s without unseen acceleration or speed
+  double distance_ = 0.0;
 };
 
 }  // namespace lidar_mapping::front_end

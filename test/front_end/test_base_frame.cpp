@@ -76,7 +76,7 @@ const Pose kBaseSensor{exp_so3({0.4, 1.0, -2.0}), {1.5, -0.7, 1.2}};
 BaseFrame border() {
   BaseFrame frame;
   frame.set_sensor_pose(kBaseSensor);
-  frame.begin_at({exp_so3({0.0, 0.0, 1.0}), {100.0, 50.0, 2.0}});
+  frame.set_start({exp_so3({0.0, 0.0, 1.0}), {100.0, 50.0, 2.0}});
   return frame;
 }
 

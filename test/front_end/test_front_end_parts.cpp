@@ -119,7 +119,7 @@ TEST(RingSpacing, IsNotHeededInAField) {
   const auto at = [](double x) { return Pose{Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; };
   RingSpacingGate rings(kSpacing);
   EXPECT_EQ(rings.spacing_at(at(0.0)), kSpacing);
-  rings.leave_open(at(100.0));
+  rings.mark_open_field(at(100.0));
   EXPECT_EQ(rings.spacing_at(at(120.0)), 0.0);
   EXPECT_EQ(rings.spacing_at(at(200.0)), kSpacing);
 }

@@ -64,12 +64,12 @@ Outcome taken(const Walk& walk, double seconds) {
     Pose T = pose(t);
     T.translation.z() += walk.seen_error * std::sin(37.0 * i);
     ride.add(T, kPeriod, i > 0 ? std::optional<FeltForce>(force) : std::nullopt);
-    if (ride.is_on()) {
+    if (ride.is_riding()) {
       if (outcome.first < 0.0) outcome.first = t;
       outcome.last = t;
     }
   }
-  outcome.way = ride.way();
+  outcome.way = ride.distance();
   return outcome;
 }
 
@@ -107,8 +107,8 @@ TEST(VerticalRideDetector, IsNotSaidWithoutAccelerometer) {
     pose.translation.z() = 0.02 * i * i;
     ride.add(pose, kPeriod, std::nullopt);
   }
-  EXPECT_FALSE(ride.is_on());
-  EXPECT_EQ(ride.way(), 0.0);
+  EXPECT_FALSE(ride.is_riding());
+  EXPECT_EQ(ride.distance(), 0.0);
 }
 
 }  // namespace
