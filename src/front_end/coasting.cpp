@@ -23,10 +23,11 @@ TrackedScan coasted(const TrackedScan& tracked, double seconds) {
   TrackedScan result = tracked;
   const Pose T_tracked_now = moved(Pose::Identity(), tracked.twist, seconds);
   result.T_odom_base = tracked.T_odom_base * T_tracked_now;
-  const double reach = 0.5 * seconds * seconds;
+  const double half_time_squared = 0.5 * seconds * seconds;
   result.covariance =
       compose_covariance(tracked.covariance, T_tracked_now,
-                         diagonal_covariance(reach * kAcceleration, reach * kAngularAcceleration));
+                         diagonal_covariance(half_time_squared * kAcceleration,
+                                             half_time_squared * kAngularAcceleration));
   result.acceleration.setZero();
   result.status = {};
   result.status.state = is_at_rest(tracked.twist) ? TrackingState::kDegraded : TrackingState::kLost;

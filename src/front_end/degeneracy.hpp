@@ -18,7 +18,7 @@ constexpr double kSinglePlaceFraction = 0.018;
 /// Directions of translation (unit, axes of the sensor) along which the points say almost nothing:
 /// the eigenvectors of the Hessian's translation block with less than `share` of its trace.
 std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& pose_hessian,
-                                                   double share = kDegenerateFraction);
+                                                   double fraction = kDegenerateFraction);
 
 /// The projection of translations onto what is left beside `directions`.
 Eigen::Matrix3d projection_orthogonal_to(const std::vector<Eigen::Vector3d>& directions);

@@ -43,18 +43,19 @@ class ElevationCalibration {
 
   /// Takes a scan that has gone into the map: its points, turned upwards by applied(), and the
   /// state that they were put there with. `voxel_size` is that of the map, m.
-  void see(const SampledPoints& points, const registration::MotionState& state, double voxel_size);
+  void add_scan(const SampledPoints& points, const registration::MotionState& state,
+                double voxel_size);
   /// Compares the last scan that was taken, which costs more than the rest of a scan together: to
   /// be called on a scan with less to do. see() does it where nobody else has.
-  void catch_up();
+  void compare_pending();
   /// The next scan does not hang together with the last one.
   void interrupt();
 
   /// What the sensor's elevations lack, rad; 0 as long as none is sure.
-  double found() const { return found_; }
+  double accepted_angle() const { return accepted_angle_; }
   /// Angle by which points are to be turned upwards, rad. It follows found() in steps, so that no
   /// scan differs much from the map that it is matched with.
-  double applied() const { return applied_; }
+  double applied_angle() const { return applied_angle_; }
   /// What the pairs say so far, sure or not; sigma is larger than their scatter, as those of one
   /// place err alike.
   ElevationEstimate estimate() const;
@@ -66,17 +67,17 @@ class ElevationCalibration {
     double voxel_size;
   };
 
-  bool is_settled() const;
-  double step() const;
+  bool is_converged() const;
+  double frame_distance() const;
   void compare(const Frame& a, const Frame& b);
   void decide();
 
   std::deque<Frame> frames_;
-  bool is_behind_ = false;  ///< the last frame has not been compared
+  bool comparison_pending_ = false;  ///< the last frame has not been compared
   registration::GaussianVoxelMap map_;
   ElevationMean mean_;
-  double found_ = 0.0;
-  double applied_ = 0.0;
+  double accepted_angle_ = 0.0;
+  double applied_angle_ = 0.0;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -92,7 +92,7 @@ class SensorOdometry {
     timer_.start("support");
     const std::optional<Scan> undone = with_gyro_correction_undone(received, prior);
     const Scan& undistorted = undone ? *undone : received;
-    const Scan& scan = tracker_ ? support_.supported(undistorted) : undistorted;
+    const Scan& scan = tracker_ ? support_.without_isolated_points(undistorted) : undistorted;
     timer_.stop();
     TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow_external(scan, prior);
     check_vertical_ride(scan.stamp, prior, tracked);

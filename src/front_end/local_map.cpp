@@ -12,7 +12,7 @@ constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kFineCapacity = std::size_t{1} << 17;
 constexpr std::size_t kCoarseCapacity = std::size_t{1} << 15;
 /// Share of the tables that is aged per scan.
-constexpr double kAgeingShare = 1.0 / 64.0;
+constexpr double kAgeingFraction = 1.0 / 64.0;
 /// The origin follows the sensor in steps of this length (m).
 constexpr double kOriginStep = 64.0;
 
@@ -79,7 +79,7 @@ LocalMap::LocalMap(double voxel_size, double radius)
       fine_(voxel_size, kFineCapacity),
       coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, coarse_model()) {}
 
-void LocalMap::begin(double voxel_size) {
+void LocalMap::restart(double voxel_size) {
   const Eigen::Vector3d origin = fine_.origin();
   fine_.restart(voxel_size);
   coarse_.restart(kCoarseFactor * voxel_size);
@@ -104,11 +104,11 @@ void LocalMap::insert(const SampledPoints& points, const registration::MotionSta
   dropped_points_ += fine_.dropped_points() + coarse_.dropped_points() - before;
 }
 
-void LocalMap::follow(const Eigen::Vector3d& position) {
+void LocalMap::set_center(const Eigen::Vector3d& position) {
   if ((position - fine_.origin()).cwiseAbs().maxCoeff() > kOriginStep) move_origin(position);
   const Eigen::Vector3f center = (position - fine_.origin()).cast<float>();
-  fine_.forget_beyond(center, static_cast<float>(radius_), kAgeingShare);
-  coarse_.forget_beyond(center, static_cast<float>(radius_), kAgeingShare);
+  fine_.forget_beyond(center, static_cast<float>(radius_), kAgeingFraction);
+  coarse_.forget_beyond(center, static_cast<float>(radius_), kAgeingFraction);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& position) {

@@ -21,7 +21,7 @@ class LocalMap {
   LocalMap(double voxel_size, double radius);
 
   /// Begins anew with voxels of this edge (m).
-  void begin(double voxel_size);
+  void restart(double voxel_size);
   void clear();
   /// See GaussianVoxelMap; only the fine map is matched to the millimetre.
   void set_ring_spacing(double angle) { fine_.set_ring_spacing(angle); }
@@ -29,7 +29,7 @@ class LocalMap {
   /// Adds points where the sensor was when it saw them.
   void insert(const SampledPoints& points, const registration::MotionState& state);
   /// To be called once per scan: keeps the origin near the sensor and lets go of what is far away.
-  void follow(const Eigen::Vector3d& position);
+  void set_center(const Eigen::Vector3d& position);
 
   /// Points so far, over all insertions, that found a table full and are not in the map.
   std::size_t dropped_points() const { return dropped_points_; }

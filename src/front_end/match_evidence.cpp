@@ -52,10 +52,12 @@ Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
 void compare(const Half& a, const Half& b, StepEvidence& evidence) {
   const Vector6d d = a.step - b.step;
   const Matrix6d covariance = a.covariance + b.covariance;
-  const auto keep = [](double value, double& worst) { worst = std::max(worst, value); };
-  keep(d.head<3>().norm(), evidence.disagreement);
-  keep(d.tail<3>().norm(), evidence.disagreement_angle);
-  keep(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
+  const auto keep_largest = [](double value, double& largest) {
+    largest = std::max(largest, value);
+  };
+  keep_largest(d.head<3>().norm(), evidence.disagreement);
+  keep_largest(d.tail<3>().norm(), evidence.disagreement_angle);
+  keep_largest(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
 }
 
 /// The number of sectors of equal share that would be spread as little.
@@ -63,10 +65,10 @@ double effective_sectors(const std::vector<NdtPart>& parts) {
   double sum = 0.0;
   double squares = 0.0;
   for (std::size_t sector = 0; sector < kNdtSectors; ++sector) {
-    const double share = parts[sector].hessian.topLeftCorner<3, 3>().trace() +
+    const double trace = parts[sector].hessian.topLeftCorner<3, 3>().trace() +
                          parts[sector + kNdtSectors].hessian.topLeftCorner<3, 3>().trace();
-    sum += share;
-    squares += share * share;
+    sum += trace;
+    squares += trace * trace;
   }
   return squares > 0.0 ? sum * sum / squares : 0.0;
 }

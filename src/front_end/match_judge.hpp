@@ -23,17 +23,17 @@ class MatchJudge {
   bool is_possible_motion(const Pose& T_from_to, double seconds) const;
   /// Takes an accepted match into what is usual.
   void learn(const registration::NdtMatch& match);
-  void reset() { usual_ = usual_pair_quality_ = 0.0; }
+  void reset() { mean_quality_ = mean_pair_quality_ = 0.0; }
 
  private:
-  bool fits_as_usual(const registration::NdtMatch& match) const;
+  bool has_usual_pair_quality(const registration::NdtMatch& match) const;
   /// True if the quality is less than `share` of the usual one and not only because the map ends
   /// here.
-  bool below(double share, const registration::NdtMatch& match) const;
+  bool is_below(double fraction, const registration::NdtMatch& match) const;
 
   double max_speed_;
-  double usual_ = 0.0;               ///< running mean of NdtMatch::quality
-  double usual_pair_quality_ = 0.0;  ///< of NdtMatch::quality per pair
+  double mean_quality_ = 0.0;       ///< running mean of NdtMatch::quality
+  double mean_pair_quality_ = 0.0;  ///< of NdtMatch::quality per pair
 };
 
 }  // namespace lidar_mapping::front_end

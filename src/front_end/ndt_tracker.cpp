@@ -74,12 +74,12 @@ class NdtTracker::Impl {
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
-    sampler_.take(scan, scans_++);
+    sampler_.sample(scan, scans_++);
     const double seconds = clock_.advance(scan.stamp, sampler_.reference(), sampler_.duration());
     since_claim_ += seconds;
     TrackedScan result;
-    result.status.elevation_shift = elevation_.found();
-    result.elevation_shift = elevation_.applied();
+    result.status.elevation_shift = elevation_.accepted_angle();
+    result.elevation_shift = elevation_.applied_angle();
     if (map_.empty()) {
       start_map(scan, start_, result.status);
     } else {
@@ -87,7 +87,7 @@ class NdtTracker::Impl {
       follow(scan, seconds, prior, predict(seconds, prior), result);
     }
     timer_.start("ageing");
-    map_.follow(filter_.state().T_map_sensor.translation);
+    map_.set_center(filter_.state().T_map_sensor.translation);
     report(result);
     return result;
   }
@@ -129,7 +129,7 @@ class NdtTracker::Impl {
     covariance_ = filter_.covariance();
     drift_variance_factor_ = 1.0;
     indoors_ = sampler_.median_range() <= kIndoorRange;
-    map_.begin(voxel_size());
+    map_.restart(voxel_size());
     ring_spacing_gate_ =
         RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
@@ -141,8 +141,8 @@ class NdtTracker::Impl {
     initialization_.start(T_odom_base);
     store_provisional(scan);
     insert(scan);
-    initialization_.set_first_scan(sampler_.dense(scan),
-                                   indoors_ ? SampledPoints{} : sampler_.between(),
+    initialization_.set_first_scan(sampler_.sample_dense(scan),
+                                   indoors_ ? SampledPoints{} : sampler_.between_rings(),
                                    scan.cloud.has_times(), sampler_.reference());
   }
 
@@ -173,8 +173,8 @@ class NdtTracker::Impl {
     result.status.evidence.degenerate = result.status.degenerate_directions.empty() ? 0.0 : 1.0;
     result.status.state = judge_.judge(found.match, prior_belief);
     if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
-    const StepBelief belief = believe(result.status.evidence, EvidenceSource::kNdt);
-    doubt_.lower(belief, result.status);
+    const StepBelief belief = evaluate_step(result.status.evidence, EvidenceSource::kNdt);
+    doubt_.apply(belief, result.status);
     if (result.status.state == TrackingState::kLost) {
       coast(scan, seconds, result);
       return;
@@ -368,7 +368,7 @@ class NdtTracker::Impl {
     if (initialization_.inserted_scans() >= kInitialScans &&
         !kInsertionRule.reached(T_insertion_now, 0)) {
       timer_.start("calibration");
-      elevation_.catch_up();
+      elevation_.compare_pending();
       return;
     }
     insert(scan);
@@ -377,14 +377,14 @@ class NdtTracker::Impl {
 
   void insert(const Scan& scan) {
     timer_.start("dense sampling");
-    const SampledPoints& dense = sampler_.dense(scan);
+    const SampledPoints& dense = sampler_.sample_dense(scan);
     timer_.start("insertion");
     map_.set_ring_spacing(ring_spacing_gate_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
     // The surfaces of a room are small, and many rings meet each: a recorded sensor of 16 beams
     // that stands in one is off by 15 mm instead of 5 with these points.
     if (!indoors_ && initialization_.inserted_scans() < kInitialScans) {
-      map_.insert(sampler_.between_rings(scan), filter_.state());
+      map_.insert(sampler_.sample_between_rings(scan), filter_.state());
     }
     last_insertion_pose_ = filter_.state().T_map_sensor;
     initialization_.set_inserted(dense, last_insertion_pose_.translation, map_.fine().resolution());
@@ -395,8 +395,8 @@ class NdtTracker::Impl {
 
   void calibrate(const SampledPoints& dense) {
     timer_.start("calibration");
-    elevation_.see(dense, filter_.state(), map_.fine().resolution());
-    sampler_.set_elevation_shift(elevation_.applied());
+    elevation_.add_scan(dense, filter_.state(), map_.fine().resolution());
+    sampler_.set_elevation_shift(elevation_.applied_angle());
   }
 
   void report(TrackedScan& result) {

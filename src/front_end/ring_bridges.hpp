@@ -29,30 +29,30 @@ class RingBridges {
   static constexpr std::size_t kColumns = 360;
 
   /// A point relative to the sensor.
-  struct Seen {
+  struct RingPoint {
     Eigen::Vector3f p;
     float time;   ///< s after the stamp
     float slope;  ///< height over horizontal distance: that of its ring
   };
   /// Points that are seen in one direction, from the lowest ring to the highest.
   struct Column {
-    const Seen* begin;
-    const Seen* end;
+    const RingPoint* begin;
+    const RingPoint* end;
   };
 
   void collect(const PointCloud& cloud, const Eigen::Vector3f& origin, double max_range);
   void sort_by_columns();
   Column column(std::size_t number);
   /// True of a point that lies on the line through those on the rings beside its own.
-  static bool is_straight(const Column& column, const Seen* s);
+  static bool is_straight(const Column& column, const RingPoint* s);
   /// Adds the points between the rings of the column with this number, relative to the sensor.
   static void bridge(const Column& column, std::size_t number, float spacing,
                      SampledPoints& points);
 
-  std::vector<Seen> seen_;
-  std::vector<std::uint16_t> numbers_;  ///< the column of each
-  std::vector<Seen> sorted_;            ///< the same points, column by column
-  std::array<std::size_t, kColumns + 1> begins_{};
+  std::vector<RingPoint> ring_points_;
+  std::vector<std::uint16_t> column_numbers_;  ///< the column of each
+  std::vector<RingPoint> sorted_points_;       ///< the same points, column by column
+  std::array<std::size_t, kColumns + 1> column_begins_{};
 };
 
 }  // namespace lidar_mapping::front_end

@@ -37,7 +37,7 @@ class ScanSampler {
 
   std::uint32_t shift_;
   /// Number of the sampling that last took a point for this hash.
-  std::vector<std::uint8_t> taken_;
+  std::vector<std::uint8_t> last_generation_;
   std::uint8_t generation_ = 0;
   std::vector<std::uint32_t> candidates_;  ///< keeps its size: growing would clear it each time
   std::vector<std::uint32_t> chosen_;

@@ -30,8 +30,8 @@ using registration::RegistrationResult;
 constexpr double kTrackedInliers = 0.35;
 constexpr double kLostInliers = 0.2;
 // Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.
-constexpr double kUsualSpeed = 35.0;  // m/s
-constexpr double kStartStep = 1.0;    // m
+constexpr double kMaxStartSpeed = 35.0;  // m/s
+constexpr double kStartStep = 1.0;       // m
 // Share of the last step in the twist with which a sweep is deskewed. An error of the pose bends
 // the sweep, and a bent sweep turns the pose: with 1 the two chase each other to ever larger
 // swings.
@@ -44,14 +44,14 @@ constexpr double kLostAngleSigma = 0.1;  // rad
 constexpr double kSpeedVariance = 0.01;  // m^2/s^2
 
 /// The match, but for the directions that it did not observe: there the prediction stays.
-Pose held_back(const Pose& predicted, const Pose& matched,
-               const std::vector<Eigen::Vector3d>& directions) {
+Pose with_prediction_along(const Pose& predicted, const Pose& matched,
+                           const std::vector<Eigen::Vector3d>& directions) {
   Vector6d correction = difference(matched, predicted);
-  Vector6d kept = Vector6d::Zero();
+  Vector6d predicted_part = Vector6d::Zero();
   for (const Eigen::Vector3d& direction : directions) {
-    kept.head<3>() += direction * direction.dot(correction.head<3>());
+    predicted_part.head<3>() += direction * direction.dot(correction.head<3>());
   }
-  return perturbed(matched, kept);
+  return perturbed(matched, predicted_part);
 }
 
 Covariance6 covariance_of(const Matrix6d& hessian) {
@@ -72,7 +72,7 @@ class SlidingWindowTracker::Impl {
                 config.local_map_filter_resolution) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
-    if (window_.empty()) return begin(scan, prior);
+    if (window_.empty()) return start(scan, prior);
     timer_.start("sampling");
     const double seconds = to_seconds(scan.stamp - stamp_);
     predict_twist(prior);
@@ -80,20 +80,21 @@ class SlidingWindowTracker::Impl {
     const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
     timer_.start("matching");
-    const Match match = find(sample, predicted, seconds);
+    const Match match = match_scan(sample, predicted, seconds);
     since_claim_ += seconds;
-    TrackedScan tracked = judge(match, predicted, seconds);
-    tracked.status.evidence = weigh(match, predicted, seconds);
+    TrackedScan tracked = evaluate(match, predicted, seconds);
+    tracked.status.evidence = collect_evidence(match, predicted, seconds);
     tracked.status.evidence.points = static_cast<double>(sample.size());
     tracked.status.evidence.degenerate = tracked.status.degenerate_directions.empty() ? 0.0 : 1.0;
-    doubt_.lower(believe(tracked.status.evidence, EvidenceSource::kSlidingWindow), tracked.status);
-    follow(tracked, scan.stamp, prior.linear_velocity.has_value());
+    doubt_.apply(evaluate_step(tracked.status.evidence, EvidenceSource::kSlidingWindow),
+                 tracked.status);
+    set_pose(tracked, scan.stamp, prior.linear_velocity.has_value());
     timer_.start("insertion");
     if (lost_for(scan.stamp) > config_.max_lost_time) {
       window_.clear();
       tracked.new_segment = true;
     }
-    if (key_frame_due(tracked)) keep(cloud);
+    if (key_frame_due(tracked)) insert_key_frame(cloud);
     if (claims_pose(tracked.status.state) || tracked.new_segment) claim(tracked);
     tracked.twist = twist_;
     tracked.motion_known = speed_known_;
@@ -117,12 +118,12 @@ class SlidingWindowTracker::Impl {
     bool rescued = false;
   };
 
-  TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
+  TrackedScan start(const Scan& scan, const MotionPrior& prior) {
     doubt_.reset();
     predict_twist(prior);
     speed_known_ = prior.linear_velocity.has_value();
     stamp_ = tracked_stamp_ = scan.stamp;
-    keep(deskewed(scan.cloud, sweep_twist_));
+    insert_key_frame(deskewed(scan.cloud, sweep_twist_));
     TrackedScan tracked;
     tracked.T_odom_base = T_odom_base_;
     tracked.covariance = diagonal_covariance(1e-4, 1e-5);
@@ -140,7 +141,7 @@ class SlidingWindowTracker::Impl {
   }
 
   /// What speaks for and against the match as the end of a step from the last claim.
-  StepEvidence weigh(const Match& match, const Pose& predicted, double seconds) const {
+  StepEvidence collect_evidence(const Match& match, const Pose& predicted, double seconds) const {
     const RegistrationResult& result = match.result;
     StepEvidence evidence;
     evidence.overlap = result.overlap;
@@ -171,7 +172,7 @@ class SlidingWindowTracker::Impl {
     }
   }
 
-  Match find(const PointCloud& sample, const Pose& predicted, double seconds) {
+  Match match_scan(const PointCloud& sample, const Pose& predicted, double seconds) {
     Match match{align(sample, predicted), false};
     if (speed_known_ && match.result.inlier_fraction >= kLostInliers) return match;
     for (const Pose& start : other_starts(seconds)) {
@@ -186,8 +187,9 @@ class SlidingWindowTracker::Impl {
   std::vector<Pose> other_starts(double seconds) const {
     std::vector<Pose> starts = {T_odom_base_};
     if (speed_known_) return starts;
-    for (double way = kStartStep; way < kUsualSpeed * seconds; way += kStartStep) {
-      starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {way, 0.0, 0.0}});
+    for (double distance = kStartStep; distance < kMaxStartSpeed * seconds;
+         distance += kStartStep) {
+      starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {distance, 0.0, 0.0}});
     }
     return starts;
   }
@@ -199,7 +201,7 @@ class SlidingWindowTracker::Impl {
     return result;
   }
 
-  TrackedScan judge(const Match& match, const Pose& predicted, double seconds) const {
+  TrackedScan evaluate(const Match& match, const Pose& predicted, double seconds) const {
     const RegistrationResult& result = match.result;
     TrackedScan tracked;
     tracked.status.converged = result.converged;
@@ -208,16 +210,16 @@ class SlidingWindowTracker::Impl {
     tracked.status.inlier_fraction = result.inlier_fraction;
     tracked.status.overlap = result.overlap;
     tracked.status.rescued = match.rescued;
-    const double way = (result.T_target_source.translation - T_odom_base_.translation).norm();
-    if (result.inlier_fraction < kLostInliers || way > config_.max_speed * seconds) {
+    const double distance = (result.T_target_source.translation - T_odom_base_.translation).norm();
+    if (result.inlier_fraction < kLostInliers || distance > config_.max_speed * seconds) {
       tracked.status.state = TrackingState::kLost;
       tracked.T_odom_base = predicted;
       tracked.covariance = diagonal_covariance(kLostSigma, kLostAngleSigma);
       return tracked;
     }
     tracked.status.degenerate_directions = degenerate_directions(result.hessian);
-    tracked.T_odom_base =
-        held_back(predicted, result.T_target_source, tracked.status.degenerate_directions);
+    tracked.T_odom_base = with_prediction_along(predicted, result.T_target_source,
+                                                tracked.status.degenerate_directions);
     tracked.covariance = covariance_of(result.hessian);
     if (result.inlier_fraction < kTrackedInliers) {
       tracked.status.state = TrackingState::kDegraded;
@@ -228,7 +230,7 @@ class SlidingWindowTracker::Impl {
   }
 
   /// Takes the pose over; the velocity only from poses that were measured.
-  void follow(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
+  void set_pose(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
     if (tracked.status.state == TrackingState::kLost) {
       unobserved_travel_.interrupt();
     } else {
@@ -263,7 +265,7 @@ class SlidingWindowTracker::Impl {
   }
 
   /// The target is relative to the newest key frame: floats lose nothing far from the start.
-  void keep(PointCloud cloud) {
+  void insert_key_frame(PointCloud cloud) {
     tracked_stamp_ = stamp_;
     window_.push(T_odom_base_, std::move(cloud));
     T_odom_map_ = T_odom_base_;

@@ -11,8 +11,8 @@ namespace {
 
 // A wrong step that is called right costs as much as so many right ones that are doubted. People
 // look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
-constexpr double kCostOfSilence = 1.5;
-constexpr double kCostOfSilenceInDoubt = 9.0;
+constexpr double kCostOfMissedDoubt = 1.5;
+constexpr double kCostOfMissedDoubtInDoubt = 9.0;
 
 constexpr std::size_t kFeatures = 19;
 using Coefficients = std::array<double, kFeatures>;
@@ -75,10 +75,10 @@ double safety(const SafetyCoefficients& coefficients, double error, double error
 }  // namespace
 
 bool StepBelief::is_safe(bool in_doubt) const {
-  return (1.0 - safety) * (in_doubt ? kCostOfSilenceInDoubt : kCostOfSilence) <= safety;
+  return (1.0 - safety) * (in_doubt ? kCostOfMissedDoubtInDoubt : kCostOfMissedDoubt) <= safety;
 }
 
-StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
+StepBelief evaluate_step(const StepEvidence& evidence, EvidenceSource source) {
   const bool is_ndt = source == EvidenceSource::kNdt;
   const Model& model = is_ndt ? kNdtModel : kSlidingWindowModel;
   const Coefficients x = features(evidence);
@@ -90,7 +90,7 @@ StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
   return belief;
 }
 
-void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
+void DoubtState::apply(const StepBelief& belief, FrontEndStatus& status) {
   if (status.state == TrackingState::kLost) {
     status.probability = 0.0;
     return;

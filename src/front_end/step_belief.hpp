@@ -28,13 +28,13 @@ struct StepBelief {
   bool is_safe(bool in_doubt) const;
 };
 
-StepBelief believe(const StepEvidence& evidence, EvidenceSource source);
+StepBelief evaluate_step(const StepEvidence& evidence, EvidenceSource source);
 
 /// Takes beliefs into the status: their probability and expected error, and a state that claims no
 /// more than that. Of the steps before it remembers only whether the last one was doubted.
 class DoubtState {
  public:
-  void lower(const StepBelief& belief, FrontEndStatus& status);
+  void apply(const StepBelief& belief, FrontEndStatus& status);
   /// With a new map.
   void reset();
 

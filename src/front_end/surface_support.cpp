@@ -15,30 +15,30 @@ namespace {
 
 /// Share of isolated points from which on they are left out. Clean scans of simulated towns,
 /// fields and rooms have at most 0.006 with 64 beams and 0.02 with 16.
-constexpr double kManyIsolated = 0.035;
+constexpr double kMinIsolatedFraction = 0.035;
 /// Above this share the grid is not made for the cloud: nothing is left out.
-constexpr double kMostIsolated = 0.6;
+constexpr double kMaxIsolatedFraction = 0.6;
 constexpr double kLearningRate = 0.2;
 /// Where little is wrong, so many points of each scan are looked at,
-constexpr std::size_t kLookedAt = 8000;
+constexpr std::size_t kSampledPoints = 8000;
 /// in blocks that come one after the other and so see one part of the view.
-constexpr std::size_t kBlock = 2048;
+constexpr std::size_t kBlockSize = 2048;
 /// Of these one of so many is judged.
 constexpr std::size_t kJudgedStride = 5;
 /// Where isolated points are left out, so many are looked at together: a sixth of a turn of 64
 /// beams or less, whose table stays in the caches.
-constexpr std::size_t kPart = 8192;
+constexpr std::size_t kPartSize = 8192;
 
 // Edge of cubes. The more points a turn has, the closer are neighbours; in units of the range it is
 // this number by the root of the number of points: 0.02 for 64 beams, 0.04 for 16.
-constexpr double kEdgeOfDensity = 6.5;
-constexpr double kLeastEdge = 0.015;
-constexpr double kLargestEdge = 0.4;
+constexpr double kEdgeFactor = 6.5;
+constexpr double kMinEdge = 0.015;
+constexpr double kMaxEdge = 0.4;
 /// In units of the spacing of points where they were thinned out.
 constexpr double kEdgeInSpacings = 3.0;
 
 /// Two other points make a surface.
-constexpr std::uint32_t kSupport = 3;
+constexpr std::uint32_t kMinSupport = 3;
 constexpr std::uint32_t kCountBits = 2;
 constexpr std::uint32_t kCountMask = (1U << kCountBits) - 1;
 // Of the key of a cube.
@@ -46,12 +46,12 @@ constexpr std::uint32_t kAxisBits = 8;
 constexpr float kAxisMiddle = 128.0F;
 /// Half octaves of the range from 0.5 m on.
 constexpr std::int32_t kFirstExponent = 127 - 2;
-constexpr std::uint32_t kMostLevels = 20;
+constexpr std::uint32_t kMaxLevels = 20;
 
 /// So many points are asked for their nearest neighbour.
 constexpr std::size_t kProbes = 128;
 /// What has none within 100 m is alone.
-constexpr float kFarSquared = 1e4F;
+constexpr float kMaxSpacingSquared = 1e4F;
 
 std::uint32_t key_of(std::uint32_t level, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return (((((level << kAxisBits) | x) << kAxisBits) | y) << kAxisBits) | z;
@@ -79,17 +79,17 @@ double point_spacing(const PointCloud& cloud) {
   for (std::size_t i = step / 2; i < cloud.size(); i += step) {
     if (!cloud.points[i].position().allFinite()) continue;
     const float nearest = nearest_squared(cloud, i);
-    if (nearest < kFarSquared) spacings.push_back(std::sqrt(nearest));
+    if (nearest < kMaxSpacingSquared) spacings.push_back(std::sqrt(nearest));
   }
   return static_cast<double>(quantile(std::move(spacings), 0.25));
 }
 
-RangeGrid::RangeGrid() { set_edge(kLeastEdge, 0.0); }
+RangeGrid::RangeGrid() { set_edge(kMinEdge, 0.0); }
 
-void RangeGrid::set_edge(double share_of_range, double least) {
+void RangeGrid::set_edge(double fraction_of_range, double min_edge) {
   for (std::size_t level = 0; level < kLevels; ++level) {
     const double range = std::exp2(0.5 * (static_cast<double>(level) + kFirstExponent - 128.0));
-    const double edge = std::max(std::max(share_of_range, kLeastEdge) * range, least);
+    const double edge = std::max(std::max(fraction_of_range, kMinEdge) * range, min_edge);
     inverse_edge_[level] = static_cast<float>(1.0 / edge);
   }
 }
@@ -108,7 +108,7 @@ inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
   std::memcpy(&bits, &squared, sizeof(bits));
   const std::int32_t level = (bits >> 23) - kFirstExponent + 1;
   // What is not a number has the highest exponent.
-  if (level < 1 || level > static_cast<std::int32_t>(kMostLevels)) return {};
+  if (level < 1 || level > static_cast<std::int32_t>(kMaxLevels)) return {};
   const float scale = inverse_edge_[static_cast<std::size_t>(level)];
   return {static_cast<std::uint32_t>(level), x * scale + kAxisMiddle, y * scale + kAxisMiddle,
           z * scale + kAxisMiddle};
@@ -118,9 +118,9 @@ inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
 inline std::size_t RangeGrid::find(std::uint32_t key) const {
   const std::uint32_t* const table = table_.data();
   const std::size_t mask = table_.size() - 1;
-  std::size_t at = (key * 0x9E3779B1U) >> shift_;
-  while (table[at] != 0 && table[at] >> kCountBits != key) at = (at + 1) & mask;
-  return at;
+  std::size_t slot = (key * 0x9E3779B1U) >> shift_;
+  while (table[slot] != 0 && table[slot] >> kCountBits != key) slot = (slot + 1) & mask;
+  return slot;
 }
 
 void RangeGrid::insert(const Point* points, std::size_t count) {
@@ -132,7 +132,7 @@ void RangeGrid::insert(const Point* points, std::size_t count) {
     // Without branches, which would be guessed wrong for every other point.
     std::uint32_t& entry = table_[find(key)];
     const std::uint32_t before = entry == 0 ? key << kCountBits : entry;
-    entry = before + static_cast<std::uint32_t>((before & kCountMask) < kSupport);
+    entry = before + static_cast<std::uint32_t>((before & kCountMask) < kMinSupport);
   }
 }
 
@@ -145,23 +145,23 @@ bool RangeGrid::is_isolated(const Point& point) const {
   if (place.level == 0) return false;
   const std::uint32_t x = cell_of(place.x), y = cell_of(place.y), z = cell_of(place.z);
   std::uint32_t count = count_at(key_of(place.level, x, y, z));
-  if (count >= kSupport) return false;
+  if (count >= kMinSupport) return false;
   // The neighbour on the nearer side of each axis.
   const auto beside = [](float value, std::uint32_t cell) {
     return value - static_cast<float>(cell) < 0.5F ? cell - 1 : cell + 1;
   };
   const std::uint32_t nx = beside(place.x, x), ny = beside(place.y, y), nz = beside(place.z, z);
-  for (std::uint32_t corner = 1; corner < 8 && count < kSupport; ++corner) {
+  for (std::uint32_t corner = 1; corner < 8 && count < kMinSupport; ++corner) {
     count += count_at(key_of(place.level, (corner & 1U) != 0 ? nx : x, (corner & 2U) != 0 ? ny : y,
                              (corner & 4U) != 0 ? nz : z));
   }
-  return count < kSupport;
+  return count < kMinSupport;
 }
 
 SurfaceSupport::SurfaceSupport() = default;
 
-std::size_t SurfaceSupport::isolated_in(const PointCloud& cloud, std::size_t begin,
-                                        std::size_t end) const {
+std::size_t SurfaceSupport::count_isolated(const PointCloud& cloud, std::size_t begin,
+                                           std::size_t end) const {
   std::size_t isolated = 0;
   for (std::size_t i = begin; i < end; i += kJudgedStride) {
     isolated += grid_.is_isolated(cloud.points[i]) ? 1 : 0;
@@ -170,27 +170,27 @@ std::size_t SurfaceSupport::isolated_in(const PointCloud& cloud, std::size_t beg
 }
 
 /// Each block has a table of its own, so small that it stays in the nearest cache.
-double SurfaceSupport::share_in_blocks(const PointCloud& cloud) {
-  const std::size_t parts = std::max<std::size_t>(1, cloud.size() / kLookedAt);
+double SurfaceSupport::isolated_fraction_in_blocks(const PointCloud& cloud) {
+  const std::size_t parts = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
   std::size_t judged = 0, isolated = 0;
-  const std::size_t first = (turn_++ % parts) * kBlock;
-  for (std::size_t begin = first; begin < cloud.size(); begin += parts * kBlock) {
-    const std::size_t end = std::min(begin + kBlock, cloud.size());
-    grid_.clear(kBlock);
+  const std::size_t first = (next_block_++ % parts) * kBlockSize;
+  for (std::size_t begin = first; begin < cloud.size(); begin += parts * kBlockSize) {
+    const std::size_t end = std::min(begin + kBlockSize, cloud.size());
+    grid_.clear(kBlockSize);
     grid_.insert(cloud.points.data() + begin, end - begin);
-    isolated += isolated_in(cloud, begin, end);
+    isolated += count_isolated(cloud, begin, end);
     judged += (end - begin + kJudgedStride - 1) / kJudgedStride;
   }
   return judged == 0 ? 0.0 : static_cast<double>(isolated) / static_cast<double>(judged);
 }
 
-void SurfaceSupport::fit_edge(const PointCloud& cloud) {
+void SurfaceSupport::set_cube_edge(const PointCloud& cloud) {
   const double points = static_cast<double>(std::max<std::size_t>(1, cloud.size()));
-  const double share = std::min(kLargestEdge, kEdgeOfDensity / std::sqrt(points));
-  grid_.set_edge(share, kEdgeInSpacings * spacing_);
+  const double fraction = std::min(kMaxEdge, kEdgeFactor / std::sqrt(points));
+  grid_.set_edge(fraction, kEdgeInSpacings * spacing_);
 }
 
-void SurfaceSupport::take_supported(const PointCloud& cloud, std::size_t begin, std::size_t end) {
+void SurfaceSupport::copy_supported(const PointCloud& cloud, std::size_t begin, std::size_t end) {
   grid_.clear(end - begin);
   grid_.insert(cloud.points.data() + begin, end - begin);
   for (std::size_t i = begin; i < end; ++i) {
@@ -205,35 +205,40 @@ double SurfaceSupport::filter(const Scan& scan) {
   filtered_.cloud.points.clear();
   filtered_.cloud.times.clear();
   const std::size_t size = scan.cloud.size();
-  const std::size_t part = in_sweep_order(scan.cloud) ? kPart : std::max<std::size_t>(1, size);
+  const std::size_t part = in_sweep_order(scan.cloud) ? kPartSize : std::max<std::size_t>(1, size);
   for (std::size_t begin = 0; begin < size; begin += part) {
-    take_supported(scan.cloud, begin, std::min(begin + part, size));
+    copy_supported(scan.cloud, begin, std::min(begin + part, size));
   }
   const double kept = static_cast<double>(filtered_.cloud.size());
   return 1.0 - kept / static_cast<double>(std::max<std::size_t>(1, size));
 }
 
-void SurfaceSupport::learn(double share) {
-  usual_share_ = usual_share_ < 0.0 ? share : usual_share_ + kLearningRate * (share - usual_share_);
+void SurfaceSupport::learn(double fraction) {
+  mean_isolated_fraction_ =
+      mean_isolated_fraction_ < 0.0
+          ? fraction
+          : mean_isolated_fraction_ + kLearningRate * (fraction - mean_isolated_fraction_);
 }
 
-const Scan& SurfaceSupport::supported(const Scan& scan) {
-  fit_edge(scan.cloud);
-  if (usual_share_ <= kManyIsolated) {
-    const double share = share_in_blocks(scan.cloud);
-    if (share <= kManyIsolated) {
-      learn(share);
+const Scan& SurfaceSupport::without_isolated_points(const Scan& scan) {
+  set_cube_edge(scan.cloud);
+  if (mean_isolated_fraction_ <= kMinIsolatedFraction) {
+    const double fraction = isolated_fraction_in_blocks(scan.cloud);
+    if (fraction <= kMinIsolatedFraction) {
+      learn(fraction);
       return scan;
     }
     if (!spacing_known_) {
       spacing_ = point_spacing(scan.cloud);
       spacing_known_ = true;
-      fit_edge(scan.cloud);
+      set_cube_edge(scan.cloud);
     }
   }
-  const double share = filter(scan);
-  learn(share);
-  return usual_share_ > kManyIsolated && share <= kMostIsolated ? filtered_ : scan;
+  const double fraction = filter(scan);
+  learn(fraction);
+  return mean_isolated_fraction_ > kMinIsolatedFraction && fraction <= kMaxIsolatedFraction
+             ? filtered_
+             : scan;
 }
 
 }  // namespace lidar_mapping::front_end

@@ -21,7 +21,7 @@ class RangeGrid {
 
   /// The edge of cubes is this share of the range, at least 0.015, or this length where that is
   /// more.
-  void set_edge(double share_of_range, double least);
+  void set_edge(double fraction_of_range, double min_edge);
   /// Forgets all points and makes room for so many.
   void clear(std::size_t points);
   void insert(const Point* points, std::size_t count);
@@ -56,25 +56,25 @@ class SurfaceSupport {
 
   /// The scan as it is, or where many points are isolated, without these. Valid until the next
   /// call, and as long as `scan` is.
-  const Scan& supported(const Scan& scan);
+  const Scan& without_isolated_points(const Scan& scan);
   /// Running mean of the share of isolated points.
-  double isolated_share() const { return usual_share_; }
+  double isolated_fraction() const { return mean_isolated_fraction_; }
 
  private:
   /// Share of isolated points in a part of the scan, block by block.
-  double share_in_blocks(const PointCloud& cloud);
-  std::size_t isolated_in(const PointCloud& cloud, std::size_t begin, std::size_t end) const;
-  void fit_edge(const PointCloud& cloud);
+  double isolated_fraction_in_blocks(const PointCloud& cloud);
+  std::size_t count_isolated(const PointCloud& cloud, std::size_t begin, std::size_t end) const;
+  void set_cube_edge(const PointCloud& cloud);
   /// Makes filtered_ the scan without its isolated points, and returns their share.
   double filter(const Scan& scan);
-  void take_supported(const PointCloud& cloud, std::size_t begin, std::size_t end);
-  void learn(double share);
+  void copy_supported(const PointCloud& cloud, std::size_t begin, std::size_t end);
+  void learn(double fraction);
 
   RangeGrid grid_;
   double spacing_ = 0.0;  ///< m; see point_spacing()
   bool spacing_known_ = false;
-  std::size_t turn_ = 0;
-  double usual_share_ = -1.0;  ///< below zero before the first scan
+  std::size_t next_block_ = 0;
+  double mean_isolated_fraction_ = -1.0;  ///< below zero before the first scan
   Scan filtered_;
 };
 

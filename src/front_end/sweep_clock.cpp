@@ -14,29 +14,29 @@ namespace {
 
 /// How many sweeps the period is found from, and how many are enough to see that a sweep is a turn.
 constexpr std::size_t kWindow = 64;
-constexpr std::size_t kEnough = 16;
+constexpr std::size_t kMinSweeps = 16;
 /// A gap of so many seconds begins anew: the period may be another by then.
-constexpr double kLongestGap = 5.0;
+constexpr double kMaxGap = 5.0;
 /// Scatter of the stamps, as a share of the period, below which they are taken as they are: the
 /// prediction is off by that share of the way between two scans.
-constexpr double kIrregular = 0.04;
+constexpr double kMinJitterFraction = 0.04;
 /// Square of the mean of n phases, as vectors, times n: above c with a probability of exp(-c) where
 /// there is no such period. For a sweep that is a turn, and for the best of some three hundred.
-constexpr double kInPhase = 2.5;
-constexpr double kBestInPhase = 8.0;
+constexpr double kMinPhasePower = 2.5;
+constexpr double kMinBestPhasePower = 8.0;
 /// Periods are looked for between these multiples of a sweep.
-constexpr double kLeastPeriod = 0.95;
-constexpr double kMostPeriod = 2.1;
+constexpr double kMinPeriodFactor = 0.95;
+constexpr double kMaxPeriodFactor = 2.1;
 /// Variance of the steps in units of that of the stamps: nearly 2 where these scatter about a grid;
 /// less, the longer one looks, where they wander (1 over 16 scans, 0.2 over 64), as of scans that
 /// are taken when somebody asks for them. To begin with, and to go on.
-constexpr double kScattering = 1.3;
-constexpr double kWandering = 0.8;
+constexpr double kMinScatterRatioToStart = 1.3;
+constexpr double kMinScatterRatioToContinue = 0.8;
 
 /// A stamp that is later than expected by this share of the period belongs to a later turn. A scan
 /// is missing less often than a stamp is off by half a period; what is overlooked the next scan
 /// shows.
-constexpr double kMissing = 0.6;
+constexpr double kMissingScanFraction = 0.6;
 
 double phase_angle(double seconds, double period) { return 2.0 * kPi * seconds / period; }
 
@@ -52,68 +52,69 @@ void SweepClock::begin_window(Stamp stamp, double reference, double duration) {
 
 double SweepClock::advance(Stamp stamp, double reference, double duration) {
   const bool is_first = window_.empty();
-  const double stamped = to_seconds(stamp - stamp_) + reference - reference_;
-  const double moved = reference - reference_;
+  const double stamp_interval = to_seconds(stamp - stamp_) + reference - reference_;
+  const double reference_change = reference - reference_;
   stamp_ = stamp;
   reference_ = reference;
-  if (is_first || duration <= 0.0 || stamped > kLongestGap) {
+  if (is_first || duration <= 0.0 || stamp_interval > kMaxGap) {
     begin_window(stamp, reference, duration);
-    return is_first ? 0.0 : stamped;
+    return is_first ? 0.0 : stamp_interval;
   }
   window_.push_back({to_seconds(stamp - window_stamp_) + reference, duration, 0.0});
   if (window_.size() > kWindow) window_.pop_front();
-  const bool was_counting = std::exchange(jitter_, 0.0) > 0.0;
-  look_at_steps();
+  const bool was_active = std::exchange(jitter_, 0.0) > 0.0;
+  analyze_steps();
   if (fit_.period > 0.0) {
     window_.back().turn = turns_of_last();
     fit();
-  } else if (window_.size() >= kEnough && is_irregular()) {
+  } else if (window_.size() >= kMinSweeps && is_irregular()) {
     find_period();
   }
-  if (fit_.period == 0.0) return stamped;
-  if (fit_.scatter < kIrregular * fit_.period || is_wandering(was_counting)) {
+  if (fit_.period == 0.0) return stamp_interval;
+  if (fit_.scatter < kMinJitterFraction * fit_.period || is_drifting(was_active)) {
     fit_ = {};
-    return stamped;
+    return stamp_interval;
   }
   jitter_ = fit_.scatter;
   const double turns = window_.back().turn - window_[window_.size() - 2].turn;
   // A sweep that lasts a turn says so better than few stamps that scatter.
   const bool is_whole_turn =
       std::abs(fit_.period - fit_.duration) < 2.0 * fit_.period_sigma + 0.002 * fit_.period;
-  return turns * (is_whole_turn ? fit_.duration : fit_.period) + moved;
+  return turns * (is_whole_turn ? fit_.duration : fit_.period) + reference_change;
 }
 
 /// Scans that are missing make steps of several turns.
-void SweepClock::look_at_steps() {
+void SweepClock::analyze_steps() {
   steps_.clear();
   for (std::size_t i = 1; i < window_.size(); ++i) {
     steps_.push_back(window_[i].middle - window_[i - 1].middle);
   }
-  usual_step_ = quantile_of_range(steps_.begin(), steps_.end(), 0.5);
+  median_step_ = quantile_of_range(steps_.begin(), steps_.end(), 0.5);
   step_variance_ = 0.0;
   for (const double step : steps_) {
-    const double off = step - usual_step_ * std::max(1.0, std::round(step / usual_step_));
-    step_variance_ += off * off / static_cast<double>(steps_.size());
+    const double deviation = step - median_step_ * std::max(1.0, std::round(step / median_step_));
+    step_variance_ += deviation * deviation / static_cast<double>(steps_.size());
   }
 }
 
 /// A sensor that does not spin may look when it likes. A step has the errors of two stamps.
 bool SweepClock::is_irregular() const {
-  return usual_step_ < kMostPeriod * window_.back().duration &&
-         step_variance_ > 2.0 * kIrregular * kIrregular * usual_step_ * usual_step_;
+  return median_step_ < kMaxPeriodFactor * window_.back().duration &&
+         step_variance_ >
+             2.0 * kMinJitterFraction * kMinJitterFraction * median_step_ * median_step_;
 }
 
-bool SweepClock::is_wandering(bool was_counting) const {
-  const double least = was_counting ? kWandering : kScattering;
-  return step_variance_ < least * fit_.scatter * fit_.scatter;
+bool SweepClock::is_drifting(bool was_active) const {
+  const double min_ratio = was_active ? kMinScatterRatioToContinue : kMinScatterRatioToStart;
+  return step_variance_ < min_ratio * fit_.scatter * fit_.scatter;
 }
 
 void SweepClock::find_period() {
   // First whether a sweep is a turn; not by many, as it may be a turn but for a few columns.
-  std::deque<Sweep> latest(window_.end() - kEnough, window_.end());
+  std::deque<Sweep> latest(window_.end() - kMinSweeps, window_.end());
   double sweep = 0.0;
-  for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kEnough);
-  if (phase_power(latest, sweep) > kInPhase) {
+  for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kMinSweeps);
+  if (phase_power(latest, sweep) > kMinPhasePower) {
     window_ = std::move(latest);
     return count_turns(sweep);
   }
@@ -121,8 +122,9 @@ void SweepClock::find_period() {
   // So finely that over the window a step is a quarter of a turn.
   const double step = 0.25 * sweep * sweep / (window_.back().middle - window_.front().middle);
   double best = 0.0;
-  double best_power = kBestInPhase;
-  for (double period = kLeastPeriod * sweep; period < kMostPeriod * sweep; period += step) {
+  double best_power = kMinBestPhasePower;
+  for (double period = kMinPeriodFactor * sweep; period < kMaxPeriodFactor * sweep;
+       period += step) {
     const double power = phase_power(window_, period);
     if (power < best_power) continue;
     best_power = power;
@@ -150,7 +152,7 @@ void SweepClock::count_turns(double period) {
 double SweepClock::turns_of_last() const {
   const double turn = (window_.back().middle - fit_.begin) / fit_.period;
   const double next = window_[window_.size() - 2].turn + 1.0;
-  return turn < next + kMissing ? next : std::round(turn);
+  return turn < next + kMissingScanFraction ? next : std::round(turn);
 }
 
 void SweepClock::fit() {

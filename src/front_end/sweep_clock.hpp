@@ -38,9 +38,9 @@ class SweepClock {
   };
 
   void begin_window(Stamp stamp, double reference, double duration);
-  void look_at_steps();
+  void analyze_steps();
   bool is_irregular() const;
-  bool is_wandering(bool was_counting) const;
+  bool is_drifting(bool was_active) const;
   void find_period();
   static double phase_power(const std::deque<Sweep>& sweeps, double period);
   void count_turns(double period);
@@ -51,7 +51,7 @@ class SweepClock {
   std::vector<double> steps_;  ///< between the sweeps of the window, s
   Stamp window_stamp_ = 0;     ///< from which the window's times count
   Fit fit_;
-  double usual_step_ = 0.0;     ///< median of the window, s
+  double median_step_ = 0.0;    ///< median of the window, s
   double step_variance_ = 0.0;  ///< of steps about whole multiples of that, s^2
   Stamp stamp_ = 0;
   double reference_ = 0.0;

@@ -51,27 +51,28 @@ class SweepMatcher {
 
  private:
   /// The match, or the one without what the points do not observe.
-  Found observed(const registration::NdtMatch& match, const registration::NdtPoints& points,
-                 LocalMap& map, const registration::MotionBelief& for_unobserved);
+  Found match_observed_directions(const registration::NdtMatch& match,
+                                  const registration::NdtPoints& points, LocalMap& map,
+                                  const registration::MotionBelief& for_unobserved);
   registration::NdtMatch match_without_from(const registration::MotionState& start,
                                             const registration::NdtPoints& points, LocalMap& map,
                                             const registration::MotionBelief& prior,
                                             const std::vector<Eigen::Vector3d>& directions);
   /// The match, or a coarse one from there as long as the fine map is too thin to match with.
-  registration::NdtMatch coarse_if_thin(const registration::NdtMatch& fine,
-                                        const registration::NdtPoints& points, LocalMap& map,
-                                        const registration::MotionBelief& prior,
-                                        const std::vector<Eigen::Vector3d>& blind_directions);
+  registration::NdtMatch coarse_if_sparse(const registration::NdtMatch& fine,
+                                          const registration::NdtPoints& points, LocalMap& map,
+                                          const registration::MotionBelief& prior,
+                                          const std::vector<Eigen::Vector3d>& blind_directions);
   registration::MotionState start_for(const registration::NdtPoints& points, LocalMap& map,
                                       const registration::MotionBelief& prediction);
-  registration::MotionState approach(const registration::NdtPoints& points, LocalMap& map,
-                                     const registration::MotionBelief& prior,
-                                     const registration::MotionState& start);
+  registration::MotionState match_coarsely(const registration::NdtPoints& points, LocalMap& map,
+                                           const registration::MotionBelief& prior,
+                                           const registration::MotionState& start);
 
   registration::NeighborSearch neighbors_;
   registration::NdtMatcher matcher_;
-  registration::NdtPoints few_;
-  double usual_quick_ = 0.0;  ///< running mean of the quick test's quality
+  registration::NdtPoints thinned_points_;
+  double mean_quick_quality_ = 0.0;  ///< running mean of the quick test's quality
 };
 
 }  // namespace lidar_mapping::front_end

@@ -11,9 +11,9 @@ namespace {
 constexpr std::size_t kProbes = 47;
 /// From one to the next a whole turn advances by 0.13 rad, and not much more where many points were
 /// lost,
-constexpr double kLargestAdvance = 0.4;
+constexpr double kMaxAdvance = 0.4;
 /// but for single ones.
-constexpr double kLeastShare = 0.8;
+constexpr double kMinFraction = 0.8;
 
 }  // namespace
 
@@ -26,9 +26,9 @@ bool in_sweep_order(const PointCloud& cloud) {
     const Point& to = cloud.points[i * step];
     const double advance = std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y);
     // Written so that NaN fails.
-    if (std::abs(advance) < kLargestAdvance) ++advancing;
+    if (std::abs(advance) < kMaxAdvance) ++advancing;
   }
-  return static_cast<double>(advancing) >= kLeastShare * static_cast<double>(kProbes - 1);
+  return static_cast<double>(advancing) >= kMinFraction * static_cast<double>(kProbes - 1);
 }
 
 }  // namespace lidar_mapping::front_end

@@ -38,7 +38,7 @@ class SweepSampler {
   /// From now on all points are turned upwards by this angle, rad.
   void set_elevation_shift(double angle) { elevation_shift_ = angle; }
   /// Samples the points to be matched; `turn` makes each scan begin with another point.
-  void take(const Scan& scan, std::size_t turn);
+  void sample(const Scan& scan, std::size_t phase);
   const registration::NdtPoints& points() const { return points_; }
   /// The same, in the order in which they were sampled.
   const SampledPoints& sparse() const { return sparse_; }
@@ -49,28 +49,28 @@ class SweepSampler {
   /// Median distance of the sampled points, m; 0 without points.
   double median_range() const;
   /// The points for the map, of the scan that was taken last; valid until the next call.
-  const SampledPoints& dense(const Scan& scan);
+  const SampledPoints& sample_dense(const Scan& scan);
   /// Points on the surfaces between the rings of the scan for which dense() was called last: what
   /// else goes into the map. Valid until the next call.
-  const SampledPoints& between_rings(const Scan& scan);
-  const SampledPoints& between() const { return between_; }
+  const SampledPoints& sample_between_rings(const Scan& scan);
+  const SampledPoints& between_rings() const { return between_rings_; }
 
  private:
-  void sample_sparse(const Scan& scan, std::size_t turn);
-  void sample_dense(const Scan& scan);
+  void sample_sparse_once(const Scan& scan, std::size_t phase);
+  void sample_dense_once(const Scan& scan);
 
   AdaptiveCell sparse_cell_;
   AdaptiveCell dense_cell_;
   double max_range_;
-  bool scattered_ = false;     ///< see SamplingOptions
-  bool sparse_known_ = false;  ///< the cell has adapted to a first scan
-  bool dense_known_ = false;
+  bool scattered_order_ = false;      ///< see SamplingOptions
+  bool sparse_cell_adapted_ = false;  ///< the cell has adapted to a first scan
+  bool dense_cell_adapted_ = false;
   ScanSampler sparse_sampler_;
   ScanSampler dense_sampler_;
   RingBridges bridges_;
   SampledPoints sparse_;
   SampledPoints dense_;
-  SampledPoints between_;
+  SampledPoints between_rings_;
   registration::NdtPoints points_;
   double reference_ = 0.0;
   double duration_ = 0.0;

@@ -57,13 +57,14 @@ ElevationCalibration calibrate(const simulation::Drive& drive, std::size_t first
   ElevationCalibration calibration;
   for (std::size_t i = first; i < drive.scan_count(); i += 3) {
     const Scan scan = lowered_scan(drive, i, angle);
-    sampler.set_elevation_shift(calibration.applied());
-    sampler.take(scan, i);
+    sampler.set_elevation_shift(calibration.applied_angle());
+    sampler.sample(scan, i);
     const double middle = to_seconds(scan.stamp) + sampler.reference();
     const Pose T_map_base = drive.trajectory().pose(from_seconds(middle));
     const Pose soon = drive.trajectory().pose(from_seconds(middle + 0.02));
-    calibration.see(sampler.dense(scan), {T_map_base, twist_between(T_map_base, soon, 0.02)}, 1.0);
-    if (between_scans) calibration.catch_up();
+    calibration.add_scan(sampler.sample_dense(scan),
+                         {T_map_base, twist_between(T_map_base, soon, 0.02)}, 1.0);
+    if (between_scans) calibration.compare_pending();
   }
   return calibration;
 }
@@ -73,11 +74,12 @@ class ElevationCalibrationTest : public testing::TestWithParam<double> {};
 TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
   const double angle = GetParam() * kDegree;
   const ElevationCalibration calibration = calibrate(town(22.0), 20, angle);
-  const ElevationEstimate found = calibration.estimate();
-  EXPECT_LT(found.sigma, 0.04 * kDegree) << "0.6 of that of a pair, 0.05, and their scatter";
-  EXPECT_NEAR(found.angle, angle, 3.0 * found.sigma);
+  const ElevationEstimate accepted_angle = calibration.estimate();
+  EXPECT_LT(accepted_angle.sigma, 0.04 * kDegree)
+      << "0.6 of that of a pair, 0.05, and their scatter";
+  EXPECT_NEAR(accepted_angle.angle, angle, 3.0 * accepted_angle.sigma);
   // Nothing is corrected that is right, and most of what is wrong.
-  EXPECT_NEAR(calibration.found(), angle, angle == 0.0 ? 0.0 : 0.05 * kDegree);
+  EXPECT_NEAR(calibration.accepted_angle(), angle, angle == 0.0 ? 0.0 : 0.05 * kDegree);
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
@@ -86,9 +88,9 @@ TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
   const simulation::Drive drive = town(14.0);
   const ElevationCalibration within = calibrate(drive, 20, 0.0);
   ElevationCalibration between = calibrate(drive, 20, 0.0, true);
-  between.catch_up();
+  between.compare_pending();
   ElevationCalibration late = within;
-  late.catch_up();
+  late.compare_pending();
   EXPECT_NE(between.estimate().sigma, 0.0);
   EXPECT_EQ(late.estimate().angle, between.estimate().angle);
   EXPECT_EQ(late.estimate().sigma, between.estimate().sigma);
@@ -99,7 +101,7 @@ TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
   const ElevationCalibration calibration = calibrate(make_drive("tunnel", 33.0, 3), kInside, 0.0);
   // Its pairs would seem to give 0.037 degrees to within 0.013.
   EXPECT_GT(calibration.estimate().sigma, 0.03 * kDegree);
-  EXPECT_EQ(calibration.found(), 0.0);
+  EXPECT_EQ(calibration.accepted_angle(), 0.0);
 }
 
 // Pairs of one place can agree on an angle that is not there: -0.5 and -0.3 degrees here, beyond
@@ -108,7 +110,7 @@ TEST(ElevationCalibration, BelievesNoAngleThatAPlacePretends) {
   for (const std::uint64_t seed : {63, 68}) {
     const ElevationCalibration calibration = calibrate(make_drive("car_park", 60.0, seed), 0, 0.0);
     EXPECT_LT(calibration.estimate().angle, -0.25 * kDegree) << seed;
-    EXPECT_EQ(calibration.found(), 0.0) << seed;
+    EXPECT_EQ(calibration.accepted_angle(), 0.0) << seed;
   }
 }
 

@@ -96,12 +96,12 @@ StepEvidence good_evidence() {
 
 TrackingState state_of(const StepEvidence& evidence) {
   FrontEndStatus status;
-  DoubtState().lower(believe(evidence, EvidenceSource::kNdt), status);
+  DoubtState().lower(evaluate_step(evidence, EvidenceSource::kNdt), status);
   return status.state;
 }
 
 TEST(StepBelief, IsSureOfAGoodStep) {
-  const StepBelief belief = believe(good_evidence(), EvidenceSource::kNdt);
+  const StepBelief belief = evaluate_step(good_evidence(), EvidenceSource::kNdt);
   EXPECT_GT(belief.probability, 0.95);
   EXPECT_GT(belief.safety, 0.99);
   EXPECT_EQ(state_of(good_evidence()), TrackingState::kTracking);
@@ -119,7 +119,7 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
   evidence.disagreement = 0.3;
   evidence.disagreement_angle = 1.0 * kDegree;
   evidence.disagreement_sigmas = 2.5;
-  EXPECT_FALSE(believe(evidence, EvidenceSource::kNdt).is_safe(false));
+  EXPECT_FALSE(evaluate_step(evidence, EvidenceSource::kNdt).is_safe(false));
   EXPECT_NE(state_of(evidence), TrackingState::kTracking);
 }
 
@@ -137,8 +137,8 @@ TEST(StepBelief, ExpectsLargerErrorsOfWorseEvidence) {
   worse.disagreement_angle *= 10.0;
   worse.sigma *= 10.0;
   worse.sigma_angle *= 10.0;
-  const StepBelief good = believe(good_evidence(), EvidenceSource::kNdt);
-  const StepBelief belief = believe(worse, EvidenceSource::kNdt);
+  const StepBelief good = evaluate_step(good_evidence(), EvidenceSource::kNdt);
+  const StepBelief belief = evaluate_step(worse, EvidenceSource::kNdt);
   EXPECT_LT(good.expected_error, 0.02);
   EXPECT_LT(good.expected_error_angle, 0.1 * kDegree);
   EXPECT_GT(belief.expected_error, 3.0 * good.expected_error);
@@ -150,19 +150,19 @@ TEST(StepBelief, LeavesWhatIsLostOrDegenerateAsItIs) {
   StepEvidence bad = good_evidence();
   bad.disagreement_sigmas = 100.0;
   bad.disagreement = bad.surprise = 3.0;
-  const StepBelief belief = believe(bad, EvidenceSource::kNdt);
+  const StepBelief belief = evaluate_step(bad, EvidenceSource::kNdt);
   DoubtState doubt;
   FrontEndStatus status;
   status.state = TrackingState::kLost;
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   EXPECT_EQ(status.state, TrackingState::kLost);
   EXPECT_EQ(status.probability, 0.0);
   status.state = TrackingState::kTracking;
   status.degenerate_directions = {Eigen::Vector3d::UnitX()};
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   EXPECT_EQ(status.state, TrackingState::kTracking);
   status.degenerate_directions.clear();
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   EXPECT_NE(status.state, TrackingState::kTracking);
 }
 
@@ -170,7 +170,7 @@ TrackingState state_of(double safety, DoubtState& doubt) {
   StepBelief belief;
   belief.safety = safety;
   FrontEndStatus status;
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   return status.state;
 }
 

@@ -36,7 +36,8 @@ LeftOut left_out(const simulation::Drive& drive, const simulation::Drive& clean)
   std::set<std::tuple<float, float, float>> true_places, kept_places;
   for (const Point& p : lidar_scan(clean, kScan).cloud.points) true_places.insert({p.x, p.y, p.z});
   SurfaceSupport support;
-  for (const Point& p : support.supported(scan).cloud.points) kept_places.insert({p.x, p.y, p.z});
+  for (const Point& p : support.without_isolated_points(scan).cloud.points)
+    kept_places.insert({p.x, p.y, p.z});
   double made_up = 0.0, made_up_gone = 0.0, true_ones = 0.0, true_gone = 0.0;
   for (const Point& p : scan.cloud.points) {
     const bool is_true = true_places.count({p.x, p.y, p.z}) > 0;
@@ -78,9 +79,10 @@ TEST(SurfaceSupport, LeavesCleanScansAlone) {
       SurfaceSupport support;
       for (const std::size_t i : {0, 60}) {
         const Scan scan = lidar_scan(drive, i);
-        EXPECT_EQ(&support.supported(scan), &scan) << name << " " << lidar << " " << i;
+        EXPECT_EQ(&support.without_isolated_points(scan), &scan)
+            << name << " " << lidar << " " << i;
       }
-      EXPECT_LT(support.isolated_share(), 0.025) << name << " " << lidar;
+      EXPECT_LT(support.isolated_fraction(), 0.025) << name << " " << lidar;
     }
   }
 }
@@ -92,20 +94,20 @@ TEST(SurfaceSupport, LeavesThinnedOutScansAlone) {
     SurfaceSupport support;
     Scan scan = lidar_scan(drive, kScan);
     scan.cloud = voxel_filtered(scan.cloud, edge);
-    const std::size_t left = support.supported(scan).cloud.size();
+    const std::size_t left = support.without_isolated_points(scan).cloud.size();
     EXPECT_GT(static_cast<double>(left), 0.97 * static_cast<double>(scan.cloud.size())) << edge;
   }
   const simulation::Drive sparse = spoilt_drive("town", "hdl64", "sparse=1000");
   SurfaceSupport support;
   const Scan scan = lidar_scan(sparse, kScan);
-  EXPECT_GT(support.supported(scan).cloud.size(), 900U);
+  EXPECT_GT(support.without_isolated_points(scan).cloud.size(), 900U);
 }
 
 TEST(SurfaceSupport, KeepsTheTimesOfThePointsThatStay) {
   const simulation::Drive drive = spoilt_drive("town", "vlp16", "outliers=0.2");
   SurfaceSupport support;
   const Scan scan = lidar_scan(drive, kScan);
-  const Scan& kept = support.supported(scan);
+  const Scan& kept = support.without_isolated_points(scan);
   ASSERT_LT(kept.cloud.size(), scan.cloud.size());
   ASSERT_EQ(kept.cloud.times.size(), kept.cloud.size());
   EXPECT_EQ(kept.stamp, scan.stamp);
@@ -119,13 +121,13 @@ TEST(SurfaceSupport, KeepsTheTimesOfThePointsThatStay) {
 TEST(SurfaceSupport, BearsWhatIsNoCloud) {
   SurfaceSupport support;
   Scan scan;
-  EXPECT_TRUE(support.supported(scan).cloud.empty());
+  EXPECT_TRUE(support.without_isolated_points(scan).cloud.empty());
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int i = 0; i < 1000; ++i) {
     scan.cloud.points.push_back({nan, 1e30F, -1e30F, 0.0F});
     scan.cloud.points.push_back({0.0F, 0.0F, 0.0F, 0.0F});
   }
-  EXPECT_EQ(support.supported(scan).cloud.size(), 2000U);
+  EXPECT_EQ(support.without_isolated_points(scan).cloud.size(), 2000U);
 }
 
 }  // namespace
