@@ -31,22 +31,22 @@ class AccelerometerCheck {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double sum_of_sizes = 0.0;
     Eigen::Vector3d first = Eigen::Vector3d::Zero();
-    Eigen::Array<bool, 3, 1> stays = Eigen::Array<bool, 3, 1>::Constant(true);
+    Eigen::Array<bool, 3, 1> constant_axes = Eigen::Array<bool, 3, 1>::Constant(true);
     /// Gravity as the gyro turns it, and the least and most of it on each axis.
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
-    Eigen::Array3d least = Eigen::Array3d::Zero();
-    Eigen::Array3d most = Eigen::Array3d::Zero();
+    Eigen::Array3d min_gravity = Eigen::Array3d::Zero();
+    Eigen::Array3d max_gravity = Eigen::Array3d::Zero();
   };
 
   static void extend(const ImuSample& sample, Window& window);
-  AccelerationProblem judged(const Window& window) const;
-  void conclude();
+  AccelerationProblem evaluate(const Window& window) const;
+  void finish_window();
 
   std::optional<Window> window_;
-  AccelerationProblem seen_ = AccelerationProblem::kNone;  ///< in the windows before
-  int windows_ = 0;                                        ///< in a row that have seen it
+  AccelerationProblem window_problem_ = AccelerationProblem::kNone;  ///< in the windows before
+  int equal_windows_ = 0;                                            ///< in a row that have seen it
   AccelerationProblem problem_ = AccelerationProblem::kNone;
-  double size_ = 0.0;  ///< mean acceleration of the last window, m/s^2
+  double mean_size_ = 0.0;  ///< mean acceleration of the last window, m/s^2
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -13,12 +13,12 @@ namespace lidar_mapping::preprocessing {
 class AxisLimits {
  public:
   /// Axes that have not said more than `least` are taken as within their range.
-  explicit AxisLimits(double least) : least_(least) {}
+  explicit AxisLimits(double min_limit) : min_limit_(min_limit) {}
 
   /// Samples in the order of their stamps.
   void add(const Eigen::Vector3d& value);
   /// Whether any axis of the value is at the end of its range.
-  bool are_reached(const Eigen::Vector3d& value) const;
+  bool reaches_limit(const Eigen::Vector3d& value) const;
   /// The lowest limit of the three axes; nothing if none was found.
   std::optional<double> lowest() const;
 
@@ -26,11 +26,11 @@ class AxisLimits {
   struct Axis {
     double last = 0.0;
     double largest = 0.0;
-    int equal = 0;  ///< samples in a row that are as the last one
+    int equal_samples = 0;  ///< samples in a row that are as the last one
     std::optional<double> limit;
   };
 
-  double least_;
+  double min_limit_;
   std::array<Axis, 3> axes_;
 };
 

@@ -26,11 +26,11 @@ class FixScatter {
   double variance_factor() const;
 
  private:
-  static constexpr std::size_t kRemembered = 200;
+  static constexpr std::size_t kMaxCount = 200;
 
-  std::deque<LocalFix> last_;  ///< up to three
-  std::deque<double> bends_;   ///< m
-  std::deque<double> sigmas_;  ///< m
+  std::deque<LocalFix> last_fixes_;        ///< up to three
+  std::deque<double> second_differences_;  ///< m
+  std::deque<double> sigmas_;              ///< m
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -17,24 +17,24 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kOutage = 3.0;            // s
-constexpr double kFastest = 70.0;          // m/s
-constexpr double kLongestStep = 1.5;       // s between fixes that are compared
-constexpr double kUncertainOffset = 0.02;  // s
-constexpr double kAnyArm = 3.0;            // m, standard deviation
-constexpr double kSignificantArm = 0.4;    // m
+constexpr double kMinOutage = 3.0;        // s
+constexpr double kMaxSpeed = 70.0;        // m/s
+constexpr double kMaxStepDuration = 1.5;  // s between fixes that are compared
+constexpr double kMaxOffsetSigma = 0.02;  // s
+constexpr double kPriorArmSigma = 3.0;    // m, standard deviation
+constexpr double kMinArmError = 0.4;      // m
 constexpr double kSigmas = 5.0;
-constexpr Stamp kStretch = from_seconds(2.0);  // over which speeds of fixes are taken
-constexpr double kClearWay = 4.0;              // m
-constexpr double kClearOfScatter = 8.0;        // times
-constexpr std::size_t kFewestStretches = 10;
-constexpr double kTooConfident = 3.0;       // times the sigma that the messages say
+constexpr Stamp kSectionDuration = from_seconds(2.0);  // over which speeds of fixes are taken
+constexpr double kMinSectionLength = 4.0;              // m
+constexpr double kMinScatterRatio = 8.0;               // times
+constexpr std::size_t kMinSections = 10;
+constexpr double kMaxSigmaRatio = 3.0;      // times the sigma that the messages say
 constexpr double kUsualAcceleration = 1.0;  // m/s^2, which bends the way from fix to fix, too
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
   std::vector<LocalFix> fixes;
-  for (const GnssFix& fix : gnss.good.samples) fixes.push_back(frame.to_local(fix));
+  for (const GnssFix& fix : gnss.usable.samples) fixes.push_back(frame.to_local(fix));
   return fixes;
 }
 
@@ -60,12 +60,12 @@ Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>
     const LocalFix& before = fixes[i - 1];
     const LocalFix& now = fixes[i];
     const double seconds = to_seconds(now.stamp - before.stamp);
-    if (seconds <= 0.0 || seconds > kLongestStep) continue;
+    if (seconds <= 0.0 || seconds > kMaxStepDuration) continue;
     const double step = (now.p_enu - before.p_enu).norm();
     const double stated = std::sqrt(now.covariance.trace() + before.covariance.trace());
     const double sigma = std::max(stated, 2.0 * scatter);
     const Stamp middle = before.stamp + (now.stamp - before.stamp) / 2;
-    if (step > value_at(measured, middle, kFastest) * seconds + 4.0 * sigma + 1.0) {
+    if (step > value_at(measured, middle, kMaxSpeed) * seconds + 4.0 * sigma + 1.0) {
       ++steps.jumps;
       steps.largest_jump = std::max(steps.largest_jump, step);
     } else {
@@ -94,7 +94,7 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
   };
   std::size_t next_imu = 0, next_velocity = 0;
   const Stamp latency = from_seconds(config.max_latency);
-  for (const GnssFix& fix : gnss.good.samples) {
+  for (const GnssFix& fix : gnss.usable.samples) {
     add_until(fix.stamp + latency, imu, next_imu,
               [&](const auto& sample, const auto& frame) { sensors.add_imu(sample, frame); });
     add_until(fix.stamp + latency, velocity, next_velocity,
@@ -117,27 +117,28 @@ double stated_sigma(const std::vector<GnssFix>& fixes) {
 void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
                    const PreprocessingConfig& config, InputReport& report) {
   if (!scatter.is_known()) return;
-  const double said = stated_sigma(gnss.good.samples);
-  const double driven = kUsualAcceleration / std::pow(gnss.good.topic.rate(), 2);
-  if (scatter.measured() < kTooConfident * said + driven) return;
+  const double stated_by_messages = stated_sigma(gnss.usable.samples);
+  const double acceleration_scatter = kUsualAcceleration / std::pow(gnss.usable.topic.rate(), 2);
+  if (scatter.measured() < kMaxSigmaRatio * stated_by_messages + acceleration_scatter) return;
   const bool is_covered = scatter.variance_factor() <= 1.0;
-  add_warning(
-      report,
-      text("fixes scatter by %.2f m, their covariance says %.3f m", scatter.measured(), said),
-      is_covered ? text("gnss_sigma_floor_xy (%.2f m) stands in", config.gnss_sigma_floor_xy)
-                 : text("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
-                        "beginning",
-                        std::ceil(scatter.measured() * 10.0) / 10.0));
+  add_warning(report,
+              text("fixes scatter by %.2f m, their covariance says %.3f m", scatter.measured(),
+                   stated_by_messages),
+              is_covered
+                  ? text("gnss_sigma_floor_xy (%.2f m) stands in", config.gnss_sigma_floor_xy)
+                  : text("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
+                         "beginning",
+                         std::ceil(scatter.measured() * 10.0) / 10.0));
 }
 
 /// False if too little is known of the antenna to say anything about the stamps.
 bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
                    InputReport& report) {
-  const AntennaFit::Result result = fit.result(kAnyArm);
-  if (result.delay_sigma > kUncertainOffset) return false;
+  const AntennaFit::Result result = fit.result(kPriorArmSigma);
+  if (result.delay_sigma > kMaxOffsetSigma) return false;
   check_offset(TimeOffset{result.delay, result.delay_sigma}, "gnss_time_offset", report);
   const double off = result.arm_error.norm();
-  if (off > std::max(kSignificantArm, kSigmas * result.arm_sigma)) {
+  if (off > std::max(kMinArmError, kSigmas * result.arm_sigma)) {
     const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
     add_fault(report,
               text("the fixes move as those of an antenna at (%.1f, %.1f) m in base_link, tf has "
@@ -155,19 +156,20 @@ std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssReco
   const std::vector<LocalFix> fixes = local_fixes(gnss, config);
   FixScatter scatter;
   for (const LocalFix& fix : fixes) scatter.add(fix);
-  const double clear = kClearOfScatter * (scatter.is_known() ? scatter.measured() : 0.0);
+  const double min_length = kMinScatterRatio * (scatter.is_known() ? scatter.measured() : 0.0);
   const std::vector<TimedValue> measured = speeds_of(velocity);
   std::vector<double> scales;
   std::size_t from = 0;
   for (const LocalFix& fix : fixes) {
-    while (fix.stamp - fixes[from].stamp > kStretch) ++from;
+    while (fix.stamp - fixes[from].stamp > kSectionDuration) ++from;
     const double seconds = to_seconds(fix.stamp - fixes[from].stamp);
-    const double way = (fix.p_enu - fixes[from].p_enu).head<2>().norm();
+    const double section_length = (fix.p_enu - fixes[from].p_enu).head<2>().norm();
     const Stamp middle = fix.stamp - (fix.stamp - fixes[from].stamp) / 2;
     const double speed = value_at(measured, middle, 0.0);
-    if (way > std::max(kClearWay, clear) && speed > 0.0) scales.push_back(speed * seconds / way);
+    if (section_length > std::max(kMinSectionLength, min_length) && speed > 0.0)
+      scales.push_back(speed * seconds / section_length);
   }
-  if (scales.size() < kFewestStretches) return std::nullopt;
+  if (scales.size() < kMinSections) return std::nullopt;
   return median(std::move(scales));
 }
 
@@ -175,18 +177,18 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
                   const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
   InputReport report = check_headers("gnss", gnss.topic, lookup);
   if (gnss.topic.count == 0) return report;
-  const TopicStatistics& good = gnss.good.topic;
-  report.found += text(", %zu of %zu fixes usable", good.count, gnss.topic.count);
-  for (const auto& [problem, count] : gnss.refused) {
+  const TopicStatistics& usable = gnss.usable.topic;
+  report.found += text(", %zu of %zu fixes usable", usable.count, gnss.topic.count);
+  for (const auto& [problem, count] : gnss.rejected) {
     add_warning(report, text("%zu fixes refused: %s", count, problem.c_str()),
                 "they are left out; the map leans on odometry and loops there");
   }
-  if (gnss.good.samples.empty()) return report;
-  const double gap = to_seconds(good.longest_gap);
-  if (gap > kOutage) {
+  if (gnss.usable.samples.empty()) return report;
+  const double gap = to_seconds(usable.longest_gap);
+  if (gap > kMinOutage) {
     add_warning(report,
                 text("no usable fix for %.1f s, from %.1f s after the first on", gap,
-                     to_seconds(good.gap_begin - good.first)),
+                     to_seconds(usable.gap_begin - usable.first)),
                 "expect drift there unless loops close over it");
   }
   if (!gnss.covariance_known) {

@@ -20,7 +20,7 @@ class GnssGate {
  public:
   /// `motion` is T_previous_now of base_link since the fix before, whatever became of that one;
   /// nothing if it was not measured. Returns what is wrong, or an empty text for a good fix.
-  std::string judge(const LocalFix& fix, const Eigen::Vector3d& p_base_antenna,
+  std::string check(const LocalFix& fix, const Eigen::Vector3d& p_base_antenna,
                     const std::optional<Pose>& motion);
   void clear();
 
@@ -32,7 +32,7 @@ class GnssGate {
     Eigen::Vector3d p_dr = Eigen::Vector3d::Zero();   ///< antenna by dead reckoning
     Eigen::Vector3d p_enu = Eigen::Vector3d::Zero();  ///< antenna by GNSS
     double sigma = 0.0;                               ///< m, horizontal
-    double way = 0.0;                                 ///< m, driven until then
+    double path_length = 0.0;                         ///< m, driven until then
   };
   struct Alignment {
     Eigen::Matrix2d R_enu_dr;
@@ -40,13 +40,13 @@ class GnssGate {
     Eigen::Vector2d center_enu;
   };
 
-  void follow(const Eigen::Vector3d& p_base_antenna, const std::optional<Pose>& motion);
+  void dead_reckon(const Eigen::Vector3d& p_base_antenna, const std::optional<Pose>& motion);
   std::optional<Alignment> alignment() const;
   std::string problem_with(const LocalFix& fix, const Eigen::Vector3d& p_dr) const;
-  void remember(const LocalFix& fix, const Eigen::Vector3d& p_dr);
+  void add_match(const LocalFix& fix, const Eigen::Vector3d& p_dr);
 
   Pose T_dr_base_;  ///< level: errors of the gyro's horizontal axes do not add up
-  double way_ = 0.0;
+  double path_length_ = 0.0;
   bool has_motion_ = false;
   std::optional<LocalFix> last_good_;
   Match last_match_;           ///< of the last good fix

@@ -20,7 +20,7 @@
 namespace lidar_mapping::preprocessing {
 
 /// What became of a fix: refused with a sentence why, or taken.
-struct FixVerdict {
+struct FixResult {
   Insertion insertion = Insertion::kRefused;
   std::string problem;
 };
@@ -35,7 +35,7 @@ class GnssTrack {
   GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrinsics);
 
   /// A taken fix waits until the motion up to it is known.
-  FixVerdict add(GnssFix fix, const std::string& frame_id);
+  FixResult add(GnssFix fix, const std::string& frame_id);
   /// Judges the fixes whose motion is known by now, or will not be (`latency` after them, or all).
   /// Returns what is wrong with those that it refuses.
   std::vector<std::string> evaluate_pending(MotionSensors& sensors, Stamp now, Stamp latency,
@@ -45,11 +45,11 @@ class GnssTrack {
   /// The antenna at `stamp` between two good fixes, with its lever arm; no orientation yet.
   std::optional<GnssPosition> at(Stamp stamp) const;
   /// Whether R_enu_base may be used at this position (imu_orientation).
-  bool trusts_heading(const GnssPosition& position, const Eigen::Quaterniond& R_enu_base,
-                      bool backwards);
+  bool accepts_heading(const GnssPosition& position, const Eigen::Quaterniond& R_enu_base,
+                       bool backwards);
 
   const SensorStream<LocalFix>& stream() const { return stream_; }
-  bool has_fixes() const { return !stream_.buffer().empty() || !pending_.empty(); }
+  bool has_fixes() const { return !stream_.buffer().empty() || !pending_fixes_.empty(); }
   const HeadingCheck& heading_check() const { return heading_check_; }
   const AntennaFit& antenna_fit() const { return antenna_fit_; }
   const FixScatter& scatter() const { return scatter_; }
@@ -57,35 +57,36 @@ class GnssTrack {
   std::optional<GeodeticDatum> datum() const;
   std::vector<Diagnostic> take_diagnostics() { return diagnostics_.take(); }
   void give_up_if_silent() {
-    if (pending_.empty()) stream_.give_up_if_silent();
+    if (pending_fixes_.empty()) stream_.give_up_if_silent();
   }
   /// Forgets the fixes; the datum stays.
   void clear();
 
  private:
   struct PendingFix {
-    GnssFix given;
+    GnssFix original;
     LocalFix fix;
-    double taken_off = 0.0;  ///< s, of its stamp, to be judged
+    double applied_delay = 0.0;  ///< s, of its stamp, to be judged
   };
 
-  bool begins_elsewhere(const PendingFix& pending) const;
-  void begin_with(PendingFix first, PendingFix& second, const MotionSensors& sensors);
-  void take(PendingFix pending);
-  std::string judge(const PendingFix& pending, const MotionSensors& sensors);
-  std::optional<Pose> motion_until(Stamp stamp, const MotionSensors& sensors) const;
+  bool confirms_other_start(const PendingFix& pending) const;
+  void restart_from(PendingFix first, PendingFix& second, const MotionSensors& sensors);
+  void accept(PendingFix pending);
+  std::string check(const PendingFix& pending, const MotionSensors& sensors);
+  std::optional<Pose> motion_since_last_fix(Stamp stamp, const MotionSensors& sensors) const;
   Eigen::Vector3d lever_arm() const;
   std::optional<Eigen::Vector3d> antenna_velocity(Stamp stamp, const MotionSensors& sensors) const;
-  void compare(const PendingFix& pending, const MotionSensors& sensors);
-  void learn_delay();
+  void update_antenna_fit(const PendingFix& pending, const MotionSensors& sensors);
+  void update_delay();
 
   PreprocessingConfig config_;
   const Extrinsics& extrinsics_;
   LocalFrame local_frame_;
-  std::deque<PendingFix> pending_;  ///< in the order of their stamps
-  Stamp last_judged_ = 0;
-  std::size_t taken_ = 0;            ///< fixes, up to two
-  std::optional<PendingFix> rival_;  ///< was refused just before, while only the first is taken
+  std::deque<PendingFix> pending_fixes_;  ///< in the order of their stamps
+  Stamp last_checked_ = 0;
+  std::size_t accepted_count_ = 0;  ///< fixes, up to two
+  std::optional<PendingFix>
+      last_rejected_;  ///< was refused just before, while only the first is taken
   GnssGate gate_;
   FixScatter scatter_;
   AntennaFit antenna_fit_;

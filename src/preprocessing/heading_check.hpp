@@ -21,10 +21,10 @@ class HeadingCheck {
   double last_difference() const { return last_difference_; }
 
  private:
-  void judge(const Eigen::Vector3d& step, double yaw);
+  void update(const Eigen::Vector3d& step, double yaw);
 
-  std::optional<Eigen::Vector3d> from_;
-  double yaw_from_ = 0.0;
+  std::optional<Eigen::Vector3d> section_start_;
+  double section_start_yaw_ = 0.0;
   int agreements_ = 0;
   int contradictions_ = 0;
   double last_difference_ = 0.0;

@@ -26,8 +26,8 @@ struct PointsRecord {
 
 struct GnssRecord {
   TopicStatistics topic;
-  SensorRecord<GnssFix> good;
-  std::map<std::string, std::size_t> refused;  ///< how often, for what
+  SensorRecord<GnssFix> usable;
+  std::map<std::string, std::size_t> rejected;  ///< how often, for what
   bool covariance_known = true;
 };
 

@@ -30,7 +30,7 @@ void InputDiagnostics::motion(MotionSource source, bool has_times) {
 }
 
 void InputDiagnostics::time_went_back(const std::string& input, Stamp jump) {
-  forget("reset");
+  reset("reset");
   warn("reset", input + text(": time went back by %.1f s", to_seconds(jump)) +
                     "; all buffers are empty now (a recording that begins anew?)");
 }
@@ -42,12 +42,12 @@ void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {
                     std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
 }
 
-void InputDiagnostics::refused_fix(const std::string& problem) {
+void InputDiagnostics::rejected_fix(const std::string& problem) {
   const std::string kind = problem.substr(0, problem.find_first_of("0123456789(:"));
   warn("gnss " + kind, "gnss: fix refused: " + problem);
 }
 
-void InputDiagnostics::refused_scan(Stamp stamp) {
+void InputDiagnostics::rejected_scan(Stamp stamp) {
   warn("order", stamp == 0 ? "points: the stamps are 0; the driver must stamp its clouds"
                            : "points: a scan came with the stamp of an earlier one or after a "
                              "later one; it was dropped");
@@ -59,13 +59,13 @@ void InputDiagnostics::too_few_points() {
        "distance_near_thresh, distance_far_thresh and vehicle_box");
 }
 
-void InputDiagnostics::useless_heading() {
+void InputDiagnostics::rejected_heading() {
   warn("heading",
        "imu: its heading does not agree with the course over ground; it is not used (set "
        "imu_orientation to ENU if it is true nevertheless)");
 }
 
-void InputDiagnostics::absurd_gyro() {
+void InputDiagnostics::implausible_gyro() {
   warn("gyro",
        "imu: its rates are beyond 12 rad/s or far beyond the velocity's, as if they were in "
        "degrees/s; they are not used (set imu_angular_unit to DEG_PER_S)");
@@ -78,11 +78,11 @@ void InputDiagnostics::clipped_gyro(double limit) {
             limit));
 }
 
-void InputDiagnostics::refused_acceleration(const std::string& sentence) {
+void InputDiagnostics::rejected_acceleration(const std::string& sentence) {
   warn("acceleration", "imu: " + sentence);
 }
 
-void InputDiagnostics::refused_velocity(VelocityProblem problem, const std::string& sentence) {
+void InputDiagnostics::rejected_velocity(VelocityProblem problem, const std::string& sentence) {
   warn("velocity " + std::to_string(static_cast<int>(problem)), "velocity: " + sentence);
 }
 

@@ -19,14 +19,14 @@ class InputDiagnostics : public DiagnosticLog {
   void motion(MotionSource source, bool has_times);
   void time_went_back(const std::string& input, Stamp jump);
   void stray_stamp(const std::string& input, Stamp jump);
-  void refused_fix(const std::string& problem);
-  void refused_scan(Stamp stamp);
+  void rejected_fix(const std::string& problem);
+  void rejected_scan(Stamp stamp);
   void too_few_points();
-  void useless_heading();
-  void absurd_gyro();
+  void rejected_heading();
+  void implausible_gyro();
   void clipped_gyro(double limit);
-  void refused_acceleration(const std::string& sentence);
-  void refused_velocity(VelocityProblem problem, const std::string& sentence);
+  void rejected_acceleration(const std::string& sentence);
+  void rejected_velocity(VelocityProblem problem, const std::string& sentence);
   void missing_transform(const std::string& input, const std::string& frame_id);
   /// Of a sensor that is there (`newest` is what it sent last), but gives no value at `stamp`: why,
   /// where that is not a mere gap.

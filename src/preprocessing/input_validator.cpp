@@ -20,7 +20,7 @@ InputValidator::InputValidator(const PreprocessingConfig& config)
 InputValidator::~InputValidator() = default;
 
 void InputValidator::add_scan(const CloudSummary& cloud) {
-  records_->points.topic.see(cloud.stamp, cloud.frame_id);
+  records_->points.topic.add(cloud.stamp, cloud.frame_id);
   if (cloud.points == 0) return;
   records_->points.cloud = cloud;
   records_->points.seam.add(cloud);
@@ -28,26 +28,26 @@ void InputValidator::add_scan(const CloudSummary& cloud) {
 }
 
 void InputValidator::add_imu(const ImuSample& sample, const std::string& frame_id) {
-  records_->imu.topic.see(sample.stamp, frame_id);
+  records_->imu.topic.add(sample.stamp, frame_id);
   if (is_plausible(sample)) records_->imu.keep(sample);
 }
 
 void InputValidator::add_velocity(const VelocitySample& sample, const std::string& frame_id) {
-  records_->velocity.topic.see(sample.stamp, frame_id);
+  records_->velocity.topic.add(sample.stamp, frame_id);
   if (is_plausible(sample)) records_->velocity.keep(sample);
 }
 
 void InputValidator::add_gnss(const GnssFix& fix, const std::string& frame_id) {
   GnssRecord& gnss = records_->gnss;
-  gnss.topic.see(fix.stamp, frame_id);
+  gnss.topic.add(fix.stamp, frame_id);
   const std::string problem = problem_of(fix, config_);
   if (!problem.empty()) {
-    ++gnss.refused[problem.substr(0, problem.find(" of "))];
+    ++gnss.rejected[problem.substr(0, problem.find(" of "))];
     return;
   }
-  gnss.good.topic.see(fix.stamp, frame_id);
+  gnss.usable.topic.add(fix.stamp, frame_id);
   gnss.covariance_known = gnss.covariance_known && fix.covariance.has_value();
-  gnss.good.keep(fix);
+  gnss.usable.keep(fix);
 }
 
 std::vector<InputReport> InputValidator::report(const ExtrinsicLookup& lookup) const {

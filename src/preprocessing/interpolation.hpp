@@ -16,7 +16,7 @@ ImuSample in_base(const ImuSample& sample, const Pose& T_base_sensor);
 VelocitySample in_base(const VelocitySample& sample, const Pose& T_base_sensor);
 
 /// rad/s: nobody maps while turning twice a second; in degrees/s it is a usual turn.
-constexpr double kFastestVehicleTurn = 12.0;
+constexpr double kMaxVehicleTurnRate = 12.0;
 
 /// Finite, and no faster than anything that carries a LiDAR.
 bool is_plausible(const ImuSample& sample);

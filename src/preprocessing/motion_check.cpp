@@ -47,7 +47,7 @@ Eigen::Vector3d mean_acceleration(const std::vector<ImuSample>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-double fastest_turn(const std::vector<ImuSample>& samples) {
+double max_turn_rate(const std::vector<ImuSample>& samples) {
   double fastest = 0.0;
   for (const ImuSample& sample : samples) {
     fastest = std::max(fastest, sample.angular_velocity.norm());
@@ -76,7 +76,7 @@ void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
       turning(velocity.samples, &VelocitySample::angular, lookup(velocity.topic.frame()));
   const auto scale = ratio(rates, reference);
   const bool degrees =
-      (scale && *scale > 0.5 * kDegPerRad) || fastest_turn(imu.samples) > kFastestVehicleTurn;
+      (scale && *scale > 0.5 * kDegPerRad) || max_turn_rate(imu.samples) > kMaxVehicleTurnRate;
   if (degrees && unit == AngularUnit::kRadians) {
     add_fault(report, "its rates are in degrees/s", "set imu_angular_unit to DEG_PER_S");
   } else if (scale && *scale < 0.0) {
@@ -115,7 +115,7 @@ InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
       std::any_of(imu.samples.begin(), imu.samples.end(),
                   [](const ImuSample& sample) { return sample.orientation.has_value(); });
   report.found += text(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
-                       fastest_turn(imu.samples), has_orientation ? "with" : "without");
+                       max_turn_rate(imu.samples), has_orientation ? "with" : "without");
   if (has_acceleration) check_gravity(mean, gravity, lookup(imu.topic.frame()), report);
   check_rates(imu, velocity, lookup, config.imu_angular_unit, report);
   return report;
@@ -126,16 +126,16 @@ InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
   InputReport report = check_headers("velocity", velocity.topic, lookup);
   if (velocity.samples.empty()) return report;
   const auto T_base_velocity = lookup(velocity.topic.frame());
-  double ahead = 0.0, aside = 0.0, fastest = 0.0;
+  double ahead = 0.0, sideways = 0.0, fastest = 0.0;
   for (const VelocitySample& sample : velocity.samples) {
     const Eigen::Vector3d v =
         T_base_velocity ? in_base(sample, *T_base_velocity).linear : sample.linear;
     ahead += v.x() * v.x();
-    aside += v.y() * v.y();
+    sideways += v.y() * v.y();
     fastest = std::max(fastest, v.norm());
   }
   report.found += text(", up to %.1f m/s", fastest);
-  if (aside > 0.25 * ahead && fastest > 2.0) {
+  if (sideways > 0.25 * ahead && fastest > 2.0) {
     add_fault(report, "it points aside as much as ahead",
               "it is not in the axes of its frame (of the map instead?), or the transform is "
               "wrong; mend one of them");

@@ -39,7 +39,7 @@ class MotionSensors {
   /// Learns the gyro's bias and whether its rates can be believed from the samples up to `stamp`,
   /// in the order of the stamps: the order in which messages of several sensors arrive changes
   /// nothing. Called when the samples up to there have come.
-  void learn_until(Stamp stamp);
+  void update_until(Stamp stamp);
 
   /// In base_link; nothing in a gap, without a transform, or without the sensor, and no velocity
   /// that the other sensors contradict.
@@ -53,7 +53,7 @@ class MotionSensors {
 
   /// The mean of what the accelerometer felt between two stamps; nothing where samples are missing,
   /// are at the end of its range, or are none that can be believed.
-  std::optional<FeltForce> felt_between(Stamp begin, Stamp end) const;
+  std::optional<FeltForce> mean_force_between(Stamp begin, Stamp end) const;
 
   /// Holds the velocity against the turning by the gyro and the way of the fixes.
   void check_velocity(Stamp stamp);
@@ -66,7 +66,7 @@ class MotionSensors {
   const SensorStream<VelocitySample>& velocity() const { return velocity_; }
   /// It turned as nobody drives, or far more than the velocity, so its rates are not used any more:
   /// they are in degrees/s.
-  bool gyro_is_absurd() const { return absurd_since_.has_value(); }
+  bool gyro_is_implausible() const { return implausible_since_.has_value(); }
   /// Why accelerations are not used, and that in words.
   AccelerationProblem acceleration_problem() const { return accelerations_.problem(); }
   std::string acceleration_sentence() const { return accelerations_.sentence(); }
@@ -77,23 +77,23 @@ class MotionSensors {
 
  private:
   /// No gyro's range ends below that, rad/s; a rate that is steady there is a turn, or rest.
-  static constexpr double kSlowestLimit = 1.0;
+  static constexpr double kMinGyroLimit = 1.0;
   /// m/s^2: all have to measure gravity.
-  static constexpr double kLowestLimit = 11.0;
+  static constexpr double kMinAccelerationLimit = 11.0;
 
-  void learn(const ImuSample& sample);
-  bool is_absurd(const ImuSample& sample);
+  void update(const ImuSample& sample);
+  bool is_implausible(const ImuSample& sample);
   std::optional<bool> is_standing(Stamp stamp) const;
   bool velocity_turns(Stamp stamp) const { return turns_since_ && *turns_since_ <= stamp; }
   /// Sensor's axes, without bias; nothing where the sample has no rates that can be believed.
   std::optional<Eigen::Vector3d> turning(const ImuSample& sample,
                                          const Eigen::Vector3d& bias) const;
-  bool feels(const ImuSample& sample) const;
+  bool has_valid_acceleration(const ImuSample& sample) const;
   /// In its own axes, where it was measured; nothing without a transform.
   std::optional<VelocitySample> measured_velocity_at(Stamp stamp) const;
   /// `velocity` in its own axes.
   VelocityProblem problem_of(const VelocitySample& velocity) const;
-  bool outturns_velocity(const ImuSample& sample) const;
+  bool exceeds_velocity_turn_rate(const ImuSample& sample) const;
 
   const Extrinsics& extrinsics_;
   double acceleration_unit_;
@@ -104,14 +104,14 @@ class MotionSensors {
   SensorStream<ImuSample> imu_;
   SensorStream<VelocitySample> velocity_;
   GyroBias gyro_bias_;
-  AxisLimits gyro_limits_{kSlowestLimit};
-  AxisLimits acceleration_limits_{kLowestLimit};
+  AxisLimits gyro_limits_{kMinGyroLimit};
+  AxisLimits acceleration_limits_{kMinAccelerationLimit};
   AccelerometerCheck accelerations_;
   VelocityCheck velocity_check_;
   int fast_samples_ = 0;  ///< in a row
-  std::optional<Stamp> outturns_since_;
+  std::optional<Stamp> exceeds_since_;
   Stamp learned_until_ = 0;
-  std::optional<Stamp> absurd_since_;
+  std::optional<Stamp> implausible_since_;
   std::optional<Stamp> turns_since_;  ///< when the velocity's angular part first was not zero
 };
 

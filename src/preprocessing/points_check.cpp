@@ -10,12 +10,12 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kShortOfPeriods = 3.5;  // periods without a scan
-constexpr double kNoDelay = 0.001;       // s; nearer to their stamps clouds were not delivered
+constexpr double kMaxMissingPeriods = 3.5;  // periods without a scan
+constexpr double kMinDelay = 0.001;         // s; nearer to their stamps clouds were not delivered
 /// Of the span of a scan, from its stamp to its delivery: one that was stamped at its start, in its
 /// middle or at its end comes after 1, 0.5 or 0 at the earliest.
-constexpr double kStampedInTheMiddle = 0.8;
-constexpr double kStampedAtTheEnd = 0.4;
+constexpr double kMaxDelayOfMiddle = 0.8;
+constexpr double kMaxDelayOfEnd = 0.4;
 
 /// About a turn.
 bool fits(double span, double period) { return span >= 0.5 * period && span <= 1.5 * period; }
@@ -63,13 +63,13 @@ void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
                           cloud.first_time > -0.1 * span && config.scan_stamp == ScanStamp::kStart;
   if (!from_start || points.delays.empty()) return;
   const double delay = median(points.delays);
-  if (delay < kNoDelay || delay > kStampedInTheMiddle * span) return;
+  if (delay < kMinDelay || delay > kMaxDelayOfMiddle * span) return;
   add_warning(
       report,
       text("clouds came %.0f ms after their stamps, with points of up to %.0f ms after them",
            1e3 * delay, 1e3 * cloud.last_time),
       text("set scan_stamp to %s; or the sensor's clock is ahead, synchronise it",
-           delay < kStampedAtTheEnd * span ? "END" : "MIDDLE"));
+           delay < kMaxDelayOfEnd * span ? "END" : "MIDDLE"));
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
               "they would be deskewed twice: set point_times to NONE");
   }
   const double gap = to_seconds(points.topic.longest_gap);
-  if (gap > kShortOfPeriods / std::max(points.topic.rate(), 1e-3)) {
+  if (gap > kMaxMissingPeriods / std::max(points.topic.rate(), 1e-3)) {
     add_warning(report, text("%.1f s without a scan", gap),
                 "scans were lost when recording: record with a larger buffer (rosbag record -b)");
   }

@@ -8,7 +8,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kLongestStep = 0.002;  // s: turning at 10 rad/s^2 stays below 1e-4 rad in a step
+constexpr double kMaxStep = 0.002;  // s: turning at 10 rad/s^2 stays below 1e-4 rad in a step
 
 /// Moves on from the pose at `time` by `step` (of either sign).
 std::optional<Pose> advanced(const Pose& pose, double time, double step,
@@ -28,8 +28,9 @@ std::optional<Pose> advanced(const Pose& pose, double time, double step,
 }
 
 /// Poses at stamp + k step for k = 1 .. count.
-std::optional<std::vector<Pose>> followed(int count, double step, const TurningAtTime& turning,
-                                          const VelocityAtTime& velocity) {
+std::optional<std::vector<Pose>> integrate_steps(int count, double step,
+                                                 const TurningAtTime& turning,
+                                                 const VelocityAtTime& velocity) {
   std::vector<Pose> poses;
   Pose pose;
   for (int k = 0; k < count; ++k) {
@@ -54,12 +55,12 @@ Pose ScanMotion::at(double time) const {
 std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTime& turning,
                                      const VelocityAtTime& velocity) {
   // The knots include the stamp itself, so that points of that instant do not move at all.
-  const double step = kLongestStep;
+  const double step = kMaxStep;
   const int before = static_cast<int>(std::ceil(std::max(0.0, -begin) / step));
   const int after =
       std::max(static_cast<int>(std::ceil(std::max(0.0, end) / step)), before ? 0 : 1);
-  auto earlier = followed(before, -step, turning, velocity);
-  const auto later = followed(after, step, turning, velocity);
+  auto earlier = integrate_steps(before, -step, turning, velocity);
+  const auto later = integrate_steps(after, step, turning, velocity);
   if (!earlier || !later) return std::nullopt;
   ScanMotion motion;
   motion.begin = -before * step;

@@ -24,17 +24,17 @@ class ScanQueue {
   /// time has gone back so far that the recording must have begun anew (nothing is inserted then).
   Insertion insert(WaitingScan&& scan);
 
-  bool empty() const { return waiting_.empty(); }
-  std::size_t size() const { return waiting_.size(); }
+  bool empty() const { return scans_.empty(); }
+  std::size_t size() const { return scans_.size(); }
   /// More than should wait: the oldest has to leave.
   bool is_too_long() const;
-  const WaitingScan& oldest() const { return waiting_.front(); }
+  const WaitingScan& oldest() const { return scans_.front(); }
   WaitingScan take_oldest();
   void clear();
 
  private:
-  std::deque<WaitingScan> waiting_;
-  std::optional<Stamp> last_out_;
+  std::deque<WaitingScan> scans_;
+  std::optional<Stamp> last_released_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -15,11 +15,11 @@ std::string text(const char* format, ...) {
   return buffer;
 }
 
-std::string without_slash(const std::string& frame_id) {
+std::string without_leading_slash(const std::string& frame_id) {
   return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
 }
 
-void TopicStatistics::see(Stamp stamp, const std::string& frame) {
+void TopicStatistics::add(Stamp stamp, const std::string& frame) {
   frame_id = frame;
   if (count++ == 0) {
     first = newest = stamp;

@@ -15,7 +15,7 @@ namespace lidar_mapping::preprocessing {
 __attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
 
 /// The frame as tf2 knows it: without a leading slash.
-std::string without_slash(const std::string& frame_id);
+std::string without_leading_slash(const std::string& frame_id);
 
 /// What the headers of a topic say.
 struct TopicStatistics {
@@ -27,9 +27,9 @@ struct TopicStatistics {
   Stamp gap_begin = 0;
   std::string frame_id;
 
-  void see(Stamp stamp, const std::string& frame);
+  void add(Stamp stamp, const std::string& frame);
   double rate() const;  ///< Hz
-  std::string frame() const { return without_slash(frame_id); }
+  std::string frame() const { return without_leading_slash(frame_id); }
 };
 
 /// Messages of a sensor: their flow and, up to a limit, those whose values can be used.

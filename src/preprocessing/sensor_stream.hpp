@@ -8,7 +8,7 @@
 
 namespace lidar_mapping::preprocessing {
 
-enum class Insertion { kTaken, kRefused, kTimeWentBack };
+enum class Insertion { kInserted, kRefused, kTimeWentBack };
 
 /// The samples of one sensor and what its stamps say about it.
 template <typename Sample>
@@ -28,7 +28,7 @@ class SensorStream {
     }
     if (frame_id != frame_id_) buffer_.clear();  // another sensor
     frame_id_ = frame_id;
-    return buffer_.insert(std::move(sample)) ? Insertion::kTaken : Insertion::kRefused;
+    return buffer_.insert(std::move(sample)) ? Insertion::kInserted : Insertion::kRefused;
   }
 
   /// Whether a sample at or after `until` may still come: the sensor is alive, or has not had the

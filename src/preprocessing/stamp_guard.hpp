@@ -16,13 +16,13 @@ class StampGuard {
   bool accepts(Stamp stamp, Stamp now) {
     if (!newest_ || follows(*newest_, stamp) || (stamp > *newest_ && follows(now, stamp))) {
       newest_ = std::max(newest_.value_or(stamp), stamp);
-    } else if (stray_ && follows(*stray_, stamp)) {
+    } else if (unconfirmed_ && follows(*unconfirmed_, stamp)) {
       newest_ = stamp;
     } else {
-      stray_ = stamp;
+      unconfirmed_ = stamp;
       return false;
     }
-    stray_.reset();
+    unconfirmed_.reset();
     return true;
   }
 
@@ -31,13 +31,13 @@ class StampGuard {
 
  private:
   static bool follows(Stamp before, Stamp stamp) {
-    constexpr Stamp kMostBack = from_seconds(2.0);  // later than any network
-    constexpr Stamp kMostAhead = from_seconds(10.0);
-    return stamp >= before - kMostBack && stamp <= before + kMostAhead;
+    constexpr Stamp kMaxBackward = from_seconds(2.0);  // later than any network
+    constexpr Stamp kMaxForward = from_seconds(10.0);
+    return stamp >= before - kMaxBackward && stamp <= before + kMaxForward;
   }
 
   std::optional<Stamp> newest_;
-  std::optional<Stamp> stray_;
+  std::optional<Stamp> unconfirmed_;
 };
 
 }  // namespace lidar_mapping::preprocessing

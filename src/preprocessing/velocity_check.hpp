@@ -22,9 +22,9 @@ std::string scale_sentence(double scale);
 class VelocityCheck {
  public:
   /// A velocity and the gyro's rate about that frame's z (rad/s), scan by scan.
-  void see_turning(Stamp stamp, const Eigen::Vector3d& velocity, double rate);
+  void add_turn_rate(Stamp stamp, const Eigen::Vector3d& velocity, double rate);
   /// A fix and the speed at its stamp.
-  void see_fix(const LocalFix& fix, double speed);
+  void add_fix(const LocalFix& fix, double speed);
 
   /// What speaks against using this velocity; later ones may agree again.
   VelocityProblem problem(const Eigen::Vector3d& velocity) const;
@@ -38,18 +38,18 @@ class VelocityCheck {
     Eigen::Vector2d velocity;  ///< at the begin
     double angle = 0.0;        ///< by the gyro since
   };
-  struct Way {
+  struct Section {
     LocalFix from;
     Stamp last = 0;
-    double driven = 0.0;  ///< m, by the velocity since
+    double distance_travelled = 0.0;  ///< m, by the velocity since
   };
 
-  std::optional<double> steady_scale() const;
+  std::optional<double> consistent_scale() const;
 
   std::optional<Turn> turn_;
-  double squares_ = 0.0;   ///< of the gyro's angles
-  double products_ = 0.0;  ///< of them and the velocity's
-  std::optional<Way> way_;
+  double squared_angles_ = 0.0;  ///< of the gyro's angles
+  double angle_products_ = 0.0;  ///< of them and the velocity's
+  std::optional<Section> section_;
   std::deque<double> scales_;  ///< of the last ways
 };
 

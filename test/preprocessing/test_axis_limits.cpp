@@ -26,9 +26,9 @@ TEST(AxisLimits, FindsWhereTheRangeEnds) {
   for (int i = 0; i < 400; ++i) limits.add(rate(i, 3.0));
   ASSERT_TRUE(limits.lowest());
   EXPECT_EQ(*limits.lowest(), 3.0);
-  EXPECT_TRUE(limits.are_reached({0.0, -3.0, 0.0}));
-  EXPECT_FALSE(limits.are_reached({0.0, 2.99, 0.0}));
-  EXPECT_FALSE(limits.are_reached({3.0, 0.0, 0.0})) << "another axis";
+  EXPECT_TRUE(limits.reaches_limit({0.0, -3.0, 0.0}));
+  EXPECT_FALSE(limits.reaches_limit({0.0, 2.99, 0.0}));
+  EXPECT_FALSE(limits.reaches_limit({3.0, 0.0, 0.0})) << "another axis";
 }
 
 TEST(AxisLimits, TakesNoPeakForALimit) {
@@ -47,9 +47,9 @@ TEST(AxisLimits, TakesNoRestForALimit) {
 TEST(AxisLimits, ForgetsALimitThatWasPassed) {
   AxisLimits limits(kLeast);
   for (int i = 0; i < 5; ++i) limits.add({2.0, 0.0, 0.0});
-  EXPECT_TRUE(limits.are_reached({2.0, 0.0, 0.0}));
+  EXPECT_TRUE(limits.reaches_limit({2.0, 0.0, 0.0}));
   limits.add({2.5, 0.0, 0.0});
-  EXPECT_FALSE(limits.are_reached({2.5, 0.0, 0.0}));
+  EXPECT_FALSE(limits.reaches_limit({2.5, 0.0, 0.0}));
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ TEST(ScanTimes, FollowTheAzimuthEitherWay) {
         cloud.points.push_back({static_cast<float>(10.0 * std::cos(azimuth)),
                                 static_cast<float>(10.0 * std::sin(azimuth)), 0.0F, 0.0F});
       }
-      EXPECT_EQ(settle_times(cloud, false, config).problem, "");
+      EXPECT_EQ(normalize_times(cloud, false, config).problem, "");
       for (int i = 0; i < 360; ++i) {
         EXPECT_NEAR(cloud.times[static_cast<std::size_t>(i)], 0.1 * (i + 0.5) / 360.0, 1e-6);
       }
@@ -163,9 +163,9 @@ TEST(ScanTimes, MeanTheInstantOfTheStamp) {
     from_start.times = {0.0F, 0.05F, 0.1F};
     to_end.times = {-0.1F, -0.05F, 0.0F};
     absolute.times = {0.0F, 0.05F, 0.1F};
-    settle_times(from_start, false, config);
-    settle_times(to_end, false, config);
-    settle_times(absolute, true, config);
+    normalize_times(from_start, false, config);
+    normalize_times(to_end, false, config);
+    normalize_times(absolute, true, config);
     EXPECT_NEAR(from_start.times[0], -shift, 1e-7);
     EXPECT_NEAR(to_end.times[0], -0.1, 1e-7);
     EXPECT_NEAR(absolute.times[2], 0.1, 1e-7);
@@ -177,7 +177,7 @@ TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
     PointCloud cloud;
     cloud.points.resize(2, {5, 0, 0, 0});
     cloud.times = {0.0F, 0.1F * factor};
-    EXPECT_NE(settle_times(cloud, false, {}).problem, "");
+    EXPECT_NE(normalize_times(cloud, false, {}).problem, "");
     EXPECT_FALSE(cloud.has_times());
   }
 }

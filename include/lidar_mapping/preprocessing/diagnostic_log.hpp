@@ -18,17 +18,17 @@ struct Diagnostic {
 /// Sentences for a person, each subject once until it is forgotten.
 class DiagnosticLog {
  public:
-  void say(const std::string& subject, Diagnostic diagnostic) {
-    if (said_.insert(subject).second) pending_.push_back(std::move(diagnostic));
+  void report(const std::string& subject, Diagnostic diagnostic) {
+    if (reported_.insert(subject).second) pending_.push_back(std::move(diagnostic));
   }
   void warn(const std::string& subject, const std::string& sentence) {
-    say(subject, {Diagnostic::Level::kWarning, sentence});
+    report(subject, {Diagnostic::Level::kWarning, sentence});
   }
   void inform(const std::string& subject, const std::string& sentence) {
-    say(subject, {Diagnostic::Level::kInfo, sentence});
+    report(subject, {Diagnostic::Level::kInfo, sentence});
   }
   /// The next sentence about that subject is news again.
-  void forget(const std::string& subject) { said_.erase(subject); }
+  void reset(const std::string& subject) { reported_.erase(subject); }
   std::vector<Diagnostic> take() {
     std::vector<Diagnostic> result;
     result.swap(pending_);
@@ -36,7 +36,7 @@ class DiagnosticLog {
   }
 
  private:
-  std::set<std::string> said_;
+  std::set<std::string> reported_;
   std::vector<Diagnostic> pending_;
 };
 

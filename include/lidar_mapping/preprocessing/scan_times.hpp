@@ -50,7 +50,7 @@ void fill_by_blocks(std::size_t count, std::vector<float>& times, const Fill& fi
 TimeSpan read_times(const unsigned char* first, std::size_t step, std::size_t count,
                     std::vector<float>& times);
 
-struct SettledTimes {
+struct NormalizedTimes {
   TimeSpan span;        ///< of the times that there are now
   std::string problem;  ///< a sentence where something is wrong
 };
@@ -58,7 +58,7 @@ struct SettledTimes {
 /// Makes the times of a scan what the rest of the stage takes them for: seconds relative to the
 /// stamp (`absolute` ones are that already), or none if the scan counts as compensated. An
 /// implausible span leaves the scan without times. `known` is the span, where it is known already.
-SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
-                          const std::optional<TimeSpan>& known = std::nullopt);
+NormalizedTimes normalize_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
+                                const std::optional<TimeSpan>& known = std::nullopt);
 
 }  // namespace lidar_mapping::preprocessing
