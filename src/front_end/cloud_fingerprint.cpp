@@ -9,7 +9,7 @@ namespace lidar_mapping::front_end {
 namespace {
 
 constexpr std::size_t kSampledPoints = 256;
-/// Fewer points may be the same by chance, or because there are none.
+/// Clouds with fewer points may be equal by chance, or because they are empty.
 constexpr std::size_t kMinPoints = 50;
 constexpr float kStepsPerMetre = 1e4F;
 
@@ -20,7 +20,7 @@ void mix(std::uint64_t value, std::uint64_t& hash) {
 }
 
 std::uint64_t step_of(float coordinate) {
-  // Not every cast of what is not a number is defined.
+  // Casting NaN or infinity to an integer is undefined behaviour.
   return std::isfinite(coordinate)
              ? static_cast<std::uint64_t>(std::llround(coordinate * kStepsPerMetre))
              : 1;

@@ -6,10 +6,10 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// A vehicle that brakes or steers firmly.
+// Accelerations of a vehicle that brakes or steers hard.
 constexpr double kAcceleration = 3.0;         // m/s^2
 constexpr double kAngularAcceleration = 1.0;  // rad/s^2
-// 1 cm and 0.1 degrees from scan to scan at 10 Hz: slower than a vehicle drives.
+// 1 cm and 0.1 degrees per scan at 10 Hz: slower than any driving vehicle.
 constexpr double kRestSpeed = 0.1;  // m/s
 constexpr double kRestTurn = 0.02;  // rad/s
 

@@ -4,7 +4,7 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Changes of the speed are looked at over this time: those of single steps are noise.
+/// Interval over which changes of the speed are measured: the changes of single steps are noise.
 constexpr double kSpeedChangeInterval = 1.0;  // s
 constexpr double kLearningRate = 0.05;
 
@@ -26,7 +26,7 @@ void UnobservedTravel::add_observed(double speed, double variance, double second
 void UnobservedTravel::add_unobserved(double information, double seconds) {
   const double predicted = speed_variance_ + speed_random_walk_ * seconds;
   speed_variance_ = 1.0 / (1.0 / predicted + information);
-  // The share of the error of the speed that has lasted since the scan before.
+  // The fraction of the speed's error that persists since the previous scan.
   const double persistence = speed_variance_ / predicted;
   travel_speed_covariance_ *= persistence;
   travel_variance_ += seconds * (2.0 * travel_speed_covariance_ + seconds * speed_variance_);

@@ -5,33 +5,35 @@
 
 namespace lidar_mapping::front_end {
 
-/// How far off the way may be because nothing has observed it. Where the points leave a direction
-/// open, as in a tunnel, the pose follows the speed that is believed, and errors of that speed add
-/// up. This is a Kalman filter of way and speed along the open directions: unseen, the speed
-/// changes as at random, as fast as it has done in the drive so far. The filter of the odometry
-/// cannot tell, as it counts a pose as known against what was last put into the map.
+/// Uncertainty of the distance travelled along directions that nothing has observed. Where the
+/// points do not constrain a direction, as in a tunnel, the pose follows the believed speed, and
+/// the errors of this speed add up. This is a Kalman filter of distance and speed along the
+/// unobserved directions. While the speed is not observed, it is modelled as a random walk whose
+/// rate is learned from the drive so far. The motion filter of the odometry cannot give this
+/// uncertainty, because it takes a pose as known relative to what was last inserted into the map.
 class UnobservedTravel {
  public:
-  /// A scan that observed all directions `seconds` after the one before: the speed is `speed` (m/s)
-  /// with this variance (m^2/s^2).
+  /// Adds a scan that observed all directions, `seconds` after the previous one. `speed` (m/s) has
+  /// this variance (m^2/s^2).
   void add_observed(double speed, double variance, double seconds);
-  /// One that left directions open; `information` (s^2/m^2) is what other sensors said of the speed
-  /// along them.
+  /// Adds a scan that did not observe some directions. `information` (s^2/m^2) is the information
+  /// of other sensors about the speed along them.
   void add_unobserved(double information, double seconds);
-  /// What is known of the speed is no more: the drive was lost.
+  /// Discards the knowledge of the speed, because tracking was lost.
   void interrupt();
 
-  /// Standard deviation of the way since the beginning, m. It never falls: what was driven blindly
-  /// stays as wrong as it is.
+  /// Standard deviation of the distance travelled since the start, m. It never decreases: the error
+  /// of an unobserved section stays in the trajectory.
   double stddev() const { return std::sqrt(travel_variance_); }
 
  private:
   static constexpr double kUnknownSpeed = 15.0 * 15.0;  // m^2/s^2
 
-  /// (m/s)^2 per second: within four seconds a car's speed changes by some 0.8 m/s.
+  /// Rate of the random walk of the speed, (m/s)^2 per second: the speed of a car changes by about
+  /// 0.8 m/s within four seconds.
   double speed_random_walk_ = 0.16;
-  double observed_speed_ = 0.0;  ///< m/s, when the walk was last looked at
-  double observed_for_ = -1.0;   ///< s since then; negative: not begun
+  double observed_speed_ = 0.0;  ///< m/s, at the last update of the random walk
+  double observed_for_ = -1.0;   ///< s since then; negative if there was none
   double speed_variance_ = kUnknownSpeed;
   double travel_speed_covariance_ = 0.0;  ///< of way and speed
   double travel_variance_ = 0.0;
