@@ -9,13 +9,13 @@ namespace lidar_mapping::front_end {
 
 namespace {
 
-/// In half of so many scans the planes of few rings stand upright.
+/// In a map of half this number of scans, the planes of a sensor with few rings are upright.
 constexpr std::size_t kWantedInsertions = 24;
-/// A slow vehicle does not get so far: key frames are not to wait longer, s.
+/// Time limit for a slow vehicle, s: key frames must not wait longer.
 constexpr double kMaxDuration = 6.0;
-/// Of fewer nothing better can be made.
+/// With fewer scans the map cannot be improved.
 constexpr std::size_t kMinInsertions = 6;
-/// So many are matched again per scan that comes in: all at once would hold that one up.
+/// Number of scans that are matched again per new scan: all at once would delay the new scan.
 constexpr std::size_t kScansPerCall = 4;
 
 double seconds_between(const MatchedScan& from, const MatchedScan& to) {

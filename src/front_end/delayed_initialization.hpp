@@ -12,19 +12,20 @@
 
 namespace lidar_mapping::front_end {
 
-/// A scan as it was matched when it came.
+/// A scan with the result of its first match.
 struct MatchedScan {
   Stamp stamp = 0;
-  double reference = 0.0;  ///< to which times count and at which the state is, s after the stamp
+  double reference = 0.0;  ///< reference time of the points and of the state, s after the stamp
   registration::NdtPoints points;
   registration::MotionState state;
   registration::Matrix12d covariance;
-  SampledPoints dense;  ///< what went into the map, if anything
+  SampledPoints dense;  ///< the points that were inserted into the map, if any
 };
 
-/// The first scans of a map that begins in motion. They are matched with a map of one scan or two,
-/// of which few rings make planes that lean; so they are kept until the map is a better one, and
-/// then matched again from the latest to the first, a few per scan that comes in.
+/// Second matching of the first scans of a map that begins in motion. These scans are first matched
+/// with a map of one or two scans, and with few rings the planes of such a map are tilted. So they
+/// are stored until the map is better. Then they are matched again, from the latest to the first, a
+/// few per new scan.
 class DelayedInitialization {
  public:
   explicit DelayedInitialization(registration::NeighborSearch neighbors) : matcher_(neighbors) {}
@@ -33,20 +34,20 @@ class DelayedInitialization {
   void stop();
   bool is_active() const { return active_; }
 
-  /// Nothing is kept unless open, and nothing that comes after the map is a better one.
+  /// Stores a scan. Does nothing if inactive, or if the second matching has started.
   void add(MatchedScan scan);
-  /// What went into the map of the scan that was added last.
+  /// Sets the points of the scan added last that were inserted into the map.
   void set_inserted(const SampledPoints& dense);
-  /// What only the second scan tells of the first one.
+  /// Sets the state of the first scan, which is known only after the second scan was matched.
   void set_first_state(const registration::MotionState& state);
 
   const std::vector<MatchedScan>& scans() const { return scans_; }
-  /// To be called after each scan. Once the map is good enough, or nothing is worth more waiting,
-  /// the map becomes that of the later half of the scans; the earlier ones are matched with it and
-  /// put into it as they were matched. `filter` knows how the vehicle moves. True when nothing is
-  /// left to be done.
+  /// To be called after each scan. When enough scans were inserted, or the maximum duration is
+  /// over, the map is rebuilt from the later half of the scans. The earlier scans are then matched
+  /// with it and inserted at their new poses. `filter` provides the motion model. Returns true when
+  /// nothing is left to do.
   bool rematch(const MotionFilter& filter, const MatchJudge& judge, LocalMap& map);
-  /// One result for each of the earlier scans then; none where one of them was lost.
+  /// One result for each of the earlier scans; empty if one of them was lost.
   const std::vector<SweepMatcher::Found>& results() const { return results_; }
 
  private:
@@ -59,8 +60,9 @@ class DelayedInitialization {
   std::size_t inserted_scans_ = 0;
   std::vector<MatchedScan> scans_;
   SweepMatcher matcher_;
-  std::optional<MotionFilter> filter_;  ///< goes back through the scans; none before that begins
-  std::size_t remaining_ = 0;           ///< so many of the scans are still to be matched again
+  /// runs backwards through the scans; empty before the second matching starts
+  std::optional<MotionFilter> filter_;
+  std::size_t remaining_ = 0;  ///< number of scans that still have to be matched again
   std::vector<SweepMatcher::Found> results_;
 };
 

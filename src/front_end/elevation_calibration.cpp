@@ -13,36 +13,37 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// In edges of voxels. Planes are bent a little by the rings of the scan that they come from; in
-// scans that are closer together that passes for an angle of some hundredths of a degree.
+// In voxel edge lengths. The rings of a scan bend its planes a little. Between scans that are close
+// together this looks like an elevation error of some hundredths of a degree.
 constexpr double kMinPairDistance = 20.0;
 constexpr double kMinFrameDistance = 3.0;
-/// After so many pairs they become rarer.
+/// After this number of pairs the distance between frames grows.
 constexpr double kDensePairs = 100.0;
-/// A sensor that goes to and fro never has two scans that are far enough apart.
+/// Limit for a sensor that moves back and forth and never has two scans that are far enough apart.
 constexpr std::size_t kMaxFrames = 12;
 constexpr std::size_t kMapCapacity = std::size_t{1} << 14;
 
-/// A pair is worth no more than that, however many points it has.
+/// Lower bound of a pair's sigma, however many points it has.
 constexpr double kMinPairSigma = 0.03 * kRadPerDeg;
-/// Better than that nobody needs to know it.
+/// A more precise estimate is not needed.
 constexpr double kSufficientSigma = 0.012 * kRadPerDeg;
-// What is believed: from so many pairs, so large an angle, so many standard deviations from zero.
+// Conditions for accepting the angle: number of pairs, size of the angle, and number of standard
+// deviations from zero.
 constexpr int kMinPairs = 12;
 constexpr double kMinAngle = 0.05 * kRadPerDeg;
 constexpr double kMinSigmas = 5.0;
-/// What few rings show of a place pretends the same angle in all pairs, which their scatter does
-/// not tell and more pairs do not mend: standard deviation of that in units of a pair's. Angles of
-/// zero came out as 0.03 degrees where pairs have 0.05 (64 beams), as 0.3 where they have 0.25
-/// (simulated car parks with 16 beams).
+/// A place seen with few rings can show the same wrong angle in all pairs. The scatter of the pairs
+/// does not show this error, and more pairs do not reduce it. Its standard deviation in units of a
+/// pair's sigma: angles of zero came out as 0.03 degrees where pairs have 0.05 (64 beams), as 0.3
+/// where they have 0.25 (simulated car parks with 16 beams).
 constexpr double kCommonErrorFactor = 0.6;
 /// Smaller changes are noise.
 constexpr double kMinChange = 0.02 * kRadPerDeg;
-/// So much more per scan in the map moves the ground by a centimetre. All at once the pose would
-/// jump.
+/// A step of this size moves the ground in the map by a centimetre. With a single large step the
+/// pose would jump.
 constexpr double kMaxAppliedStep = 0.05 * kRadPerDeg;
 
-/// One ring on the ground makes no plane.
+/// The plane model requires some width: a single ring on the ground does not define a plane.
 registration::PlaneModel wide_plane_model() {
   registration::PlaneModel model;
   model.least_breadth = 0.08;
@@ -103,7 +104,7 @@ void ElevationCalibration::interrupt() {
   comparison_pending_ = false;
 }
 
-/// Of the scans that are far enough away the newest one has seen most of the same.
+/// Among the scans that are far enough away, the newest one shares most of the view.
 void ElevationCalibration::compare_pending() {
   if (!comparison_pending_) return;
   comparison_pending_ = false;
@@ -114,19 +115,19 @@ void ElevationCalibration::compare_pending() {
   });
   if (partner == frames_.rend()) return;
   map_.restart(frame.voxel_size);
-  // What bent planes pretend changes its sign with the roles of the two.
+  // The error caused by bent planes changes its sign when the two scans change their roles.
   const bool swap_roles = mean_.count() % 2 == 1;
   compare(swap_roles ? frame : *partner, swap_roles ? *partner : frame);
 }
 
-/// The angle is known well enough, and it is either believed or too small for that.
+/// True if the angle is known well enough, and it is either accepted or too small to be accepted.
 bool ElevationCalibration::is_converged() const {
   const ElevationEstimate mean = mean_.value();
   return mean_.count() >= kMinPairs && mean.sigma < kSufficientSigma &&
          (accepted_angle_ != 0.0 || std::abs(mean.angle) < kMinAngle);
 }
 
-/// Distance between the scans that are looked at, in edges of voxels.
+/// Distance between the scans that are compared, in voxel edge lengths.
 double ElevationCalibration::frame_distance() const {
   return kMinFrameDistance * std::max(1.0, mean_.count() / kDensePairs);
 }

@@ -15,7 +15,7 @@ namespace {
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
-/// Of the points of b so many are enough; those of a make the planes.
+/// Number of points of scan b that are used; the points of scan a define the planes.
 constexpr std::size_t kMaxPoints = 8000;
 
 struct Iteration {
@@ -26,11 +26,11 @@ struct Iteration {
 };
 constexpr Iteration kIterations[] = {{100.0, 4}, {25.0, 4}, {6.25, 4}, {6.25, 1}};
 
-/// Smallest eigenvalue of the translation's Hessian, as a share of its trace, with which a pair
-/// pins its relative pose well enough. To be followed a scan needs less.
+/// Smallest eigenvalue of the translation's Hessian, as a fraction of its trace, with which a pair
+/// determines its relative pose well enough. Tracking a scan needs less.
 constexpr double kMinConditionFraction = 0.0015;
 
-/// No sensor is off by more: the solution has run away.
+/// No sensor has a larger error: beyond it the solution has diverged.
 constexpr double kMaxAngle = 0.03;  // rad
 
 struct NormalEquations {
@@ -38,7 +38,7 @@ struct NormalEquations {
   Vector7d gradient = Vector7d::Zero();
 };
 
-/// How a point moves with its elevation, per radian.
+/// Derivative of a point with respect to its elevation, per radian.
 Eigen::Vector3d elevation_derivative(const Eigen::Vector3d& p) {
   const double horizontal = std::hypot(p.x(), p.y());
   if (horizontal == 0.0) return Eigen::Vector3d::Zero();
@@ -46,7 +46,7 @@ Eigen::Vector3d elevation_derivative(const Eigen::Vector3d& p) {
   return {horizontal_scale * p.x(), horizontal_scale * p.y(), horizontal};
 }
 
-/// Residuals are the distances of the points of b to the planes of a, with both turned by `angle`.
+/// Residuals are the distances of the points of b to the planes of a, with both rotated by `angle`.
 /// Unknowns: the perturbation of T_a_b, see perturbed(), then the angle.
 NormalEquations normal_equations(const SampledPoints& points, registration::GaussianVoxelMap& map,
                                  const Pose& T_a_b, double angle, const Iteration& iteration) {

@@ -7,23 +7,27 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Sweeps leave out at most this share of the time: what happens meanwhile nobody has measured.
+/// Largest fraction of the time that is not covered by sweeps: the rotation in between is not
+/// measured.
 constexpr double kMaxUncoveredFraction = 0.3;
-/// So many matches are looked at before a gyro is used.
+/// Number of matches before a gyro is used.
 constexpr int kMinMatches = 5;
 constexpr double kBiasRate = 0.02;
 constexpr double kErrorRate = 0.1;
-/// That much worse than no gyro (in its error) is one that is wrong: matches err, too.
+/// A gyro is wrong if its error is larger than that without a gyro by this factor; a margin is
+/// needed because matches have errors, too.
 constexpr double kMinErrorRatio = 1.5;
-/// Standard deviation at best, rad/s: scale and axes of cheap gyros are off by 1 % each, that is so
-/// much at 1.4 rad/s. One that is held to more firmly turns the map away from the points.
+/// Lower bound of the standard deviation, rad/s: scale and axes of cheap gyros have errors of 1 %
+/// each, which is this value at 1.4 rad/s. With a smaller value the gyro would rotate the map away
+/// from the points.
 constexpr double kLeastSigma = 0.02;
 
-/// A gyro may say so many times the turning that it was right about, or that of a slow vehicle
-/// (rad/s): degrees for radians are 57 times, and a quick turn takes more than one scan to begin.
+/// A rate is plausible up to this multiple of the largest confirmed rate, or of the rate of a slow
+/// vehicle (rad/s). Degrees instead of radians give a factor of 57; a quick turn needs more than
+/// one scan to begin.
 constexpr double kMaxTurnRatio = 10.0;
 constexpr double kSlowTurn = 0.1;
-/// Right is one that is off by less than this share.
+/// A rate is confirmed if its relative error is smaller than this.
 constexpr double kMaxErrorOfConfirmed = 0.5;
 
 double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaterniond& matched,

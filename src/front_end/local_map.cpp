@@ -11,13 +11,13 @@ constexpr int kCoarseFactor = 3;
 constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kFineCapacity = std::size_t{1} << 17;
 constexpr std::size_t kCoarseCapacity = std::size_t{1} << 15;
-/// Share of the tables that is aged per scan.
+/// Fraction of the tables that is checked for old voxels per scan.
 constexpr double kAgeingFraction = 1.0 / 64.0;
 /// The origin follows the sensor in steps of this length (m).
 constexpr double kOriginStep = 64.0;
 
-/// Planes of large voxels are thick: the weight of a point is to grow with its distance all the
-/// same.
+/// The planes of large voxels are thick. With a larger sigma the weight of a point still depends on
+/// its distance.
 registration::PlaneModel coarse_model() {
   registration::PlaneModel model;
   model.sigma = 0.1;
@@ -26,7 +26,7 @@ registration::PlaneModel coarse_model() {
 
 }  // namespace
 
-// Written out, so that the compiler takes several at once.
+// The products are written out so that the compiler can vectorise the loop.
 void place(const SampledPoints& points, const registration::MotionState& state,
            const Eigen::Vector3d& origin, SampledPoints& placed) {
   const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
@@ -61,7 +61,7 @@ void place(const SampledPoints& points, const registration::MotionState& state,
 
 namespace {
 
-/// Large voxels have points enough with a part of them.
+/// A fraction of the points is enough for large voxels.
 void insert_thinned(SampledPoints& points, registration::GaussianVoxelMap& map) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); i += kCoarseThinning, ++kept) {

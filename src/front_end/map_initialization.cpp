@@ -8,17 +8,18 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Until the sensor is so far from where the map began (in voxels), it is a map of one place.
+/// Up to this distance from its start (in voxels), the map counts as a map of a single place.
 constexpr double kSinglePlaceRadius = 10.0;
-/// So many scans make a young map.
+/// Up to this number of scans, the drift variance is increased.
 constexpr int kFewScans = 12;
-// The first scans are looked at again if the vehicle begins faster than that, as key frames of a
-// slower one would wait too long for the map to grow, and if fewer of the points of the second scan
-// find a plane in the map of the first, those between its rings included: with 64 rings it is good
-// enough (0.56 to 0.58 in simulated towns; 0.51 with the rings of an OS1, 0.26 to 0.37 with 16).
+// The first scans are matched again under two conditions. The vehicle begins faster than this
+// speed: with a slower one key frames would wait too long for the map to grow. And the fraction of
+// the second scan's points that find a plane in the map of the first scan, including the points
+// between its rings, is smaller than this: with 64 rings the map is good enough (0.56 to 0.58 in
+// simulated towns; 0.51 with the rings of an OS1, 0.26 to 0.37 with 16).
 constexpr double kMinSpeed = 3.0;  // m/s
 constexpr double kMinOverlap = 0.55;
-/// Rounds of deskewing the first scan and matching the second one with it.
+/// Number of rounds in which the first scan is deskewed and the second one is matched with it.
 constexpr int kStartRounds = 3;
 // Twists that differ by less move no point by more than the sensor's noise.
 constexpr double kMaxSpeedDifference = 0.02;  // m/s

@@ -16,8 +16,8 @@ using registration::kNdtSectors;
 using registration::NdtMatch;
 using registration::NdtPart;
 
-/// Which parts are in the first half. Left and right, ahead and behind, every other sector, near
-/// and far.
+/// Ways to divide the scan into two halves; each function tells whether a part belongs to the first
+/// half. Left and right, ahead and behind, every other sector, near and far.
 using Halving = bool (*)(std::size_t part);
 constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part % kNdtSectors < kNdtSectors / 2; },
@@ -25,7 +25,8 @@ constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part % 2 == 0; },
     [](std::size_t part) { return part < kNdtSectors; }};
 
-/// Of a residual, as in NdtOptions::data_weight: neighbouring points err together.
+/// Weight of a residual, as in NdtOptions::data_weight: the errors of neighbouring points are
+/// correlated.
 constexpr double kDataWeight = 0.3;
 
 struct Half {
@@ -33,7 +34,7 @@ struct Half {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// Where one half of the points wants the pose, and how well it knows.
+/// The pose that one half of the points prefers, as a step from the match, and its covariance.
 Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
              const Matrix6d& prior) {
   Matrix6d hessian = Matrix6d::Zero();
@@ -60,7 +61,8 @@ void compare(const Half& a, const Half& b, StepEvidence& evidence) {
   keep_largest(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
 }
 
-/// The number of sectors of equal share that would be spread as little.
+/// The effective number of sectors: this number of equal sectors would have the same distribution
+/// of weights.
 double effective_sectors(const std::vector<NdtPart>& parts) {
   double sum = 0.0;
   double squares = 0.0;

@@ -10,16 +10,16 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// Shares of the usual quality.
+// Fractions of the usual quality.
 constexpr double kDoubtfulQuality = 0.75;
 constexpr double kPoorQuality = 0.6;
 constexpr double kLostQuality = 0.4;
-/// Below this overlap, whatever is usual, a match says nothing.
+/// Below this overlap a match has no meaning, whatever the usual value is.
 constexpr double kMinOverlap = 0.05;
-/// A wrong pose lets less than half of the pairs fit.
+/// At a wrong pose fewer than half of the pairs fit.
 constexpr double kMinPairQuality = 0.45;
-/// Pairs that fit nearly as well as usual are right where they are few because the sensor looks at
-/// what the map does not hold yet; those of a wrong pose have 0.65 to 0.88 of the usual quality.
+/// If few points find a pair because the map does not cover the view yet, the pairs still fit
+/// nearly as well as usual. The pairs of a wrong pose have 0.65 to 0.88 of the usual quality.
 constexpr double kUsualPairQualityFraction = 0.88;
 constexpr double kMinUsualOverlap = 0.15;
 // Distance from the prediction in standard deviations.
