@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::front_end {
 
-/// Angle by which points are to be turned upwards, with its standard deviation, rad.
+/// The angle by which the points have to be rotated upwards, with its standard deviation, rad.
 struct ElevationEstimate {
   double angle = 0.0;
   double sigma = 0.0;

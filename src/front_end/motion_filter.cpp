@@ -13,21 +13,21 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Variance of the position after an unknown acceleration a for t seconds, in units of a^2 t^4: 1/4
-/// for a constant one, 1/3 for white noise of equal effect on the velocity. The former ties
-/// velocity and position so closely that an error of the one scan returns with the other sign in
-/// the next.
+/// for a constant one, 1/3 for white noise with the same effect on the velocity. With 1/4, velocity
+/// and position are correlated so strongly that an error of one scan returns with the opposite sign
+/// in the next.
 constexpr double kPositionFactor = 0.28;
 constexpr double kAccelerationDecay = 0.1;
-/// Lower limit in units of the upper one.
+/// Lower bound in units of the upper one.
 constexpr double kMinAccelerationFraction = 0.025;
-/// Share of the forecast's mean squared error that the covariance of the twist does not know of.
+/// Fraction of the forecast's mean squared error that the covariance of the twist does not contain.
 constexpr double kForecastFraction = 0.3;
 
-/// Variance of the pose within a sweep in units of a^2 t^4: small, as scans one after the other are
-/// accelerated alike and so err alike.
+/// Variance of the pose within a sweep in units of a^2 t^4. It is small because successive scans
+/// have similar accelerations, and so similar errors.
 constexpr double kSweepAccelerationFactor = 0.0005;
 
-/// Of a pose against the part of the map that was just put in with it.
+/// Standard deviation of a pose relative to the part of the map that was inserted with it.
 constexpr double kAnchorSigma = 0.01;  // m
 
 /// Derivative of the state after `seconds` with respect to the state now.
@@ -43,7 +43,7 @@ Matrix12d transition(const Vector6d& twist, double seconds) {
 Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
   const Eigen::Vector3d rotation = seconds * twist.tail<3>();
   const double angle = rotation.norm();
-  // The left Jacobian of SO(3) takes the turning of the axes under way into account.
+  // The left Jacobian of SO(3) takes into account that the axes rotate during the motion.
   const Eigen::Matrix3d w = skew(rotation);
   const double a =
       angle < 1e-4 ? 0.5 - angle * angle / 24.0 : (1.0 - std::cos(angle)) / (angle * angle);
@@ -55,7 +55,8 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
 
 MotionState steadily_accelerated(const MotionState& state, const Vector6d& acceleration,
                                  double duration, double seconds) {
-  // The straight line that fits the parabola a t^2 / 2 best lies at its mean, a duration^2 / 24.
+  // The straight line that fits the parabola a t^2 / 2 best passes through its mean, a duration^2 /
+  // 24.
   const double bend = 0.5 * seconds * seconds - duration * duration / 24.0;
   const Pose straight = moved(state.T_map_sensor, state.twist, seconds);
   return {moved(straight, acceleration, bend), state.twist + seconds * acceleration};
@@ -87,7 +88,7 @@ MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleratio
       angular_{angular_acceleration_sigma, angular_acceleration_sigma},
       forecast_(acceleration_sigma) {}
 
-/// Believes a larger acceleration at once, and forgets it slowly.
+/// A larger acceleration is adopted at once, a smaller one slowly.
 void MotionFilter::AccelerationSigma::update(double acceleration) {
   const double wanted = std::clamp(acceleration, kMinAccelerationFraction * max_sigma, max_sigma);
   sigma = std::max(wanted, sigma + kAccelerationDecay * (wanted - sigma));
@@ -205,7 +206,7 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
   state_.twist *= std::exp(-seconds / time_constant);
 }
 
-/// An acceleration shows in the twist and in the way; noise does seldom in both.
+/// A real acceleration changes both twist and displacement; noise seldom changes both.
 void MotionFilter::update_acceleration_sigmas(const MotionState& state,
                                               const Eigen::Matrix3d& observed) {
   if (step_seconds_ == 0.0) return;
@@ -215,14 +216,14 @@ void MotionFilter::update_acceleration_sigmas(const MotionState& state,
       difference(state_.T_map_sensor, state.T_map_sensor) * to_acceleration;
   linear_.update(std::min((observed * of_twist_change.head<3>()).norm(),
                           (observed * of_displacement.head<3>()).norm()));
-  // A gyro may fail at any time.
+  // The rotation is compared without the gyro, because a gyro may fail at any time.
   const MotionState& turned = turning_measured_ ? forecast_state_ : state_;
   const Vector6d turn = difference(turned.T_map_sensor, state.T_map_sensor) * to_acceleration;
   angular_.update(std::min((state.twist - turned.twist).tail<3>().norm() / step_seconds_,
                            turn.tail<3>().norm()));
 }
 
-/// A jump of the pose, as when a drive that was lost is found again, is none.
+/// A jump of the pose, for example when tracking is regained, is not an acceleration.
 Vector6d MotionFilter::plausible_acceleration(const Vector6d& acceleration,
                                               const Eigen::Matrix3d& observed) const {
   Vector6d plausible = Vector6d::Zero();
@@ -240,7 +241,7 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
     const Vector6d mean_twist =
         twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_);
     forecast_.update(mean_twist, state.twist, since_corrected_, observed);
-    // The mean twist is that of half a step ago.
+    // The mean twist refers to the middle of the step, half a step ago.
     const Vector6d change = forecast_.change_persistence().cwiseProduct(state.twist - mean_twist);
     acceleration_ = plausible_acceleration(2.0 / since_corrected_ * change, observed);
     corrected_ = true;

@@ -13,23 +13,26 @@ using registration::NdtMatch;
 
 namespace {
 
-/// Weight of the points in the covariance that is reported, in units of their weight in the filter,
-/// where they lie as far from their planes as these claim. On smooth walls they lie nearer, on
-/// hedges and rough ground farther: the root of that variance counts, the mean between what the
-/// planes claim and what the residuals show, as part of the planes' errors is no residual.
+/// Weight of the points in the reported covariance, in units of their weight in the filter, if
+/// their distances from the planes agree with the planes' own variance. On smooth walls the
+/// distances are smaller, on hedges and rough ground larger. The square root of the residual
+/// variance is used: the mean between what the planes claim and what the residuals show, because a
+/// part of the planes' errors does not appear in the residuals.
 constexpr double kReportedWeight = 40.0;
-/// A map of one scan fits itself better than it should.
+/// A map of one scan fits that scan too well.
 constexpr double kMinResidualVariance = 0.05;
 
-// A map of few scans of a sensor with few rings has planes that lean, and all points that meet one
-// err together: the fewer of them find a plane, the worse. Measured on simulated drives.
-constexpr double kSufficientOverlap = 0.75;  // share of points with a plane that is enough
+// In a map of few scans from a sensor with few rings the planes are tilted, and all points on one
+// plane have the same error. The fewer points find a plane, the larger is the error. Measured on
+// simulated drives.
+constexpr double kSufficientOverlap = 0.75;  // fraction of points with a plane that is sufficient
 constexpr double kMinOverlap = 0.45;
 constexpr double kOverlapExponent = 8.0;
 constexpr double kInitialVarianceFactor = 2.5;
 
-// Two scans that see the same part of the map err together. As new parts come into sight, each
-// standing on the poses before, errors part, and then add up: measured on simulated drives.
+// Two scans that see the same part of the map have the same error. When new parts, which were
+// inserted at the previous poses, come into view, the errors become different and then accumulate:
+// measured on simulated drives.
 constexpr double kSharedMapFactor = 0.3;  // of the variance of two independent poses
 constexpr double kNewMapDistance = 1.5;   // m
 constexpr double kNewMapAngle = 0.02;     // rad

@@ -10,22 +10,24 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// So many points are looked at, some of each ring in each column; all of sixteen rings.
+/// Number of points that are used: some of each ring in each column, and all points of a sensor
+/// with sixteen rings.
 constexpr std::size_t kMaxPoints = 32000;
-/// What is nearer is the vehicle.
+/// Nearer points belong to the vehicle.
 constexpr float kMinRange = 1.0F;  // m
-/// Points whose slopes differ by less are of the same ring: the narrowest rings are a third of a
-/// degree apart, and a sensor that is mounted askew sees a ring at several slopes.
+/// Points whose slopes differ by less belong to the same ring: the narrowest rings are a third of a
+/// degree apart, and a tilted sensor sees a ring at several slopes.
 constexpr float kSameRingSlope = 0.0026F;
-/// Of three points on neighbouring rings the middle one may be so far from the line through the
-/// others: ranges are noisy by some centimetres, and ground is rough by a tenth of a metre. With
-/// 0.05 m, 15 simulated starts are off by 0.10 degrees after half a metre instead of 0.08.
+/// Largest distance of a point from the line through its neighbours: ranges have a noise of some
+/// centimetres, and the ground is rough by a tenth of a metre. With 0.05 m, the error of 15
+/// simulated starts is 0.10 degrees after half a metre instead of 0.08.
 constexpr float kMaxLineDistance = 0.15F;  // m
-/// Rings that are farther apart need not be of one surface: without a limit simulated towns and
-/// hills drift by some percent more, with 5 m their starts are off by half as much again.
+/// Rings that are farther apart need not lie on one surface. Without a limit the drift in simulated
+/// towns and hills is some percent larger; with 5 m the error of their starts is larger by half.
 constexpr float kMaxGap = 8.0F;  // m
 
-/// From 0 to 4, rising with the azimuth, for which it stands: it takes no arc tangent.
+/// A pseudo-angle from 0 to 4 that increases with the azimuth and replaces it: it needs no arc
+/// tangent.
 float pseudo_angle(float x, float y) {
   const float t = y / (std::abs(x) + std::abs(y));
   if (x < 0.0F) return 2.0F - t;
@@ -74,7 +76,7 @@ void RingBridges::sort_by_columns() {
     sorted_points_[next[column_numbers_[i]]++] = ring_points_[i];
 }
 
-/// One point of each ring.
+/// Keeps one point of each ring.
 RingBridges::Column RingBridges::column(std::size_t number) {
   RingPoint* const begin = sorted_points_.data() + column_begins_[number];
   RingPoint* const end = sorted_points_.data() + column_begins_[number + 1];
@@ -105,7 +107,7 @@ void RingBridges::bridge(const Column& column, std::size_t number, float spacing
     const float gap = segment.norm();
     if (gap < spacing || gap > kMaxGap) continue;
     if (!is_straight(column, s) && !is_straight(column, s + 1)) continue;
-    // Near the sensor columns are close together.
+    // Near the sensor the columns are close together, so not all of them are needed.
     const float column_width = 0.5F * (a.p + b.p).norm() * static_cast<float>(2.0 * kPi / kColumns);
     if (number % std::max<std::size_t>(1, static_cast<std::size_t>(spacing / column_width)) != 0)
       continue;

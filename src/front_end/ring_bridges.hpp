@@ -12,17 +12,18 @@ namespace lidar_mapping::front_end {
 
 struct BridgeOptions {
   double reference = 0.0;  ///< s after the stamp, from which times are counted
-  double spacing = 0.4;    ///< m, of the points that are made
+  double spacing = 0.4;    ///< m, between the interpolated points
   double max_range = 1e4;  ///< m from the sensor
 };
 
-/// Points on the surfaces between the rings of a scan. What few rings show of a surface are lines,
-/// which fit however the sensor nods. The surface lies where the points of neighbouring rings that
-/// are seen in one direction go on straight from ring to ring.
+/// Interpolates points on the surfaces between the rings of a scan. A sensor with few rings shows
+/// only lines of a surface, and these fit whatever the pitch of the sensor is. A surface is assumed
+/// where the points of neighbouring rings in one direction lie on a straight line from ring to
+/// ring.
 class RingBridges {
  public:
-  /// Replaces `points` by the points between the rings of a cloud that was seen from their
-  /// viewpoint; by none if that is not known.
+  /// Replaces `points` by the interpolated points between the rings of a cloud that was measured
+  /// from their viewpoint; by none if the viewpoint is not known.
   void find(const PointCloud& cloud, const BridgeOptions& options, SampledPoints& points);
 
  private:
@@ -32,9 +33,9 @@ class RingBridges {
   struct RingPoint {
     Eigen::Vector3f p;
     float time;   ///< s after the stamp
-    float slope;  ///< height over horizontal distance: that of its ring
+    float slope;  ///< height over horizontal distance, which is constant on a ring
   };
-  /// Points that are seen in one direction, from the lowest ring to the highest.
+  /// Points in one horizontal direction, from the lowest ring to the highest.
   struct Column {
     const RingPoint* begin;
     const RingPoint* end;
@@ -43,14 +44,14 @@ class RingBridges {
   void collect(const PointCloud& cloud, const Eigen::Vector3f& origin, double max_range);
   void sort_by_columns();
   Column column(std::size_t number);
-  /// True of a point that lies on the line through those on the rings beside its own.
+  /// True if a point lies on the line through its neighbours on the rings above and below.
   static bool is_straight(const Column& column, const RingPoint* s);
-  /// Adds the points between the rings of the column with this number, relative to the sensor.
+  /// Adds the interpolated points of the column with this number, relative to the sensor.
   static void bridge(const Column& column, std::size_t number, float spacing,
                      SampledPoints& points);
 
   std::vector<RingPoint> ring_points_;
-  std::vector<std::uint16_t> column_numbers_;  ///< the column of each
+  std::vector<std::uint16_t> column_numbers_;  ///< the column of each point
   std::vector<RingPoint> sorted_points_;       ///< the same points, column by column
   std::array<std::size_t, kColumns + 1> column_begins_{};
 };

@@ -12,11 +12,11 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Hashes are computed for so many points at a time, then looked up.
+/// Number of points for which hashes are computed at a time before they are looked up.
 constexpr std::size_t kBlock = 2048;
 
-/// Points of a block are visited in steps near its golden section, so that those visited one after
-/// the other are far apart; without a common divisor, so that none is left out.
+/// The points of a block are visited with a step near its golden section, so that successive points
+/// are far apart. The step has no common divisor with the block, so that no point is left out.
 std::size_t scattering_step(std::size_t block) {
   std::size_t step = block * 618 / 1000 + 1;
   while (std::gcd(step, block) > 1) ++step;
@@ -36,7 +36,7 @@ void ScanSampler::next_generation() {
     std::fill(last_generation_.begin(), last_generation_.end(), std::uint8_t{0});
     generation_ = 1;
   }
-  // The place of the refused points is always taken.
+  // The entry for rejected points is always occupied.
   last_generation_.back() = generation_;
 }
 
@@ -48,7 +48,7 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
                       squared(options.max_range), shift_,
                       static_cast<std::uint32_t>(last_generation_.size() - 1)};
   candidates_.resize(std::max(candidates_.size(), cloud.size() / options.stride + 1));
-  // Copies, as the compiler must take a write of bytes for one that may change any member.
+  // Local copies, because the compiler has to assume that a write of bytes may change any member.
   const std::size_t stride = options.stride;
   const std::uint8_t generation = generation_;
   std::uint8_t* const last_generation = last_generation_.data();
@@ -61,10 +61,10 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
     const std::size_t remaining = (cloud.size() - begin + stride - 1) / stride;
     const std::size_t count = std::min(remaining, block);
     hash(&cloud.points[begin].x, stride, count, rule, hashes.data());
-    // The last block may be shorter.
+    // The last block may have fewer points.
     for (std::size_t i = count; i < block; ++i) hashes[i] = rule.refused;
     for (std::size_t visit = 0, i = 0; visit < block; ++visit) {
-      // Without a branch: write always, go on if the cube is new.
+      // Without a branch: write always, and advance only if the cube is new.
       candidates[candidate_count] = static_cast<std::uint32_t>(begin + i * stride);
       candidate_count += static_cast<std::size_t>(last_generation[hashes[i]] != generation);
       last_generation[hashes[i]] = generation;

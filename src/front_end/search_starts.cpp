@@ -13,7 +13,7 @@ namespace {
 
 using registration::MotionState;
 
-// Around a pose: ahead and behind (m), aside (m), turned (rad).
+// Search range around a pose: ahead and behind (m), sideways (m), rotated (rad).
 constexpr double kBehind = 2.4;
 constexpr double kAhead = 6.0;
 constexpr double kStep = 1.2;
@@ -21,24 +21,27 @@ constexpr double kAside = 1.2;
 constexpr double kTurn = 0.6;
 constexpr double kTurnStep = 0.15;
 
-/// Between the prediction and a pose from which it is far, as after a gap, there are centers at
-/// this distance (m).
+/// If the prediction is far from an anchor pose, as after a gap, centers at this distance (m) are
+/// added between them.
 constexpr double kBetween = 6.0;
 constexpr int kMaxBetween = 8;
 
-/// Slower than that (m/s) a twist does not say which way the vehicle goes.
+/// At a lower speed (m/s) the twist does not show the direction of travel.
 constexpr double kMinSpeedForCourse = 1.0;
 
-// Of the first motion, m/s and m. Nobody says which way of the LiDAR's is ahead; between two of
-// eight directions a fast vehicle is off by as much as a match reaches.
+// Search range of the first motion, m/s and m. The forward direction of the LiDAR is not known;
+// between two of eight directions the error of a fast vehicle is as large as the convergence basin
+// of a match.
 constexpr double kMaxSpeed = 40.0;
 constexpr double kSpeedStep = 0.75;
 constexpr int kDirections = 8;
-// With few scans a second it turns by more than a match reaches (rad/s, rad).
+// With few scans per second the rotation between two scans is larger than the convergence basin of
+// a match (rad/s, rad).
 constexpr double kTurnRate = 0.6;
 constexpr double kMaxTurn = 0.3;
 
-/// Which way the vehicle goes, from x towards y; ahead is the LiDAR's x where it hardly goes.
+/// Direction of travel as an angle from x towards y; the LiDAR's x axis if the vehicle hardly
+/// moves.
 Eigen::Rotation2Dd heading_of(const Vector6d& twist) {
   const Eigen::Vector2d v = twist.head<2>();
   return Eigen::Rotation2Dd(v.norm() < kMinSpeedForCourse ? 0.0 : std::atan2(v.y(), v.x()));
@@ -59,8 +62,8 @@ MotionState moving(const Pose& first, const Eigen::Vector2d& distance, double ya
   return state;
 }
 
-/// The prediction, the anchors, and what lies between them: after a gap the vehicle may have
-/// braked. Around an anchor beside the prediction the starts would be the same.
+/// The prediction, the anchors, and poses between them, because the vehicle may have braked during
+/// a gap. Anchors close to the prediction are left out: they would give the same starts.
 std::vector<Pose> centers_around(const Pose& prediction, const std::vector<Pose>& anchors) {
   std::vector<Pose> centers = {prediction};
   for (const Pose& anchor : anchors) {

@@ -35,7 +35,7 @@ class UnobservedTravel {
   double observed_speed_ = 0.0;  ///< m/s, at the last update of the random walk
   double observed_for_ = -1.0;   ///< s since then; negative if there was none
   double speed_variance_ = kUnknownSpeed;
-  double travel_speed_covariance_ = 0.0;  ///< of way and speed
+  double travel_speed_covariance_ = 0.0;  ///< covariance of distance and speed
   double travel_variance_ = 0.0;
 };
 
