@@ -35,7 +35,7 @@ inline __attribute__((always_inline)) void gather(const float* points, std::size
 /// Coordinates of eight points of four floats that lie side by side, in the order 0 2 4 6 1 3 5 7.
 inline __attribute__((always_inline)) void load_neighbors(const float* points, Floats& x, Floats& y,
                                                           Floats& z) {
-  // One by one: an array of vectors would be copied through the stack.
+  // Written as single variables: an array of vectors would be copied through the stack.
   Floats p01, p23, p45, p67;
   std::memcpy(&p01, points, sizeof(p01));
   std::memcpy(&p23, points + 8, sizeof(p23));

@@ -26,24 +26,24 @@ namespace {
 
 using registration::RegistrationResult;
 
-// Shares of the scan that must lie on the map.
+// Fractions of the scan that must lie on the map.
 constexpr double kTrackedInliers = 0.35;
 constexpr double kLostInliers = 0.2;
-// Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.
+// If the speed is not known, starting poses are tried up to this speed, in steps of this length.
 constexpr double kMaxStartSpeed = 35.0;  // m/s
 constexpr double kStartStep = 1.0;       // m
-// Share of the last step in the twist with which a sweep is deskewed. An error of the pose bends
-// the sweep, and a bent sweep turns the pose: with 1 the two chase each other to ever larger
-// swings.
+// Weight of the last step in the twist that deskews a sweep. An error of the pose bends the sweep,
+// and a bent sweep rotates the pose: with 1 the two errors amplify each other.
 constexpr double kSweepSmoothing = 0.4;
-// Of a pose that was predicted, not measured.
+// Standard deviations of a pose that was predicted, not measured.
 constexpr double kLostSigma = 1.0;       // m
 constexpr double kLostAngleSigma = 0.1;  // rad
 
-/// Of a speed between two matches, and of one that was measured.
+/// Variance of a speed between two matches, and of a measured speed.
 constexpr double kSpeedVariance = 0.01;  // m^2/s^2
 
-/// The match, but for the directions that it did not observe: there the prediction stays.
+/// The matched pose, but with the predicted position along directions that the match did not
+/// observe.
 Pose with_prediction_along(const Pose& predicted, const Pose& matched,
                            const std::vector<Eigen::Vector3d>& directions) {
   Vector6d correction = difference(matched, predicted);
@@ -55,7 +55,7 @@ Pose with_prediction_along(const Pose& predicted, const Pose& matched,
 }
 
 Covariance6 covariance_of(const Matrix6d& hessian) {
-  // A little information, so that directions that were not observed stay finite.
+  // A weak prior keeps the covariance finite along directions that were not observed.
   const Matrix6d prior = diagonal_covariance(kLostSigma, kLostAngleSigma).inverse();
   return (hessian + prior).inverse();
 }
@@ -112,7 +112,7 @@ class SlidingWindowTracker::Impl {
   PointCloud local_map() const { return window_.joint_cloud(Pose::Identity()); }
 
  private:
-  /// T_odom_base from one of several starts.
+  /// The result from the best of several starting poses; it is T_odom_base.
   struct Match {
     RegistrationResult result;
     bool rescued = false;
@@ -140,7 +140,7 @@ class SlidingWindowTracker::Impl {
     since_claim_ = 0.0;
   }
 
-  /// What speaks for and against the match as the end of a step from the last claim.
+  /// Evidence for and against the match as the end of a step from the last claimed pose.
   StepEvidence collect_evidence(const Match& match, const Pose& predicted, double seconds) const {
     const RegistrationResult& result = match.result;
     StepEvidence evidence;
@@ -152,7 +152,7 @@ class SlidingWindowTracker::Impl {
     const Vector6d d = difference(predicted, result.T_target_source);
     evidence.surprise = d.head<3>().norm();
     evidence.surprise_angle = d.tail<3>().norm();
-    // Of a motion that is accelerated as much as any is.
+    // Half of the squared time, for the displacement by the largest acceleration.
     const double reach = 0.5 * seconds * seconds;
     evidence.surprise_sigmas =
         std::hypot(evidence.surprise / (reach * config_.acceleration_sigma),
@@ -183,7 +183,7 @@ class SlidingWindowTracker::Impl {
     return match;
   }
 
-  /// Rest, and where nothing is known of the speed, motion forward.
+  /// The pose at rest and, if the speed is not known, poses ahead.
   std::vector<Pose> other_starts(double seconds) const {
     std::vector<Pose> starts = {T_odom_base_};
     if (speed_known_) return starts;
@@ -229,7 +229,7 @@ class SlidingWindowTracker::Impl {
     return tracked;
   }
 
-  /// Takes the pose over; the velocity only from poses that were measured.
+  /// Adopts the pose; the velocity is computed only from poses that were measured.
   void set_pose(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
     if (tracked.status.state == TrackingState::kLost) {
       unobserved_travel_.interrupt();
@@ -264,7 +264,8 @@ class SlidingWindowTracker::Impl {
     return rule_.reached(window_.newest_pose().inverse() * tracked.T_odom_base, 0);
   }
 
-  /// The target is relative to the newest key frame: floats lose nothing far from the start.
+  /// The target is relative to the newest key frame, so that single precision is sufficient far
+  /// from the start.
   void insert_key_frame(PointCloud cloud) {
     tracked_stamp_ = stamp_;
     window_.push(T_odom_base_, std::move(cloud));
@@ -282,11 +283,11 @@ class SlidingWindowTracker::Impl {
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan
   Vector6d twist_ = Vector6d::Zero();
-  Vector6d sweep_twist_ = Vector6d::Zero();  ///< with which sweeps are deskewed
+  Vector6d sweep_twist_ = Vector6d::Zero();  ///< twist with which sweeps are deskewed
   Stamp stamp_ = 0;
   Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
   bool speed_known_ = false;
-  ClaimedPose claim_;         ///< of the last scan that claimed its pose
+  ClaimedPose claim_;         ///< of the last scan with a claimed pose
   double since_claim_ = 0.0;  ///< s
 };
 

@@ -13,44 +13,45 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Share of isolated points from which on they are left out. Clean scans of simulated towns,
+/// Fraction of isolated points from which on they are removed. Clean scans of simulated towns,
 /// fields and rooms have at most 0.006 with 64 beams and 0.02 with 16.
 constexpr double kMinIsolatedFraction = 0.035;
-/// Above this share the grid is not made for the cloud: nothing is left out.
+/// Above this fraction the grid does not suit the cloud: nothing is removed.
 constexpr double kMaxIsolatedFraction = 0.6;
 constexpr double kLearningRate = 0.2;
-/// Where little is wrong, so many points of each scan are looked at,
+/// If the scan is clean, this number of its points is inserted,
 constexpr std::size_t kSampledPoints = 8000;
-/// in blocks that come one after the other and so see one part of the view.
+/// in blocks of successive points, which see one part of the surroundings.
 constexpr std::size_t kBlockSize = 2048;
-/// Of these one of so many is judged.
+/// One of this number of points is tested.
 constexpr std::size_t kJudgedStride = 5;
-/// Where isolated points are left out, so many are looked at together: a sixth of a turn of 64
-/// beams or less, whose table stays in the caches.
+/// If isolated points are removed, this number of points is processed together: a sixth of a turn
+/// of 64 beams or less, whose table fits into the caches.
 constexpr std::size_t kPartSize = 8192;
 
-// Edge of cubes. The more points a turn has, the closer are neighbours; in units of the range it is
-// this number by the root of the number of points: 0.02 for 64 beams, 0.04 for 16.
+// Edge length of the cubes. The more points a turn has, the closer are the neighbours. In units of
+// the range the edge is this number divided by the square root of the number of points: 0.02 for 64
+// beams, 0.04 for 16.
 constexpr double kEdgeFactor = 6.5;
 constexpr double kMinEdge = 0.015;
 constexpr double kMaxEdge = 0.4;
-/// In units of the spacing of points where they were thinned out.
+/// In units of the point spacing, if the cloud was thinned out.
 constexpr double kEdgeInSpacings = 3.0;
 
-/// Two other points make a surface.
+/// A point and two other points make a surface.
 constexpr std::uint32_t kMinSupport = 3;
 constexpr std::uint32_t kCountBits = 2;
 constexpr std::uint32_t kCountMask = (1U << kCountBits) - 1;
-// Of the key of a cube.
+// Layout of the key of a cube.
 constexpr std::uint32_t kAxisBits = 8;
 constexpr float kAxisMiddle = 128.0F;
-/// Half octaves of the range from 0.5 m on.
+/// Levels of the grid: half octaves of the range, from 0.5 m on.
 constexpr std::int32_t kFirstExponent = 127 - 2;
 constexpr std::uint32_t kMaxLevels = 20;
 
-/// So many points are asked for their nearest neighbour.
+/// Number of points whose nearest neighbour is searched.
 constexpr std::size_t kProbes = 128;
-/// What has none within 100 m is alone.
+/// Points without a neighbour within 100 m are ignored.
 constexpr float kMaxSpacingSquared = 1e4F;
 
 std::uint32_t key_of(std::uint32_t level, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
@@ -65,7 +66,7 @@ float nearest_squared(const PointCloud& cloud, std::size_t probe) {
   for (const Point& other : cloud.points) {
     const float x = other.x - p.x(), y = other.y - p.y(), z = other.z - p.z();
     const float squared = x * x + y * y + z * z;
-    // The point itself, and echoes of the same place, are no neighbours.
+    // The point itself, and echoes at the same position, are not neighbours.
     nearest = squared > 1e-8F && squared < nearest ? squared : nearest;
   }
   return nearest;
@@ -107,14 +108,14 @@ inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
   std::int32_t bits = 0;
   std::memcpy(&bits, &squared, sizeof(bits));
   const std::int32_t level = (bits >> 23) - kFirstExponent + 1;
-  // What is not a number has the highest exponent.
+  // NaN has the highest exponent, so it gets no level.
   if (level < 1 || level > static_cast<std::int32_t>(kMaxLevels)) return {};
   const float scale = inverse_edge_[static_cast<std::size_t>(level)];
   return {static_cast<std::uint32_t>(level), x * scale + kAxisMiddle, y * scale + kAxisMiddle,
           z * scale + kAxisMiddle};
 }
 
-/// Where the cube is, or the free entry where it would be.
+/// The entry of the cube, or the free entry where it would be inserted.
 inline std::size_t RangeGrid::find(std::uint32_t key) const {
   const std::uint32_t* const table = table_.data();
   const std::size_t mask = table_.size() - 1;
@@ -129,7 +130,7 @@ void RangeGrid::insert(const Point* points, std::size_t count) {
     if (place.level == 0) continue;
     const std::uint32_t key =
         key_of(place.level, cell_of(place.x), cell_of(place.y), cell_of(place.z));
-    // Without branches, which would be guessed wrong for every other point.
+    // Without branches: every other one would be predicted wrongly.
     std::uint32_t& entry = table_[find(key)];
     const std::uint32_t before = entry == 0 ? key << kCountBits : entry;
     entry = before + static_cast<std::uint32_t>((before & kCountMask) < kMinSupport);
@@ -169,7 +170,7 @@ std::size_t SurfaceSupport::count_isolated(const PointCloud& cloud, std::size_t 
   return isolated;
 }
 
-/// Each block has a table of its own, so small that it stays in the nearest cache.
+/// Each block uses a table of its own, which is so small that it stays in the nearest cache.
 double SurfaceSupport::isolated_fraction_in_blocks(const PointCloud& cloud) {
   const std::size_t parts = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
   std::size_t judged = 0, isolated = 0;

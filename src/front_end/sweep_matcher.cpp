@@ -17,30 +17,33 @@ using registration::NdtMatch;
 using registration::NdtOptions;
 using registration::NdtPoints;
 
-// The quick test: a share of the points, a wide kernel, compared with what is usual.
+// The quick test: a fraction of the points and a wide kernel; the quality is compared with its
+// running mean.
 constexpr std::size_t kQuickThinning = 8;
 constexpr double kQuickWidening = 3.0;
 constexpr double kQuickDoubtFraction = 0.75;
 constexpr double kQuickLearningRate = 0.1;
 
-// The search: all starts are scored, the better ones are improved coarsely, the best ones finely.
+// The search: all starts are scored, the better ones are refined coarsely, and the best of these
+// finely.
 constexpr std::size_t kScoringThinning = 16;
 constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kRefinedStarts = 12;
 constexpr std::size_t kFinalists = 3;
-// Coarse ends this close to each other lead to the same fine one (m, rad).
+// Coarse results this close to each other lead to the same fine result (m, rad).
 constexpr double kSamePlace = 0.1;
 constexpr double kSameAngle = 0.01;
-/// One that has not come to rest by then was no good end of the coarse search.
+/// A result that has not converged by then was not a good result of the coarse search.
 constexpr int kFinalIterations = 15;
-/// What many starts found must be that much better than what the prediction found.
+/// The best of many starts must be better than the match from the prediction by this factor.
 constexpr double kMinQualityRatio = 1.1;
-/// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: the
-/// map of one place, seen with few rings.
+/// If a smaller fraction of the points lies in voxels with a plane, the fine map is too sparse to
+/// match with: the map of a single place, seen with few rings.
 constexpr double kSparseMapOverlap = 0.25;
-/// The coarse match has its place, however thin its own map, if so many more points find a plane.
+/// The coarse match is used, even if its own map is sparse, if this many times more points find a
+/// plane.
 constexpr double kMinOverlapRatio = 2.0;
-/// The coarse match may leave the prediction this much more easily.
+/// Weight of the prior in the coarse match, which may deviate from the prediction more easily.
 constexpr double kCoarsePriorWeight = 0.01;
 
 NdtOptions widened(double factor) {
@@ -64,7 +67,7 @@ void keep_best(std::vector<NdtMatch>& matches, std::size_t count) {
   matches.resize(std::min(matches.size(), count));
 }
 
-/// Of matches that have come to the same place keeps the best one.
+/// Keeps the best one of matches with the same result.
 void keep_distinct(std::vector<NdtMatch>& matches) {
   const auto is_beside = [](const NdtMatch& a, const NdtMatch& b) {
     const Vector6d d = difference(a.state.T_map_sensor, b.state.T_map_sensor);

@@ -6,13 +6,13 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// So many points are looked at, evenly spaced. A prime number: with one that shares a divisor with
-/// the number of rings, points of different rings would lie in the same direction.
+/// Number of points that are used, evenly spaced. It is a prime number: if it had a common divisor
+/// with the number of rings, points of different rings would lie in the same direction.
 constexpr std::size_t kProbes = 47;
-/// From one to the next a whole turn advances by 0.13 rad, and not much more where many points were
-/// lost,
+/// Between two of these points a full turn advances by 0.13 rad, and not much more if many points
+/// are missing,
 constexpr double kMaxAdvance = 0.4;
-/// but for single ones.
+/// except for a few points.
 constexpr double kMinFraction = 0.8;
 
 }  // namespace

@@ -12,19 +12,20 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Nearer points see the vehicle itself.
+/// Nearer points belong to the vehicle itself.
 constexpr double kMinRange = 1.0;
-/// So many points are looked at for the match; more would cost time and bring nothing.
+/// Number of points from which those for the match are sampled; more would cost time without
+/// benefit.
 constexpr std::size_t kMaxCandidates = 16000;
-/// Cells shrink until they give about so many points,
+/// Cells are made smaller until they give about this number of points,
 constexpr double kWantedMatchedPoints = 2500.0;
 constexpr double kWantedInsertedPoints = 12000.0;
-/// but not below this share of the configured edge.
+/// but not smaller than this fraction of the configured edge.
 constexpr double kMinCellFraction = 0.4;
 constexpr int kSparseTableBits = 15;
 constexpr int kDenseTableBits = 17;
 
-/// Odd, so that it visits all rings of a cloud that is stored firing by firing.
+/// The stride is odd, so that it visits all rings of a cloud that is stored firing by firing.
 std::size_t stride_for(std::size_t points) { return (points / kMaxCandidates) | 1U; }
 
 struct TimeSpan {
@@ -46,7 +47,7 @@ TimeSpan time_span(const PointCloud& cloud, const std::vector<std::uint32_t>& in
 }  // namespace
 
 void AdaptiveCell::adapt(std::size_t points) {
-  // Points lie on surfaces: their number goes with the square of the edge.
+  // Points lie on surfaces, so their number is inversely proportional to the square of the edge.
   const double factor = std::sqrt(static_cast<double>(points) / wanted_points_);
   edge_ = std::clamp(edge_ * factor, kMinCellFraction * largest_, largest_);
 }
@@ -76,7 +77,8 @@ void SweepSampler::sample_sparse_once(const Scan& scan, std::size_t phase) {
 }
 
 void SweepSampler::sample(const Scan& scan, std::size_t phase) {
-  // Where all points are looked at for the match too, both samples lean nearly alike.
+  // If the match also uses all points (stride 1), both samples have nearly the same bias, and the
+  // order does not matter.
   scattered_order_ = stride_for(scan.cloud.size()) > 1 && in_sweep_order(scan.cloud);
   sample_sparse_once(scan, phase);
   if (!std::exchange(sparse_cell_adapted_, true)) sample_sparse_once(scan, phase);

@@ -11,15 +11,15 @@
 
 namespace lidar_mapping::front_end {
 
-/// Edge of the cubes of which each gives one point: as in the configuration, or smaller where that
-/// gives too few points, as in rooms and for sensors with few rings.
+/// Edge length of the cubes that give one point each: as configured, or smaller if the configured
+/// one gives too few points, as in rooms and for sensors with few rings.
 class AdaptiveCell {
  public:
   AdaptiveCell(double largest, double wanted_points)
       : largest_(largest), wanted_points_(wanted_points), edge_(largest) {}
 
   double edge() const { return edge_; }
-  /// Learns from the number of points that the present edge gave.
+  /// Adapts the edge to the number of points that it gave.
   void adapt(std::size_t points);
 
  private:
@@ -28,19 +28,19 @@ class AdaptiveCell {
   double edge_;
 };
 
-/// Takes from a scan the few points that are matched and the many that go into the map.
+/// Samples a scan: few points for matching, and many points for the map.
 class SweepSampler {
  public:
   explicit SweepSampler(const FrontEndConfig& config);
 
-  /// Points were seen from the origin of their frame.
+  /// Tells that points are measured from the origin of their frame.
   void set_viewpoint_at_origin();
-  /// From now on all points are turned upwards by this angle, rad.
+  /// Sets the angle by which all points are rotated upwards from now on, rad.
   void set_elevation_shift(double angle) { elevation_shift_ = angle; }
-  /// Samples the points to be matched; `turn` makes each scan begin with another point.
+  /// Samples the points to be matched; `phase` makes each scan start with another point.
   void sample(const Scan& scan, std::size_t phase);
   const registration::NdtPoints& points() const { return points_; }
-  /// The same, in the order in which they were sampled.
+  /// The same points in the order in which they were sampled.
   const SampledPoints& sparse() const { return sparse_; }
   /// The reference time of the points: the middle of the sweep, s after the stamp.
   double reference() const { return reference_; }
@@ -48,10 +48,11 @@ class SweepSampler {
   double duration() const { return duration_; }
   /// Median distance of the sampled points, m; 0 without points.
   double median_range() const;
-  /// The points for the map, of the scan that was taken last; valid until the next call.
+  /// Samples the points for the map, from the scan for which sample() was called last; valid until
+  /// the next call.
   const SampledPoints& sample_dense(const Scan& scan);
-  /// Points on the surfaces between the rings of the scan for which dense() was called last: what
-  /// else goes into the map. Valid until the next call.
+  /// Interpolates points between the rings of the scan for which sample_dense() was called last;
+  /// they are also inserted into the map. Valid until the next call.
   const SampledPoints& sample_between_rings(const Scan& scan);
   const SampledPoints& between_rings() const { return between_rings_; }
 

@@ -7,7 +7,7 @@ namespace lidar_mapping::front_end {
 namespace {
 
 constexpr double kLearningRate = 0.1;
-/// Of a twist, squared: nothing.
+/// Lower bound of a squared change of the twist, which avoids a division by zero.
 constexpr double kMinSquaredChange = 1e-12;
 
 /// Mean squared difference per axis, linear and angular.
@@ -18,8 +18,8 @@ Eigen::Vector2d squared_difference(const Vector6d& a, const Vector6d& b,
   return {(observed * d.head<3>()).squaredNorm() / axes, d.tail<3>().squaredNorm() / 3.0};
 }
 
-/// Which share of something goes on per axis, from its mean product with what came next and its
-/// mean square.
+/// The fraction of a quantity that continues, per axis: mean product with its next value, divided
+/// by the mean square.
 template <typename Vector>
 Vector persistence_of(const Vector& continued, const Vector& squared) {
   return continued.cwiseQuotient(squared.cwiseMax(kMinSquaredChange)).cwiseMax(0.0).cwiseMin(1.0);
@@ -32,8 +32,8 @@ double TwistForecast::mean_weight(int part) const {
   return both > 0.0 ? sweep_error_[part] / both : 0.0;
 }
 
-/// From the middle of a step to its end the twist changes as much as from there to the middle of
-/// the next one if its acceleration is steady, and the other way round where it was noise.
+/// If the acceleration is steady, the twist changes from the middle of a step to its end as much as
+/// from there to the middle of the next step. If it was noise, the two changes have opposite signs.
 void TwistForecast::learn_change_persistence(const Vector6d& mean_twist,
                                              const Eigen::Matrix3d& observed) {
   Vector6d before = sweep_twist_ - mean_twist_;
@@ -48,7 +48,7 @@ Vector6d TwistForecast::change_persistence() const {
   return persistence_of(continued_change_, squared_change_);
 }
 
-/// The mean twists of two steps are those of their middles.
+/// The mean twist of a step is the twist at its middle.
 void TwistForecast::learn_acceleration(const Vector6d& mean_twist, double seconds,
                                        const Eigen::Matrix3d& observed) {
   const Eigen::Vector3d change = observed * (mean_twist - mean_twist_).head<3>();
