@@ -12,50 +12,52 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Where more of the points find a plane, and these hold the sensor in all directions, it does not
-/// go unnoticed.
+/// If a larger fraction of the points finds a plane, and these constrain the sensor in all
+/// directions, the match cannot miss a motion.
 constexpr double kMinConstrainedOverlap = 0.5;
-/// Fewer upright points tell nothing.
+/// With fewer points on vertical structures nothing can be decided.
 constexpr std::size_t kMinPoints = 20;
-/// More of them, as streets have, tell no more and take time.
+/// More points, as in streets, cost time without benefit.
 constexpr std::size_t kMaxPoints = 400;
-/// As long as this share of them is where it was, the sensor is, too.
+/// If this fraction of them matches the map at the matched pose, the sensor stands still.
 constexpr double kMinStandstillFraction = 0.6;
-/// At the new pose they fit in at least so many of 36 directions, and so much better than at the
-/// old one: in each scan, and in all of them together by so many standard deviations.
+/// Conditions for a new pose: the points match in at least this number of 36 directions, and the
+/// evidence is larger than that of the old pose by this factor in each scan, and in all scans
+/// together by this number of standard deviations.
 constexpr int kMinDirections = 4;
 constexpr double kMinEvidenceRatio = 1.25;
 constexpr double kMinEvidenceSigmas = 4.0;
-/// So many scans have to tell of a motion that is steady to this (m).
+/// This number of scans must show a motion that is steady to this distance (m).
 constexpr std::size_t kHypotheses = 3;
 constexpr double kMaxInconsistency = 0.25;
 
-/// A robot that turns on the spot goes on putting scans into its map.
+/// Limit for a robot that turns on the spot and continues to insert scans into its map.
 constexpr int kMaxInitialScans = 10;
 
-// Where to look (m); ahead may be any of four directions of the sensor's.
+// Search range (m); the direction of travel may be any of four directions of the sensor.
 constexpr int kSearchDirections = 4;
 constexpr double kSearchBehind = 2.4;
 constexpr double kSearchAhead = 6.0;
 constexpr double kSearchAside = 0.6;
 constexpr double kSearchStep = 0.3;
 
-/// What runs along the way fits as well so far before and behind (m), and tells nothing.
+/// Structures along the direction of travel fit equally well at this distance (m) ahead and behind;
+/// they do not determine the pose.
 constexpr double kDistinctDistance = 0.7;
-/// A shorter way (m) or a slower motion (m/s) has no direction.
+/// A shorter displacement (m) or a slower motion (m/s) has no direction.
 constexpr double kMinDisplacement = 0.1;
-/// After so many scans without a fit the matches are trusted again.
+/// After this number of scans without a fit, the normal matches are used again.
 constexpr int kMaxFailedFits = 10;
-/// From here on there are rings of many places in the map (m).
+/// Beyond this distance (m) the map contains rings from many places, and normal matching works.
 constexpr double kMaxRecoveryDistance = 30.0;
 
-// What a fit tells, and three of them.
+// Standard deviations of a fitted pose, and of the twist from three of them.
 constexpr double kPoseSigma = 0.15;       // m
 constexpr double kPoseAngleSigma = 0.01;  // rad
 constexpr double kSpeedSigma = 0.5;       // m/s
 constexpr double kRateSigma = 0.1;        // rad/s
 
-/// Upright points as they were at the reference time.
+/// Points on vertical structures, deskewed to the reference time.
 std::vector<Eigen::Vector3f> vertical_points_at(const SampledPoints& points,
                                                 const Vector6d& twist) {
   SampledPoints placed;
@@ -63,7 +65,7 @@ std::vector<Eigen::Vector3f> vertical_points_at(const SampledPoints& points,
   return vertical_structure_points(placed);
 }
 
-/// Of them about as many as are compared.
+/// A subset of these points, about as many as are compared.
 std::vector<Eigen::Vector3f> sampled_vertical_points_at(const SampledPoints& points,
                                                         const Vector6d& twist) {
   std::vector<Eigen::Vector3f> vertical = vertical_points_at(points, twist);
@@ -80,7 +82,8 @@ Pose displaced(const Pose& pose, const Eigen::Vector2d& by) {
   return perturbed(pose, d);
 }
 
-/// Of unit length; the sensor's x where there is none.
+/// Unit vector in the direction of the displacement; the sensor's x axis if there is no
+/// displacement.
 Eigen::Vector2d heading_of(const Vector6d& displacement) {
   const Eigen::Vector2d level = displacement.head<2>();
   return level.norm() < kMinDisplacement ? Eigen::Vector2d::UnitX() : level.normalized();

@@ -25,7 +25,8 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// An odometry from outside is trusted to this share of the way and of the angle, and to this much.
+/// Errors of an external odometry: this fraction of the distance and of the angle, plus these
+/// constants.
 constexpr double kExternalError = 0.02;
 constexpr double kExternalSigma = 0.005;       // m
 constexpr double kExternalAngleSigma = 0.001;  // rad
@@ -43,11 +44,11 @@ Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) 
       kExternalAngleSigma + kExternalError * rotation_angle(T_from_to.rotation));
 }
 
-/// A scan that is probably wrong becomes a key frame only if none better comes for that many times
-/// the usual way.
+/// A scan that is probably wrong becomes a key frame only if no better one follows within this
+/// multiple of the usual distance.
 constexpr double kDegradedKeyFrameFactor = 3.0;
 
-/// From x y z roll pitch yaw.
+/// Converts x y z roll pitch yaw to a pose.
 Pose pose_of(const Vector6d& values) {
   Pose pose;
   pose.translation = values.head<3>();
@@ -67,7 +68,8 @@ PointCloud selected(const PointCloud& cloud, const std::vector<std::uint32_t>& i
   return result;
 }
 
-/// Follows the frame that the scans are in, here called base, from where it is first.
+/// Odometry of the frame that the scans are in, which is called base here; it begins at its first
+/// pose.
 class SensorOdometry {
  public:
   explicit SensorOdometry(const FrontEndConfig& config)
@@ -80,7 +82,7 @@ class SensorOdometry {
   }
 
   bool has_begun() const { return last_stamp_.has_value(); }
-  /// As it was last seen to turn, rad/s.
+  /// The last angular velocity, rad/s.
   Eigen::Vector3d angular_velocity() const {
     return tracked_ ? Eigen::Vector3d(tracked_->twist.tail<3>()) : Eigen::Vector3d::Zero();
   }
@@ -137,7 +139,7 @@ class SensorOdometry {
     if (tracker_) tracker_->restart();
   }
 
-  /// The scans are in the LiDAR's own frame.
+  /// Tells that the scans are in the LiDAR's own frame.
   void set_viewpoint_at_origin() {
     if (tracker_) tracker_->set_viewpoint_at_origin();
   }
@@ -145,21 +147,22 @@ class SensorOdometry {
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
 
  private:
-  /// A provisional scan, and the points that a key frame would have.
+  /// A provisional scan, and the points of its key frame, if it becomes one.
   struct ProvisionalScan {
     FrontEndResult result;
     TrackedScan tracked;
     PointCloud points;
   };
 
-  /// The scan as the sensor saw it, where it was bent by a gyro that is not believed.
+  /// The scan without the gyro's correction, if it was corrected with a gyro that is not accepted.
   std::optional<Scan> with_gyro_correction_undone(const Scan& scan,
                                                   const MotionPrior& prior) const {
     if (!prior.uneven_turning || !tracker_ || tracker_->accepts_gyro(prior)) return std::nullopt;
     return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
   }
 
-  /// What goes up or down unseen is observed no more than the way in a tunnel.
+  /// During a vertical ride that the points do not show, the vertical direction is unobserved, like
+  /// the axis of a tunnel.
   void check_vertical_ride(Stamp stamp, const MotionPrior& prior, TrackedScan& tracked) {
     FrontEndStatus& status = tracked.status;
     const bool is_connected =
@@ -182,7 +185,7 @@ class SensorOdometry {
                      std::to_string(*last_stamp_) + " ns; drop scans that are out of order");
   }
 
-  /// A scan that came again is not matched: it would fit where the last one did.
+  /// A repeated scan is not matched: it would fit at the last pose.
   FrontEndResult coast(Stamp stamp) {
     std::vector<FrontEndResult> finalized = finalize();
     ride_detector_.interrupt();
@@ -215,7 +218,7 @@ class SensorOdometry {
   std::vector<FrontEndResult> finalize_provisional(const std::vector<Revision>& revisions) {
     std::vector<FrontEndResult> finalized;
     if (!provisional_.empty()) {
-      // Their steps are taken once more.
+      // The steps of these scans are added again.
       last_.reset();
       doubt_ = {};
     }
@@ -255,7 +258,7 @@ class SensorOdometry {
     doubt_ = {};
   }
 
-  /// `odometry: external`.
+  /// Pose by `odometry: external`.
   TrackedScan follow_external(const Scan& scan, const MotionPrior& prior) {
     if (!prior.T_external_base) {
       throw InputError("front_end: no external odometry for stamp " + std::to_string(scan.stamp) +
@@ -274,7 +277,7 @@ class SensorOdometry {
 
   bool key_frame_due(Stamp stamp, const PointCloud& cloud, const TrackedScan& tracked) const {
     if (tracked.status.state == TrackingState::kLost) return false;
-    // Skewed for good, it would skew what later closes on it.
+    // The distortion of such a key frame would be permanent, and would disturb every loop to it.
     if (cloud.has_times() && !tracked.motion_known) return false;
     const KeyFrameRule& rule =
         tracked.status.state == TrackingState::kDegraded ? degraded_rule_ : rule_;
@@ -283,7 +286,7 @@ class SensorOdometry {
                         stamp - key_frame_stamp_);
   }
 
-  /// `points` as they came from key_frame_points().
+  /// `points` is the result of key_frame_points().
   KeyFrame make_key_frame(Stamp stamp, const TrackedScan& tracked, PointCloud points) {
     KeyFrame key_frame;
     key_frame.index = next_index_++;
@@ -303,7 +306,8 @@ class SensorOdometry {
     return key_frame;
   }
 
-  /// Thinned out and turned upwards by `elevation_shift`, as a key frame's are before deskewing.
+  /// Points for a key frame before deskewing: thinned out, and rotated upwards by
+  /// `elevation_shift`.
   PointCloud key_frame_points(const PointCloud& cloud, double elevation_shift) {
     PointCloud points = thinned(cloud);
     if (elevation_shift == 0.0) return points;
@@ -332,10 +336,10 @@ class SensorOdometry {
   std::optional<TrackedScan> last_;
   VerticalRideDetector ride_detector_;
   std::optional<Stamp> last_stamp_;
-  std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
+  std::optional<TrackedScan> tracked_;  ///< the last scan that was given to the tracker
   Stamp tracked_stamp_ = 0;
   std::optional<TrackedScan> last_key_frame_;
-  MotionDoubt doubt_;  ///< of the way since then
+  MotionDoubt doubt_;  ///< of the motion since then
   Stamp key_frame_stamp_ = 0;
   KeyFrameIndex next_index_ = 0;
   std::uint32_t segment_ = 0;
@@ -343,7 +347,7 @@ class SensorOdometry {
 
 }  // namespace
 
-/// The odometry of the scans' own frame, and the border to base_link.
+/// The odometry in the scans' own frame, and the conversion to base_link.
 class FrontEnd::Impl {
  public:
   explicit Impl(const FrontEndConfig& config)
@@ -381,7 +385,7 @@ class FrontEnd::Impl {
   PointCloud local_map() const { return base_frame_.in_odom(odometry_.local_map()); }
 
  private:
-  /// What a person says of the beginning goes before what other sensors say.
+  /// A start pose given by the user has priority over the values of other sensors.
   void set_start(const MotionPrior& prior) {
     const bool uses_measured_start = uses_measured_start_ && prior.T_odom_base_initial;
     base_frame_.set_start(uses_measured_start ? *prior.T_odom_base_initial : *start_);
@@ -390,8 +394,8 @@ class FrontEnd::Impl {
 
   SensorOdometry odometry_;
   BaseFrame base_frame_;
-  std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, until the first scan
-  bool uses_measured_start_;                      ///< of other sensors
+  std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, set until the first scan
+  bool uses_measured_start_;  ///< whether a start pose measured by other sensors is used
 };
 
 FrontEnd::FrontEnd(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}

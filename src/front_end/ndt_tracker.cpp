@@ -35,27 +35,28 @@ namespace {
 using registration::MotionBelief;
 using registration::NdtMatch;
 
-/// A scan goes into the local map after this motion; so standing still adds nothing.
+/// A scan is inserted into the local map after this motion, so standing still adds nothing.
 const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
-/// The first scans go into it wherever they are, outside of rooms with points between their rings:
-/// planes of single rings fit however the vehicle nods as it pulls away.
+/// The first scans are always inserted, and outside of rooms together with points between their
+/// rings: planes of single rings fit at any pitch of the vehicle, and it pitches when it starts to
+/// move.
 constexpr int kInitialScans = 3;
-/// Fewer points are no scan.
+/// Scans with fewer points are not used.
 constexpr std::size_t kMinPoints = 50;
 
-/// Median distance of the points (m) below which a scan is taken in a room, and what that does to
-/// all voxels.
+/// Median range of the points (m) below which a scan counts as taken indoors, and the factor for
+/// all voxel sizes indoors.
 constexpr double kIndoorRange = 7.0;
 constexpr double kIndoorVoxelScale = 0.5;
 
-// What is believed of the motion before the second scan.
+// Standard deviations of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 
-/// While lost, the speed falls by 1/e in this time.
+/// While tracking is lost, the speed decreases to 1/e in this time.
 constexpr double kCoastTimeConstant = 1.0;  // s
 
-/// Along these the rings on the ground say nothing.
+/// Along these directions the rings on the ground contain no information.
 const std::vector<Eigen::Vector3d> kLevelDirections = {Eigen::Vector3d::UnitX(),
                                                        Eigen::Vector3d::UnitY()};
 
@@ -120,10 +121,11 @@ class NdtTracker::Impl {
     lost_time_ = 0.0;
   }
 
-  /// The first scan of a map. Its points are kept until the motion during it is known.
+  /// Starts a map with its first scan. The points are stored until the motion during the scan is
+  /// known.
   void start_map(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
     start_ = last_matched_pose_ = T_odom_base;
-    // The pose is known at the stamp, the filter's time is the middle of the sweep.
+    // The pose is known at the stamp, but the filter's time is the middle of the sweep.
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
@@ -146,7 +148,7 @@ class NdtTracker::Impl {
                                    scan.cloud.has_times(), sampler_.reference());
   }
 
-  /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
+  /// Rooms need smaller voxels than streets; the first scan of a map decides which of them it is.
   double voxel_size() const {
     return indoors_ ? kIndoorVoxelScale * config_.voxel_size : config_.voxel_size;
   }
@@ -199,7 +201,7 @@ class NdtTracker::Impl {
     result.revisions = initialization_.rematch_first_scans(filter_, judge_, map_);
   }
 
-  /// What speaks for and against the match as the end of a step from the last claim.
+  /// Evidence for and against the match as the end of a step from the last claimed pose.
   StepEvidence collect_evidence(const SweepMatcher::Found& found, const MotionBelief& prior_belief,
                                 double seconds) const {
     const NdtMatch& match = found.match;
@@ -222,15 +224,15 @@ class NdtTracker::Impl {
     return evidence;
   }
 
-  /// The way since the last match, not the motion during the sweep: a jump of the pose says
-  /// nothing about that. How a map of one scan was reached is not known yet.
+  /// Uses the motion since the last match, not the motion during the sweep, which does not show a
+  /// jump of the pose. In a map of one scan the motion is not known yet, so it cannot be checked.
   bool is_possible(const NdtMatch& match, double seconds) const {
     return !initialization_.motion_known() ||
            judge_.is_possible_motion(last_matched_pose_.inverse() * match.state.T_map_sensor,
                                      lost_time_ + seconds);
   }
 
-  /// The match, and what was believed before it.
+  /// The match, and the belief before it.
   std::pair<SweepMatcher::Found, MotionBelief> locate(double seconds,
                                                       const Prediction& prediction) {
     matched_without_level_ = false;
@@ -250,7 +252,7 @@ class NdtTracker::Impl {
     return {std::move(found), prediction.high_noise};
   }
 
-  /// The match where upright points have put the filter.
+  /// Matches from the pose that the vertical structures gave the filter.
   std::pair<SweepMatcher::Found, MotionBelief> match_vertical_structure() {
     matched_without_level_ = true;
     initialization_.finalize();
@@ -306,8 +308,9 @@ class NdtTracker::Impl {
     lost_time_ = 0.0;
   }
 
-  /// How far off the way may be: where planes leave a direction open, it is only what is believed
-  /// of the speed. Upright points that stand in for the rings observe the place.
+  /// Updates the uncertainty of the distance travelled: along directions that the planes do not
+  /// observe, only the believed speed is known. If vertical structures replace the rings, they
+  /// observe the position.
   void update_unobserved_travel(const SweepMatcher::Found& found,
                                 const MotionBelief& for_unobserved, double seconds) {
     if (found.degenerate_directions.empty() || matched_without_level_) {
@@ -330,7 +333,8 @@ class NdtTracker::Impl {
     return covariance.block<3, 3>(6, 6);
   }
 
-  /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
+  /// Tracking is lost: the pose follows the prediction with decreasing speed until a match is found
+  /// or the map is discarded.
   void coast(const Scan& scan, double seconds, TrackedScan& result) {
     initialization_.finalize();
     unobserved_travel_.interrupt();
@@ -338,19 +342,19 @@ class NdtTracker::Impl {
     covariance_ = filter_.covariance();
     drift_variance_factor_ = 1.0;
     lost_time_ += seconds;
-    // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
+    // At an unknown speed the vehicle soon leaves a map of one scan, so the newer scan replaces it.
     const bool keeps_map = initialization_.motion_known() && lost_time_ <= config_.max_lost_time;
     if (keeps_map || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
     reset_map();
     start_map(scan, pose, result.status);
-    // Its pose is a prediction all the same.
+    // The pose is still a prediction.
     result.status.state = TrackingState::kLost;
     result.new_segment = true;
   }
 
-  /// The map begins again with this scan, where it fitted the map of the first one best.
+  /// Starts the map again with this scan, at its best match with the map of the first scan.
   void restart_from(const Scan& scan, const NdtMatch& match, const MotionBelief& prior_belief,
                     FrontEndStatus& status) {
     const double to_stamp = -sampler_.reference();
@@ -381,8 +385,8 @@ class NdtTracker::Impl {
     timer_.start("insertion");
     map_.set_ring_spacing(ring_spacing_gate_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
-    // The surfaces of a room are small, and many rings meet each: a recorded sensor of 16 beams
-    // that stands in one is off by 15 mm instead of 5 with these points.
+    // The surfaces of a room are small, and many rings hit each of them: with these points, the
+    // error of a recorded sensor of 16 beams that stands in a room is 15 mm instead of 5.
     if (!indoors_ && initialization_.inserted_scans() < kInitialScans) {
       map_.insert(sampler_.sample_between_rings(scan), filter_.state());
     }
@@ -435,7 +439,8 @@ class NdtTracker::Impl {
   SweepMatcher matcher_;
   MeasuredMotion measured_;
   GyroValidator gyro_;
-  Eigen::Quaterniond previous_rotation_ = Eigen::Quaterniond::Identity();  ///< at the scan before
+  /// rotation at the previous scan
+  Eigen::Quaterniond previous_rotation_ = Eigen::Quaterniond::Identity();
   ElevationCalibration elevation_;
   MapInitialization initialization_;
   FalseStandstillRecovery false_standstill_;
@@ -443,19 +448,19 @@ class NdtTracker::Impl {
   StepTimer timer_;
 
   Eigen::Matrix3d predicted_speed_covariance_ =
-      Eigen::Matrix3d::Zero();                    ///< covariance, predicted alone
-  bool indoors_ = false;                          ///< the map began there
-  bool matched_without_level_ = false;            ///< the scan was matched like that
-  Matrix12d covariance_ = Matrix12d::Identity();  ///< as it is reported
+      Eigen::Matrix3d::Zero();          ///< before velocity measurements are applied
+  bool indoors_ = false;                ///< the map began indoors
+  bool matched_without_level_ = false;  ///< the scan was matched without the horizontal directions
+  Matrix12d covariance_ = Matrix12d::Identity();  ///< the reported covariance
   double drift_variance_factor_ = 1.0;
   bool viewpoint_known_ = false;
   RingSpacingGate ring_spacing_gate_;
   std::size_t scans_ = 0;
-  Pose start_;                ///< where a map begins, at the stamp of its first scan
-  Pose last_insertion_pose_;  ///< of the scan last put into the map
-  Pose last_matched_pose_;    ///< of the scan last matched
+  Pose start_;                ///< start pose of a map, at the stamp of its first scan
+  Pose last_insertion_pose_;  ///< pose of the scan last inserted into the map
+  Pose last_matched_pose_;    ///< pose of the scan last matched
   double lost_time_ = 0.0;    ///< s since the last match
-  ClaimedPose claim_;         ///< of the last scan that claimed its pose
+  ClaimedPose claim_;         ///< of the last scan with a claimed pose
   double since_claim_ = 0.0;  ///< s
 };
 

@@ -7,16 +7,16 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// Believed of a velocity before anything has been learnt, and at best.
+// Standard deviations that are used before anything was learned, and their lower bound.
 constexpr double kSigma = 0.3;        // m/s
 constexpr double kScaleSigma = 0.03;  // of the speed
 constexpr double kUsualSigma = 0.1;   // m/s
 constexpr double kLeastSigma = 0.02;  // m/s
-/// The scale is one until as much has been seen as tells it better than kScaleSigma.
+/// Weight of the prior scale of one: the scale is used once it is known better than kScaleSigma.
 constexpr double kScalePrior = kSigma * kSigma / (kScaleSigma * kScaleSigma);
 constexpr double kLargestCorrection = 0.3;
 
-// Shares of the past that are forgotten with each pair.
+// Fractions of the past values that are discarded with each pair.
 constexpr double kScaleForgetting = 0.002;
 constexpr double kPeakForgetting = 0.05;
 constexpr double kVarianceRate = 0.02;

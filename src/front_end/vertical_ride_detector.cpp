@@ -9,20 +9,20 @@ namespace lidar_mapping::front_end {
 namespace {
 
 constexpr double kSpan = 1.0;          // s
-constexpr double kLearningTime = 2.0;  // s of looking on before anything is said
-constexpr double kMemory = 10.0;       // s: tilt and temperature move the bias
-/// m/s^2: cheap accelerometers are off by 0.3 on each axis, of which the vertical feels a half as
-/// the sensor tilts by 30 degrees. Lifts for people have 0.6 to 1.2.
+constexpr double kLearningTime = 2.0;  // s of learning before anything is detected
+constexpr double kMemory = 10.0;       // s: tilt and temperature change the bias
+/// m/s^2: cheap accelerometers have errors of 0.3 on each axis; half of it acts on the vertical
+/// when the sensor tilts by 30 degrees. Passenger lifts have 0.6 to 1.2.
 constexpr double kMinAcceleration = 0.35;
 constexpr double kMinSigmas = 5.0;
-constexpr double kMinSpeed = 0.4;  // m/s; lifts for people have 1 to 2.5
+constexpr double kMinSpeed = 0.4;  // m/s; passenger lifts have 1 to 2.5
 constexpr double kStoppedFraction =
-    0.35;                           // share of the speed that may be left when it has stopped
+    0.35;  // fraction of the peak speed that may remain when the lift has stopped
 constexpr double kQuietTime = 1.0;  // s
 constexpr double kMaxRideDuration =
-    60.0;  // s; the error of the speed has become as large as the speed
+    60.0;  // by then the error of the speed is as large as the speed
 
-/// Acceleration by places at the begin, in the middle and at the end of two spans.
+/// Acceleration from positions at the begin, in the middle and at the end of two intervals.
 Eigen::Vector3d second_difference(const Eigen::Vector3d& first, const Eigen::Vector3d& middle,
                                   const Eigen::Vector3d& last, double before, double after) {
   return 2.0 / (before + after) * ((last - middle) / after - (middle - first) / before);

@@ -9,30 +9,34 @@
 
 namespace lidar_mapping::front_end {
 
-/// Motion upwards or downwards that the accelerometer feels and the points do not show: the car of
-/// a lift goes with the sensor. Over two spans of a second each the second difference of the places
-/// is the acceleration, weighted by a triangle; the felt force, less gravity, has to give the same.
-/// Only its vertical part is looked at: gravity with the accelerometer's bias is learnt from the
-/// drive, and changes little there as the sensor tilts.
+/// Detects vertical motion that the accelerometer measures and the points do not show: in the car
+/// of a lift, all visible points move with the sensor. Over two intervals of one second each, the
+/// second difference of the positions is the acceleration with triangular weights. The specific
+/// force, minus gravity, with the same weights must be equal to it. Only the vertical component is
+/// used: gravity together with the accelerometer's bias is learned from the drive, and this
+/// component changes little when the sensor tilts.
 class VerticalRideDetector {
  public:
-  /// A scan at this pose, `seconds` after the one before, and what was felt since then.
+  /// Adds a scan at this pose, `seconds` after the previous one, with the mean specific force since
+  /// then.
   void add(const Pose& T_odom_base, double seconds, const std::optional<FeltForce>& force);
-  /// The next scan does not hang together with those before.
+  /// To be called if the next scan is not connected with the previous ones.
   void interrupt();
 
-  /// The sensor goes up or down unseen.
+  /// True while the sensor moves vertically without points that show it.
   bool is_riding() const { return riding_; }
-  /// All that it went unseen so far, m.
+  /// Vertical distance travelled this way so far, m.
   double distance() const { return distance_; }
-  /// In odom, as far as it is known.
+  /// The upward direction in odom, as far as it is known.
   Eigen::Vector3d up() const { return gravity_.normalized(); }
 
  private:
   struct Step {
     double seconds = 0.0;
-    Eigen::Vector3d p_odom_imu = Eigen::Vector3d::Zero();  ///< at its end
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();       ///< mean during it, axes of odom
+    /// position of the IMU at the step's end
+    Eigen::Vector3d p_odom_imu = Eigen::Vector3d::Zero();
+    /// mean specific force during the step, axes of odom
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
   };
 
   void extend(const Pose& T_odom_base, double seconds, const FeltForce& force);
@@ -44,17 +48,18 @@ class VerticalRideDetector {
 
   std::optional<Pose> T_odom_last_;
   std::deque<Step> steps_;
-  double span_ = 0.0;  ///< s, of all steps but the first
-  /// Gravity, upwards, and the accelerometer's bias: what is felt beside the seen acceleration.
+  double span_ = 0.0;  ///< duration of all steps but the first, s
+  /// Gravity (upwards) plus the accelerometer's bias: the measured force minus the acceleration
+  /// that the points show.
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   double learned_for_ = 0.0;      ///< s
-  double variance_ = 0.0;         ///< of the vertical part about that, (m/s^2)^2
-  double suspected_speed_ = 0.0;  ///< m/s upwards, unseen, before it is sure
+  double variance_ = 0.0;         ///< variance of the vertical component about its mean, (m/s^2)^2
+  double suspected_speed_ = 0.0;  ///< m/s upwards, not shown by the points, before the detection
   bool riding_ = false;
   double ride_duration_ = 0.0;  ///< s
-  double speed_ = 0.0;          ///< m/s upwards, unseen
+  double speed_ = 0.0;  ///< m/s upwards, not shown by the points
   double peak_speed_ = 0.0;
-  double quiet_for_ = 0.0;  ///< s without unseen acceleration or speed
+  double quiet_for_ = 0.0;  ///< s without such an acceleration or speed
   double distance_ = 0.0;
 };
 

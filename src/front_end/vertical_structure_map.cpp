@@ -14,25 +14,26 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Edge of the columns in which points stand above each other, and by how much (m). Slopes of up to
-/// a half have none.
+/// Edge length of the vertical columns, and height above the lowest point of a column from which on
+/// a point belongs to a vertical structure (m). Slopes of up to one half have no such points.
 constexpr float kColumnEdge = 1.0F;
 constexpr float kMinHeightAboveLowest = 0.5F;
-/// Edge of the voxels, m.
+/// Edge length of the voxels, m.
 constexpr float kVoxelEdge = 0.3F;
-/// Distance at which a pair loses most of its weight, and within which a point is seen again, m.
+/// Distance at which a pair loses most of its weight, and within which a point counts as matched,
+/// m.
 constexpr float kKernelWidth = 0.3F;
 constexpr int kFilterBits = 21;
 constexpr int kIterations = 10;
-/// Steps below this are none (m, rad).
+/// The iteration ends with a smaller step than this (m, rad).
 constexpr double kConverged = 1e-3;
-/// So many directions are told apart. Of one at most this many points count, or this share of all:
-/// one thing beside the sensor is not to outvote all others.
+/// Number of directions. In each direction at most this number of points counts, or this fraction
+/// of all points: a single object beside the sensor must not outweigh all others.
 constexpr int kDirections = 36;
 constexpr int kMinPointsPerDirection = 4;
 constexpr int kDirectionDivisor = 18;
-/// How firmly the start holds the pose while it is fitted, in squared standard deviations of a
-/// point (15 cm): half a metre and two degrees.
+/// Weight of the prior at the start pose, in units of the squared standard deviation of a point (15
+/// cm): it corresponds to half a metre and two degrees.
 constexpr double kPriorPositionWeight = 0.1;
 constexpr double kPriorAngleWeight = 20.0;
 

@@ -13,12 +13,13 @@
 
 namespace lidar_mapping::front_end {
 
-/// The points that stand above others of their scan: of trees, posts and walls, not of the ground,
-/// on which the rings of a sensor look alike wherever it stands. z is up.
+/// The points of a scan that lie above other points of it: on trees, posts and walls, not on the
+/// ground, where the rings of a sensor look the same at every place. z points up.
 std::vector<Eigen::Vector3f> vertical_structure_points(const SampledPoints& points);
 
-/// A set of keys that now and then takes in one too many, but never loses one (Bloom 1970, with one
-/// hash): a quarter of a megabyte that answers in the time of one look at the cache.
+/// A set of keys that may report a key that was not inserted, but never misses an inserted one
+/// (Bloom 1970, with one hash function). It uses a quarter of a megabyte, and a query costs one
+/// cache access.
 class VoxelKeyFilter {
  public:
   void insert(VoxelKey key);
@@ -28,28 +29,28 @@ class VoxelKeyFilter {
   std::vector<bool> bits_;
 };
 
-/// Where upright points were seen, and how later ones fit: point to point, as leaves and posts make
-/// no planes.
+/// Map of points on vertical structures, and the fit of later points to it: point to point, because
+/// leaves and posts do not form planes.
 class VerticalStructureMap {
  public:
-  /// How points fit at a pose.
+  /// The fit of points at a pose.
   struct Fit {
     Pose T_map_sensor;
-    std::size_t matched_points = 0;  ///< so many points are beside points of the map
-    int evidence = 0;                ///< of them, at most a few in each direction
-    int directions = 0;              ///< in so many of 36
+    std::size_t matched_points = 0;  ///< number of points close to points of the map
+    int evidence = 0;                ///< number of these points, with a limit in each direction
+    int directions = 0;              ///< number of the 36 directions with such points
   };
 
   bool empty() const { return cells_.empty(); }
   void insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor);
-  /// How the points fit there.
+  /// Evaluates the fit of the points at this pose.
   Fit evaluate(const std::vector<Eigen::Vector3f>& points, const Pose& T_map_sensor) const;
-  /// Number of points in or beside a voxel of the map: quick, coarse, and now and then some too
-  /// many.
+  /// Number of points in or next to an occupied voxel. This is fast and coarse, and sometimes a
+  /// little too large.
   std::size_t count_near(const std::vector<Eigen::Vector3f>& points,
                          const Pose& T_map_sensor) const;
-  /// The pose near `start` where the points fit best: moved along the sensor's x and y and turned
-  /// about its z, all else as it is there.
+  /// The pose near `start` with the best fit. Only the position along the sensor's x and y and the
+  /// rotation about its z are changed.
   Fit fit(const std::vector<Eigen::Vector3f>& points, const Pose& start) const;
 
  private:
@@ -57,12 +58,12 @@ class VerticalStructureMap {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int count = 0;
   };
-  /// The mean of the voxel that is nearest to `p`; false if there is none.
+  /// Finds the voxel mean that is nearest to `p`; false if there is none.
   bool nearest(const Eigen::Vector3f& p, Eigen::Vector3f& mean) const;
 
   std::unordered_map<VoxelKey, Cell, VoxelKeyHash> cells_;
   VoxelKeyFilter occupied_;
-  VoxelKeyFilter occupied_or_adjacent_;  ///< in or beside an occupied one
+  VoxelKeyFilter occupied_or_adjacent_;  ///< voxels that are occupied or next to an occupied one
 };
 
 }  // namespace lidar_mapping::front_end
