@@ -354,7 +354,7 @@ TEST(FrontEnd, SaysHowManyPointsFoundNoRoomInTheLocalMap) {
   config.voxel_size = config.insertion_resolution = 0.2;
   const std::size_t dropped = FrontEnd(config).process(scan).status.map_points_dropped;
   EXPECT_GT(dropped, 10000U);
-  EXPECT_NE(full_map_notice(dropped).find("voxel_size"), std::string::npos);
+  EXPECT_NE(full_map_message(dropped).find("voxel_size"), std::string::npos);
 }
 
 TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {
