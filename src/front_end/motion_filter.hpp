@@ -117,7 +117,7 @@ class MotionFilter {
   Vector6d acceleration_ = Vector6d::Zero();
   MotionState state_;
   MotionState forecast_state_;
-  bool turning_measured_ = false;  ///< on the way to the state
+  bool turning_measured_ = false;  ///< the rotation up to the state was measured
   Matrix12d covariance_ = Matrix12d::Identity();
 };
 

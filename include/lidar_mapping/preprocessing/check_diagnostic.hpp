@@ -6,14 +6,15 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// How much a finding matters to the map.
+/// Severity of a problem for the map.
 enum class Severity {
-  kWarning,  ///< less is measured than could be; a map is made all the same
-  kFault     ///< what is measured is wrong or unusable: no map, or a wrong one, until it is mended
+  kWarning,  ///< some data are not used; a map is made nevertheless
+  /// the data are wrong or unusable: there is no map, or a wrong one, until this is corrected
+  kFault
 };
 const char* to_string(Severity severity);
 
-/// What is wrong with an input, and what helps.
+/// A problem of an input, and its remedy.
 struct CheckDiagnostic {
   Severity severity = Severity::kFault;
   std::string text;
@@ -23,7 +24,7 @@ struct CheckDiagnostic {
 /// "text: remedy".
 std::string sentence(const CheckDiagnostic& diagnostic);
 
-/// One line about an input and what is wrong with it.
+/// The report of an input: one line about its data, and its problems.
 struct InputReport {
   std::string input;  ///< points, imu, velocity, gnss
   std::string found;

@@ -8,14 +8,14 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// A sentence for a person: what was found, or what is wrong.
+/// A message for the user: an observation or a problem.
 struct Diagnostic {
   enum class Level { kInfo, kWarning };
   Level level = Level::kWarning;
   std::string text;
 };
 
-/// Sentences for a person, each subject once until it is forgotten.
+/// Messages for the user. Each subject is reported once, until it is reset.
 class DiagnosticLog {
  public:
   void report(const std::string& subject, Diagnostic diagnostic) {
@@ -27,7 +27,7 @@ class DiagnosticLog {
   void inform(const std::string& subject, const std::string& sentence) {
     report(subject, {Diagnostic::Level::kInfo, sentence});
   }
-  /// The next sentence about that subject is news again.
+  /// Allows the next message about this subject.
   void reset(const std::string& subject) { reported_.erase(subject); }
   std::vector<Diagnostic> take() {
     std::vector<Diagnostic> result;

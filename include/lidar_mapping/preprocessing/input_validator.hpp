@@ -14,10 +14,10 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// What is told of a cloud.
+/// The properties of a cloud that are checked.
 struct CloudSummary {
   Stamp stamp = 0;
-  std::string frame_id;  ///< as the message has it
+  std::string frame_id;  ///< as in the message
   std::size_t points = 0;
   std::string fields;
   std::string time_field;  ///< empty if there is none
@@ -26,13 +26,13 @@ struct CloudSummary {
   bool foreign_clock = false;
   double first_time = 0.0;  ///< s
   double last_time = 0.0;
-  std::optional<double> delay;  ///< s from the stamp to the delivery, where that is known
+  std::optional<double> delay;  ///< s from the stamp to the delivery, if known
   /// Points of the first and the last half percent of the scan's time, in the sensor's frame.
   std::vector<Eigen::Vector3f> begin_points, end_points;
 };
 
-/// Looks at what sensors send before anybody maps with it: rates, frames, units, times, gravity,
-/// fixes. It judges the messages as they come, not what preprocessing makes of them.
+/// Checks the data of the sensors before they are used for mapping: rates, frames, units, times,
+/// gravity, fixes. It checks the messages as they arrive, not the output of preprocessing.
 class InputValidator {
  public:
   explicit InputValidator(const PreprocessingConfig& config);
@@ -43,7 +43,8 @@ class InputValidator {
   void add_velocity(const VelocitySample& sample, const std::string& frame_id);
   void add_gnss(const GnssFix& fix, const std::string& frame_id);
 
-  /// Points, imu, velocity, gnss. An input that never came is a fault of the points only.
+  /// Reports on points, imu, velocity and gnss, in this order. A missing input is a fault only if
+  /// it is the points.
   std::vector<InputReport> report(const ExtrinsicLookup& lookup) const;
 
  private:
