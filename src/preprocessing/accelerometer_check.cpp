@@ -11,12 +11,12 @@ namespace {
 constexpr Stamp kWindow = from_seconds(2.0);
 constexpr Stamp kMaxGap = from_seconds(0.5);
 constexpr int kMinSamples = 20;
-/// Who jumps for six seconds is no vehicle.
+/// Number of windows: no vehicle is in free fall or jumps for six seconds.
 constexpr int kMinWindows = 3;
-/// m/s^2: shocks and thrust add to gravity, and take off of it, but not by a third over seconds.
+/// m/s^2: shocks and thrust change the mean acceleration, but not by a third over seconds.
 constexpr double kMinGravity = 6.5;
 constexpr double kMaxGravity = 13.5;
-/// m/s^2: by so much an axis has to follow gravity as the sensor tilts (by 0.1 rad).
+/// m/s^2: an axis must follow gravity when gravity on it changes by this much (a tilt of 0.1 rad).
 constexpr double kMinGravityChange = 1.0;
 
 }  // namespace
@@ -52,7 +52,8 @@ void AccelerometerCheck::extend(const ImuSample& sample, Window& window) {
 }
 
 AccelerationProblem AccelerometerCheck::evaluate(const Window& window) const {
-  // A sensor that tumbles feels gravity in all directions, one that is shaken far more than that.
+  // The length of the mean is small if the sensor tumbles, and the mean of the lengths is large if
+  // it is shaken.
   const double mean_size = window.sum_of_sizes / window.samples;
   const double size_of_mean = window.sum.norm() / window.samples;
   if (mean_size < kMinGravity || size_of_mean > kMaxGravity)

@@ -7,8 +7,8 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-/// Noise and the steps of the converter make two neighbours equal every now and then; three at the
-/// largest value of all hardly ever.
+/// Two successive samples may be equal because of noise and the steps of the converter. Three equal
+/// samples at the largest value of all are very rare.
 constexpr int kMinEqualSamples = 3;
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMaxTripleDuration = 0.5;  // s for three fixes
 constexpr std::size_t kMinCount = 25;       // bends
-constexpr double kInitialSigma = 1.0;       // m; standard deviation to begin with
+constexpr double kInitialSigma = 1.0;       // m; initial standard deviation
 constexpr double kMaxSigmaRatio = 1.5;      // times the stated sigma
 constexpr double kMedianOverRms = 0.83;     // of the length of a normally distributed plane vector
 

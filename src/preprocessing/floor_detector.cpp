@@ -24,17 +24,19 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kHalfStripWidth = 2.0;      // m
-constexpr double kCellSize = 1.0;            // m, edge of a place whose surface is judged
+constexpr double kCellSize = 1.0;            // m, edge length of a cell whose slope is tested
 constexpr std::size_t kMinPointsOfCell = 8;  // points
-constexpr double kMaxLineRatio = 0.02;       // eigenvalues, middle to largest
+constexpr double kMaxLineRatio = 0.02;       // ratio of the eigenvalues, middle to largest
 constexpr int kSectors = 12;
 constexpr int kMinSectorsOfFloor = 3;
-constexpr double kMinRadialExtent = 1.0;       // m
-constexpr double kMaxCurvature = 1.0 / 400.0;  // 1/m; no street, but where a ramp begins
+constexpr double kMinRadialExtent = 1.0;  // m
+// larger than on any street, except where a ramp begins
+constexpr double kMaxCurvature = 1.0 / 400.0;
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Tells in single precision, and with room to spare, what cannot lie on the strip: most points.
+/// Fast test in single precision, with a margin, which excludes points that cannot lie on the
+/// strip: most points.
 class StripPrefilter {
  public:
   StripPrefilter(const Eigen::Matrix3d& R_level_base, const FloorDetectionConfig& config)
@@ -47,19 +49,21 @@ class StripPrefilter {
     const float y = left_.x() * p.x + left_.y() * p.y + left_.z() * p.z;
     const float z = up_.x() * p.x + up_.y() * p.y + up_.z() * p.z;
     return static_cast<int>(std::abs(y) <= kHalfWidth) &
-           static_cast<int>(std::abs(z - floor_) <= height_);  // one branch, mostly not taken
+           // a single branch, which is mostly not taken
+           static_cast<int>(std::abs(z - floor_) <= height_);
   }
 
  private:
-  static constexpr float kMargin = 0.1F;  // m, more than floats are off by in what a LiDAR sees
+  // m, larger than the error of single precision at the ranges of a LiDAR
+  static constexpr float kMargin = 0.1F;
   static constexpr float kHalfWidth = static_cast<float>(kHalfStripWidth) + kMargin;
 
   Eigen::RowVector3f left_, up_;
   float floor_, height_;
 };
 
-/// Points on the strip that the vehicle drives on, near to the expected floor, in level axes.
-/// Beside the strip are kerbs: a plane over road and pavement would lean.
+/// Points on the strip that the vehicle drives on, near the expected floor, in level axes. Outside
+/// of the strip there are kerbs: a plane through road and pavement would be tilted.
 Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
                const FloorDetectionConfig& config) {
   const double radius_squared = config.floor_radius * config.floor_radius;
@@ -76,7 +80,7 @@ Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
   return result;
 }
 
-/// Whether the surface of a place may be level. A single line of points tells nothing.
+/// True if the surface of a cell may be level. A single line of points does not decide this.
 bool may_be_level(const Points& points, const std::vector<std::size_t>& cell, double max_lean) {
   if (cell.size() < kMinPointsOfCell) return true;
   PointMoments moments;
@@ -101,7 +105,7 @@ Points level_cells(const Points& points, double max_lean) {
   return result;
 }
 
-/// A floor goes on outward in some directions; a ring of points on walls does not.
+/// A floor extends outward in some directions; a ring of points on walls does not.
 bool extends_outward(const Points& points, const std::vector<std::size_t>& inliers) {
   std::array<double, kSectors> nearest;
   std::array<double, kSectors> farthest;
@@ -129,7 +133,7 @@ Points picked(const Points& points, const std::vector<std::size_t>& indices) {
   return result;
 }
 
-/// In base_link again.
+/// Converts back to base_link.
 PointCloud cloud_of(const Points& points_level, const Eigen::Quaterniond& R_level_base) {
   const Eigen::Matrix3d R_base_level = R_level_base.conjugate().toRotationMatrix();
   PointCloud cloud;

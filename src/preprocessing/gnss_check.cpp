@@ -24,12 +24,13 @@ constexpr double kMaxOffsetSigma = 0.02;  // s
 constexpr double kPriorArmSigma = 3.0;    // m, standard deviation
 constexpr double kMinArmError = 0.4;      // m
 constexpr double kSigmas = 5.0;
-constexpr Stamp kSectionDuration = from_seconds(2.0);  // over which speeds of fixes are taken
-constexpr double kMinSectionLength = 4.0;              // m
-constexpr double kMinScatterRatio = 8.0;               // times
+// interval over which the speeds of fixes are computed
+constexpr Stamp kSectionDuration = from_seconds(2.0);
+constexpr double kMinSectionLength = 4.0;  // m
+constexpr double kMinScatterRatio = 8.0;   // times
 constexpr std::size_t kMinSections = 10;
-constexpr double kMaxSigmaRatio = 3.0;      // times the sigma that the messages say
-constexpr double kUsualAcceleration = 1.0;  // m/s^2, which bends the way from fix to fix, too
+constexpr double kMaxSigmaRatio = 3.0;      // multiple of the sigma in the messages
+constexpr double kUsualAcceleration = 1.0;  // m/s^2, which also bends the path between fixes
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
@@ -45,14 +46,14 @@ double value_at(const std::vector<TimedValue>& values, Stamp stamp, double other
   return at == values.end() ? otherwise : at->value;
 }
 
-/// Steps from fix to fix: those that something drove, as speeds, and the jumps.
+/// Steps from fix to fix: those that a vehicle can make, as speeds, and the jumps.
 struct Steps {
   std::vector<TimedValue> speeds;
   std::size_t jumps = 0;
   double largest_jump = 0.0;
 };
 
-/// `scatter` is the fixes' noise as it was measured, m.
+/// `scatter` is the measured noise of the fixes, m.
 Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>& measured,
                double scatter) {
   Steps steps;
@@ -83,7 +84,7 @@ std::vector<TimedValue> speeds_of(const VelocityRecord& velocity) {
   return speeds;
 }
 
-/// Lets preprocessing judge the fixes.
+/// Processes the fixes as preprocessing does.
 void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
             const Extrinsics& extrinsics, const PreprocessingConfig& config, GnssTrack& track) {
   MotionSensors sensors(config, extrinsics);
@@ -104,8 +105,8 @@ void replay(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& 
   }
 }
 
-/// What the messages themselves say, without the floor: horizontal sigma, root mean square of both
-/// axes, m.
+/// The horizontal sigma of the messages themselves, without the lower bound, root mean square of
+/// both axes, m.
 double stated_sigma(const std::vector<GnssFix>& fixes) {
   std::vector<double> sigmas;
   for (const GnssFix& fix : fixes) {
@@ -131,7 +132,7 @@ void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
                          std::ceil(scatter.measured() * 10.0) / 10.0));
 }
 
-/// False if too little is known of the antenna to say anything about the stamps.
+/// False if too little is known of the antenna to check the stamps.
 bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
                    InputReport& report) {
   const AntennaFit::Result result = fit.result(kPriorArmSigma);

@@ -10,13 +10,14 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kSigmas = 3.0;
-constexpr double kTolerance = 0.5;             // m
-constexpr double kDriftFraction = 0.012;       // of the way since the last good fix
-constexpr double kMaxGrade = 0.12;             // height per way
-constexpr double kMaxSpeed = 70.0;             // m/s
-constexpr double kWindowLength = 60.0;         // m of way that is laid over the fixes
-constexpr double kMaxPathWithoutFix = 150.0;   // m; then the old fixes say nothing about the new
-constexpr double kMinMatchSpacing = 0.5;       // m of way between the fixes that count
+constexpr double kTolerance = 0.5;        // m
+constexpr double kDriftFraction = 0.012;  // of the path length since the last good fix
+constexpr double kMaxGrade = 0.12;        // height per path length
+constexpr double kMaxSpeed = 70.0;        // m/s
+constexpr double kWindowLength = 60.0;    // m, path length that is aligned with the fixes
+// m; after that the old fixes do not determine the new ones
+constexpr double kMaxPathWithoutFix = 150.0;
+constexpr double kMinMatchSpacing = 0.5;       // m, path length between the fixes that are used
 constexpr double kMinExtentForRotation = 5.0;  // m
 constexpr double kMinSigmasForRotation = 5.0;
 

@@ -10,12 +10,12 @@ namespace {
 
 constexpr Stamp kJumpBack = from_seconds(2.0);
 constexpr std::size_t kMaxPending = 200;
-constexpr double kMaxDeadReckoning = 10.0;  // s; dead reckoning beyond says little
+constexpr double kMaxDeadReckoning = 10.0;  // s; after that dead reckoning is too inaccurate
 constexpr double kMinDistanceOfOtherStart =
-    1000.0;  // m from the first fix; less mends itself on the way
+    1000.0;  // m from the first fix; a smaller error is corrected during the drive
 constexpr double kMaxDistanceOfAgreement = 20.0;  // m between two fixes
 constexpr double kMaxSpeed = 70.0;                // m/s
-constexpr double kMinDelayChange = 0.001;         // s; by less a correction is not changed
+constexpr double kMinDelayChange = 0.001;  // s; smaller changes of the correction are not applied
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
 
@@ -100,8 +100,7 @@ void GnssTrack::accept(PendingFix pending) {
   stream_.insert(pending.fix, frame_id_);
 }
 
-/// Whether the drive is there where this fix and the one before are, both refused, and not where
-/// the first fix says.
+/// True if this fix and the previous one, both rejected, show that the first fix was wrong.
 bool GnssTrack::confirms_other_start(const PendingFix& pending) const {
   if (accepted_count_ != 1 || !last_rejected_ || stream_.buffer().empty()) return false;
   const double off = (pending.fix.p_enu - stream_.buffer().newest().p_enu).norm();
@@ -110,7 +109,7 @@ bool GnssTrack::confirms_other_start(const PendingFix& pending) const {
   return off > kMinDistanceOfOtherStart && step < kMaxDistanceOfAgreement + kMaxSpeed * seconds;
 }
 
-/// Everything is forgotten that came from the first fix, and the frame begins anew.
+/// Discards everything that came from the first fix; the frame begins again.
 void GnssTrack::restart_from(PendingFix first, PendingFix& second, const MotionSensors& sensors) {
   const double off = (first.fix.p_enu - stream_.buffer().newest().p_enu).norm();
   diagnostics_.warn("start",
@@ -165,7 +164,7 @@ Eigen::Vector3d GnssTrack::lever_arm() const {
   return T_base_antenna ? T_base_antenna->translation : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-/// In the axes of dead reckoning; nothing where that does not go on to this fix.
+/// In the axes of dead reckoning; empty if dead reckoning has no pose at this fix.
 std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
                                                            const MotionSensors& sensors) const {
   const auto T_dr_base = gate_.dead_reckoning();

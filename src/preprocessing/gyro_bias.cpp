@@ -7,12 +7,13 @@ namespace {
 
 constexpr Stamp kWindow = from_seconds(1.0);
 constexpr std::size_t kMinSamples = 8;
-/// One a second: more than a minute, which no scan waits for.
+/// One estimate per second: this is more than a minute, longer than any scan waits.
 constexpr std::size_t kMaxEstimates = 64;
 constexpr double kMaxRateDeviation = 0.01;          // rad/s, standard deviation
 constexpr double kMaxAccelerationDeviation = 0.15;  // m/s^2, standard deviation; engines shake more
-constexpr double kMaxBias = 0.05;                   // rad/s where the velocity vouches for standing
-constexpr double kMaxBiasWithoutVelocity = 0.02;    // rad/s: a wide bend turns as slowly
+constexpr double kMaxBias = 0.05;  // rad/s, if the velocity confirms the standstill
+// rad/s: in a wide bend the vehicle turns as slowly
+constexpr double kMaxBiasWithoutVelocity = 0.02;
 
 struct Moments {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -48,7 +49,7 @@ void GyroBias::update(std::optional<bool> standing) {
       rate.mean.norm() > max_bias) {
     return;
   }
-  // A bias drifts over minutes: a window of a second counts for a quarter.
+  // A bias drifts over minutes: a window of one second has a weight of a quarter.
   const Eigen::Vector3d bias =
       estimates_.empty() ? rate.mean
                          : Eigen::Vector3d(0.75 * estimates_.back().bias + 0.25 * rate.mean);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMinSectionLength = 5.0;    // m
 constexpr double kMinSigmasOfSection = 8.0;  // course good to about 10 degrees
-constexpr double kMaxTurning = 0.35;         // rad of turning within a stretch
+constexpr double kMaxTurning = 0.35;         // rad of turning within a section
 constexpr double kAgreement = 15.0 * kRadPerDeg;
 constexpr double kContradiction = 30.0 * kRadPerDeg;
 constexpr int kMinCount = 3;

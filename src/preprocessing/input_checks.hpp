@@ -19,7 +19,7 @@ using VelocityRecord = SensorRecord<VelocitySample>;
 
 struct PointsRecord {
   TopicStatistics topic;
-  CloudSummary cloud;  ///< the last with points
+  CloudSummary cloud;  ///< the last cloud with points
   SweepSeam seam;
   std::vector<double> delays;  ///< s from the stamps to the deliveries
 };
@@ -27,12 +27,12 @@ struct PointsRecord {
 struct GnssRecord {
   TopicStatistics topic;
   SensorRecord<GnssFix> usable;
-  std::map<std::string, std::size_t> rejected;  ///< how often, for what
+  std::map<std::string, std::size_t> rejected;  ///< number of fixes for each reason
   bool covariance_known = true;
 };
 
-// What the sensors sent, in a line each, and what is wrong with it. Offsets and units are found by
-// comparison with the velocity, where there is one.
+// Each check returns a line about the data of its sensor, and their problems. Time offsets and
+// units are found by comparison with the velocity, if there is one.
 
 InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
                   const PreprocessingConfig& config);
@@ -43,11 +43,12 @@ InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
 InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRecord& velocity,
                   const ExtrinsicLookup& lookup, const PreprocessingConfig& config);
 
-/// How many times the speeds of the fixes the measured ones are; nothing where too little moved.
+/// Ratio of the measured speeds to the speeds of the fixes; empty if the vehicle moved too little.
 std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
                                   const PreprocessingConfig& config);
 
-/// A fault if the offset is large and well known; `parameter` takes it away.
+/// Adds a fault if the offset is large and significant; `parameter` is the parameter that corrects
+/// it.
 void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
                   InputReport& report);
 

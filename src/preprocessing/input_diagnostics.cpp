@@ -10,7 +10,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr Stamp kOtherClock = from_seconds(10.0);  // no sensor is as late as that
+constexpr Stamp kOtherClock = from_seconds(10.0);  // no sensor has such a delay
 
 }  // namespace
 

@@ -12,10 +12,10 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// What is to be said of the inputs while they are brought together, each subject once.
+/// Messages about the inputs while they are synchronised. Each subject is reported once.
 class InputDiagnostics : public DiagnosticLog {
  public:
-  /// How the motion during the scans is taken out.
+  /// Reports how the motion during the scans is compensated.
   void motion(MotionSource source, bool has_times);
   void time_went_back(const std::string& input, Stamp jump);
   void stray_stamp(const std::string& input, Stamp jump);
@@ -28,8 +28,8 @@ class InputDiagnostics : public DiagnosticLog {
   void rejected_acceleration(const std::string& sentence);
   void rejected_velocity(VelocityProblem problem, const std::string& sentence);
   void missing_transform(const std::string& input, const std::string& frame_id);
-  /// Of a sensor that is there (`newest` is what it sent last), but gives no value at `stamp`: why,
-  /// where that is not a mere gap.
+  /// Reports why a sensor that is present has no value at `stamp`, unless this is a mere gap.
+  /// `newest` is the stamp of its last sample.
   template <typename Sample>
   void no_value(const SensorStream<Sample>& stream, Stamp newest, Stamp stamp,
                 const Extrinsics& extrinsics) {

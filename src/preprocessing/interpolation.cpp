@@ -6,10 +6,10 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kMaxSpeed = 200.0;          // m/s
-constexpr double kMaxTurnRate = 5000.0;      // rad/s; also as degrees more than any gyro measures
+constexpr double kMaxTurnRate = 5000.0;      // rad/s; even as degrees/s more than any gyro measures
 constexpr double kMaxAcceleration = 5000.0;  // m/s^2
 
-/// Share of the way from a to b, 0 for equal stamps. The difference is taken in integers.
+/// Fraction of the time from a to b, 0 for equal stamps. The difference is computed in integers.
 double fraction(Stamp a, Stamp b, Stamp stamp) {
   return a == b ? 0.0 : static_cast<double>(stamp - a) / static_cast<double>(b - a);
 }

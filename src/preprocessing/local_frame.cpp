@@ -12,13 +12,13 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Of a vehicle in traffic.
+// Acceleration and jerk of a vehicle in traffic.
 constexpr double kAcceleration = 2.0;  // m/s^2
 constexpr double kJerk = 2.0;          // m/s^3
-/// Of three fixes the first two are no nearer together than this share of the distance of the last
-/// two: else their noise would be magnified.
+/// Smallest distance in time between the first two of three fixes, as a fraction of that between
+/// the last two: otherwise their noise would be amplified.
 constexpr double kMinStepRatio = 0.5;
-constexpr double kMaxHeight = 12000.0;  // m; nobody maps above the airliners
+constexpr double kMaxHeight = 12000.0;  // m; above the altitude of airliners
 constexpr double kMinHeight = -2000.0;  // m
 
 bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
@@ -34,8 +34,8 @@ Eigen::Matrix3d diagonal(double sigma_xy, double sigma_z) {
   return Eigen::Vector3d(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z).asDiagonal();
 }
 
-/// The reported covariance, made symmetric, raised to the floor; one of its own where it is
-/// unknown.
+/// The reported covariance, made symmetric and not smaller than the lower bound; a configured one
+/// if it is unknown.
 Eigen::Matrix3d bounded_covariance(const GnssFix& fix, const PreprocessingConfig& config) {
   if (!fix.covariance || !is_usable_covariance(*fix.covariance)) {
     return diagonal(config.gnss_unknown_sigma_xy, config.gnss_unknown_sigma_z);
@@ -55,7 +55,8 @@ std::string text(const char* format, double value, double limit) {
 
 LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   const double f = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
-  // Errors of neighbouring fixes are far from independent: the mean is not better than its parts.
+  // The errors of neighbouring fixes are strongly correlated, so the mean is not more accurate than
+  // its parts.
   return {stamp, a.p_enu + f * (b.p_enu - a.p_enu), (1.0 - f) * a.covariance + f * b.covariance,
           std::min(a.status, b.status)};
 }

@@ -14,7 +14,8 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Turning about the vertical of base_link, or about the sensor's where its place is not known.
+/// Angular velocity about the vertical of base_link, or about the sensor's own z axis if its pose
+/// is not known.
 template <typename Sample, typename Rate>
 std::vector<TimedValue> turning(const std::vector<Sample>& samples, Rate Sample::*rate,
                                 const std::optional<Pose>& T_base_sensor) {
@@ -25,7 +26,7 @@ std::vector<TimedValue> turning(const std::vector<Sample>& samples, Rate Sample:
   return result;
 }
 
-/// Slope of the line through the origin that leads from x to y, at equal stamps (interpolated).
+/// Slope of the line through the origin that fits y over x, at equal stamps.
 std::optional<double> ratio(const std::vector<TimedValue>& y, const std::vector<TimedValue>& x) {
   double xx = 0.0, xy = 0.0, yy = 0.0;
   std::size_t i = 0;
@@ -37,7 +38,7 @@ std::optional<double> ratio(const std::vector<TimedValue>& y, const std::vector<
     yy += value.value * value.value;
   }
   const bool moves = xx > 1e-3 * static_cast<double>(y.size());
-  if (!moves || xy * xy < 0.5 * xx * yy) return std::nullopt;  // not the same course
+  if (!moves || xy * xy < 0.5 * xx * yy) return std::nullopt;  // not the same signal
   return xy / xx;
 }
 
@@ -55,7 +56,7 @@ double max_turn_rate(const std::vector<ImuSample>& samples) {
   return fastest;
 }
 
-/// `mean` is that of the accelerations as they are sent, `gravity` its length in m/s^2.
+/// `mean` is the mean acceleration as sent, `gravity` is its length in m/s^2.
 void check_gravity(const Eigen::Vector3d& mean, double gravity,
                    const std::optional<Pose>& T_base_imu, InputReport& report) {
   if (gravity > 0.9 && gravity < 1.1) {

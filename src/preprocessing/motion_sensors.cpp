@@ -14,17 +14,17 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kMaxStandingSpeed = 0.05;  // m/s
-/// A shock is shorter than so many samples.
+/// A shock is shorter than this number of samples.
 constexpr int kMaxShockSamples = 20;
 constexpr double kMinTurnRate = 0.02;  // rad/s; above the noise of gyros
-/// A gyro in degrees/s shows 57 times the turning of the velocity.
+/// A gyro in degrees/s gives 57 times the rate of the velocity.
 constexpr double kMaxTurnRatio = 20.0;
-/// A velocity that is filtered shows a turn later than the gyro, but not as much later.
+/// A filtered velocity shows a turn later than the gyro, but not later than this.
 constexpr Stamp kMaxLag = from_seconds(0.5);
-/// At the ends of a scan the nearest sample may stand in for this long.
+/// At the ends of a scan the nearest sample is used if its distance is not larger than this.
 constexpr Stamp kMaxExtrapolation = from_seconds(0.02);
 
-/// The value at `stamp`; just outside of the samples the nearest one, never farther.
+/// The value at `stamp`; just outside of the samples the nearest one, but not farther away.
 template <typename Sample>
 std::optional<Sample> value_near(const SensorStream<Sample>& stream, Stamp stamp) {
   if (const auto pair = stream.around(stamp)) {
@@ -103,7 +103,7 @@ void MotionSensors::update(const ImuSample& sample) {
   }
 }
 
-/// Whether its rates, with those before, are none that a vehicle turns with.
+/// True if its rates, together with the previous ones, are not possible for a vehicle.
 bool MotionSensors::is_implausible(const ImuSample& sample) {
   fast_samples_ = sample.angular_velocity.norm() > kMaxVehicleTurnRate ? fast_samples_ + 1 : 0;
   if (!exceeds_velocity_turn_rate(sample)) {
@@ -115,7 +115,7 @@ bool MotionSensors::is_implausible(const ImuSample& sample) {
          (exceeds_since_ && sample.stamp - *exceeds_since_ > kMaxLag);
 }
 
-/// Whether the vehicle turns far more by the gyro than by the velocity.
+/// True if the gyro's rate is much larger than that of the velocity.
 bool MotionSensors::exceeds_velocity_turn_rate(const ImuSample& sample) const {
   const VelocitySample* velocity = velocity_.buffer().up_to(sample.stamp);
   if (!velocity_turns(sample.stamp) || !velocity || sample.stamp > velocity->stamp + kMaxLag) {
@@ -171,7 +171,7 @@ std::optional<Eigen::Vector3d> MotionSensors::turning(const ImuSample& sample,
   return sample.angular_velocity - bias;
 }
 
-/// Its acceleration is one that can be believed.
+/// True if its acceleration is plausible.
 bool MotionSensors::has_valid_acceleration(const ImuSample& sample) const {
   return sample.has_linear_acceleration && accelerations_.problem() == AccelerationProblem::kNone &&
          !acceleration_limits_.reaches_limit(sample.linear_acceleration);
@@ -182,7 +182,7 @@ std::optional<FeltForce> MotionSensors::mean_force_between(Stamp begin, Stamp en
   const auto first = imu_.around(begin);
   const auto last = imu_.around(end);
   if (!T_base_imu || !first || !last || begin >= end) return std::nullopt;
-  // Straight lines between the samples.
+  // The force is linear between the samples.
   ImuSample before = interpolated(*first->first, *first->second, begin);
   bool is_complete = has_valid_acceleration(before);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -212,7 +212,8 @@ std::optional<VelocitySample> MotionSensors::measured_velocity_at(Stamp stamp) c
   if (!T_base_velocity) return std::nullopt;
   VelocitySample sample = interpolated(*pair->first, *pair->second, stamp);
   if (!velocity_turns(stamp)) {
-    // Only the speed was measured; the lever arm needs the turning, which the gyro knows.
+    // Only the speed was measured; the lever arm needs the angular velocity, which the gyro
+    // measures.
     if (const auto imu = imu_at(stamp); imu && imu->has_angular_velocity) {
       sample.angular = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
     }
@@ -242,7 +243,7 @@ VelocityProblem MotionSensors::velocity_problem(Stamp stamp) const {
 VelocityProblem MotionSensors::problem_of(const VelocitySample& velocity) const {
   const VelocityProblem problem = velocity_check_.problem(velocity.linear);
   if (problem != VelocityProblem::kAside) return problem;
-  // Its sensor may be mounted askew: then it points ahead in base_link.
+  // Its sensor may be mounted at an angle: then the velocity points ahead in base_link.
   const Eigen::Quaterniond R_base_velocity = extrinsics_.T_base(velocity_.frame_id())->rotation;
   return velocity_check_.problem(R_base_velocity * velocity.linear);
 }

@@ -13,10 +13,11 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr std::size_t kSamplePoints = 2000;  // points that are counted for a candidate
-constexpr int kCandidates = 200;  // at half the points on the floor, one in eight is pure
+// if half of the points lie on the floor, one in eight candidates has only such points
+constexpr int kCandidates = 200;
 constexpr std::uint32_t kSeed = 20220613;
 
-/// Every n-th point, so that all parts are heard.
+/// Every n-th point, so that all parts of the cloud are represented.
 std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points) {
   const std::size_t stride = points.size() / kSamplePoints + 1;
   std::vector<Eigen::Vector3d> result;

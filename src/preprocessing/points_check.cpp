@@ -11,16 +11,17 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kMaxMissingPeriods = 3.5;  // periods without a scan
-constexpr double kMinDelay = 0.001;         // s; nearer to their stamps clouds were not delivered
-/// Of the span of a scan, from its stamp to its delivery: one that was stamped at its start, in its
-/// middle or at its end comes after 1, 0.5 or 0 at the earliest.
+constexpr double kMinDelay = 0.001;         // s; a cloud cannot be delivered sooner after its stamp
+/// Time from the stamp of a scan to its delivery, as a fraction of the scan's span. A scan that was
+/// stamped at its start, in its middle or at its end is delivered after 1, 0.5 or 0 at the
+/// earliest.
 constexpr double kMaxDelayOfMiddle = 0.8;
 constexpr double kMaxDelayOfEnd = 0.4;
 
-/// About a turn.
+/// True if the span is about one turn.
 bool fits(double span, double period) { return span >= 0.5 * period && span <= 1.5 * period; }
 
-/// The span is a turn if it is what the parameter says or what passes from scan to scan.
+/// The span is one turn if it agrees with the parameter or with the time from scan to scan.
 void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
   if (fits(span, config.scan_period)) return;
   const std::string problem =
@@ -53,8 +54,9 @@ void check_times(const CloudSummary& cloud, double rate, const PreprocessingConf
   }
 }
 
-/// A cloud cannot be delivered before its last point was measured: one that was has its stamp later
-/// than at the start. Recordings that were made with the stamps as times of delivery say nothing.
+/// A cloud cannot be delivered before its last point was measured. If the delivery is too early for
+/// a stamp at the start, the stamp was set later. Recordings whose stamps are the times of delivery
+/// cannot be checked.
 void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
                   InputReport& report) {
   const CloudSummary& cloud = points.cloud;

@@ -111,7 +111,8 @@ class Preprocessor::Impl {
     return true;
   }
 
-  /// Inserts what has this stamp; where time has gone back, after everything before was forgotten.
+  /// Inserts the datum with this stamp; if time has gone back, everything from before is discarded
+  /// first.
   template <typename Insert>
   bool insert_or_reset(const std::string& input, Stamp stamp, const Insert& insert) {
     Insertion insertion = insert();
@@ -168,7 +169,7 @@ class Preprocessor::Impl {
     return result;
   }
 
-  /// What the other sensors say of that instant.
+  /// The values of the other sensors at that instant.
   SyncedScan values_at(Stamp stamp) {
     sensors_.give_up_silent_sensors();
     gnss_.give_up_if_silent();
@@ -221,7 +222,7 @@ class Preprocessor::Impl {
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {
       measured = sensors_.motion(scan.raw.stamp, scan.span, T_base_lidar.translation);
-      // The rate of an instant is not that of the sweep.
+      // The rate at one instant is not the mean rate of the sweep.
       if (measured.source == MotionSource::kNone && synced.imu) {
         synced.imu->has_angular_velocity = false;
       }
@@ -238,7 +239,8 @@ class Preprocessor::Impl {
     return without_outliers(downsampled(std::move(cloud), config_), config_);
   }
 
-  /// The front end knows the way of the LiDAR, but takes its turning as uniform.
+  /// The front end estimates the motion of the LiDAR, but assumes a uniform rotation during the
+  /// sweep.
   static void leave_uniform_turning(ScanMotion& motion, SyncedScan& synced) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
     motion = without_uniform_turning(motion, omega);
@@ -256,8 +258,8 @@ class Preprocessor::Impl {
   Stamp latency_;
   StampGuard scan_guard_, imu_guard_, velocity_guard_, gnss_guard_;
   ScanQueue queue_;
-  Stamp newest_ = 0;      ///< the time that the data have reached
-  Stamp last_stamp_ = 0;  ///< of the scan before
+  Stamp newest_ = 0;      ///< the latest time of all data
+  Stamp last_stamp_ = 0;  ///< of the previous scan
   PreprocessingCounters counters_;
   InputDiagnostics diagnostics_;
 };

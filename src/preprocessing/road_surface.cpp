@@ -17,14 +17,16 @@ namespace {
 
 constexpr int kPlaneIterations = 5;
 constexpr int kSurfaceIterations = 3;
-constexpr double kFlatCurvatureSigma = 1e-9;     // 1/m, standard deviation that leaves a plane
+// 1/m, standard deviation with which the surface stays a plane
+constexpr double kFlatCurvatureSigma = 1e-9;
 constexpr double kCurvatureSigma = 1.0 / 300.0;  // 1/m, standard deviation: crests of slow streets
-constexpr double kPatchSize = 1.0;               // m: errors of nearer points are alike
-constexpr double kMinHeightSigma = 0.01;  // m, of heights: roads are not flat to the millimetre
-constexpr double kMinSpread = 0.25;       // m^2: points on a line leave one rotation open
+constexpr double kPatchSize = 1.0;               // m: the errors of nearer points are equal
+// m, lower bound for heights: roads are not flat to the millimetre
+constexpr double kMinHeightSigma = 0.01;
+constexpr double kMinSpread = 0.25;  // m^2: points on a line do not determine one rotation
 
-/// Weighted sums over points, of which all that follows is made. Thirteen sums stay in registers; a
-/// matrix would go through memory with each point.
+/// Weighted sums over points, from which everything else is computed. Thirteen scalar sums stay in
+/// registers; a matrix would be read and written in memory for each point.
 class Moments {
  public:
   void add(const Eigen::Vector3d& p, double weight) {
@@ -54,7 +56,7 @@ class Moments {
     return eigen.eigenvalues()[0] >= kMinSpread;
   }
 
-  /// Normal equations of RoadSurface's parameters: of heights z = (y, -x, 1, x^2 / 2) parameters.
+  /// Normal equations of RoadSurface's parameters, for heights z = (y, -x, 1, x^2 / 2) parameters.
   Eigen::Matrix4d information() const {
     Eigen::Matrix4d result;
     result << yy_, -xy_, y_, 0.5 * xxy_,  //
@@ -71,7 +73,7 @@ class Moments {
   double z_ = 0.0, xz_ = 0.0, yz_ = 0.0, xxz_ = 0.0;
 };
 
-/// The weights go to zero at `scale`, the curvature is held to zero with `curvature_sigma`.
+/// The weights become zero at `scale`. A prior keeps the curvature at zero with `curvature_sigma`.
 std::optional<RoadSurface> weighted_surface(const std::vector<Eigen::Vector3d>& points,
                                             const RoadSurface& around, double scale,
                                             double curvature_sigma) {
@@ -95,7 +97,7 @@ std::vector<std::size_t> near(const std::vector<Eigen::Vector3d>& points,
   return result;
 }
 
-/// Points of a patch share their error: each patch counts as one measurement of the mean.
+/// The points of a patch have a common error: each patch counts as one measurement.
 Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& points,
                               const std::vector<std::size_t>& inliers, const RoadSurface& surface) {
   std::set<std::pair<int, int>> patches;
@@ -135,7 +137,7 @@ std::optional<RoadFit> fit_road(const std::vector<Eigen::Vector3d>& points, cons
   RoadFit fit{RoadSurface(start), Eigen::Matrix3d::Identity(), {}};
   for (int step = 0; step < kPlaneIterations + kSurfaceIterations; ++step) {
     const bool is_plane = step < kPlaneIterations;
-    // A pavement within reach of a plane would bend the surface up to it.
+    // With the full tolerance, a pavement within reach would bend the surface up to it.
     const auto better = weighted_surface(points, fit.surface, is_plane ? tolerance : tolerance / 2,
                                          is_plane ? kFlatCurvatureSigma : kCurvatureSigma);
     if (!better) return std::nullopt;

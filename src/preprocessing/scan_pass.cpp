@@ -16,11 +16,11 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Points without an echo lie in the sensor's origin; no LiDAR measures a centimetre.
+/// Points without an echo lie at the sensor's origin; no LiDAR measures a range of a centimetre.
 constexpr float kMinRange = 0.01F;
 
-/// Slots to a step of the motion: turning at 1 rad/s, a straight line is off by 1e-7 rad in the
-/// middle of 1 ms.
+/// Time slots per step of the motion: at 1 rad/s, the error of a straight line in the middle of 1
+/// ms is 1e-7 rad.
 constexpr int kSlotsPerStep = 2;
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
@@ -35,7 +35,7 @@ std::vector<MotionSlot> identity_slots() {
   return slots;
 }
 
-/// The chord between two places that a small turning lies between.
+/// The linear motion between two poses with a small rotation between them.
 MotionSlot slot_between(const Matrix34& begin, const Matrix34& end) {
   const Matrix34 middle = 0.5 * (begin + end);
   const Matrix34 change = end - begin;
@@ -56,7 +56,8 @@ Matrix34 matrix_of(const Pose& pose) {
   return matrix;
 }
 
-/// interpolate(a, b, 0.5) without its arc cosine: the mean of two quaternions lies halfway.
+/// interpolate(a, b, 0.5) without its arc cosine: the normalised mean of two quaternions lies
+/// halfway.
 Pose halfway(const Pose& a, const Pose& b) {
   const double sign = a.rotation.dot(b.rotation) < 0.0 ? -1.0 : 1.0;
   Pose middle;
@@ -65,7 +66,7 @@ Pose halfway(const Pose& a, const Pose& b) {
   return middle;
 }
 
-/// Of the sensor itself, in its axes.
+/// The motion of the sensor itself, in its own axes.
 std::vector<MotionSlot> slots_of(const ScanMotion& motion,
                                  const Eigen::Quaterniond& R_base_sensor) {
   std::vector<MotionSlot> slots;

@@ -9,7 +9,7 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr std::size_t kMaxLength = 30;          // scans
-constexpr Stamp kJumpBack = from_seconds(2.0);  // the recording has begun anew
+constexpr Stamp kJumpBack = from_seconds(2.0);  // the recording has started again
 
 }  // namespace
 

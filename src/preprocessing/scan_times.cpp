@@ -14,9 +14,9 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// No spinning sensor turns slower than this, whatever scan_period says.
+/// No spinning sensor turns slower than this, whatever scan_period is.
 constexpr double kMaxScanDuration = 0.6;  // s
-/// Relative to the period: the first column of a scan may be this much before its start.
+/// As a fraction of the period: the first column of a scan may be this much before its start.
 constexpr double kSlack = 0.02;
 
 std::string implausible(const TimeSpan& span, const PreprocessingConfig& config) {
@@ -28,7 +28,7 @@ std::string implausible(const TimeSpan& span, const PreprocessingConfig& config)
   return text;
 }
 
-/// How much earlier than the scan's start-based time a time based on its stamp is.
+/// Offset between times relative to the scan's start and times relative to its stamp.
 double start_to_stamp(const PreprocessingConfig& config) {
   switch (config.scan_stamp) {
     case ScanStamp::kStart:
@@ -44,7 +44,7 @@ double start_to_stamp(const PreprocessingConfig& config) {
 constexpr std::size_t kLanes = 4;
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 
-/// Lane by lane; comparisons are false for NaN.
+/// Computes lane by lane; comparisons with NaN are false.
 class Extremes {
  public:
   Extremes(float first, float last) : first_(Floats{} + first), last_(Floats{} + last) {}
@@ -75,7 +75,7 @@ class Extremes {
 }  // namespace
 
 void TimeSpanFinder::add(const float* times, std::size_t count) {
-  // Two at a time hide how long a comparison takes.
+  // Two independent chains hide the latency of a comparison.
   Extremes even{first_, last_}, odd{first_, last_};
   std::size_t i = 0;
   for (; i + 2 * kLanes <= count; i += 2 * kLanes) {

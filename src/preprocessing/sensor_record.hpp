@@ -11,16 +11,16 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// A sentence as printf makes it.
+/// Formats a text like printf.
 __attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
 
-/// The frame as tf2 knows it: without a leading slash.
+/// The name of the frame as tf2 uses it: without a leading slash.
 std::string without_leading_slash(const std::string& frame_id);
 
-/// What the headers of a topic say.
+/// Statistics of the headers of a topic.
 struct TopicStatistics {
   std::size_t count = 0;
-  std::size_t backward = 0;  ///< stamps that are not later than all before
+  std::size_t backward = 0;  ///< stamps that are not later than all previous ones
   Stamp first = 0;
   Stamp newest = 0;
   Stamp longest_gap = 0;
@@ -32,7 +32,7 @@ struct TopicStatistics {
   std::string frame() const { return without_leading_slash(frame_id); }
 };
 
-/// Messages of a sensor: their flow and, up to a limit, those whose values can be used.
+/// The messages of a sensor: statistics of their headers and, up to a limit, the usable samples.
 template <typename Sample>
 struct SensorRecord {
   static constexpr std::size_t kMostKept = 50000;
@@ -45,7 +45,7 @@ struct SensorRecord {
   }
 };
 
-/// The report of an input as far as its headers go: rate, frame, transform, stamps.
+/// Checks the headers of an input: rate, frame, transform, stamps.
 InputReport check_headers(const std::string& input, const TopicStatistics& topic,
                           const ExtrinsicLookup& lookup);
 

@@ -8,11 +8,12 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Tells a stray stamp from a time that has jumped: a jump counts when the next stamp confirms it.
+/// Distinguishes a single wrong stamp from a jump of time: a jump is accepted when the next stamp
+/// confirms it.
 class StampGuard {
  public:
-  /// `now` is the time that all inputs together have reached. False for a stamp that is far from it
-  /// and from all before, until the next one confirms it.
+  /// `now` is the latest time of all inputs. Returns false for a stamp that is far from it and from
+  /// all previous stamps, until the next stamp confirms it.
   bool accepts(Stamp stamp, Stamp now) {
     if (!newest_ || follows(*newest_, stamp) || (stamp > *newest_ && follows(now, stamp))) {
       newest_ = std::max(newest_.value_or(stamp), stamp);
@@ -26,12 +27,12 @@ class StampGuard {
     return true;
   }
 
-  /// The newest one that was accepted, 0 if there was none.
+  /// The newest accepted stamp; 0 if there is none.
   Stamp newest() const { return newest_.value_or(0); }
 
  private:
   static bool follows(Stamp before, Stamp stamp) {
-    constexpr Stamp kMaxBackward = from_seconds(2.0);  // later than any network
+    constexpr Stamp kMaxBackward = from_seconds(2.0);  // longer than any network delay
     constexpr Stamp kMaxForward = from_seconds(10.0);
     return stamp >= before - kMaxBackward && stamp <= before + kMaxForward;
   }

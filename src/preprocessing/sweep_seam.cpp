@@ -9,13 +9,13 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr std::size_t kMaxPoints = 400;  // points at the end of a sweep
-constexpr float kMinRange = 3.0F;        // m; nearer there is the vehicle
-constexpr float kMaxRange = 50.0F;       // m; farther the neighbours are too far apart
+constexpr float kMinRange = 3.0F;        // m; nearer points belong to the vehicle
+constexpr float kMaxRange = 50.0F;       // m; beyond, neighbouring points are too far apart
 constexpr float kMinDifference = 0.15F;  // m
 constexpr float kMaxGap = 0.4F;          // m
 constexpr std::size_t kMinPoints = 4;
 constexpr std::size_t kMinScans = 10;
-constexpr double kMaxPause = 1.5;  // spans of a sweep
+constexpr double kMaxPause = 1.5;  // in units of the span of a sweep
 
 float distance_to(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& point) {
   float nearest_squared = std::numeric_limits<float>::max();
@@ -24,7 +24,8 @@ float distance_to(const std::vector<Eigen::Vector3f>& points, const Eigen::Vecto
   return std::sqrt(nearest_squared);
 }
 
-/// Points at the end of a sweep that join one beginning clearly better than the other.
+/// Number of points at the end of a sweep that fit the beginning of one sweep clearly better than
+/// that of the other.
 struct Votes {
   std::size_t own = 0;
   std::size_t next = 0;

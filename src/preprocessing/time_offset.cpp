@@ -9,7 +9,7 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kMaxGap = 0.25;        // s between values of the reference
-constexpr double kSlopeInterval = 0.2;  // s over which a slope is taken: noise is not a course
+constexpr double kSlopeInterval = 0.2;  // s over which a slope is computed, to reduce noise
 constexpr std::size_t kMinValues = 100;
 
 std::optional<double> value_at(const std::vector<TimedValue>& values, Stamp stamp) {

@@ -13,15 +13,16 @@ namespace {
 
 constexpr double kMaxGap = 1.0;                // s between scans or fixes
 constexpr double kTurnDuration = 1.0;          // s
-constexpr double kMinSpeedForDirection = 2.0;  // m/s, from which on a direction means something
+constexpr double kMinSpeedForDirection = 2.0;  // m/s; at lower speeds the direction is not reliable
 constexpr double kMinSquaredTurning =
     0.5;  // rad^2, sum of squares: a bend of 90 degrees in three seconds
-constexpr double kForgetting = 0.98;          // of it, from one turn to the next
+constexpr double kForgetting = 0.98;          // factor of the old sums for each new turn
 constexpr double kMinSectionLength = 2.0;     // m
-constexpr double kMinSigmasOfSection = 20.0;  // for a scale good to a tenth
+constexpr double kMinSigmasOfSection = 20.0;  // for a scale accurate to a tenth
 constexpr double kMaxSectionDuration = 20.0;  // s
 constexpr std::size_t kSections = 5;
-constexpr double kMaxScaleDifference = 0.2;  // of the scale, by which the middle ones may differ
+// of the scale, largest difference of the middle values
+constexpr double kMaxScaleDifference = 0.2;
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
@@ -72,7 +73,7 @@ void VelocityCheck::add_fix(const LocalFix& fix, double speed) {
   section_ = Section{fix, fix.stamp, 0.0};
 }
 
-/// The median, where the others agree with it; jumps of fixes do not.
+/// The median, if the other values agree with it; jumps of fixes do not agree.
 std::optional<double> VelocityCheck::consistent_scale() const {
   if (scales_.size() < kSections) return std::nullopt;
   std::array<double, kSections> sorted{};
@@ -86,8 +87,8 @@ std::optional<double> VelocityCheck::consistent_scale() const {
 VelocityProblem VelocityCheck::problem(const Eigen::Vector3d& velocity) const {
   const auto scale = consistent_scale();
   if (scale && !is_true_scale(*scale)) return VelocityProblem::kUnit;
-  // In axes that stay where they are the direction turns by as much as the vehicle, in its own not
-  // at all; a flying one that yaws on a straight way sees it turn back.
+  // In fixed axes the direction rotates by the same angle as the vehicle, in the vehicle's own axes
+  // not at all. For a flying vehicle that yaws on a straight path it rotates back.
   if (squared_angles_ > kMinSquaredTurning) {
     return angle_products_ > 0.5 * squared_angles_ ? VelocityProblem::kAxes
                                                    : VelocityProblem::kNone;
