@@ -80,7 +80,7 @@ BaseFrame border() {
   return frame;
 }
 
-TEST(BaseFrame, GivesTheTwistWithWhichBaseLinkMoves) {
+TEST(BaseFrame, ConvertsTheTwistToBaseLink) {
   const BaseFrame frame = border();
   FrontEndResult now = some_result();
   FrontEndResult later = now;
@@ -90,7 +90,7 @@ TEST(BaseFrame, GivesTheTwistWithWhichBaseLinkMoves) {
   EXPECT_LT(difference(moved(now.T_odom_base, now.twist, 0.3), expected).norm(), 1e-9);
 }
 
-TEST(BaseFrame, GivesTheCovarianceOfBaseLinksMotion) {
+TEST(BaseFrame, ConvertsTheCovarianceToBaseLink) {
   const BaseFrame frame = border();
   const FrontEndResult of_sensor = some_result();
   const FrontEndResult of_base = frame.of_base(of_sensor);
@@ -104,7 +104,7 @@ TEST(BaseFrame, GivesTheCovarianceOfBaseLinksMotion) {
   EXPECT_LT((of_base.covariance - J * of_sensor.covariance * J.transpose()).norm(), 1e-5);
 }
 
-TEST(BaseFrame, MeasuredVelocitiesGoOverTheLeverArm) {
+TEST(BaseFrame, ConvertsVelocitiesWithTheLeverArm) {
   const BaseFrame frame = border();
   const FrontEndResult of_base = frame.of_base(some_result());
   const Eigen::Vector3d v = some_result().twist.head<3>();
@@ -144,7 +144,7 @@ TEST(BaseFrame, KeyFramesAreInBaseLink) {
 }
 
 // What the gyro took out of a scan, and what the accelerometer felt, go over the border, too.
-TEST(BaseFrame, TurnsGyroAndAccelerometerIntoTheLidarsAxes) {
+TEST(BaseFrame, RotatesGyroAndAccelerometerIntoTheLidarsAxes) {
   const Pose T_base_sensor{exp_so3({0.1, -0.4, 1.2}), {1.0, -0.5, 1.8}};
   BaseFrame frame;
   frame.set_sensor_pose(T_base_sensor);

@@ -111,7 +111,7 @@ Outcome follow(const simulation::Drive& drive) {
 }
 
 // Each scan of a sensor with few beams turned by a degree or two, and the next one back.
-TEST(CarriedDrive, StepsTurnRightlyWithAGyro) {
+TEST(CarriedDrive, StepsRotateCorrectlyWithAGyro) {
   for (const char* name : {"legged", "spin", "handheld"}) {
     SCOPED_TRACE(name);
     const Outcome outcome = follow(carried_drive(name, 12.0));
@@ -123,7 +123,7 @@ TEST(CarriedDrive, StepsTurnRightlyWithAGyro) {
   }
 }
 
-TEST(CarriedDrive, AGyroThatIsWrongIsFoundOut) {
+TEST(CarriedDrive, WrongGyroIsDetected) {
   for (const char* fault : {"imu_frame", "imu_units=degrees"}) {
     SCOPED_TRACE(fault);
     const Outcome outcome = follow(carried_drive("running", 12.0, fault));
@@ -140,7 +140,7 @@ double error_without_imu(const simulation::Drive& drive) {
 
 // Scans were bent by it until it was found out and even then, and predicted by it at its limit:
 // metres off where the LiDAR alone is off by centimetres.
-TEST(CarriedDrive, AGyroThatIsWrongDoesNoHarm) {
+TEST(CarriedDrive, WrongGyroIsHarmless) {
   for (const char* fault : {"imu_units=degrees", "imu_frame", "imu_clip=4,1.5"}) {
     for (const char* name : {"legged", "handheld"}) {
       SCOPED_TRACE(std::string(fault) + ", " + name);
@@ -153,7 +153,7 @@ TEST(CarriedDrive, AGyroThatIsWrongDoesNoHarm) {
 }
 
 // Cut for two seconds in mid-walk.
-TEST(CarriedDrive, AGyroMayFailForSeconds) {
+TEST(CarriedDrive, GyroMayFailForSeconds) {
   const Outcome outcome = follow(carried_drive("handheld", 12.0, "imu_gap=2,6"));
   EXPECT_EQ(outcome.lost, 0U);
   EXPECT_LT(outcome.error, 0.1);

@@ -18,7 +18,7 @@ PointCloud cloud_of(std::size_t size) {
   return cloud;
 }
 
-TEST(RepeatedScans, AreToldFromNewOnes) {
+TEST(RepeatedScans, AreDetected) {
   RepeatedScans scans;
   PointCloud cloud = cloud_of(3000);
   EXPECT_FALSE(scans.is_repeated(cloud));
@@ -43,14 +43,14 @@ TEST(RepeatedScans, IgnoreIntensitiesAndTheLastBits) {
   EXPECT_TRUE(scans.is_repeated(cloud));
 }
 
-TEST(RepeatedScans, ThatAreNearlyEmptyAreNone) {
+TEST(RepeatedScans, AreNotDetectedIfNearlyEmpty) {
   RepeatedScans scans;
   EXPECT_FALSE(scans.is_repeated(cloud_of(10)));
   EXPECT_FALSE(scans.is_repeated(cloud_of(10)));
   EXPECT_FALSE(scans.is_repeated({}));
 }
 
-TEST(Coasting, GoesOnAsBeforeAndIsEverLessSure) {
+TEST(Coasting, ContinuesTheMotionWithGrowingCovariance) {
   TrackedScan tracked;
   tracked.covariance = diagonal_covariance(0.01, 0.001);
   tracked.twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.5;

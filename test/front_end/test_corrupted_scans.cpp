@@ -66,7 +66,7 @@ struct Case {
 
 class Outliers : public testing::TestWithParam<Case> {};
 
-TEST_P(Outliers, CostNoMoreThanThis) {
+TEST_P(Outliers, IncreaseTheErrorByALimitedAmount) {
   const Outcome outcome = ride_through(spoilt_drive(GetParam().fault, GetParam().lidar, kEnd));
   EXPECT_EQ(outcome.silent, 0);
   EXPECT_EQ(outcome.lost, 0);
@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(Drives, Outliers,
                                          Case{"vlp16", "outliers=0.3", 0.006}));
 
 // The pose of a scan that comes again would be that of the last one, 1 m behind per scan.
-TEST(RepeatedScan, IsCalledLostAndTheDriveGoesOn) {
+TEST(RepeatedScan, IsReportedAsLostAndTheDriveContinues) {
   for (const auto& [fault, at_least] : {std::pair("frozen=1,2", 2), std::pair("frozen=4,2", 8)}) {
     const Outcome outcome = ride_through(spoilt_drive(fault, "vlp16", kEnd));
     EXPECT_GE(outcome.repeated, at_least) << fault;
@@ -89,7 +89,7 @@ TEST(RepeatedScan, IsCalledLostAndTheDriveGoesOn) {
 }
 
 // Whatever follows the scans; here the vehicle stands still.
-TEST(RepeatedScan, IsNotCalledTrackingByOtherMethodsEither) {
+TEST(RepeatedScan, IsNotReportedAsTrackingByOtherMethods) {
   const simulation::Drive drive = spoilt_drive("frozen=2,1", "vlp16", 4.0);
   FrontEndConfig config;
   config.registration.method = registration::Method::kVgicp;
@@ -103,7 +103,7 @@ TEST(RepeatedScan, IsNotCalledTrackingByOtherMethodsEither) {
 }
 
 // Over the time between two stamps the vehicle moves by 14 m/s times their error, 0.3 m.
-TEST(StampJitter, HardlyMovesAPose) {
+TEST(StampJitter, HasLittleInfluenceOnPoses) {
   const simulation::Drive drive = spoilt_drive("jitter=0.02", "vlp16", kEnd);
   Ride ride(drive);
   constexpr std::size_t kFirst = 70;
@@ -126,7 +126,7 @@ TEST(StampJitter, HardlyMovesAPose) {
   EXPECT_LT(largest, 0.05);
 }
 
-TEST(MatchJudge, KnowsWhatNoVehicleDoes) {
+TEST(MatchJudge, RejectsImpossibleMotions) {
   const MatchJudge judge(50.0);
   const auto step = [](double metres, double radians) {
     return Pose{exp_so3({0.0, 0.0, radians}), {metres, 0.0, 0.0}};

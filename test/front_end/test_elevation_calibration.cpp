@@ -35,7 +35,7 @@ double mean_elevation(const PointCloud& cloud) {
 
 }  // namespace
 
-TEST(ElevationMean, KnowsHowFarItsEstimatesScatter) {
+TEST(ElevationMean, ContainsTheScatterOfItsEstimates) {
   ElevationMean mean;
   EXPECT_EQ(mean.value().angle, 0.0);
   for (const double angle : {0.01, 0.03, 0.01, 0.03}) mean.add({angle, 1e-4});
@@ -43,7 +43,7 @@ TEST(ElevationMean, KnowsHowFarItsEstimatesScatter) {
   EXPECT_NEAR(mean.value().sigma, 0.01 / std::sqrt(4.0), 1e-6);
 }
 
-TEST(ElevationMean, TrustsAnEstimateByItsSigma) {
+TEST(ElevationMean, WeightsEstimatesByTheirSigma) {
   ElevationMean mean;
   mean.add({0.0, 0.1});
   mean.add({0.01, 0.001});
@@ -84,7 +84,7 @@ TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
 
 INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
 
-TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
+TEST(ElevationCalibration, GivesTheSameResultWhenComparingBetweenScans) {
   const simulation::Drive drive = town(14.0);
   const ElevationCalibration within = calibrate(drive, 20, 0.0);
   ElevationCalibration between = calibrate(drive, 20, 0.0, true);
@@ -96,7 +96,7 @@ TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
   EXPECT_EQ(late.estimate().sigma, between.estimate().sigma);
 }
 
-TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
+TEST(ElevationCalibration, IgnoresScansThatDoNotDetermineTheirRelativePose) {
   constexpr std::size_t kInside = 250;  // from here on the tube is nearly all that is in sight
   const ElevationCalibration calibration = calibrate(make_drive("tunnel", 33.0, 3), kInside, 0.0);
   // Its pairs would seem to give 0.037 degrees to within 0.013.
@@ -106,7 +106,7 @@ TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
 
 // Pairs of one place can agree on an angle that is not there: -0.5 and -0.3 degrees here, beyond
 // three standard deviations of their scatter.
-TEST(ElevationCalibration, BelievesNoAngleThatAPlacePretends) {
+TEST(ElevationCalibration, IgnoresTheCommonErrorOfAPlace) {
   for (const std::uint64_t seed : {63, 68}) {
     const ElevationCalibration calibration = calibrate(make_drive("car_park", 60.0, seed), 0, 0.0);
     EXPECT_LT(calibration.estimate().angle, -0.25 * kDegree) << seed;
@@ -114,7 +114,7 @@ TEST(ElevationCalibration, BelievesNoAngleThatAPlacePretends) {
   }
 }
 
-TEST(FrontEnd, TurnsThePointsOfASensorWithWrongElevations) {
+TEST(FrontEnd, RotatesThePointsOfASensorWithWrongElevations) {
   const double angle = 0.3 * kDegree;
   const simulation::Drive drive = town(20.0);
   FrontEndConfig config;

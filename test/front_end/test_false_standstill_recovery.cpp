@@ -100,7 +100,7 @@ class Held {
   FalseStandstillRecovery false_standstill_;
 };
 
-TEST(UprightPoints, AreThoseAboveTheGround) {
+TEST(VerticalStructurePoints, AreAboveTheGround) {
   Points points;
   for (float x = -5.0F; x < 5.0F; x += 0.2F) {
     for (float y = -5.0F; y < 5.0F; y += 0.2F) points.emplace_back(x, y, 0.3F * x);
@@ -112,7 +112,7 @@ TEST(UprightPoints, AreThoseAboveTheGround) {
   for (const Eigen::Vector3f& p : upright) EXPECT_EQ(p.x(), 0.5F);
 }
 
-TEST(VerticalStructureMap, FindsWhereThePointsFit) {
+TEST(VerticalStructureMap, FindsThePoseWhereThePointsFit) {
   const Points world = vertical_structure_points(seen(field(1), Pose{}));
   VerticalStructureMap map;
   map.insert(world, Pose{});
@@ -128,7 +128,7 @@ TEST(VerticalStructureMap, FindsWhereThePointsFit) {
   EXPECT_LT(map.count_near(world, ahead(5.0)), world.size() / 10) << "filters err now and then";
 }
 
-TEST(FalseStandstillRecovery, IsFoundAndFollowed) {
+TEST(FalseStandstillRecovery, DetectsAndTracksTheMotion) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Points world = field(seed);
     Held held(world);
@@ -144,7 +144,7 @@ TEST(FalseStandstillRecovery, IsFoundAndFollowed) {
   }
 }
 
-TEST(FalseStandstillRecovery, IsGivenUpWhereNothingStandsUpright) {
+TEST(FalseStandstillRecovery, EndsWithoutVerticalStructures) {
   const Points world = field(1);
   Held held(world);
   bool found = false;
@@ -156,14 +156,14 @@ TEST(FalseStandstillRecovery, IsGivenUpWhereNothingStandsUpright) {
 }
 
 // It fits as well farther ahead and behind.
-TEST(FalseStandstillRecovery, IsNotSeenByAWallAlongTheWay) {
+TEST(FalseStandstillRecovery, IgnoresAWallAlongThePath) {
   Points wall;
   for (float x = -40.0F; x < 40.0F; x += 0.5F) add_pole(x, 6.0F, wall);
   Held held(wall, {Eigen::Quaterniond::Identity(), {0.0, 0.8, 0.0}});
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(held.take(seen(wall, Pose{}))) << i;
 }
 
-TEST(FalseStandstillRecovery, IsNotThatOfATruckWhichPasses) {
+TEST(FalseStandstillRecovery, IgnoresAPassingTruck) {
   const Points poles = field(4);
   Points first = poles;
   for (const Eigen::Vector3f& p : truck(-8.0)) first.push_back(p);
@@ -176,7 +176,7 @@ TEST(FalseStandstillRecovery, IsNotThatOfATruckWhichPasses) {
 }
 
 // More of what stands upright goes than stays, but not by more than chance may make it.
-TEST(FalseStandstillRecovery, IsNotThatOfSomePeopleWhoWalkAlike) {
+TEST(FalseStandstillRecovery, IgnoresPedestriansThatWalkTogether) {
   const auto around = [](double walked) {
     Points world;
     for (const auto& [x, y] : {std::pair{8.0F, 1.0F}, {1.0F, -9.0F}, {-12.0F, -3.0F}}) {

@@ -49,7 +49,7 @@ TEST(GyroValidator, LearnsTheBias) {
   EXPECT_FALSE(validator.is_distrusted());
 }
 
-TEST(GyroValidator, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
+TEST(GyroValidator, ComputesTheRotationBetweenTheMiddlesOfSweeps) {
   GyroValidator validator;
   ride(20, kExact, validator);
   const Eigen::Quaterniond turn =
@@ -60,13 +60,13 @@ TEST(GyroValidator, KnowsTheTurningBetweenTheMiddlesOfSweeps) {
 }
 
 // Held to more firmly than scale and axes of cheap gyros allow, it would turn the map.
-TEST(GyroValidator, BelievesNoGyroMoreThanTheBestOne) {
+TEST(GyroValidator, HasALowerBoundOfTheSigma) {
   GyroValidator validator;
   ride(100, kExact, validator);
   EXPECT_DOUBLE_EQ(validator.turning()->sigma, 0.02);
 }
 
-TEST(GyroValidator, BelievesOneThatErrsAsMuchAsItErrs) {
+TEST(GyroValidator, AdaptsTheSigmaToTheError) {
   GyroValidator validator;
   ride(
       100, [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(1.2 * rate); }, validator);
@@ -75,14 +75,14 @@ TEST(GyroValidator, BelievesOneThatErrsAsMuchAsItErrs) {
   EXPECT_LT(validator.turning()->sigma, 0.3);
 }
 
-TEST(GyroValidator, LooksOnAtFirst) {
+TEST(GyroValidator, DoesNotUseTheGyroAtFirst) {
   GyroValidator validator;
   ride(4, kExact, validator);
   EXPECT_FALSE(validator.turning());
   EXPECT_FALSE(validator.is_distrusted());
 }
 
-TEST(GyroValidator, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
+TEST(GyroValidator, DoesNotInterpolateBetweenSeparatedSweeps) {
   GyroValidator validator;
   ride(20, kExact, validator);
   validator.add(turning_at(true_rate(20)), 2.0 * kSweep, kSweep);
@@ -94,7 +94,7 @@ TEST(GyroValidator, SweepsThatDoNotAdjoinAreNotSpannedByTheirRates) {
 }
 
 // Wrong units, wrong axes, and right again.
-TEST(GyroValidator, DoesNotUseOneThatIsWrong) {
+TEST(GyroValidator, DoesNotUseAWrongGyro) {
   const auto degrees = [](const Eigen::Vector3d& rate) { return Eigen::Vector3d(57.3 * rate); };
   const auto turned = [](const Eigen::Vector3d& rate) {
     return Eigen::Vector3d(-rate.y(), rate.x(), -rate.z());
@@ -114,7 +114,7 @@ TEST(GyroValidator, DoesNotUseOneThatIsWrong) {
 }
 
 // Degrees for radians after rest, where nothing has shown yet what the gyro is worth.
-TEST(GyroValidator, DoesNotBelieveFarMoreThanItWasRightAbout) {
+TEST(GyroValidator, RejectsRatesFarBeyondConfirmedOnes) {
   GyroValidator validator;
   const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
   for (int i = 0; i < 30; ++i) {
@@ -136,7 +136,7 @@ TEST(GyroValidator, DoesNotBelieveFarMoreThanItWasRightAbout) {
 }
 
 // Taken in already, it is not measured a second time.
-TEST(GyroValidator, CountsOnce) {
+TEST(GyroValidator, IsNotAppliedTwice) {
   MotionPrior prior;
   prior.angular_velocity = Eigen::Vector3d::Zero();
   GyroValidator validator;
@@ -145,7 +145,7 @@ TEST(GyroValidator, CountsOnce) {
   EXPECT_FALSE(validator.remaining_prior(prior).angular_velocity);
 }
 
-TEST(MotionFilter, TurnsAsMeasured) {
+TEST(MotionFilter, UsesTheMeasuredRotation) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(Pose{}, 1.0, 1.0);
   filter.correct({Pose{}, Vector6d::Zero()}, filter.covariance());
@@ -161,7 +161,7 @@ TEST(MotionFilter, TurnsAsMeasured) {
 }
 
 // A gyro that has its say in some sweeps only does not make the others look calm.
-TEST(MotionFilter, AGyroDoesNotHideHowAbruptlyTheSensorTurns) {
+TEST(MotionFilter, LearnsAngularAccelerationDespiteTheGyro) {
   const auto spread = [](bool with_gyro) {
     MotionFilter filter(10.0, 50.0);
     filter.reset(Pose{}, 1.0, 1.0);

@@ -73,7 +73,7 @@ class BlindTunnel : public testing::TestWithParam<SensorAndSeed> {};
 
 // Nothing in a smooth tunnel says how fast the sensor goes: it is to go on as it came in, through
 // bends as well, and to come out where the tunnel ends.
-TEST_P(BlindTunnel, IsPassedAtTheSpeedOfItsBeginning) {
+TEST_P(BlindTunnel, IsPassedAtTheEntrySpeed) {
   const simulation::Drive drive = make_drive("tunnel", 42.0, GetParam().seed, GetParam().lidar);
   Ride ride(drive);
   int degenerate = 0;
@@ -120,7 +120,7 @@ TEST(TownWithFewRings, IsNotBentByItsTrees) {
 }
 
 // The vehicle brakes, stands at a crossing among other cars and starts off again.
-TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndGoesOn) {
+TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndContinues) {
   constexpr double kStanding = 0.02;  // m/s
   constexpr std::size_t kBeforeTheStop = 300;
   const simulation::Drive drive = make_drive("town", 48.0);
@@ -143,7 +143,7 @@ TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndGoesOn) {
   EXPECT_GT(ride.way(), 20.0);
 }
 
-TEST(VelocityThatLies, IsFoundOut) {
+TEST(WrongVelocity, IsDetected) {
   const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
     std::mt19937 engine(4);

@@ -23,7 +23,7 @@ Pose ahead(double metres) {
   return pose;
 }
 
-TEST(MotionDoubt, IsNoneWhereNoStepIsDoubtful) {
+TEST(MotionDoubt, IsZeroWithoutDoubtfulSteps) {
   MotionDoubt doubt;
   for (const auto state : {TrackingState::kTracking, TrackingState::kDegenerate}) {
     doubt.add_step(ahead(1.0), status_of(state, 0.5, 0.05));
@@ -36,14 +36,14 @@ TEST(MotionDoubt, IsNoneWhereNoStepIsDoubtful) {
   EXPECT_EQ(key_frame.motion_covariance, Covariance6::Identity());
 }
 
-TEST(MotionDoubt, HasTheExpectedErrorOfAStepInEachDirection) {
+TEST(MotionDoubt, ContainsTheExpectedErrorInEveryDirection) {
   MotionDoubt doubt;
   doubt.add_step(ahead(1.0), status_of(TrackingState::kDoubtful, 0.3, 0.02));
   EXPECT_TRUE(doubt.has_doubt());
   EXPECT_LT((doubt.covariance() - diagonal_covariance(0.3, 0.02)).norm(), 1e-15);
 }
 
-TEST(MotionDoubt, AddsStepsAsIndependentOnes) {
+TEST(MotionDoubt, AddsStepsAsIndependent) {
   MotionDoubt doubt;
   doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.03));
   doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.4, 0.04));
@@ -51,7 +51,7 @@ TEST(MotionDoubt, AddsStepsAsIndependentOnes) {
 }
 
 // 10 m further on a turn of 0.02 rad is a shift of 0.2 m aside and up, and none along.
-TEST(MotionDoubt, CarriesAWrongTurnOnOverTheStepsBehindIt) {
+TEST(MotionDoubt, PropagatesARotationErrorToLaterSteps) {
   MotionDoubt doubt;
   doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.1, 0.02));
   doubt.add_step(ahead(10.0), status_of(TrackingState::kTracking, 0.5, 0.5));
@@ -63,7 +63,7 @@ TEST(MotionDoubt, CarriesAWrongTurnOnOverTheStepsBehindIt) {
   EXPECT_NEAR(covariance(1, 5), 0.004, 1e-12) << "a turn to the left leads to the left";
 }
 
-TEST(MotionDoubt, ComesOnTopOfAKeyFramesCovariance) {
+TEST(MotionDoubt, IsAddedToTheCovarianceOfAKeyFrame) {
   MotionDoubt doubt;
   doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.02));
   KeyFrame key_frame;

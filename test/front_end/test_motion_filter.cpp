@@ -43,7 +43,7 @@ MotionState fitted_turning_in(double seconds) {
   return {moved(turning_in(seconds), bend, 1.0), twist};
 }
 
-TEST(MotionFilter, TheTwistChangesWithinASweepToo) {
+TEST(MotionFilter, TwistChangesWithinASweep) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(turning_in(0.0), 15.0, 1.0);
   EXPECT_EQ(filter.acceleration().norm(), 0.0);
@@ -63,7 +63,7 @@ TEST(MotionFilter, TheTwistChangesWithinASweepToo) {
   EXPECT_EQ(filter.acceleration().norm(), 0.0) << "of a prediction nothing is known";
 }
 
-TEST(MotionFilter, AJumpIsNoAcceleration) {
+TEST(MotionFilter, IgnoresJumpsAsAccelerations) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(Pose{}, 15.0, 1.0);
   filter.predict(0.1);
@@ -72,7 +72,7 @@ TEST(MotionFilter, AJumpIsNoAcceleration) {
 }
 
 // A measured speed forward moves the prediction forward.
-TEST(MotionFilter, MeasuredVelocityPointsTheRightWay) {
+TEST(MotionFilter, AppliesTheMeasuredVelocityInTheRightAxes) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(turned(0.5), 15.0, 1.0);
   filter.predict(0.1);
@@ -104,7 +104,7 @@ TEST(TwistBetween, IsTheInverseOfMoved) {
   EXPECT_LT((twist_between(a, moved(a, twist, 0.4), 0.4) - twist).norm(), 1e-9);
 }
 
-TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
+TEST(TwistForecast, PrefersTheBetterPredictor) {
   std::mt19937 engine(5);
   std::normal_distribution<double> jitter(0.0, 1.0);
   const Vector6d walk = Vector6d::Constant(1.3);
@@ -121,7 +121,7 @@ TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
   EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(20.0)).head<3>().norm(), 1e-6);
 }
 
-TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
+TEST(TwistForecast, ContinuesAnAccelerationForTheNextStep) {
   TwistForecast forecast(10.0);
   const double acceleration = -2.0;
   double time = 0.0;
@@ -141,7 +141,7 @@ TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
   EXPECT_EQ(forecast.at_end_of_next(0.3)[2], forecast.next(0.3)[2]);
 }
 
-TEST(TwistForecast, TakesAJumpOfThePoseForNoAcceleration) {
+TEST(TwistForecast, IgnoresAJumpOfThePose) {
   TwistForecast forecast(10.0);
   Vector6d twist = Vector6d::Zero();
   for (int step = 0; step < 30; ++step) {
@@ -180,7 +180,7 @@ TEST(MotionFilter, DoesNotLagBehindABrakingVehicle) {
   EXPECT_LT(std::abs(mean), 0.003) << "0.011 with a constant twist";
 }
 
-TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
+TEST(TwistForecast, DistinguishesASteadyAccelerationFromAGait) {
   TwistForecast forecast(10.0);
   for (int step = 0; step < 100; ++step) {
     // Forward ever faster, up and down from step to step, and not at all about z.
@@ -196,7 +196,7 @@ TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
   EXPECT_EQ(forecast.change_persistence()[5], 0.0);
 }
 
-TEST(VelocityValidator, LearnsTheScaleAndWhatTheVelocityIsWorth) {
+TEST(VelocityValidator, LearnsScaleAndAccuracyOfTheVelocity) {
   std::mt19937 engine(5);
   std::normal_distribution<double> noise(0.0, 0.1);
   VelocityValidator wheels;

@@ -69,7 +69,7 @@ TEST(RingBridges, HaveTheTimesOfTheirNeighbours) {
 }
 
 // Behind a post the next ring sees the wall: there is nothing in between.
-TEST(RingBridges, DoNotLeadFromThingsToWhatIsBehindThem) {
+TEST(RingBridges, DoNotConnectObjectsWithTheirBackground) {
   const auto posts = [](const Eigen::Vector3d& ray) {
     const bool is_low = ray.z() < 0.02;
     return is_low ? 8.0 / std::hypot(ray.x(), ray.y()) : 14.0 / std::hypot(ray.x(), ray.y());

@@ -17,7 +17,7 @@ namespace {
 // One scan of 16 rings makes too thin a fine map for a second one many metres further on. The
 // coarse match that takes its place begins where the search has led, not at rest. In the last two
 // drives the vehicle turns.
-TEST(FewRings, AreFollowedFromTheFirstMetreOnAtTwoScansASecond) {
+TEST(FewRings, AreTrackedFromTheFirstMetreAtTwoScansPerSecond) {
   for (const auto& [seed, first] :
        {std::pair{51U, 470U}, std::pair{51U, 230U}, std::pair{52U, 270U}, std::pair{53U, 470U},
         std::pair{1U, 230U}}) {
@@ -43,7 +43,7 @@ TEST(FewRings, DoNotSlideAsTheyStartFromRest) {
 
 // A car nods by 0.35 degrees as it pulls away, and planes of single rings fit however it does:
 // without points between the rings these are off by 0.3 degrees after half a metre in the mean.
-TEST(FewRings, AreHardlyBentAsTheVehiclePullsAway) {
+TEST(FewRings, HardlyPitchAsTheVehicleStarts) {
   const std::vector<std::pair<const char*, unsigned>> starts = {
       {"town", 311}, {"town", 312}, {"figure_eight", 311}, {"car_park", 311}};
   double sum = 0.0;
@@ -125,7 +125,7 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
 }
 
 // Turns on the spot from one scan to the next: more than anything before let expect.
-TEST(TurnOnTheSpot, IsFollowedFromRest) {
+TEST(TurnOnTheSpot, IsTrackedFromRest) {
   const simulation::Drive drive = make_drive("town", 4.0);
   const Scan standing = drive.base_scan(0);
   constexpr double kStep = 0.2;  // rad per scan
@@ -148,7 +148,7 @@ TEST(TurnOnTheSpot, IsFollowedFromRest) {
 }
 
 // Most of 64 beams meet the ground; the few posts and trees are little beside it, yet enough.
-TEST(OpenField, IsNotBlindToARoadThatIsSpeededUpOn) {
+TEST(OpenField, ObservesAnAccelerationOnARoad) {
   const simulation::Drive drive = make_drive("open_road", 50.0, 92, "hdl64");
   Ride ride(drive);
   for (std::size_t i = 360; i < 480; ++i) {
@@ -161,7 +161,7 @@ TEST(OpenField, IsNotBlindToARoadThatIsSpeededUpOn) {
 
 // Sixteen rings on rough ground, seen from one place, fit wherever the sensor goes: that it moves
 // is noticed late or never. It must be said, and must not discredit a velocity that knows better.
-TEST(OpenField, SaysThatTheStartMayGoUnnoticed) {
+TEST(OpenField, ReportsThatTheStartMayBeMissed) {
   constexpr double kStep = 0.1;  // m
   for (const std::uint64_t seed : {42, 46}) {
     const simulation::Drive drive = make_drive("open_road", 16.0, seed);
@@ -193,7 +193,7 @@ simulation::Drive make_start(std::uint64_t seed, bool undistorted, double range_
 
 // As the vehicle rolls off, ever fewer of the points find a plane of the map that was made at rest,
 // in the coarse one, too. That is no reason to take the fine one, in which next to none does.
-TEST(OpenField, IsFollowedFromRest) {
+TEST(OpenField, IsTrackedFromRest) {
   for (const auto& [seed, undistorted] :
        {std::pair{44U, false}, std::pair{45U, true}, std::pair{46U, false}, std::pair{48U, true}}) {
     const simulation::Drive drive = make_start(seed, undistorted, 0.02);
@@ -205,7 +205,7 @@ TEST(OpenField, IsFollowedFromRest) {
 
 // The rings go with the sensor, and all that stays behind are some trees and posts. Without them
 // all these stand still for good.
-TEST(OpenField, IsFollowedFromRestByWhatStandsUpright) {
+TEST(OpenField, IsTrackedFromRestByVerticalStructures) {
   for (const auto& [seed, undistorted, range_noise] :
        {std::tuple{41U, false, 0.02}, std::tuple{57U, false, 0.02}, std::tuple{68U, true, 0.02},
         std::tuple{67U, false, 0.05}}) {

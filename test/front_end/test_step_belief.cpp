@@ -53,7 +53,7 @@ TEST(StepEvidence, ShowsThatNearAndFarDisagree) {
   EXPECT_NEAR(evidence_of(match_pulled_apart(shift, is_near), anywhere()).disagreement, 0.2, 1e-3);
 }
 
-TEST(StepEvidence, OfHalvesThatAgreeShowsNothing) {
+TEST(StepEvidence, IsSmallIfTheHalvesAgree) {
   const auto none = [](std::size_t) { return false; };
   const StepEvidence evidence = evidence_of(match_pulled_apart(Vector6d::Zero(), none), anywhere());
   EXPECT_EQ(evidence.disagreement, 0.0);
@@ -100,7 +100,7 @@ TrackingState state_of(const StepEvidence& evidence) {
   return status.state;
 }
 
-TEST(StepBelief, IsSureOfAGoodStep) {
+TEST(StepBelief, AcceptsAGoodStep) {
   const StepBelief belief = evaluate_step(good_evidence(), EvidenceSource::kNdt);
   EXPECT_GT(belief.probability, 0.95);
   EXPECT_GT(belief.safety, 0.99);
@@ -124,7 +124,7 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
 }
 
 // Seen in walks with 16 beams: three standard deviations exceed a degree, all else agrees.
-TEST(StepBelief, DoubtsNoStepForItsCovarianceAlone) {
+TEST(StepBelief, DoesNotDoubtBecauseOfTheCovarianceAlone) {
   StepEvidence evidence = good_evidence();
   evidence.sigma = 0.016;
   evidence.sigma_angle = 0.37 * kDegree;
@@ -146,7 +146,7 @@ TEST(StepBelief, ExpectsLargerErrorsOfWorseEvidence) {
   EXPECT_LT(belief.safety, good.safety);
 }
 
-TEST(StepBelief, LeavesWhatIsLostOrDegenerateAsItIs) {
+TEST(StepBelief, KeepsLostAndDegenerateStates) {
   StepEvidence bad = good_evidence();
   bad.disagreement_sigmas = 100.0;
   bad.disagreement = bad.surprise = 3.0;
@@ -175,7 +175,7 @@ TrackingState state_of(double safety, DoubtState& doubt) {
 }
 
 // A step that is right with 0.8 begins no doubt, but does not end one either.
-TEST(DoubtState, LeavesADoubtfulStretchOnlyWhenItIsSure) {
+TEST(DoubtState, EndsADoubtfulSectionOnlyWithASafeStep) {
   DoubtState doubt;
   EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
   EXPECT_EQ(state_of(0.55, doubt), TrackingState::kDoubtful);
@@ -217,18 +217,18 @@ Steps steps_of(const simulation::Drive& drive, std::size_t every) {
 }
 
 // Hand-held, a scan every 0.8 s: 9 to 13 silent steps before there was a belief.
-TEST(StepBelief, SaysWhichStepsOfAWalkWithFewScansMayBeWrong) {
+TEST(StepBelief, ReportsDoubtfulStepsOfAWalkWithFewScans) {
   const Steps steps = steps_of(make_drive("walk", 30.0, 52), 8);
   EXPECT_GT(steps.wrong, 0);
   EXPECT_EQ(steps.silent, 0);
 }
 
-TEST(StepBelief, DoubtsNothingOfACleanDrive) {
+TEST(StepBelief, DoubtsNoStepOfACleanDrive) {
   EXPECT_EQ(steps_of(make_drive("town", 15.0, 52), 1).doubted, 0);
 }
 
 // Two of five steps were doubted when three standard deviations decided.
-TEST(StepBelief, DoubtsNothingOfACleanWalk) {
+TEST(StepBelief, DoubtsNoStepOfACleanWalk) {
   EXPECT_EQ(steps_of(make_drive("walk", 15.0, 201), 1).doubted, 0);
 }
 

@@ -55,9 +55,9 @@ struct Case {
   double true_ones;  ///< at most
 };
 
-class MadeUpPoints : public testing::TestWithParam<Case> {};
+class ArtificialPoints : public testing::TestWithParam<Case> {};
 
-TEST_P(MadeUpPoints, AreLeftOutAndTrueOnesAreNot) {
+TEST_P(ArtificialPoints, AreRemovedAndRealOnesAreKept) {
   const simulation::Drive drive = spoilt_drive("town", GetParam().lidar, GetParam().fault);
   const simulation::Drive clean = spoilt_drive("town", GetParam().lidar, "");
   const LeftOut found = left_out(drive, clean);
@@ -65,14 +65,14 @@ TEST_P(MadeUpPoints, AreLeftOutAndTrueOnesAreNot) {
   EXPECT_LT(found.true_ones, GetParam().true_ones);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scans, MadeUpPoints,
+INSTANTIATE_TEST_SUITE_P(Scans, ArtificialPoints,
                          testing::Values(Case{"hdl64", "outliers=0.15", 0.9, 0.04},
                                          Case{"hdl64", "outliers=0.3", 0.9, 0.04},
                                          Case{"vlp16", "outliers=0.15", 0.9, 0.06},
                                          Case{"vlp16", "outliers=0.3", 0.9, 0.06}));
 
 /// A clean scan must come back as the object that it was, as all that follows then stays the same.
-TEST(SurfaceSupport, LeavesCleanScansAlone) {
+TEST(SurfaceSupport, DoesNotChangeCleanScans) {
   for (const char* name : {"town", "walk", "open_road", "car_park"}) {
     for (const char* lidar : {"vlp16", "hdl64"}) {
       const simulation::Drive drive = spoilt_drive(name, lidar, "");
@@ -88,7 +88,7 @@ TEST(SurfaceSupport, LeavesCleanScansAlone) {
 }
 
 /// Points that were thinned out before have no close neighbours and lie on surfaces all the same.
-TEST(SurfaceSupport, LeavesThinnedOutScansAlone) {
+TEST(SurfaceSupport, DoesNotChangeThinnedOutScans) {
   const simulation::Drive drive = spoilt_drive("town", "hdl64", "");
   for (const double edge : {0.1, 0.25, 0.5}) {
     SurfaceSupport support;
@@ -103,7 +103,7 @@ TEST(SurfaceSupport, LeavesThinnedOutScansAlone) {
   EXPECT_GT(support.without_isolated_points(scan).cloud.size(), 900U);
 }
 
-TEST(SurfaceSupport, KeepsTheTimesOfThePointsThatStay) {
+TEST(SurfaceSupport, KeepsTheTimesOfRemainingPoints) {
   const simulation::Drive drive = spoilt_drive("town", "vlp16", "outliers=0.2");
   SurfaceSupport support;
   const Scan scan = lidar_scan(drive, kScan);
@@ -118,7 +118,7 @@ TEST(SurfaceSupport, KeepsTheTimesOfThePointsThatStay) {
   }
 }
 
-TEST(SurfaceSupport, BearsWhatIsNoCloud) {
+TEST(SurfaceSupport, HandlesEmptyAndInvalidClouds) {
   SurfaceSupport support;
   Scan scan;
   EXPECT_TRUE(support.without_isolated_points(scan).cloud.empty());

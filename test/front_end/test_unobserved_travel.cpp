@@ -51,19 +51,19 @@ Drives drives(double noise) {
   return {std::sqrt(result.error), std::sqrt(result.stated)};
 }
 
-TEST(UnobservedTravel, KnowsHowFarOffAWayIsThatNothingSaw) {
+TEST(UnobservedTravel, GivesTheErrorOfUnobservedTravel) {
   const Drives unseen = drives(0.0);
   EXPECT_GT(unseen.error, 10.0);
   EXPECT_NEAR(unseen.stated / unseen.error, 1.0, 0.3);
 }
 
-TEST(UnobservedTravel, KnowsHowMuchAMeasuredSpeedHelps) {
+TEST(UnobservedTravel, IsReducedByAMeasuredSpeed) {
   const Drives measured = drives(0.1);
   EXPECT_LT(measured.error, 0.3);
   EXPECT_NEAR(measured.stated / measured.error, 1.0, 0.3);
 }
 
-TEST(UnobservedTravel, LearnsHowSteadilyTheVehicleGoes) {
+TEST(UnobservedTravel, LearnsHowMuchTheSpeedChanges) {
   UnobservedTravel steady;
   UnobservedTravel jerky;
   for (int i = 0; i < 600; ++i) {
@@ -77,7 +77,7 @@ TEST(UnobservedTravel, LearnsHowSteadilyTheVehicleGoes) {
   EXPECT_LT(3.0 * steady.stddev(), jerky.stddev());
 }
 
-TEST(UnobservedTravel, AddsUpOnlyWhatWasNotSeen) {
+TEST(UnobservedTravel, AddsOnlyUnobservedSections) {
   UnobservedTravel travel;
   for (int i = 0; i < 50; ++i) travel.add_observed(5.0, 1e-4, kStep);
   EXPECT_EQ(travel.stddev(), 0.0);

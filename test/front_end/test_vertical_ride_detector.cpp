@@ -74,7 +74,7 @@ Outcome taken(const Walk& walk, double seconds) {
 }
 
 // Nothing in the view of a lift's car tells that it goes up.
-TEST(VerticalRideDetector, IsFeltFromStartToStop) {
+TEST(VerticalRideDetector, DetectsARideFromStartToStop) {
   Walk walk;
   walk.unseen = lift;
   const Outcome outcome = taken(walk, 30.0);
@@ -85,7 +85,7 @@ TEST(VerticalRideDetector, IsFeltFromStartToStop) {
   EXPECT_NEAR(outcome.way, 9.7, 3.0);
 }
 
-TEST(VerticalRideDetector, IsNotSaidOfAWalk) {
+TEST(VerticalRideDetector, IgnoresAWalk) {
   for (const double tilt : {0.0, 0.2, 0.5}) {
     Walk walk;
     walk.tilt = tilt;
@@ -94,13 +94,13 @@ TEST(VerticalRideDetector, IsNotSaidOfAWalk) {
 }
 
 // Errors of the odometry are felt as well: they show how much has to be felt before it counts.
-TEST(VerticalRideDetector, IsNotSaidWhereHeightsScatter) {
+TEST(VerticalRideDetector, IgnoresScatteringHeights) {
   Walk walk;
   walk.seen_error = 0.06;
   EXPECT_EQ(taken(walk, 60.0).way, 0.0);
 }
 
-TEST(VerticalRideDetector, IsNotSaidWithoutAccelerometer) {
+TEST(VerticalRideDetector, NeedsAnAccelerometer) {
   VerticalRideDetector ride;
   for (int i = 0; i < 100; ++i) {
     Pose pose;

@@ -81,7 +81,7 @@ void expect_fault(const Messages& messages, const std::string& word) {
   EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 1) << faults;
 }
 
-TEST(InputValidator, FindsNothingWrongWithACleanDrive) { EXPECT_EQ(all_faults(clean()), ""); }
+TEST(InputValidator, FindsNoProblemInACleanDrive) { EXPECT_EQ(all_faults(clean()), ""); }
 
 TEST(InputValidator, FindsAccelerationsInG) {
   Messages messages = clean();
@@ -125,7 +125,7 @@ TEST(InputValidator, FindsMissingAndWrongPointTimes) {
 }
 
 /// Five or twenty turns a second: the span is what passes from scan to scan, whatever scan_period.
-TEST(InputValidator, TakesTheTimesOfSlowAndFastSensors) {
+TEST(InputValidator, AcceptsTheTimesOfSlowAndFastSensors) {
   const Stamp start = clean().clouds.front().stamp;
   for (const double period : {0.2, 0.05}) {
     Messages messages = clean();
@@ -140,7 +140,7 @@ TEST(InputValidator, TakesTheTimesOfSlowAndFastSensors) {
   }
 }
 
-TEST(InputValidator, FindsLostScansAndStampsThatGoBack) {
+TEST(InputValidator, FindsLostScansAndDecreasingStamps) {
   Messages messages = clean();
   messages.clouds.erase(messages.clouds.begin() + 100, messages.clouds.begin() + 120);
   expect_fault(messages, "without a scan");
@@ -161,7 +161,7 @@ TEST(InputValidator, FindsOutagesAndJumps) {
   }
 }
 
-TEST(InputValidator, FindsCovariancesThatAreTooConfident) {
+TEST(InputValidator, FindsCovariancesThatAreTooSmall) {
   Messages messages = clean();
   std::mt19937 engine(1);
   std::normal_distribution<double> noise(0.0, 1.0 / 111000.0);
@@ -173,7 +173,7 @@ TEST(InputValidator, FindsCovariancesThatAreTooConfident) {
   EXPECT_NE(faults.find("scatter"), std::string::npos) << faults;
 }
 
-TEST(InputValidator, FindsCovariancesThatAreTooConfidentBelowTheFloor) {
+TEST(InputValidator, FindsCovariancesThatAreTooSmallBelowTheBound) {
   Messages messages = clean();
   for (GnssFix& fix : messages.gnss) *fix.covariance *= 0.01;
   const std::string faults = all_faults(messages);
@@ -200,7 +200,7 @@ TEST(InputValidator, FindsVelocitiesInTheAxesOfTheMap) {
   EXPECT_NE(faults.find("points aside"), std::string::npos) << faults;
 }
 
-TEST(InputValidator, FindsStampsThatAreNotTheStart) {
+TEST(InputValidator, FindsStampsThatAreNotTheStartOfTheScan) {
   const auto with_delay = [](double delay) {
     Messages messages = clean();
     for (CloudSummary& cloud : messages.clouds) cloud.delay = delay;
@@ -224,7 +224,7 @@ TEST(InputValidator, FindsSpeedsInOtherUnits) {
   }
 }
 
-TEST(InputValidator, FindsFixesThatAreNone) {
+TEST(InputValidator, FindsInvalidFixes) {
   Messages messages = clean();
   for (std::size_t i = 0; i < 100; ++i) {
     messages.gnss[5 * i].latitude_deg = messages.gnss[5 * i].longitude_deg = 0.0;

@@ -21,7 +21,7 @@ using test::kNothingMissing;
 using test::ring_scan;
 using test::velocity;
 
-TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
+TEST(Preprocessor, DoesNotUseAGyroWithImpossibleRates) {
   Preprocessor stage({}, identity_lookup);
   std::vector<SyncedScan> scans;
   for (int i = 0; i < 300; ++i) {
@@ -41,7 +41,7 @@ TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
 }
 
 // Turns of 5 degrees/s look like 5 rad/s: no vehicle's limit tells, but the velocity does.
-TEST(Preprocessor, DoesNotUseAGyroThatTurnsFarMoreThanTheVelocity) {
+TEST(Preprocessor, DoesNotUseAGyroThatContradictsTheVelocity) {
   for (const double unit : {1.0, 180.0 / M_PI}) {
     Preprocessor stage({}, identity_lookup);
     std::vector<SyncedScan> scans;
@@ -191,7 +191,7 @@ std::vector<Eigen::Vector3d> rates_with_late_velocities(int delay) {
 }
 
 // Nodes and map_bag made two maps of one drive, and two runs of the nodes, too.
-TEST(Preprocessor, TheOrderOfArrivalChangesNothing) {
+TEST(Preprocessor, DoesNotDependOnTheOrderOfArrival) {
   const auto prompt = rates_with_late_velocities(0);
   const auto late = rates_with_late_velocities(15);
   ASSERT_GT(late.size(), 45U);
@@ -222,7 +222,7 @@ SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double 
   return scans.back();
 }
 
-TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {
+TEST(Preprocessor, AcceptsAHeadingThatTheTrackConfirms) {
   EXPECT_TRUE(last_of_drive_with_heading(0.1, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(1.0, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 8.0).gnss->R_enu_base);
@@ -230,14 +230,14 @@ TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kNone, 40.0).gnss->R_enu_base);
 }
 
-TEST(Preprocessor, BelievesTheHeadingOfAVehicleThatBacksUp) {
+TEST(Preprocessor, AcceptsTheHeadingOfAReversingVehicle) {
   EXPECT_TRUE(
       last_of_drive_with_heading(M_PI, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
   EXPECT_FALSE(
       last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
 }
 
-TEST(Preprocessor, HandsTheLeverArmOn) {
+TEST(Preprocessor, ReturnsTheLeverArm) {
   Preprocessor stage({}, [](const std::string& frame) {
     return std::optional<Pose>(
         Pose{Eigen::Quaterniond::Identity(), {frame == "gps" ? 1.5 : 0.0, 0.0, 0.3}});
@@ -253,7 +253,7 @@ PointCloud cloud_of(const PreprocessingConfig& config, RawScan scan) {
   return scans.at(0).scan.cloud;
 }
 
-TEST(Preprocessor, TakesPackedPointsLikeReadOnes) {
+TEST(Preprocessor, TreatsPackedPointsLikeOthers) {
   std::vector<PreprocessingConfig> configs(3);
   configs[1].point_times = PointTimes::kAzimuth;
   configs[2].vertical_angle_correction_deg = 0.205;

@@ -58,7 +58,7 @@ TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {
   EXPECT_EQ(cloud.size(), 1000U);
 }
 
-TEST(ScanPass, DropsWhatIsNoPoint) {
+TEST(ScanPass, DropsInvalidPoints) {
   PointCloud cloud;
   cloud.points = {
       {kNaN, 1, 1, 0}, {0, 0, 0, 0},     {std::numeric_limits<float>::infinity(), 0, 0, 0},
@@ -70,14 +70,14 @@ TEST(ScanPass, DropsWhatIsNoPoint) {
   EXPECT_EQ(cloud.points[0].intensity, 3.0F);
 }
 
-TEST(ScanPass, TakesAnEmptyScan) {
+TEST(ScanPass, AcceptsAnEmptyScan) {
   PointCloud cloud;
   EXPECT_EQ(keep_and_deskew(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), nullptr),
             0U);
   EXPECT_TRUE(cloud.empty());
 }
 
-TEST(ScanPass, CutsTheVehicleOut) {
+TEST(ScanPass, RemovesTheVehicle) {
   PreprocessingConfig config;
   config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
   PointCloud cloud;
@@ -89,7 +89,7 @@ TEST(ScanPass, CutsTheVehicleOut) {
   EXPECT_EQ(cloud.points[0].intensity, 2.0F);
 }
 
-TEST(ScanPass, CutsTheVehicleOutWhereverTheSensorLooks) {
+TEST(ScanPass, RemovesTheVehicleForAnySensorPose) {
   PreprocessingConfig config;
   config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
   // Its x points to the left of base_link and its z ahead.
@@ -128,7 +128,7 @@ TEST(ScanPass, CorrectsTheVerticalAngle) {
   }
 }
 
-TEST(ScanTimes, FollowTheAzimuthEitherWay) {
+TEST(ScanTimes, FollowTheAzimuthInBothDirections) {
   for (const ScanDirection direction :
        {ScanDirection::kClockwise, ScanDirection::kCounterclockwise}) {
     for (const double start_deg : {0.0, 90.0, 180.0, -135.0}) {
@@ -151,7 +151,7 @@ TEST(ScanTimes, FollowTheAzimuthEitherWay) {
   }
 }
 
-TEST(ScanTimes, MeanTheInstantOfTheStamp) {
+TEST(ScanTimes, ReferToTheInstantOfTheStamp) {
   for (const auto& [meaning, shift] :
        {std::pair{ScanStamp::kStart, 0.0}, std::pair{ScanStamp::kMiddle, 0.05},
         std::pair{ScanStamp::kEnd, 0.1}}) {
@@ -172,7 +172,7 @@ TEST(ScanTimes, MeanTheInstantOfTheStamp) {
   }
 }
 
-TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
+TEST(ScanTimes, OfAWrongUnitAreRejectedWithAMessage) {
   for (const float factor : {1e3F, 1e6F, 1e9F}) {
     PointCloud cloud;
     cloud.points.resize(2, {5, 0, 0, 0});
@@ -182,7 +182,7 @@ TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
   }
 }
 
-TEST(Thinning, FiltersWhateverTheExtent) {
+TEST(Thinning, FiltersCloudsOfAnyExtent) {
   for (const DownsampleMethod method :
        {DownsampleMethod::kVoxelGrid, DownsampleMethod::kApproximateVoxelGrid}) {
     PreprocessingConfig config;
@@ -199,7 +199,7 @@ TEST(Thinning, FiltersWhateverTheExtent) {
   EXPECT_EQ(downsampled(random_cloud(5, 100, 2.0F), {}).size(), 100U);
 }
 
-TEST(Thinning, RemovesLonelyPointsAndKeepsTimes) {
+TEST(Thinning, RemovesIsolatedPointsAndKeepsTimes) {
   PointCloud cloud = random_cloud(6, 4000, 3.0F);
   cloud.points.push_back({50.0F, 50.0F, 50.0F, -1.0F});
   cloud.times.push_back(0.077F);

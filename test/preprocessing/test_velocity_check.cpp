@@ -87,7 +87,7 @@ TEST(VelocityCheck, AVelocityThatAgreesIsUsed) {
   EXPECT_EQ(outcome.diagnostics.find("velocity:"), std::string::npos) << outcome.diagnostics;
 }
 
-TEST(VelocityCheck, KilometresPerHourAreNamedAndNotUsedUntilTheyAreMetres) {
+TEST(VelocityCheck, KilometresPerHourAreReportedAndNotUsed) {
   const Outcome outcome =
       driven([](double t) -> Eigen::Vector3d { return (t < 12.0 ? 3.6 : 1.0) * ahead(t); });
   ASSERT_EQ(outcome.scans.size(), 200U);
@@ -101,13 +101,13 @@ TEST(VelocityCheck, KilometresPerHourAreNamedAndNotUsedUntilTheyAreMetres) {
 }
 
 /// Scattered by metres, whatever their covariance says.
-TEST(VelocityCheck, BadFixesSayNothingAboutTheUnit) {
+TEST(VelocityCheck, BadFixesDoNotChangeTheUnit) {
   const Outcome outcome = driven(ahead, Fixes::kScattered);
   ASSERT_EQ(outcome.scans.size(), 200U);
   for (const SyncedScan& scan : outcome.scans) EXPECT_TRUE(scan.velocity);
 }
 
-TEST(VelocityCheck, AVelocityInEastNorthUpIsNamedAndNotUsed) {
+TEST(VelocityCheck, AVelocityInEastNorthUpIsReportedAndNotUsed) {
   for (const Fixes fixes : {Fixes::kGood, Fixes::kNone}) {
     const Outcome outcome = driven(in_enu, fixes);
     ASSERT_EQ(outcome.scans.size(), 200U);
@@ -117,7 +117,7 @@ TEST(VelocityCheck, AVelocityInEastNorthUpIsNamedAndNotUsed) {
   }
 }
 
-TEST(VelocityCheck, AVelocityAsideWaitsForATurn) {
+TEST(VelocityCheck, ASidewaysVelocityIsUsedAfterATurn) {
   const Outcome sideways =
       driven([](double) { return Eigen::Vector3d(0.0, kSpeed, 0.0); }, Fixes::kNone);
   ASSERT_EQ(sideways.scans.size(), 200U);
