@@ -36,7 +36,7 @@ namespace {
 constexpr std::chrono::milliseconds kIdle{1000};
 /// IMUs send ten times as often as LiDARs and more.
 constexpr int kSamplesPerScan = 20;
-/// Data after which the input doctor says what it found.
+/// Duration of the data after which the input validator reports.
 constexpr double kLook = 5.0;
 /// Wall time after which it says why nothing came; again when the reason is another one.
 constexpr double kPatience = 5.0;

@@ -13,7 +13,7 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-/// The messages of a simulated drive, to be spoiled before the doctor sees them.
+/// The messages of a simulated drive, to be corrupted before the validator checks them.
 struct Messages {
   std::vector<CloudSummary> clouds;
   std::vector<ImuSample> imu;

@@ -46,7 +46,7 @@ DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
                            const preprocessing::PreprocessingConfig& config,
                            PointCloud buffer = {});
 
-/// What the input doctor wants to know of a cloud.
+/// The properties of a cloud that the input validator checks.
 preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCloud& decoded);
 
 }  // namespace lidar_mapping::ros_border
