@@ -14,11 +14,11 @@
 #include "base_frame.hpp"
 #include "cloud_fingerprint.hpp"
 #include "coasting.hpp"
+#include "isolated_point_filter.hpp"
 #include "key_frame_rule.hpp"
 #include "motion_doubt.hpp"
 #include "reported_covariance.hpp"
 #include "scan_sampler.hpp"
-#include "surface_support.hpp"
 #include "tracker.hpp"
 #include "vertical_ride_detector.hpp"
 
@@ -94,7 +94,8 @@ class SensorOdometry {
     timer_.start("support");
     const std::optional<Scan> undone = with_gyro_correction_undone(received, prior);
     const Scan& undistorted = undone ? *undone : received;
-    const Scan& scan = tracker_ ? support_.without_isolated_points(undistorted) : undistorted;
+    const Scan& scan =
+        tracker_ ? isolated_point_filter_.without_isolated_points(undistorted) : undistorted;
     timer_.stop();
     TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow_external(scan, prior);
     check_vertical_ride(scan.stamp, prior, tracked);
@@ -329,7 +330,7 @@ class SensorOdometry {
   KeyFrameRule rule_;
   KeyFrameRule degraded_rule_;
   RepeatedScans repeated_scans_;
-  SurfaceSupport support_;
+  IsolatedPointFilter isolated_point_filter_;
   std::unique_ptr<Tracker> tracker_;
   std::optional<Pose> T_first_external_;
   std::vector<ProvisionalScan> provisional_;

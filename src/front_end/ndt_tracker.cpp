@@ -85,11 +85,11 @@ class NdtTracker::Impl {
       start_map(scan, start_, result.status);
     } else {
       timer_.start("matching");
-      follow(scan, seconds, prior, predict(seconds, prior), result);
+      match_scan(scan, seconds, prior, predict(seconds, prior), result);
     }
     timer_.start("ageing");
     map_.set_center(filter_.state().T_map_sensor.translation);
-    report(result);
+    set_result(result);
     return result;
   }
 
@@ -166,8 +166,8 @@ class NdtTracker::Impl {
     return {filter_.belief(), measured_.belief_with_velocity(prior, filter_), high_noise.belief()};
   }
 
-  void follow(const Scan& scan, double seconds, const MotionPrior& prior,
-              const Prediction& prediction, TrackedScan& result) {
+  void match_scan(const Scan& scan, double seconds, const MotionPrior& prior,
+                  const Prediction& prediction, TrackedScan& result) {
     const auto [found, prior_belief] = locate(seconds, prediction);
     set_match_status(found, result.status);
     set_degenerate_directions(found, result.status);
@@ -403,7 +403,7 @@ class NdtTracker::Impl {
     sampler_.set_elevation_shift(elevation_.applied_angle());
   }
 
-  void report(TrackedScan& result) {
+  void set_result(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
     const MotionState at_stamp = steadily_accelerated(filter_.state(), filter_.acceleration(),
                                                       sampler_.duration(), to_stamp);

@@ -100,7 +100,8 @@ const SampledPoints& SweepSampler::sample_dense(const Scan& scan) {
 }
 
 const SampledPoints& SweepSampler::sample_between_rings(const Scan& scan) {
-  bridges_.find(scan.cloud, {reference_, dense_cell_.edge(), max_range_}, between_rings_);
+  ring_interpolator_.interpolate(scan.cloud, {reference_, dense_cell_.edge(), max_range_},
+                                 between_rings_);
   raise(between_rings_, elevation_shift_);
   return between_rings_;
 }

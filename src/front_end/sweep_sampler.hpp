@@ -6,7 +6,7 @@
 #include "lidar_mapping/front_end/front_end_config.hpp"
 #include "lidar_mapping/registration/ndt_points.hpp"
 
-#include "ring_bridges.hpp"
+#include "ring_interpolator.hpp"
 #include "scan_sampler.hpp"
 
 namespace lidar_mapping::front_end {
@@ -68,7 +68,7 @@ class SweepSampler {
   bool dense_cell_adapted_ = false;
   ScanSampler sparse_sampler_;
   ScanSampler dense_sampler_;
-  RingBridges bridges_;
+  RingInterpolator ring_interpolator_;
   SampledPoints sparse_;
   SampledPoints dense_;
   SampledPoints between_rings_;

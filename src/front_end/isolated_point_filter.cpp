@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "surface_support.hpp"
+#include "isolated_point_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -159,10 +159,10 @@ bool RangeGrid::is_isolated(const Point& point) const {
   return count < kMinSupport;
 }
 
-SurfaceSupport::SurfaceSupport() = default;
+IsolatedPointFilter::IsolatedPointFilter() = default;
 
-std::size_t SurfaceSupport::count_isolated(const PointCloud& cloud, std::size_t begin,
-                                           std::size_t end) const {
+std::size_t IsolatedPointFilter::count_isolated(const PointCloud& cloud, std::size_t begin,
+                                                std::size_t end) const {
   std::size_t isolated = 0;
   for (std::size_t i = begin; i < end; i += kJudgedStride) {
     isolated += grid_.is_isolated(cloud.points[i]) ? 1 : 0;
@@ -171,7 +171,7 @@ std::size_t SurfaceSupport::count_isolated(const PointCloud& cloud, std::size_t 
 }
 
 /// Each block uses a table of its own, which is so small that it stays in the nearest cache.
-double SurfaceSupport::isolated_fraction_in_blocks(const PointCloud& cloud) {
+double IsolatedPointFilter::isolated_fraction_in_blocks(const PointCloud& cloud) {
   const std::size_t parts = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
   std::size_t judged = 0, isolated = 0;
   const std::size_t first = (next_block_++ % parts) * kBlockSize;
@@ -185,13 +185,14 @@ double SurfaceSupport::isolated_fraction_in_blocks(const PointCloud& cloud) {
   return judged == 0 ? 0.0 : static_cast<double>(isolated) / static_cast<double>(judged);
 }
 
-void SurfaceSupport::set_cube_edge(const PointCloud& cloud) {
+void IsolatedPointFilter::set_cube_edge(const PointCloud& cloud) {
   const double points = static_cast<double>(std::max<std::size_t>(1, cloud.size()));
   const double fraction = std::min(kMaxEdge, kEdgeFactor / std::sqrt(points));
   grid_.set_edge(fraction, kEdgeInSpacings * spacing_);
 }
 
-void SurfaceSupport::copy_supported(const PointCloud& cloud, std::size_t begin, std::size_t end) {
+void IsolatedPointFilter::copy_supported(const PointCloud& cloud, std::size_t begin,
+                                         std::size_t end) {
   grid_.clear(end - begin);
   grid_.insert(cloud.points.data() + begin, end - begin);
   for (std::size_t i = begin; i < end; ++i) {
@@ -201,7 +202,7 @@ void SurfaceSupport::copy_supported(const PointCloud& cloud, std::size_t begin, 
   }
 }
 
-double SurfaceSupport::filter(const Scan& scan) {
+double IsolatedPointFilter::filter(const Scan& scan) {
   filtered_.stamp = scan.stamp;
   filtered_.cloud.points.clear();
   filtered_.cloud.times.clear();
@@ -214,14 +215,14 @@ double SurfaceSupport::filter(const Scan& scan) {
   return 1.0 - kept / static_cast<double>(std::max<std::size_t>(1, size));
 }
 
-void SurfaceSupport::learn(double fraction) {
+void IsolatedPointFilter::learn(double fraction) {
   mean_isolated_fraction_ =
       mean_isolated_fraction_ < 0.0
           ? fraction
           : mean_isolated_fraction_ + kLearningRate * (fraction - mean_isolated_fraction_);
 }
 
-const Scan& SurfaceSupport::without_isolated_points(const Scan& scan) {
+const Scan& IsolatedPointFilter::without_isolated_points(const Scan& scan) {
   set_cube_edge(scan.cloud);
   if (mean_isolated_fraction_ <= kMinIsolatedFraction) {
     const double fraction = isolated_fraction_in_blocks(scan.cloud);

@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::front_end {
 
-struct BridgeOptions {
+struct RingInterpolationOptions {
   double reference = 0.0;  ///< s after the stamp, from which times are counted
   double spacing = 0.4;    ///< m, between the interpolated points
   double max_range = 1e4;  ///< m from the sensor
@@ -20,11 +20,12 @@ struct BridgeOptions {
 /// only lines of a surface, and these fit whatever the pitch of the sensor is. A surface is assumed
 /// where the points of neighbouring rings in one direction lie on a straight line from ring to
 /// ring.
-class RingBridges {
+class RingInterpolator {
  public:
   /// Replaces `points` by the interpolated points between the rings of a cloud that was measured
   /// from their viewpoint; by none if the viewpoint is not known.
-  void find(const PointCloud& cloud, const BridgeOptions& options, SampledPoints& points);
+  void interpolate(const PointCloud& cloud, const RingInterpolationOptions& options,
+                   SampledPoints& points);
 
  private:
   static constexpr std::size_t kColumns = 360;
@@ -47,8 +48,8 @@ class RingBridges {
   /// True if a point lies on the line through its neighbours on the rings above and below.
   static bool is_straight(const Column& column, const RingPoint* s);
   /// Adds the interpolated points of the column with this number, relative to the sensor.
-  static void bridge(const Column& column, std::size_t number, float spacing,
-                     SampledPoints& points);
+  static void interpolate_column(const Column& column, std::size_t number, float spacing,
+                                 SampledPoints& points);
 
   std::vector<RingPoint> ring_points_;
   std::vector<std::uint16_t> column_numbers_;  ///< the column of each point

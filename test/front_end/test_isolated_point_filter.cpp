@@ -6,8 +6,8 @@
 
 #include "lidar_mapping/common/voxel_filter.hpp"
 
+#include "isolated_point_filter.hpp"
 #include "ride.hpp"
-#include "surface_support.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -35,8 +35,8 @@ LeftOut left_out(const simulation::Drive& drive, const simulation::Drive& clean)
   const Scan scan = lidar_scan(drive, kScan);
   std::set<std::tuple<float, float, float>> true_places, kept_places;
   for (const Point& p : lidar_scan(clean, kScan).cloud.points) true_places.insert({p.x, p.y, p.z});
-  SurfaceSupport support;
-  for (const Point& p : support.without_isolated_points(scan).cloud.points)
+  IsolatedPointFilter filter;
+  for (const Point& p : filter.without_isolated_points(scan).cloud.points)
     kept_places.insert({p.x, p.y, p.z});
   double made_up = 0.0, made_up_gone = 0.0, true_ones = 0.0, true_gone = 0.0;
   for (const Point& p : scan.cloud.points) {
@@ -72,42 +72,41 @@ INSTANTIATE_TEST_SUITE_P(Scans, ArtificialPoints,
                                          Case{"vlp16", "outliers=0.3", 0.9, 0.06}));
 
 /// A clean scan must come back as the object that it was, as all that follows then stays the same.
-TEST(SurfaceSupport, DoesNotChangeCleanScans) {
+TEST(IsolatedPointFilter, DoesNotChangeCleanScans) {
   for (const char* name : {"town", "walk", "open_road", "car_park"}) {
     for (const char* lidar : {"vlp16", "hdl64"}) {
       const simulation::Drive drive = spoilt_drive(name, lidar, "");
-      SurfaceSupport support;
+      IsolatedPointFilter filter;
       for (const std::size_t i : {0, 60}) {
         const Scan scan = lidar_scan(drive, i);
-        EXPECT_EQ(&support.without_isolated_points(scan), &scan)
-            << name << " " << lidar << " " << i;
+        EXPECT_EQ(&filter.without_isolated_points(scan), &scan) << name << " " << lidar << " " << i;
       }
-      EXPECT_LT(support.isolated_fraction(), 0.025) << name << " " << lidar;
+      EXPECT_LT(filter.isolated_fraction(), 0.025) << name << " " << lidar;
     }
   }
 }
 
 /// Points that were thinned out before have no close neighbours and lie on surfaces all the same.
-TEST(SurfaceSupport, DoesNotChangeThinnedOutScans) {
+TEST(IsolatedPointFilter, DoesNotChangeThinnedOutScans) {
   const simulation::Drive drive = spoilt_drive("town", "hdl64", "");
   for (const double edge : {0.1, 0.25, 0.5}) {
-    SurfaceSupport support;
+    IsolatedPointFilter filter;
     Scan scan = lidar_scan(drive, kScan);
     scan.cloud = voxel_filtered(scan.cloud, edge);
-    const std::size_t left = support.without_isolated_points(scan).cloud.size();
+    const std::size_t left = filter.without_isolated_points(scan).cloud.size();
     EXPECT_GT(static_cast<double>(left), 0.97 * static_cast<double>(scan.cloud.size())) << edge;
   }
   const simulation::Drive sparse = spoilt_drive("town", "hdl64", "sparse=1000");
-  SurfaceSupport support;
+  IsolatedPointFilter filter;
   const Scan scan = lidar_scan(sparse, kScan);
-  EXPECT_GT(support.without_isolated_points(scan).cloud.size(), 900U);
+  EXPECT_GT(filter.without_isolated_points(scan).cloud.size(), 900U);
 }
 
-TEST(SurfaceSupport, KeepsTheTimesOfRemainingPoints) {
+TEST(IsolatedPointFilter, KeepsTheTimesOfRemainingPoints) {
   const simulation::Drive drive = spoilt_drive("town", "vlp16", "outliers=0.2");
-  SurfaceSupport support;
+  IsolatedPointFilter filter;
   const Scan scan = lidar_scan(drive, kScan);
-  const Scan& kept = support.without_isolated_points(scan);
+  const Scan& kept = filter.without_isolated_points(scan);
   ASSERT_LT(kept.cloud.size(), scan.cloud.size());
   ASSERT_EQ(kept.cloud.times.size(), kept.cloud.size());
   EXPECT_EQ(kept.stamp, scan.stamp);
@@ -118,16 +117,16 @@ TEST(SurfaceSupport, KeepsTheTimesOfRemainingPoints) {
   }
 }
 
-TEST(SurfaceSupport, HandlesEmptyAndInvalidClouds) {
-  SurfaceSupport support;
+TEST(IsolatedPointFilter, HandlesEmptyAndInvalidClouds) {
+  IsolatedPointFilter filter;
   Scan scan;
-  EXPECT_TRUE(support.without_isolated_points(scan).cloud.empty());
+  EXPECT_TRUE(filter.without_isolated_points(scan).cloud.empty());
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int i = 0; i < 1000; ++i) {
     scan.cloud.points.push_back({nan, 1e30F, -1e30F, 0.0F});
     scan.cloud.points.push_back({0.0F, 0.0F, 0.0F, 0.0F});
   }
-  EXPECT_EQ(support.without_isolated_points(scan).cloud.size(), 2000U);
+  EXPECT_EQ(filter.without_isolated_points(scan).cloud.size(), 2000U);
 }
 
 }  // namespace

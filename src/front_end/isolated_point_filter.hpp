@@ -51,9 +51,9 @@ class RangeGrid {
 /// Removes points that do not lie on a surface: raindrops, dust, echoes of other sensors. With a
 /// sampling of one point per cube, they would have far too much weight. If they are few, nothing is
 /// removed, because some points on leaves and edges look like them.
-class SurfaceSupport {
+class IsolatedPointFilter {
  public:
-  SurfaceSupport();
+  IsolatedPointFilter();
 
   /// The scan itself or, if many points are isolated, a copy without them. Valid until the next
   /// call, and as long as `scan` is valid.

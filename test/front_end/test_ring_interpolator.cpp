@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ring_bridges.hpp"
+#include "ring_interpolator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -38,13 +38,13 @@ PointCloud seen(Range&& range) {
 SampledPoints between(const PointCloud& cloud) {
   SampledPoints points;
   points.viewpoint = kSensor.cast<float>();
-  RingBridges().find(cloud, {0.05, 0.4, 100.0}, points);
+  RingInterpolator().interpolate(cloud, {0.05, 0.4, 100.0}, points);
   return points;
 }
 
 double nothing(const Eigen::Vector3d&) { return 1e9; }
 
-TEST(RingBridges, LieOnTheGroundBetweenItsRings) {
+TEST(RingInterpolator, PutsPointsOnTheGroundBetweenRings) {
   const SampledPoints points = between(seen(nothing));
   ASSERT_GT(points.size(), 1000U);
   std::vector<double> distances;
@@ -60,7 +60,7 @@ TEST(RingBridges, LieOnTheGroundBetweenItsRings) {
   EXPECT_GT(*farthest, 18.0);
 }
 
-TEST(RingBridges, HaveTheTimesOfTheirNeighbours) {
+TEST(RingInterpolator, InterpolatesTheTimes) {
   const SampledPoints points = between(seen(nothing));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double turn = std::atan2(points.y[i], points.x[i] - kSensor.x()) / (2.0 * M_PI);
@@ -69,7 +69,7 @@ TEST(RingBridges, HaveTheTimesOfTheirNeighbours) {
 }
 
 // Behind a post the next ring sees the wall: there is nothing in between.
-TEST(RingBridges, DoNotConnectObjectsWithTheirBackground) {
+TEST(RingInterpolator, DoesNotConnectObjectsWithTheirBackground) {
   const auto posts = [](const Eigen::Vector3d& ray) {
     const bool is_low = ray.z() < 0.02;
     return is_low ? 8.0 / std::hypot(ray.x(), ray.y()) : 14.0 / std::hypot(ray.x(), ray.y());
@@ -82,15 +82,15 @@ TEST(RingBridges, DoNotConnectObjectsWithTheirBackground) {
   }
 }
 
-TEST(RingBridges, AreNoneWhereRingsAreClose) {
+TEST(RingInterpolator, AddsNothingBetweenCloseRings) {
   const auto wall = [](const Eigen::Vector3d& ray) { return 5.0 / std::hypot(ray.x(), ray.y()); };
   EXPECT_EQ(between(seen(wall)).size(), 0U) << "rings are 0.17 m apart";
 }
 
-TEST(RingBridges, AreNoneWhereTheViewpointIsNotKnown) {
+TEST(RingInterpolator, AddsNothingWithoutViewpoint) {
   SampledPoints points;
   points.x.push_back(1.0F);
-  RingBridges().find(seen(nothing), {0.05, 0.4, 100.0}, points);
+  RingInterpolator().interpolate(seen(nothing), {0.05, 0.4, 100.0}, points);
   EXPECT_EQ(points.size(), 0U);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ring_bridges.hpp"
+#include "ring_interpolator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -48,8 +48,8 @@ void push(const Eigen::Vector3f& p, float time, SampledPoints& points) {
 
 }  // namespace
 
-void RingBridges::collect(const PointCloud& cloud, const Eigen::Vector3f& origin,
-                          double max_range) {
+void RingInterpolator::collect(const PointCloud& cloud, const Eigen::Vector3f& origin,
+                               double max_range) {
   const std::size_t stride = (cloud.size() / kMaxPoints) | 1U;
   const auto farthest = static_cast<float>(max_range * max_range);
   ring_points_.clear();
@@ -66,7 +66,7 @@ void RingBridges::collect(const PointCloud& cloud, const Eigen::Vector3f& origin
   }
 }
 
-void RingBridges::sort_by_columns() {
+void RingInterpolator::sort_by_columns() {
   column_begins_.fill(0);
   for (const std::uint16_t number : column_numbers_) ++column_begins_[number + 1U];
   for (std::size_t k = 0; k < kColumns; ++k) column_begins_[k + 1] += column_begins_[k];
@@ -77,7 +77,7 @@ void RingBridges::sort_by_columns() {
 }
 
 /// Keeps one point of each ring.
-RingBridges::Column RingBridges::column(std::size_t number) {
+RingInterpolator::Column RingInterpolator::column(std::size_t number) {
   RingPoint* const begin = sorted_points_.data() + column_begins_[number];
   RingPoint* const end = sorted_points_.data() + column_begins_[number + 1];
   std::sort(begin, end, [](const RingPoint& a, const RingPoint& b) {
@@ -93,13 +93,13 @@ RingBridges::Column RingBridges::column(std::size_t number) {
   return {begin, kept};
 }
 
-bool RingBridges::is_straight(const Column& column, const RingPoint* s) {
+bool RingInterpolator::is_straight(const Column& column, const RingPoint* s) {
   return s > column.begin && s + 1 < column.end &&
          distance_to_line(s->p, (s - 1)->p, (s + 1)->p) < kMaxLineDistance;
 }
 
-void RingBridges::bridge(const Column& column, std::size_t number, float spacing,
-                         SampledPoints& points) {
+void RingInterpolator::interpolate_column(const Column& column, std::size_t number, float spacing,
+                                          SampledPoints& points) {
   for (const RingPoint* s = column.begin; s + 1 < column.end; ++s) {
     const RingPoint& a = *s;
     const RingPoint& b = *(s + 1);
@@ -119,15 +119,15 @@ void RingBridges::bridge(const Column& column, std::size_t number, float spacing
   }
 }
 
-void RingBridges::find(const PointCloud& cloud, const BridgeOptions& options,
-                       SampledPoints& points) {
+void RingInterpolator::interpolate(const PointCloud& cloud, const RingInterpolationOptions& options,
+                                   SampledPoints& points) {
   for (auto* array : {&points.x, &points.y, &points.z, &points.s}) array->clear();
   if (!points.viewpoint) return;
   const Eigen::Vector3f origin = *points.viewpoint;
   collect(cloud, origin, options.max_range);
   sort_by_columns();
   for (std::size_t k = 0; k < kColumns; ++k) {
-    bridge(column(k), k, static_cast<float>(options.spacing), points);
+    interpolate_column(column(k), k, static_cast<float>(options.spacing), points);
   }
   const auto reference = static_cast<float>(cloud.has_times() ? options.reference : 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
