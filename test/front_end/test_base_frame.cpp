@@ -7,8 +7,8 @@
 
 #include "base_frame.hpp"
 #include "base_frames.hpp"
+#include "evaluated_drive.hpp"
 #include "motion_filter.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -124,10 +124,10 @@ TEST(BaseFrame, ConvertsVelocitiesWithTheLeverArm) {
 // What leaves the front end hangs together in base_link.
 TEST(BaseFrame, KeyFramesAreInBaseLink) {
   const simulation::Drive drive = make_drive("town", 3.0, 1);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   std::optional<KeyFrame> key_frame;
   for (std::size_t i = 0; i < 20 && !key_frame; ++i) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     for (const FrontEndResult& finalized : result.finalized) {
       if (finalized.key_frame) key_frame = finalized.key_frame;
     }

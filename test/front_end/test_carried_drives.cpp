@@ -10,7 +10,7 @@
 
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
-#include "ride.hpp"
+#include "evaluated_drive.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -81,7 +81,7 @@ struct Outcome {
 };
 
 Outcome follow(const simulation::Drive& drive) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   Preprocessed scans(drive);
   Outcome outcome;
   Pose T_map_last, T_odom_last;
@@ -93,7 +93,7 @@ Outcome follow(const simulation::Drive& drive) {
     }
     prior.uneven_turning = synced.uneven_turning;
     prior.felt = synced.felt;
-    const FrontEndResult& result = ride.take(synced.scan, prior);
+    const FrontEndResult& result = ride.process(synced.scan, prior);
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
@@ -133,8 +133,8 @@ TEST(CarriedDrive, WrongGyroIsDetected) {
 
 /// By the LiDAR alone, m.
 double error_without_imu(const simulation::Drive& drive) {
-  Ride ride(drive);
-  for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.take(i);
+  EvaluatedDrive ride(drive);
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.process(i);
   return ride.error();
 }
 

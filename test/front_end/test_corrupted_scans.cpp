@@ -6,8 +6,8 @@
 
 #include "lidar_mapping/registration/registration_config.hpp"
 
+#include "evaluated_drive.hpp"
 #include "match_judge.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -35,11 +35,11 @@ struct Outcome {
 };
 
 Outcome ride_through(const simulation::Drive& drive) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   Outcome outcome;
   Pose T_map_last, T_odom_last;
   for (std::size_t i = kAtSpeed; i < drive.scan_count(); ++i) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
                        (T_odom_last.inverse() * result.T_odom_base);
@@ -54,7 +54,7 @@ Outcome ride_through(const simulation::Drive& drive) {
     T_odom_last = result.T_odom_base;
   }
   outcome.error = ride.error();
-  outcome.way = ride.way();
+  outcome.way = ride.distance_travelled();
   return outcome;
 }
 
@@ -105,13 +105,13 @@ TEST(RepeatedScan, IsNotReportedAsTrackingByOtherMethods) {
 // Over the time between two stamps the vehicle moves by 14 m/s times their error, 0.3 m.
 TEST(StampJitter, HasLittleInfluenceOnPoses) {
   const simulation::Drive drive = spoilt_drive("jitter=0.02", "vlp16", kEnd);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   constexpr std::size_t kFirst = 70;
   constexpr std::size_t kNoticed = kFirst + 25;
   double largest = 0.0;
   Pose T_map_last, T_odom_last;
   for (std::size_t i = kFirst; i < drive.scan_count(); ++i) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
                        (T_odom_last.inverse() * result.T_odom_base);

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluated_drive.hpp"
 #include "normalised_error.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

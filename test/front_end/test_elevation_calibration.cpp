@@ -7,8 +7,8 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 
 #include "elevation_calibration.hpp"
+#include "evaluated_drive.hpp"
 #include "motion_filter.hpp"
-#include "ride.hpp"
 #include "sweep_sampler.hpp"
 
 namespace lidar_mapping::front_end {

@@ -59,7 +59,7 @@ Points truck(double x) {
 }
 
 /// What the sensor sees from there, rings included.
-SampledPoints seen(const Points& world, const Pose& T_map_sensor) {
+SampledPoints measured_from(const Points& world, const Pose& T_map_sensor) {
   const Pose T_sensor_map = T_map_sensor.inverse();
   Points points;
   add_rings(points);
@@ -71,31 +71,32 @@ SampledPoints seen(const Points& world, const Pose& T_map_sensor) {
 
 Pose ahead(double x) { return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; }
 
-/// A sensor that its matches hold at one place.
-class Held {
+/// A sensor whose matches stay at one pose.
+class StationaryMatches {
  public:
-  explicit Held(const Points& world, const Pose& matched = Pose{}) : matched_(matched) {
+  explicit StationaryMatches(const Points& world, const Pose& matched = Pose{})
+      : matched_pose_(matched) {
     filter_.reset(Pose{}, 0.1, 0.1);
-    false_standstill_.insert(seen(world, Pose{}), {Pose{}, Vector6d::Zero()});
+    false_standstill_.insert(measured_from(world, Pose{}), {Pose{}, Vector6d::Zero()});
   }
 
-  /// True once it is said to be elsewhere; then filter() knows where.
-  bool take(const SampledPoints& points) {
+  /// True once a motion was detected; then filter() has the new pose.
+  bool process(const SampledPoints& points) {
     MotionFilter high_noise = filter_.with_high_process_noise();
     for (MotionFilter* filter : {&filter_, &high_noise}) filter->predict(0.1);
     registration::NdtMatch match;
     match.overlap = 0.3;
-    match.state.T_map_sensor = matched_;
-    const bool elsewhere = false_standstill_.track(points, high_noise, filter_) ||
-                           false_standstill_.detect(points, match, 0.1, true, filter_);
-    if (!elsewhere) filter_.restart({matched_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
-    return elsewhere;
+    match.state.T_map_sensor = matched_pose_;
+    const bool is_moved = false_standstill_.track(points, high_noise, filter_) ||
+                          false_standstill_.detect(points, match, 0.1, true, filter_);
+    if (!is_moved) filter_.restart({matched_pose_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
+    return is_moved;
   }
 
   const MotionFilter& filter() const { return filter_; }
 
  private:
-  Pose matched_;
+  Pose matched_pose_;
   MotionFilter filter_{10.0, 5.0};
   FalseStandstillRecovery false_standstill_;
 };
@@ -107,13 +108,13 @@ TEST(VerticalStructurePoints, AreAboveTheGround) {
   }
   EXPECT_TRUE(vertical_structure_points(sampled(points)).empty());
   for (float z = 0.3F; z < 3.0F; z += 0.25F) points.emplace_back(0.5F, 0.5F, z);
-  const Points upright = vertical_structure_points(sampled(points));
-  EXPECT_GE(upright.size(), 8U);
-  for (const Eigen::Vector3f& p : upright) EXPECT_EQ(p.x(), 0.5F);
+  const Points vertical = vertical_structure_points(sampled(points));
+  EXPECT_GE(vertical.size(), 8U);
+  for (const Eigen::Vector3f& p : vertical) EXPECT_EQ(p.x(), 0.5F);
 }
 
 TEST(VerticalStructureMap, FindsThePoseWhereThePointsFit) {
-  const Points world = vertical_structure_points(seen(field(1), Pose{}));
+  const Points world = vertical_structure_points(measured_from(field(1), Pose{}));
   VerticalStructureMap map;
   map.insert(world, Pose{});
   Vector6d d = Vector6d::Zero();
@@ -131,13 +132,14 @@ TEST(VerticalStructureMap, FindsThePoseWhereThePointsFit) {
 TEST(FalseStandstillRecovery, DetectsAndTracksTheMotion) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Points world = field(seed);
-    Held held(world);
+    StationaryMatches stationary(world);
     bool found = false;
     for (int i = 0; i < 40; ++i) {
       const double x = 0.5 * 2.0 * (0.1 * i) * (0.1 * i);
-      found = held.take(seen(world, ahead(x)));
+      found = stationary.process(measured_from(world, ahead(x)));
       if (!found) continue;
-      EXPECT_LT((held.filter().state().T_map_sensor.translation - ahead(x).translation).norm(), 0.3)
+      EXPECT_LT(
+          (stationary.filter().state().T_map_sensor.translation - ahead(x).translation).norm(), 0.3)
           << seed << " " << i;
     }
     EXPECT_TRUE(found) << seed;
@@ -146,12 +148,13 @@ TEST(FalseStandstillRecovery, DetectsAndTracksTheMotion) {
 
 TEST(FalseStandstillRecovery, EndsWithoutVerticalStructures) {
   const Points world = field(1);
-  Held held(world);
+  StationaryMatches stationary(world);
   bool found = false;
-  for (int i = 0; i < 40 && !found; ++i) found = held.take(seen(world, ahead(0.01 * i * i)));
+  for (int i = 0; i < 40 && !found; ++i)
+    found = stationary.process(measured_from(world, ahead(0.01 * i * i)));
   ASSERT_TRUE(found);
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(held.take(seen({}, ahead(10.0)))) << i;
-  for (int i = 0; i < 10; ++i) found = held.take(seen({}, ahead(10.0)));
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(stationary.process(measured_from({}, ahead(10.0)))) << i;
+  for (int i = 0; i < 10; ++i) found = stationary.process(measured_from({}, ahead(10.0)));
   EXPECT_FALSE(found);
 }
 
@@ -159,19 +162,19 @@ TEST(FalseStandstillRecovery, EndsWithoutVerticalStructures) {
 TEST(FalseStandstillRecovery, IgnoresAWallAlongThePath) {
   Points wall;
   for (float x = -40.0F; x < 40.0F; x += 0.5F) add_pole(x, 6.0F, wall);
-  Held held(wall, {Eigen::Quaterniond::Identity(), {0.0, 0.8, 0.0}});
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(held.take(seen(wall, Pose{}))) << i;
+  StationaryMatches stationary(wall, {Eigen::Quaterniond::Identity(), {0.0, 0.8, 0.0}});
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(stationary.process(measured_from(wall, Pose{}))) << i;
 }
 
 TEST(FalseStandstillRecovery, IgnoresAPassingTruck) {
   const Points poles = field(4);
   Points first = poles;
   for (const Eigen::Vector3f& p : truck(-8.0)) first.push_back(p);
-  Held held(first);
+  StationaryMatches stationary(first);
   for (int i = 0; i < 60; ++i) {
     Points world = poles;
     for (const Eigen::Vector3f& p : truck(-8.0 + 0.3 * i)) world.push_back(p);
-    EXPECT_FALSE(held.take(seen(world, Pose{}))) << i;
+    EXPECT_FALSE(stationary.process(measured_from(world, Pose{}))) << i;
   }
 }
 
@@ -187,8 +190,9 @@ TEST(FalseStandstillRecovery, IgnoresPedestriansThatWalkTogether) {
     }
     return world;
   };
-  Held held(around(0.0));
-  for (int i = 0; i < 30; ++i) EXPECT_FALSE(held.take(seen(around(0.14 * i), Pose{}))) << i;
+  StationaryMatches stationary(around(0.0));
+  for (int i = 0; i < 30; ++i)
+    EXPECT_FALSE(stationary.process(measured_from(around(0.14 * i), Pose{}))) << i;
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 #include "lidar_mapping/common/voxel_filter.hpp"
 
+#include "evaluated_drive.hpp"
 #include "isolated_point_filter.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

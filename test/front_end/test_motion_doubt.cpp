@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluated_drive.hpp"
 #include "motion_doubt.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -80,10 +80,10 @@ struct KeyFramesAndSteps {
 
 /// Every n-th scan of a drive.
 KeyFramesAndSteps key_frames_of(const simulation::Drive& drive, std::size_t every) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   KeyFramesAndSteps found;
   for (std::size_t i = 0; i < drive.scan_count(); i += every) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     if (result.key_frame) found.key_frames.push_back(*result.key_frame);
     if (result.status.state != TrackingState::kDoubtful) continue;
     ++found.doubtful_steps;

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "claimed_pose.hpp"
+#include "evaluated_drive.hpp"
 #include "match_evidence.hpp"
-#include "ride.hpp"
 #include "step_belief.hpp"
 
 namespace lidar_mapping::front_end {
@@ -195,11 +195,11 @@ struct Steps {
 
 /// Steps from the last scan that claimed its pose, over every n-th scan of a drive.
 Steps steps_of(const simulation::Drive& drive, std::size_t every) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   Steps steps;
   Pose T_map_last, T_odom_last;
   for (std::size_t i = 0; i < drive.scan_count(); i += every) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     const TrackingState state = result.status.state;
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *

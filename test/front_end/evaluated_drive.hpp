@@ -30,55 +30,55 @@ inline Scan lidar_scan(const simulation::Drive& drive, std::size_t index) {
 }
 
 /// Runs the front end over a drive and compares each result with the truth.
-class Ride {
+class EvaluatedDrive {
  public:
-  explicit Ride(const simulation::Drive& drive) : drive_(drive) {
+  explicit EvaluatedDrive(const simulation::Drive& drive) : drive_(drive) {
     front_end_.set_sensor_pose(drive.mounting().T_base_lidar);
   }
 
-  const FrontEndResult& take(std::size_t index, const MotionPrior& prior = {}) {
-    return take(lidar_scan(drive_, index), prior);
+  const FrontEndResult& process(std::size_t index, const MotionPrior& prior = {}) {
+    return process(lidar_scan(drive_, index), prior);
   }
 
   /// A scan in the LiDAR's frame.
-  const FrontEndResult& take(const Scan& scan, const MotionPrior& prior = {}) {
+  const FrontEndResult& process(const Scan& scan, const MotionPrior& prior = {}) {
     const Pose T_map_base = drive_.trajectory().pose(scan.stamp);
-    if (!begin_)
-      begin_ = T_map_base;
+    if (!T_map_begin_)
+      T_map_begin_ = T_map_base;
     else
-      way_ += (T_map_base.translation - T_map_last_.translation).norm();
+      distance_travelled_ += (T_map_base.translation - T_map_last_.translation).norm();
     T_map_last_ = T_map_base;
     result_ = front_end_.process(scan, prior);
     return result_;
   }
 
-  /// Distance (m) from where the sensor really is.
+  /// Distance (m) of the result from the true position.
   double error() const {
-    const Pose truth = begin_->inverse() * T_map_last_;
+    const Pose truth = T_map_begin_->inverse() * T_map_last_;
     return (truth.translation - (T_odom_begin_.inverse() * result_.T_odom_base).translation).norm();
   }
-  /// Angle (degrees) by which it is turned from how the sensor really stands.
+  /// Angle (degrees) of the result to the true attitude.
   double angle_error() const {
-    const Pose truth = begin_->inverse() * T_map_last_;
+    const Pose truth = T_map_begin_->inverse() * T_map_last_;
     const Pose found = T_odom_begin_.inverse() * result_.T_odom_base;
     return rotation_angle(truth.rotation.conjugate() * found.rotation) * 180.0 / M_PI;
   }
-  double way() const { return way_; }
-  /// Both are counted from here on.
-  void begin_anew() {
-    begin_ = T_map_last_;
+  double distance_travelled() const { return distance_travelled_; }
+  /// Errors and distance are measured from the present scan on.
+  void restart_evaluation() {
+    T_map_begin_ = T_map_last_;
     T_odom_begin_ = result_.T_odom_base;
-    way_ = 0.0;
+    distance_travelled_ = 0.0;
   }
 
  private:
   const simulation::Drive& drive_;
   FrontEnd front_end_{FrontEndConfig{}};
   FrontEndResult result_;
-  std::optional<Pose> begin_;
+  std::optional<Pose> T_map_begin_;
   Pose T_odom_begin_;
   Pose T_map_last_;
-  double way_ = 0.0;
+  double distance_travelled_ = 0.0;
 };
 
 /// The vehicle's velocity as a wheel sensor with a wrong radius and noise measures it.
