@@ -13,13 +13,13 @@ constexpr std::size_t kSampledPoints = 256;
 constexpr std::size_t kMinPoints = 50;
 constexpr float kStepsPerMetre = 1e4F;
 
-void mix(std::uint64_t value, std::uint64_t& hash) {
+void combine_hash(std::uint64_t value, std::uint64_t& hash) {
   // FNV-1a, a word at a time.
   hash = (hash ^ value) * 0x100000001b3ULL;
   hash ^= hash >> 29;
 }
 
-std::uint64_t step_of(float coordinate) {
+std::uint64_t rounded(float coordinate) {
   // Casting NaN or infinity to an integer is undefined behaviour.
   return std::isfinite(coordinate)
              ? static_cast<std::uint64_t>(std::llround(coordinate * kStepsPerMetre))
@@ -30,11 +30,12 @@ std::uint64_t step_of(float coordinate) {
 
 std::uint64_t cloud_fingerprint(const PointCloud& cloud) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  mix(cloud.size(), hash);
+  combine_hash(cloud.size(), hash);
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     const Point& point = cloud.points[i];
-    for (const float coordinate : {point.x, point.y, point.z}) mix(step_of(coordinate), hash);
+    for (const float coordinate : {point.x, point.y, point.z})
+      combine_hash(rounded(coordinate), hash);
   }
   return hash;
 }

@@ -90,8 +90,8 @@ void ElevationCalibration::add_scan(const SampledPoints& points,
              position_distance(frames_.back().T_map_sensor, state.T_map_sensor) >=
                  frame_distance() * voxel_size) {
     Frame frame{{}, state.T_map_sensor, voxel_size};
-    place(points, {Pose{}, state.twist}, Eigen::Vector3d::Zero(), frame.points);
-    raise(frame.points, -applied_angle_);
+    transform_points(points, {Pose{}, state.twist}, Eigen::Vector3d::Zero(), frame.points);
+    rotate_upwards(frame.points, -applied_angle_);
     if (frames_.size() == kMaxFrames) frames_.pop_front();
     frames_.push_back(std::move(frame));
     comparison_pending_ = true;

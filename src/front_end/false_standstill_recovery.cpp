@@ -60,9 +60,9 @@ constexpr double kRateSigma = 0.1;        // rad/s
 /// Points on vertical structures, deskewed to the reference time.
 std::vector<Eigen::Vector3f> vertical_points_at(const SampledPoints& points,
                                                 const Vector6d& twist) {
-  SampledPoints placed;
-  place(points, {Pose{}, twist}, Eigen::Vector3d::Zero(), placed);
-  return vertical_structure_points(placed);
+  SampledPoints transformed_points;
+  transform_points(points, {Pose{}, twist}, Eigen::Vector3d::Zero(), transformed_points);
+  return vertical_structure_points(transformed_points);
 }
 
 /// A subset of these points, about as many as are compared.

@@ -8,13 +8,13 @@ namespace lidar_mapping::front_end {
 
 /// Rule for the hash of a point, which is equal for all points of its cube: cubes of edge 1 /
 /// inverse_resolution, hashed to 32 - shift bits. Points that are not finite or out of range get
-/// `refused`.
+/// `rejected`.
 struct HashRule {
   float inverse_resolution;
   float min_range_squared;
   float max_range_squared;
   std::uint32_t shift;
-  std::uint32_t refused;
+  std::uint32_t rejected;
 };
 
 /// Hashes of `count` points of four floats, the k-th at points + 4 * stride * k.

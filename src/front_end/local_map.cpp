@@ -27,21 +27,22 @@ registration::PlaneModel coarse_model() {
 }  // namespace
 
 // The products are written out so that the compiler can vectorise the loop.
-void place(const SampledPoints& points, const registration::MotionState& state,
-           const Eigen::Vector3d& origin, SampledPoints& placed) {
+void transform_points(const SampledPoints& points, const registration::MotionState& state,
+                      const Eigen::Vector3d& origin, SampledPoints& transformed_points) {
   const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
   const Eigen::Vector3f t = (state.T_map_sensor.translation - origin).cast<float>();
   const Eigen::Vector3f v = state.twist.head<3>().cast<float>();
   const Eigen::Vector3f w = state.twist.tail<3>().cast<float>();
   const float wx = w.x(), wy = w.y(), wz = w.z();
-  for (auto* array : {&placed.x, &placed.y, &placed.z}) array->resize(points.size());
+  for (auto* array : {&transformed_points.x, &transformed_points.y, &transformed_points.z})
+    array->resize(points.size());
   const float* const px = points.x.data();
   const float* const py = points.y.data();
   const float* const pz = points.z.data();
   const float* const ps = points.s.data();
-  float* const qx = placed.x.data();
-  float* const qy = placed.y.data();
-  float* const qz = placed.z.data();
+  float* const qx = transformed_points.x.data();
+  float* const qy = transformed_points.y.data();
+  float* const qz = transformed_points.z.data();
 #pragma GCC ivdep
   for (std::size_t i = 0; i < points.size(); ++i) {
     float x = px[i], y = py[i], z = pz[i];
@@ -93,14 +94,15 @@ void LocalMap::clear() {
 
 void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
   const std::size_t before = fine_.dropped_points() + coarse_.dropped_points();
-  place(points, state, fine_.origin(), placed_);
+  transform_points(points, state, fine_.origin(), transformed_points_);
   std::optional<Eigen::Vector3f> viewpoint;
   if (points.viewpoint) {
     const Eigen::Vector3d p_map = state.T_map_sensor * points.viewpoint->cast<double>();
     viewpoint = (p_map - fine_.origin()).cast<float>();
   }
-  fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size(), viewpoint);
-  insert_thinned(placed_, coarse_);
+  fine_.insert(transformed_points_.x.data(), transformed_points_.y.data(),
+               transformed_points_.z.data(), transformed_points_.x.size(), viewpoint);
+  insert_thinned(transformed_points_, coarse_);
   dropped_points_ += fine_.dropped_points() + coarse_.dropped_points() - before;
 }
 

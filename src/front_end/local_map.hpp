@@ -11,10 +11,10 @@
 
 namespace lidar_mapping::front_end {
 
-/// Transforms each point to where it was measured, relative to `origin`: R p(s) + t. `placed` gets
-/// no times.
-void place(const SampledPoints& points, const registration::MotionState& state,
-           const Eigen::Vector3d& origin, SampledPoints& placed);
+/// Transforms each point to where it was measured, relative to `origin`: R p(s) + t. The times of
+/// `transformed_points` are not set.
+void transform_points(const SampledPoints& points, const registration::MotionState& state,
+                      const Eigen::Vector3d& origin, SampledPoints& transformed_points);
 
 /// The surroundings of the sensor: a fine voxel map for matching and a coarse one for finding the
 /// pose again.
@@ -47,7 +47,7 @@ class LocalMap {
   double radius_;
   registration::GaussianVoxelMap fine_;
   registration::GaussianVoxelMap coarse_;
-  SampledPoints placed_;
+  SampledPoints transformed_points_;
   std::size_t dropped_points_ = 0;
 };
 

@@ -62,7 +62,7 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
     const std::size_t count = std::min(remaining, block);
     hash(&cloud.points[begin].x, stride, count, rule, hashes.data());
     // The last block may have fewer points.
-    for (std::size_t i = count; i < block; ++i) hashes[i] = rule.refused;
+    for (std::size_t i = count; i < block; ++i) hashes[i] = rule.rejected;
     for (std::size_t visit = 0, i = 0; visit < block; ++visit) {
       // Without a branch: write always, and advance only if the cube is new.
       candidates[candidate_count] = static_cast<std::uint32_t>(begin + i * stride);
@@ -89,7 +89,7 @@ void SampledPoints::assign(const PointCloud& cloud, const std::vector<std::uint3
   }
 }
 
-void raise(SampledPoints& points, double angle) {
+void rotate_upwards(SampledPoints& points, double angle) {
   if (angle == 0.0) return;
   const ElevationShift shift(angle);
   for (std::size_t i = 0; i < points.size(); ++i) shift(points.x[i], points.y[i], points.z[i]);

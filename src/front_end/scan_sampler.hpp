@@ -56,6 +56,6 @@ struct SampledPoints {
 };
 
 /// Rotates all points upwards by `angle` (rad), see ElevationShift.
-void raise(SampledPoints& points, double angle);
+void rotate_upwards(SampledPoints& points, double angle);
 
 }  // namespace lidar_mapping::front_end

@@ -54,7 +54,8 @@ Pose displaced(const Pose& pose, const Eigen::Vector2d& by, double yaw) {
   return perturbed(pose, d);
 }
 
-MotionState moving(const Pose& first, const Eigen::Vector2d& distance, double yaw, double seconds) {
+MotionState moving_state(const Pose& first, const Eigen::Vector2d& distance, double yaw,
+                         double seconds) {
   MotionState state{first, Vector6d::Zero()};
   state.twist.head<2>() = distance / seconds;
   state.twist[5] = yaw / seconds;
@@ -106,7 +107,8 @@ std::vector<MotionState> starts_at_speed(const Pose& first, double seconds) {
     for (int direction = 0; direction < kDirections; ++direction) {
       const Eigen::Rotation2Dd heading(2.0 * kPi / kDirections * direction);
       for (double yaw = -max_turn; yaw <= max_turn + 1e-9; yaw += kTurnStep) {
-        starts.push_back(moving(first, heading * Eigen::Vector2d(distance, 0.0), yaw, seconds));
+        starts.push_back(
+            moving_state(first, heading * Eigen::Vector2d(distance, 0.0), yaw, seconds));
       }
     }
   }

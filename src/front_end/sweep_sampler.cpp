@@ -72,7 +72,7 @@ void SweepSampler::sample_sparse_once(const Scan& scan, std::size_t phase) {
   reference_ = 0.5 * (span.first + span.last);
   duration_ = span.last - span.first;
   sparse_.assign(scan.cloud, indices, reference_);
-  raise(sparse_, elevation_shift_);
+  rotate_upwards(sparse_, elevation_shift_);
   sparse_cell_.adapt(indices.size());
 }
 
@@ -89,7 +89,7 @@ void SweepSampler::sample_dense_once(const Scan& scan) {
   const auto& indices = dense_sampler_.sample(
       scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0, scattered_order_});
   dense_.assign(scan.cloud, indices, reference_);
-  raise(dense_, elevation_shift_);
+  rotate_upwards(dense_, elevation_shift_);
   dense_cell_.adapt(indices.size());
 }
 
@@ -102,7 +102,7 @@ const SampledPoints& SweepSampler::sample_dense(const Scan& scan) {
 const SampledPoints& SweepSampler::sample_between_rings(const Scan& scan) {
   ring_interpolator_.interpolate(scan.cloud, {reference_, dense_cell_.edge(), max_range_},
                                  between_rings_);
-  raise(between_rings_, elevation_shift_);
+  rotate_upwards(between_rings_, elevation_shift_);
   return between_rings_;
 }
 

@@ -126,7 +126,7 @@ bool extends_outward(const Points& points, const std::vector<std::size_t>& inlie
   return wide_sectors >= kMinSectorsOfFloor;
 }
 
-Points picked(const Points& points, const std::vector<std::size_t>& indices) {
+Points selected(const Points& points, const std::vector<std::size_t>& indices) {
   Points result;
   result.reserve(indices.size());
   for (const std::size_t i : indices) result.push_back(points[i]);
@@ -149,7 +149,7 @@ PointCloud cloud_of(const Points& points_level, const Eigen::Quaterniond& R_leve
 
 FloorDetector::FloorDetector(const FloorDetectionConfig& config) : config_(config) {}
 
-Floor FloorDetector::process(const Scan& scan, FloorPoints* shown) const {
+Floor FloorDetector::process(const Scan& scan, FloorPoints* output) const {
   Floor floor;
   floor.stamp = scan.stamp;
   const auto min_points = static_cast<std::size_t>(config_.floor_pts_thresh);
@@ -161,7 +161,7 @@ Floor FloorDetector::process(const Scan& scan, FloorPoints* shown) const {
   if (config_.use_normal_filtering) {
     points = level_cells(points, config_.normal_filter_thresh * kRadPerDeg);
   }
-  if (shown != nullptr) *shown = {cloud_of(points, R_level_base), {}};
+  if (output != nullptr) *output = {cloud_of(points, R_level_base), {}};
   if (points.size() < min_points) return floor;
   const auto found = search_plane(points, config_.floor_distance_thresh, max_lean);
   if (!found) return floor;
@@ -172,7 +172,7 @@ Floor FloorDetector::process(const Scan& scan, FloorPoints* shown) const {
   if (below.normal.z() < std::cos(max_lean) || std::abs(fit->surface.curvature()) > kMaxCurvature) {
     return floor;
   }
-  if (shown != nullptr) shown->inliers = cloud_of(picked(points, fit->inliers), R_level_base);
+  if (output != nullptr) output->inliers = cloud_of(selected(points, fit->inliers), R_level_base);
   floor.found = true;
   floor.normal = R_level_base.conjugate() * below.normal;
   floor.offset = below.offset;

@@ -123,13 +123,13 @@ void GnssTrack::restart_from(PendingFix first, PendingFix& second, const MotionS
   antenna_fit_.begin_window();
   last_rejected_.reset();
   accepted_count_ = 0;
-  const auto place = [this](PendingFix& pending) {
+  const auto convert_to_local = [this](PendingFix& pending) {
     pending.fix.p_enu = local_frame_.to_local(pending.original).p_enu;
     scatter_.add(pending.fix);
   };
-  place(first);
-  place(second);
-  for (PendingFix& pending : pending_fixes_) place(pending);
+  convert_to_local(first);
+  convert_to_local(second);
+  for (PendingFix& pending : pending_fixes_) convert_to_local(pending);
   gate_.check(first.fix, lever_arm(), std::nullopt);
   accept(first);
   last_checked_ = first.fix.stamp;
@@ -230,7 +230,7 @@ bool GnssTrack::accepts_heading(const GnssPosition& position, const Eigen::Quate
   const Eigen::Vector3d p_enu_base = position.p_enu_antenna - R_enu_base * position.p_base_antenna;
   const double sigma = std::sqrt(position.covariance.diagonal().head<2>().maxCoeff());
   heading_check_.add(p_enu_base, sigma, R_enu_base, backwards);
-  return heading_check_.verdict().value_or(false);
+  return heading_check_.agrees().value_or(false);
 }
 
 void GnssTrack::clear() {

@@ -41,8 +41,8 @@ void HeadingCheck::update(const Eigen::Vector3d& step, double yaw) {
   const double size = std::abs(last_difference_);
   agreements_ = size < kAgreement ? agreements_ + 1 : 0;
   contradictions_ = size > kContradiction ? contradictions_ + 1 : 0;
-  if (agreements_ >= kMinCount) verdict_ = true;
-  if (contradictions_ >= kMinCount) verdict_ = false;
+  if (agreements_ >= kMinCount) agrees_ = true;
+  if (contradictions_ >= kMinCount) agrees_ = false;
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -16,8 +16,8 @@ class HeadingCheck {
   void add(const Eigen::Vector3d& p_enu, double sigma, const Eigen::Quaterniond& R_enu_base,
            bool backwards);
   /// True after three successive sections of the path agreed, false after three successive ones did
-  /// not.
-  std::optional<bool> verdict() const { return verdict_; }
+  /// not; empty before.
+  std::optional<bool> agrees() const { return agrees_; }
   /// Course minus heading over the last section, rad.
   double last_difference() const { return last_difference_; }
 
@@ -29,7 +29,7 @@ class HeadingCheck {
   int agreements_ = 0;
   int contradictions_ = 0;
   double last_difference_ = 0.0;
-  std::optional<bool> verdict_;
+  std::optional<bool> agrees_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -29,12 +29,12 @@ void InputValidator::add_scan(const CloudSummary& cloud) {
 
 void InputValidator::add_imu(const ImuSample& sample, const std::string& frame_id) {
   records_->imu.topic.add(sample.stamp, frame_id);
-  if (is_plausible(sample)) records_->imu.keep(sample);
+  if (is_plausible(sample)) records_->imu.add_sample(sample);
 }
 
 void InputValidator::add_velocity(const VelocitySample& sample, const std::string& frame_id) {
   records_->velocity.topic.add(sample.stamp, frame_id);
-  if (is_plausible(sample)) records_->velocity.keep(sample);
+  if (is_plausible(sample)) records_->velocity.add_sample(sample);
 }
 
 void InputValidator::add_gnss(const GnssFix& fix, const std::string& frame_id) {
@@ -47,7 +47,7 @@ void InputValidator::add_gnss(const GnssFix& fix, const std::string& frame_id) {
   }
   gnss.usable.topic.add(fix.stamp, frame_id);
   gnss.covariance_known = gnss.covariance_known && fix.covariance.has_value();
-  gnss.usable.keep(fix);
+  gnss.usable.add_sample(fix);
 }
 
 std::vector<InputReport> InputValidator::report(const ExtrinsicLookup& lookup) const {

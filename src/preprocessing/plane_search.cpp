@@ -25,8 +25,8 @@ std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points)
   return result;
 }
 
-std::optional<Plane> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                             const Eigen::Vector3d& c, double largest_lean) {
+std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                   const Eigen::Vector3d& c, double largest_lean) {
   Eigen::Vector3d normal = (b - a).cross(c - a);
   const double length = normal.norm();
   if (length < 1e-3) return std::nullopt;
@@ -54,7 +54,7 @@ std::optional<Plane> search_plane(const std::vector<Eigen::Vector3d>& points, do
   std::size_t most = 0;
   for (int candidate = 0; candidate < kCandidates; ++candidate) {
     const Eigen::Vector3d a = random_point(), b = random_point(), c = random_point();
-    const auto plane = through(a, b, c, largest_lean);
+    const auto plane = plane_through(a, b, c, largest_lean);
     if (!plane) continue;
     const std::size_t count = count_near(sample, *plane, tolerance);
     if (count <= most) continue;

@@ -19,14 +19,16 @@ constexpr double kMaxDelayOfMiddle = 0.8;
 constexpr double kMaxDelayOfEnd = 0.4;
 
 /// True if the span is about one turn.
-bool fits(double span, double period) { return span >= 0.5 * period && span <= 1.5 * period; }
+bool is_one_turn(double span, double period) {
+  return span >= 0.5 * period && span <= 1.5 * period;
+}
 
 /// The span is one turn if it agrees with the parameter or with the time from scan to scan.
 void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
-  if (fits(span, config.scan_period)) return;
+  if (is_one_turn(span, config.scan_period)) return;
   const std::string problem =
       text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
-  if (rate <= 0.0 || !fits(span, 1.0 / rate)) {
+  if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {
     add_fault(report, problem, "mend scan_period or point_time_unit");
   } else if (config.scan_stamp != ScanStamp::kStart) {
     add_fault(report, problem, "set scan_period, from which scan_stamp counts");

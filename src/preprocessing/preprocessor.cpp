@@ -58,12 +58,12 @@ class Preprocessor::Impl {
       ++counters_.gnss_refused;
       return;
     }
-    FixResult verdict;
+    FixResult result;
     const auto insert = [&] {
-      verdict = gnss_.add(fix, frame_id);
-      return verdict.insertion;
+      result = gnss_.add(fix, frame_id);
+      return result.insertion;
     };
-    if (!insert_or_reset("gnss", stamp, insert)) reject_fix(verdict.problem);
+    if (!insert_or_reset("gnss", stamp, insert)) reject_fix(result.problem);
   }
 
   void enqueue(RawScan raw) {
@@ -207,7 +207,7 @@ class Preprocessor::Impl {
     const bool backwards = synced.velocity && synced.velocity->linear.x() < 0.0;
     if (gnss_.accepts_heading(*position, *synced.imu->orientation, backwards)) {
       position->R_enu_base = synced.imu->orientation;
-    } else if (gnss_.heading_check().verdict().has_value()) {
+    } else if (gnss_.heading_check().agrees().has_value()) {
       diagnostics_.rejected_heading();
     }
     return position;

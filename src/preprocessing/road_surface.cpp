@@ -75,11 +75,11 @@ class Moments {
 
 /// The weights become zero at `scale`. A prior keeps the curvature at zero with `curvature_sigma`.
 std::optional<RoadSurface> weighted_surface(const std::vector<Eigen::Vector3d>& points,
-                                            const RoadSurface& around, double scale,
+                                            const RoadSurface& previous, double scale,
                                             double curvature_sigma) {
   Moments moments;
   for (const Eigen::Vector3d& p : points) {
-    const double above = around.above(p);
+    const double above = previous.above(p);
     if (std::abs(above) < scale) moments.add(p, tukey_weight(above, scale));
   }
   if (!moments.spread_over_an_area()) return std::nullopt;
@@ -88,8 +88,8 @@ std::optional<RoadSurface> weighted_surface(const std::vector<Eigen::Vector3d>& 
   return RoadSurface(information.ldlt().solve(moments.right_hand_side()));
 }
 
-std::vector<std::size_t> near(const std::vector<Eigen::Vector3d>& points,
-                              const RoadSurface& surface, double tolerance) {
+std::vector<std::size_t> points_near(const std::vector<Eigen::Vector3d>& points,
+                                     const RoadSurface& surface, double tolerance) {
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (std::abs(surface.above(points[i])) < tolerance) result.push_back(i);
@@ -138,12 +138,12 @@ std::optional<RoadFit> fit_road(const std::vector<Eigen::Vector3d>& points, cons
   for (int step = 0; step < kPlaneIterations + kSurfaceIterations; ++step) {
     const bool is_plane = step < kPlaneIterations;
     // With the full tolerance, a pavement within reach would bend the surface up to it.
-    const auto better = weighted_surface(points, fit.surface, is_plane ? tolerance : tolerance / 2,
-                                         is_plane ? kFlatCurvatureSigma : kCurvatureSigma);
-    if (!better) return std::nullopt;
-    fit.surface = *better;
+    const auto refined = weighted_surface(points, fit.surface, is_plane ? tolerance : tolerance / 2,
+                                          is_plane ? kFlatCurvatureSigma : kCurvatureSigma);
+    if (!refined) return std::nullopt;
+    fit.surface = *refined;
   }
-  fit.inliers = near(points, fit.surface, tolerance);
+  fit.inliers = points_near(points, fit.surface, tolerance);
   fit.covariance = covariance_of(points, fit.inliers, fit.surface);
   return fit;
 }

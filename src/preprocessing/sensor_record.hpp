@@ -35,13 +35,13 @@ struct TopicStatistics {
 /// The messages of a sensor: statistics of their headers and, up to a limit, the usable samples.
 template <typename Sample>
 struct SensorRecord {
-  static constexpr std::size_t kMostKept = 50000;
+  static constexpr std::size_t kMaxSamples = 50000;
 
   TopicStatistics topic;
   std::vector<Sample> samples;
 
-  void keep(const Sample& sample) {
-    if (samples.size() < kMostKept) samples.push_back(sample);
+  void add_sample(const Sample& sample) {
+    if (samples.size() < kMaxSamples) samples.push_back(sample);
   }
 };
 

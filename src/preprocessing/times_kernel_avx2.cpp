@@ -33,7 +33,7 @@ __m128 four(const unsigned char* first, std::size_t step) {
 struct Extremes {
   __m128 least, greatest;
 
-  void see(__m128 values) {
+  void add(__m128 values) {
     least = _mm_min_ps(values, least);  // the second operand if the first is NaN
     greatest = _mm_max_ps(values, greatest);
   }
@@ -50,8 +50,8 @@ Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
     const __m128 second = four(in + kLanes * from.step, from.step);
     _mm_storeu_ps(to + i, first);
     _mm_storeu_ps(to + i + kLanes, second);
-    even.see(first);
-    odd.see(second);
+    even.add(first);
+    odd.add(second);
   }
   float least[kLanes], greatest[kLanes];
   _mm_storeu_ps(least, _mm_min_ps(even.least, odd.least));
