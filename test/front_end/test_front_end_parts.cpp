@@ -167,7 +167,8 @@ TEST(Degeneracy, FindsTheAxisOfATunnel) {
   ASSERT_EQ(directions.size(), 1U);
   EXPECT_NEAR(std::abs(directions[0].x()), 1.0, 1e-6);
   EXPECT_TRUE(degenerate_directions(Matrix6d::Identity()).empty());
-  const Eigen::Vector3d beside = projection_beside(directions) * Eigen::Vector3d(3.0, 2.0, 1.0);
+  const Eigen::Vector3d beside =
+      projection_orthogonal_to(directions) * Eigen::Vector3d(3.0, 2.0, 1.0);
   EXPECT_LT((beside - Eigen::Vector3d(0.0, 2.0, 1.0)).norm(), 1e-6);
 }
 

@@ -96,7 +96,7 @@ StepEvidence good_evidence() {
 
 TrackingState state_of(const StepEvidence& evidence) {
   FrontEndStatus status;
-  DoubtState().lower(evaluate_step(evidence, EvidenceSource::kNdt), status);
+  DoubtState().apply(evaluate_step(evidence, EvidenceSource::kNdt), status);
   return status.state;
 }
 
