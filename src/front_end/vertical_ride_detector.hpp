@@ -57,7 +57,7 @@ class VerticalRideDetector {
   double suspected_speed_ = 0.0;  ///< m/s upwards, not shown by the points, before the detection
   bool riding_ = false;
   double ride_duration_ = 0.0;  ///< s
-  double speed_ = 0.0;  ///< m/s upwards, not shown by the points
+  double speed_ = 0.0;          ///< m/s upwards, not shown by the points
   double peak_speed_ = 0.0;
   double quiet_for_ = 0.0;  ///< s without such an acceleration or speed
   double distance_ = 0.0;
