@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The kernel of move_kernel.hpp, included by one file per instruction set. It uses vector types of
 // the compiler that are as wide as a register.
 
