@@ -39,8 +39,8 @@ void BaseFrame::to_base(std::vector<Eigen::Vector3d>& directions) const {
   for (Eigen::Vector3d& direction : directions) direction = T_base_sensor_.rotation * direction;
 }
 
-/// base_link moves by T_base_sensor M T_base_sensor^-1 where the LiDAR moves by M: perturbations
-/// and twists go over by the adjoint.
+/// If the LiDAR moves by M, base_link moves by T_base_sensor M T_base_sensor^-1. Perturbations and
+/// twists are therefore converted by the adjoint.
 FrontEndResult BaseFrame::of_base(FrontEndResult result) const {
   const Matrix6d to_base_motion = adjoint(T_base_sensor_);
   result.T_odom_base = base_in_odom(result.T_odom_base);

@@ -7,22 +7,24 @@
 
 namespace lidar_mapping::front_end {
 
-/// The border between the odometry, which knows the LiDAR's own frame alone and where that was
-/// first, and base_link, of which all others speak. What base_link is decides nothing behind it.
+/// Converts between base_link, which all other parts of the package use, and the LiDAR's own frame,
+/// in which the odometry works. The odometry's origin is the first pose of the LiDAR. The choice of
+/// base_link has no influence on the odometry.
 class BaseFrame {
  public:
-  /// Where the LiDAR sits on the vehicle.
+  /// Pose of the LiDAR on the vehicle.
   void set_sensor_pose(const Pose& T_base_sensor) { T_base_sensor_ = T_base_sensor; }
-  /// The LiDAR is where its odometry begins, and base_link here in odom.
-  void begin_at(const Pose& T_odom_base) { T_odom_first_ = T_odom_base * T_base_sensor_; }
+  /// Sets the pose of base_link in odom at which the odometry begins.
+  void set_start(const Pose& T_odom_base) { T_odom_first_ = T_odom_base * T_base_sensor_; }
 
-  /// What others measured of the vehicle, as that of the LiDAR. Where nobody measured the turning,
-  /// the velocity goes from base_link to the LiDAR by `turning` (rad/s, the LiDAR's axes).
+  /// Converts the motion of the vehicle, as other sensors measured it, to the motion of the LiDAR.
+  /// If the angular velocity was not measured, the velocity is transferred from base_link to the
+  /// LiDAR with `turning` (rad/s, in the LiDAR's axes).
   MotionPrior of_sensor(const MotionPrior& prior, const Eigen::Vector3d& turning) const;
-  /// The other way: what is known of the LiDAR, as that of base_link.
+  /// The inverse conversion: from the LiDAR's results to those of base_link.
   FrontEndResult of_base(FrontEndResult result) const;
   std::vector<FrontEndResult> of_base(std::vector<FrontEndResult> results) const;
-  /// Points in the frame where the LiDAR was first.
+  /// Transforms points from the first frame of the LiDAR to odom.
   PointCloud in_odom(const PointCloud& cloud) const { return transformed(cloud, T_odom_first_); }
 
  private:

@@ -10,8 +10,9 @@ namespace lidar_mapping::front_end {
 void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
               StepEvidence& evidence) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
-  const Covariance6 covariance = motion_covariance(from.covariance, from.parting_variance,
-                                                   T_from_to, to.covariance, to.parting_variance);
+  const Covariance6 covariance =
+      motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
+                        to.drift_variance_factor);
   evidence.seconds = seconds;
   evidence.sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());

@@ -6,14 +6,14 @@
 
 namespace lidar_mapping::front_end {
 
-/// A pose that is claimed to be right, at the stamp of its scan.
+/// A pose that is claimed to be correct, at the stamp of its scan.
 struct ClaimedPose {
   Pose T_odom_base;
   Covariance6 covariance = Covariance6::Zero();  ///< TrackedScan::covariance
-  double parting_variance = 1.0;                 ///< TrackedScan::parting_variance
+  double drift_variance_factor = 1.0;            ///< TrackedScan::drift_variance_factor
 };
 
-/// Puts the standard deviations of the step from the one to the other into the evidence.
+/// Writes the standard deviations of the step from one pose to the other into the evidence.
 void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
               StepEvidence& evidence);
 

@@ -8,19 +8,19 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-constexpr std::size_t kSample = 256;
-/// Fewer points may be the same by chance, or because there are none.
-constexpr std::size_t kFewest = 50;
+constexpr std::size_t kSampledPoints = 256;
+/// Clouds with fewer points may be equal by chance, or because they are empty.
+constexpr std::size_t kMinPoints = 50;
 constexpr float kStepsPerMetre = 1e4F;
 
-void mix(std::uint64_t value, std::uint64_t& hash) {
+void combine_hash(std::uint64_t value, std::uint64_t& hash) {
   // FNV-1a, a word at a time.
   hash = (hash ^ value) * 0x100000001b3ULL;
   hash ^= hash >> 29;
 }
 
-std::uint64_t step_of(float coordinate) {
-  // Not every cast of what is not a number is defined.
+std::uint64_t rounded(float coordinate) {
+  // Casting NaN or infinity to an integer is undefined behaviour.
   return std::isfinite(coordinate)
              ? static_cast<std::uint64_t>(std::llround(coordinate * kStepsPerMetre))
              : 1;
@@ -30,18 +30,19 @@ std::uint64_t step_of(float coordinate) {
 
 std::uint64_t cloud_fingerprint(const PointCloud& cloud) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  mix(cloud.size(), hash);
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSample);
+  combine_hash(cloud.size(), hash);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSampledPoints);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     const Point& point = cloud.points[i];
-    for (const float coordinate : {point.x, point.y, point.z}) mix(step_of(coordinate), hash);
+    for (const float coordinate : {point.x, point.y, point.z})
+      combine_hash(rounded(coordinate), hash);
   }
   return hash;
 }
 
-bool RepeatedScans::repeats(const PointCloud& cloud) {
-  if (cloud.size() < kFewest) {
-    forget();
+bool RepeatedScans::is_repeated(const PointCloud& cloud) {
+  if (cloud.size() < kMinPoints) {
+    reset();
     return false;
   }
   const std::uint64_t fingerprint = cloud_fingerprint(cloud);

@@ -8,16 +8,17 @@
 
 namespace lidar_mapping::front_end {
 
-/// Hash of a cloud's size and of the places of a sample of its points, to a tenth of a millimetre.
+/// Hash of the cloud's size and of the positions of a sample of its points, rounded to 0.1 mm.
 std::uint64_t cloud_fingerprint(const PointCloud& cloud);
 
-/// Notices a driver that delivers the same scan again, under new stamps: no sensor measures all
-/// ranges twice alike.
+/// Detects a driver that delivers the same scan again under a new stamp: no sensor measures all
+/// ranges exactly equal twice.
 class RepeatedScans {
  public:
-  /// True if the points are those of the cloud before. Clouds that are nearly empty never are.
-  bool repeats(const PointCloud& cloud);
-  void forget() { last_.reset(); }
+  /// True if the points are those of the previous cloud. Clouds with very few points never count as
+  /// repeated.
+  bool is_repeated(const PointCloud& cloud);
+  void reset() { last_.reset(); }
 
  private:
   std::optional<std::uint64_t> last_;

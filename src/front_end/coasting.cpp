@@ -6,10 +6,10 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// A vehicle that brakes or steers firmly.
+// Accelerations of a vehicle that brakes or steers hard.
 constexpr double kAcceleration = 3.0;         // m/s^2
 constexpr double kAngularAcceleration = 1.0;  // rad/s^2
-// 1 cm and 0.1 degrees from scan to scan at 10 Hz: slower than a vehicle drives.
+// 1 cm and 0.1 degrees per scan at 10 Hz: slower than any driving vehicle.
 constexpr double kRestSpeed = 0.1;  // m/s
 constexpr double kRestTurn = 0.02;  // rad/s
 
@@ -23,10 +23,11 @@ TrackedScan coasted(const TrackedScan& tracked, double seconds) {
   TrackedScan result = tracked;
   const Pose T_tracked_now = moved(Pose::Identity(), tracked.twist, seconds);
   result.T_odom_base = tracked.T_odom_base * T_tracked_now;
-  const double reach = 0.5 * seconds * seconds;
+  const double half_time_squared = 0.5 * seconds * seconds;
   result.covariance =
       compose_covariance(tracked.covariance, T_tracked_now,
-                         diagonal_covariance(reach * kAcceleration, reach * kAngularAcceleration));
+                         diagonal_covariance(half_time_squared * kAcceleration,
+                                             half_time_squared * kAngularAcceleration));
   result.acceleration.setZero();
   result.status = {};
   result.status.state = is_at_rest(tracked.twist) ? TrackingState::kDegraded : TrackingState::kLost;

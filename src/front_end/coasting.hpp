@@ -5,9 +5,10 @@
 
 namespace lidar_mapping::front_end {
 
-/// Where the sensor is believed to be `seconds` after a tracked scan if nothing has been seen
-/// since: it goes on as it went, ever less surely. Called lost; degraded where it was at rest, for
-/// a simulated sensor without noise that stands still delivers the same points again and again.
+/// The pose of the sensor `seconds` after a tracked scan if nothing has been observed since: it
+/// continues with its last twist, and its covariance grows. The state is lost. If the sensor was at
+/// rest, the state is degraded instead, because a simulated sensor without noise delivers the same
+/// points again while it stands still.
 TrackedScan coasted(const TrackedScan& tracked, double seconds);
 
 }  // namespace lidar_mapping::front_end

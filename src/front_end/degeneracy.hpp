@@ -7,20 +7,23 @@
 
 namespace lidar_mapping::front_end {
 
-/// A share of the trace: the middle of a smooth tunnel has less than 0.0003. A road through fields
-/// has 0.0009 (64 beams, most of them on the ground) to 0.007, and is followed well with that.
-constexpr double kDegenerateShare = 0.0006;
-/// The same in a map that was made from one place. There a ring of the sensor on rough ground makes
-/// planes that go with the sensor and hold it: in an open field they give up to 0.017, though they
-/// know nothing; streets and a motorway have more than 0.025, rooms seen with few beams 0.014.
-constexpr double kOnePlaceShare = 0.018;
+/// Smallest eigenvalue, as a fraction of the trace, of an observed direction. The middle of a
+/// smooth tunnel has less than 0.0003. A road through fields has 0.0009 (64 beams, most of them on
+/// the ground) to 0.007, and is tracked well with that.
+constexpr double kDegenerateFraction = 0.0006;
+/// The same for a map that was built from a single place. There, a ring of the sensor on rough
+/// ground makes planes that move with the sensor and seem to constrain it: in an open field they
+/// give up to 0.017 although they contain no information. Streets and a motorway have more than
+/// 0.025, rooms seen with few beams have 0.014.
+constexpr double kSinglePlaceFraction = 0.018;
 
-/// Directions of translation (unit, axes of the sensor) along which the points say almost nothing:
-/// the eigenvectors of the Hessian's translation block with less than `share` of its trace.
+/// Directions of translation (unit vectors, axes of the sensor) that the points hardly observe: the
+/// eigenvectors of the Hessian's translation block whose eigenvalue is less than `fraction` of its
+/// trace.
 std::vector<Eigen::Vector3d> degenerate_directions(const Matrix6d& pose_hessian,
-                                                   double share = kDegenerateShare);
+                                                   double fraction = kDegenerateFraction);
 
-/// The projection of translations onto what is left beside `directions`.
-Eigen::Matrix3d projection_beside(const std::vector<Eigen::Vector3d>& directions);
+/// The projection of translations onto the complement of `directions`.
+Eigen::Matrix3d projection_orthogonal_to(const std::vector<Eigen::Vector3d>& directions);
 
 }  // namespace lidar_mapping::front_end

@@ -10,9 +10,10 @@ namespace {
 
 constexpr std::size_t kGrain = 16384;
 
-/// exp(s * twist) to second order: within one turn the third is below a millimetre. Written as
-/// p + s ((v + W p) + s (W v + W^2 p + a + A p) / 2), a and A for the acceleration, with four
-/// components, of which the last one, the intensity, stays: so a point is one vector register.
+/// exp(s * twist) to second order: within one turn of the sensor the third-order term is below a
+/// millimetre. It is written as p + s ((v + W p) + s (W v + W^2 p + a + A p) / 2), where a and A
+/// belong to the acceleration. The fourth component, the intensity, is not changed: so a point is
+/// one vector register.
 class Deskewer {
  public:
   Deskewer(const Vector6d& twist, const Vector6d& acceleration) {

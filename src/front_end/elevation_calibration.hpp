@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::front_end {
 
-/// Angle by which points are to be turned upwards, with its standard deviation, rad.
+/// The angle by which the points have to be rotated upwards, with its standard deviation, rad.
 struct ElevationEstimate {
   double angle = 0.0;
   double sigma = 0.0;
@@ -21,9 +21,11 @@ class ElevationMean {
  public:
   void add(const ElevationEstimate& estimate);
   int count() const { return count_; }
-  /// Its sigma is the larger one of what the estimates claim and what their scatter shows.
+  /// The mean. Its sigma is the larger one of two values: the sigma that follows from those of the
+  /// estimates, and the sigma that follows from their scatter.
   ElevationEstimate value() const;
-  /// What an estimate claims, in the (harmonic) mean; there must be one.
+  /// The sigma of a typical estimate (harmonic mean of the variances); there must be at least one
+  /// estimate.
   double typical_sigma() const;
 
  private:
@@ -32,51 +34,52 @@ class ElevationMean {
   double w_ = 0.0, wx_ = 0.0, ww_ = 0.0, wwx_ = 0.0, wwxx_ = 0.0;
 };
 
-/// Finds out whether a LiDAR reports all elevations too low or too high by the same angle. Such a
-/// sensor sees the ground as a cone around itself, and what it sees of it from two places does not
-/// fit, wherever the places are taken to be. Scans of the drive are compared in pairs, and an angle
-/// is believed when it is large and sure (doc/front_end.md). Elevation counts from the plane
-/// z = 0 of base_link.
+/// Detects whether a LiDAR reports all elevation angles too low or too high by the same angle. Such
+/// a sensor sees the ground as a cone around itself. Two views of the same ground from different
+/// positions then do not fit together, whatever the relative pose. Scans of the drive are compared
+/// in pairs, and the angle is accepted when it is large enough and significant (doc/front_end.md).
+/// Elevation is measured from the plane z = 0 of base_link.
 class ElevationCalibration {
  public:
   ElevationCalibration();
 
-  /// Takes a scan that has gone into the map: its points, turned upwards by applied(), and the
-  /// state that they were put there with. `voxel_size` is that of the map, m.
-  void see(const SampledPoints& points, const registration::MotionState& state, double voxel_size);
-  /// Compares the last scan that was taken, which costs more than the rest of a scan together: to
-  /// be called on a scan with less to do. see() does it where nobody else has.
-  void catch_up();
-  /// The next scan does not hang together with the last one.
+  /// Adds a scan that was inserted into the map: its points, rotated upwards by applied_angle(),
+  /// and the state with which they were inserted. `voxel_size` is the voxel size of the map, m.
+  void add_scan(const SampledPoints& points, const registration::MotionState& state,
+                double voxel_size);
+  /// Compares the scan that was added last. This costs more than all other work for a scan, so call
+  /// it at a scan with little other work. add_scan() calls it if it was not called before.
+  void compare_pending();
+  /// The next scan is not connected with the previous one.
   void interrupt();
 
-  /// What the sensor's elevations lack, rad; 0 as long as none is sure.
-  double found() const { return found_; }
-  /// Angle by which points are to be turned upwards, rad. It follows found() in steps, so that no
-  /// scan differs much from the map that it is matched with.
-  double applied() const { return applied_; }
-  /// What the pairs say so far, sure or not; sigma is larger than their scatter, as those of one
-  /// place err alike.
+  /// The accepted error of the sensor's elevation angles, rad; 0 until an angle is accepted.
+  double accepted_angle() const { return accepted_angle_; }
+  /// The angle by which points have to be rotated upwards now, rad. It follows accepted_angle() in
+  /// steps, so that no scan differs much from the map that it is matched with.
+  double applied_angle() const { return applied_angle_; }
+  /// The current estimate, significant or not. Its sigma is larger than the scatter of the pairs,
+  /// because the pairs of one place have common errors.
   ElevationEstimate estimate() const;
 
  private:
   struct Frame {
-    SampledPoints points;  ///< as the sensor gave them, of one instant
+    SampledPoints points;  ///< as measured, deskewed to one instant
     Pose T_map_sensor;
     double voxel_size;
   };
 
-  bool is_settled() const;
-  double step() const;
+  bool is_converged() const;
+  double frame_distance() const;
   void compare(const Frame& a, const Frame& b);
   void decide();
 
   std::deque<Frame> frames_;
-  bool is_behind_ = false;  ///< the last frame has not been compared
+  bool comparison_pending_ = false;  ///< the last frame has not been compared yet
   registration::GaussianVoxelMap map_;
   ElevationMean mean_;
-  double found_ = 0.0;
-  double applied_ = 0.0;
+  double accepted_angle_ = 0.0;
+  double applied_angle_ = 0.0;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -15,8 +15,8 @@ namespace {
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
-/// Of the points of b so many are enough; those of a make the planes.
-constexpr std::size_t kEnough = 8000;
+/// Number of points of scan b that are used; the points of scan a define the planes.
+constexpr std::size_t kMaxPoints = 8000;
 
 struct Iteration {
   /// Squared distance in standard deviations at which a point loses most of its weight
@@ -26,31 +26,31 @@ struct Iteration {
 };
 constexpr Iteration kIterations[] = {{100.0, 4}, {25.0, 4}, {6.25, 4}, {6.25, 1}};
 
-/// Smallest eigenvalue of the translation's Hessian, as a share of its trace, with which a pair
-/// pins its relative pose well enough. To be followed a scan needs less.
-constexpr double kPinnedShare = 0.0015;
+/// Smallest eigenvalue of the translation's Hessian, as a fraction of its trace, with which a pair
+/// determines its relative pose well enough. Tracking a scan needs less.
+constexpr double kMinConditionFraction = 0.0015;
 
-/// No sensor is off by more: the solution has run away.
-constexpr double kLargestAngle = 0.03;  // rad
+/// No sensor has a larger error: beyond it the solution has diverged.
+constexpr double kMaxAngle = 0.03;  // rad
 
 struct NormalEquations {
   Matrix7d hessian = Matrix7d::Zero();
   Vector7d gradient = Vector7d::Zero();
 };
 
-/// How a point moves with its elevation, per radian.
-Eigen::Vector3d rise(const Eigen::Vector3d& p) {
+/// Derivative of a point with respect to its elevation, per radian.
+Eigen::Vector3d elevation_derivative(const Eigen::Vector3d& p) {
   const double horizontal = std::hypot(p.x(), p.y());
   if (horizontal == 0.0) return Eigen::Vector3d::Zero();
-  const double outward = -p.z() / horizontal;
-  return {outward * p.x(), outward * p.y(), horizontal};
+  const double horizontal_scale = -p.z() / horizontal;
+  return {horizontal_scale * p.x(), horizontal_scale * p.y(), horizontal};
 }
 
-/// Residuals are the distances of the points of b to the planes of a, with both turned by `angle`.
+/// Residuals are the distances of the points of b to the planes of a, with both rotated by `angle`.
 /// Unknowns: the perturbation of T_a_b, see perturbed(), then the angle.
 NormalEquations normal_equations(const SampledPoints& points, registration::GaussianVoxelMap& map,
                                  const Pose& T_a_b, double angle, const Iteration& iteration) {
-  const std::size_t step = iteration.thinning * (1 + points.size() / kEnough);
+  const std::size_t step = iteration.thinning * (1 + points.size() / kMaxPoints);
   const Eigen::Matrix3d R = T_a_b.rotation_matrix();
   NormalEquations sum;
   for (std::size_t i = 0; i < points.size(); i += step) {
@@ -61,7 +61,7 @@ NormalEquations normal_equations(const SampledPoints& points, registration::Gaus
     if (plane.normal.isZero(0.0F)) continue;
     const Eigen::Vector3d n_a = plane.normal.cast<double>();
     const Eigen::Vector3d n_b = R.transpose() * n_a;
-    const double slope = n_b.dot(rise(p_b)) - n_a.dot(rise(p_a));
+    const double slope = n_b.dot(elevation_derivative(p_b)) - n_a.dot(elevation_derivative(p_a));
     const double r = n_a.dot(p_a) - static_cast<double>(plane.offset) + slope * angle;
     const double root = iteration.kernel_squared / (iteration.kernel_squared + r * r);
     Vector7d J;
@@ -86,12 +86,12 @@ std::optional<ElevationEstimate> estimate_elevation(const SampledPoints& points,
     const Vector7d step = -solver.solve(sum.gradient);
     const double variance = solver.solve(Vector7d::Unit(6))[6];
     if (!step.allFinite() || !(variance > 0.0)) return std::nullopt;
-    const Matrix6d of_pose = sum.hessian.topLeftCorner<6, 6>();
-    if (!degenerate_directions(of_pose, kPinnedShare).empty()) return std::nullopt;
+    const Matrix6d pose_hessian = sum.hessian.topLeftCorner<6, 6>();
+    if (!degenerate_directions(pose_hessian, kMinConditionFraction).empty()) return std::nullopt;
     pose = perturbed(pose, Vector6d(step.head<6>()));
     estimate = {estimate.angle + step[6], std::sqrt(variance)};
   }
-  if (std::abs(estimate.angle) > kLargestAngle) return std::nullopt;
+  if (std::abs(estimate.angle) > kMaxAngle) return std::nullopt;
   return estimate;
 }
 

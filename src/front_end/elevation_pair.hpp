@@ -7,9 +7,10 @@
 
 namespace lidar_mapping::front_end {
 
-/// The angle by which two scans are to be turned upwards so that they fit: `map` holds the points
-/// of scan a in its axes, `points` are those of scan b in its own. Solved for together with the
-/// relative pose, from `T_a_b` on. None where the scans do not say.
+/// Estimates the angle by which two scans have to be rotated upwards so that they fit. `map` holds
+/// the points of scan a in its axes, `points` are those of scan b in its own axes. The angle is
+/// solved for together with the relative pose, starting from `T_a_b`. Returns nothing if the scans
+/// do not determine the angle.
 std::optional<ElevationEstimate> estimate_elevation(const SampledPoints& points,
                                                     registration::GaussianVoxelMap& map,
                                                     const Pose& T_a_b);

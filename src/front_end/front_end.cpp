@@ -14,26 +14,27 @@
 #include "base_frame.hpp"
 #include "cloud_fingerprint.hpp"
 #include "coasting.hpp"
+#include "isolated_point_filter.hpp"
 #include "key_frame_rule.hpp"
 #include "motion_doubt.hpp"
 #include "reported_covariance.hpp"
 #include "scan_sampler.hpp"
-#include "surface_support.hpp"
 #include "tracker.hpp"
-#include "unseen_ride.hpp"
+#include "vertical_ride_detector.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
 
-/// An odometry from outside is trusted to this share of the way and of the angle, and to this much.
+/// Errors of an external odometry: this fraction of the distance and of the angle, plus these
+/// constants.
 constexpr double kExternalError = 0.02;
 constexpr double kExternalSigma = 0.005;       // m
 constexpr double kExternalAngleSigma = 0.001;  // rad
 
 Covariance6 matched_covariance(const TrackedScan& from, const TrackedScan& to) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
-  return motion_covariance(from.covariance, from.parting_variance, T_from_to, to.covariance,
-                           to.parting_variance);
+  return motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
+                           to.drift_variance_factor);
 }
 
 Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) {
@@ -43,11 +44,11 @@ Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) 
       kExternalAngleSigma + kExternalError * rotation_angle(T_from_to.rotation));
 }
 
-/// A scan that is probably wrong becomes a key frame only if none better comes for that many times
-/// the usual way.
-constexpr double kPatience = 3.0;
+/// A scan that is probably wrong becomes a key frame only if no better one follows within this
+/// multiple of the usual distance.
+constexpr double kDegradedKeyFrameFactor = 3.0;
 
-/// From x y z roll pitch yaw.
+/// Converts x y z roll pitch yaw to a pose.
 Pose pose_of(const Vector6d& values) {
   Pose pose;
   pose.translation = values.head<3>();
@@ -57,7 +58,7 @@ Pose pose_of(const Vector6d& values) {
   return pose;
 }
 
-PointCloud picked(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
+PointCloud selected(const PointCloud& cloud, const std::vector<std::uint32_t>& indices) {
   PointCloud result;
   result.points.reserve(indices.size());
   for (const std::uint32_t i : indices) result.points.push_back(cloud.points[i]);
@@ -67,44 +68,50 @@ PointCloud picked(const PointCloud& cloud, const std::vector<std::uint32_t>& ind
   return result;
 }
 
-/// Follows the frame that the scans are in, here called base, from where it is first.
+/// Odometry of the frame that the scans are in, which is called base here; it begins at its first
+/// pose.
 class SensorOdometry {
  public:
   explicit SensorOdometry(const FrontEndConfig& config)
       : config_(config),
         rule_{config.key_frame_distance, config.key_frame_angle, config.key_frame_interval},
-        patient_rule_{kPatience * config.key_frame_distance, kPatience * config.key_frame_angle,
-                      kPatience * config.key_frame_interval} {
+        degraded_rule_{kDegradedKeyFrameFactor * config.key_frame_distance,
+                       kDegradedKeyFrameFactor * config.key_frame_angle,
+                       kDegradedKeyFrameFactor * config.key_frame_interval} {
     if (config.odometry == OdometrySource::kLidar) tracker_ = make_tracker(config);
   }
 
   bool has_begun() const { return last_stamp_.has_value(); }
-  /// As it was last seen to turn, rad/s.
-  Eigen::Vector3d turning() const {
+  /// The last angular velocity, rad/s.
+  Eigen::Vector3d angular_velocity() const {
     return tracked_ ? Eigen::Vector3d(tracked_->twist.tail<3>()) : Eigen::Vector3d::Zero();
   }
 
-  FrontEndResult process(const Scan& taken, const MotionPrior& prior) {
-    check_stamp(taken.stamp);
-    if (tracker_ && repeated_.repeats(taken.cloud) && tracked_) return coast(taken.stamp);
+  FrontEndResult process(const Scan& received, const MotionPrior& prior) {
+    check_stamp(received.stamp);
+    if (tracker_ && repeated_scans_.is_repeated(received.cloud) && tracked_)
+      return coast(received.stamp);
     timer_.start("support");
-    const std::optional<Scan> unbent = without_wrong_gyro(taken, prior);
-    const Scan& seen = unbent ? *unbent : taken;
-    const Scan& scan = tracker_ ? support_.supported(seen) : seen;
+    const std::optional<Scan> undone = with_gyro_correction_undone(received, prior);
+    const Scan& undistorted = undone ? *undone : received;
+    const Scan& scan =
+        tracker_ ? isolated_point_filter_.without_isolated_points(undistorted) : undistorted;
     timer_.stop();
-    TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow(scan, prior);
-    feel(scan.stamp, prior, tracked);
+    TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow_external(scan, prior);
+    check_vertical_ride(scan.stamp, prior, tracked);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
     std::vector<FrontEndResult> finalized;
-    if (tracked.new_segment || !tracked.provisional) finalized = release(tracked.revisions);
-    if (tracked.new_segment) begin_segment();
+    if (tracked.new_segment || !tracked.provisional)
+      finalized = finalize_provisional(tracked.revisions);
+    if (tracked.new_segment) start_segment();
     FrontEndResult result = result_of(scan.stamp, tracked);
     result.finalized = std::move(finalized);
     if (tracked.provisional) {
       result.provisional = true;
-      held_.push_back({result, tracked, key_frame_points(scan.cloud, tracked.elevation_shift)});
+      provisional_.push_back(
+          {result, tracked, key_frame_points(scan.cloud, tracked.elevation_shift)});
     } else if (key_frame_due(scan.stamp, scan.cloud, tracked)) {
       PointCloud points = key_frame_points(scan.cloud, tracked.elevation_shift);
       result.key_frame = make_key_frame(scan.stamp, tracked, std::move(points));
@@ -116,7 +123,7 @@ class SensorOdometry {
 
   std::vector<FrontEndResult> finalize() {
     if (tracker_) tracker_->finalize();
-    return release({});
+    return finalize_provisional({});
   }
 
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment) {
@@ -127,46 +134,49 @@ class SensorOdometry {
     last_.reset();
     doubt_ = {};
     tracked_.reset();
-    repeated_.forget();
-    ride_.interrupt();
-    held_.clear();
+    repeated_scans_.reset();
+    ride_detector_.interrupt();
+    provisional_.clear();
     if (tracker_) tracker_->restart();
   }
 
-  /// The scans are in the LiDAR's own frame.
-  void know_viewpoint() {
-    if (tracker_) tracker_->know_viewpoint();
+  /// Tells that the scans are in the LiDAR's own frame.
+  void set_viewpoint_at_origin() {
+    if (tracker_) tracker_->set_viewpoint_at_origin();
   }
 
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
 
  private:
-  /// A provisional scan, and the points that a key frame would have.
-  struct Held {
+  /// A provisional scan, and the points of its key frame, if it becomes one.
+  struct ProvisionalScan {
     FrontEndResult result;
     TrackedScan tracked;
     PointCloud points;
   };
 
-  /// The scan as the sensor saw it, where it was bent by a gyro that is not believed.
-  std::optional<Scan> without_wrong_gyro(const Scan& scan, const MotionPrior& prior) const {
-    if (!prior.uneven_turning || !tracker_ || tracker_->believes_gyro(prior)) return std::nullopt;
+  /// The scan without the gyro's correction, if it was corrected with a gyro that is not accepted.
+  std::optional<Scan> with_gyro_correction_undone(const Scan& scan,
+                                                  const MotionPrior& prior) const {
+    if (!prior.uneven_turning || !tracker_ || tracker_->accepts_gyro(prior)) return std::nullopt;
     return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
   }
 
-  /// What goes up or down unseen is observed no more than the way in a tunnel.
-  void feel(Stamp stamp, const MotionPrior& prior, TrackedScan& tracked) {
+  /// During a vertical ride that the points do not show, the vertical direction is unobserved, like
+  /// the axis of a tunnel.
+  void check_vertical_ride(Stamp stamp, const MotionPrior& prior, TrackedScan& tracked) {
     FrontEndStatus& status = tracked.status;
-    const bool hangs_together =
+    const bool is_connected =
         last_stamp_ && !tracked.new_segment && status.state != TrackingState::kLost;
-    if (!hangs_together) ride_.interrupt();
+    if (!is_connected) ride_detector_.interrupt();
     const double seconds = last_stamp_ ? to_seconds(stamp - *last_stamp_) : 0.0;
     const bool adjoins = prior.felt && last_stamp_ == prior.felt->since;
-    ride_.add(tracked.T_odom_base, seconds, adjoins ? prior.felt : std::nullopt);
-    status.unseen_way = ride_.way();
-    status.unobserved_stddev = std::hypot(status.unobserved_stddev, ride_.way());
-    if (!ride_.is_on()) return;
-    status.degenerate_directions.push_back(tracked.T_odom_base.rotation.conjugate() * ride_.up());
+    ride_detector_.add(tracked.T_odom_base, seconds, adjoins ? prior.felt : std::nullopt);
+    status.unseen_way = ride_detector_.distance();
+    status.unobserved_stddev = std::hypot(status.unobserved_stddev, ride_detector_.distance());
+    if (!ride_detector_.is_riding()) return;
+    status.degenerate_directions.push_back(tracked.T_odom_base.rotation.conjugate() *
+                                           ride_detector_.up());
     if (claims_pose(status.state)) status.state = TrackingState::kDegenerate;
   }
 
@@ -176,10 +186,10 @@ class SensorOdometry {
                      std::to_string(*last_stamp_) + " ns; drop scans that are out of order");
   }
 
-  /// A scan that came again is not matched: it would fit where the last one did.
+  /// A repeated scan is not matched: it would fit at the last pose.
   FrontEndResult coast(Stamp stamp) {
     std::vector<FrontEndResult> finalized = finalize();
-    ride_.interrupt();
+    ride_detector_.interrupt();
     last_stamp_ = stamp;
     FrontEndResult result =
         result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
@@ -195,61 +205,62 @@ class SensorOdometry {
     result.twist = tracked.twist;
     result.acceleration = tracked.acceleration;
     result.status = tracked.status;
-    if (last_) take_step(*last_, tracked, result.covariance);
+    if (last_) add_step(*last_, tracked, result.covariance);
     last_ = tracked;
     return result;
   }
 
-  void take_step(const TrackedScan& from, const TrackedScan& to, Covariance6& covariance) {
+  void add_step(const TrackedScan& from, const TrackedScan& to, Covariance6& covariance) {
     covariance = covariance_since(from, to);
     if (is_doubtful(to.status)) covariance += expected_error_covariance(to.status);
-    doubt_.take(from.T_odom_base.inverse() * to.T_odom_base, to.status);
+    doubt_.add_step(from.T_odom_base.inverse() * to.T_odom_base, to.status);
   }
 
-  std::vector<FrontEndResult> release(const std::vector<Revision>& revisions) {
+  std::vector<FrontEndResult> finalize_provisional(const std::vector<Revision>& revisions) {
     std::vector<FrontEndResult> finalized;
-    if (!held_.empty()) {
-      // Their steps are taken once more.
+    if (!provisional_.empty()) {
+      // The steps of these scans are added again.
       last_.reset();
       doubt_ = {};
     }
-    for (std::size_t i = 0; i < held_.size(); ++i) {
-      if (i < revisions.size()) revise(held_[i].tracked, revisions[i]);
-      finalized.push_back(released(std::move(held_[i])));
+    for (std::size_t i = 0; i < provisional_.size(); ++i) {
+      if (i < revisions.size()) revise(provisional_[i].tracked, revisions[i]);
+      finalized.push_back(finalized_scan(std::move(provisional_[i])));
     }
-    held_.clear();
+    provisional_.clear();
     return finalized;
   }
 
   static void revise(TrackedScan& tracked, const Revision& revision) {
     tracked.T_odom_base = revision.T_odom_base;
     tracked.covariance = revision.covariance;
-    tracked.parting_variance = revision.parting_variance;
+    tracked.drift_variance_factor = revision.drift_variance_factor;
     tracked.twist = revision.twist;
     tracked.acceleration = revision.acceleration;
     tracked.status.degenerate_directions = revision.degenerate_directions;
     tracked.motion_known = true;
   }
 
-  FrontEndResult released(Held held) {
-    FrontEndResult result = result_of(held.result.stamp, held.tracked);
-    result.status.step_seconds = held.result.status.step_seconds;
-    result.status.seconds = held.result.status.seconds;
-    if (key_frame_due(result.stamp, held.points, held.tracked)) {
-      result.key_frame = make_key_frame(result.stamp, held.tracked, std::move(held.points));
+  FrontEndResult finalized_scan(ProvisionalScan provisional) {
+    FrontEndResult result = result_of(provisional.result.stamp, provisional.tracked);
+    result.status.step_seconds = provisional.result.status.step_seconds;
+    result.status.seconds = provisional.result.status.seconds;
+    if (key_frame_due(result.stamp, provisional.points, provisional.tracked)) {
+      result.key_frame =
+          make_key_frame(result.stamp, provisional.tracked, std::move(provisional.points));
     }
     return result;
   }
 
-  void begin_segment() {
+  void start_segment() {
     ++segment_;
     last_.reset();
     last_key_frame_.reset();
     doubt_ = {};
   }
 
-  /// `odometry: external`.
-  TrackedScan follow(const Scan& scan, const MotionPrior& prior) {
+  /// Pose by `odometry: external`.
+  TrackedScan follow_external(const Scan& scan, const MotionPrior& prior) {
     if (!prior.T_external_base) {
       throw InputError("front_end: no external odometry for stamp " + std::to_string(scan.stamp) +
                        " ns; give MotionPrior::T_external_base or set odometry: lidar");
@@ -267,16 +278,16 @@ class SensorOdometry {
 
   bool key_frame_due(Stamp stamp, const PointCloud& cloud, const TrackedScan& tracked) const {
     if (tracked.status.state == TrackingState::kLost) return false;
-    // Skewed for good, it would skew what later closes on it.
+    // The distortion of such a key frame would be permanent, and would disturb every loop to it.
     if (cloud.has_times() && !tracked.motion_known) return false;
     const KeyFrameRule& rule =
-        tracked.status.state == TrackingState::kDegraded ? patient_rule_ : rule_;
+        tracked.status.state == TrackingState::kDegraded ? degraded_rule_ : rule_;
     return !last_key_frame_ ||
            rule.reached(last_key_frame_->T_odom_base.inverse() * tracked.T_odom_base,
                         stamp - key_frame_stamp_);
   }
 
-  /// `points` as they came from key_frame_points().
+  /// `points` is the result of key_frame_points().
   KeyFrame make_key_frame(Stamp stamp, const TrackedScan& tracked, PointCloud points) {
     KeyFrame key_frame;
     key_frame.index = next_index_++;
@@ -285,7 +296,7 @@ class SensorOdometry {
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) {
       key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
-      doubt_.hand_over(key_frame);
+      doubt_.apply_to(key_frame);
     }
     doubt_ = {};
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
@@ -296,7 +307,8 @@ class SensorOdometry {
     return key_frame;
   }
 
-  /// Thinned out and turned upwards by `elevation_shift`, as a key frame's are before deskewing.
+  /// Points for a key frame before deskewing: thinned out, and rotated upwards by
+  /// `elevation_shift`.
   PointCloud key_frame_points(const PointCloud& cloud, double elevation_shift) {
     PointCloud points = thinned(cloud);
     if (elevation_shift == 0.0) return points;
@@ -309,26 +321,26 @@ class SensorOdometry {
     if (config_.key_frame_cloud_resolution <= 0.0) return cloud;
     SamplingOptions options;
     options.resolution = config_.key_frame_cloud_resolution;
-    return picked(cloud, sampler_.sample(cloud, options));
+    return selected(cloud, sampler_.sample(cloud, options));
   }
 
   FrontEndConfig config_;
   StepTimer timer_;
   ScanSampler sampler_{19};
   KeyFrameRule rule_;
-  KeyFrameRule patient_rule_;
-  RepeatedScans repeated_;
-  SurfaceSupport support_;
+  KeyFrameRule degraded_rule_;
+  RepeatedScans repeated_scans_;
+  IsolatedPointFilter isolated_point_filter_;
   std::unique_ptr<Tracker> tracker_;
   std::optional<Pose> T_first_external_;
-  std::vector<Held> held_;
+  std::vector<ProvisionalScan> provisional_;
   std::optional<TrackedScan> last_;
-  UnseenRide ride_;
+  VerticalRideDetector ride_detector_;
   std::optional<Stamp> last_stamp_;
-  std::optional<TrackedScan> tracked_;  ///< the last scan that the tracker got
+  std::optional<TrackedScan> tracked_;  ///< the last scan that was given to the tracker
   Stamp tracked_stamp_ = 0;
   std::optional<TrackedScan> last_key_frame_;
-  MotionDoubt doubt_;  ///< of the way since then
+  MotionDoubt doubt_;  ///< of the motion since then
   Stamp key_frame_stamp_ = 0;
   KeyFrameIndex next_index_ = 0;
   std::uint32_t segment_ = 0;
@@ -336,11 +348,11 @@ class SensorOdometry {
 
 }  // namespace
 
-/// The odometry of the scans' own frame, and the border to base_link.
+/// The odometry in the scans' own frame, and the conversion to base_link.
 class FrontEnd::Impl {
  public:
   explicit Impl(const FrontEndConfig& config)
-      : odometry_(config), takes_initial_(config.odometry == OdometrySource::kLidar) {
+      : odometry_(config), uses_measured_start_(config.odometry == OdometrySource::kLidar) {
     const Eigen::Map<const Vector6d> given(config.initial_pose.data());
     if (!given.isZero(0.0)) set_initial_pose(pose_of(given));
   }
@@ -350,41 +362,41 @@ class FrontEnd::Impl {
       throw InputError("an initial pose after the first scan; give it before, or start anew");
     }
     start_ = T_odom_base;
-    takes_initial_ = false;
+    uses_measured_start_ = false;
   }
 
   void set_sensor_pose(const Pose& T_base_sensor) {
-    odometry_.know_viewpoint();
-    border_.set_sensor_pose(T_base_sensor);
+    odometry_.set_viewpoint_at_origin();
+    base_frame_.set_sensor_pose(T_base_sensor);
   }
 
   FrontEndResult process(const Scan& scan, const MotionPrior& prior) {
-    if (start_) begin(prior);
-    const MotionPrior own_prior = border_.of_sensor(prior, odometry_.turning());
-    return border_.of_base(odometry_.process(scan, own_prior));
+    if (start_) set_start(prior);
+    const MotionPrior own_prior = base_frame_.of_sensor(prior, odometry_.angular_velocity());
+    return base_frame_.of_base(odometry_.process(scan, own_prior));
   }
 
-  std::vector<FrontEndResult> finalize() { return border_.of_base(odometry_.finalize()); }
+  std::vector<FrontEndResult> finalize() { return base_frame_.of_base(odometry_.finalize()); }
 
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base) {
     odometry_.resume(next_index, next_segment);
     start_ = T_odom_base;
   }
 
-  PointCloud local_map() const { return border_.in_odom(odometry_.local_map()); }
+  PointCloud local_map() const { return base_frame_.in_odom(odometry_.local_map()); }
 
  private:
-  /// What a person says of the beginning goes before what other sensors say.
-  void begin(const MotionPrior& prior) {
-    const bool is_measured = takes_initial_ && prior.T_odom_base_initial;
-    border_.begin_at(is_measured ? *prior.T_odom_base_initial : *start_);
+  /// A start pose given by the user has priority over the values of other sensors.
+  void set_start(const MotionPrior& prior) {
+    const bool uses_measured_start = uses_measured_start_ && prior.T_odom_base_initial;
+    base_frame_.set_start(uses_measured_start ? *prior.T_odom_base_initial : *start_);
     start_.reset();
   }
 
   SensorOdometry odometry_;
-  BaseFrame border_;
-  std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, until the first scan
-  bool takes_initial_;                            ///< of other sensors
+  BaseFrame base_frame_;
+  std::optional<Pose> start_ = Pose::Identity();  ///< T_odom_base, set until the first scan
+  bool uses_measured_start_;  ///< whether a start pose measured by other sensors is used
 };
 
 FrontEnd::FrontEnd(const FrontEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}

@@ -28,7 +28,7 @@ bool claims_pose(TrackingState state) {
   return state != TrackingState::kDegraded && state != TrackingState::kLost;
 }
 
-std::string elevation_notice(double elevation_shift) {
+std::string elevation_message(double elevation_shift) {
   char degrees[32];
   std::snprintf(degrees, sizeof(degrees), "%.2f", elevation_shift * kDegPerRad);
   return std::string("the sensor's elevations were found to lack ") + degrees +
@@ -36,13 +36,13 @@ std::string elevation_notice(double elevation_shift) {
          "vertical_angle_correction_deg to have it from the start";
 }
 
-std::string full_map_notice(std::size_t map_points_dropped) {
+std::string full_map_message(std::size_t map_points_dropped) {
   return "the odometry's local map is full: " + std::to_string(map_points_dropped) +
          " points found no room in it so far; a larger voxel_size or a smaller local_map_radius " +
          "makes room";
 }
 
-std::string jitter_notice(double jitter) {
+std::string jitter_message(double jitter) {
   char milliseconds[32];
   std::snprintf(milliseconds, sizeof(milliseconds), "%.0f", 1e3 * jitter);
   return std::string("the stamps of the scans scatter by ") + milliseconds +
@@ -51,14 +51,14 @@ std::string jitter_notice(double jitter) {
          "clock";
 }
 
-std::string ride_notice() {
+std::string ride_message() {
   return "imu: the accelerometer feels the sensor go up or down while the points show nothing of "
          "it, as in a lift: the odometry does not follow, and heights are wrong from here on "
          "unless "
          "loops or GNSS put them right";
 }
 
-std::string gyro_notice() {
+std::string gyro_message() {
   return "imu: the gyro does not agree with the matched motion, so it is not used to predict; "
          "check "
          "imu_angular_unit, imu_time_offset, the axes (tf) and the range of the sensor, or set "

@@ -6,24 +6,25 @@
 
 namespace lidar_mapping::front_end {
 
-/// How a point becomes a number that its cube shares: cubes of edge 1 / inverse_resolution, hashed
-/// to 32 - shift bits. Points that are not finite or not within the ranges get `refused`.
+/// Rule for the hash of a point, which is equal for all points of its cube: cubes of edge 1 /
+/// inverse_resolution, hashed to 32 - shift bits. Points that are not finite or out of range get
+/// `rejected`.
 struct HashRule {
   float inverse_resolution;
   float min_range_squared;
   float max_range_squared;
   std::uint32_t shift;
-  std::uint32_t refused;
+  std::uint32_t rejected;
 };
 
 /// Hashes of `count` points of four floats, the k-th at points + 4 * stride * k.
 using HashKernel = void (*)(const float* points, std::size_t stride, std::size_t count,
                             const HashRule& rule, std::uint32_t* hashes);
 
-/// The fastest one that this processor can run; all give the same hashes.
+/// The fastest kernel that this processor can run; all kernels give the same hashes.
 HashKernel hash_kernel();
 HashKernel portable_hash_kernel();
-/// Null where the compiler or the processor knows no AVX2.
+/// Null if the compiler or the processor does not support AVX2.
 HashKernel avx2_hash_kernel();
 
 }  // namespace lidar_mapping::front_end

@@ -14,8 +14,8 @@ using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_
 using Words = std::uint32_t __attribute__((vector_size(kLanes * sizeof(std::uint32_t))));
 
 /// floor(u) times a factor, modulo 2^32.
-inline __attribute__((always_inline)) void mix(const Floats& u, std::uint32_t factor,
-                                               Words& words) {
+inline __attribute__((always_inline)) void combine_hash(const Floats& u, std::uint32_t factor,
+                                                        Words& words) {
   const Ints truncated = __builtin_convertvector(u, Ints);
   // A true comparison is -1 in all bits.
   const Ints cell = truncated + (__builtin_convertvector(truncated, Floats) > u);
@@ -35,7 +35,7 @@ inline __attribute__((always_inline)) void gather(const float* points, std::size
 /// Coordinates of eight points of four floats that lie side by side, in the order 0 2 4 6 1 3 5 7.
 inline __attribute__((always_inline)) void load_neighbors(const float* points, Floats& x, Floats& y,
                                                           Floats& z) {
-  // One by one: an array of vectors would be copied through the stack.
+  // Written as single variables: an array of vectors would be copied through the stack.
   Floats p01, p23, p45, p67;
   std::memcpy(&p01, points, sizeof(p01));
   std::memcpy(&p23, points + 8, sizeof(p23));
@@ -63,11 +63,11 @@ inline __attribute__((always_inline)) void hash_lanes(const Floats& x, const Flo
   const Floats zero = {};
   const float scale = rule.inverse_resolution;
   Words words = {};
-  mix(usable ? x * scale : zero, 0x9E3779B1U, words);
-  mix(usable ? y * scale : zero, 0x85EBCA77U, words);
-  mix(usable ? z * scale : zero, 0xC2B2AE3DU, words);
-  const Words refused = Words{} + rule.refused;
-  hashes = usable ? (words * 0x27D4EB2FU) >> rule.shift : refused;
+  combine_hash(usable ? x * scale : zero, 0x9E3779B1U, words);
+  combine_hash(usable ? y * scale : zero, 0x85EBCA77U, words);
+  combine_hash(usable ? z * scale : zero, 0xC2B2AE3DU, words);
+  const Words rejected = Words{} + rule.rejected;
+  hashes = usable ? (words * 0x27D4EB2FU) >> rule.shift : rejected;
 }
 
 void hash_points(const float* points, std::size_t stride, std::size_t count, const HashRule& rule,

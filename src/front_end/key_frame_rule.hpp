@@ -6,13 +6,13 @@
 
 namespace lidar_mapping::front_end {
 
-/// When a scan is different enough from the last chosen one to be chosen itself.
+/// Decides when a scan is different enough from the last key frame to become a key frame itself.
 struct KeyFrameRule {
   double distance = 2.0;  ///< m, Euclidean
   double angle = 0.5;     ///< rad, of the whole rotation
   double interval = 0.0;  ///< s; 0 switches it off
 
-  /// True if the way from the last chosen pose to the present one reaches one of the limits.
+  /// True if the motion from the last key frame to the present pose reaches one of the limits.
   bool reached(const Pose& T_last_now, Stamp elapsed) const;
 };
 

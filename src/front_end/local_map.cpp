@@ -11,13 +11,13 @@ constexpr int kCoarseFactor = 3;
 constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kFineCapacity = std::size_t{1} << 17;
 constexpr std::size_t kCoarseCapacity = std::size_t{1} << 15;
-/// Share of the tables that is aged per scan.
-constexpr double kAgeingShare = 1.0 / 64.0;
+/// Fraction of the tables that is checked for old voxels per scan.
+constexpr double kAgeingFraction = 1.0 / 64.0;
 /// The origin follows the sensor in steps of this length (m).
 constexpr double kOriginStep = 64.0;
 
-/// Planes of large voxels are thick: the weight of a point is to grow with its distance all the
-/// same.
+/// The planes of large voxels are thick. With a larger sigma the weight of a point still depends on
+/// its distance.
 registration::PlaneModel coarse_model() {
   registration::PlaneModel model;
   model.sigma = 0.1;
@@ -26,22 +26,23 @@ registration::PlaneModel coarse_model() {
 
 }  // namespace
 
-// Written out, so that the compiler takes several at once.
-void place(const SampledPoints& points, const registration::MotionState& state,
-           const Eigen::Vector3d& origin, SampledPoints& placed) {
+// The products are written out so that the compiler can vectorise the loop.
+void transform_points(const SampledPoints& points, const registration::MotionState& state,
+                      const Eigen::Vector3d& origin, SampledPoints& transformed_points) {
   const Eigen::Matrix3f R = state.T_map_sensor.rotation_matrix().cast<float>();
   const Eigen::Vector3f t = (state.T_map_sensor.translation - origin).cast<float>();
   const Eigen::Vector3f v = state.twist.head<3>().cast<float>();
   const Eigen::Vector3f w = state.twist.tail<3>().cast<float>();
   const float wx = w.x(), wy = w.y(), wz = w.z();
-  for (auto* array : {&placed.x, &placed.y, &placed.z}) array->resize(points.size());
+  for (auto* array : {&transformed_points.x, &transformed_points.y, &transformed_points.z})
+    array->resize(points.size());
   const float* const px = points.x.data();
   const float* const py = points.y.data();
   const float* const pz = points.z.data();
   const float* const ps = points.s.data();
-  float* const qx = placed.x.data();
-  float* const qy = placed.y.data();
-  float* const qz = placed.z.data();
+  float* const qx = transformed_points.x.data();
+  float* const qy = transformed_points.y.data();
+  float* const qz = transformed_points.z.data();
 #pragma GCC ivdep
   for (std::size_t i = 0; i < points.size(); ++i) {
     float x = px[i], y = py[i], z = pz[i];
@@ -61,7 +62,7 @@ void place(const SampledPoints& points, const registration::MotionState& state,
 
 namespace {
 
-/// Large voxels have points enough with a part of them.
+/// A fraction of the points is enough for large voxels.
 void insert_thinned(SampledPoints& points, registration::GaussianVoxelMap& map) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); i += kCoarseThinning, ++kept) {
@@ -79,7 +80,7 @@ LocalMap::LocalMap(double voxel_size, double radius)
       fine_(voxel_size, kFineCapacity),
       coarse_(kCoarseFactor * voxel_size, kCoarseCapacity, coarse_model()) {}
 
-void LocalMap::begin(double voxel_size) {
+void LocalMap::restart(double voxel_size) {
   const Eigen::Vector3d origin = fine_.origin();
   fine_.restart(voxel_size);
   coarse_.restart(kCoarseFactor * voxel_size);
@@ -93,22 +94,23 @@ void LocalMap::clear() {
 
 void LocalMap::insert(const SampledPoints& points, const registration::MotionState& state) {
   const std::size_t before = fine_.dropped_points() + coarse_.dropped_points();
-  place(points, state, fine_.origin(), placed_);
+  transform_points(points, state, fine_.origin(), transformed_points_);
   std::optional<Eigen::Vector3f> viewpoint;
   if (points.viewpoint) {
     const Eigen::Vector3d p_map = state.T_map_sensor * points.viewpoint->cast<double>();
     viewpoint = (p_map - fine_.origin()).cast<float>();
   }
-  fine_.insert(placed_.x.data(), placed_.y.data(), placed_.z.data(), placed_.x.size(), viewpoint);
-  insert_thinned(placed_, coarse_);
+  fine_.insert(transformed_points_.x.data(), transformed_points_.y.data(),
+               transformed_points_.z.data(), transformed_points_.x.size(), viewpoint);
+  insert_thinned(transformed_points_, coarse_);
   dropped_points_ += fine_.dropped_points() + coarse_.dropped_points() - before;
 }
 
-void LocalMap::follow(const Eigen::Vector3d& position) {
+void LocalMap::set_center(const Eigen::Vector3d& position) {
   if ((position - fine_.origin()).cwiseAbs().maxCoeff() > kOriginStep) move_origin(position);
   const Eigen::Vector3f center = (position - fine_.origin()).cast<float>();
-  fine_.forget_beyond(center, static_cast<float>(radius_), kAgeingShare);
-  coarse_.forget_beyond(center, static_cast<float>(radius_), kAgeingShare);
+  fine_.forget_beyond(center, static_cast<float>(radius_), kAgeingFraction);
+  coarse_.forget_beyond(center, static_cast<float>(radius_), kAgeingFraction);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& position) {

@@ -11,27 +11,30 @@
 
 namespace lidar_mapping::front_end {
 
-/// Where the points were seen, relative to `origin`: R p(s) + t. `placed` gets no times.
-void place(const SampledPoints& points, const registration::MotionState& state,
-           const Eigen::Vector3d& origin, SampledPoints& placed);
+/// Transforms each point to where it was measured, relative to `origin`: R p(s) + t. The times of
+/// `transformed_points` are not set.
+void transform_points(const SampledPoints& points, const registration::MotionState& state,
+                      const Eigen::Vector3d& origin, SampledPoints& transformed_points);
 
-/// What the sensor has seen around it: a fine map for matching and a coarse one for finding back.
+/// The surroundings of the sensor: a fine voxel map for matching and a coarse one for finding the
+/// pose again.
 class LocalMap {
  public:
   LocalMap(double voxel_size, double radius);
 
-  /// Begins anew with voxels of this edge (m).
-  void begin(double voxel_size);
+  /// Clears the map and uses voxels of this edge length (m).
+  void restart(double voxel_size);
   void clear();
-  /// See GaussianVoxelMap; only the fine map is matched to the millimetre.
+  /// See GaussianVoxelMap. Only the fine map uses it, because only the fine map is matched to the
+  /// millimetre.
   void set_ring_spacing(double angle) { fine_.set_ring_spacing(angle); }
   bool empty() const { return fine_.size() == 0; }
-  /// Adds points where the sensor was when it saw them.
+  /// Inserts points at the sensor's pose at the time of measurement.
   void insert(const SampledPoints& points, const registration::MotionState& state);
-  /// To be called once per scan: keeps the origin near the sensor and lets go of what is far away.
-  void follow(const Eigen::Vector3d& position);
+  /// To be called once per scan: keeps the origin near the sensor and removes what is far away.
+  void set_center(const Eigen::Vector3d& position);
 
-  /// Points so far, over all insertions, that found a table full and are not in the map.
+  /// Number of points, over all insertions, that were not inserted because a table was full.
   std::size_t dropped_points() const { return dropped_points_; }
   registration::GaussianVoxelMap& fine() { return fine_; }
   registration::GaussianVoxelMap& coarse() { return coarse_; }
@@ -44,7 +47,7 @@ class LocalMap {
   double radius_;
   registration::GaussianVoxelMap fine_;
   registration::GaussianVoxelMap coarse_;
-  SampledPoints placed_;
+  SampledPoints transformed_points_;
   std::size_t dropped_points_ = 0;
 };
 

@@ -16,8 +16,8 @@ using registration::kNdtSectors;
 using registration::NdtMatch;
 using registration::NdtPart;
 
-/// Which parts are in the first half. Left and right, ahead and behind, every other sector, near
-/// and far.
+/// Ways to divide the scan into two halves; each function tells whether a part belongs to the first
+/// half. Left and right, ahead and behind, every other sector, near and far.
 using Halving = bool (*)(std::size_t part);
 constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part % kNdtSectors < kNdtSectors / 2; },
@@ -25,7 +25,8 @@ constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part % 2 == 0; },
     [](std::size_t part) { return part < kNdtSectors; }};
 
-/// Of a residual, as in NdtOptions::data_weight: neighbouring points err together.
+/// Weight of a residual, as in NdtOptions::data_weight: the errors of neighbouring points are
+/// correlated.
 constexpr double kDataWeight = 0.3;
 
 struct Half {
@@ -33,7 +34,7 @@ struct Half {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// Where one half of the points wants the pose, and how well it knows.
+/// The pose that one half of the points prefers, as a step from the match, and its covariance.
 Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
              const Matrix6d& prior) {
   Matrix6d hessian = Matrix6d::Zero();
@@ -52,21 +53,24 @@ Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
 void compare(const Half& a, const Half& b, StepEvidence& evidence) {
   const Vector6d d = a.step - b.step;
   const Matrix6d covariance = a.covariance + b.covariance;
-  const auto keep = [](double value, double& worst) { worst = std::max(worst, value); };
-  keep(d.head<3>().norm(), evidence.disagreement);
-  keep(d.tail<3>().norm(), evidence.disagreement_angle);
-  keep(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
+  const auto keep_largest = [](double value, double& largest) {
+    largest = std::max(largest, value);
+  };
+  keep_largest(d.head<3>().norm(), evidence.disagreement);
+  keep_largest(d.tail<3>().norm(), evidence.disagreement_angle);
+  keep_largest(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
 }
 
-/// The number of sectors of equal share that would be spread as little.
+/// The effective number of sectors: this number of equal sectors would have the same distribution
+/// of weights.
 double effective_sectors(const std::vector<NdtPart>& parts) {
   double sum = 0.0;
   double squares = 0.0;
   for (std::size_t sector = 0; sector < kNdtSectors; ++sector) {
-    const double share = parts[sector].hessian.topLeftCorner<3, 3>().trace() +
+    const double trace = parts[sector].hessian.topLeftCorner<3, 3>().trace() +
                          parts[sector + kNdtSectors].hessian.topLeftCorner<3, 3>().trace();
-    sum += share;
-    squares += share * share;
+    sum += trace;
+    squares += trace * trace;
   }
   return squares > 0.0 ? sum * sum / squares : 0.0;
 }

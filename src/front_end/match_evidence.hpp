@@ -6,9 +6,9 @@
 
 namespace lidar_mapping::front_end {
 
-/// What a match says of itself: all of StepEvidence but `points`, `rescued` and what is of the step
-/// (`seconds`, `sigma`, `sigma_angle`, `unsteadiness`). `prediction` is what was held for possible
-/// before.
+/// The evidence that follows from the match alone: all fields of StepEvidence but `points`,
+/// `rescued` and those of the step (`seconds`, `sigma`, `sigma_angle`, `motion_change`).
+/// `prediction` is the belief before the match.
 StepEvidence evidence_of(const registration::NdtMatch& match,
                          const registration::MotionBelief& prediction);
 

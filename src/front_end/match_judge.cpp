@@ -10,24 +10,24 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// Shares of the usual quality.
+// Fractions of the usual quality.
 constexpr double kDoubtfulQuality = 0.75;
 constexpr double kPoorQuality = 0.6;
 constexpr double kLostQuality = 0.4;
-/// Below this overlap, whatever is usual, a match says nothing.
+/// Below this overlap a match has no meaning, whatever the usual value is.
 constexpr double kMinOverlap = 0.05;
-/// A wrong pose lets less than half of the pairs fit.
+/// At a wrong pose fewer than half of the pairs fit.
 constexpr double kMinPairQuality = 0.45;
-/// Pairs that fit nearly as well as usual are right where they are few because the sensor looks at
-/// what the map does not hold yet; those of a wrong pose have 0.65 to 0.88 of the usual quality.
-constexpr double kUsualPairQuality = 0.88;
+/// If few points find a pair because the map does not cover the view yet, the pairs still fit
+/// nearly as well as usual. The pairs of a wrong pose have 0.65 to 0.88 of the usual quality.
+constexpr double kUsualPairQualityFraction = 0.88;
 constexpr double kMinUsualOverlap = 0.15;
 // Distance from the prediction in standard deviations.
 constexpr double kDoubtfulInnovation = 6.0;
 constexpr double kLostInnovation = 12.0;
 constexpr double kLearningRate = 0.1;
 /// Two turns a second.
-constexpr double kFastestTurn = 4.0 * kPi;  // rad/s
+constexpr double kMaxTurnRate = 4.0 * kPi;  // rad/s
 
 /// Length of the pose's innovation in standard deviations of the prediction.
 double innovation(const registration::NdtMatch& match,
@@ -43,45 +43,45 @@ double pair_quality(const registration::NdtMatch& match) {
 
 }  // namespace
 
-bool MatchJudge::fits_as_usual(const registration::NdtMatch& match) const {
+bool MatchJudge::has_usual_pair_quality(const registration::NdtMatch& match) const {
   return match.overlap > kMinUsualOverlap &&
-         pair_quality(match) > kUsualPairQuality * usual_pair_quality_;
+         pair_quality(match) > kUsualPairQualityFraction * mean_pair_quality_;
 }
 
-bool MatchJudge::below(double share, const registration::NdtMatch& match) const {
-  return match.quality < share * usual_ && !fits_as_usual(match);
+bool MatchJudge::is_below(double fraction, const registration::NdtMatch& match) const {
+  return match.quality < fraction * mean_quality_ && !has_usual_pair_quality(match);
 }
 
 bool MatchJudge::in_doubt(const registration::NdtMatch& match,
                           const registration::MotionBelief& prediction) const {
-  return !match.converged || match.quality < kDoubtfulQuality * usual_ ||
+  return !match.converged || match.quality < kDoubtfulQuality * mean_quality_ ||
          pair_quality(match) < kMinPairQuality ||
          innovation(match, prediction) > kDoubtfulInnovation;
 }
 
 TrackingState MatchJudge::judge(const registration::NdtMatch& match,
                                 const registration::MotionBelief& prediction) const {
-  if (match.overlap < kMinOverlap || below(kLostQuality, match) ||
+  if (match.overlap < kMinOverlap || is_below(kLostQuality, match) ||
       pair_quality(match) < kMinPairQuality || !is_finite(match.state.T_map_sensor) ||
       match.state.twist.head<3>().norm() > max_speed_ ||
       innovation(match, prediction) > kLostInnovation) {
     return TrackingState::kLost;
   }
-  return below(kPoorQuality, match) ? TrackingState::kDegraded : TrackingState::kTracking;
+  return is_below(kPoorQuality, match) ? TrackingState::kDegraded : TrackingState::kTracking;
 }
 
 bool MatchJudge::is_possible_motion(const Pose& T_from_to, double seconds) const {
   return T_from_to.translation.norm() <= max_speed_ * seconds &&
-         rotation_angle(T_from_to.rotation) <= kFastestTurn * seconds;
+         rotation_angle(T_from_to.rotation) <= kMaxTurnRate * seconds;
 }
 
 void MatchJudge::learn(const registration::NdtMatch& match) {
-  const bool poor = below(kPoorQuality, match);
-  const auto take = [](double value, double& usual) {
-    usual = usual == 0.0 ? value : usual + kLearningRate * (value - usual);
+  const bool is_poor = is_below(kPoorQuality, match);
+  const auto update = [](double value, double& mean) {
+    mean = mean == 0.0 ? value : mean + kLearningRate * (value - mean);
   };
-  take(match.quality, usual_);
-  if (!poor) take(pair_quality(match), usual_pair_quality_);
+  update(match.quality, mean_quality_);
+  if (!is_poor) update(pair_quality(match), mean_pair_quality_);
 }
 
 }  // namespace lidar_mapping::front_end

@@ -6,34 +6,34 @@
 
 namespace lidar_mapping::front_end {
 
-/// Tells good matches from poor ones: by how well the points fit compared with what is usual on
-/// this drive, and by how far the pose lies from the prediction.
+/// Separates good matches from poor ones: by how well the points fit, compared with the usual value
+/// of this drive, and by the distance of the pose from the prediction.
 class MatchJudge {
  public:
   explicit MatchJudge(double max_speed) : max_speed_(max_speed) {}
 
-  /// True if more starts should be tried.
+  /// True if more starting poses should be tried.
   bool in_doubt(const registration::NdtMatch& match,
                 const registration::MotionBelief& prediction) const;
   /// kTracking, kDegraded or kLost.
   TrackingState judge(const registration::NdtMatch& match,
                       const registration::MotionBelief& prediction) const;
-  /// False for a step that no vehicle makes: faster than the largest speed, or than two turns a
-  /// second.
+  /// False for a step that no vehicle can make: faster than the maximum speed, or than two turns
+  /// per second.
   bool is_possible_motion(const Pose& T_from_to, double seconds) const;
-  /// Takes an accepted match into what is usual.
+  /// Updates the usual values with an accepted match.
   void learn(const registration::NdtMatch& match);
-  void reset() { usual_ = usual_pair_quality_ = 0.0; }
+  void reset() { mean_quality_ = mean_pair_quality_ = 0.0; }
 
  private:
-  bool fits_as_usual(const registration::NdtMatch& match) const;
-  /// True if the quality is less than `share` of the usual one and not only because the map ends
-  /// here.
-  bool below(double share, const registration::NdtMatch& match) const;
+  bool has_usual_pair_quality(const registration::NdtMatch& match) const;
+  /// True if the quality is less than `fraction` of the usual quality, and this is not only because
+  /// the map ends here.
+  bool is_below(double fraction, const registration::NdtMatch& match) const;
 
   double max_speed_;
-  double usual_ = 0.0;               ///< running mean of NdtMatch::quality
-  double usual_pair_quality_ = 0.0;  ///< of NdtMatch::quality per pair
+  double mean_quality_ = 0.0;       ///< running mean of NdtMatch::quality
+  double mean_pair_quality_ = 0.0;  ///< running mean of NdtMatch::quality per pair
 };
 
 }  // namespace lidar_mapping::front_end

@@ -6,29 +6,30 @@
 
 namespace lidar_mapping::front_end {
 
-/// True if the step to this scan may be off by more than its covariance says.
+/// True if the error of the step to this scan may be larger than its covariance tells.
 bool is_doubtful(const FrontEndStatus& status);
 
-/// What such a step has on top of the covariance of its match: its expected error, in each
-/// direction, as nobody knows where to.
+/// Additional covariance of such a step: its expected error, in every direction, because the
+/// direction of the error is not known.
 Covariance6 expected_error_covariance(const FrontEndStatus& status);
 
-/// Adds up what the doubtful steps of a motion have on top of the covariance of matches. Steps err
-/// independently of each other; what one of them turned wrongly carries on over those after it.
+/// Accumulates the additional covariance of the doubtful steps of a motion. The errors of the steps
+/// are independent of each other; a rotation error of one step also displaces all later steps.
 class MotionDoubt {
  public:
-  /// The next step of the motion, and how its end was judged.
-  void take(const Pose& T_from_to, const FrontEndStatus& status);
-  /// The motion leads to this key frame: it has the doubt, and all of it in its covariance.
-  void hand_over(KeyFrame& key_frame) const;
+  /// Adds the next step of the motion, with the status of its end.
+  void add_step(const Pose& T_from_to, const FrontEndStatus& status);
+  /// Applies the result to the key frame at the end of the motion: sets its doubt flag and
+  /// increases its covariance.
+  void apply_to(KeyFrame& key_frame) const;
 
-  /// In the axes of where the motion has led; zero where no step was doubtful.
+  /// In the axes of the motion's end; zero if no step was doubtful.
   const Covariance6& covariance() const { return covariance_; }
-  bool any() const { return any_; }
+  bool has_doubt() const { return has_doubt_; }
 
  private:
   Covariance6 covariance_ = Covariance6::Zero();
-  bool any_ = false;
+  bool has_doubt_ = false;
 };
 
 }  // namespace lidar_mapping::front_end

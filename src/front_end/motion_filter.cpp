@@ -13,21 +13,21 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Variance of the position after an unknown acceleration a for t seconds, in units of a^2 t^4: 1/4
-/// for a constant one, 1/3 for white noise of equal effect on the velocity. The former ties
-/// velocity and position so closely that an error of the one scan returns with the other sign in
-/// the next.
-constexpr double kPositionShare = 0.28;
-constexpr double kAgilityDecay = 0.1;
-/// Lower limit in units of the upper one.
-constexpr double kMinAgility = 0.025;
-/// Share of the forecast's mean squared error that the covariance of the twist does not know of.
-constexpr double kForecastShare = 0.3;
+/// for a constant one, 1/3 for white noise with the same effect on the velocity. With 1/4, velocity
+/// and position are correlated so strongly that an error of one scan returns with the opposite sign
+/// in the next.
+constexpr double kPositionFactor = 0.28;
+constexpr double kAccelerationDecay = 0.1;
+/// Lower bound in units of the upper one.
+constexpr double kMinAccelerationFraction = 0.025;
+/// Fraction of the forecast's mean squared error that the covariance of the twist does not contain.
+constexpr double kForecastFraction = 0.3;
 
-/// Variance of the pose within a sweep in units of a^2 t^4: small, as scans one after the other are
-/// accelerated alike and so err alike.
-constexpr double kUnsteadyShare = 0.0005;
+/// Variance of the pose within a sweep in units of a^2 t^4. It is small because successive scans
+/// have similar accelerations, and so similar errors.
+constexpr double kSweepAccelerationFactor = 0.0005;
 
-/// Of a pose against the part of the map that was just put in with it.
+/// Standard deviation of a pose relative to the part of the map that was inserted with it.
 constexpr double kAnchorSigma = 0.01;  // m
 
 /// Derivative of the state after `seconds` with respect to the state now.
@@ -43,7 +43,7 @@ Matrix12d transition(const Vector6d& twist, double seconds) {
 Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
   const Eigen::Vector3d rotation = seconds * twist.tail<3>();
   const double angle = rotation.norm();
-  // The left Jacobian of SO(3) takes the turning of the axes under way into account.
+  // The left Jacobian of SO(3) takes into account that the axes rotate during the motion.
   const Eigen::Matrix3d w = skew(rotation);
   const double a =
       angle < 1e-4 ? 0.5 - angle * angle / 24.0 : (1.0 - std::cos(angle)) / (angle * angle);
@@ -55,7 +55,8 @@ Pose moved(const Pose& T, const Vector6d& twist, double seconds) {
 
 MotionState steadily_accelerated(const MotionState& state, const Vector6d& acceleration,
                                  double duration, double seconds) {
-  // The straight line that fits the parabola a t^2 / 2 best lies at its mean, a duration^2 / 24.
+  // The straight line that fits the parabola a t^2 / 2 best passes through its mean, a duration^2 /
+  // 24.
   const double bend = 0.5 * seconds * seconds - duration * duration / 24.0;
   const Pose straight = moved(state.T_map_sensor, state.twist, seconds);
   return {moved(straight, acceleration, bend), state.twist + seconds * acceleration};
@@ -87,10 +88,10 @@ MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleratio
       angular_{angular_acceleration_sigma, angular_acceleration_sigma},
       forecast_(acceleration_sigma) {}
 
-/// Believes a larger acceleration at once, and forgets it slowly.
-void MotionFilter::Agility::see(double acceleration) {
-  const double wanted = std::clamp(acceleration, kMinAgility * max_sigma, max_sigma);
-  sigma = std::max(wanted, sigma + kAgilityDecay * (wanted - sigma));
+/// A larger acceleration is adopted at once, a smaller one slowly.
+void MotionFilter::AccelerationSigma::update(double acceleration) {
+  const double wanted = std::clamp(acceleration, kMinAccelerationFraction * max_sigma, max_sigma);
+  sigma = std::max(wanted, sigma + kAccelerationDecay * (wanted - sigma));
 }
 
 void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma) {
@@ -100,8 +101,8 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
   acceleration_.setZero();
   T_map_corrected_ = pose;
   since_corrected_ = 0.0;
-  linear_.sigma = kMinAgility * linear_.max_sigma;
-  angular_.sigma = kMinAgility * angular_.max_sigma;
+  linear_.sigma = kMinAccelerationFraction * linear_.max_sigma;
+  angular_.sigma = kMinAccelerationFraction * angular_.max_sigma;
   step_seconds_ = 0.0;
   // The first pose is known by definition.
   covariance_.setZero();
@@ -119,14 +120,14 @@ void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance
   covariance_ = covariance;
 }
 
-void MotionFilter::take_forecast(double seconds) {
+void MotionFilter::apply_forecast(double seconds) {
   state_.twist = forecast_.next(seconds);
-  const Eigen::Vector2d more = kForecastShare * forecast_.variance();
+  const Eigen::Vector2d more = kForecastFraction * forecast_.variance();
   covariance_.diagonal().segment<3>(6).array() += more[0];
   covariance_.diagonal().segment<3>(9).array() += more[1];
 }
 
-void MotionFilter::hold_turning(const MeasuredTurning& turning) {
+void MotionFilter::apply_turning(const MeasuredTurning& turning) {
   state_.twist.tail<3>() = turning.between;
   covariance_.middleRows<3>(9).setZero();
   covariance_.middleCols<3>(9).setZero();
@@ -138,9 +139,9 @@ void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>&
   since_corrected_ += seconds;
   acceleration_.setZero();
   const bool forecast = std::exchange(corrected_, false);
-  if (forecast) take_forecast(seconds);
+  if (forecast) apply_forecast(seconds);
   forecast_state_ = {moved(state_.T_map_sensor, state_.twist, seconds), state_.twist};
-  if (turning) hold_turning(*turning);
+  if (turning) apply_turning(*turning);
   turning_measured_ = turning.has_value();
   const Matrix12d F = transition(state_.twist, seconds);
   Vector6d variance;
@@ -148,7 +149,7 @@ void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>&
   variance.tail<3>().setConstant(turning ? 0.0 : angular_.sigma * angular_.sigma);
   const double t2 = seconds * seconds;
   covariance_ = F * covariance_ * F.transpose();
-  covariance_.topLeftCorner<6, 6>().diagonal() += kPositionShare * t2 * t2 * variance;
+  covariance_.topLeftCorner<6, 6>().diagonal() += kPositionFactor * t2 * t2 * variance;
   covariance_.topRightCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomLeftCorner<6, 6>().diagonal() += 0.5 * t2 * seconds * variance;
   covariance_.bottomRightCorner<6, 6>().diagonal() += t2 * variance;
@@ -157,11 +158,11 @@ void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>&
   if (turning) state_.twist.tail<3>() = turning->within;
 }
 
-MotionFilter MotionFilter::agile() const {
-  MotionFilter agile = *this;
-  agile.linear_.sigma = linear_.max_sigma;
-  agile.angular_.sigma = angular_.max_sigma;
-  return agile;
+MotionFilter MotionFilter::with_high_process_noise() const {
+  MotionFilter high_noise = *this;
+  high_noise.linear_.sigma = linear_.max_sigma;
+  high_noise.angular_.sigma = angular_.max_sigma;
+  return high_noise;
 }
 
 /// Scalar Kalman update in Joseph's form, which stays symmetric and positive.
@@ -194,7 +195,7 @@ void MotionFilter::measure_velocity_along(const Eigen::Vector3d& direction, doub
   measure(row, speed - direction.dot(state_.twist.head<3>()), sigma);
 }
 
-void MotionFilter::measure_place(const Pose& pose, double sigma, double angle_sigma) {
+void MotionFilter::measure_planar_pose(const Pose& pose, double sigma, double angle_sigma) {
   for (const int axis : {0, 1, 5}) {
     const double innovation = difference(state_.T_map_sensor, pose)[axis];
     measure(Vector12d::Unit(axis), innovation, axis < 3 ? sigma : angle_sigma);
@@ -205,42 +206,44 @@ void MotionFilter::slow_down(double seconds, double time_constant) {
   state_.twist *= std::exp(-seconds / time_constant);
 }
 
-/// An acceleration shows in the twist and in the way; noise does seldom in both.
-void MotionFilter::learn_agility(const MotionState& state, const Eigen::Matrix3d& observed) {
+/// A real acceleration changes both twist and displacement; noise seldom changes both.
+void MotionFilter::update_acceleration_sigmas(const MotionState& state,
+                                              const Eigen::Matrix3d& observed) {
   if (step_seconds_ == 0.0) return;
   const double to_acceleration = 2.0 / (step_seconds_ * step_seconds_);
-  const Vector6d of_twist = (state.twist - state_.twist) / step_seconds_;
-  const Vector6d of_way = difference(state_.T_map_sensor, state.T_map_sensor) * to_acceleration;
-  linear_.see(
-      std::min((observed * of_twist.head<3>()).norm(), (observed * of_way.head<3>()).norm()));
-  // A gyro may fail at any time.
+  const Vector6d of_twist_change = (state.twist - state_.twist) / step_seconds_;
+  const Vector6d of_displacement =
+      difference(state_.T_map_sensor, state.T_map_sensor) * to_acceleration;
+  linear_.update(std::min((observed * of_twist_change.head<3>()).norm(),
+                          (observed * of_displacement.head<3>()).norm()));
+  // The rotation is compared without the gyro, because a gyro may fail at any time.
   const MotionState& turned = turning_measured_ ? forecast_state_ : state_;
   const Vector6d turn = difference(turned.T_map_sensor, state.T_map_sensor) * to_acceleration;
-  angular_.see(std::min((state.twist - turned.twist).tail<3>().norm() / step_seconds_,
-                        turn.tail<3>().norm()));
+  angular_.update(std::min((state.twist - turned.twist).tail<3>().norm() / step_seconds_,
+                           turn.tail<3>().norm()));
 }
 
-/// A jump of the pose, as when a drive that was lost is found again, is none.
-Vector6d MotionFilter::believable_acceleration(const Vector6d& acceleration,
-                                               const Eigen::Matrix3d& observed) const {
-  Vector6d believable = Vector6d::Zero();
+/// A jump of the pose, for example when tracking is regained, is not an acceleration.
+Vector6d MotionFilter::plausible_acceleration(const Vector6d& acceleration,
+                                              const Eigen::Matrix3d& observed) const {
+  Vector6d plausible = Vector6d::Zero();
   const Eigen::Vector3d linear = observed * acceleration.head<3>();
-  if (linear.norm() < linear_.max_sigma) believable.head<3>() = linear;
+  if (linear.norm() < linear_.max_sigma) plausible.head<3>() = linear;
   const Eigen::Vector3d angular = acceleration.tail<3>();
-  if (angular.norm() < angular_.max_sigma) believable.tail<3>() = angular;
-  return believable;
+  if (angular.norm() < angular_.max_sigma) plausible.tail<3>() = angular;
+  return plausible;
 }
 
 void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance,
                            const Eigen::Matrix3d& observed) {
-  learn_agility(state, observed);
+  update_acceleration_sigmas(state, observed);
   if (since_corrected_ != 0.0) {
     const Vector6d mean_twist =
         twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_);
-    forecast_.see(mean_twist, state.twist, since_corrected_, observed);
-    // The mean twist is that of half a step ago.
-    const Vector6d change = forecast_.steadiness().cwiseProduct(state.twist - mean_twist);
-    acceleration_ = believable_acceleration(2.0 / since_corrected_ * change, observed);
+    forecast_.update(mean_twist, state.twist, since_corrected_, observed);
+    // The mean twist refers to the middle of the step, half a step ago.
+    const Vector6d change = forecast_.change_persistence().cwiseProduct(state.twist - mean_twist);
+    acceleration_ = plausible_acceleration(2.0 / since_corrected_ * change, observed);
     corrected_ = true;
   }
   T_map_corrected_ = state.T_map_sensor;
@@ -260,8 +263,8 @@ void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {
   covariance_ = rest * covariance_ * rest.transpose() + known;
 }
 
-Covariance6 MotionFilter::unsteadiness(double seconds) const {
-  const double size = std::sqrt(kUnsteadyShare) * seconds * seconds;
+Covariance6 MotionFilter::acceleration_covariance(double seconds) const {
+  const double size = std::sqrt(kSweepAccelerationFactor) * seconds * seconds;
   return diagonal_covariance(size * linear_.sigma, size * angular_.sigma);
 }
 

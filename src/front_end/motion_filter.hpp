@@ -15,12 +15,12 @@ using registration::Matrix12d;
 using registration::MotionState;
 using registration::Vector12d;
 
-/// The pose after moving for `seconds` with a constant twist (own axes, m/s and rad/s).
+/// The pose after moving for `seconds` with a constant twist (in its own axes, m/s and rad/s).
 Pose moved(const Pose& T, const Vector6d& twist, double seconds);
 
-/// The motion `seconds` after a reference time, the middle of a sweep of `duration` seconds. There
-/// `state` is where a sweep fits if its twist is taken to be constant; but it changes by
-/// `acceleration` per second.
+/// The motion `seconds` after a reference time, which is the middle of a sweep of `duration`
+/// seconds. `state` is the result of a match that takes the twist as constant during the sweep; in
+/// truth it changes by `acceleration` per second.
 MotionState steadily_accelerated(const MotionState& state, const Vector6d& acceleration,
                                  double duration, double seconds);
 
@@ -30,91 +30,94 @@ Vector6d twist_between(const Pose& a, const Pose& b, double seconds);
 /// Covariance of that pose, for a covariance of the pose and the twist now.
 Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, double seconds);
 
-/// How the sensor turned, rad/s in its own axes.
+/// The measured rotation of the sensor, rad/s in its own axes.
 struct MeasuredTurning {
-  Eigen::Vector3d between;  ///< on the way from the state before, in the mean
-  Eigen::Vector3d within;   ///< during the sweep
-  double sigma = 0.0;       ///< of both, per axis
+  Eigen::Vector3d between;  ///< mean rate since the previous state
+  Eigen::Vector3d within;   ///< rate during the sweep
+  double sigma = 0.0;       ///< standard deviation of both, per axis
 };
 
-/// Pose and twist of the sensor with their covariance, for perturbed(MotionState, Vector12d). The
-/// twist goes on as forecast (TwistForecast) but for an unknown constant acceleration. How large
-/// that may be follows the drive: a vehicle at rest or on a straight road is held more firmly than
-/// one that is carried around a corner.
+/// Kalman filter of the sensor's pose and twist, for perturbed(MotionState, Vector12d). The twist
+/// continues as TwistForecast predicts, plus an unknown constant acceleration. The size of this
+/// acceleration is learned from the drive: the state of a vehicle at rest or on a straight road is
+/// predicted with a smaller covariance than that of a vehicle in a sharp bend.
 class MotionFilter {
  public:
-  /// The largest standard deviations of the acceleration (m/s^2) and the angular one (rad/s^2).
+  /// Takes the largest standard deviations of the acceleration (m/s^2) and the angular acceleration
+  /// (rad/s^2).
   MotionFilter(double acceleration_sigma, double angular_acceleration_sigma);
 
-  /// At rest in all that is known, the twist unknown to `speed_sigma` and `rate_sigma`.
+  /// Starts at rest; the twist is unknown with the standard deviations `speed_sigma` and
+  /// `rate_sigma`.
   void reset(const Pose& pose, double speed_sigma, double rate_sigma);
-  /// Goes on from this state. How large accelerations are stays known.
+  /// Continues from this state. The learned size of accelerations is kept.
   void restart(const MotionState& state, const Matrix12d& covariance);
-  /// Moves the state on by `seconds`, or back if they are negative.
+  /// Predicts the state `seconds` later, or earlier if they are negative.
   void predict(double seconds) { predict(seconds, std::nullopt); }
-  /// Where the turning is measured, it is that, and not what was forecast of it.
+  /// The same with a measured rotation, if there is one: it replaces the forecast of the rotation.
   void predict(double seconds, const std::optional<MeasuredTurning>& turning);
-  /// As predicted last, but without measurements of the turning.
+  /// The last prediction, but without measured rotation.
   const MotionState& forecast_state() const { return forecast_state_; }
-  /// The same filter before a motion unlike all of late.
-  MotionFilter agile() const;
-  /// Take measurements of the twist in, with the standard deviation of each axis.
+  /// The same filter with the largest accelerations: for a motion that differs from all recent
+  /// ones.
+  MotionFilter with_high_process_noise() const;
+  /// Update with measurements of the twist; `sigma` is the standard deviation of each axis.
   void measure_rate(const Eigen::Vector3d& angular_velocity, double sigma);
   void measure_velocity(const Eigen::Vector3d& linear_velocity, double sigma);
   /// Only the component along a unit vector in the sensor's axes is measured.
   void measure_velocity_along(const Eigen::Vector3d& direction, double speed, double sigma);
-  /// Takes in where the sensor is along its own x and y, to `sigma` (m), and which way it looks
+  /// Update with the position along the sensor's own x and y, to `sigma` (m), and with the heading
   /// about its z, to `angle_sigma` (rad).
-  void measure_place(const Pose& pose, double sigma, double angle_sigma);
-  /// Lets the twist fall exponentially: nobody has seen it lately.
+  void measure_planar_pose(const Pose& pose, double sigma, double angle_sigma);
+  /// Reduces the twist exponentially, because it has not been observed lately.
   void slow_down(double seconds, double time_constant);
-  /// Replaces the predicted state by a matched one, and learns how far off the prediction was. Of
-  /// the translation only what `observed` (a projection, the sensor's axes) lets through teaches
-  /// anything: along other directions the match is the prediction.
+  /// Replaces the predicted state by a matched one, and learns from the error of the prediction.
+  /// Only the translation that passes `observed` (a projection, in the sensor's axes) is used for
+  /// learning: along other directions the match is equal to the prediction.
   void correct(const MotionState& state, const Matrix12d& covariance,
                const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
 
-  /// The map grew at this pose. Along directions in which the pose was only predicted, the new part
-  /// of the map shares its error: against it the pose is known.
+  /// To be called when a scan was inserted at this pose. Along directions in which the pose was
+  /// only predicted, the new part of the map has the same error: relative to it the pose is known.
   void anchor(const std::vector<Eigen::Vector3d>& directions);
 
-  /// Covariance of the pose `seconds` before or after the state, beside what is known of the state:
-  /// the twist is not as constant as it is taken to be.
-  Covariance6 unsteadiness(double seconds) const;
+  /// Covariance of the pose `seconds` before or after the state that comes from an acceleration:
+  /// the twist is not exactly constant. It is in addition to the covariance of the state.
+  Covariance6 acceleration_covariance(double seconds) const;
 
   const MotionState& state() const { return state_; }
-  /// How the twist changed on the way to the state that was matched last, per second; zero where
-  /// none was matched since the last prediction.
+  /// Change of the twist per second before the last matched state; zero if nothing was matched
+  /// since the last prediction.
   const Vector6d& acceleration() const { return acceleration_; }
   const Matrix12d& covariance() const { return covariance_; }
   registration::MotionBelief belief() const;
 
  private:
-  void take_forecast(double seconds);
-  void hold_turning(const MeasuredTurning& turning);
-  Vector6d believable_acceleration(const Vector6d& acceleration,
-                                   const Eigen::Matrix3d& observed) const;
-  void learn_agility(const MotionState& state, const Eigen::Matrix3d& observed);
+  void apply_forecast(double seconds);
+  void apply_turning(const MeasuredTurning& turning);
+  Vector6d plausible_acceleration(const Vector6d& acceleration,
+                                  const Eigen::Matrix3d& observed) const;
+  void update_acceleration_sigmas(const MotionState& state, const Eigen::Matrix3d& observed);
   void measure(const Vector12d& row, double innovation, double sigma);
 
-  /// Standard deviation of an acceleration, between limits.
-  struct Agility {
+  /// Standard deviation of an acceleration, between two bounds.
+  struct AccelerationSigma {
     double max_sigma;
     double sigma;
 
-    void see(double acceleration);
+    void update(double acceleration);
   };
-  Agility linear_;
-  Agility angular_;
+  AccelerationSigma linear_;
+  AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
   TwistForecast forecast_;
   Pose T_map_corrected_;          ///< the pose that was last corrected
   double since_corrected_ = 0.0;  ///< s
-  bool corrected_ = false;        ///< and not moved on since then
+  bool corrected_ = false;        ///< true if nothing was predicted since then
   Vector6d acceleration_ = Vector6d::Zero();
   MotionState state_;
   MotionState forecast_state_;
-  bool turning_measured_ = false;  ///< on the way to the state
+  bool turning_measured_ = false;  ///< the rotation up to the state was measured
   Matrix12d covariance_ = Matrix12d::Identity();
 };
 

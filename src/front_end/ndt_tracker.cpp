@@ -9,14 +9,14 @@
 
 #include "lidar_mapping/front_end/step_timer.hpp"
 
-#include "blind_way.hpp"
 #include "claimed_pose.hpp"
 #include "degeneracy.hpp"
 #include "elevation_calibration.hpp"
-#include "gyro_trust.hpp"
+#include "false_standstill_recovery.hpp"
+#include "gyro_validator.hpp"
 #include "key_frame_rule.hpp"
 #include "local_map.hpp"
-#include "map_beginning.hpp"
+#include "map_initialization.hpp"
 #include "match_evidence.hpp"
 #include "match_judge.hpp"
 #include "measured_motion.hpp"
@@ -27,7 +27,7 @@
 #include "sweep_clock.hpp"
 #include "sweep_matcher.hpp"
 #include "sweep_sampler.hpp"
-#include "unnoticed_motion.hpp"
+#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -35,28 +35,30 @@ namespace {
 using registration::MotionBelief;
 using registration::NdtMatch;
 
-/// A scan goes into the local map after this motion; so standing still adds nothing.
+/// A scan is inserted into the local map after this motion, so standing still adds nothing.
 const KeyFrameRule kInsertionRule{2.0, 0.1, 0.0};
-/// The first scans go into it wherever they are, outside of rooms with points between their rings:
-/// planes of single rings fit however the vehicle nods as it pulls away.
-constexpr int kFirstScans = 3;
-/// Fewer points are no scan.
+/// The first scans are always inserted, and outside of rooms together with points between their
+/// rings: planes of single rings fit at any pitch of the vehicle, and it pitches when it starts to
+/// move.
+constexpr int kInitialScans = 3;
+/// Scans with fewer points are not used.
 constexpr std::size_t kMinPoints = 50;
 
-/// Median distance of the points (m) below which a scan is taken in a room, and what that does to
-/// all voxels.
-constexpr double kRoomRange = 7.0;
-constexpr double kRoomScale = 0.5;
+/// Median range of the points (m) below which a scan counts as taken indoors, and the factor for
+/// all voxel sizes indoors.
+constexpr double kIndoorRange = 7.0;
+constexpr double kIndoorVoxelScale = 0.5;
 
-// What is believed of the motion before the second scan.
+// Standard deviations of the motion before the second scan.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 
-/// While lost, the speed falls by 1/e in this time.
-constexpr double kHoldTime = 1.0;  // s
+/// While tracking is lost, the speed decreases to 1/e in this time.
+constexpr double kCoastTimeConstant = 1.0;  // s
 
-/// Along these the rings on the ground say nothing.
-const std::vector<Eigen::Vector3d> kLevel = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+/// Along these directions the rings on the ground contain no information.
+const std::vector<Eigen::Vector3d> kLevelDirections = {Eigen::Vector3d::UnitX(),
+                                                       Eigen::Vector3d::UnitY()};
 
 }  // namespace
 
@@ -69,200 +71,208 @@ class NdtTracker::Impl {
         filter_(config.acceleration_sigma, config.angular_acceleration_sigma),
         judge_(config.max_speed),
         matcher_(config.registration.neighbor_search),
-        beginning_(config.registration.neighbor_search) {}
+        initialization_(config.registration.neighbor_search) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
     timer_.start("sampling");
-    sampler_.take(scan, scans_++);
+    sampler_.sample(scan, scans_++);
     const double seconds = clock_.advance(scan.stamp, sampler_.reference(), sampler_.duration());
     since_claim_ += seconds;
     TrackedScan result;
-    result.status.elevation_shift = elevation_.found();
-    result.elevation_shift = elevation_.applied();
+    result.status.elevation_shift = elevation_.accepted_angle();
+    result.elevation_shift = elevation_.applied_angle();
     if (map_.empty()) {
-      begin(scan, start_, result.status);
+      start_map(scan, start_, result.status);
     } else {
       timer_.start("matching");
-      follow(scan, seconds, prior, predict(seconds, prior), result);
+      match_scan(scan, seconds, prior, predict(seconds, prior), result);
     }
     timer_.start("ageing");
-    map_.follow(filter_.state().T_map_sensor.translation);
-    report(result);
+    map_.set_center(filter_.state().T_map_sensor.translation);
+    set_result(result);
     return result;
   }
 
-  bool believes_gyro(const MotionPrior& prior) const { return gyro_.believes(prior); }
+  bool accepts_gyro(const MotionPrior& prior) const { return gyro_.accepts(prior); }
 
-  void know_viewpoint() {
-    sampler_.know_viewpoint();
+  void set_viewpoint_at_origin() {
+    sampler_.set_viewpoint_at_origin();
     viewpoint_known_ = true;
   }
 
   void restart() {
-    forget();
+    reset_map();
     start_ = Pose::Identity();
   }
 
-  void finalize() { beginning_.finalize(); }
+  void finalize() { initialization_.finalize(); }
 
   PointCloud local_map() const { return map_.cloud(); }
 
  private:
-  void forget() {
+  void reset_map() {
     map_.clear();
     judge_.reset();
     doubt_.reset();
     elevation_.interrupt();
-    beginning_.forget();
-    unnoticed_.forget();
-    blind_way_.interrupt();
+    initialization_.reset();
+    false_standstill_.reset();
+    unobserved_travel_.interrupt();
     lost_time_ = 0.0;
   }
 
-  /// The first scan of a map. Its points are kept until the motion during it is known.
-  void begin(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
-    start_ = last_good_ = T_odom_base;
-    // The pose is known at the stamp, the filter's time is the middle of the sweep.
+  /// Starts a map with its first scan. The points are stored until the motion during the scan is
+  /// known.
+  void start_map(const Scan& scan, const Pose& T_odom_base, FrontEndStatus& status) {
+    start_ = last_matched_pose_ = T_odom_base;
+    // The pose is known at the stamp, but the filter's time is the middle of the sweep.
     filter_.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
     filter_.predict(sampler_.reference());
     covariance_ = filter_.covariance();
-    parting_variance_ = 1.0;
-    in_room_ = sampler_.median_range() <= kRoomRange;
-    map_.begin(voxel_size());
-    rings_ =
-        HeededRings(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
+    drift_variance_factor_ = 1.0;
+    indoors_ = sampler_.median_range() <= kIndoorRange;
+    map_.restart(voxel_size());
+    ring_spacing_gate_ =
+        RingSpacingGate(viewpoint_known_ ? ring_spacing(scan.cloud, Eigen::Vector3d::Zero()) : 0.0);
     if (sampler_.points().size() < kMinPoints) {
       status.state = TrackingState::kLost;
       return;
     }
     status.state = TrackingState::kTracking;
     status.converged = true;
-    beginning_.begin(T_odom_base);
-    remember(scan);
+    initialization_.start(T_odom_base);
+    store_provisional(scan);
     insert(scan);
-    beginning_.keep_first(sampler_.dense(scan), in_room_ ? SampledPoints{} : sampler_.between(),
-                          scan.cloud.has_times(), sampler_.reference());
+    initialization_.set_first_scan(sampler_.sample_dense(scan),
+                                   indoors_ ? SampledPoints{} : sampler_.between_rings(),
+                                   scan.cloud.has_times(), sampler_.reference());
   }
 
-  /// Rooms want smaller voxels than streets; which it is the first scan of a map tells.
+  /// Rooms need smaller voxels than streets; the first scan of a map decides which of them it is.
   double voxel_size() const {
-    return in_room_ ? kRoomScale * config_.voxel_size : config_.voxel_size;
+    return indoors_ ? kIndoorVoxelScale * config_.voxel_size : config_.voxel_size;
   }
 
   Prediction predict(double seconds, const MotionPrior& prior) {
     gyro_.add(prior, seconds, sampler_.duration());
     const std::optional<MeasuredTurning> turning = gyro_.turning();
-    turned_from_ = filter_.state().T_map_sensor.rotation;
-    MotionFilter agile = filter_.agile();
-    for (MotionFilter* filter : {&filter_, &agile}) filter->predict(seconds, turning);
-    unmeasured_speed_ = speed_covariance(filter_.covariance());
-    for (MotionFilter* filter : {&filter_, &agile}) measured_.take(gyro_.rest(prior), *filter);
-    agile_ = agile;
-    return {filter_.belief(), measured_.trusting(prior, filter_), agile.belief()};
+    previous_rotation_ = filter_.state().T_map_sensor.rotation;
+    MotionFilter high_noise = filter_.with_high_process_noise();
+    for (MotionFilter* filter : {&filter_, &high_noise}) filter->predict(seconds, turning);
+    predicted_speed_covariance_ = velocity_covariance(filter_.covariance());
+    for (MotionFilter* filter : {&filter_, &high_noise})
+      measured_.apply(gyro_.remaining_prior(prior), *filter);
+    high_noise_filter_ = high_noise;
+    return {filter_.belief(), measured_.belief_with_velocity(prior, filter_), high_noise.belief()};
   }
 
-  void follow(const Scan& scan, double seconds, const MotionPrior& prior,
-              const Prediction& prediction, TrackedScan& result) {
-    const auto [found, believed] = locate(seconds, prediction);
-    describe(found, result.status);
-    describe_directions(found, result.status);
-    result.status.evidence = weigh(found, believed, seconds);
+  void match_scan(const Scan& scan, double seconds, const MotionPrior& prior,
+                  const Prediction& prediction, TrackedScan& result) {
+    const auto [found, prior_belief] = locate(seconds, prediction);
+    set_match_status(found, result.status);
+    set_degenerate_directions(found, result.status);
+    result.status.evidence = collect_evidence(found, prior_belief, seconds);
     result.status.evidence.degenerate = result.status.degenerate_directions.empty() ? 0.0 : 1.0;
-    result.status.state = judge_.judge(found.match, believed);
+    result.status.state = judge_.judge(found.match, prior_belief);
     if (!is_possible(found.match, seconds)) result.status.state = TrackingState::kLost;
-    const StepBelief belief = believe(result.status.evidence, EvidenceSource::kNdt);
-    doubt_.lower(belief, result.status);
+    const StepBelief belief = evaluate_step(result.status.evidence, EvidenceSource::kNdt);
+    doubt_.apply(belief, result.status);
     if (result.status.state == TrackingState::kLost) {
-      hold(scan, seconds, result);
+      coast(scan, seconds, result);
       return;
     }
-    if (beginning_.gives_way(belief)) {
-      begin_over(scan, found.match, believed, result.status);
+    if (initialization_.replaces_first_scan(belief)) {
+      restart_from(scan, found.match, prior_belief, result.status);
       return;
     }
-    if (!beginning_.motion_known()) {
-      beginning_.know_motion(found.match);
-      unnoticed_.insert(beginning_.first_points(), beginning_.first_state(found.match.state.twist));
+    if (!initialization_.motion_known()) {
+      initialization_.set_motion(found.match);
+      false_standstill_.insert(initialization_.first_points(),
+                               initialization_.first_state(found.match.state.twist));
     }
     accept(found, prior, result.status);
     if (!claims_pose(result.status.state)) {
-      covariance_ += doubt_covariance(found.match.state, believed, result.status.probability);
+      covariance_ += doubt_covariance(found.match.state, prior_belief, result.status.probability);
     }
-    follow_blindly(found, prediction.where_blind, seconds);
-    remember(scan);
-    if (result.status.state != TrackingState::kDegraded) keep(scan, found.degenerate_directions);
-    result.revisions = beginning_.look_again(filter_, judge_, map_);
+    update_unobserved_travel(found, prediction.for_unobserved, seconds);
+    store_provisional(scan);
+    if (result.status.state != TrackingState::kDegraded)
+      update_map(scan, found.degenerate_directions);
+    result.revisions = initialization_.rematch_first_scans(filter_, judge_, map_);
   }
 
-  /// What speaks for and against the match as the end of a step from the last claim.
-  StepEvidence weigh(const SweepMatcher::Found& found, const MotionBelief& believed,
-                     double seconds) const {
+  /// Evidence for and against the match as the end of a step from the last claimed pose.
+  StepEvidence collect_evidence(const SweepMatcher::Found& found, const MotionBelief& prior_belief,
+                                double seconds) const {
     const NdtMatch& match = found.match;
     const double to_stamp = -sampler_.reference();
-    StepEvidence evidence = evidence_of(match, believed);
+    StepEvidence evidence = evidence_of(match, prior_belief);
     evidence.points = static_cast<double>(sampler_.points().size());
     evidence.rescued = found.rescued ? 1.0 : 0.0;
-    if (beginning_.motion_known() && sampler_.duration() > 0.0) {
-      const Pose gone_on = moved(last_good_, match.state.twist, lost_time_ + seconds);
-      const Vector6d d = difference(gone_on, match.state.T_map_sensor);
-      evidence.unsteadiness = d.head<3>().norm();
-      evidence.unsteadiness_angle = d.tail<3>().norm();
+    if (initialization_.motion_known() && sampler_.duration() > 0.0) {
+      const Pose coasted_pose = moved(last_matched_pose_, match.state.twist, lost_time_ + seconds);
+      const Vector6d d = difference(coasted_pose, match.state.T_map_sensor);
+      evidence.motion_change = d.head<3>().norm();
+      evidence.motion_change_angle = d.tail<3>().norm();
     }
     set_step(claim_,
              {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
               pose_covariance(reported_covariance(match), match.state.twist, to_stamp) +
-                  filter_.unsteadiness(to_stamp),
-              beginning_.is_young() ? variance_in_young_map(match) : 1.0},
+                  filter_.acceleration_covariance(to_stamp),
+              initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0},
              since_claim_, evidence);
     return evidence;
   }
 
-  /// The way since the last match, not the motion during the sweep: a jump of the pose says
-  /// nothing about that. How a map of one scan was reached is not known yet.
+  /// Uses the motion since the last match, not the motion during the sweep, which does not show a
+  /// jump of the pose. In a map of one scan the motion is not known yet, so it cannot be checked.
   bool is_possible(const NdtMatch& match, double seconds) const {
-    return !beginning_.motion_known() ||
-           judge_.is_possible_motion(last_good_.inverse() * match.state.T_map_sensor,
+    return !initialization_.motion_known() ||
+           judge_.is_possible_motion(last_matched_pose_.inverse() * match.state.T_map_sensor,
                                      lost_time_ + seconds);
   }
 
-  /// The match, and what was believed before it.
+  /// The match, and the belief before it.
   std::pair<SweepMatcher::Found, MotionBelief> locate(double seconds,
                                                       const Prediction& prediction) {
-    beside_rings_ = false;
-    if (!beginning_.motion_known()) {
-      return {beginning_.find_motion(sampler_.points(), prediction.usual, seconds, matcher_, map_),
-              prediction.agile};
+    matched_without_level_ = false;
+    if (!initialization_.motion_known()) {
+      return {initialization_.match_second_scan(sampler_.points(), prediction.nominal, seconds,
+                                                matcher_, map_),
+              prediction.high_noise};
     }
-    if (unnoticed_.follow(sampler_.sparse(), agile_, filter_)) return match_beside_rings();
+    if (false_standstill_.track(sampler_.sparse(), high_noise_filter_, filter_))
+      return match_vertical_structure();
     SweepMatcher::Found found =
-        matcher_.find(sampler_.points(), map_, judge_, prediction, {last_good_});
-    if (unnoticed_.notice(sampler_.sparse(), found.match, seconds, beginning_.is_one_place(),
-                          filter_)) {
-      return match_beside_rings();
+        matcher_.find(sampler_.points(), map_, judge_, prediction, {last_matched_pose_});
+    if (false_standstill_.detect(sampler_.sparse(), found.match, seconds,
+                                 initialization_.covers_single_place(), filter_)) {
+      return match_vertical_structure();
     }
-    return {std::move(found), prediction.agile};
+    return {std::move(found), prediction.high_noise};
   }
 
-  /// The match where upright points have put the filter.
-  std::pair<SweepMatcher::Found, MotionBelief> match_beside_rings() {
-    beside_rings_ = true;
-    beginning_.finalize();
+  /// Matches from the pose that the vertical structures gave the filter.
+  std::pair<SweepMatcher::Found, MotionBelief> match_vertical_structure() {
+    matched_without_level_ = true;
+    initialization_.finalize();
     judge_.reset();
-    const MotionBelief believed = filter_.belief();
-    return {matcher_.match_beside(sampler_.points(), map_, believed, kLevel), believed};
+    const MotionBelief prior_belief = filter_.belief();
+    return {matcher_.match_without(sampler_.points(), map_, prior_belief, kLevelDirections),
+            prior_belief};
   }
 
-  void remember(const Scan& scan) {
-    if (!beginning_.is_provisional()) return;
-    beginning_.add({scan.stamp,
-                    sampler_.reference(),
-                    sampler_.points(),
-                    filter_.state(),
-                    filter_.covariance(),
-                    {}});
+  void store_provisional(const Scan& scan) {
+    if (!initialization_.is_provisional()) return;
+    initialization_.add({scan.stamp,
+                         sampler_.reference(),
+                         sampler_.points(),
+                         filter_.state(),
+                         filter_.covariance(),
+                         {}});
   }
 
-  static void describe(const SweepMatcher::Found& found, FrontEndStatus& status) {
+  static void set_match_status(const SweepMatcher::Found& found, FrontEndStatus& status) {
     status.converged = found.match.converged;
     status.iterations = found.match.iterations;
     status.fitness = found.match.fitness;
@@ -271,10 +281,11 @@ class NdtTracker::Impl {
     status.rescued = found.rescued;
   }
 
-  void describe_directions(const SweepMatcher::Found& found, FrontEndStatus& status) const {
+  void set_degenerate_directions(const SweepMatcher::Found& found, FrontEndStatus& status) const {
     status.degenerate_directions = found.degenerate_directions;
-    if (!beginning_.is_one_place() || !found.degenerate_directions.empty()) return;
-    status.degenerate_directions = degenerate_directions(found.match.pose_hessian, kOnePlaceShare);
+    if (!initialization_.covers_single_place() || !found.degenerate_directions.empty()) return;
+    status.degenerate_directions =
+        degenerate_directions(found.match.pose_hessian, kSinglePlaceFraction);
   }
 
   void accept(const SweepMatcher::Found& found, const MotionPrior& prior, FrontEndStatus& status) {
@@ -282,80 +293,86 @@ class NdtTracker::Impl {
     if (!status.degenerate_directions.empty() && claims_pose(status.state)) {
       status.state = TrackingState::kDegenerate;
     }
-    if (!status.degenerate_directions.empty()) rings_.leave_open(match.state.T_map_sensor);
-    if (status.degenerate_directions.empty()) measured_.see(prior, match.state.twist.head<3>());
-    gyro_.update(turned_from_, filter_.forecast_state().T_map_sensor.rotation,
+    if (!status.degenerate_directions.empty())
+      ring_spacing_gate_.mark_open_field(match.state.T_map_sensor);
+    if (status.degenerate_directions.empty()) measured_.update(prior, match.state.twist.head<3>());
+    gyro_.update(previous_rotation_, filter_.forecast_state().T_map_sensor.rotation,
                  match.state.T_map_sensor.rotation);
     filter_.correct(match.state, match.information.inverse(),
-                    projection_beside(found.degenerate_directions));
+                    projection_orthogonal_to(found.degenerate_directions));
     covariance_ = reported_covariance(match);
-    parting_variance_ = beginning_.is_young() ? variance_in_young_map(match) : 1.0;
+    drift_variance_factor_ =
+        initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0;
     if (status.state != TrackingState::kDegraded) judge_.learn(match);
-    last_good_ = match.state.T_map_sensor;
+    last_matched_pose_ = match.state.T_map_sensor;
     lost_time_ = 0.0;
   }
 
-  /// How far off the way may be: where planes leave a direction open, it is only what is believed
-  /// of the speed. Upright points that stand in for the rings observe the place.
-  void follow_blindly(const SweepMatcher::Found& found, const MotionBelief& where_blind,
-                      double seconds) {
-    if (found.degenerate_directions.empty() || beside_rings_) {
-      const Eigen::Matrix3d covariance = speed_covariance(filter_.covariance());
-      blind_way_.see(found.match.state.twist.head<3>().norm(), covariance.trace(), seconds);
+  /// Updates the uncertainty of the distance travelled: along directions that the planes do not
+  /// observe, only the believed speed is known. If vertical structures replace the rings, they
+  /// observe the position.
+  void update_unobserved_travel(const SweepMatcher::Found& found,
+                                const MotionBelief& for_unobserved, double seconds) {
+    if (found.degenerate_directions.empty() || matched_without_level_) {
+      const Eigen::Matrix3d covariance = velocity_covariance(filter_.covariance());
+      unobserved_travel_.add_observed(found.match.state.twist.head<3>().norm(), covariance.trace(),
+                                      seconds);
       return;
     }
-    const Eigen::Matrix3d measured = speed_covariance(where_blind.information.inverse());
+    const Eigen::Matrix3d measured = velocity_covariance(for_unobserved.information.inverse());
     double before = 0.0;
     double after = 0.0;
     for (const Eigen::Vector3d& d : found.degenerate_directions) {
-      before += d.dot(unmeasured_speed_ * d);
+      before += d.dot(predicted_speed_covariance_ * d);
       after += d.dot(measured * d);
     }
-    blind_way_.pass(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
+    unobserved_travel_.add_unobserved(std::max(0.0, 1.0 / after - 1.0 / before), seconds);
   }
 
-  static Eigen::Matrix3d speed_covariance(const Matrix12d& covariance) {
+  static Eigen::Matrix3d velocity_covariance(const Matrix12d& covariance) {
     return covariance.block<3, 3>(6, 6);
   }
 
-  /// Lost: the prediction stands, ever slower, until a match is found or the map is given up.
-  void hold(const Scan& scan, double seconds, TrackedScan& result) {
-    beginning_.finalize();
-    blind_way_.interrupt();
-    filter_.slow_down(seconds, kHoldTime);
+  /// Tracking is lost: the pose follows the prediction with decreasing speed until a match is found
+  /// or the map is discarded.
+  void coast(const Scan& scan, double seconds, TrackedScan& result) {
+    initialization_.finalize();
+    unobserved_travel_.interrupt();
+    filter_.slow_down(seconds, kCoastTimeConstant);
     covariance_ = filter_.covariance();
-    parting_variance_ = 1.0;
+    drift_variance_factor_ = 1.0;
     lost_time_ += seconds;
-    // A map of one scan at an unknown speed is soon left behind: the newer scan takes its place.
-    const bool worth_waiting = beginning_.motion_known() && lost_time_ <= config_.max_lost_time;
-    if (worth_waiting || sampler_.points().size() < kMinPoints) return;
+    // At an unknown speed the vehicle soon leaves a map of one scan, so the newer scan replaces it.
+    const bool keeps_map = initialization_.motion_known() && lost_time_ <= config_.max_lost_time;
+    if (keeps_map || sampler_.points().size() < kMinPoints) return;
     const Pose pose =
         moved(filter_.state().T_map_sensor, filter_.state().twist, -sampler_.reference());
-    forget();
-    begin(scan, pose, result.status);
-    // Its pose is a prediction all the same.
+    reset_map();
+    start_map(scan, pose, result.status);
+    // The pose is still a prediction.
     result.status.state = TrackingState::kLost;
     result.new_segment = true;
   }
 
-  /// The map begins again with this scan, where it fitted the map of the first one best.
-  void begin_over(const Scan& scan, const NdtMatch& match, const MotionBelief& believed,
-                  FrontEndStatus& status) {
+  /// Starts the map again with this scan, at its best match with the map of the first scan.
+  void restart_from(const Scan& scan, const NdtMatch& match, const MotionBelief& prior_belief,
+                    FrontEndStatus& status) {
     const double to_stamp = -sampler_.reference();
-    const Matrix12d covariance =
-        reported_covariance(match) + doubt_covariance(match.state, believed, status.probability);
-    forget();
-    FrontEndStatus begun;
-    begin(scan, moved(match.state.T_map_sensor, match.state.twist, to_stamp), begun);
-    beginning_.finalize();
+    const Matrix12d covariance = reported_covariance(match) +
+                                 doubt_covariance(match.state, prior_belief, status.probability);
+    reset_map();
+    FrontEndStatus started;
+    start_map(scan, moved(match.state.T_map_sensor, match.state.twist, to_stamp), started);
+    initialization_.finalize();
     covariance_ = covariance;
   }
 
-  void keep(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
-    const Pose T_inserted_now = inserted_.inverse() * filter_.state().T_map_sensor;
-    if (beginning_.inserted_scans() >= kFirstScans && !kInsertionRule.reached(T_inserted_now, 0)) {
+  void update_map(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions) {
+    const Pose T_insertion_now = last_insertion_pose_.inverse() * filter_.state().T_map_sensor;
+    if (initialization_.inserted_scans() >= kInitialScans &&
+        !kInsertionRule.reached(T_insertion_now, 0)) {
       timer_.start("calibration");
-      elevation_.catch_up();
+      elevation_.compare_pending();
       return;
     }
     insert(scan);
@@ -364,49 +381,50 @@ class NdtTracker::Impl {
 
   void insert(const Scan& scan) {
     timer_.start("dense sampling");
-    const SampledPoints& dense = sampler_.dense(scan);
+    const SampledPoints& dense = sampler_.sample_dense(scan);
     timer_.start("insertion");
-    map_.set_ring_spacing(rings_.spacing_at(filter_.state().T_map_sensor));
+    map_.set_ring_spacing(ring_spacing_gate_.spacing_at(filter_.state().T_map_sensor));
     map_.insert(dense, filter_.state());
-    // The surfaces of a room are small, and many rings meet each: a recorded sensor of 16 beams
-    // that stands in one is off by 15 mm instead of 5 with these points.
-    if (!in_room_ && beginning_.inserted_scans() < kFirstScans) {
-      map_.insert(sampler_.between_rings(scan), filter_.state());
+    // The surfaces of a room are small, and many rings hit each of them: with these points, the
+    // error of a recorded sensor of 16 beams that stands in a room is 15 mm instead of 5.
+    if (!indoors_ && initialization_.inserted_scans() < kInitialScans) {
+      map_.insert(sampler_.sample_between_rings(scan), filter_.state());
     }
-    inserted_ = filter_.state().T_map_sensor;
-    beginning_.set_inserted(dense, inserted_.translation, map_.fine().resolution());
-    if (beginning_.motion_known()) unnoticed_.insert(dense, filter_.state());
-    if (config_.calibrate_elevation && beginning_.inserted_scans() > kFirstScans) calibrate(dense);
+    last_insertion_pose_ = filter_.state().T_map_sensor;
+    initialization_.set_inserted(dense, last_insertion_pose_.translation, map_.fine().resolution());
+    if (initialization_.motion_known()) false_standstill_.insert(dense, filter_.state());
+    if (config_.calibrate_elevation && initialization_.inserted_scans() > kInitialScans)
+      calibrate(dense);
   }
 
   void calibrate(const SampledPoints& dense) {
     timer_.start("calibration");
-    elevation_.see(dense, filter_.state(), map_.fine().resolution());
-    sampler_.set_elevation_shift(elevation_.applied());
+    elevation_.add_scan(dense, filter_.state(), map_.fine().resolution());
+    sampler_.set_elevation_shift(elevation_.applied_angle());
   }
 
-  void report(TrackedScan& result) {
+  void set_result(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
     const MotionState at_stamp = steadily_accelerated(filter_.state(), filter_.acceleration(),
                                                       sampler_.duration(), to_stamp);
     result.T_odom_base = at_stamp.T_map_sensor;
     result.acceleration = filter_.acceleration();
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
-                        filter_.unsteadiness(to_stamp);
-    result.parting_variance = parting_variance_;
+                        filter_.acceleration_covariance(to_stamp);
+    result.drift_variance_factor = drift_variance_factor_;
     result.twist = at_stamp.twist;
-    result.motion_known = beginning_.motion_known();
-    result.provisional = beginning_.is_provisional();
+    result.motion_known = initialization_.motion_known();
+    result.provisional = initialization_.is_provisional();
     if (claims_pose(result.status.state) || result.new_segment) claim(result);
     result.status.map_points_dropped = map_.dropped_points();
-    result.status.unobserved_stddev = blind_way_.stddev();
+    result.status.unobserved_stddev = unobserved_travel_.stddev();
     result.status.stamp_jitter = clock_.jitter();
     result.status.gyro_distrusted = gyro_.is_distrusted();
     result.status.step_seconds = timer_.take();
   }
 
   void claim(const TrackedScan& result) {
-    claim_ = {result.T_odom_base, result.covariance, result.parting_variance};
+    claim_ = {result.T_odom_base, result.covariance, result.drift_variance_factor};
     since_claim_ = 0.0;
   }
 
@@ -415,32 +433,34 @@ class NdtTracker::Impl {
   SweepClock clock_;
   LocalMap map_;
   MotionFilter filter_;
-  MotionFilter agile_ = filter_;
+  MotionFilter high_noise_filter_ = filter_;
   MatchJudge judge_;
   DoubtState doubt_;
   SweepMatcher matcher_;
   MeasuredMotion measured_;
-  GyroTrust gyro_;
-  Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();  ///< at the scan before
+  GyroValidator gyro_;
+  /// rotation at the previous scan
+  Eigen::Quaterniond previous_rotation_ = Eigen::Quaterniond::Identity();
   ElevationCalibration elevation_;
-  MapBeginning beginning_;
-  UnnoticedMotion unnoticed_;
-  BlindWay blind_way_;
+  MapInitialization initialization_;
+  FalseStandstillRecovery false_standstill_;
+  UnobservedTravel unobserved_travel_;
   StepTimer timer_;
 
-  Eigen::Matrix3d unmeasured_speed_ = Eigen::Matrix3d::Zero();  ///< covariance, predicted alone
-  bool in_room_ = false;                                        ///< the map began there
-  bool beside_rings_ = false;                                   ///< the scan was matched like that
-  Matrix12d covariance_ = Matrix12d::Identity();                ///< as it is reported
-  double parting_variance_ = 1.0;
+  Eigen::Matrix3d predicted_speed_covariance_ =
+      Eigen::Matrix3d::Zero();          ///< before velocity measurements are applied
+  bool indoors_ = false;                ///< the map began indoors
+  bool matched_without_level_ = false;  ///< the scan was matched without the horizontal directions
+  Matrix12d covariance_ = Matrix12d::Identity();  ///< the reported covariance
+  double drift_variance_factor_ = 1.0;
   bool viewpoint_known_ = false;
-  HeededRings rings_;
+  RingSpacingGate ring_spacing_gate_;
   std::size_t scans_ = 0;
-  Pose start_;                ///< where a map begins, at the stamp of its first scan
-  Pose inserted_;             ///< of the scan last put into the map
-  Pose last_good_;            ///< of the scan last matched
+  Pose start_;                ///< start pose of a map, at the stamp of its first scan
+  Pose last_insertion_pose_;  ///< pose of the scan last inserted into the map
+  Pose last_matched_pose_;    ///< pose of the scan last matched
   double lost_time_ = 0.0;    ///< s since the last match
-  ClaimedPose claim_;         ///< of the last scan that claimed its pose
+  ClaimedPose claim_;         ///< of the last scan with a claimed pose
   double since_claim_ = 0.0;  ///< s
 };
 
@@ -451,13 +471,11 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   return impl_->track(scan, prior);
 }
 
-bool NdtTracker::believes_gyro(const MotionPrior& prior) const {
-  return impl_->believes_gyro(prior);
-}
+bool NdtTracker::accepts_gyro(const MotionPrior& prior) const { return impl_->accepts_gyro(prior); }
 
 void NdtTracker::finalize() { impl_->finalize(); }
 
-void NdtTracker::know_viewpoint() { impl_->know_viewpoint(); }
+void NdtTracker::set_viewpoint_at_origin() { impl_->set_viewpoint_at_origin(); }
 
 void NdtTracker::restart() { impl_->restart(); }
 

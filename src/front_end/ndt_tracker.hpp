@@ -7,17 +7,17 @@
 
 namespace lidar_mapping::front_end {
 
-/// The sequential NDT: pose and twist of each sweep from one match against hashed voxel maps that
-/// grow with the drive and forget what is far away (doc/front_end.md).
+/// The sequential NDT: estimates pose and twist of each sweep by one match against hashed voxel
+/// maps. The maps grow with the drive, and voxels far away are removed (doc/front_end.md).
 class NdtTracker : public Tracker {
  public:
   explicit NdtTracker(const FrontEndConfig& config);
   ~NdtTracker() override;
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
-  void know_viewpoint() override;
+  void set_viewpoint_at_origin() override;
   void restart() override;
-  bool believes_gyro(const MotionPrior& prior) const override;
+  bool accepts_gyro(const MotionPrior& prior) const override;
   void finalize() override;
   PointCloud local_map() const override;
 

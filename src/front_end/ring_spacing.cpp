@@ -14,25 +14,25 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// So many points are looked at.
+/// Number of points that are used.
 constexpr std::size_t kEnough = 16000;
-/// Within a sector a sensor that is mounted a little askew still sees its rings at one elevation.
+/// Within one sector, even a slightly tilted sensor sees each ring at a single elevation.
 constexpr std::size_t kSectors = 36;
 constexpr std::size_t kBins = 900;
 constexpr double kBin = 0.1 * kRadPerDeg;
-/// What is nearer shows by how far the origin is off.
+/// At shorter ranges an error of the origin changes the elevation too much.
 constexpr double kMinRange = 3.0;  // m
 constexpr std::size_t kLeastSectors = 6;
 constexpr int kLeastRings = 4;
-/// More occupied bins than that are no rings.
+/// If a larger fraction of the bins is occupied, the rings cannot be separated.
 constexpr double kMostOccupied = 0.6;
 
-/// So far (m) a field is taken to reach from where a direction was left open.
-constexpr double kOpenField = 60.0;
+/// Radius (m) of an open field around the place where a direction was not observed.
+constexpr double kOpenFieldRadius = 60.0;
 
 using Sector = std::bitset<kBins>;
 
-/// Which elevations a scan has seen, from -45 to 45 degrees.
+/// The elevations at which a scan has points, from -45 to 45 degrees.
 std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
                                              const Eigen::Vector3d& p_base_sensor) {
   std::array<Sector, kSectors> seen;
@@ -50,8 +50,8 @@ std::array<Sector, kSectors> seen_elevations(const PointCloud& cloud,
   return seen;
 }
 
-/// Bins from the lowest to the highest occupied one per run of occupied ones; 0 if these are too
-/// many for rings, negative if they are too few to tell.
+/// Number of bins from the lowest to the highest occupied one, per run of occupied bins. 0 if too
+/// many bins are occupied to separate rings; negative if there are too few rings to decide.
 double bins_per_ring(const Sector& sector) {
   int first = -1, last = -1, runs = 0;
   for (int i = 0; i < static_cast<int>(kBins); ++i) {
@@ -67,7 +67,8 @@ double bins_per_ring(const Sector& sector) {
 
 }  // namespace
 
-/// Where a view ends in the sky there are gaps; so one of the narrower sectors is right.
+/// Where the view ends in the sky there are gaps between the rings. So the estimate is taken from
+/// the sectors with narrow spacing.
 double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_sensor) {
   std::vector<double> found;
   for (const Sector& sector : seen_elevations(cloud, p_base_sensor)) {
@@ -78,8 +79,9 @@ double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_senso
   return quantile(std::move(found), 0.25) * kBin;
 }
 
-double HeededRings::spacing_at(const Pose& T_map_sensor) const {
-  const bool is_field = left_open_ && (T_map_sensor.translation - *left_open_).norm() <= kOpenField;
+double RingSpacingGate::spacing_at(const Pose& T_map_sensor) const {
+  const bool is_field =
+      open_field_ && (T_map_sensor.translation - *open_field_).norm() <= kOpenFieldRadius;
   return is_field ? 0.0 : spacing_;
 }
 

@@ -8,24 +8,25 @@
 
 namespace lidar_mapping::front_end {
 
-/// Angle between neighbouring rings of a spinning sensor, rad, as its own scan shows it; 0 where no
-/// rings can be told apart: many beams, a cloud thinned out, a sensor that does not spin about the
-/// z axis of the cloud's frame. Points were seen from `p_base_sensor` (m, the cloud's frame).
+/// Angle between neighbouring rings of a spinning sensor, rad, as found from its own scan. It is 0
+/// if the rings cannot be separated: a sensor with many beams, a cloud that was thinned out, or a
+/// sensor that does not spin about the z axis of the cloud's frame. The points were measured from
+/// `p_base_sensor` (m, in the cloud's frame).
 double ring_spacing(const PointCloud& cloud, const Eigen::Vector3d& p_base_sensor);
 
-/// The spacing that a map is to heed, see GaussianVoxelMap: none in open fields, where planes leave
-/// a direction open and those of leaves are needed as they are.
-class HeededRings {
+/// The ring spacing that a map has to use, see GaussianVoxelMap. It is none in open fields: there
+/// the planes do not observe a direction, and the planes of leaves are needed unchanged.
+class RingSpacingGate {
  public:
-  explicit HeededRings(double spacing = 0.0) : spacing_(spacing) {}
-  /// The planes left a direction open there.
-  void leave_open(const Pose& T_map_sensor) { left_open_ = T_map_sensor.translation; }
-  /// rad; 0 for none.
+  explicit RingSpacingGate(double spacing = 0.0) : spacing_(spacing) {}
+  /// To be called where the planes did not observe a direction.
+  void mark_open_field(const Pose& T_map_sensor) { open_field_ = T_map_sensor.translation; }
+  /// The spacing, rad; 0 for none.
   double spacing_at(const Pose& T_map_sensor) const;
 
  private:
   double spacing_;
-  std::optional<Eigen::Vector3d> left_open_;  ///< m, where last
+  std::optional<Eigen::Vector3d> open_field_;  ///< m, the last place without an observed direction
 };
 
 }  // namespace lidar_mapping::front_end

@@ -12,11 +12,11 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Hashes are computed for so many points at a time, then looked up.
+/// Number of points for which hashes are computed at a time before they are looked up.
 constexpr std::size_t kBlock = 2048;
 
-/// Points of a block are visited in steps near its golden section, so that those visited one after
-/// the other are far apart; without a common divisor, so that none is left out.
+/// The points of a block are visited with a step near its golden section, so that successive points
+/// are far apart. The step has no common divisor with the block, so that no point is left out.
 std::size_t scattering_step(std::size_t block) {
   std::size_t step = block * 618 / 1000 + 1;
   while (std::gcd(step, block) > 1) ++step;
@@ -29,15 +29,15 @@ float squared(double value) { return static_cast<float>(value * value); }
 
 ScanSampler::ScanSampler(int table_bits)
     : shift_(static_cast<std::uint32_t>(32 - table_bits)),
-      taken_((std::size_t{1} << table_bits) + 1) {}
+      last_generation_((std::size_t{1} << table_bits) + 1) {}
 
 void ScanSampler::next_generation() {
   if (++generation_ == 0) {
-    std::fill(taken_.begin(), taken_.end(), std::uint8_t{0});
+    std::fill(last_generation_.begin(), last_generation_.end(), std::uint8_t{0});
     generation_ = 1;
   }
-  // The place of the refused points is always taken.
-  taken_.back() = generation_;
+  // The entry for rejected points is always occupied.
+  last_generation_.back() = generation_;
 }
 
 const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
@@ -46,33 +46,33 @@ const std::vector<std::uint32_t>& ScanSampler::sample(const PointCloud& cloud,
   const HashKernel hash = hash_kernel();
   const HashRule rule{static_cast<float>(1.0 / options.resolution), squared(options.min_range),
                       squared(options.max_range), shift_,
-                      static_cast<std::uint32_t>(taken_.size() - 1)};
+                      static_cast<std::uint32_t>(last_generation_.size() - 1)};
   candidates_.resize(std::max(candidates_.size(), cloud.size() / options.stride + 1));
-  // Copies, as the compiler must take a write of bytes for one that may change any member.
+  // Local copies, because the compiler has to assume that a write of bytes may change any member.
   const std::size_t stride = options.stride;
   const std::uint8_t generation = generation_;
-  std::uint8_t* const taken = taken_.data();
+  std::uint8_t* const last_generation = last_generation_.data();
   std::uint32_t* const candidates = candidates_.data();
-  std::size_t kept = 0;
+  std::size_t candidate_count = 0;
   std::array<std::uint32_t, kBlock> hashes;
   const std::size_t block = std::max<std::size_t>(1, kBlock / stride);
   const std::size_t step = options.scattered ? scattering_step(block) : 1;
   for (std::size_t begin = options.phase; begin < cloud.size(); begin += block * stride) {
-    const std::size_t left = (cloud.size() - begin + stride - 1) / stride;
-    const std::size_t count = std::min(left, block);
+    const std::size_t remaining = (cloud.size() - begin + stride - 1) / stride;
+    const std::size_t count = std::min(remaining, block);
     hash(&cloud.points[begin].x, stride, count, rule, hashes.data());
-    // The last block may be shorter.
-    for (std::size_t i = count; i < block; ++i) hashes[i] = rule.refused;
-    for (std::size_t turn = 0, i = 0; turn < block; ++turn) {
-      // Without a branch: write always, go on if the cube is new.
-      candidates[kept] = static_cast<std::uint32_t>(begin + i * stride);
-      kept += static_cast<std::size_t>(taken[hashes[i]] != generation);
-      taken[hashes[i]] = generation;
+    // The last block may have fewer points.
+    for (std::size_t i = count; i < block; ++i) hashes[i] = rule.rejected;
+    for (std::size_t visit = 0, i = 0; visit < block; ++visit) {
+      // Without a branch: write always, and advance only if the cube is new.
+      candidates[candidate_count] = static_cast<std::uint32_t>(begin + i * stride);
+      candidate_count += static_cast<std::size_t>(last_generation[hashes[i]] != generation);
+      last_generation[hashes[i]] = generation;
       i += step;
       i -= i >= block ? block : 0;
     }
   }
-  chosen_.assign(candidates, candidates + kept);
+  chosen_.assign(candidates, candidates + candidate_count);
   return chosen_;
 }
 
@@ -89,7 +89,7 @@ void SampledPoints::assign(const PointCloud& cloud, const std::vector<std::uint3
   }
 }
 
-void raise(SampledPoints& points, double angle) {
+void rotate_upwards(SampledPoints& points, double angle) {
   if (angle == 0.0) return;
   const ElevationShift shift(angle);
   for (std::size_t i = 0; i < points.size(); ++i) shift(points.x[i], points.y[i], points.z[i]);

@@ -13,7 +13,7 @@ namespace {
 
 using registration::MotionState;
 
-// Around a pose: ahead and behind (m), aside (m), turned (rad).
+// Search range around a pose: ahead and behind (m), sideways (m), rotated (rad).
 constexpr double kBehind = 2.4;
 constexpr double kAhead = 6.0;
 constexpr double kStep = 1.2;
@@ -21,27 +21,30 @@ constexpr double kAside = 1.2;
 constexpr double kTurn = 0.6;
 constexpr double kTurnStep = 0.15;
 
-/// Between the prediction and a pose from which it is far, as after a gap, there are centers at
-/// this distance (m).
+/// If the prediction is far from an anchor pose, as after a gap, centers at this distance (m) are
+/// added between them.
 constexpr double kBetween = 6.0;
-constexpr int kMostBetween = 8;
+constexpr int kMaxBetween = 8;
 
-/// Slower than that (m/s) a twist does not say which way the vehicle goes.
-constexpr double kGoing = 1.0;
+/// At a lower speed (m/s) the twist does not show the direction of travel.
+constexpr double kMinSpeedForCourse = 1.0;
 
-// Of the first motion, m/s and m. Nobody says which way of the LiDAR's is ahead; between two of
-// eight directions a fast vehicle is off by as much as a match reaches.
-constexpr double kFastest = 40.0;
+// Search range of the first motion, m/s and m. The forward direction of the LiDAR is not known;
+// between two of eight directions the error of a fast vehicle is as large as the convergence basin
+// of a match.
+constexpr double kMaxSpeed = 40.0;
 constexpr double kSpeedStep = 0.75;
 constexpr int kDirections = 8;
-// With few scans a second it turns by more than a match reaches (rad/s, rad).
+// With few scans per second the rotation between two scans is larger than the convergence basin of
+// a match (rad/s, rad).
 constexpr double kTurnRate = 0.6;
-constexpr double kMostTurn = 0.3;
+constexpr double kMaxTurn = 0.3;
 
-/// Which way the vehicle goes, from x towards y; ahead is the LiDAR's x where it hardly goes.
-Eigen::Rotation2Dd course_of(const Vector6d& twist) {
+/// Direction of travel as an angle from x towards y; the LiDAR's x axis if the vehicle hardly
+/// moves.
+Eigen::Rotation2Dd heading_of(const Vector6d& twist) {
   const Eigen::Vector2d v = twist.head<2>();
-  return Eigen::Rotation2Dd(v.norm() < kGoing ? 0.0 : std::atan2(v.y(), v.x()));
+  return Eigen::Rotation2Dd(v.norm() < kMinSpeedForCourse ? 0.0 : std::atan2(v.y(), v.x()));
 }
 
 Pose displaced(const Pose& pose, const Eigen::Vector2d& by, double yaw) {
@@ -51,24 +54,27 @@ Pose displaced(const Pose& pose, const Eigen::Vector2d& by, double yaw) {
   return perturbed(pose, d);
 }
 
-MotionState moving(const Pose& first, const Eigen::Vector2d& way, double yaw, double seconds) {
+MotionState moving_state(const Pose& first, const Eigen::Vector2d& distance, double yaw,
+                         double seconds) {
   MotionState state{first, Vector6d::Zero()};
-  state.twist.head<2>() = way / seconds;
+  state.twist.head<2>() = distance / seconds;
   state.twist[5] = yaw / seconds;
   state.T_map_sensor = moved(first, state.twist, seconds);
   return state;
 }
 
-/// The prediction, the anchors, and what lies between them: after a gap the vehicle may have
-/// braked. Around an anchor beside the prediction the starts would be the same.
+/// The prediction, the anchors, and poses between them, because the vehicle may have braked during
+/// a gap. Anchors close to the prediction are left out: they would give the same starts.
 std::vector<Pose> centers_around(const Pose& prediction, const std::vector<Pose>& anchors) {
   std::vector<Pose> centers = {prediction};
   for (const Pose& anchor : anchors) {
-    const Vector6d way = difference(anchor, prediction);
-    if (way.head<3>().norm() < 0.5 * kStep && way.tail<3>().norm() < 0.5 * kTurnStep) continue;
-    const int parts = std::min(kMostBetween, static_cast<int>(way.head<3>().norm() / kBetween)) + 1;
+    const Vector6d distance = difference(anchor, prediction);
+    if (distance.head<3>().norm() < 0.5 * kStep && distance.tail<3>().norm() < 0.5 * kTurnStep)
+      continue;
+    const int parts =
+        std::min(kMaxBetween, static_cast<int>(distance.head<3>().norm() / kBetween)) + 1;
     for (int part = 0; part < parts; ++part) {
-      centers.push_back(perturbed(anchor, Vector6d(part * way / parts)));
+      centers.push_back(perturbed(anchor, Vector6d(part * distance / parts)));
     }
   }
   return centers;
@@ -79,13 +85,13 @@ std::vector<Pose> centers_around(const Pose& prediction, const std::vector<Pose>
 std::vector<MotionState> starts_around(const MotionState& prediction,
                                        const std::vector<Pose>& anchors) {
   std::vector<MotionState> starts;
-  const Eigen::Rotation2Dd course = course_of(prediction.twist);
+  const Eigen::Rotation2Dd heading = heading_of(prediction.twist);
   for (const Pose& center : centers_around(prediction.T_map_sensor, anchors)) {
     for (double x = -kBehind; x <= kAhead + 1e-9; x += kStep) {
       for (double y = -kAside; y <= kAside + 1e-9; y += kStep) {
         for (double yaw = -kTurn; yaw <= kTurn + 1e-9; yaw += kTurnStep) {
           starts.push_back(
-              {displaced(center, course * Eigen::Vector2d(x, y), yaw), prediction.twist});
+              {displaced(center, heading * Eigen::Vector2d(x, y), yaw), prediction.twist});
         }
       }
     }
@@ -95,13 +101,14 @@ std::vector<MotionState> starts_around(const MotionState& prediction,
 
 std::vector<MotionState> starts_at_speed(const Pose& first, double seconds) {
   std::vector<MotionState> starts = {{first, Vector6d::Zero()}};
-  const double turn = std::min(kTurnRate * seconds, kMostTurn);
-  const double most = kTurnStep * std::floor(turn / kTurnStep + 1e-9);
-  for (double way = kSpeedStep; way < kFastest * seconds; way += kSpeedStep) {
+  const double turn = std::min(kTurnRate * seconds, kMaxTurn);
+  const double max_turn = kTurnStep * std::floor(turn / kTurnStep + 1e-9);
+  for (double distance = kSpeedStep; distance < kMaxSpeed * seconds; distance += kSpeedStep) {
     for (int direction = 0; direction < kDirections; ++direction) {
-      const Eigen::Rotation2Dd course(2.0 * kPi / kDirections * direction);
-      for (double yaw = -most; yaw <= most + 1e-9; yaw += kTurnStep) {
-        starts.push_back(moving(first, course * Eigen::Vector2d(way, 0.0), yaw, seconds));
+      const Eigen::Rotation2Dd heading(2.0 * kPi / kDirections * direction);
+      for (double yaw = -max_turn; yaw <= max_turn + 1e-9; yaw += kTurnStep) {
+        starts.push_back(
+            moving_state(first, heading * Eigen::Vector2d(distance, 0.0), yaw, seconds));
       }
     }
   }

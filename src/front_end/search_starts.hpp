@@ -7,14 +7,14 @@
 
 namespace lidar_mapping::front_end {
 
-/// Starts for a search around the prediction, around other poses and between these and the
-/// prediction: mostly ahead, as the predicted twist goes, and turned, since that is where a vehicle
-/// can be.
+/// Starting poses for a search around the prediction, around other poses, and between these and the
+/// prediction. Most of them lie ahead in the direction of the predicted twist, some are rotated,
+/// because this is where a vehicle can be.
 std::vector<registration::MotionState> starts_around(const registration::MotionState& prediction,
                                                      const std::vector<Pose>& anchors);
 
-/// Starts for the second scan of a drive, `seconds` after the first one: at rest, and at speeds in
-/// all directions of the LiDAR's level.
+/// Starting states for the second scan of a drive, `seconds` after the first one: at rest, and at
+/// speeds in all directions of the LiDAR's horizontal plane.
 std::vector<registration::MotionState> starts_at_speed(const Pose& first, double seconds);
 
 }  // namespace lidar_mapping::front_end

@@ -12,13 +12,13 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
-#include "blind_way.hpp"
 #include "claimed_pose.hpp"
 #include "degeneracy.hpp"
 #include "key_frame_rule.hpp"
 #include "key_frame_window.hpp"
 #include "motion_filter.hpp"
 #include "step_belief.hpp"
+#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -26,36 +26,36 @@ namespace {
 
 using registration::RegistrationResult;
 
-// Shares of the scan that must lie on the map.
+// Fractions of the scan that must lie on the map.
 constexpr double kTrackedInliers = 0.35;
 constexpr double kLostInliers = 0.2;
-// Where nothing is known of the speed, starts are tried up to this speed, in steps of this length.
-constexpr double kUsualSpeed = 35.0;  // m/s
-constexpr double kStartStep = 1.0;    // m
-// Share of the last step in the twist with which a sweep is deskewed. An error of the pose bends
-// the sweep, and a bent sweep turns the pose: with 1 the two chase each other to ever larger
-// swings.
+// If the speed is not known, starting poses are tried up to this speed, in steps of this length.
+constexpr double kMaxStartSpeed = 35.0;  // m/s
+constexpr double kStartStep = 1.0;       // m
+// Weight of the last step in the twist that deskews a sweep. An error of the pose bends the sweep,
+// and a bent sweep rotates the pose: with 1 the two errors amplify each other.
 constexpr double kSweepSmoothing = 0.4;
-// Of a pose that was predicted, not measured.
+// Standard deviations of a pose that was predicted, not measured.
 constexpr double kLostSigma = 1.0;       // m
 constexpr double kLostAngleSigma = 0.1;  // rad
 
-/// Of a speed between two matches, and of one that was measured.
+/// Variance of a speed between two matches, and of a measured speed.
 constexpr double kSpeedVariance = 0.01;  // m^2/s^2
 
-/// The match, but for the directions that it did not observe: there the prediction stays.
-Pose held_back(const Pose& predicted, const Pose& matched,
-               const std::vector<Eigen::Vector3d>& directions) {
+/// The matched pose, but with the predicted position along directions that the match did not
+/// observe.
+Pose with_prediction_along(const Pose& predicted, const Pose& matched,
+                           const std::vector<Eigen::Vector3d>& directions) {
   Vector6d correction = difference(matched, predicted);
-  Vector6d kept = Vector6d::Zero();
+  Vector6d predicted_part = Vector6d::Zero();
   for (const Eigen::Vector3d& direction : directions) {
-    kept.head<3>() += direction * direction.dot(correction.head<3>());
+    predicted_part.head<3>() += direction * direction.dot(correction.head<3>());
   }
-  return perturbed(matched, kept);
+  return perturbed(matched, predicted_part);
 }
 
 Covariance6 covariance_of(const Matrix6d& hessian) {
-  // A little information, so that directions that were not observed stay finite.
+  // A weak prior keeps the covariance finite along directions that were not observed.
   const Matrix6d prior = diagonal_covariance(kLostSigma, kLostAngleSigma).inverse();
   return (hessian + prior).inverse();
 }
@@ -72,7 +72,7 @@ class SlidingWindowTracker::Impl {
                 config.local_map_filter_resolution) {}
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) {
-    if (window_.empty()) return begin(scan, prior);
+    if (window_.empty()) return start(scan, prior);
     timer_.start("sampling");
     const double seconds = to_seconds(scan.stamp - stamp_);
     predict_twist(prior);
@@ -80,20 +80,21 @@ class SlidingWindowTracker::Impl {
     const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
     timer_.start("matching");
-    const Match match = find(sample, predicted, seconds);
+    const Match match = match_scan(sample, predicted, seconds);
     since_claim_ += seconds;
-    TrackedScan tracked = judge(match, predicted, seconds);
-    tracked.status.evidence = weigh(match, predicted, seconds);
+    TrackedScan tracked = evaluate(match, predicted, seconds);
+    tracked.status.evidence = collect_evidence(match, predicted, seconds);
     tracked.status.evidence.points = static_cast<double>(sample.size());
     tracked.status.evidence.degenerate = tracked.status.degenerate_directions.empty() ? 0.0 : 1.0;
-    doubt_.lower(believe(tracked.status.evidence, EvidenceSource::kSlidingWindow), tracked.status);
-    follow(tracked, scan.stamp, prior.linear_velocity.has_value());
+    doubt_.apply(evaluate_step(tracked.status.evidence, EvidenceSource::kSlidingWindow),
+                 tracked.status);
+    set_pose(tracked, scan.stamp, prior.linear_velocity.has_value());
     timer_.start("insertion");
     if (lost_for(scan.stamp) > config_.max_lost_time) {
       window_.clear();
       tracked.new_segment = true;
     }
-    if (key_frame_due(tracked)) keep(cloud);
+    if (key_frame_due(tracked)) insert_key_frame(cloud);
     if (claims_pose(tracked.status.state) || tracked.new_segment) claim(tracked);
     tracked.twist = twist_;
     tracked.motion_known = speed_known_;
@@ -111,18 +112,18 @@ class SlidingWindowTracker::Impl {
   PointCloud local_map() const { return window_.joint_cloud(Pose::Identity()); }
 
  private:
-  /// T_odom_base from one of several starts.
+  /// The result from the best of several starting poses; it is T_odom_base.
   struct Match {
     RegistrationResult result;
     bool rescued = false;
   };
 
-  TrackedScan begin(const Scan& scan, const MotionPrior& prior) {
+  TrackedScan start(const Scan& scan, const MotionPrior& prior) {
     doubt_.reset();
     predict_twist(prior);
     speed_known_ = prior.linear_velocity.has_value();
     stamp_ = tracked_stamp_ = scan.stamp;
-    keep(deskewed(scan.cloud, sweep_twist_));
+    insert_key_frame(deskewed(scan.cloud, sweep_twist_));
     TrackedScan tracked;
     tracked.T_odom_base = T_odom_base_;
     tracked.covariance = diagonal_covariance(1e-4, 1e-5);
@@ -135,12 +136,12 @@ class SlidingWindowTracker::Impl {
   }
 
   void claim(const TrackedScan& tracked) {
-    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.parting_variance};
+    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor};
     since_claim_ = 0.0;
   }
 
-  /// What speaks for and against the match as the end of a step from the last claim.
-  StepEvidence weigh(const Match& match, const Pose& predicted, double seconds) const {
+  /// Evidence for and against the match as the end of a step from the last claimed pose.
+  StepEvidence collect_evidence(const Match& match, const Pose& predicted, double seconds) const {
     const RegistrationResult& result = match.result;
     StepEvidence evidence;
     evidence.overlap = result.overlap;
@@ -151,7 +152,7 @@ class SlidingWindowTracker::Impl {
     const Vector6d d = difference(predicted, result.T_target_source);
     evidence.surprise = d.head<3>().norm();
     evidence.surprise_angle = d.tail<3>().norm();
-    // Of a motion that is accelerated as much as any is.
+    // Half of the squared time, for the displacement by the largest acceleration.
     const double reach = 0.5 * seconds * seconds;
     evidence.surprise_sigmas =
         std::hypot(evidence.surprise / (reach * config_.acceleration_sigma),
@@ -171,7 +172,7 @@ class SlidingWindowTracker::Impl {
     }
   }
 
-  Match find(const PointCloud& sample, const Pose& predicted, double seconds) {
+  Match match_scan(const PointCloud& sample, const Pose& predicted, double seconds) {
     Match match{align(sample, predicted), false};
     if (speed_known_ && match.result.inlier_fraction >= kLostInliers) return match;
     for (const Pose& start : other_starts(seconds)) {
@@ -182,12 +183,13 @@ class SlidingWindowTracker::Impl {
     return match;
   }
 
-  /// Rest, and where nothing is known of the speed, motion forward.
+  /// The pose at rest and, if the speed is not known, poses ahead.
   std::vector<Pose> other_starts(double seconds) const {
     std::vector<Pose> starts = {T_odom_base_};
     if (speed_known_) return starts;
-    for (double way = kStartStep; way < kUsualSpeed * seconds; way += kStartStep) {
-      starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {way, 0.0, 0.0}});
+    for (double distance = kStartStep; distance < kMaxStartSpeed * seconds;
+         distance += kStartStep) {
+      starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {distance, 0.0, 0.0}});
     }
     return starts;
   }
@@ -199,7 +201,7 @@ class SlidingWindowTracker::Impl {
     return result;
   }
 
-  TrackedScan judge(const Match& match, const Pose& predicted, double seconds) const {
+  TrackedScan evaluate(const Match& match, const Pose& predicted, double seconds) const {
     const RegistrationResult& result = match.result;
     TrackedScan tracked;
     tracked.status.converged = result.converged;
@@ -208,16 +210,16 @@ class SlidingWindowTracker::Impl {
     tracked.status.inlier_fraction = result.inlier_fraction;
     tracked.status.overlap = result.overlap;
     tracked.status.rescued = match.rescued;
-    const double way = (result.T_target_source.translation - T_odom_base_.translation).norm();
-    if (result.inlier_fraction < kLostInliers || way > config_.max_speed * seconds) {
+    const double distance = (result.T_target_source.translation - T_odom_base_.translation).norm();
+    if (result.inlier_fraction < kLostInliers || distance > config_.max_speed * seconds) {
       tracked.status.state = TrackingState::kLost;
       tracked.T_odom_base = predicted;
       tracked.covariance = diagonal_covariance(kLostSigma, kLostAngleSigma);
       return tracked;
     }
     tracked.status.degenerate_directions = degenerate_directions(result.hessian);
-    tracked.T_odom_base =
-        held_back(predicted, result.T_target_source, tracked.status.degenerate_directions);
+    tracked.T_odom_base = with_prediction_along(predicted, result.T_target_source,
+                                                tracked.status.degenerate_directions);
     tracked.covariance = covariance_of(result.hessian);
     if (result.inlier_fraction < kTrackedInliers) {
       tracked.status.state = TrackingState::kDegraded;
@@ -227,26 +229,27 @@ class SlidingWindowTracker::Impl {
     return tracked;
   }
 
-  /// Takes the pose over; the velocity only from poses that were measured.
-  void follow(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
+  /// Adopts the pose; the velocity is computed only from poses that were measured.
+  void set_pose(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
     if (tracked.status.state == TrackingState::kLost) {
-      blind_way_.interrupt();
+      unobserved_travel_.interrupt();
     } else {
       twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
       speed_known_ = true;
       tracked_stamp_ = stamp;
-      follow_blindly(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
+      update_unobserved_travel(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
     }
-    tracked.status.unobserved_stddev = blind_way_.stddev();
+    tracked.status.unobserved_stddev = unobserved_travel_.stddev();
     T_odom_base_ = tracked.T_odom_base;
     stamp_ = stamp;
   }
 
-  void follow_blindly(const FrontEndStatus& status, double seconds, bool speed_is_measured) {
+  void update_unobserved_travel(const FrontEndStatus& status, double seconds,
+                                bool speed_is_measured) {
     if (status.degenerate_directions.empty()) {
-      blind_way_.see(twist_.head<3>().norm(), kSpeedVariance, seconds);
+      unobserved_travel_.add_observed(twist_.head<3>().norm(), kSpeedVariance, seconds);
     } else {
-      blind_way_.pass(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
+      unobserved_travel_.add_unobserved(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
     }
   }
 
@@ -261,8 +264,9 @@ class SlidingWindowTracker::Impl {
     return rule_.reached(window_.newest_pose().inverse() * tracked.T_odom_base, 0);
   }
 
-  /// The target is relative to the newest key frame: floats lose nothing far from the start.
-  void keep(PointCloud cloud) {
+  /// The target is relative to the newest key frame, so that single precision is sufficient far
+  /// from the start.
+  void insert_key_frame(PointCloud cloud) {
     tracked_stamp_ = stamp_;
     window_.push(T_odom_base_, std::move(cloud));
     T_odom_map_ = T_odom_base_;
@@ -273,17 +277,17 @@ class SlidingWindowTracker::Impl {
   KeyFrameRule rule_;
   std::unique_ptr<registration::Registration> registration_;
   KeyFrameWindow window_;
-  BlindWay blind_way_;
+  UnobservedTravel unobserved_travel_;
   DoubtState doubt_;
   StepTimer timer_;
   Pose T_odom_map_;   ///< frame of the registration's target
   Pose T_odom_base_;  ///< of the last scan
   Vector6d twist_ = Vector6d::Zero();
-  Vector6d sweep_twist_ = Vector6d::Zero();  ///< with which sweeps are deskewed
+  Vector6d sweep_twist_ = Vector6d::Zero();  ///< twist with which sweeps are deskewed
   Stamp stamp_ = 0;
   Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
   bool speed_known_ = false;
-  ClaimedPose claim_;         ///< of the last scan that claimed its pose
+  ClaimedPose claim_;         ///< of the last scan with a claimed pose
   double since_claim_ = 0.0;  ///< s
 };
 

@@ -7,10 +7,11 @@
 
 namespace lidar_mapping::front_end {
 
-/// Scan against a window of the last key frames, with any registration method: key frames are
-/// joined and thinned out to one target whenever a new one enters the window, scans are thinned out
-/// and aligned from a prediction of constant velocity. The scheme of the articles
-/// (doc/front_end.md); made for comparing methods, as the target is built anew each time.
+/// Matches scans against a window of the last key frames with any registration method. When a new
+/// key frame enters the window, all key frames are joined and thinned out to one target. Scans are
+/// thinned out and aligned, starting from a prediction with constant velocity. This is the scheme
+/// of the articles (doc/front_end.md). It is intended for comparing methods, because the target is
+/// built anew each time.
 class SlidingWindowTracker : public Tracker {
  public:
   explicit SlidingWindowTracker(const FrontEndConfig& config);

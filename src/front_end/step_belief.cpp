@@ -9,16 +9,17 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// A wrong step that is called right costs as much as so many right ones that are doubted. People
-// look at stretches: one more step in a doubtful stretch costs them less than a new stretch.
-constexpr double kCostOfSilence = 1.5;
-constexpr double kCostOfSilenceInDoubt = 9.0;
+// Cost of a wrong step that is called correct, in units of a correct step that is called doubtful.
+// A person inspects whole sections: one more step in a doubtful section costs less than a new
+// section.
+constexpr double kCostOfMissedDoubt = 1.5;
+constexpr double kCostOfMissedDoubtInDoubt = 9.0;
 
 constexpr std::size_t kFeatures = 19;
 using Coefficients = std::array<double, kFeatures>;
 
-/// Safety follows from how far off the step is expected to be: 1, both errors in units of what
-/// counts as wrong, and the larger one of these, all by their logarithms.
+/// Coefficients of the safety, which depends on the expected errors of the step: for a constant,
+/// for both errors in units of the limits, and for the larger one of these, all as logarithms.
 using SafetyCoefficients = std::array<double, 4>;
 
 struct Model {
@@ -33,7 +34,7 @@ struct Model {
 
 double logarithm(double value, double least) { return std::log10(std::max(value, least)); }
 
-/// As features() of fit_step_belief.py.
+/// The same as features() in fit_step_belief.py.
 Coefficients features(const StepEvidence& e) {
   return {1.0,
           logarithm(e.sigma, 1e-4),
@@ -51,8 +52,8 @@ Coefficients features(const StepEvidence& e) {
           e.degenerate,
           logarithm(e.residual_variance, 1e-2),
           e.sectors,
-          logarithm(e.unsteadiness, 1e-3),
-          logarithm(e.unsteadiness_angle, 1e-4),
+          logarithm(e.motion_change, 1e-3),
+          logarithm(e.motion_change_angle, 1e-4),
           e.converged};
 }
 
@@ -75,10 +76,10 @@ double safety(const SafetyCoefficients& coefficients, double error, double error
 }  // namespace
 
 bool StepBelief::is_safe(bool in_doubt) const {
-  return (1.0 - safety) * (in_doubt ? kCostOfSilenceInDoubt : kCostOfSilence) <= safety;
+  return (1.0 - safety) * (in_doubt ? kCostOfMissedDoubtInDoubt : kCostOfMissedDoubt) <= safety;
 }
 
-StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
+StepBelief evaluate_step(const StepEvidence& evidence, EvidenceSource source) {
   const bool is_ndt = source == EvidenceSource::kNdt;
   const Model& model = is_ndt ? kNdtModel : kSlidingWindowModel;
   const Coefficients x = features(evidence);
@@ -90,7 +91,7 @@ StepBelief believe(const StepEvidence& evidence, EvidenceSource source) {
   return belief;
 }
 
-void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
+void DoubtState::apply(const StepBelief& belief, FrontEndStatus& status) {
   if (status.state == TrackingState::kLost) {
     status.probability = 0.0;
     return;
@@ -98,7 +99,8 @@ void DoubtState::lower(const StepBelief& belief, FrontEndStatus& status) {
   status.probability = belief.probability;
   status.expected_error = belief.expected_error;
   status.expected_error_angle = belief.expected_error_angle;
-  // What is not known is said already, and a tunnel has to come into the map.
+  // The unobserved directions are already reported, and the scans of a tunnel have to be inserted
+  // into the map.
   if (!status.degenerate_directions.empty()) return;
   in_doubt_ = !belief.is_safe(in_doubt_);
   if (status.state == TrackingState::kTracking && in_doubt_) {

@@ -6,36 +6,38 @@
 
 namespace lidar_mapping::front_end {
 
-/// A step that is off by more than this is wrong, whatever its covariance says.
+/// A step with a larger error than this is wrong, whatever its covariance is.
 constexpr double kWrongStep = 0.3;                   // m
 constexpr double kWrongStepAngle = 0.0174532925199;  // rad, 1 degree
 
-/// Which evidence there is: the sequential NDT has all of it, other methods have less.
+/// The source of the evidence: the sequential NDT gives all figures, other methods give fewer.
 enum class EvidenceSource { kNdt, kSlidingWindow };
 
-/// What the evidence says of a step, by models that are fitted to simulated drives with and without
-/// faults (scripts/fit_step_belief.py, doc/campaign.md). They learn nothing while they run.
+/// Probabilities and expected errors of a step, computed from the evidence by models that are
+/// fitted to simulated drives with and without faults (scripts/fit_step_belief.py,
+/// doc/campaign.md). The models do not change while the program runs.
 struct StepBelief {
-  double probability = 1.0;  ///< that it is right within three of its own standard deviations
-  /// How far off such steps usually are, whatever their covariance says.
+  /// that the step is correct within three of its own standard deviations
+  double probability = 1.0;
+  /// Usual error of such steps, independent of their covariance.
   double expected_error = 0.0;        ///< m
   double expected_error_angle = 0.0;  ///< rad
-  /// The probability that it is off by less than kWrongStep and kWrongStepAngle.
+  /// The probability that the error is less than kWrongStep and kWrongStepAngle.
   double safety = 1.0;
 
-  /// False if calling it tracked is a worse bet than doubting it; `in_doubt` if the step before was
-  /// doubted.
+  /// True if the expected cost of calling the step tracked is lower than that of calling it
+  /// doubtful; `in_doubt` tells whether the previous step was called doubtful.
   bool is_safe(bool in_doubt) const;
 };
 
-StepBelief believe(const StepEvidence& evidence, EvidenceSource source);
+StepBelief evaluate_step(const StepEvidence& evidence, EvidenceSource source);
 
-/// Takes beliefs into the status: their probability and expected error, and a state that claims no
-/// more than that. Of the steps before it remembers only whether the last one was doubted.
+/// Writes beliefs into the status: probability, expected error, and a state that claims no more
+/// than the belief allows. Of the previous steps it stores only whether the last one was doubtful.
 class DoubtState {
  public:
-  void lower(const StepBelief& belief, FrontEndStatus& status);
-  /// With a new map.
+  void apply(const StepBelief& belief, FrontEndStatus& status);
+  /// To be called with a new map.
   void reset();
 
  private:

@@ -21,8 +21,8 @@ std::vector<std::pair<const char*, double>> named_figures(const StepEvidence& e)
           {"disagreement", e.disagreement},
           {"disagreement_angle", e.disagreement_angle},
           {"disagreement_sigmas", e.disagreement_sigmas},
-          {"unsteadiness", e.unsteadiness},
-          {"unsteadiness_angle", e.unsteadiness_angle},
+          {"unsteadiness", e.motion_change},
+          {"unsteadiness_angle", e.motion_change_angle},
           {"sectors", e.sectors}};
 }
 

@@ -12,31 +12,34 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// How many sweeps the period is found from, and how many are enough to see that a sweep is a turn.
+/// Number of sweeps from which the period is estimated, and the number that is enough to decide
+/// whether a sweep is a full turn.
 constexpr std::size_t kWindow = 64;
-constexpr std::size_t kEnough = 16;
-/// A gap of so many seconds begins anew: the period may be another by then.
-constexpr double kLongestGap = 5.0;
-/// Scatter of the stamps, as a share of the period, below which they are taken as they are: the
-/// prediction is off by that share of the way between two scans.
-constexpr double kIrregular = 0.04;
-/// Square of the mean of n phases, as vectors, times n: above c with a probability of exp(-c) where
-/// there is no such period. For a sweep that is a turn, and for the best of some three hundred.
-constexpr double kInPhase = 2.5;
-constexpr double kBestInPhase = 8.0;
-/// Periods are looked for between these multiples of a sweep.
-constexpr double kLeastPeriod = 0.95;
-constexpr double kMostPeriod = 2.1;
-/// Variance of the steps in units of that of the stamps: nearly 2 where these scatter about a grid;
-/// less, the longer one looks, where they wander (1 over 16 scans, 0.2 over 64), as of scans that
-/// are taken when somebody asks for them. To begin with, and to go on.
-constexpr double kScattering = 1.3;
-constexpr double kWandering = 0.8;
+constexpr std::size_t kMinSweeps = 16;
+/// After a gap of this length (s) the estimation starts again: the period may have changed.
+constexpr double kMaxGap = 5.0;
+/// Standard deviation of the stamps, as a fraction of the period, below which they are used as they
+/// are: the error of the prediction is this fraction of the distance between two scans.
+constexpr double kMinJitterFraction = 0.04;
+/// Power of the mean phase vector of n sweeps: its squared length times n. It exceeds c with a
+/// probability of exp(-c) if there is no such period. The first limit is for the test whether a
+/// sweep is a full turn, the second for the best of about three hundred periods.
+constexpr double kMinPhasePower = 2.5;
+constexpr double kMinBestPhasePower = 8.0;
+/// Periods are searched between these multiples of a sweep's duration.
+constexpr double kMinPeriodFactor = 0.95;
+constexpr double kMaxPeriodFactor = 2.1;
+/// Variance of the steps divided by that of the stamps: nearly 2 if the stamps scatter about a
+/// regular grid. If the period drifts, the ratio is smaller and falls with time (1 over 16 scans,
+/// 0.2 over 64); so it is with scans that are taken on request. The first limit applies before
+/// counting begins, the second while turns are counted.
+constexpr double kMinScatterRatioToStart = 1.3;
+constexpr double kMinScatterRatioToContinue = 0.8;
 
-/// A stamp that is later than expected by this share of the period belongs to a later turn. A scan
-/// is missing less often than a stamp is off by half a period; what is overlooked the next scan
-/// shows.
-constexpr double kMissing = 0.6;
+/// A stamp that is later than expected by this fraction of the period belongs to a later turn. A
+/// missing scan is rarer than a stamp error of half a period; a missing scan that is overlooked is
+/// found with the next scan.
+constexpr double kMissingScanFraction = 0.6;
 
 double phase_angle(double seconds, double period) { return 2.0 * kPi * seconds / period; }
 
@@ -52,77 +55,81 @@ void SweepClock::begin_window(Stamp stamp, double reference, double duration) {
 
 double SweepClock::advance(Stamp stamp, double reference, double duration) {
   const bool is_first = window_.empty();
-  const double stamped = to_seconds(stamp - stamp_) + reference - reference_;
-  const double moved = reference - reference_;
+  const double stamp_interval = to_seconds(stamp - stamp_) + reference - reference_;
+  const double reference_change = reference - reference_;
   stamp_ = stamp;
   reference_ = reference;
-  if (is_first || duration <= 0.0 || stamped > kLongestGap) {
+  if (is_first || duration <= 0.0 || stamp_interval > kMaxGap) {
     begin_window(stamp, reference, duration);
-    return is_first ? 0.0 : stamped;
+    return is_first ? 0.0 : stamp_interval;
   }
   window_.push_back({to_seconds(stamp - window_stamp_) + reference, duration, 0.0});
   if (window_.size() > kWindow) window_.pop_front();
-  const bool was_counting = std::exchange(jitter_, 0.0) > 0.0;
-  look_at_steps();
+  const bool was_active = std::exchange(jitter_, 0.0) > 0.0;
+  analyze_steps();
   if (fit_.period > 0.0) {
     window_.back().turn = turns_of_last();
     fit();
-  } else if (window_.size() >= kEnough && is_irregular()) {
+  } else if (window_.size() >= kMinSweeps && is_irregular()) {
     find_period();
   }
-  if (fit_.period == 0.0) return stamped;
-  if (fit_.scatter < kIrregular * fit_.period || is_wandering(was_counting)) {
+  if (fit_.period == 0.0) return stamp_interval;
+  if (fit_.scatter < kMinJitterFraction * fit_.period || is_drifting(was_active)) {
     fit_ = {};
-    return stamped;
+    return stamp_interval;
   }
   jitter_ = fit_.scatter;
   const double turns = window_.back().turn - window_[window_.size() - 2].turn;
-  // A sweep that lasts a turn says so better than few stamps that scatter.
+  // If a sweep is a full turn, its duration is more precise than a few scattered stamps.
   const bool is_whole_turn =
       std::abs(fit_.period - fit_.duration) < 2.0 * fit_.period_sigma + 0.002 * fit_.period;
-  return turns * (is_whole_turn ? fit_.duration : fit_.period) + moved;
+  return turns * (is_whole_turn ? fit_.duration : fit_.period) + reference_change;
 }
 
-/// Scans that are missing make steps of several turns.
-void SweepClock::look_at_steps() {
+/// Missing scans give steps of several turns.
+void SweepClock::analyze_steps() {
   steps_.clear();
   for (std::size_t i = 1; i < window_.size(); ++i) {
     steps_.push_back(window_[i].middle - window_[i - 1].middle);
   }
-  usual_step_ = quantile_of_range(steps_.begin(), steps_.end(), 0.5);
+  median_step_ = quantile_of_range(steps_.begin(), steps_.end(), 0.5);
   step_variance_ = 0.0;
   for (const double step : steps_) {
-    const double off = step - usual_step_ * std::max(1.0, std::round(step / usual_step_));
-    step_variance_ += off * off / static_cast<double>(steps_.size());
+    const double deviation = step - median_step_ * std::max(1.0, std::round(step / median_step_));
+    step_variance_ += deviation * deviation / static_cast<double>(steps_.size());
   }
 }
 
-/// A sensor that does not spin may look when it likes. A step has the errors of two stamps.
+/// A sensor that does not spin has no regular period. The variance of a step contains the errors of
+/// two stamps.
 bool SweepClock::is_irregular() const {
-  return usual_step_ < kMostPeriod * window_.back().duration &&
-         step_variance_ > 2.0 * kIrregular * kIrregular * usual_step_ * usual_step_;
+  return median_step_ < kMaxPeriodFactor * window_.back().duration &&
+         step_variance_ >
+             2.0 * kMinJitterFraction * kMinJitterFraction * median_step_ * median_step_;
 }
 
-bool SweepClock::is_wandering(bool was_counting) const {
-  const double least = was_counting ? kWandering : kScattering;
-  return step_variance_ < least * fit_.scatter * fit_.scatter;
+bool SweepClock::is_drifting(bool was_active) const {
+  const double min_ratio = was_active ? kMinScatterRatioToContinue : kMinScatterRatioToStart;
+  return step_variance_ < min_ratio * fit_.scatter * fit_.scatter;
 }
 
 void SweepClock::find_period() {
-  // First whether a sweep is a turn; not by many, as it may be a turn but for a few columns.
-  std::deque<Sweep> latest(window_.end() - kEnough, window_.end());
+  // First test whether a sweep is a full turn. Only a few sweeps are used, because the duration may
+  // differ from the period by a few columns.
+  std::deque<Sweep> latest(window_.end() - kMinSweeps, window_.end());
   double sweep = 0.0;
-  for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kEnough);
-  if (phase_power(latest, sweep) > kInPhase) {
+  for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kMinSweeps);
+  if (phase_power(latest, sweep) > kMinPhasePower) {
     window_ = std::move(latest);
     return count_turns(sweep);
   }
   if (window_.size() < kWindow) return;
-  // So finely that over the window a step is a quarter of a turn.
+  // The step is so fine that over the window it changes the phase by a quarter of a turn.
   const double step = 0.25 * sweep * sweep / (window_.back().middle - window_.front().middle);
   double best = 0.0;
-  double best_power = kBestInPhase;
-  for (double period = kLeastPeriod * sweep; period < kMostPeriod * sweep; period += step) {
+  double best_power = kMinBestPhasePower;
+  for (double period = kMinPeriodFactor * sweep; period < kMaxPeriodFactor * sweep;
+       period += step) {
     const double power = phase_power(window_, period);
     if (power < best_power) continue;
     best_power = power;
@@ -137,7 +144,7 @@ double SweepClock::phase_power(const std::deque<Sweep>& sweeps, double period) {
   return std::norm(sum) / static_cast<double>(sweeps.size());
 }
 
-/// For all sweeps of the window, from their mean phase.
+/// Assigns a turn to all sweeps of the window, from their mean phase.
 void SweepClock::count_turns(double period) {
   std::complex<double> sum;
   for (const Sweep& s : window_) sum += std::polar(1.0, phase_angle(s.middle, period));
@@ -146,11 +153,12 @@ void SweepClock::count_turns(double period) {
   fit();
 }
 
-/// By the line so far: the next turn, unless a scan must be missing.
+/// The turn of the last sweep according to the line so far: the next turn, unless a scan must be
+/// missing.
 double SweepClock::turns_of_last() const {
   const double turn = (window_.back().middle - fit_.begin) / fit_.period;
   const double next = window_[window_.size() - 2].turn + 1.0;
-  return turn < next + kMissing ? next : std::round(turn);
+  return turn < next + kMissingScanFraction ? next : std::round(turn);
 }
 
 void SweepClock::fit() {

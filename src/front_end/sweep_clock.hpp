@@ -8,27 +8,29 @@
 
 namespace lidar_mapping::front_end {
 
-/// The time between sweeps. A spinning sensor turns regularly; where stamps scatter all the same (a
-/// driver that stamps when a packet happens to arrive), a prediction over the time between two
-/// stamps is off by its error times the speed. Then whole turns are counted instead. Three things
-/// have to be so: a sweep takes most of the time to the next, sweeps are in phase with a period,
-/// and the stamps scatter about it without wandering off. All other stamps are taken as they are.
+/// Estimates the time between sweeps. A spinning sensor turns regularly. If its stamps are
+/// irregular all the same (because the driver stamps a scan when a packet arrives), the error of
+/// the time between two stamps, multiplied by the speed, is an error of the prediction. In this
+/// case whole turns of the sensor are counted instead. Three conditions must hold: a sweep takes
+/// most of the time to the next one, the sweeps are in phase with a period, and the stamps scatter
+/// about this period without drifting away. Otherwise the stamps are used as they are.
 class SweepClock {
  public:
-  /// The time from the middle of the sweep before to that of this one, s; 0 for the first. The
-  /// middle lies `reference` s after the stamp, the sweep lasts `duration` s (0: not known).
+  /// The time from the middle of the previous sweep to the middle of this one, s; 0 for the first
+  /// sweep. The middle lies `reference` s after the stamp, and the sweep lasts `duration` s (0: not
+  /// known).
   double advance(Stamp stamp, double reference, double duration);
 
-  /// Scatter of the stamps, s, where turns are counted instead of them; 0 elsewhere.
+  /// Standard deviation of the stamps, s, if turns are counted instead of them; otherwise 0.
   double jitter() const { return jitter_; }
 
  private:
   struct Sweep {
     double middle = 0.0;  ///< s after the first in the window
     double duration = 0.0;
-    double turn = 0.0;  ///< if a period is known
+    double turn = 0.0;  ///< number of the turn, if a period is known
   };
-  /// The line through the sweeps of the window: middles over turns.
+  /// The line fitted to the sweeps of the window: middle over number of turns.
   struct Fit {
     double period = 0.0;  ///< s; 0: no period is known
     double period_sigma = 0.0;
@@ -38,9 +40,9 @@ class SweepClock {
   };
 
   void begin_window(Stamp stamp, double reference, double duration);
-  void look_at_steps();
+  void analyze_steps();
   bool is_irregular() const;
-  bool is_wandering(bool was_counting) const;
+  bool is_drifting(bool was_active) const;
   void find_period();
   static double phase_power(const std::deque<Sweep>& sweeps, double period);
   void count_turns(double period);
@@ -49,10 +51,10 @@ class SweepClock {
 
   std::deque<Sweep> window_;
   std::vector<double> steps_;  ///< between the sweeps of the window, s
-  Stamp window_stamp_ = 0;     ///< from which the window's times count
+  Stamp window_stamp_ = 0;     ///< the reference of the window's times
   Fit fit_;
-  double usual_step_ = 0.0;     ///< median of the window, s
-  double step_variance_ = 0.0;  ///< of steps about whole multiples of that, s^2
+  double median_step_ = 0.0;    ///< median of the window, s
+  double step_variance_ = 0.0;  ///< of the steps about integer multiples of the median, s^2
   Stamp stamp_ = 0;
   double reference_ = 0.0;
   double jitter_ = 0.0;

@@ -17,30 +17,33 @@ using registration::NdtMatch;
 using registration::NdtOptions;
 using registration::NdtPoints;
 
-// The quick test: a share of the points, a wide kernel, compared with what is usual.
+// The quick test: a fraction of the points and a wide kernel; the quality is compared with its
+// running mean.
 constexpr std::size_t kQuickThinning = 8;
 constexpr double kQuickWidening = 3.0;
-constexpr double kQuickDoubt = 0.75;
+constexpr double kQuickDoubtFraction = 0.75;
 constexpr double kQuickLearningRate = 0.1;
 
-// The search: all starts are scored, the better ones are improved coarsely, the best ones finely.
+// The search: all starts are scored, the better ones are refined coarsely, and the best of these
+// finely.
 constexpr std::size_t kScoringThinning = 16;
 constexpr std::size_t kCoarseThinning = 4;
-constexpr std::size_t kImproved = 12;
+constexpr std::size_t kRefinedStarts = 12;
 constexpr std::size_t kFinalists = 3;
-// Coarse ends this close to each other lead to the same fine one (m, rad).
+// Coarse results this close to each other lead to the same fine result (m, rad).
 constexpr double kSamePlace = 0.1;
 constexpr double kSameAngle = 0.01;
-/// One that has not come to rest by then was no good end of the coarse search.
+/// A result that has not converged by then was not a good result of the coarse search.
 constexpr int kFinalIterations = 15;
-/// What many starts found must be that much better than what the prediction found.
-constexpr double kClearlyBetter = 1.1;
-/// With fewer of the points in voxels with a plane the fine map is too thin to be matched with: the
-/// map of one place, seen with few rings.
-constexpr double kThinMap = 0.25;
-/// The coarse match has its place, however thin its own map, if so many more points find a plane.
-constexpr double kClearlyMorePoints = 2.0;
-/// The coarse match may leave the prediction this much more easily.
+/// The best of many starts must be better than the match from the prediction by this factor.
+constexpr double kMinQualityRatio = 1.1;
+/// If a smaller fraction of the points lies in voxels with a plane, the fine map is too sparse to
+/// match with: the map of a single place, seen with few rings.
+constexpr double kSparseMapOverlap = 0.25;
+/// The coarse match is used, even if its own map is sparse, if this many times more points find a
+/// plane.
+constexpr double kMinOverlapRatio = 2.0;
+/// Weight of the prior in the coarse match, which may deviate from the prediction more easily.
 constexpr double kCoarsePriorWeight = 0.01;
 
 NdtOptions widened(double factor) {
@@ -64,7 +67,7 @@ void keep_best(std::vector<NdtMatch>& matches, std::size_t count) {
   matches.resize(std::min(matches.size(), count));
 }
 
-/// Of matches that have come to the same place keeps the best one.
+/// Keeps the best one of matches with the same result.
 void keep_distinct(std::vector<NdtMatch>& matches) {
   const auto is_beside = [](const NdtMatch& a, const NdtMatch& b) {
     const Vector6d d = difference(a.state.T_map_sensor, b.state.T_map_sensor);
@@ -85,45 +88,47 @@ void keep_distinct(std::vector<NdtMatch>& matches) {
 SweepMatcher::Found SweepMatcher::find(const NdtPoints& points, LocalMap& map,
                                        const MatchJudge& judge, const Prediction& prediction,
                                        const std::vector<Pose>& anchors) {
-  const MotionBelief& usual = prediction.usual;
-  const NdtMatch fine = refine(points, map, usual, start_for(points, map, usual));
-  const NdtMatch first = coarse_if_thin(fine, points, map, usual, {});
-  Found found = observed(first, points, map, prediction.where_blind);
-  if (!judge.in_doubt(found.match, usual)) return found;
-  const MotionBelief& agile = prediction.agile;
-  found =
-      observed(refine(points, map, agile, found.match.state), points, map, prediction.where_blind);
-  const NdtMatch other = search(points, map, agile, starts_around(usual.state, anchors));
-  if (other.quality > kClearlyBetter * found.match.quality) {
-    found = observed(other, points, map, prediction.where_blind);
+  const MotionBelief& nominal = prediction.nominal;
+  const NdtMatch fine = refine(points, map, nominal, start_for(points, map, nominal));
+  const NdtMatch first = coarse_if_sparse(fine, points, map, nominal, {});
+  Found found = match_observed_directions(first, points, map, prediction.for_unobserved);
+  if (!judge.in_doubt(found.match, nominal)) return found;
+  const MotionBelief& high_noise = prediction.high_noise;
+  found = match_observed_directions(refine(points, map, high_noise, found.match.state), points, map,
+                                    prediction.for_unobserved);
+  const NdtMatch other = search(points, map, high_noise, starts_around(nominal.state, anchors));
+  if (other.quality > kMinQualityRatio * found.match.quality) {
+    found = match_observed_directions(other, points, map, prediction.for_unobserved);
   }
   found.rescued = true;
   return found;
 }
 
-SweepMatcher::Found SweepMatcher::observed(const NdtMatch& match, const NdtPoints& points,
-                                           LocalMap& map, const MotionBelief& where_blind) {
-  const std::vector<Eigen::Vector3d> blind = degenerate_directions(match.pose_hessian);
-  if (blind.empty()) return {match, {}, false};
-  return {match_beside_from(match.state, points, map, where_blind, blind), blind, false};
-}
-
-SweepMatcher::Found SweepMatcher::match_beside(const NdtPoints& points, LocalMap& map,
-                                               const MotionBelief& prediction,
-                                               const std::vector<Eigen::Vector3d>& directions) {
-  return {match_beside_from(prediction.state, points, map, prediction, directions), directions,
+SweepMatcher::Found SweepMatcher::match_observed_directions(const NdtMatch& match,
+                                                            const NdtPoints& points, LocalMap& map,
+                                                            const MotionBelief& for_unobserved) {
+  const std::vector<Eigen::Vector3d> degenerate = degenerate_directions(match.pose_hessian);
+  if (degenerate.empty()) return {match, {}, false};
+  return {match_without_from(match.state, points, map, for_unobserved, degenerate), degenerate,
           false};
 }
 
-NdtMatch SweepMatcher::match_beside_from(const MotionState& start, const NdtPoints& points,
-                                         LocalMap& map, const MotionBelief& prior,
-                                         const std::vector<Eigen::Vector3d>& directions) {
+SweepMatcher::Found SweepMatcher::match_without(const NdtPoints& points, LocalMap& map,
+                                                const MotionBelief& prediction,
+                                                const std::vector<Eigen::Vector3d>& directions) {
+  return {match_without_from(prediction.state, points, map, prediction, directions), directions,
+          false};
+}
+
+NdtMatch SweepMatcher::match_without_from(const MotionState& start, const NdtPoints& points,
+                                          LocalMap& map, const MotionBelief& prior,
+                                          const std::vector<Eigen::Vector3d>& directions) {
   NdtOptions options;
   options.neighbor_search = neighbors_;
   options.blind_directions = directions;
   options.parts = true;
   const NdtMatch fine = matcher_.match(points, map.fine(), prior, start, options);
-  return coarse_if_thin(fine, points, map, prior, directions);
+  return coarse_if_sparse(fine, points, map, prior, directions);
 }
 
 NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,
@@ -134,45 +139,48 @@ NdtMatch SweepMatcher::refine(const NdtPoints& points, LocalMap& map, const Moti
   return matcher_.match(points, map.fine(), prior, start, options);
 }
 
-NdtMatch SweepMatcher::coarse_if_thin(const NdtMatch& fine, const NdtPoints& points, LocalMap& map,
-                                      const MotionBelief& prior,
-                                      const std::vector<Eigen::Vector3d>& blind_directions) {
-  if (fine.overlap > kThinMap) return fine;
+NdtMatch SweepMatcher::coarse_if_sparse(const NdtMatch& fine, const NdtPoints& points,
+                                        LocalMap& map, const MotionBelief& prior,
+                                        const std::vector<Eigen::Vector3d>& blind_directions) {
+  if (fine.overlap > kSparseMapOverlap) return fine;
   NdtOptions options;
   options.blind_directions = blind_directions;
   options.parts = true;
   const NdtMatch coarse = matcher_.match(points, map.coarse(), prior, fine.state, options);
-  return coarse.overlap > std::min(kThinMap, kClearlyMorePoints * fine.overlap) ? coarse : fine;
+  return coarse.overlap > std::min(kSparseMapOverlap, kMinOverlapRatio * fine.overlap) ? coarse
+                                                                                       : fine;
 }
 
-MotionState SweepMatcher::approach(const NdtPoints& points, LocalMap& map,
-                                   const MotionBelief& prior, const MotionState& start) {
+MotionState SweepMatcher::match_coarsely(const NdtPoints& points, LocalMap& map,
+                                         const MotionBelief& prior, const MotionState& start) {
   const MotionBelief weak{prior.state, kCoarsePriorWeight * prior.information};
   return matcher_.match(points, map.coarse(), weak, start, coarse_options()).state;
 }
 
 MotionState SweepMatcher::start_for(const NdtPoints& points, LocalMap& map,
                                     const MotionBelief& prediction) {
-  few_.assign_thinned(points, kQuickThinning);
-  const double quick =
-      matcher_.evaluate(few_, map.fine(), prediction.state, widened(kQuickWidening)).quality;
-  const bool doubtful = quick < kQuickDoubt * usual_quick_;
-  usual_quick_ += kQuickLearningRate * (quick - usual_quick_);
-  return doubtful ? approach(points, map, prediction, prediction.state) : prediction.state;
+  thinned_points_.assign_thinned(points, kQuickThinning);
+  const double quick_quality =
+      matcher_.evaluate(thinned_points_, map.fine(), prediction.state, widened(kQuickWidening))
+          .quality;
+  const bool is_doubtful = quick_quality < kQuickDoubtFraction * mean_quick_quality_;
+  mean_quick_quality_ += kQuickLearningRate * (quick_quality - mean_quick_quality_);
+  return is_doubtful ? match_coarsely(points, map, prediction, prediction.state) : prediction.state;
 }
 
 NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const MotionBelief& prior,
                               const std::vector<MotionState>& starts) {
   std::vector<NdtMatch> found;
-  few_.assign_thinned(points, kScoringThinning);
+  thinned_points_.assign_thinned(points, kScoringThinning);
   for (const MotionState& start : starts) {
-    found.push_back(matcher_.evaluate(few_, map.coarse(), start, widened(kQuickWidening)));
+    found.push_back(
+        matcher_.evaluate(thinned_points_, map.coarse(), start, widened(kQuickWidening)));
   }
-  keep_best(found, kImproved);
-  few_.assign_thinned(points, kCoarseThinning);
+  keep_best(found, kRefinedStarts);
+  thinned_points_.assign_thinned(points, kCoarseThinning);
   for (NdtMatch& match : found) {
-    const MotionState state = approach(few_, map, prior, match.state);
-    match = matcher_.evaluate(few_, map.fine(), state, widened(kQuickWidening));
+    const MotionState state = match_coarsely(thinned_points_, map, prior, match.state);
+    match = matcher_.evaluate(thinned_points_, map.fine(), state, widened(kQuickWidening));
   }
   keep_distinct(found);
   keep_best(found, kFinalists);
@@ -184,7 +192,7 @@ NdtMatch SweepMatcher::search(const NdtPoints& points, LocalMap& map, const Moti
     match = matcher_.match(points, map.fine(), prior, match.state, options);
   }
   keep_best(found, 1);
-  return coarse_if_thin(found.front(), points, map, prior, {});
+  return coarse_if_sparse(found.front(), points, map, prior, {});
 }
 
 }  // namespace lidar_mapping::front_end

@@ -6,14 +6,14 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// So many points are looked at, evenly spaced. A prime number: with one that shares a divisor with
-/// the number of rings, points of different rings would lie in the same direction.
+/// Number of points that are used, evenly spaced. It is a prime number: if it had a common divisor
+/// with the number of rings, points of different rings would lie in the same direction.
 constexpr std::size_t kProbes = 47;
-/// From one to the next a whole turn advances by 0.13 rad, and not much more where many points were
-/// lost,
-constexpr double kLargestAdvance = 0.4;
-/// but for single ones.
-constexpr double kLeastShare = 0.8;
+/// Between two of these points a full turn advances by 0.13 rad, and not much more if many points
+/// are missing,
+constexpr double kMaxAdvance = 0.4;
+/// except for a few points.
+constexpr double kMinFraction = 0.8;
 
 }  // namespace
 
@@ -26,9 +26,9 @@ bool in_sweep_order(const PointCloud& cloud) {
     const Point& to = cloud.points[i * step];
     const double advance = std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y);
     // Written so that NaN fails.
-    if (std::abs(advance) < kLargestAdvance) ++advancing;
+    if (std::abs(advance) < kMaxAdvance) ++advancing;
   }
-  return static_cast<double>(advancing) >= kLeastShare * static_cast<double>(kProbes - 1);
+  return static_cast<double>(advancing) >= kMinFraction * static_cast<double>(kProbes - 1);
 }
 
 }  // namespace lidar_mapping::front_end

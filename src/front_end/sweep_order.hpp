@@ -5,8 +5,8 @@
 
 namespace lidar_mapping::front_end {
 
-/// True if the points come in the order in which a spinning sensor measured them, firing by firing
-/// around the z axis, and not ring by ring or in that of a filter.
+/// True if the points are in the order in which a spinning sensor measured them, firing by firing
+/// around the z axis, and not ring by ring or in the order of a filter.
 bool in_sweep_order(const PointCloud& cloud);
 
 }  // namespace lidar_mapping::front_end

@@ -12,20 +12,21 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Nearer points see the vehicle itself.
+/// Nearer points belong to the vehicle itself.
 constexpr double kMinRange = 1.0;
-/// So many points are looked at for the match; more would cost time and bring nothing.
-constexpr std::size_t kCandidates = 16000;
-/// Cells shrink until they give about so many points,
-constexpr double kMatchedPoints = 2500.0;
-constexpr double kInsertedPoints = 12000.0;
-/// but not below this share of the configured edge.
-constexpr double kSmallestCell = 0.4;
+/// Number of points from which those for the match are sampled; more would cost time without
+/// benefit.
+constexpr std::size_t kMaxCandidates = 16000;
+/// Cells are made smaller until they give about this number of points,
+constexpr double kWantedMatchedPoints = 2500.0;
+constexpr double kWantedInsertedPoints = 12000.0;
+/// but not smaller than this fraction of the configured edge.
+constexpr double kMinCellFraction = 0.4;
 constexpr int kSparseTableBits = 15;
 constexpr int kDenseTableBits = 17;
 
-/// Odd, so that it visits all rings of a cloud that is stored firing by firing.
-std::size_t stride_for(std::size_t points) { return (points / kCandidates) | 1U; }
+/// The stride is odd, so that it visits all rings of a cloud that is stored firing by firing.
+std::size_t stride_for(std::size_t points) { return (points / kMaxCandidates) | 1U; }
 
 struct TimeSpan {
   double first = 0.0;
@@ -46,60 +47,63 @@ TimeSpan time_span(const PointCloud& cloud, const std::vector<std::uint32_t>& in
 }  // namespace
 
 void AdaptiveCell::adapt(std::size_t points) {
-  // Points lie on surfaces: their number goes with the square of the edge.
+  // Points lie on surfaces, so their number is inversely proportional to the square of the edge.
   const double factor = std::sqrt(static_cast<double>(points) / wanted_points_);
-  edge_ = std::clamp(edge_ * factor, kSmallestCell * largest_, largest_);
+  edge_ = std::clamp(edge_ * factor, kMinCellFraction * largest_, largest_);
 }
 
 SweepSampler::SweepSampler(const FrontEndConfig& config)
-    : sparse_cell_(config.scan_resolution, kMatchedPoints),
-      dense_cell_(config.insertion_resolution, kInsertedPoints),
+    : sparse_cell_(config.scan_resolution, kWantedMatchedPoints),
+      dense_cell_(config.insertion_resolution, kWantedInsertedPoints),
       max_range_(config.max_range),
       sparse_sampler_(kSparseTableBits),
       dense_sampler_(kDenseTableBits) {}
 
-void SweepSampler::know_viewpoint() {
-  sparse_.viewpoint = dense_.viewpoint = between_.viewpoint = Eigen::Vector3f::Zero();
+void SweepSampler::set_viewpoint_at_origin() {
+  sparse_.viewpoint = dense_.viewpoint = between_rings_.viewpoint = Eigen::Vector3f::Zero();
 }
 
-void SweepSampler::sample_sparse(const Scan& scan, std::size_t turn) {
+void SweepSampler::sample_sparse_once(const Scan& scan, std::size_t phase) {
   const std::size_t stride = stride_for(scan.cloud.size());
   const auto& indices = sparse_sampler_.sample(
-      scan.cloud, {sparse_cell_.edge(), kMinRange, max_range_, stride, turn % stride, scattered_});
+      scan.cloud,
+      {sparse_cell_.edge(), kMinRange, max_range_, stride, phase % stride, scattered_order_});
   const TimeSpan span = time_span(scan.cloud, indices);
   reference_ = 0.5 * (span.first + span.last);
   duration_ = span.last - span.first;
   sparse_.assign(scan.cloud, indices, reference_);
-  raise(sparse_, elevation_shift_);
+  rotate_upwards(sparse_, elevation_shift_);
   sparse_cell_.adapt(indices.size());
 }
 
-void SweepSampler::take(const Scan& scan, std::size_t turn) {
-  // Where all points are looked at for the match too, both samples lean nearly alike.
-  scattered_ = stride_for(scan.cloud.size()) > 1 && in_sweep_order(scan.cloud);
-  sample_sparse(scan, turn);
-  if (!std::exchange(sparse_known_, true)) sample_sparse(scan, turn);
+void SweepSampler::sample(const Scan& scan, std::size_t phase) {
+  // If the match also uses all points (stride 1), both samples have nearly the same bias, and the
+  // order does not matter.
+  scattered_order_ = stride_for(scan.cloud.size()) > 1 && in_sweep_order(scan.cloud);
+  sample_sparse_once(scan, phase);
+  if (!std::exchange(sparse_cell_adapted_, true)) sample_sparse_once(scan, phase);
   points_.assign(sparse_.x, sparse_.y, sparse_.z, sparse_.s, sparse_.viewpoint);
 }
 
-void SweepSampler::sample_dense(const Scan& scan) {
+void SweepSampler::sample_dense_once(const Scan& scan) {
   const auto& indices = dense_sampler_.sample(
-      scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0, scattered_});
+      scan.cloud, {dense_cell_.edge(), kMinRange, max_range_, 1, 0, scattered_order_});
   dense_.assign(scan.cloud, indices, reference_);
-  raise(dense_, elevation_shift_);
+  rotate_upwards(dense_, elevation_shift_);
   dense_cell_.adapt(indices.size());
 }
 
-const SampledPoints& SweepSampler::dense(const Scan& scan) {
-  sample_dense(scan);
-  if (!std::exchange(dense_known_, true)) sample_dense(scan);
+const SampledPoints& SweepSampler::sample_dense(const Scan& scan) {
+  sample_dense_once(scan);
+  if (!std::exchange(dense_cell_adapted_, true)) sample_dense_once(scan);
   return dense_;
 }
 
-const SampledPoints& SweepSampler::between_rings(const Scan& scan) {
-  bridges_.find(scan.cloud, {reference_, dense_cell_.edge(), max_range_}, between_);
-  raise(between_, elevation_shift_);
-  return between_;
+const SampledPoints& SweepSampler::sample_between_rings(const Scan& scan) {
+  ring_interpolator_.interpolate(scan.cloud, {reference_, dense_cell_.edge(), max_range_},
+                                 between_rings_);
+  rotate_upwards(between_rings_, elevation_shift_);
+  return between_rings_;
 }
 
 double SweepSampler::median_range() const {

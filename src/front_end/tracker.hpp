@@ -12,54 +12,58 @@
 
 namespace lidar_mapping::front_end {
 
-/// What was found of a provisional scan when it was looked at again.
+/// The result for a provisional scan after it was matched again.
 struct Revision {
   Pose T_odom_base;
   Covariance6 covariance = Covariance6::Identity();
-  double parting_variance = 1.0;
+  double drift_variance_factor = 1.0;
   Vector6d twist = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();
   std::vector<Eigen::Vector3d> degenerate_directions;
 };
 
-/// Where a tracker believes one scan to be. All of it is about the frame of the scans that the
-/// tracker is given, the LiDAR's (BaseFrame): that is its `base`, and lies in its `odom` where it
-/// was first.
+/// The result of a tracker for one scan. All values refer to the frame of the scans that the
+/// tracker is given, which is the LiDAR's frame (BaseFrame): here it is called `base`, and `odom`
+/// is its first pose.
 struct TrackedScan {
   Pose T_odom_base;  ///< at the scan's stamp
-  /// Of T_odom_base against the local map, axes of base_link.
+  /// Covariance of T_odom_base relative to the local map, axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
-  /// Variance of errors that part as the sensor moves on, in units of the usual.
-  double parting_variance = 1.0;
+  /// Variance of the errors that become different between scans while the sensor moves on, as a
+  /// multiple of the usual one.
+  double drift_variance_factor = 1.0;
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   FrontEndStatus status;
-  double elevation_shift = 0.0;  ///< by which the scan's points were turned upwards, rad
-  /// False while the twist is a guess, as at the first scan of a drive: a sweep cannot be deskewed.
+  double elevation_shift = 0.0;  ///< angle by which the scan's points were rotated upwards, rad
+  /// False while the twist is only assumed, as at the first scan of a drive: then a sweep cannot be
+  /// deskewed.
   bool motion_known = true;
-  /// The local map was given up and begun anew: this pose does not hang together with earlier ones.
+  /// The local map was discarded and started again: this pose is not connected with earlier ones.
   bool new_segment = false;
-  /// True for the first scans of a map, as long as they may be looked at again.
+  /// True for the first scans of a map, as long as they may be matched again.
   bool provisional = false;
-  /// Of the first of the scans that were provisional until now, in their order; the others stay.
+  /// New results for the first of the scans that were provisional until now, in their order; the
+  /// other provisional scans keep their results.
   std::vector<Revision> revisions;
 };
 
-/// Follows the sensor from scan to scan: predicts, matches against its local map, and puts into
-/// that map what it trusts. FrontEnd does the rest (stamps, segments, key frames).
+/// Tracks the sensor from scan to scan: predicts its pose, matches the scan against the local map,
+/// and inserts reliable scans into that map. FrontEnd does the rest (stamps, segments, key frames).
 class Tracker {
  public:
   virtual ~Tracker() = default;
 
-  /// Stamps increase from call to call. Never throws for what the world did: see the status.
+  /// Stamps increase from call to call. The method does not throw because of poor data: see the
+  /// status.
   virtual TrackedScan track(const Scan& scan, const MotionPrior& prior) = 0;
-  /// False where the scan is to be seen as it was before a gyro had its say.
-  virtual bool believes_gyro(const MotionPrior& /*prior*/) const { return true; }
-  /// Scans are seen from their origin.
-  virtual void know_viewpoint() {}
-  /// Forgets all; the next scan is the first one of a new local map and lies at its origin.
+  /// False if the scan must be processed without the gyro's correction.
+  virtual bool accepts_gyro(const MotionPrior& /*prior*/) const { return true; }
+  /// Tells the tracker that scans are measured from the origin of their frame.
+  virtual void set_viewpoint_at_origin() {}
+  /// Discards everything; the next scan is the first one of a new local map and lies at its origin.
   virtual void restart() = 0;
-  /// What is provisional stays as it is.
+  /// Makes the provisional scans final as they are.
   virtual void finalize() {}
   /// The local map in odom, one point per voxel: for display.
   virtual PointCloud local_map() const = 0;

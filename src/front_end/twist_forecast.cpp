@@ -7,8 +7,8 @@ namespace lidar_mapping::front_end {
 namespace {
 
 constexpr double kLearningRate = 0.1;
-/// Of a twist, squared: nothing.
-constexpr double kTinyChange = 1e-12;
+/// Lower bound of a squared change of the twist, which avoids a division by zero.
+constexpr double kMinSquaredChange = 1e-12;
 
 /// Mean squared difference per axis, linear and angular.
 Eigen::Vector2d squared_difference(const Vector6d& a, const Vector6d& b,
@@ -18,23 +18,24 @@ Eigen::Vector2d squared_difference(const Vector6d& a, const Vector6d& b,
   return {(observed * d.head<3>()).squaredNorm() / axes, d.tail<3>().squaredNorm() / 3.0};
 }
 
-/// Which share of something goes on per axis, from its mean product with what came next and its
-/// mean square.
+/// The fraction of a quantity that continues, per axis: mean product with its next value, divided
+/// by the mean square.
 template <typename Vector>
-Vector share_of(const Vector& continued, const Vector& squared) {
-  return continued.cwiseQuotient(squared.cwiseMax(kTinyChange)).cwiseMax(0.0).cwiseMin(1.0);
+Vector persistence_of(const Vector& continued, const Vector& squared) {
+  return continued.cwiseQuotient(squared.cwiseMax(kMinSquaredChange)).cwiseMax(0.0).cwiseMin(1.0);
 }
 
 }  // namespace
 
-double TwistForecast::mean_share(int part) const {
+double TwistForecast::mean_weight(int part) const {
   const double both = mean_error_[part] + sweep_error_[part];
   return both > 0.0 ? sweep_error_[part] / both : 0.0;
 }
 
-/// From the middle of a step to its end the twist changes as much as from there to the middle of
-/// the next one if its acceleration is steady, and the other way round where it was noise.
-void TwistForecast::learn_steadiness(const Vector6d& mean_twist, const Eigen::Matrix3d& observed) {
+/// If the acceleration is steady, the twist changes from the middle of a step to its end as much as
+/// from there to the middle of the next step. If it was noise, the two changes have opposite signs.
+void TwistForecast::learn_change_persistence(const Vector6d& mean_twist,
+                                             const Eigen::Matrix3d& observed) {
   Vector6d before = sweep_twist_ - mean_twist_;
   Vector6d after = mean_twist - sweep_twist_;
   before.head<3>() = observed * before.head<3>();
@@ -43,9 +44,11 @@ void TwistForecast::learn_steadiness(const Vector6d& mean_twist, const Eigen::Ma
   squared_change_ += kLearningRate * (before.cwiseProduct(before) - squared_change_);
 }
 
-Vector6d TwistForecast::steadiness() const { return share_of(continued_change_, squared_change_); }
+Vector6d TwistForecast::change_persistence() const {
+  return persistence_of(continued_change_, squared_change_);
+}
 
-/// The mean twists of two steps are those of their middles.
+/// The mean twist of a step is the twist at its middle.
 void TwistForecast::learn_acceleration(const Vector6d& mean_twist, double seconds,
                                        const Eigen::Matrix3d& observed) {
   const Eigen::Vector3d change = observed * (mean_twist - mean_twist_).head<3>();
@@ -55,19 +58,20 @@ void TwistForecast::learn_acceleration(const Vector6d& mean_twist, double second
   continued_acceleration_ += kLearningRate * (before.cwiseProduct(now) - continued_acceleration_);
   squared_acceleration_ += kLearningRate * (before.cwiseProduct(before) - squared_acceleration_);
   measured_acceleration_ = now;
-  const Eigen::Vector3d share = share_of(continued_acceleration_, squared_acceleration_);
-  acceleration_.head<3>() = share.cwiseProduct(now);
+  const Eigen::Vector3d persistence =
+      persistence_of(continued_acceleration_, squared_acceleration_);
+  acceleration_.head<3>() = persistence.cwiseProduct(now);
 }
 
-void TwistForecast::see(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
-                        const Eigen::Matrix3d& observed) {
-  if (seen_) {
+void TwistForecast::update(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
+                           const Eigen::Matrix3d& observed) {
+  if (has_step_) {
     const auto learn = [&](const Vector6d& forecast, Eigen::Vector2d& error) {
       error += kLearningRate * (squared_difference(forecast, mean_twist, observed) - error);
     };
     learn(from_mean(seconds), mean_error_);
     learn(from_sweep(seconds), sweep_error_);
-    learn_steadiness(mean_twist, observed);
+    learn_change_persistence(mean_twist, observed);
     learn_acceleration(mean_twist, seconds, observed);
   }
   variance_ = mean_error_.cwiseMin(sweep_error_);
@@ -75,7 +79,7 @@ void TwistForecast::see(const Vector6d& mean_twist, const Vector6d& sweep_twist,
   sweep_twist_ = sweep_twist;
   seconds_ = seconds;
   observed_ = observed;
-  seen_ = true;
+  has_step_ = true;
 }
 
 Vector6d TwistForecast::from_mean(double seconds) const {
@@ -89,8 +93,8 @@ Vector6d TwistForecast::from_sweep(double seconds) const {
 Vector6d TwistForecast::next(double seconds) const {
   Vector6d next = from_sweep(seconds);
   const Vector6d to_mean = from_mean(seconds) - next;
-  next.head<3>() += mean_share(0) * (observed_ * to_mean.head<3>());
-  next.tail<3>() += mean_share(1) * to_mean.tail<3>();
+  next.head<3>() += mean_weight(0) * (observed_ * to_mean.head<3>());
+  next.tail<3>() += mean_weight(1) * to_mean.tail<3>();
   return next;
 }
 

@@ -5,49 +5,50 @@
 
 namespace lidar_mapping::front_end {
 
-/// Forecasts the mean twist of the next step. The twist during the last sweep and the mean twist of
-/// the last step both stand for it; whichever has foretold better has the greater say. A vehicle
-/// goes on as it went during the sweep, a walking person as on the average of the last steps. The
-/// velocity goes on changing as it changed from the step before to the last one, as far as such a
-/// change has gone on in the next step of late: all of it while a vehicle brakes, nothing of a
-/// gait.
+/// Predicts the mean twist of the next step. There are two predictors: the twist during the last
+/// sweep, and the mean twist of the last step. They are weighted by their previous errors. A
+/// vehicle continues with the twist of the sweep, a walking person with the average of the last
+/// steps. The velocity also continues to change as it changed from the previous step to the last
+/// one, weighted by the persistence of such changes in recent steps: this is complete while a
+/// vehicle brakes, and zero for the motion of a gait.
 class TwistForecast {
  public:
-  /// A change of the velocity by more than `largest_acceleration` (m/s^2) is a jump of the pose: it
-  /// does not go on.
+  /// A change of the velocity by more than `largest_acceleration` (m/s^2) is a jump of the pose and
+  /// is not continued.
   explicit TwistForecast(double largest_acceleration)
       : largest_acceleration_(largest_acceleration) {}
 
-  /// Takes in a step of `seconds`: its mean twist and that during the sweep at its end. Only
-  /// velocities that `observed`, a projection, lets through were seen. Along others the twist stays
-  /// what the sweep's has been: a pose that is off by a little would drive the mean twist away.
-  void see(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
-           const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
+  /// Adds a step of `seconds`: its mean twist and the twist during the sweep at its end. Only the
+  /// part of the velocity that passes `observed`, a projection, was measured. Along other
+  /// directions the twist of the sweep is kept: with a small error of the pose, the mean twist
+  /// would drift away.
+  void update(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
+              const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
   /// The mean twist of a next step of `seconds`, and the twist at its end.
   Vector6d next(double seconds) const;
   Vector6d at_end_of_next(double seconds) const;
-  /// Mean squared error per axis of the better one: linear (m/s)^2, angular (rad/s)^2.
+  /// Mean squared error per axis of the better predictor: linear (m/s)^2, angular (rad/s)^2.
   const Eigen::Vector2d& variance() const { return variance_; }
-  /// Which share of the change of the twist, per axis, goes on in the next step: 1 for a steady
-  /// acceleration, 0 for noise and a gait.
-  Vector6d steadiness() const;
+  /// The fraction of the change of the twist, per axis, that continues in the next step: 1 for a
+  /// steady acceleration, 0 for noise and a gait.
+  Vector6d change_persistence() const;
 
  private:
-  void learn_steadiness(const Vector6d& mean_twist, const Eigen::Matrix3d& observed);
+  void learn_change_persistence(const Vector6d& mean_twist, const Eigen::Matrix3d& observed);
   void learn_acceleration(const Vector6d& mean_twist, double seconds,
                           const Eigen::Matrix3d& observed);
   Vector6d from_mean(double seconds) const;
   Vector6d from_sweep(double seconds) const;
-  /// Say of the last step's mean twist; 0: linear, 1: angular.
-  double mean_share(int part) const;
+  /// Weight of the last step's mean twist; 0: linear, 1: angular.
+  double mean_weight(int part) const;
 
   double largest_acceleration_;
-  bool seen_ = false;
+  bool has_step_ = false;
   Vector6d mean_twist_ = Vector6d::Zero();
   Vector6d sweep_twist_ = Vector6d::Zero();
   double seconds_ = 0.0;  ///< of the last step
   Eigen::Matrix3d observed_ = Eigen::Matrix3d::Identity();
-  /// Of the twist, per second: with it the twist is taken to go on. The angular part is zero.
+  /// Change of the twist per second with which the forecast continues. The angular part is zero.
   Vector6d acceleration_ = Vector6d::Zero();
   Eigen::Vector2d mean_error_ = Eigen::Vector2d::Zero();  ///< squared, linear and angular
   Eigen::Vector2d sweep_error_ = Eigen::Vector2d::Zero();

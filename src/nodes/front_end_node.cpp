@@ -304,25 +304,25 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   context_.diagnostics.set("seconds per scan", std::to_string(result.status.seconds));
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
-    ROS_INFO_STREAM(front_end::elevation_notice(shift));
+    ROS_INFO_STREAM(front_end::elevation_message(shift));
   }
   if (result.status.map_points_dropped > 0) {
     context_.diagnostics.set("points without room in the local map",
                              std::to_string(result.status.map_points_dropped));
     if (limiter_.due("full map")) {
-      ROS_WARN_STREAM(front_end::full_map_notice(result.status.map_points_dropped));
+      ROS_WARN_STREAM(front_end::full_map_message(result.status.map_points_dropped));
     }
   }
   const double jitter = result.status.stamp_jitter;
   if (jitter > 0.0 && limiter_.due("jitter")) {
-    ROS_WARN_STREAM(front_end::jitter_notice(jitter));
+    ROS_WARN_STREAM(front_end::jitter_message(jitter));
   }
   if (result.status.gyro_distrusted && limiter_.due("gyro"))
-    ROS_WARN_STREAM(front_end::gyro_notice());
+    ROS_WARN_STREAM(front_end::gyro_message());
   if (result.status.unseen_way > 0.0) {
     context_.diagnostics.set("way up or down that no points showed, m",
                              std::to_string(result.status.unseen_way));
-    if (limiter_.due("ride")) ROS_WARN_STREAM(front_end::ride_notice());
+    if (limiter_.due("ride")) ROS_WARN_STREAM(front_end::ride_message());
   }
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {

@@ -10,7 +10,7 @@
 #include <topic_tools/shape_shifter.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
@@ -36,7 +36,7 @@ namespace {
 constexpr std::chrono::milliseconds kIdle{1000};
 /// IMUs send ten times as often as LiDARs and more.
 constexpr int kSamplesPerScan = 20;
-/// Data after which the input doctor says what it found.
+/// Duration of the data after which the input validator reports.
 constexpr double kLook = 5.0;
 /// Wall time after which it says why nothing came; again when the reason is another one.
 constexpr double kPatience = 5.0;
@@ -116,7 +116,7 @@ class PreprocessingNode {
   Config config_;
   NodeContext& context_;
   SensorFrames frames_;
-  std::unique_ptr<preprocessing::InputDoctor> doctor_;  ///< until it has spoken
+  std::unique_ptr<preprocessing::InputValidator> input_validator_;  ///< until it has spoken
   std::optional<Stamp> first_scan_;
   std::atomic<bool> has_scans_{false};
   ros::WallTimer patience_;
@@ -142,7 +142,7 @@ class PreprocessingNode {
 PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
-      doctor_(std::make_unique<preprocessing::InputDoctor>(config.stage)),
+      input_validator_(std::make_unique<preprocessing::InputValidator>(config.stage)),
       overlooked_(optional_inputs()),
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
@@ -221,21 +221,21 @@ void PreprocessingNode::follow_transforms() {
 
 void PreprocessingNode::take(const SensorInput<ImuSample>& input) {
   overlooked_.heard("imu");
-  if (doctor_) doctor_->see_imu(input.sample, input.frame_id);
+  if (input_validator_) input_validator_->add_imu(input.sample, input.frame_id);
   stage_.add_imu(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
 void PreprocessingNode::take(const SensorInput<VelocitySample>& input) {
   overlooked_.heard("velocity");
-  if (doctor_) doctor_->see_velocity(input.sample, input.frame_id);
+  if (input_validator_) input_validator_->add_velocity(input.sample, input.frame_id);
   stage_.add_velocity(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
 void PreprocessingNode::take(const SensorInput<GnssFix>& input) {
   overlooked_.heard("gnss");
-  if (doctor_) doctor_->see_gnss(input.sample, input.frame_id);
+  if (input_validator_) input_validator_->add_gnss(input.sample, input.frame_id);
   antenna_frame_ = frame_name(input.frame_id);
   stage_.add_gnss(input.sample, antenna_frame_);
   publish(stage_.take_complete());
@@ -259,21 +259,22 @@ std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {
 
 void PreprocessingNode::look_at(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded) {
   has_scans_ = true;
-  if (!doctor_) return;
+  if (!input_validator_) return;
   decoded.scan.unpack();
-  doctor_->see_scan(summary_of(message, decoded));
+  input_validator_->add_scan(summary_of(message, decoded));
   if (!first_scan_) first_scan_ = decoded.scan.stamp;
   if (to_seconds(decoded.scan.stamp - *first_scan_) < kLook) return;
   say_what_was_found();
-  doctor_.reset();
+  input_validator_.reset();
 }
 
 void PreprocessingNode::say_what_was_found() {
-  for (const auto& input : doctor_->report([this](const auto& frame) { return T_base(frame); })) {
+  for (const auto& input :
+       input_validator_->report([this](const auto& frame) { return T_base(frame); })) {
     ROS_INFO_STREAM(input.input << ": " << input.found);
     context_.diagnostics.set(input.input, input.found);
-    for (const preprocessing::Finding& finding : input.findings) {
-      ROS_WARN_STREAM(input.input << ": " << sentence(finding));
+    for (const preprocessing::CheckDiagnostic& diagnostic : input.diagnostics) {
+      ROS_WARN_STREAM(input.input << ": " << sentence(diagnostic));
     }
   }
 }
@@ -330,10 +331,10 @@ void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
     publish(scan);
     spare_ = std::move(scan.scan.cloud);
   }
-  for (const preprocessing::Notice& notice : stage_.take_notices()) {
-    const bool is_info = notice.level == preprocessing::Notice::Level::kInfo;
+  for (const preprocessing::Diagnostic& diagnostic : stage_.take_diagnostics()) {
+    const bool is_info = diagnostic.level == preprocessing::Diagnostic::Level::kInfo;
     ROS_LOG_STREAM(is_info ? ros::console::levels::Info : ros::console::levels::Warn,
-                   ROSCONSOLE_DEFAULT_NAME, notice.text);
+                   ROSCONSOLE_DEFAULT_NAME, diagnostic.text);
   }
   if (scans.empty()) return;
   count_losses();

@@ -93,23 +93,23 @@ void ScanOdometry::take(const preprocessing::SyncedScan& synced,
 void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
   if (status.map_points_dropped > 2 * map_points_dropped_) {
     map_points_dropped_ = status.map_points_dropped;
-    say_(front_end::full_map_notice(map_points_dropped_));
+    say_(front_end::full_map_message(map_points_dropped_));
   }
   if (status.stamp_jitter > 0.0 && !jitter_mentioned_) {
     jitter_mentioned_ = true;
-    say_(front_end::jitter_notice(status.stamp_jitter));
+    say_(front_end::jitter_message(status.stamp_jitter));
   }
   if (status.gyro_distrusted && !gyro_mentioned_) {
     gyro_mentioned_ = true;
-    say_(front_end::gyro_notice());
+    say_(front_end::gyro_message());
   }
   if (status.unseen_way > 0.0 && !ride_mentioned_) {
     ride_mentioned_ = true;
-    say_(front_end::ride_notice());
+    say_(front_end::ride_message());
   }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;
-  say_(front_end::elevation_notice(elevation_shift_));
+  say_(front_end::elevation_message(elevation_shift_));
 }
 
 void ScanOdometry::record(const preprocessing::SyncedScan& synced,

@@ -42,7 +42,8 @@ void ScanPreparation::take(const RecordedScan& scan) {
 void ScanPreparation::flush() { forward(stage_.flush()); }
 
 void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
-  for (const preprocessing::Notice& notice : stage_.take_notices()) say_(notice.text);
+  for (const preprocessing::Diagnostic& diagnostic : stage_.take_diagnostics())
+    say_(diagnostic.text);
   for (preprocessing::SyncedScan& scan : scans) {
     if (last_ && scan.scan.stamp <= *last_) {
       leave_out(scan.scan.stamp);

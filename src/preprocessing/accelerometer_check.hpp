@@ -10,20 +10,20 @@ namespace lidar_mapping::preprocessing {
 
 enum class AccelerationProblem { kNone, kNotGravity, kConstant };
 
-/// Whether accelerations are such as are felt on the Earth, in m/s^2: in the mean they are gravity,
-/// and each axis feels it as the sensor tilts.
+/// Checks that accelerations are plausible on the Earth, in m/s^2: their mean is gravity, and each
+/// axis follows gravity when the sensor tilts.
 class AccelerometerCheck {
  public:
-  /// In m/s^2 and rad/s, axes of the sensor, in the order of the stamps.
+  /// Adds a sample in m/s^2 and rad/s, in the axes of the sensor and in the order of the stamps.
   void add(const ImuSample& sample);
 
-  /// What speaks against using the accelerations; later ones may agree again.
+  /// The reason for not using the accelerations; it may disappear with later samples.
   AccelerationProblem problem() const { return problem_; }
-  /// That in words.
+  /// The same as a message.
   std::string sentence() const;
 
  private:
-  /// What was seen over a while.
+  /// The samples of one window of time.
   struct Window {
     Stamp begin = 0;
     Stamp last = 0;
@@ -31,22 +31,23 @@ class AccelerometerCheck {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double sum_of_sizes = 0.0;
     Eigen::Vector3d first = Eigen::Vector3d::Zero();
-    Eigen::Array<bool, 3, 1> stays = Eigen::Array<bool, 3, 1>::Constant(true);
-    /// Gravity as the gyro turns it, and the least and most of it on each axis.
+    Eigen::Array<bool, 3, 1> constant_axes = Eigen::Array<bool, 3, 1>::Constant(true);
+    /// Gravity, rotated by the gyro, and its smallest and largest value on each axis.
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
-    Eigen::Array3d least = Eigen::Array3d::Zero();
-    Eigen::Array3d most = Eigen::Array3d::Zero();
+    Eigen::Array3d min_gravity = Eigen::Array3d::Zero();
+    Eigen::Array3d max_gravity = Eigen::Array3d::Zero();
   };
 
   static void extend(const ImuSample& sample, Window& window);
-  AccelerationProblem judged(const Window& window) const;
-  void conclude();
+  AccelerationProblem evaluate(const Window& window) const;
+  void finish_window();
 
   std::optional<Window> window_;
-  AccelerationProblem seen_ = AccelerationProblem::kNone;  ///< in the windows before
-  int windows_ = 0;                                        ///< in a row that have seen it
+  /// problem of the previous windows
+  AccelerationProblem window_problem_ = AccelerationProblem::kNone;
+  int equal_windows_ = 0;  ///< number of successive windows with this problem
   AccelerationProblem problem_ = AccelerationProblem::kNone;
-  double size_ = 0.0;  ///< mean acceleration of the last window, m/s^2
+  double mean_size_ = 0.0;  ///< mean acceleration of the last window, m/s^2
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -7,9 +7,9 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-/// Noise and the steps of the converter make two neighbours equal every now and then; three at the
-/// largest value of all hardly ever.
-constexpr int kStays = 3;
+/// Two successive samples may be equal because of noise and the steps of the converter. Three equal
+/// samples at the largest value of all are very rare.
+constexpr int kMinEqualSamples = 3;
 
 }  // namespace
 
@@ -17,15 +17,16 @@ void AxisLimits::add(const Eigen::Vector3d& value) {
   for (int i = 0; i < 3; ++i) {
     Axis& axis = axes_[static_cast<std::size_t>(i)];
     const double size = std::abs(value[i]);
-    axis.equal = value[i] == axis.last ? axis.equal + 1 : 1;
+    axis.equal_samples = value[i] == axis.last ? axis.equal_samples + 1 : 1;
     axis.last = value[i];
     axis.largest = std::max(axis.largest, size);
     if (axis.limit && size > *axis.limit) axis.limit.reset();
-    if (axis.equal >= kStays && size >= axis.largest && size > least_) axis.limit = size;
+    if (axis.equal_samples >= kMinEqualSamples && size >= axis.largest && size > min_limit_)
+      axis.limit = size;
   }
 }
 
-bool AxisLimits::are_reached(const Eigen::Vector3d& value) const {
+bool AxisLimits::reaches_limit(const Eigen::Vector3d& value) const {
   for (int i = 0; i < 3; ++i) {
     const std::optional<double>& limit = axes_[static_cast<std::size_t>(i)].limit;
     if (limit && std::abs(value[i]) >= *limit) return true;

@@ -8,29 +8,29 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Where the range of a sensor with three axes ends, learnt from values that stay exactly at the
-/// largest one that the axis has said so far. What is as large may be larger in truth.
+/// Finds the end of the measuring range of a sensor with three axes: the values of an axis stay
+/// exactly at the largest value that occurred so far. A value at this limit may be larger in truth.
 class AxisLimits {
  public:
-  /// Axes that have not said more than `least` are taken as within their range.
-  explicit AxisLimits(double least) : least_(least) {}
+  /// Axes whose values do not exceed `min_limit` are taken as within their range.
+  explicit AxisLimits(double min_limit) : min_limit_(min_limit) {}
 
-  /// Samples in the order of their stamps.
+  /// Adds samples in the order of their stamps.
   void add(const Eigen::Vector3d& value);
-  /// Whether any axis of the value is at the end of its range.
-  bool are_reached(const Eigen::Vector3d& value) const;
-  /// The lowest limit of the three axes; nothing if none was found.
+  /// True if any axis of the value is at the end of its range.
+  bool reaches_limit(const Eigen::Vector3d& value) const;
+  /// The lowest limit of the three axes; empty if none was found.
   std::optional<double> lowest() const;
 
  private:
   struct Axis {
     double last = 0.0;
     double largest = 0.0;
-    int equal = 0;  ///< samples in a row that are as the last one
+    int equal_samples = 0;  ///< number of successive samples that are equal to the last one
     std::optional<double> limit;
   };
 
-  double least_;
+  double min_limit_;
   std::array<Axis, 3> axes_;
 };
 

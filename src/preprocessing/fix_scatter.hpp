@@ -9,28 +9,31 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// What changes from fix to fix faster than a vehicle can is noise: the median of the bends
-/// p(i) - 2 p(i-1) + p(i-2) of at least four fixes a second tells how much there is.
+/// Measures the noise of fixes: changes from fix to fix that are faster than any vehicle. It is
+/// computed from the median of the second differences p(i) - 2 p(i-1) + p(i-2), with at least four
+/// fixes per second.
 class FixScatter {
  public:
-  /// Fixes in the order of their stamps; jumps hardly count.
+  /// Adds fixes in the order of their stamps. Jumps have little influence.
   void add(const LocalFix& fix);
   void clear() { *this = {}; }
 
   bool is_known() const;
-  /// Horizontal scatter and what the covariances say it is, root mean square of both axes, m.
+  /// Horizontal standard deviation, as measured and as stated by the covariances, root mean square
+  /// of both axes, m.
   double measured() const;
   double stated() const;
-  /// By how much covariances are too small; 1 where they are not, or where it cannot be known.
-  /// While it is being found out, what makes them a metre.
+  /// Factor by which the stated covariances are too small; 1 if they are not, or if this cannot be
+  /// measured. As long as the scatter is not known, the factor that raises the standard deviation
+  /// to one metre.
   double variance_factor() const;
 
  private:
-  static constexpr std::size_t kRemembered = 200;
+  static constexpr std::size_t kMaxCount = 200;
 
-  std::deque<LocalFix> last_;  ///< up to three
-  std::deque<double> bends_;   ///< m
-  std::deque<double> sigmas_;  ///< m
+  std::deque<LocalFix> last_fixes_;        ///< up to three
+  std::deque<double> second_differences_;  ///< m
+  std::deque<double> sigmas_;              ///< m
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -23,84 +23,89 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kHalfStrip = 2.0;         // m
-constexpr double kPlace = 1.0;             // m, edge of a place whose surface is judged
-constexpr std::size_t kFewestOfPlace = 8;  // points
-constexpr double kLineLike = 0.02;         // eigenvalues, middle to largest
+constexpr double kHalfStripWidth = 2.0;      // m
+constexpr double kCellSize = 1.0;            // m, edge length of a cell whose slope is tested
+constexpr std::size_t kMinPointsOfCell = 8;  // points
+constexpr double kMaxLineRatio = 0.02;       // ratio of the eigenvalues, middle to largest
 constexpr int kSectors = 12;
-constexpr int kSectorsOfFloor = 3;
-constexpr double kOutward = 1.0;                    // m
-constexpr double kSharpestCurvature = 1.0 / 400.0;  // 1/m; no street, but where a ramp begins
+constexpr int kMinSectorsOfFloor = 3;
+constexpr double kMinRadialExtent = 1.0;  // m
+// larger than on any street, except where a ramp begins
+constexpr double kMaxCurvature = 1.0 / 400.0;
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Tells in single precision, and with room to spare, what cannot lie on the strip: most points.
-class RoughStrip {
+/// Fast test in single precision, with a margin, which excludes points that cannot lie on the
+/// strip: most points.
+class StripPrefilter {
  public:
-  RoughStrip(const Eigen::Matrix3d& R_level_base, const FloorDetectionConfig& config)
+  StripPrefilter(const Eigen::Matrix3d& R_level_base, const FloorDetectionConfig& config)
       : left_(R_level_base.row(1).cast<float>()),
         up_(R_level_base.row(2).cast<float>()),
         floor_(static_cast<float>(-config.sensor_height)),
-        height_(static_cast<float>(config.height_clip_range) + kRoom) {}
+        height_(static_cast<float>(config.height_clip_range) + kMargin) {}
 
-  bool may_hold(const Point& p) const {
+  bool may_contain(const Point& p) const {
     const float y = left_.x() * p.x + left_.y() * p.y + left_.z() * p.z;
     const float z = up_.x() * p.x + up_.y() * p.y + up_.z() * p.z;
     return static_cast<int>(std::abs(y) <= kHalfWidth) &
-           static_cast<int>(std::abs(z - floor_) <= height_);  // one branch, mostly not taken
+           // a single branch, which is mostly not taken
+           static_cast<int>(std::abs(z - floor_) <= height_);
   }
 
  private:
-  static constexpr float kRoom = 0.1F;  // m, more than floats are off by in what a LiDAR sees
-  static constexpr float kHalfWidth = static_cast<float>(kHalfStrip) + kRoom;
+  // m, larger than the error of single precision at the ranges of a LiDAR
+  static constexpr float kMargin = 0.1F;
+  static constexpr float kHalfWidth = static_cast<float>(kHalfStripWidth) + kMargin;
 
   Eigen::RowVector3f left_, up_;
   float floor_, height_;
 };
 
-/// Points on the strip that the vehicle drives on, near to the expected floor, in level axes.
-/// Beside the strip are kerbs: a plane over road and pavement would lean.
+/// Points on the strip that the vehicle drives on, near the expected floor, in level axes. Outside
+/// of the strip there are kerbs: a plane through road and pavement would be tilted.
 Points clipped(const PointCloud& cloud, const Eigen::Matrix3d& R_level_base,
                const FloorDetectionConfig& config) {
   const double radius_squared = config.floor_radius * config.floor_radius;
-  const RoughStrip strip(R_level_base, config);
+  const StripPrefilter strip(R_level_base, config);
   Points result;
   for (const Point& point : cloud.points) {
-    if (!strip.may_hold(point)) continue;
+    if (!strip.may_contain(point)) continue;
     const Eigen::Vector3d p = R_level_base * point.position().cast<double>();
     const bool is_level = std::abs(p.z() + config.sensor_height) <= config.height_clip_range;
-    if (is_level && std::abs(p.y()) <= kHalfStrip && p.head<2>().squaredNorm() <= radius_squared)
+    if (is_level && std::abs(p.y()) <= kHalfStripWidth &&
+        p.head<2>().squaredNorm() <= radius_squared)
       result.push_back(p);
   }
   return result;
 }
 
-/// Whether the surface of a place may be level. A single line of points tells nothing.
-bool may_be_level(const Points& points, const std::vector<std::size_t>& place, double largest) {
-  if (place.size() < kFewestOfPlace) return true;
+/// True if the surface of a cell may be level. A single line of points does not decide this.
+bool may_be_level(const Points& points, const std::vector<std::size_t>& cell, double max_lean) {
+  if (cell.size() < kMinPointsOfCell) return true;
   PointMoments moments;
-  for (const std::size_t i : place) moments.add(points[i]);
+  for (const std::size_t i : cell) moments.add(points[i]);
   const PlaneFit fit(moments);
-  if (fit.variances[1] < kLineLike * fit.variances[2]) return true;
-  return std::abs(fit.normal.z()) >= std::cos(largest);
+  if (fit.variances[1] < kMaxLineRatio * fit.variances[2]) return true;
+  return std::abs(fit.normal.z()) >= std::cos(max_lean);
 }
 
-Points level_places(const Points& points, double largest) {
-  std::map<std::pair<int, int>, std::vector<std::size_t>> places;
+Points level_cells(const Points& points, double max_lean) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    places[{static_cast<int>(std::floor(points[i].x() / kPlace)),
-            static_cast<int>(std::floor(points[i].y() / kPlace))}]
+    cells[{static_cast<int>(std::floor(points[i].x() / kCellSize)),
+           static_cast<int>(std::floor(points[i].y() / kCellSize))}]
         .push_back(i);
   }
   Points result;
-  for (const auto& [key, place] : places) {
-    if (!may_be_level(points, place, largest)) continue;
-    for (const std::size_t i : place) result.push_back(points[i]);
+  for (const auto& [key, cell] : cells) {
+    if (!may_be_level(points, cell, max_lean)) continue;
+    for (const std::size_t i : cell) result.push_back(points[i]);
   }
   return result;
 }
 
-/// A floor goes on outward in some directions; a ring of points on walls does not.
+/// A floor extends outward in some directions; a ring of points on walls does not.
 bool extends_outward(const Points& points, const std::vector<std::size_t>& inliers) {
   std::array<double, kSectors> nearest;
   std::array<double, kSectors> farthest;
@@ -114,21 +119,21 @@ bool extends_outward(const Points& points, const std::vector<std::size_t>& inlie
     nearest[sector] = std::min(nearest[sector], range);
     farthest[sector] = std::max(farthest[sector], range);
   }
-  int wide = 0;
+  int wide_sectors = 0;
   for (std::size_t sector = 0; sector < kSectors; ++sector) {
-    if (farthest[sector] - nearest[sector] > kOutward) ++wide;
+    if (farthest[sector] - nearest[sector] > kMinRadialExtent) ++wide_sectors;
   }
-  return wide >= kSectorsOfFloor;
+  return wide_sectors >= kMinSectorsOfFloor;
 }
 
-Points picked(const Points& points, const std::vector<std::size_t>& indices) {
+Points selected(const Points& points, const std::vector<std::size_t>& indices) {
   Points result;
   result.reserve(indices.size());
   for (const std::size_t i : indices) result.push_back(points[i]);
   return result;
 }
 
-/// In base_link again.
+/// Converts back to base_link.
 PointCloud cloud_of(const Points& points_level, const Eigen::Quaterniond& R_level_base) {
   const Eigen::Matrix3d R_base_level = R_level_base.conjugate().toRotationMatrix();
   PointCloud cloud;
@@ -144,30 +149,30 @@ PointCloud cloud_of(const Points& points_level, const Eigen::Quaterniond& R_leve
 
 FloorDetector::FloorDetector(const FloorDetectionConfig& config) : config_(config) {}
 
-Floor FloorDetector::process(const Scan& scan, FloorPoints* shown) const {
+Floor FloorDetector::process(const Scan& scan, FloorPoints* output) const {
   Floor floor;
   floor.stamp = scan.stamp;
-  const auto enough = static_cast<std::size_t>(config_.floor_pts_thresh);
-  const double largest_lean = config_.floor_normal_thresh * kRadPerDeg;
+  const auto min_points = static_cast<std::size_t>(config_.floor_pts_thresh);
+  const double max_lean = config_.floor_normal_thresh * kRadPerDeg;
   const Eigen::Quaterniond R_level_base =
       exp_so3(Eigen::Vector3d(0.0, config_.tilt_deg * kRadPerDeg, 0.0));
 
   Points points = clipped(scan.cloud, R_level_base.toRotationMatrix(), config_);
   if (config_.use_normal_filtering) {
-    points = level_places(points, config_.normal_filter_thresh * kRadPerDeg);
+    points = level_cells(points, config_.normal_filter_thresh * kRadPerDeg);
   }
-  if (shown != nullptr) *shown = {cloud_of(points, R_level_base), {}};
-  if (points.size() < enough) return floor;
-  const auto found = search_plane(points, config_.floor_distance_thresh, largest_lean);
+  if (output != nullptr) *output = {cloud_of(points, R_level_base), {}};
+  if (points.size() < min_points) return floor;
+  const auto found = search_plane(points, config_.floor_distance_thresh, max_lean);
   if (!found) return floor;
   const auto fit = fit_road(points, *found, config_.floor_distance_thresh);
-  if (!fit || fit->inliers.size() < enough || !extends_outward(points, fit->inliers)) return floor;
+  if (!fit || fit->inliers.size() < min_points || !extends_outward(points, fit->inliers))
+    return floor;
   const Plane below = fit->surface.tangent();
-  if (below.normal.z() < std::cos(largest_lean) ||
-      std::abs(fit->surface.curvature()) > kSharpestCurvature) {
+  if (below.normal.z() < std::cos(max_lean) || std::abs(fit->surface.curvature()) > kMaxCurvature) {
     return floor;
   }
-  if (shown != nullptr) shown->inliers = cloud_of(picked(points, fit->inliers), R_level_base);
+  if (output != nullptr) output->inliers = cloud_of(selected(points, fit->inliers), R_level_base);
   floor.found = true;
   floor.normal = R_level_base.conjugate() * below.normal;
   floor.offset = below.offset;

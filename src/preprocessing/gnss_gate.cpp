@@ -10,15 +10,16 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr double kSigmas = 3.0;
-constexpr double kSlack = 0.5;             // m
-constexpr double kDrift = 0.012;           // of the way since the last good fix
-constexpr double kSteepest = 0.12;         // height per way
-constexpr double kFastest = 70.0;          // m/s
-constexpr double kWindow = 60.0;           // m of way that is laid over the fixes
-constexpr double kLongestWithout = 150.0;  // m; then the old fixes say nothing about the new
-constexpr double kSpacing = 0.5;           // m of way between the fixes that count
-constexpr double kShortestForTurn = 5.0;   // m
-constexpr double kSigmasForTurn = 5.0;
+constexpr double kTolerance = 0.5;        // m
+constexpr double kDriftFraction = 0.012;  // of the path length since the last good fix
+constexpr double kMaxGrade = 0.12;        // height per path length
+constexpr double kMaxSpeed = 70.0;        // m/s
+constexpr double kWindowLength = 60.0;    // m, path length that is aligned with the fixes
+// m; after that the old fixes do not determine the new ones
+constexpr double kMaxPathWithoutFix = 150.0;
+constexpr double kMinMatchSpacing = 0.5;       // m, path length between the fixes that are used
+constexpr double kMinExtentForRotation = 5.0;  // m
+constexpr double kMinSigmasForRotation = 5.0;
 
 double horizontal_sigma(const LocalFix& fix) {
   return std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1)));
@@ -37,18 +38,19 @@ std::string jump_text(const char* what, double distance, double limit) {
 
 }  // namespace
 
-std::string GnssGate::judge(const LocalFix& fix, const Eigen::Vector3d& p_base_antenna,
+std::string GnssGate::check(const LocalFix& fix, const Eigen::Vector3d& p_base_antenna,
                             const std::optional<Pose>& motion) {
-  follow(p_base_antenna, motion);
+  dead_reckon(p_base_antenna, motion);
   const Eigen::Vector3d p_dr = T_dr_base_ * p_base_antenna;
   const std::string problem = problem_with(fix, p_dr);
-  if (problem.empty()) remember(fix, p_dr);
+  if (problem.empty()) add_match(fix, p_dr);
   return problem;
 }
 
 void GnssGate::clear() { *this = {}; }
 
-void GnssGate::follow(const Eigen::Vector3d& p_base_antenna, const std::optional<Pose>& motion) {
+void GnssGate::dead_reckon(const Eigen::Vector3d& p_base_antenna,
+                           const std::optional<Pose>& motion) {
   if (!motion) {
     matches_.clear();
     has_motion_ = false;
@@ -56,7 +58,7 @@ void GnssGate::follow(const Eigen::Vector3d& p_base_antenna, const std::optional
   }
   const Eigen::Vector3d before = T_dr_base_ * p_base_antenna;
   T_dr_base_ = leveled(T_dr_base_ * *motion);
-  way_ += (T_dr_base_ * p_base_antenna - before).norm();
+  path_length_ += (T_dr_base_ * p_base_antenna - before).norm();
   has_motion_ = true;
 }
 
@@ -87,7 +89,7 @@ std::optional<GnssGate::Alignment> GnssGate::alignment() const {
     across += a.x() * b.y() - a.y() * b.x();
     extent = std::max(extent, a.norm());
   }
-  if (extent < std::max(kShortestForTurn, kSigmasForTurn * sigma)) return std::nullopt;
+  if (extent < std::max(kMinExtentForRotation, kMinSigmasForRotation * sigma)) return std::nullopt;
   result.R_enu_dr = Eigen::Rotation2Dd(std::atan2(across, along)).toRotationMatrix();
   return result;
 }
@@ -97,35 +99,36 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
   const Eigen::Vector3d step = fix.p_enu - last_good_->p_enu;
   const double sigma = std::hypot(horizontal_sigma(fix), horizontal_sigma(*last_good_));
   const double seconds = to_seconds(fix.stamp - last_good_->stamp);
-  const double drivable = kFastest * seconds + kSigmas * sigma + kSlack;
-  if (step.norm() > drivable) return jump_text("since the last fix", step.norm(), drivable);
+  const double max_distance = kMaxSpeed * seconds + kSigmas * sigma + kTolerance;
+  if (step.norm() > max_distance) return jump_text("since the last fix", step.norm(), max_distance);
   if (!has_motion_ || matches_.empty()) return "";
-  const double way = way_ - last_match_.way;
-  if (way > kLongestWithout) return "";
+  const double path_length = path_length_ - last_match_.path_length;
+  if (path_length > kMaxPathWithoutFix) return "";
   const double sigma_z = std::sqrt(fix.covariance(2, 2) + last_good_->covariance(2, 2));
-  const double limit_z = kSigmas * sigma_z + kSteepest * way + 2.0 * kSlack;
+  const double limit_z = kSigmas * sigma_z + kMaxGrade * path_length + 2.0 * kTolerance;
   if (std::abs(step.z()) > limit_z) return jump_text("in height", std::abs(step.z()), limit_z);
-  const double drift = kDrift * way;
+  const double drift = kDriftFraction * path_length;
   if (const auto aligned = alignment()) {
     const Eigen::Vector2d expected =
         aligned->center_enu + aligned->R_enu_dr * (p_dr.head<2>() - aligned->center_dr);
     const double off = (fix.p_enu.head<2>() - expected).norm();
-    const double limit = kSigmas * std::hypot(sigma, drift) + kSlack;
+    const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
     return off > limit ? jump_text("beside the measured way", off, limit) : "";
   }
-  const double driven = (p_dr - last_match_.p_dr).head<2>().norm();
-  const double difference = std::abs(step.head<2>().norm() - driven);
-  const double limit = kSigmas * std::hypot(sigma, drift) + kSlack;
+  const double distance_travelled = (p_dr - last_match_.p_dr).head<2>().norm();
+  const double difference = std::abs(step.head<2>().norm() - distance_travelled);
+  const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
   return difference > limit ? jump_text("more or less than was driven", difference, limit) : "";
 }
 
-void GnssGate::remember(const LocalFix& fix, const Eigen::Vector3d& p_dr) {
+void GnssGate::add_match(const LocalFix& fix, const Eigen::Vector3d& p_dr) {
   last_good_ = fix;
-  if (way_ - last_match_.way > kLongestWithout) matches_.clear();
-  last_match_ = {p_dr, fix.p_enu, horizontal_sigma(fix), way_};
-  const bool stands = !matches_.empty() && way_ - matches_.back().way < kSpacing;
-  if (!stands) matches_.push_back(last_match_);
-  while (way_ - matches_.front().way > kWindow) matches_.pop_front();
+  if (path_length_ - last_match_.path_length > kMaxPathWithoutFix) matches_.clear();
+  last_match_ = {p_dr, fix.p_enu, horizontal_sigma(fix), path_length_};
+  const bool is_standing =
+      !matches_.empty() && path_length_ - matches_.back().path_length < kMinMatchSpacing;
+  if (!is_standing) matches_.push_back(last_match_);
+  while (path_length_ - matches_.front().path_length > kWindowLength) matches_.pop_front();
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -9,12 +9,13 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr Stamp kJumpBack = from_seconds(2.0);
-constexpr std::size_t kMostPending = 200;
-constexpr double kLongestMotion = 10.0;  // s; dead reckoning beyond says little
-constexpr double kElsewhere = 1000.0;    // m from the first fix; less mends itself on the way
-constexpr double kAgreeing = 20.0;       // m between two fixes
-constexpr double kFastest = 70.0;        // m/s
-constexpr double kSmallestStep = 0.001;  // s; by less a correction is not changed
+constexpr std::size_t kMaxPending = 200;
+constexpr double kMaxDeadReckoning = 10.0;  // s; after that dead reckoning is too inaccurate
+constexpr double kMinDistanceOfOtherStart =
+    1000.0;  // m from the first fix; a smaller error is corrected during the drive
+constexpr double kMaxDistanceOfAgreement = 20.0;  // m between two fixes
+constexpr double kMaxSpeed = 70.0;                // m/s
+constexpr double kMinDelayChange = 0.001;  // s; smaller changes of the correction are not applied
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
 
@@ -36,15 +37,16 @@ GnssTrack::GnssTrack(const PreprocessingConfig& config, const Extrinsics& extrin
       local_frame_(config),
       stream_("gnss", config.use_gnss, config.gnss_max_gap) {}
 
-FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
+FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   const std::string problem = problem_of(fix, config_);
   if (!problem.empty()) return {Insertion::kRefused, problem};
   fix.stamp += from_seconds(config_.gnss_time_offset - delay_);
-  const Stamp newest = pending_.empty() ? last_judged_ : pending_.back().fix.stamp;
+  const Stamp newest = pending_fixes_.empty() ? last_checked_ : pending_fixes_.back().fix.stamp;
   if (newest != 0 && fix.stamp < newest - kJumpBack) return {Insertion::kTimeWentBack, ""};
   const auto is_before = [](const PendingFix& a, Stamp stamp) { return a.fix.stamp < stamp; };
-  const auto at = std::lower_bound(pending_.begin(), pending_.end(), fix.stamp, is_before);
-  if (fix.stamp <= last_judged_ || (at != pending_.end() && at->fix.stamp == fix.stamp)) {
+  const auto at =
+      std::lower_bound(pending_fixes_.begin(), pending_fixes_.end(), fix.stamp, is_before);
+  if (fix.stamp <= last_checked_ || (at != pending_fixes_.end() && at->fix.stamp == fix.stamp)) {
     return {Insertion::kRefused, "it repeats the time of a fix or is older than a later one"};
   }
   frame_id_ = frame_id;
@@ -53,103 +55,104 @@ FixVerdict GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   const double factor = scatter_.variance_factor();
   local.covariance *= factor;
   if (factor > 1.0 && scatter_.is_known()) {
-    notices_.warn("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
-                                 ", their covariance says " + metres(scatter_.stated()) +
-                                 "; it is raised to what they do");
+    diagnostics_.warn("scatter", "gnss: fixes scatter by " + metres(scatter_.measured()) +
+                                     ", their covariance says " + metres(scatter_.stated()) +
+                                     "; it is raised to what they do");
   }
-  pending_.insert(at, {fix, local, delay_});
-  if (pending_.size() > kMostPending) pending_.pop_front();
-  return {Insertion::kTaken, ""};
+  pending_fixes_.insert(at, {fix, local, delay_});
+  if (pending_fixes_.size() > kMaxPending) pending_fixes_.pop_front();
+  return {Insertion::kInserted, ""};
 }
 
-std::vector<std::string> GnssTrack::settle(MotionSensors& sensors, Stamp now, Stamp latency,
-                                           bool all) {
-  std::vector<std::string> refused;
-  while (!pending_.empty()) {
-    PendingFix pending = pending_.front();
+std::vector<std::string> GnssTrack::evaluate_pending(MotionSensors& sensors, Stamp now,
+                                                     Stamp latency, bool all) {
+  std::vector<std::string> rejected;
+  while (!pending_fixes_.empty()) {
+    PendingFix pending = pending_fixes_.front();
     LocalFix& fix = pending.fix;
     const bool waits = sensors.velocity().may_still_deliver(fix.stamp, now, latency) ||
                        sensors.imu().may_still_deliver(fix.stamp, now, latency);
     if (waits && !all) break;
-    pending_.pop_front();
-    sensors.learn_until(fix.stamp);
+    pending_fixes_.pop_front();
+    sensors.update_until(fix.stamp);
     sensors.check_velocity(fix);
-    const std::string problem = judge(pending, sensors);
+    const std::string problem = check(pending, sensors);
     if (!problem.empty() && config_.gnss_gating) {
-      if (begins_elsewhere(pending)) {
-        begin_with(*rival_, pending, sensors);
+      if (confirms_other_start(pending)) {
+        restart_from(*last_rejected_, pending, sensors);
         continue;
       }
-      last_judged_ = fix.stamp;
-      rival_ = pending;
-      refused.push_back(problem);
+      last_checked_ = fix.stamp;
+      last_rejected_ = pending;
+      rejected.push_back(problem);
       continue;
     }
-    last_judged_ = fix.stamp;
-    if (problem.empty()) compare(pending, sensors);
-    take(pending);
+    last_checked_ = fix.stamp;
+    if (problem.empty()) update_antenna_fit(pending, sensors);
+    accept(pending);
   }
-  return refused;
+  return rejected;
 }
 
-void GnssTrack::take(PendingFix pending) {
-  taken_ = std::min<std::size_t>(taken_ + 1, 2);
-  pending.fix.stamp += from_seconds(pending.taken_off);
+void GnssTrack::accept(PendingFix pending) {
+  accepted_count_ = std::min<std::size_t>(accepted_count_ + 1, 2);
+  pending.fix.stamp += from_seconds(pending.applied_delay);
   stream_.insert(pending.fix, frame_id_);
 }
 
-/// Whether the drive is there where this fix and the one before are, both refused, and not where
-/// the first fix says.
-bool GnssTrack::begins_elsewhere(const PendingFix& pending) const {
-  if (taken_ != 1 || !rival_ || stream_.buffer().empty()) return false;
+/// True if this fix and the previous one, both rejected, show that the first fix was wrong.
+bool GnssTrack::confirms_other_start(const PendingFix& pending) const {
+  if (accepted_count_ != 1 || !last_rejected_ || stream_.buffer().empty()) return false;
   const double off = (pending.fix.p_enu - stream_.buffer().newest().p_enu).norm();
-  const double seconds = to_seconds(pending.fix.stamp - rival_->fix.stamp);
-  const double step = (pending.fix.p_enu - rival_->fix.p_enu).norm();
-  return off > kElsewhere && step < kAgreeing + kFastest * seconds;
+  const double seconds = to_seconds(pending.fix.stamp - last_rejected_->fix.stamp);
+  const double step = (pending.fix.p_enu - last_rejected_->fix.p_enu).norm();
+  return off > kMinDistanceOfOtherStart && step < kMaxDistanceOfAgreement + kMaxSpeed * seconds;
 }
 
-/// Everything is forgotten that came from the first fix, and the frame begins anew.
-void GnssTrack::begin_with(PendingFix first, PendingFix& second, const MotionSensors& sensors) {
+/// Discards everything that came from the first fix; the frame begins again.
+void GnssTrack::restart_from(PendingFix first, PendingFix& second, const MotionSensors& sensors) {
   const double off = (first.fix.p_enu - stream_.buffer().newest().p_enu).norm();
-  notices_.warn("start", "gnss: the first fix is " + std::to_string(std::lround(off / 1e3)) +
-                             " km from the next ones, which agree; it is left out and the drive "
-                             "begins with these");
-  local_frame_.begin_at(first.given);
+  diagnostics_.warn("start",
+                    "gnss: the first fix is " + std::to_string(std::lround(off / 1e3)) +
+                        " km from the next ones, which agree; it is left out and the drive "
+                        "begins with these");
+  local_frame_.begin_at(first.original);
   stream_.clear();
   gate_.clear();
   scatter_.clear();
   antenna_fit_.begin_window();
-  rival_.reset();
-  taken_ = 0;
-  const auto place = [this](PendingFix& pending) {
-    pending.fix.p_enu = local_frame_.to_local(pending.given).p_enu;
+  last_rejected_.reset();
+  accepted_count_ = 0;
+  const auto convert_to_local = [this](PendingFix& pending) {
+    pending.fix.p_enu = local_frame_.to_local(pending.original).p_enu;
     scatter_.add(pending.fix);
   };
-  place(first);
-  place(second);
-  for (PendingFix& pending : pending_) place(pending);
-  gate_.judge(first.fix, lever_arm(), std::nullopt);
-  take(first);
-  last_judged_ = first.fix.stamp;
-  if (judge(second, sensors).empty()) take(second);
-  last_judged_ = second.fix.stamp;
+  convert_to_local(first);
+  convert_to_local(second);
+  for (PendingFix& pending : pending_fixes_) convert_to_local(pending);
+  gate_.check(first.fix, lever_arm(), std::nullopt);
+  accept(first);
+  last_checked_ = first.fix.stamp;
+  if (check(second, sensors).empty()) accept(second);
+  last_checked_ = second.fix.stamp;
 }
 
 std::optional<GeodeticDatum> GnssTrack::datum() const {
-  const bool is_sure = config_.use_datum || !config_.gnss_gating || taken_ > 1;
+  const bool is_sure = config_.use_datum || !config_.gnss_gating || accepted_count_ > 1;
   return is_sure ? local_frame_.datum() : std::nullopt;
 }
 
-std::string GnssTrack::judge(const PendingFix& pending, const MotionSensors& sensors) {
-  return gate_.judge(pending.fix, lever_arm(), motion_until(pending.fix.stamp, sensors));
+std::string GnssTrack::check(const PendingFix& pending, const MotionSensors& sensors) {
+  return gate_.check(pending.fix, lever_arm(), motion_since_last_fix(pending.fix.stamp, sensors));
 }
 
 /// T_previous_now of base_link since the fix before.
-std::optional<Pose> GnssTrack::motion_until(Stamp stamp, const MotionSensors& sensors) const {
-  const double seconds = to_seconds(stamp - last_judged_);
-  if (last_judged_ == 0 || seconds >= kLongestMotion) return std::nullopt;
+std::optional<Pose> GnssTrack::motion_since_last_fix(Stamp stamp,
+                                                     const MotionSensors& sensors) const {
+  const double seconds = to_seconds(stamp - last_checked_);
+  if (last_checked_ == 0 || seconds >= kMaxDeadReckoning) return std::nullopt;
   const MeasuredMotion measured =
-      sensors.motion(last_judged_, {0.0, seconds}, Eigen::Vector3d::Zero());
+      sensors.motion(last_checked_, {0.0, seconds}, Eigen::Vector3d::Zero());
   const bool drives = measured.source == MotionSource::kImuAndVelocity ||
                       measured.source == MotionSource::kVelocity;
   if (!drives) return std::nullopt;
@@ -161,7 +164,7 @@ Eigen::Vector3d GnssTrack::lever_arm() const {
   return T_base_antenna ? T_base_antenna->translation : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-/// In the axes of dead reckoning; nothing where that does not go on to this fix.
+/// In the axes of dead reckoning; empty if dead reckoning has no pose at this fix.
 std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
                                                            const MotionSensors& sensors) const {
   const auto T_dr_base = gate_.dead_reckoning();
@@ -171,33 +174,35 @@ std::optional<Eigen::Vector3d> GnssTrack::antenna_velocity(Stamp stamp,
          Eigen::Vector3d(velocity->linear + velocity->angular.cross(lever_arm()));
 }
 
-void GnssTrack::compare(const PendingFix& pending, const MotionSensors& sensors) {
+void GnssTrack::update_antenna_fit(const PendingFix& pending, const MotionSensors& sensors) {
   const auto v_dr = antenna_velocity(pending.fix.stamp, sensors);
   if (!v_dr) return antenna_fit_.begin_window();
   const Pose T_dr_base = *gate_.dead_reckoning();
   const Eigen::Vector3d ahead = T_dr_base.rotation * Eigen::Vector3d::UnitX();
   antenna_fit_.add({pending.fix.stamp, planar(pending.fix.p_enu), std::atan2(ahead.y(), ahead.x()),
                     planar(T_dr_base.translation), planar(*v_dr), planar(lever_arm()),
-                    pending.taken_off});
-  learn_delay();
+                    pending.applied_delay});
+  update_delay();
 }
 
-void GnssTrack::learn_delay() {
+void GnssTrack::update_delay() {
   const AntennaFit::Result fit = antenna_fit_.result();
   if (!fit.delay_is_known() || (!fit.is_late() && delay_ == 0.0)) return;
-  if (std::abs(fit.delay - delay_) < kSmallestStep) return;
+  if (std::abs(fit.delay - delay_) < kMinDelayChange) return;
   delay_ = fit.delay;
-  notices_.warn("delay", "gnss: its stamps are " + milliseconds(delay_) +
-                             (delay_ > 0.0 ? " late" : " early") +
-                             " beside IMU and velocity; the back end corrects what it finds beside "
-                             "odometry, gnss_time_offset corrects them here");
+  diagnostics_.warn("delay",
+                    "gnss: its stamps are " + milliseconds(delay_) +
+                        (delay_ > 0.0 ? " late" : " early") +
+                        " beside IMU and velocity; the back end corrects what it finds beside "
+                        "odometry, gnss_time_offset corrects them here");
 }
 
 bool GnssTrack::may_still_deliver(Stamp stamp, Stamp now, Stamp latency) const {
-  const auto comes_to = [](const PendingFix& pending) {
-    return pending.fix.stamp + from_seconds(pending.taken_off);
+  const auto corrected_stamp = [](const PendingFix& pending) {
+    return pending.fix.stamp + from_seconds(pending.applied_delay);
   };
-  if (!pending_.empty() && comes_to(pending_.back()) >= stamp) return now < stamp + latency;
+  if (!pending_fixes_.empty() && corrected_stamp(pending_fixes_.back()) >= stamp)
+    return now < stamp + latency;
   return stream_.may_still_deliver(stamp, now, latency);
 }
 
@@ -217,22 +222,22 @@ std::optional<GnssPosition> GnssTrack::at(Stamp stamp) const {
   return position;
 }
 
-bool GnssTrack::trusts_heading(const GnssPosition& position, const Eigen::Quaterniond& R_enu_base,
-                               bool backwards) {
+bool GnssTrack::accepts_heading(const GnssPosition& position, const Eigen::Quaterniond& R_enu_base,
+                                bool backwards) {
   if (config_.imu_orientation != ImuOrientation::kAuto) {
     return config_.imu_orientation == ImuOrientation::kEnu;
   }
   const Eigen::Vector3d p_enu_base = position.p_enu_antenna - R_enu_base * position.p_base_antenna;
   const double sigma = std::sqrt(position.covariance.diagonal().head<2>().maxCoeff());
   heading_check_.add(p_enu_base, sigma, R_enu_base, backwards);
-  return heading_check_.verdict().value_or(false);
+  return heading_check_.agrees().value_or(false);
 }
 
 void GnssTrack::clear() {
   stream_.clear();
-  pending_.clear();
-  rival_.reset();
-  last_judged_ = 0;
+  pending_fixes_.clear();
+  last_rejected_.reset();
+  last_checked_ = 0;
   gate_.clear();
   scatter_.clear();
   antenna_fit_.begin_window();

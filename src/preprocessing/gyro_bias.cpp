@@ -6,13 +6,14 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr Stamp kWindow = from_seconds(1.0);
-constexpr std::size_t kFewest = 8;
-/// One a second: more than a minute, which no scan waits for.
-constexpr std::size_t kMostEstimates = 64;
-constexpr double kSteadyRate = 0.01;          // rad/s, standard deviation
-constexpr double kSteadyAcceleration = 0.15;  // m/s^2, standard deviation; engines shake more
-constexpr double kLargestBias = 0.05;         // rad/s where the velocity vouches for standing
-constexpr double kLargestBiasAlone = 0.02;    // rad/s: a wide bend turns as slowly
+constexpr std::size_t kMinSamples = 8;
+/// One estimate per second: this is more than a minute, longer than any scan waits.
+constexpr std::size_t kMaxEstimates = 64;
+constexpr double kMaxRateDeviation = 0.01;          // rad/s, standard deviation
+constexpr double kMaxAccelerationDeviation = 0.15;  // m/s^2, standard deviation; engines shake more
+constexpr double kMaxBias = 0.05;  // rad/s, if the velocity confirms the standstill
+// rad/s: in a wide bend the vehicle turns as slowly
+constexpr double kMaxBiasWithoutVelocity = 0.02;
 
 struct Moments {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -40,20 +41,20 @@ void GyroBias::add(const ImuSample& sample, std::optional<bool> standing) {
 }
 
 void GyroBias::update(std::optional<bool> standing) {
-  if (window_.size() < kFewest || (standing && !*standing)) return;
+  if (window_.size() < kMinSamples || (standing && !*standing)) return;
   const Moments rate = moments(window_, &ImuSample::angular_velocity);
   const Moments acceleration = moments(window_, &ImuSample::linear_acceleration);
-  const double largest = standing ? kLargestBias : kLargestBiasAlone;
-  if (rate.deviation > kSteadyRate || acceleration.deviation > kSteadyAcceleration ||
-      rate.mean.norm() > largest) {
+  const double max_bias = standing ? kMaxBias : kMaxBiasWithoutVelocity;
+  if (rate.deviation > kMaxRateDeviation || acceleration.deviation > kMaxAccelerationDeviation ||
+      rate.mean.norm() > max_bias) {
     return;
   }
-  // A bias drifts over minutes: a window of a second counts for a quarter.
+  // A bias drifts over minutes: a window of one second has a weight of a quarter.
   const Eigen::Vector3d bias =
       estimates_.empty() ? rate.mean
                          : Eigen::Vector3d(0.75 * estimates_.back().bias + 0.25 * rate.mean);
   estimates_.push_back({window_.back().stamp, bias});
-  if (estimates_.size() > kMostEstimates) estimates_.pop_front();
+  if (estimates_.size() > kMaxEstimates) estimates_.pop_front();
 }
 
 Eigen::Vector3d GyroBias::at(Stamp stamp) const {

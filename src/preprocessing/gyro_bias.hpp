@@ -8,15 +8,16 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Learns the bias of a gyro while the vehicle stands: over a second the rates and accelerations
-/// are steady, the mean rate is small and the velocity, where there is one, is zero.
+/// Learns the bias of a gyro while the vehicle stands still: over one second rates and
+/// accelerations are steady, the mean rate is small, and the velocity is zero, if there is one.
 class GyroBias {
  public:
-  /// In the order of the stamps. `standing` is what the velocity says at that time, if anything.
+  /// Adds samples in the order of their stamps. `standing` is the state according to the velocity
+  /// at that time, if known.
   void add(const ImuSample& sample, std::optional<bool> standing);
-  /// By the samples up to `stamp`, in rad/s and in the sensor's axes; zero until the vehicle has
-  /// stood once. What was learned later has no part in it: the value of an instant does not depend
-  /// on when it is asked for. Estimates of the last 64 times of standing are kept.
+  /// The bias from the samples up to `stamp`, in rad/s and in the sensor's axes; zero until the
+  /// vehicle has stood still once. Later samples have no influence, so the value does not depend on
+  /// the time of the query. The estimates of the last 64 standstills are kept.
   Eigen::Vector3d at(Stamp stamp) const;
 
  private:

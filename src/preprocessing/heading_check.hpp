@@ -7,28 +7,29 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Compares the heading of an IMU's orientation with the course over ground: a six-axis IMU starts
-/// at any heading, and only driving tells.
+/// Compares the heading of an IMU's orientation with the course over ground. A six-axis IMU starts
+/// at an arbitrary heading, so the heading can only be verified while driving.
 class HeadingCheck {
  public:
-  /// A position of the vehicle with its sigma (m), its claimed attitude, and whether it drives
-  /// backwards.
+  /// Adds a position of the vehicle with its sigma (m), the attitude by the IMU, and whether it
+  /// drives backwards.
   void add(const Eigen::Vector3d& p_enu, double sigma, const Eigen::Quaterniond& R_enu_base,
            bool backwards);
-  /// True once three stretches in a row agreed, false once three in a row did not.
-  std::optional<bool> verdict() const { return verdict_; }
-  /// Course minus heading over the last stretch, rad.
+  /// True after three successive sections of the path agreed, false after three successive ones did
+  /// not; empty before.
+  std::optional<bool> agrees() const { return agrees_; }
+  /// Course minus heading over the last section, rad.
   double last_difference() const { return last_difference_; }
 
  private:
-  void judge(const Eigen::Vector3d& step, double yaw);
+  void update(const Eigen::Vector3d& step, double yaw);
 
-  std::optional<Eigen::Vector3d> from_;
-  double yaw_from_ = 0.0;
+  std::optional<Eigen::Vector3d> section_start_;
+  double section_start_yaw_ = 0.0;
   int agreements_ = 0;
   int contradictions_ = 0;
   double last_difference_ = 0.0;
-  std::optional<bool> verdict_;
+  std::optional<bool> agrees_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -5,11 +5,11 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kFastest = 200.0;        // m/s
-constexpr double kFastestTurn = 5000.0;   // rad/s; also as degrees more than any gyro measures
-constexpr double kHardestShock = 5000.0;  // m/s^2
+constexpr double kMaxSpeed = 200.0;          // m/s
+constexpr double kMaxTurnRate = 5000.0;      // rad/s; even as degrees/s more than any gyro measures
+constexpr double kMaxAcceleration = 5000.0;  // m/s^2
 
-/// Share of the way from a to b, 0 for equal stamps. The difference is taken in integers.
+/// Fraction of the time from a to b, 0 for equal stamps. The difference is computed in integers.
 double fraction(Stamp a, Stamp b, Stamp stamp) {
   return a == b ? 0.0 : static_cast<double>(stamp - a) / static_cast<double>(b - a);
 }
@@ -61,12 +61,12 @@ VelocitySample in_base(const VelocitySample& sample, const Pose& T_base_sensor) 
 
 // Comparisons with NaN are false.
 bool is_plausible(const ImuSample& sample) {
-  return sample.angular_velocity.norm() < kFastestTurn &&
-         sample.linear_acceleration.norm() < kHardestShock;
+  return sample.angular_velocity.norm() < kMaxTurnRate &&
+         sample.linear_acceleration.norm() < kMaxAcceleration;
 }
 
 bool is_plausible(const VelocitySample& sample) {
-  return sample.linear.norm() < kFastest && sample.angular.norm() < kFastestTurn;
+  return sample.linear.norm() < kMaxSpeed && sample.angular.norm() < kMaxTurnRate;
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -12,14 +12,14 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Of a vehicle in traffic.
+// Acceleration and jerk of a vehicle in traffic.
 constexpr double kAcceleration = 2.0;  // m/s^2
 constexpr double kJerk = 2.0;          // m/s^3
-/// Of three fixes the first two are no nearer together than this share of the distance of the last
-/// two: else their noise would be magnified.
-constexpr double kLeastStep = 0.5;
-constexpr double kHighestPlace = 12000.0;  // m; nobody maps above the airliners
-constexpr double kDeepestPlace = -2000.0;  // m
+/// Smallest distance in time between the first two of three fixes, as a fraction of that between
+/// the last two: otherwise their noise would be amplified.
+constexpr double kMinStepRatio = 0.5;
+constexpr double kMaxHeight = 12000.0;  // m; above the altitude of airliners
+constexpr double kMinHeight = -2000.0;  // m
 
 bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
   return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&
@@ -34,9 +34,9 @@ Eigen::Matrix3d diagonal(double sigma_xy, double sigma_z) {
   return Eigen::Vector3d(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z).asDiagonal();
 }
 
-/// The reported covariance, made symmetric, raised to the floor; one of its own where it is
-/// unknown.
-Eigen::Matrix3d believed_covariance(const GnssFix& fix, const PreprocessingConfig& config) {
+/// The reported covariance, made symmetric and not smaller than the lower bound; a configured one
+/// if it is unknown.
+Eigen::Matrix3d bounded_covariance(const GnssFix& fix, const PreprocessingConfig& config) {
   if (!fix.covariance || !is_usable_covariance(*fix.covariance)) {
     return diagonal(config.gnss_unknown_sigma_xy, config.gnss_unknown_sigma_z);
   }
@@ -55,7 +55,8 @@ std::string text(const char* format, double value, double limit) {
 
 LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   const double f = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
-  // Errors of neighbouring fixes are far from independent: the mean is not better than its parts.
+  // The errors of neighbouring fixes are strongly correlated, so the mean is not more accurate than
+  // its parts.
   return {stamp, a.p_enu + f * (b.p_enu - a.p_enu), (1.0 - f) * a.covariance + f * b.covariance,
           std::min(a.status, b.status)};
 }
@@ -75,8 +76,8 @@ std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
   if (std::abs(fix.latitude_deg) > 90.0 || std::abs(fix.longitude_deg) > 360.0) {
     return "latitude or longitude out of range";
   }
-  if (fix.altitude_m < kDeepestPlace || fix.altitude_m > kHighestPlace) {
-    return text("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kHighestPlace);
+  if (fix.altitude_m < kMinHeight || fix.altitude_m > kMaxHeight) {
+    return text("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kMaxHeight);
   }
   if (fix.covariance && is_usable_covariance(*fix.covariance) &&
       horizontal_sigma(*fix.covariance) > config.gnss_max_sigma) {
@@ -119,7 +120,7 @@ void LocalFrame::begin_at(const GnssFix& fix) {
 
 LocalFix LocalFrame::to_local(const GnssFix& fix) {
   if (!projection_) begin_at(fix);
-  return {fix.stamp, projection_->forward(fix), believed_covariance(fix, config_), fix.status};
+  return {fix.stamp, projection_->forward(fix), bounded_covariance(fix, config_), fix.status};
 }
 
 std::optional<GeodeticDatum> LocalFrame::datum() const {
@@ -132,23 +133,23 @@ LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   const double before = to_seconds(stamp - a.stamp);
   const double after = to_seconds(b.stamp - stamp);
   LocalFix result = on_chord(a, b, stamp);
-  const double aside = 0.5 * kAcceleration * before * after;
-  result.covariance.diagonal().array() += aside * aside;
+  const double deviation = 0.5 * kAcceleration * before * after;
+  result.covariance.diagonal().array() += deviation * deviation;
   return result;
 }
 
 LocalFix interpolated(const LocalFix& earlier, const LocalFix& a, const LocalFix& b, Stamp stamp) {
   const double step = to_seconds(a.stamp - earlier.stamp);
   const double next_step = to_seconds(b.stamp - a.stamp);
-  if (step < kLeastStep * next_step || next_step <= 0.0) return interpolated(a, b, stamp);
+  if (step < kMinStepRatio * next_step || next_step <= 0.0) return interpolated(a, b, stamp);
   const Eigen::Vector3d half_acceleration =
       ((b.p_enu - a.p_enu) / next_step - (a.p_enu - earlier.p_enu) / step) / (step + next_step);
   const double before = to_seconds(stamp - a.stamp);
   const double after = to_seconds(b.stamp - stamp);
   LocalFix result = on_chord(a, b, stamp);
   result.p_enu -= before * after * half_acceleration;
-  const double aside = kJerk / 6.0 * before * after * (step + before);
-  result.covariance.diagonal().array() += aside * aside;
+  const double deviation = kJerk / 6.0 * before * after * (step + before);
+  result.covariance.diagonal().array() += deviation * deviation;
   return result;
 }
 

@@ -13,26 +13,29 @@ namespace lidar_mapping::preprocessing {
 /// A position of the antenna in the local frame.
 struct LocalFix {
   Stamp stamp = 0;
-  Eigen::Vector3d p_enu = Eigen::Vector3d::Zero();           ///< m, East-North-Up
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, never below the floor
+  Eigen::Vector3d p_enu = Eigen::Vector3d::Zero();  ///< m, East-North-Up
+  /// m^2, not smaller than the configured lower bound
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   int status = 0;
 };
 
-/// What is wrong with a fix by itself: no fix, not finite, off the earth, (0, 0), status or
-/// covariance too poor. Empty for a usable one.
+/// The problem of a fix by itself: no fix, not finite, not on the Earth, (0, 0), status or
+/// covariance too poor. Empty for a usable fix.
 std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config);
 
-/// Geodetic coordinates to the East-North-Up tangent plane at a datum, by
-/// GeographicLib::LocalCartesian (exact on the ellipsoid). The datum is the configured one, or the
-/// first fix that comes.
+/// Converts geodetic coordinates to the East-North-Up tangent plane at a datum, by
+/// GeographicLib::LocalCartesian (exact on the ellipsoid). The datum is the configured one, or else
+/// the first fix.
 class LocalFrame {
  public:
   explicit LocalFrame(const PreprocessingConfig& config);
   ~LocalFrame();
 
-  /// The fix in the local frame, with a covariance that is at least the floor. The fix is usable.
+  /// The fix in the local frame, with a covariance that is not smaller than the lower bound. The
+  /// fix must be usable.
   LocalFix to_local(const GnssFix& fix);
-  /// The datum becomes that fix, unless it is configured. What is local already is to be made anew.
+  /// Sets the datum to this fix, unless the datum is configured. Positions that were converted
+  /// before have to be converted again.
   void begin_at(const GnssFix& fix);
   std::optional<GeodeticDatum> datum() const;
 
@@ -42,14 +45,14 @@ class LocalFrame {
   std::unique_ptr<Projection> projection_;
 };
 
-/// The position at `stamp` between two fixes. Its covariance is that of the weighted mean plus what
-/// a vehicle may turn aside from the straight line between them (half the acceleration of 2 m/s^2
-/// times both distances in time).
+/// The position at `stamp`, interpolated between two fixes. Its covariance is the weighted mean of
+/// theirs, plus the largest deviation of a vehicle from the straight line between them (half the
+/// acceleration of 2 m/s^2 times both distances in time).
 LocalFix interpolated(const LocalFix& a, const LocalFix& b, Stamp stamp);
 
-/// The same on the parabola through these two and the fix before: in a bend the chord lies inside,
-/// at 1 Hz and 3 m/s^2 by up to 0.4 m. What is added to the covariance is the error of that
-/// (Newton) with a jerk of 2 m/s^3.
+/// The same on the parabola through these two fixes and the previous one: in a bend the straight
+/// line lies inside, at 1 Hz and 3 m/s^2 by up to 0.4 m. The covariance is increased by the error
+/// of the parabola (Newton) for a jerk of 2 m/s^3.
 LocalFix interpolated(const LocalFix& earlier, const LocalFix& a, const LocalFix& b, Stamp stamp);
 
 }  // namespace lidar_mapping::preprocessing

@@ -5,8 +5,8 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// A sum of weighted squares, of which solvers read the lower half. Six sums stay in registers; a
-/// matrix would go through memory with each point.
+/// A sum of weighted outer products; solvers read only its lower triangle. Six scalar sums stay in
+/// registers; a matrix would be read and written in memory for each point.
 class LowerScatter {
  public:
   void add(const Eigen::Vector3d& d, double weight) {

@@ -13,18 +13,18 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kStanding = 0.05;  // m/s
-/// A shock is shorter than so many samples.
-constexpr int kNoShock = 20;
-constexpr double kClearTurn = 0.02;  // rad/s; above the noise of gyros
-/// A gyro in degrees/s shows 57 times the turning of the velocity.
-constexpr double kOtherUnit = 20.0;
-/// A velocity that is filtered shows a turn later than the gyro, but not as much later.
-constexpr Stamp kNoLag = from_seconds(0.5);
-/// At the ends of a scan the nearest sample may stand in for this long.
-constexpr Stamp kHold = from_seconds(0.02);
+constexpr double kMaxStandingSpeed = 0.05;  // m/s
+/// A shock is shorter than this number of samples.
+constexpr int kMaxShockSamples = 20;
+constexpr double kMinTurnRate = 0.02;  // rad/s; above the noise of gyros
+/// A gyro in degrees/s gives 57 times the rate of the velocity.
+constexpr double kMaxTurnRatio = 20.0;
+/// A filtered velocity shows a turn later than the gyro, but not later than this.
+constexpr Stamp kMaxLag = from_seconds(0.5);
+/// At the ends of a scan the nearest sample is used if its distance is not larger than this.
+constexpr Stamp kMaxExtrapolation = from_seconds(0.02);
 
-/// The value at `stamp`; just outside of the samples the nearest one, never farther.
+/// The value at `stamp`; just outside of the samples the nearest one, but not farther away.
 template <typename Sample>
 std::optional<Sample> value_near(const SensorStream<Sample>& stream, Stamp stamp) {
   if (const auto pair = stream.around(stamp)) {
@@ -33,9 +33,9 @@ std::optional<Sample> value_near(const SensorStream<Sample>& stream, Stamp stamp
   const auto& buffer = stream.buffer();
   if (buffer.empty()) return std::nullopt;
   const Stamp past_end = stamp - buffer.newest().stamp;
-  if (past_end > 0 && past_end <= kHold) return buffer.newest();
+  if (past_end > 0 && past_end <= kMaxExtrapolation) return buffer.newest();
   const Stamp before_begin = buffer.oldest().stamp - stamp;
-  if (before_begin > 0 && before_begin <= kHold) return buffer.oldest();
+  if (before_begin > 0 && before_begin <= kMaxExtrapolation) return buffer.oldest();
   return std::nullopt;
 }
 
@@ -86,37 +86,39 @@ Insertion MotionSensors::add_imu(ImuSample sample, const std::string& frame_id) 
   return imu_.insert(std::move(sample), frame_id);
 }
 
-void MotionSensors::learn_until(Stamp stamp) {
-  imu_.buffer().for_each(learned_until_, stamp, [this](const ImuSample& sample) { learn(sample); });
+void MotionSensors::update_until(Stamp stamp) {
+  imu_.buffer().for_each(learned_until_, stamp,
+                         [this](const ImuSample& sample) { update(sample); });
   learned_until_ = std::max(learned_until_, stamp);
 }
 
-void MotionSensors::learn(const ImuSample& sample) {
-  if (!absurd_since_ && is_absurd(sample)) absurd_since_ = sample.stamp;
+void MotionSensors::update(const ImuSample& sample) {
+  if (!implausible_since_ && is_implausible(sample)) implausible_since_ = sample.stamp;
   if (sample.has_angular_velocity) gyro_limits_.add(sample.angular_velocity);
   if (sample.has_linear_acceleration) acceleration_limits_.add(sample.linear_acceleration);
   accelerations_.add(sample);
-  const bool shows_rest = sample.has_angular_velocity && feels(sample);
-  if (estimate_bias_ && shows_rest && !absurd_since_) {
+  const bool has_both = sample.has_angular_velocity && has_valid_acceleration(sample);
+  if (estimate_bias_ && has_both && !implausible_since_) {
     gyro_bias_.add(sample, is_standing(sample.stamp));
   }
 }
 
-/// Whether its rates, with those before, are none that a vehicle turns with.
-bool MotionSensors::is_absurd(const ImuSample& sample) {
-  fast_samples_ = sample.angular_velocity.norm() > kFastestVehicleTurn ? fast_samples_ + 1 : 0;
-  if (!outturns_velocity(sample)) {
-    outturns_since_.reset();
-  } else if (!outturns_since_) {
-    outturns_since_ = sample.stamp;
+/// True if its rates, together with the previous ones, are not possible for a vehicle.
+bool MotionSensors::is_implausible(const ImuSample& sample) {
+  fast_samples_ = sample.angular_velocity.norm() > kMaxVehicleTurnRate ? fast_samples_ + 1 : 0;
+  if (!exceeds_velocity_turn_rate(sample)) {
+    exceeds_since_.reset();
+  } else if (!exceeds_since_) {
+    exceeds_since_ = sample.stamp;
   }
-  return fast_samples_ >= kNoShock || (outturns_since_ && sample.stamp - *outturns_since_ > kNoLag);
+  return fast_samples_ >= kMaxShockSamples ||
+         (exceeds_since_ && sample.stamp - *exceeds_since_ > kMaxLag);
 }
 
-/// Whether the vehicle turns far more by the gyro than by the velocity.
-bool MotionSensors::outturns_velocity(const ImuSample& sample) const {
+/// True if the gyro's rate is much larger than that of the velocity.
+bool MotionSensors::exceeds_velocity_turn_rate(const ImuSample& sample) const {
   const VelocitySample* velocity = velocity_.buffer().up_to(sample.stamp);
-  if (!velocity_turns(sample.stamp) || !velocity || sample.stamp > velocity->stamp + kNoLag) {
+  if (!velocity_turns(sample.stamp) || !velocity || sample.stamp > velocity->stamp + kMaxLag) {
     return false;
   }
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
@@ -126,7 +128,7 @@ bool MotionSensors::outturns_velocity(const ImuSample& sample) const {
       T_base_velocity->rotation.conjugate() * T_base_imu->rotation;
   const double turning = std::abs((R_velocity_imu * sample.angular_velocity).z());
   const double reference = std::abs(velocity->angular.z());
-  return reference > kClearTurn && turning > kOtherUnit * reference;
+  return reference > kMinTurnRate && turning > kMaxTurnRatio * reference;
 }
 
 Insertion MotionSensors::add_velocity(VelocitySample sample, const std::string& frame_id) {
@@ -141,7 +143,7 @@ Insertion MotionSensors::add_velocity(VelocitySample sample, const std::string& 
 std::optional<bool> MotionSensors::is_standing(Stamp stamp) const {
   const VelocitySample* velocity = velocity_.buffer().up_to(stamp);
   if (!velocity || to_seconds(stamp - velocity->stamp) > 1.0) return std::nullopt;
-  return velocity->linear.norm() < kStanding;
+  return velocity->linear.norm() < kMaxStandingSpeed;
 }
 
 std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
@@ -153,7 +155,7 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
   const auto omega = turning(sample, gyro_bias_.at(stamp));
   sample.has_angular_velocity = omega.has_value();
   if (omega) sample.angular_velocity = *omega;
-  if (!feels(sample)) {
+  if (!has_valid_acceleration(sample)) {
     sample.has_linear_acceleration = false;
     sample.linear_acceleration.setZero();
   }
@@ -162,37 +164,37 @@ std::optional<ImuSample> MotionSensors::imu_at(Stamp stamp) const {
 
 std::optional<Eigen::Vector3d> MotionSensors::turning(const ImuSample& sample,
                                                       const Eigen::Vector3d& bias) const {
-  if (!sample.has_angular_velocity || (absurd_since_ && sample.stamp >= *absurd_since_) ||
-      gyro_limits_.are_reached(sample.angular_velocity)) {
+  if (!sample.has_angular_velocity || (implausible_since_ && sample.stamp >= *implausible_since_) ||
+      gyro_limits_.reaches_limit(sample.angular_velocity)) {
     return std::nullopt;
   }
   return sample.angular_velocity - bias;
 }
 
-/// Its acceleration is one that can be believed.
-bool MotionSensors::feels(const ImuSample& sample) const {
+/// True if its acceleration is plausible.
+bool MotionSensors::has_valid_acceleration(const ImuSample& sample) const {
   return sample.has_linear_acceleration && accelerations_.problem() == AccelerationProblem::kNone &&
-         !acceleration_limits_.are_reached(sample.linear_acceleration);
+         !acceleration_limits_.reaches_limit(sample.linear_acceleration);
 }
 
-std::optional<FeltForce> MotionSensors::felt_between(Stamp begin, Stamp end) const {
+std::optional<FeltForce> MotionSensors::mean_force_between(Stamp begin, Stamp end) const {
   const auto T_base_imu = extrinsics_.T_base(imu_.frame_id());
   const auto first = imu_.around(begin);
   const auto last = imu_.around(end);
   if (!T_base_imu || !first || !last || begin >= end) return std::nullopt;
-  // Straight lines between the samples.
+  // The force is linear between the samples.
   ImuSample before = interpolated(*first->first, *first->second, begin);
-  bool is_whole = feels(before);
+  bool is_complete = has_valid_acceleration(before);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const auto add = [&](const ImuSample& sample) {
     const Stamp step = sample.stamp - before.stamp;
-    is_whole = is_whole && feels(sample) && step <= kHold;
+    is_complete = is_complete && has_valid_acceleration(sample) && step <= kMaxExtrapolation;
     sum += 0.5 * to_seconds(step) * (before.linear_acceleration + sample.linear_acceleration);
     before = sample;
   };
   imu_.buffer().for_each(begin, end, add);
   add(interpolated(*last->first, *last->second, end));
-  if (!is_whole) return std::nullopt;
+  if (!is_complete) return std::nullopt;
   return FeltForce{begin, T_base_imu->rotation * sum / to_seconds(end - begin),
                    T_base_imu->translation};
 }
@@ -210,7 +212,8 @@ std::optional<VelocitySample> MotionSensors::measured_velocity_at(Stamp stamp) c
   if (!T_base_velocity) return std::nullopt;
   VelocitySample sample = interpolated(*pair->first, *pair->second, stamp);
   if (!velocity_turns(stamp)) {
-    // Only the speed was measured; the lever arm needs the turning, which the gyro knows.
+    // Only the speed was measured; the lever arm needs the angular velocity, which the gyro
+    // measures.
     if (const auto imu = imu_at(stamp); imu && imu->has_angular_velocity) {
       sample.angular = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
     }
@@ -224,12 +227,12 @@ void MotionSensors::check_velocity(Stamp stamp) {
   if (!velocity || !imu || !imu->has_angular_velocity) return;
   const auto T_base_velocity = extrinsics_.T_base(velocity_.frame_id());
   const Eigen::Vector3d omega = T_base_velocity->rotation.conjugate() * imu->angular_velocity;
-  velocity_check_.see_turning(stamp, velocity->linear, omega.z());
+  velocity_check_.add_turn_rate(stamp, velocity->linear, omega.z());
 }
 
 void MotionSensors::check_velocity(const LocalFix& fix) {
   const auto velocity = measured_velocity_at(fix.stamp);
-  if (velocity) velocity_check_.see_fix(fix, velocity->linear.norm());
+  if (velocity) velocity_check_.add_fix(fix, velocity->linear.norm());
 }
 
 VelocityProblem MotionSensors::velocity_problem(Stamp stamp) const {
@@ -240,7 +243,7 @@ VelocityProblem MotionSensors::velocity_problem(Stamp stamp) const {
 VelocityProblem MotionSensors::problem_of(const VelocitySample& velocity) const {
   const VelocityProblem problem = velocity_check_.problem(velocity.linear);
   if (problem != VelocityProblem::kAside) return problem;
-  // Its sensor may be mounted askew: then it points ahead in base_link.
+  // Its sensor may be mounted at an angle: then the velocity points ahead in base_link.
   const Eigen::Quaterniond R_base_velocity = extrinsics_.T_base(velocity_.frame_id())->rotation;
   return velocity_check_.problem(R_base_velocity * velocity.linear);
 }
@@ -259,30 +262,32 @@ MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span,
     if (!omega) return std::nullopt;
     return T_base_imu->rotation * *omega;
   };
-  const TurningAtTime wheels = [&](double time) -> MaybeVector {
+  const TurningAtTime velocity_turning = [&](double time) -> MaybeVector {
     const auto sample = value_near(velocity_, stamp + from_seconds(time));
     if (!sample) return std::nullopt;
     return T_base_velocity->rotation * sample->angular;
   };
-  const VelocityAtTime driving = [&](double time, const Eigen::Vector3d& omega) -> MaybeVector {
+  const VelocityAtTime velocity_at_lever = [&](double time,
+                                               const Eigen::Vector3d& omega) -> MaybeVector {
     const auto sample = value_near(velocity_, stamp + from_seconds(time));
     if (!sample) return std::nullopt;
     const Eigen::Vector3d lever = p_base - T_base_velocity->translation;
     return T_base_velocity->rotation * sample->linear + omega.cross(lever);
   };
   if (T_base_imu && T_base_velocity) {
-    if (auto both = integrated(span.begin, span.end, gyro, driving)) {
+    if (auto both = integrated(span.begin, span.end, gyro, velocity_at_lever)) {
       return {MotionSource::kImuAndVelocity, *std::move(both)};
     }
   }
   if (T_base_velocity && velocity_turns(end)) {
-    if (auto driven = integrated(span.begin, span.end, wheels, driving)) {
-      return {MotionSource::kVelocity, *std::move(driven)};
+    if (auto with_velocity =
+            integrated(span.begin, span.end, velocity_turning, velocity_at_lever)) {
+      return {MotionSource::kVelocity, *std::move(with_velocity)};
     }
   }
   if (T_base_imu) {
-    if (auto turned = integrated(span.begin, span.end, gyro, nullptr)) {
-      return {MotionSource::kImu, *std::move(turned)};
+    if (auto turning_only = integrated(span.begin, span.end, gyro, nullptr)) {
+      return {MotionSource::kImu, *std::move(turning_only)};
     }
   }
   return {};
@@ -297,13 +302,13 @@ void MotionSensors::clear() {
   imu_.clear();
   velocity_.clear();
   gyro_bias_ = {};
-  gyro_limits_ = AxisLimits(kSlowestLimit);
-  acceleration_limits_ = AxisLimits(kLowestLimit);
+  gyro_limits_ = AxisLimits(kMinGyroLimit);
+  acceleration_limits_ = AxisLimits(kMinAccelerationLimit);
   accelerations_ = {};
   learned_until_ = 0;
   fast_samples_ = 0;
-  outturns_since_.reset();
-  absurd_since_.reset();
+  exceeds_since_.reset();
+  implausible_since_.reset();
   turns_since_.reset();
   velocity_check_.clear();
 }

@@ -5,8 +5,8 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Which points stay: by their squared distance from the sensor, and outside of a box in a frame of
-/// its own, where `to_box` ([R | t], row-major) maps points once they are moved.
+/// The rule which points are kept: by their squared distance from the sensor, and outside of a box
+/// in a frame of its own; `to_box` ([R | t], row-major) maps the moved points to that frame.
 struct KeepRule {
   float near_squared;
   float far_squared;
@@ -16,16 +16,16 @@ struct KeepRule {
   float to_box[12];
 };
 
-/// A rigid motion in the middle of a slot of time, row-major [R | t], and what a point that it
-/// moved goes on by in a slot: turning x point + drift.
+/// A rigid motion in the middle of a time slot, row-major [R | t], and the further displacement of
+/// a moved point per slot: turning x point + drift.
 struct MotionSlot {
   float place[12];
   float turning[3];  ///< rad
   float drift[3];    ///< m
 };
 
-/// A motion over `count` slots of equal length; held before the first and after the last (up to
-/// half a slot beyond).
+/// A motion over `count` slots of equal length; constant before the first and after the last one
+/// (up to half a slot beyond).
 struct SlottedMotion {
   const MotionSlot* slots;
   int count;
@@ -33,16 +33,17 @@ struct SlottedMotion {
   float slots_per_second;
 };
 
-/// Points as they lie in memory, x y z side by side as floats.
+/// Points in memory, with x y z adjacent as floats.
 struct PointSource {
-  const unsigned char* first;  ///< x of the first point; from each x on 16 bytes can be read
+  const unsigned char* first;  ///< x of the first point; 16 bytes can be read from each x
   std::size_t step;            ///< bytes from point to point
   std::size_t intensity;       ///< bytes from x to the intensity, a float
-  const float* times;          ///< s, one after the other; null without times
+  const float* times;          ///< s, contiguous; null without times
   std::size_t count;
 };
 
-/// Room for the points that stay (x y z intensity) and for their times; it may be the source's own.
+/// Memory for the points that are kept (x y z intensity) and for their times; it may be the
+/// source's own memory.
 struct PointSink {
   float* points;
   float* times;
@@ -53,18 +54,19 @@ struct MoveResult {
   std::size_t not_finite;
 };
 
-/// Moves points and drops those that do not stay. With times each point moves as at its own, else
-/// all by the first slot's place; times stay with their points where `keeps_times`. Points whose
-/// coordinates or time are not finite are dropped.
+/// Moves the points and drops those that are not kept. With times, each point is moved by the
+/// motion at its time, otherwise all by that of the first slot. Times are kept if `keeps_times`.
+/// Points whose coordinates or time are not finite are dropped.
 using MoveKernel = MoveResult (*)(const PointSource& source, const PointSink& sink,
                                   const KeepRule& rule, const SlottedMotion& motion,
                                   bool keeps_times);
 
-/// The fastest one that this processor can run; they differ by what they round, some 1e-7 of a
-/// distance, and by which of two neighbouring slots they take.
+/// The fastest kernel that this processor can run. The kernels differ in rounding, by about 1e-7 of
+/// a distance, and in the choice between two neighbouring slots.
 MoveKernel move_kernel();
 MoveKernel portable_move_kernel();
-/// Null where the compiler does not know these instructions or the processor is not fast with them.
+/// Null if the compiler does not support these instructions, or if the processor is not fast with
+/// them.
 MoveKernel avx2_move_kernel();
 MoveKernel avx512_move_kernel();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kernel of move_kernel.hpp; included by one file per instruction set, with vectors of the
-// compiler's that are as wide as a register.
+// The kernel of move_kernel.hpp, included by one file per instruction set. It uses vector types of
+// the compiler that are as wide as a register.
 
 #include <cstdint>
 #include <cstring>
@@ -144,7 +144,7 @@ LIDAR_MAPPING_INLINE Places places_of(const Rows& points) {
           __builtin_shuffle(zw0, zw1, kFirst)};
 }
 
-/// What the points have beside their places stays.
+/// The fourth value of each point is kept.
 LIDAR_MAPPING_INLINE void put(const Places& places, Rows& points) {
   const Floats xy0 = __builtin_shuffle(places.x, places.y, kLower);
   const Floats xy1 = __builtin_shuffle(places.x, places.y, kUpper);
@@ -162,7 +162,7 @@ LIDAR_MAPPING_INLINE Places moved_by(const float* place, const Places& p) {
   return {moved(place, p), moved(place + 4, p), moved(place + 8, p)};
 }
 
-/// `since`: slots since the middle of this one.
+/// `since`: time since the middle of this slot, in slots.
 LIDAR_MAPPING_INLINE Places moved_within(const MotionSlot& slot, const Floats& since,
                                          const Places& raw) {
   const float* const w = slot.turning;
@@ -174,15 +174,15 @@ LIDAR_MAPPING_INLINE Places moved_within(const MotionSlot& slot, const Floats& s
   return {plus(p.x, since, dx), plus(p.y, since, dy), plus(p.z, since, dz)};
 }
 
-/// Slots to both sides of a slot's middle for which it may serve: at 1 rad/s and 100 m it is off by
-/// 0.05 mm there.
+/// Distance from a slot's middle, in slots, up to which the slot may be used: at 1 rad/s and 100 m
+/// the error there is 0.05 mm.
 constexpr float kReach = 1.0F;
 
-/// A motion's slots by time.
+/// Finds the slots of a motion by time.
 struct Slots {
   const MotionSlot* first;
   float rate;   ///< per second
-  float start;  ///< what a time of 0 lies at, in slots since the motion's begin
+  float start;  ///< position of the time 0, in slots since the motion's begin
   float last;   ///< number of the last slot
 
   int at(float position) const {
@@ -192,7 +192,7 @@ struct Slots {
   int of(float time) const { return at(time * rate + start); }
 };
 
-/// Each lane by its own slot.
+/// Moves each lane by its own slot.
 __attribute__((noinline)) Places moved_each(const Slots& slots, const Floats& positions,
                                             const Places& raw) {
   Places result{};
@@ -208,14 +208,15 @@ __attribute__((noinline)) Places moved_each(const Slots& slots, const Floats& po
   return result;
 }
 
-/// All by one slot, where it serves them.
+/// Moves all lanes by one slot, if it may be used for all.
 LIDAR_MAPPING_INLINE Places moved_timed(const Slots& slots, int slot, const Floats& times,
                                         const Places& raw) {
   const float middle = static_cast<float>(slot) + 0.5F;
   const Floats since = plus(all(slots.start - middle), times, all(slots.rate));
   const bool in_reach = bits_of((since > -kReach) & (since < kReach)) == kAll;
   if (__builtin_expect(in_reach, true)) return moved_within(slots.first[slot], since, raw);
-  const Places copy = raw;  // its address keeps the others in memory only here
+  // because its address is taken, the compiler keeps only this copy in memory
+  const Places copy = raw;
   const Floats positions = since + all(middle);
   return moved_each(slots, positions, copy);
 }
@@ -226,8 +227,8 @@ LIDAR_MAPPING_INLINE Ints is_inside(const KeepRule& rule, const Places& moved) {
          (p.y < rule.box_max[1]) & (p.z > rule.box_min[2]) & (p.z < rule.box_max[2]);
 }
 
-/// The part of a cloud that is done; where it is written over the source, it never overtakes what
-/// is still to be read.
+/// The part of the cloud that is finished. If it is written over the source, it never overwrites
+/// points that are not read yet.
 struct Done {
   float* points;
   float* times;
@@ -242,7 +243,7 @@ LIDAR_MAPPING_INLINE void store_all(const Rows& points, float* to) {
   store(points.row[3], to + 3 * kLanes);
 }
 
-/// Those of the points that stay.
+/// Writes the points that are kept.
 template <bool keeps_times>
 __attribute__((noinline)) Done append_some(const Rows& points, const float* times, unsigned keep,
                                            Done done) {
@@ -258,7 +259,7 @@ __attribute__((noinline)) Done append_some(const Rows& points, const float* time
   return done;
 }
 
-/// Where the intensity does not follow the coordinates.
+/// Used if the intensity does not follow the coordinates.
 LIDAR_MAPPING_INLINE void put_intensities(const PointSource& source, const unsigned char* from,
                                           Rows& points) {
   for (int k = 0; k < kLanes; ++k) {
@@ -268,7 +269,7 @@ LIDAR_MAPPING_INLINE void put_intensities(const PointSource& source, const unsig
   }
 }
 
-/// The points of the source from number `first` on, as many as there are lanes.
+/// Reads the points of the source from number `first` on, as many as there are lanes.
 template <bool has_times, bool keeps_times>
 LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first,
                                     const KeepRule& rule, const Slots& slots, int slot,
@@ -285,7 +286,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
     Floats time;
     load(times, time);
     time = __builtin_shuffle(time, kPointOfLane);
-    range = plus(range, time, Floats{});  // a time that is not finite makes no number of it
+    range = plus(range, time, Floats{});  // becomes NaN if the time is not finite
     p = moved_timed(slots, slot, time, p);
   } else {
     p = moved_by(slots.first->place, p);
@@ -307,7 +308,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
   done = append_some<keeps_times>(copy, times, bits, done);
 }
 
-/// The last points of a source, filled up with points at the sensor itself, which are dropped.
+/// The last points of a source, padded with points at the sensor itself, which are dropped.
 template <bool has_times, bool keeps_times>
 void move_rest(const PointSource& source, std::size_t first, const KeepRule& rule,
                const Slots& slots, Done& done) {
@@ -324,13 +325,13 @@ void move_rest(const PointSource& source, std::size_t first, const KeepRule& rul
                                     slots.of(times[0]), done);
 }
 
-/// Neighbours in a cloud were measured shortly one after the other, so that the slot of one in the
-/// middle serves a block of them. It is found while the block before is moved: nothing waits for
-/// it, and no branch depends on it.
+/// Neighbouring points in a cloud were measured at nearly the same time, so the slot of the middle
+/// one can be used for a block of them. It is determined while the previous block is moved: so
+/// nothing waits for it, and no branch depends on it.
 template <bool has_times, bool keeps_times>
 MoveResult move_all(const PointSource& given_source, const PointSink& sink,
                     const KeepRule& given_rule, const Slots& given_slots) {
-  // Copies: nothing that is written can be theirs.
+  // Local copies, so that the compiler knows that no write changes them.
   const PointSource source = given_source;
   const KeepRule rule = given_rule;
   const Slots slots = given_slots;

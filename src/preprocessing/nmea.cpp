@@ -11,7 +11,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Fields of GGA that are read.
+/// Fields of GGA that are used.
 enum Field : std::size_t {
   kName = 0,
   kLatitude = 2,
@@ -25,8 +25,9 @@ enum Field : std::size_t {
   kFields = 12
 };
 
-/// What a quality of the sentence means: the status in sensor_msgs/NavSatFix, and the error (m)
-/// that the dilution multiplies. Receivers do not say it; these are a driver's usual ones.
+/// Meaning of the sentence's quality: the status in sensor_msgs/NavSatFix, and the error (m) that
+/// is multiplied by the dilution. Receivers do not report this error; these are the usual values of
+/// a driver.
 struct Quality {
   int status;
   double sigma;
@@ -61,7 +62,7 @@ std::vector<std::string> fields_of(const std::string& text) {
   return fields;
 }
 
-/// What stands between '$' and '*'; nothing if the checksum behind that is another one.
+/// The text between '$' and '*'; empty if the checksum after it does not agree.
 std::optional<std::string> body_of(const std::string& sentence) {
   const std::size_t begin = sentence.find('$');
   if (begin == std::string::npos) return std::nullopt;

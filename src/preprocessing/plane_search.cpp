@@ -12,20 +12,21 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::size_t kSample = 2000;  // points that are counted for a candidate
-constexpr int kCandidates = 200;       // at half the points on the floor, one in eight is pure
+constexpr std::size_t kSamplePoints = 2000;  // points that are counted for a candidate
+// if half of the points lie on the floor, one in eight candidates has only such points
+constexpr int kCandidates = 200;
 constexpr std::uint32_t kSeed = 20220613;
 
-/// Every n-th point, so that all parts are heard.
+/// Every n-th point, so that all parts of the cloud are represented.
 std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points) {
-  const std::size_t stride = points.size() / kSample + 1;
+  const std::size_t stride = points.size() / kSamplePoints + 1;
   std::vector<Eigen::Vector3d> result;
   for (std::size_t i = 0; i < points.size(); i += stride) result.push_back(points[i]);
   return result;
 }
 
-std::optional<Plane> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                             const Eigen::Vector3d& c, double largest_lean) {
+std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                   const Eigen::Vector3d& c, double largest_lean) {
   Eigen::Vector3d normal = (b - a).cross(c - a);
   const double length = normal.norm();
   if (length < 1e-3) return std::nullopt;
@@ -48,12 +49,12 @@ std::optional<Plane> search_plane(const std::vector<Eigen::Vector3d>& points, do
   if (points.size() < 3) return std::nullopt;
   const std::vector<Eigen::Vector3d> sample = thinned(points);
   std::mt19937 engine(kSeed);
-  const auto any = [&] { return sample[engine() % sample.size()]; };
+  const auto random_point = [&] { return sample[engine() % sample.size()]; };
   std::optional<Plane> best;
   std::size_t most = 0;
   for (int candidate = 0; candidate < kCandidates; ++candidate) {
-    const Eigen::Vector3d a = any(), b = any(), c = any();
-    const auto plane = through(a, b, c, largest_lean);
+    const Eigen::Vector3d a = random_point(), b = random_point(), c = random_point();
+    const auto plane = plane_through(a, b, c, largest_lean);
     if (!plane) continue;
     const std::size_t count = count_near(sample, *plane, tolerance);
     if (count <= most) continue;

@@ -8,7 +8,7 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// normal . p + offset = 0, the normal with unit length and upward.
+/// The plane normal . p + offset = 0; the normal has unit length and points upward.
 struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double offset = 0.0;
@@ -16,9 +16,9 @@ struct Plane {
   double distance(const Eigen::Vector3d& p) const { return normal.dot(p) + offset; }
 };
 
-/// The plane with most points within `tolerance` (m) among planes through three points whose normal
-/// leans at most `largest_lean` (rad) (Fischler and Bolles 1981); seeded, so the same points give
-/// the same plane. Nothing if no three points make such a plane.
+/// The plane with the most points within `tolerance` (m) among planes through three points whose
+/// normal is tilted by at most `largest_lean` (rad) (Fischler and Bolles 1981). The random numbers
+/// are seeded, so the same points give the same plane. Empty if no three points give such a plane.
 std::optional<Plane> search_plane(const std::vector<Eigen::Vector3d>& points, double tolerance,
                                   double largest_lean);
 

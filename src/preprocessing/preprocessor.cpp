@@ -9,7 +9,7 @@
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include "gnss_track.hpp"
-#include "input_notices.hpp"
+#include "input_diagnostics.hpp"
 #include "motion_sensors.hpp"
 #include "scan_queue.hpp"
 #include "stamp_guard.hpp"
@@ -36,7 +36,7 @@ class Preprocessor::Impl {
     if (!config_.use_imu) return;
     const auto insert = [&] { return sensors_.add_imu(sample, frame_id); };
     const Stamp stamp = sample.stamp + from_seconds(config_.imu_time_offset);
-    if (is_stray("imu", imu_guard_, stamp) || !takes("imu", stamp, insert)) {
+    if (is_stray("imu", imu_guard_, stamp) || !insert_or_reset("imu", stamp, insert)) {
       ++counters_.samples_refused;
     }
   }
@@ -45,7 +45,8 @@ class Preprocessor::Impl {
     if (!config_.use_velocity) return;
     const auto insert = [&] { return sensors_.add_velocity(sample, frame_id); };
     const Stamp stamp = sample.stamp + from_seconds(config_.velocity_time_offset);
-    if (is_stray("velocity", velocity_guard_, stamp) || !takes("velocity", stamp, insert)) {
+    if (is_stray("velocity", velocity_guard_, stamp) ||
+        !insert_or_reset("velocity", stamp, insert)) {
       ++counters_.samples_refused;
     }
   }
@@ -57,12 +58,12 @@ class Preprocessor::Impl {
       ++counters_.gnss_refused;
       return;
     }
-    FixVerdict verdict;
+    FixResult result;
     const auto insert = [&] {
-      verdict = gnss_.add(fix, frame_id);
-      return verdict.insertion;
+      result = gnss_.add(fix, frame_id);
+      return result.insertion;
     };
-    if (!takes("gnss", stamp, insert)) refuse_fix(verdict.problem);
+    if (!insert_or_reset("gnss", stamp, insert)) reject_fix(result.problem);
   }
 
   void enqueue(RawScan raw) {
@@ -73,68 +74,70 @@ class Preprocessor::Impl {
     }
     if (config_.point_times == PointTimes::kAzimuth) raw.unpack();
     const auto [span, problem] =
-        settle_times(raw.cloud, raw.times_are_absolute, config_, raw.time_span);
-    if (!problem.empty()) notices_.warn("times", "points: " + problem);
+        normalize_times(raw.cloud, raw.times_are_absolute, config_, raw.time_span);
+    if (!problem.empty()) diagnostics_.warn("times", "points: " + problem);
     const Stamp stamp = raw.stamp;
     WaitingScan scan{std::move(raw), span};
-    const auto insert = [&] { return waiting_.insert(std::move(scan)); };
-    if (takes("points", stamp, insert)) return;
+    const auto insert = [&] { return queue_.insert(std::move(scan)); };
+    if (insert_or_reset("points", stamp, insert)) return;
     ++counters_.scans_out_of_order;
-    notices_.refused_scan(stamp);
+    diagnostics_.rejected_scan(stamp);
   }
 
-  std::vector<SyncedScan> take(bool all) {
-    for (const std::string& problem : gnss_.settle(sensors_, newest_, latency_, all)) {
-      refuse_fix(problem);
+  std::vector<SyncedScan> complete_scans(bool all) {
+    for (const std::string& problem : gnss_.evaluate_pending(sensors_, newest_, latency_, all)) {
+      reject_fix(problem);
     }
-    for (const Notice& notice : gnss_.take_notices()) notices_.say(notice.text, notice);
+    for (const Diagnostic& diagnostic : gnss_.take_diagnostics())
+      diagnostics_.report(diagnostic.text, diagnostic);
     std::vector<SyncedScan> result;
-    while (!waiting_.empty()) {
-      const bool leaves_early = !all && waiting_.is_too_long();
-      if (!all && !leaves_early && is_incomplete(waiting_.oldest())) break;
+    while (!queue_.empty()) {
+      const bool leaves_early = !all && queue_.is_too_long();
+      if (!all && !leaves_early && is_incomplete(queue_.oldest())) break;
       if (leaves_early) ++counters_.scans_waiting_too_long;
-      if (auto synced = completed(waiting_.take_oldest())) result.push_back(*std::move(synced));
+      if (auto synced = complete(queue_.take_oldest())) result.push_back(*std::move(synced));
     }
     return result;
   }
 
   std::optional<GeodeticDatum> datum() const { return gnss_.datum(); }
   const PreprocessingCounters& counters() const { return counters_; }
-  std::vector<Notice> take_notices() { return notices_.take(); }
+  std::vector<Diagnostic> take_diagnostics() { return diagnostics_.take(); }
 
  private:
   bool is_stray(const std::string& input, StampGuard& guard, Stamp stamp) {
     if (guard.accepts(stamp, newest_)) return false;
-    notices_.stray_stamp(input, stamp - newest_);
+    diagnostics_.stray_stamp(input, stamp - newest_);
     return true;
   }
 
-  /// Inserts what has this stamp; where time has gone back, after everything before was forgotten.
+  /// Inserts the datum with this stamp; if time has gone back, everything from before is discarded
+  /// first.
   template <typename Insert>
-  bool takes(const std::string& input, Stamp stamp, const Insert& insert) {
+  bool insert_or_reset(const std::string& input, Stamp stamp, const Insert& insert) {
     Insertion insertion = insert();
     if (insertion == Insertion::kTimeWentBack) {
-      begin_anew(input, newest_ - stamp);
+      reset(input, newest_ - stamp);
       insertion = insert();
     }
-    if (insertion != Insertion::kTaken) return false;
+    if (insertion != Insertion::kInserted) return false;
     newest_ = std::max(newest_, stamp);
     return true;
   }
 
-  void begin_anew(const std::string& input, Stamp jump) {
+  void reset(const std::string& input, Stamp jump) {
     ++counters_.resets;
-    notices_.time_went_back(input, jump);
+    diagnostics_.time_went_back(input, jump);
     sensors_.clear();
     gnss_.clear();
-    counters_.scans_forgotten += waiting_.size();
-    waiting_.clear();
+    counters_.scans_forgotten += queue_.size();
+    queue_.clear();
     newest_ = last_stamp_ = 0;
   }
 
-  void refuse_fix(const std::string& problem) {
+  void reject_fix(const std::string& problem) {
     ++counters_.gnss_refused;
-    notices_.refused_fix(problem);
+    diagnostics_.rejected_fix(problem);
   }
 
   bool is_incomplete(const WaitingScan& scan) const {
@@ -145,28 +148,28 @@ class Preprocessor::Impl {
            gnss_.may_still_deliver(scan.raw.stamp, newest_, latency_);
   }
 
-  std::optional<SyncedScan> completed(WaitingScan scan) {
+  std::optional<SyncedScan> complete(WaitingScan scan) {
     const auto T_base_lidar = extrinsics_.T_base(scan.raw.frame_id);
     if (!T_base_lidar) {
       ++counters_.scans_without_extrinsic;
-      notices_.missing_transform("points", scan.raw.frame_id);
+      diagnostics_.missing_transform("points", scan.raw.frame_id);
       return std::nullopt;
     }
-    sensors_.learn_until(scan.raw.stamp + from_seconds(scan.span.end));
+    sensors_.update_until(scan.raw.stamp + from_seconds(scan.span.end));
     SyncedScan result = values_at(scan.raw.stamp);
     result.frame_id = scan.raw.frame_id;
     result.T_base_lidar = *T_base_lidar;
-    result.scan.cloud = kept_cloud(std::move(scan), *T_base_lidar, result);
+    result.scan.cloud = filtered_cloud(std::move(scan), *T_base_lidar, result);
     if (result.scan.cloud.size() < static_cast<std::size_t>(config_.min_points)) {
       ++counters_.scans_without_points;
-      notices_.too_few_points();
+      diagnostics_.too_few_points();
       return std::nullopt;
     }
     ++counters_.scans_out;
     return result;
   }
 
-  /// What the other sensors say of that instant.
+  /// The values of the other sensors at that instant.
   SyncedScan values_at(Stamp stamp) {
     sensors_.give_up_silent_sensors();
     gnss_.give_up_if_silent();
@@ -176,41 +179,41 @@ class Preprocessor::Impl {
     result.imu = sensors_.imu_at(stamp);
     result.velocity = sensors_.velocity_at(stamp);
     result.gnss = gnss_at(stamp, result);
-    result.felt = sensors_.felt_between(std::exchange(last_stamp_, stamp), stamp);
-    note_missing(sensors_.imu(), imu_guard_, stamp, result.imu.has_value());
-    note_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
-    note_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
-    if (sensors_.gyro_is_absurd()) notices_.absurd_gyro();
+    result.felt = sensors_.mean_force_between(std::exchange(last_stamp_, stamp), stamp);
+    report_missing(sensors_.imu(), imu_guard_, stamp, result.imu.has_value());
+    report_missing(sensors_.velocity(), velocity_guard_, stamp, result.velocity.has_value());
+    report_missing(gnss_.stream(), gnss_guard_, stamp, result.gnss.has_value());
+    if (sensors_.gyro_is_implausible()) diagnostics_.implausible_gyro();
     if (sensors_.acceleration_problem() != AccelerationProblem::kNone) {
-      notices_.refused_acceleration(sensors_.acceleration_sentence());
+      diagnostics_.rejected_acceleration(sensors_.acceleration_sentence());
     }
-    if (const auto limit = sensors_.gyro_limit()) notices_.clipped_gyro(*limit);
+    if (const auto limit = sensors_.gyro_limit()) diagnostics_.clipped_gyro(*limit);
     const VelocityProblem problem = sensors_.velocity_problem(stamp);
     if (problem != VelocityProblem::kNone) {
-      notices_.refused_velocity(problem, sensors_.sentence(problem));
+      diagnostics_.rejected_velocity(problem, sensors_.sentence(problem));
     }
     return result;
   }
 
   template <typename Sample>
-  void note_missing(const SensorStream<Sample>& stream, const StampGuard& guard, Stamp stamp,
-                    bool is_there) {
-    if (!is_there) notices_.no_value(stream, guard.newest(), stamp, extrinsics_);
+  void report_missing(const SensorStream<Sample>& stream, const StampGuard& guard, Stamp stamp,
+                      bool is_there) {
+    if (!is_there) diagnostics_.no_value(stream, guard.newest(), stamp, extrinsics_);
   }
 
   std::optional<GnssPosition> gnss_at(Stamp stamp, const SyncedScan& synced) {
     auto position = gnss_.at(stamp);
     if (!position || !synced.imu || !synced.imu->orientation) return position;
     const bool backwards = synced.velocity && synced.velocity->linear.x() < 0.0;
-    if (gnss_.trusts_heading(*position, *synced.imu->orientation, backwards)) {
+    if (gnss_.accepts_heading(*position, *synced.imu->orientation, backwards)) {
       position->R_enu_base = synced.imu->orientation;
-    } else if (gnss_.heading_check().verdict().has_value()) {
-      notices_.useless_heading();
+    } else if (gnss_.heading_check().agrees().has_value()) {
+      diagnostics_.rejected_heading();
     }
     return position;
   }
 
-  PointCloud kept_cloud(WaitingScan scan, const Pose& T_base_lidar, SyncedScan& synced) {
+  PointCloud filtered_cloud(WaitingScan scan, const Pose& T_base_lidar, SyncedScan& synced) {
     PointCloud& cloud = scan.raw.cloud;
     if (config_.vertical_angle_correction_deg != 0.0) {
       scan.raw.unpack();
@@ -219,12 +222,12 @@ class Preprocessor::Impl {
     MeasuredMotion measured;
     if (config_.deskewing && cloud.has_times()) {
       measured = sensors_.motion(scan.raw.stamp, scan.span, T_base_lidar.translation);
-      // The rate of an instant is not that of the sweep.
+      // The rate at one instant is not the mean rate of the sweep.
       if (measured.source == MotionSource::kNone && synced.imu) {
         synced.imu->has_angular_velocity = false;
       }
     }
-    if (!cloud.empty()) notices_.motion(measured.source, cloud.has_times());
+    if (!cloud.empty()) diagnostics_.motion(measured.source, cloud.has_times());
     if (measured.source == MotionSource::kImu) leave_uniform_turning(measured.motion, synced);
     const bool moves = measured.source != MotionSource::kNone;
     const bool compensates = moves && measured.source != MotionSource::kImu;
@@ -236,7 +239,8 @@ class Preprocessor::Impl {
     return without_outliers(downsampled(std::move(cloud), config_), config_);
   }
 
-  /// The front end knows the way of the LiDAR, but takes its turning as uniform.
+  /// The front end estimates the motion of the LiDAR, but assumes a uniform rotation during the
+  /// sweep.
   static void leave_uniform_turning(ScanMotion& motion, SyncedScan& synced) {
     const Eigen::Vector3d omega = mean_angular_velocity(motion);
     motion = without_uniform_turning(motion, omega);
@@ -253,11 +257,11 @@ class Preprocessor::Impl {
   GnssTrack gnss_;
   Stamp latency_;
   StampGuard scan_guard_, imu_guard_, velocity_guard_, gnss_guard_;
-  ScanQueue waiting_;
-  Stamp newest_ = 0;      ///< the time that the data have reached
-  Stamp last_stamp_ = 0;  ///< of the scan before
+  ScanQueue queue_;
+  Stamp newest_ = 0;      ///< the latest time of all data
+  Stamp last_stamp_ = 0;  ///< of the previous scan
   PreprocessingCounters counters_;
-  InputNotices notices_;
+  InputDiagnostics diagnostics_;
 };
 
 Preprocessor::Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup)
@@ -275,12 +279,12 @@ void Preprocessor::add_gnss(const GnssFix& fix, const std::string& frame_id) {
 }
 std::vector<SyncedScan> Preprocessor::process(RawScan scan) {
   impl_->enqueue(std::move(scan));
-  return impl_->take(false);
+  return impl_->complete_scans(false);
 }
-std::vector<SyncedScan> Preprocessor::take_complete() { return impl_->take(false); }
-std::vector<SyncedScan> Preprocessor::flush() { return impl_->take(true); }
+std::vector<SyncedScan> Preprocessor::take_complete() { return impl_->complete_scans(false); }
+std::vector<SyncedScan> Preprocessor::flush() { return impl_->complete_scans(true); }
 std::optional<GeodeticDatum> Preprocessor::datum() const { return impl_->datum(); }
 const PreprocessingCounters& Preprocessor::counters() const { return impl_->counters(); }
-std::vector<Notice> Preprocessor::take_notices() { return impl_->take_notices(); }
+std::vector<Diagnostic> Preprocessor::take_diagnostics() { return impl_->take_diagnostics(); }
 
 }  // namespace lidar_mapping::preprocessing

@@ -11,14 +11,15 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Samples of one sensor in the order of their stamps, whatever the order of their arrival. Bounded
-/// in time and number: the oldest leave.
+/// Samples of one sensor in the order of their stamps, independent of the order of their arrival.
+/// Time span and number are limited: the oldest samples are removed.
 template <typename Sample>
 class SampleBuffer {
  public:
   SampleBuffer(Stamp horizon, std::size_t capacity) : horizon_(horizon), capacity_(capacity) {}
 
-  /// False, and nothing changes, for a stamp that is there already or older than the buffer's span.
+  /// Inserts a sample. Returns false and changes nothing if its stamp is in the buffer already or
+  /// older than the buffer's span.
   bool insert(Sample sample) {
     const auto at = std::lower_bound(samples_.begin(), samples_.end(), sample.stamp, is_before);
     if (at != samples_.end() && at->stamp == sample.stamp) return false;
@@ -32,8 +33,8 @@ class SampleBuffer {
     return true;
   }
 
-  /// The neighbours of `stamp` (the same sample twice where it has that stamp), if they are at most
-  /// `max_gap` apart: the only pair between which values may be interpolated.
+  /// The neighbours of `stamp` (the same sample twice if it has exactly this stamp) if they are at
+  /// most `max_gap` apart: the only pair between which values may be interpolated.
   std::optional<std::pair<const Sample*, const Sample*>> around(Stamp stamp, Stamp max_gap) const {
     const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp, is_before);
     if (after == samples_.end()) return std::nullopt;
@@ -44,7 +45,7 @@ class SampleBuffer {
     return std::make_pair(&*before, &*after);
   }
 
-  /// The sample before the one of that stamp, if it is at most `max_gap` older; else none.
+  /// The sample before the one with this stamp, if it is at most `max_gap` older; otherwise null.
   const Sample* before(Stamp stamp, Stamp max_gap) const {
     const auto at = std::lower_bound(samples_.begin(), samples_.end(), stamp, is_before);
     if (at == samples_.begin()) return nullptr;
@@ -52,7 +53,7 @@ class SampleBuffer {
     return stamp - earlier->stamp <= max_gap ? &*earlier : nullptr;
   }
 
-  /// The newest sample that is not after `stamp`; none where all are.
+  /// The newest sample that is not after `stamp`; null if all are.
   const Sample* up_to(Stamp stamp) const {
     const auto after = std::upper_bound(samples_.begin(), samples_.end(), stamp, is_after);
     return after == samples_.begin() ? nullptr : &*std::prev(after);

@@ -8,9 +8,9 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kLongestStep = 0.002;  // s: turning at 10 rad/s^2 stays below 1e-4 rad in a step
+constexpr double kMaxStep = 0.002;  // s: the error at 10 rad/s^2 stays below 1e-4 rad in a step
 
-/// Moves on from the pose at `time` by `step` (of either sign).
+/// Integrates from the pose at `time` by one `step` (of either sign).
 std::optional<Pose> advanced(const Pose& pose, double time, double step,
                              const TurningAtTime& turning, const VelocityAtTime& velocity) {
   const double middle = time + 0.5 * step;
@@ -27,9 +27,10 @@ std::optional<Pose> advanced(const Pose& pose, double time, double step,
   return next;
 }
 
-/// Poses at stamp + k step for k = 1 .. count.
-std::optional<std::vector<Pose>> followed(int count, double step, const TurningAtTime& turning,
-                                          const VelocityAtTime& velocity) {
+/// Poses at the times stamp + k step for k = 1 .. count.
+std::optional<std::vector<Pose>> integrate_steps(int count, double step,
+                                                 const TurningAtTime& turning,
+                                                 const VelocityAtTime& velocity) {
   std::vector<Pose> poses;
   Pose pose;
   for (int k = 0; k < count; ++k) {
@@ -53,13 +54,13 @@ Pose ScanMotion::at(double time) const {
 
 std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTime& turning,
                                      const VelocityAtTime& velocity) {
-  // The knots include the stamp itself, so that points of that instant do not move at all.
-  const double step = kLongestStep;
+  // The stamp itself is a knot, so that points measured at the stamp are not moved at all.
+  const double step = kMaxStep;
   const int before = static_cast<int>(std::ceil(std::max(0.0, -begin) / step));
   const int after =
       std::max(static_cast<int>(std::ceil(std::max(0.0, end) / step)), before ? 0 : 1);
-  auto earlier = followed(before, -step, turning, velocity);
-  const auto later = followed(after, step, turning, velocity);
+  auto earlier = integrate_steps(before, -step, turning, velocity);
+  const auto later = integrate_steps(after, step, turning, velocity);
   if (!earlier || !later) return std::nullopt;
   ScanMotion motion;
   motion.begin = -before * step;

@@ -16,11 +16,11 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Points without an echo lie in the sensor's origin; no LiDAR measures a centimetre.
-constexpr float kNoEcho = 0.01F;
+/// Points without an echo lie at the sensor's origin; no LiDAR measures a range of a centimetre.
+constexpr float kMinRange = 0.01F;
 
-/// Slots to a step of the motion: turning at 1 rad/s, a straight line is off by 1e-7 rad in the
-/// middle of 1 ms.
+/// Time slots per step of the motion: at 1 rad/s, the error of a straight line in the middle of 1
+/// ms is 1e-7 rad.
 constexpr int kSlotsPerStep = 2;
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
@@ -29,13 +29,13 @@ void write(const Matrix34& place, float* to) {
   Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>{to} = place.cast<float>();
 }
 
-std::vector<MotionSlot> standing() {
+std::vector<MotionSlot> identity_slots() {
   std::vector<MotionSlot> slots(1);
   write(Matrix34::Identity(), slots.front().place);
   return slots;
 }
 
-/// The chord between two places that a small turning lies between.
+/// The linear motion between two poses with a small rotation between them.
 MotionSlot slot_between(const Matrix34& begin, const Matrix34& end) {
   const Matrix34 middle = 0.5 * (begin + end);
   const Matrix34 change = end - begin;
@@ -56,7 +56,8 @@ Matrix34 matrix_of(const Pose& pose) {
   return matrix;
 }
 
-/// interpolate(a, b, 0.5) without its arc cosine: the mean of two quaternions lies halfway.
+/// interpolate(a, b, 0.5) without its arc cosine: the normalised mean of two quaternions lies
+/// halfway.
 Pose halfway(const Pose& a, const Pose& b) {
   const double sign = a.rotation.dot(b.rotation) < 0.0 ? -1.0 : 1.0;
   Pose middle;
@@ -65,20 +66,20 @@ Pose halfway(const Pose& a, const Pose& b) {
   return middle;
 }
 
-/// Of the sensor itself, in its axes.
+/// The motion of the sensor itself, in its own axes.
 std::vector<MotionSlot> slots_of(const ScanMotion& motion,
                                  const Eigen::Quaterniond& R_base_sensor) {
   std::vector<MotionSlot> slots;
   slots.reserve(kSlotsPerStep * (motion.T_stamp_knot.size() - 1));
   const Pose R{R_base_sensor, Eigen::Vector3d::Zero()};
-  const auto place_by = [&](const Pose& T_stamp_base) {
+  const auto sensor_motion = [&](const Pose& T_stamp_base) {
     return matrix_of(R.inverse() * T_stamp_base * R);
   };
-  Matrix34 begin = place_by(motion.T_stamp_knot.front());
+  Matrix34 begin = sensor_motion(motion.T_stamp_knot.front());
   for (std::size_t knot = 1; knot < motion.T_stamp_knot.size(); ++knot) {
     const Pose& T_stamp_knot = motion.T_stamp_knot[knot];
-    const Matrix34 middle = place_by(halfway(motion.T_stamp_knot[knot - 1], T_stamp_knot));
-    const Matrix34 end = place_by(T_stamp_knot);
+    const Matrix34 middle = sensor_motion(halfway(motion.T_stamp_knot[knot - 1], T_stamp_knot));
+    const Matrix34 end = sensor_motion(T_stamp_knot);
     slots.push_back(slot_between(begin, middle));
     slots.push_back(slot_between(middle, end));
     begin = end;
@@ -106,7 +107,7 @@ PassLimits::PassLimits(const PreprocessingConfig& config)
               static_cast<float>(config.vehicle_box[5])) {
   const bool cut = config.use_distance_filter;
   const float near = cut ? static_cast<float>(config.distance_near_thresh) : 0.0F;
-  near_squared = std::max(near, kNoEcho) * std::max(near, kNoEcho);
+  near_squared = std::max(near, kMinRange) * std::max(near, kMinRange);
   const auto far = static_cast<float>(config.distance_far_thresh);
   far_squared = cut ? far * far : std::numeric_limits<float>::max();
 }
@@ -121,7 +122,7 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
                             const ScanMotion* motion, PointTimesAfter times) {
   if (cloud.empty()) return 0;
   const std::vector<MotionSlot> slots =
-      motion == nullptr ? standing() : slots_of(*motion, T_base_sensor.rotation);
+      motion == nullptr ? identity_slots() : slots_of(*motion, T_base_sensor.rotation);
   SlottedMotion slotted{slots.data(), static_cast<int>(slots.size()), 0.0F, 0.0F};
   if (motion != nullptr) {
     slotted.begin = static_cast<float>(motion->begin);

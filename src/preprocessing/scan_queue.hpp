@@ -20,21 +20,22 @@ struct WaitingScan {
 /// Scans that wait for the other sensors, in the order of their stamps.
 class ScanQueue {
  public:
-  /// Refuses a stamp that is there already and one that is not after all that have left; says when
-  /// time has gone back so far that the recording must have begun anew (nothing is inserted then).
+  /// Rejects a scan whose stamp is in the queue already, or not after all scans that were released.
+  /// If time has gone back so far that the recording must have started again, nothing is inserted,
+  /// and the result tells so.
   Insertion insert(WaitingScan&& scan);
 
-  bool empty() const { return waiting_.empty(); }
-  std::size_t size() const { return waiting_.size(); }
-  /// More than should wait: the oldest has to leave.
+  bool empty() const { return scans_.empty(); }
+  std::size_t size() const { return scans_.size(); }
+  /// True if the queue is too long: the oldest scan has to be released.
   bool is_too_long() const;
-  const WaitingScan& oldest() const { return waiting_.front(); }
+  const WaitingScan& oldest() const { return scans_.front(); }
   WaitingScan take_oldest();
   void clear();
 
  private:
-  std::deque<WaitingScan> waiting_;
-  std::optional<Stamp> last_out_;
+  std::deque<WaitingScan> scans_;
+  std::optional<Stamp> last_released_;
 };
 
 }  // namespace lidar_mapping::preprocessing

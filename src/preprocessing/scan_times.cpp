@@ -14,9 +14,9 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// No spinning sensor turns slower than this, whatever scan_period says.
-constexpr double kLongestScan = 0.6;  // s
-/// Relative to the period: the first column of a scan may be this much before its start.
+/// No spinning sensor turns slower than this, whatever scan_period is.
+constexpr double kMaxScanDuration = 0.6;  // s
+/// As a fraction of the period: the first column of a scan may be this much before its start.
 constexpr double kSlack = 0.02;
 
 std::string implausible(const TimeSpan& span, const PreprocessingConfig& config) {
@@ -28,7 +28,7 @@ std::string implausible(const TimeSpan& span, const PreprocessingConfig& config)
   return text;
 }
 
-/// How much earlier than the scan's start-based time a time based on its stamp is.
+/// Offset between times relative to the scan's start and times relative to its stamp.
 double start_to_stamp(const PreprocessingConfig& config) {
   switch (config.scan_stamp) {
     case ScanStamp::kStart:
@@ -44,17 +44,17 @@ double start_to_stamp(const PreprocessingConfig& config) {
 constexpr std::size_t kLanes = 4;
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 
-/// Lane by lane; comparisons are false for NaN.
+/// Computes lane by lane; comparisons with NaN are false.
 class Extremes {
  public:
   Extremes(float first, float last) : first_(Floats{} + first), last_(Floats{} + last) {}
 
-  void see(const float* times) {
+  void add(const float* times) {
     Floats time;
     std::memcpy(&time, times, sizeof(time));
-    see_lanes(time);
+    add_lanes(time);
   }
-  void see(float time) { see_lanes(Floats{} + time); }
+  void add(float time) { add_lanes(Floats{} + time); }
 
   float least() const {
     return std::min(std::min(first_[0], first_[1]), std::min(first_[2], first_[3]));
@@ -64,7 +64,7 @@ class Extremes {
   }
 
  private:
-  void see_lanes(const Floats& time) {
+  void add_lanes(const Floats& time) {
     first_ = time < first_ ? time : first_;
     last_ = time > last_ ? time : last_;
   }
@@ -75,14 +75,14 @@ class Extremes {
 }  // namespace
 
 void TimeSpanFinder::add(const float* times, std::size_t count) {
-  // Two at a time hide how long a comparison takes.
+  // Two independent chains hide the latency of a comparison.
   Extremes even{first_, last_}, odd{first_, last_};
   std::size_t i = 0;
   for (; i + 2 * kLanes <= count; i += 2 * kLanes) {
-    even.see(times + i);
-    odd.see(times + i + kLanes);
+    even.add(times + i);
+    odd.add(times + i + kLanes);
   }
-  for (; i < count; ++i) even.see(times[i]);
+  for (; i < count; ++i) even.add(times[i]);
   first_ = std::min(even.least(), odd.least());
   last_ = std::max(even.greatest(), odd.greatest());
 }
@@ -109,15 +109,15 @@ TimeSpan time_span(const PointCloud& cloud) {
   return finder.span();
 }
 
-SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
-                          const std::optional<TimeSpan>& known) {
+NormalizedTimes normalize_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
+                                const std::optional<TimeSpan>& known) {
   if (config.point_times == PointTimes::kNone) cloud.times.clear();
   if (config.point_times == PointTimes::kAzimuth && !cloud.has_times()) {
     set_times_from_azimuth(cloud, config);
   }
   if (!cloud.has_times()) return {};
   const TimeSpan span = known ? *known : time_span(cloud);
-  const double longest = std::max(1.5 * config.scan_period, kLongestScan);
+  const double longest = std::max(1.5 * config.scan_period, kMaxScanDuration);
   if (span.end - span.begin > longest || span.end > longest || span.begin < -longest) {
     cloud.times.clear();
     return {{}, implausible(span, config)};

@@ -15,11 +15,11 @@ std::string text(const char* format, ...) {
   return buffer;
 }
 
-std::string without_slash(const std::string& frame_id) {
+std::string without_leading_slash(const std::string& frame_id) {
   return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
 }
 
-void TopicFlow::see(Stamp stamp, const std::string& frame) {
+void TopicStatistics::add(Stamp stamp, const std::string& frame) {
   frame_id = frame;
   if (count++ == 0) {
     first = newest = stamp;
@@ -36,26 +36,26 @@ void TopicFlow::see(Stamp stamp, const std::string& frame) {
   newest = stamp;
 }
 
-double TopicFlow::rate() const {
+double TopicStatistics::rate() const {
   const double seconds = to_seconds(newest - first);
   return seconds > 0.0 ? static_cast<double>(count - 1) / seconds : 0.0;
 }
 
 void add_fault(InputReport& report, const std::string& text, const std::string& remedy) {
-  report.findings.push_back({Severity::kFault, text, remedy});
+  report.diagnostics.push_back({Severity::kFault, text, remedy});
 }
 
 void add_warning(InputReport& report, const std::string& text, const std::string& remedy) {
-  report.findings.push_back({Severity::kWarning, text, remedy});
+  report.diagnostics.push_back({Severity::kWarning, text, remedy});
 }
 
-InputReport examine_headers(const std::string& input, const TopicFlow& flow,
-                            const ExtrinsicLookup& lookup) {
+InputReport check_headers(const std::string& input, const TopicStatistics& topic,
+                          const ExtrinsicLookup& lookup) {
   InputReport report{input, "nothing came", {}};
-  if (flow.count == 0) return report;
-  report.found = text("%.1f Hz, frame %s", flow.rate(),
-                      flow.frame_id.empty() ? "(none)" : flow.frame_id.c_str());
-  const std::string frame = flow.frame();
+  if (topic.count == 0) return report;
+  report.found = text("%.1f Hz, frame %s", topic.rate(),
+                      topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
+  const std::string frame = topic.frame();
   const std::string without = input == "points"
                                   ? "map_bag takes the frame of the scans for that of the vehicle; "
                                   : "without it the sensor is not used; ";
@@ -67,15 +67,15 @@ InputReport examine_headers(const std::string& input, const TopicFlow& flow,
         report, "no transform from '" + frame + "' to the vehicle's frame",
         without + "publish it on /tf_static (static_transform_publisher), or set base_frame");
   }
-  if (frame != flow.frame_id) {
-    add_warning(report, "frame '" + flow.frame_id + "' has a leading slash, which tf2 refuses",
+  if (frame != topic.frame_id) {
+    add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
                 "it is left out here; mend the driver");
   }
-  if (flow.newest == 0) {
+  if (topic.newest == 0) {
     add_fault(report, "the stamps are 0",
               "the driver must stamp its messages; map_bag takes the times of their recording");
-  } else if (flow.backward > 0) {
-    add_fault(report, text("%zu of %zu stamps do not increase", flow.backward, flow.count),
+  } else if (topic.backward > 0) {
+    add_fault(report, text("%zu of %zu stamps do not increase", topic.backward, topic.count),
               "two publishers on one topic, or a recording that begins anew; keep one of them");
   }
   return report;

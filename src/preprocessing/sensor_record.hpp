@@ -6,48 +6,48 @@
 #include <vector>
 
 #include "lidar_mapping/common/stamp.hpp"
+#include "lidar_mapping/preprocessing/check_diagnostic.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/finding.hpp"
 
 namespace lidar_mapping::preprocessing {
 
-/// A sentence as printf makes it.
+/// Formats a text like printf.
 __attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
 
-/// The frame as tf2 knows it: without a leading slash.
-std::string without_slash(const std::string& frame_id);
+/// The name of the frame as tf2 uses it: without a leading slash.
+std::string without_leading_slash(const std::string& frame_id);
 
-/// What the headers of a topic say.
-struct TopicFlow {
+/// Statistics of the headers of a topic.
+struct TopicStatistics {
   std::size_t count = 0;
-  std::size_t backward = 0;  ///< stamps that are not later than all before
+  std::size_t backward = 0;  ///< stamps that are not later than all previous ones
   Stamp first = 0;
   Stamp newest = 0;
   Stamp longest_gap = 0;
   Stamp gap_begin = 0;
   std::string frame_id;
 
-  void see(Stamp stamp, const std::string& frame);
+  void add(Stamp stamp, const std::string& frame);
   double rate() const;  ///< Hz
-  std::string frame() const { return without_slash(frame_id); }
+  std::string frame() const { return without_leading_slash(frame_id); }
 };
 
-/// Messages of a sensor: their flow and, up to a limit, those whose values can be used.
+/// The messages of a sensor: statistics of their headers and, up to a limit, the usable samples.
 template <typename Sample>
 struct SensorRecord {
-  static constexpr std::size_t kMostKept = 50000;
+  static constexpr std::size_t kMaxSamples = 50000;
 
-  TopicFlow flow;
+  TopicStatistics topic;
   std::vector<Sample> samples;
 
-  void keep(const Sample& sample) {
-    if (samples.size() < kMostKept) samples.push_back(sample);
+  void add_sample(const Sample& sample) {
+    if (samples.size() < kMaxSamples) samples.push_back(sample);
   }
 };
 
-/// The report of an input as far as its headers go: rate, frame, transform, stamps.
-InputReport examine_headers(const std::string& input, const TopicFlow& flow,
-                            const ExtrinsicLookup& lookup);
+/// Checks the headers of an input: rate, frame, transform, stamps.
+InputReport check_headers(const std::string& input, const TopicStatistics& topic,
+                          const ExtrinsicLookup& lookup);
 
 void add_fault(InputReport& report, const std::string& text, const std::string& remedy);
 void add_warning(InputReport& report, const std::string& text, const std::string& remedy);

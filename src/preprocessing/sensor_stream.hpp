@@ -8,9 +8,9 @@
 
 namespace lidar_mapping::preprocessing {
 
-enum class Insertion { kTaken, kRefused, kTimeWentBack };
+enum class Insertion { kInserted, kRefused, kTimeWentBack };
 
-/// The samples of one sensor and what its stamps say about it.
+/// The samples of one sensor, and its state as far as it follows from the stamps.
 template <typename Sample>
 class SensorStream {
  public:
@@ -20,19 +20,20 @@ class SensorStream {
         max_gap_(from_seconds(max_gap)),
         buffer_(from_seconds(kHorizon), kCapacity) {}
 
-  /// Refuses duplicates and samples that are older than all that is kept; says when the stamps have
-  /// jumped back so far that the recording must have begun anew (nothing is inserted then).
+  /// Rejects duplicates and samples that are older than all samples in the buffer. If the stamps
+  /// have jumped back so far that the recording must have started again, nothing is inserted, and
+  /// the result tells so.
   Insertion insert(Sample sample, const std::string& frame_id) {
     if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - from_seconds(kJumpBack)) {
       return Insertion::kTimeWentBack;
     }
-    if (frame_id != frame_id_) buffer_.clear();  // another sensor
+    if (frame_id != frame_id_) buffer_.clear();  // samples of another sensor
     frame_id_ = frame_id;
-    return buffer_.insert(std::move(sample)) ? Insertion::kTaken : Insertion::kRefused;
+    return buffer_.insert(std::move(sample)) ? Insertion::kInserted : Insertion::kRefused;
   }
 
-  /// Whether a sample at or after `until` may still come: the sensor is alive, or has not had the
-  /// time to show itself.
+  /// True if a sample at or after `until` may still arrive: the sensor is active, or has not had
+  /// enough time for a first sample.
   bool may_still_deliver(Stamp until, Stamp now, Stamp latency) const {
     if (!enabled_ || given_up_) return false;
     if (buffer_.empty()) return now < until + latency;
@@ -40,7 +41,7 @@ class SensorStream {
     return buffer_.newest().stamp > now - from_seconds(kSilence) - latency;
   }
 
-  /// Nobody waits any longer for a sensor that never showed itself; until it does.
+  /// Stops waiting for a sensor that has never delivered a sample, until it does.
   void give_up_if_silent() { given_up_ = buffer_.empty(); }
 
   auto around(Stamp stamp) const { return buffer_.around(stamp, max_gap_); }
@@ -57,8 +58,8 @@ class SensorStream {
  private:
   static constexpr double kHorizon = 20.0;  // s
   static constexpr std::size_t kCapacity = 20000;
-  static constexpr double kJumpBack = 2.0;  // s; later than any network
-  static constexpr double kSilence = 1.0;   // s without a sample: the sensor has gone
+  static constexpr double kJumpBack = 2.0;  // s; longer than any network delay
+  static constexpr double kSilence = 1.0;   // s without a sample: the sensor is not active any more
 
   std::string name_;
   bool enabled_;

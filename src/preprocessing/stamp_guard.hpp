@@ -8,36 +8,37 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Tells a stray stamp from a time that has jumped: a jump counts when the next stamp confirms it.
+/// Distinguishes a single wrong stamp from a jump of time: a jump is accepted when the next stamp
+/// confirms it.
 class StampGuard {
  public:
-  /// `now` is the time that all inputs together have reached. False for a stamp that is far from it
-  /// and from all before, until the next one confirms it.
+  /// `now` is the latest time of all inputs. Returns false for a stamp that is far from it and from
+  /// all previous stamps, until the next stamp confirms it.
   bool accepts(Stamp stamp, Stamp now) {
     if (!newest_ || follows(*newest_, stamp) || (stamp > *newest_ && follows(now, stamp))) {
       newest_ = std::max(newest_.value_or(stamp), stamp);
-    } else if (stray_ && follows(*stray_, stamp)) {
+    } else if (unconfirmed_ && follows(*unconfirmed_, stamp)) {
       newest_ = stamp;
     } else {
-      stray_ = stamp;
+      unconfirmed_ = stamp;
       return false;
     }
-    stray_.reset();
+    unconfirmed_.reset();
     return true;
   }
 
-  /// The newest one that was accepted, 0 if there was none.
+  /// The newest accepted stamp; 0 if there is none.
   Stamp newest() const { return newest_.value_or(0); }
 
  private:
   static bool follows(Stamp before, Stamp stamp) {
-    constexpr Stamp kMostBack = from_seconds(2.0);  // later than any network
-    constexpr Stamp kMostAhead = from_seconds(10.0);
-    return stamp >= before - kMostBack && stamp <= before + kMostAhead;
+    constexpr Stamp kMaxBackward = from_seconds(2.0);  // longer than any network delay
+    constexpr Stamp kMaxForward = from_seconds(10.0);
+    return stamp >= before - kMaxBackward && stamp <= before + kMaxForward;
   }
 
   std::optional<Stamp> newest_;
-  std::optional<Stamp> stray_;
+  std::optional<Stamp> unconfirmed_;
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -8,22 +8,24 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr std::size_t kMostCompared = 400;  // points at the end of a sweep
-constexpr float kNearest = 3.0F;            // m; nearer there is the vehicle
-constexpr float kFarthest = 50.0F;          // m; farther the neighbours are too far apart
-constexpr float kMoved = 0.15F;             // m
-constexpr float kJoined = 0.4F;             // m
-constexpr std::size_t kFewestPoints = 4;
-constexpr std::size_t kFewestScans = 10;
-constexpr double kLongestPause = 1.5;  // spans of a sweep
+constexpr std::size_t kMaxPoints = 400;  // points at the end of a sweep
+constexpr float kMinRange = 3.0F;        // m; nearer points belong to the vehicle
+constexpr float kMaxRange = 50.0F;       // m; beyond, neighbouring points are too far apart
+constexpr float kMinDifference = 0.15F;  // m
+constexpr float kMaxGap = 0.4F;          // m
+constexpr std::size_t kMinPoints = 4;
+constexpr std::size_t kMinScans = 10;
+constexpr double kMaxPause = 1.5;  // in units of the span of a sweep
 
 float distance_to(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& point) {
-  float least = std::numeric_limits<float>::max();
-  for (const Eigen::Vector3f& p : points) least = std::min(least, (p - point).squaredNorm());
-  return std::sqrt(least);
+  float nearest_squared = std::numeric_limits<float>::max();
+  for (const Eigen::Vector3f& p : points)
+    nearest_squared = std::min(nearest_squared, (p - point).squaredNorm());
+  return std::sqrt(nearest_squared);
 }
 
-/// Points at the end of a sweep that join one beginning clearly better than the other.
+/// Number of points at the end of a sweep that fit the beginning of one sweep clearly better than
+/// that of the other.
 struct Votes {
   std::size_t own = 0;
   std::size_t next = 0;
@@ -31,14 +33,15 @@ struct Votes {
 
 Votes votes_of(const CloudSummary& sweep, const CloudSummary& next) {
   Votes votes;
-  const std::size_t step = 1 + sweep.end_points.size() / kMostCompared;
+  const std::size_t step = 1 + sweep.end_points.size() / kMaxPoints;
   for (std::size_t i = 0; i < sweep.end_points.size(); i += step) {
     const Eigen::Vector3f& point = sweep.end_points[i];
     const float range = point.norm();
-    if (range < kNearest || range > kFarthest) continue;
+    if (range < kMinRange || range > kMaxRange) continue;
     const float to_own = distance_to(sweep.begin_points, point);
     const float to_next = distance_to(next.begin_points, point);
-    if (std::min(to_own, to_next) > kJoined || std::abs(to_own - to_next) < kMoved) continue;
+    if (std::min(to_own, to_next) > kMaxGap || std::abs(to_own - to_next) < kMinDifference)
+      continue;
     ++(to_own < to_next ? votes.own : votes.next);
   }
   return votes;
@@ -49,9 +52,9 @@ Votes votes_of(const CloudSummary& sweep, const CloudSummary& next) {
 void SweepSeam::add(const CloudSummary& cloud) {
   const double span = cloud.last_time - cloud.first_time;
   const double since = to_seconds(cloud.stamp - previous_.stamp);
-  if (!previous_.end_points.empty() && since > 0.0 && since < kLongestPause * span) {
+  if (!previous_.end_points.empty() && since > 0.0 && since < kMaxPause * span) {
     const Votes votes = votes_of(previous_, cloud);
-    if (votes.own + votes.next >= kFewestPoints) {
+    if (votes.own + votes.next >= kMinPoints) {
       if (votes.own > 3 * votes.next) ++compensated_;
       if (votes.next > 3 * votes.own) ++raw_;
     }
@@ -60,7 +63,7 @@ void SweepSeam::add(const CloudSummary& cloud) {
 }
 
 bool SweepSeam::is_compensated() const {
-  return compensated_ >= kFewestScans && compensated_ > 4 * raw_;
+  return compensated_ >= kMinScans && compensated_ > 4 * raw_;
 }
 
 }  // namespace lidar_mapping::preprocessing

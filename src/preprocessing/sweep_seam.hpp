@@ -3,18 +3,18 @@
 
 #include <cstddef>
 
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 
 namespace lidar_mapping::preprocessing {
 
-/// Tells scans as they were measured from scans whose motion was taken out already, by the seam of
-/// the sweep. Where the motion is still in, the end of a sweep joins the beginning of the next one,
-/// measured from the same place a moment later; where it was taken out, it joins the beginning of
-/// its own. Standing vehicles tell nothing.
+/// Distinguishes raw scans from scans that were motion-compensated before, by the seam of the
+/// sweep. In raw scans the end of a sweep joins the beginning of the next sweep, which is measured
+/// from the same place a moment later. In compensated scans it joins the beginning of its own
+/// sweep. If the vehicle stands still, nothing can be decided.
 class SweepSeam {
  public:
   void add(const CloudSummary& cloud);
-  /// Many scans speak for it, and hardly any against.
+  /// True if many scans indicate compensation, and hardly any scan indicates raw data.
   bool is_compensated() const;
 
  private:

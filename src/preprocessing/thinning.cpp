@@ -15,7 +15,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Keeps the points that `keep(index)` wants, in their order.
+/// Keeps the points for which `keep(index)` is true, in their order.
 template <typename Keep>
 PointCloud selected(PointCloud cloud, const Keep& keep) {
   std::size_t kept = 0;

@@ -6,7 +6,8 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// The cloud after `downsample_method`. Voxels have 64-bit keys: no extent makes it give up.
+/// The cloud after `downsample_method`. Voxels have 64-bit keys, so that clouds of any extent are
+/// possible.
 PointCloud downsampled(PointCloud cloud, const PreprocessingConfig& config);
 
 /// The cloud after `outlier_removal_method` (PCL's filters; Rusu et al. 2008 for STATISTICAL).

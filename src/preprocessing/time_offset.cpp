@@ -8,9 +8,9 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kLongestGap = 0.25;  // s between values of the reference
-constexpr double kSlopeOver = 0.2;    // s over which a slope is taken: noise is not a course
-constexpr std::size_t kFewest = 100;
+constexpr double kMaxGap = 0.25;        // s between values of the reference
+constexpr double kSlopeInterval = 0.2;  // s over which a slope is computed, to reduce noise
+constexpr std::size_t kMinValues = 100;
 
 std::optional<double> value_at(const std::vector<TimedValue>& values, Stamp stamp) {
   const auto after =
@@ -19,9 +19,9 @@ std::optional<double> value_at(const std::vector<TimedValue>& values, Stamp stam
   if (after == values.begin() || after == values.end()) return std::nullopt;
   const auto before = std::prev(after);
   const double gap = to_seconds(after->stamp - before->stamp);
-  if (gap > kLongestGap || gap <= 0.0) return std::nullopt;
-  const double share = to_seconds(stamp - before->stamp) / gap;
-  return before->value + share * (after->value - before->value);
+  if (gap > kMaxGap || gap <= 0.0) return std::nullopt;
+  const double fraction = to_seconds(stamp - before->stamp) / gap;
+  return before->value + fraction * (after->value - before->value);
 }
 
 }  // namespace
@@ -30,20 +30,20 @@ std::optional<TimeOffset> time_offset(const std::vector<TimedValue>& reference,
                                       const std::vector<TimedValue>& late) {
   double slopes = 0.0, products = 0.0, squares = 0.0;
   std::size_t count = 0;
-  const Stamp half = from_seconds(0.5 * kSlopeOver);
+  const Stamp half = from_seconds(0.5 * kSlopeInterval);
   for (const TimedValue& sample : late) {
     const auto here = value_at(reference, sample.stamp);
     const auto before = value_at(reference, sample.stamp - half);
     const auto after = value_at(reference, sample.stamp + half);
     if (!here || !before || !after) continue;
-    const double slope = (*after - *before) / kSlopeOver;
+    const double slope = (*after - *before) / kSlopeInterval;
     const double difference = sample.value - *here;
     slopes += slope * slope;
     products += difference * slope;
     squares += difference * difference;
     ++count;
   }
-  if (count < kFewest || slopes <= 0.0) return std::nullopt;
+  if (count < kMinValues || slopes <= 0.0) return std::nullopt;
   const double seconds = -products / slopes;
   const double rest = std::max(0.0, squares - products * products / slopes);
   return TimeOffset{seconds, std::sqrt(rest / static_cast<double>(count) / slopes)};

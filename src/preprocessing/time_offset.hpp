@@ -8,21 +8,21 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// A figure at an instant.
+/// A value at an instant.
 struct TimedValue {
   Stamp stamp = 0;
   double value = 0.0;
 };
 
-/// By how much the stamps of `late` are later than those of `reference` for the same course of a
-/// figure (s), and how sure that is. Both in order of time.
+/// The delay of the stamps of `late` relative to those of `reference`, for the same signal (s),
+/// with its standard deviation. Both signals must be in order of time.
 struct TimeOffset {
   double seconds = 0.0;
   double sigma = 0.0;
 };
 
 /// Linear least squares: late(t + d) = reference(t), d = -sum(r f') / sum(f'^2) for the differences
-/// r = late - reference and the slope f' of the reference. Nothing where the figure hardly changes.
+/// r = late - reference and the slope f' of the reference. Empty if the signal hardly changes.
 std::optional<TimeOffset> time_offset(const std::vector<TimedValue>& reference,
                                       const std::vector<TimedValue>& late);
 

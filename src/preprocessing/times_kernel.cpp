@@ -13,7 +13,7 @@ Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
     float value;
     std::memcpy(&value, in, sizeof(value));
     to[i] = value;
-    bounds.least = value < bounds.least ? value : bounds.least;  // not for NaN
+    bounds.least = value < bounds.least ? value : bounds.least;  // false for NaN
     bounds.greatest = value > bounds.greatest ? value : bounds.greatest;
   }
   return bounds;

@@ -5,7 +5,7 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Floats at equal steps in memory.
+/// Floats at equal distances in memory.
 struct SteppedFloats {
   const unsigned char* first;
   std::size_t step;  ///< bytes from one to the next
@@ -17,14 +17,14 @@ struct Bounds {
   float greatest;
 };
 
-/// Copies the floats to `to`, one after the other, and widens the bounds to hold those that are
-/// numbers.
+/// Copies the floats to `to` without gaps, and extends the bounds to include those that are not
+/// NaN.
 using TimesKernel = Bounds (*)(const SteppedFloats& from, float* to, Bounds bounds);
 
-/// The fastest one that this processor can run; all give the same.
+/// The fastest kernel that this processor can run; all kernels give the same result.
 TimesKernel times_kernel();
 TimesKernel portable_times_kernel();
-/// Null where the compiler or the processor knows no AVX2.
+/// Null if the compiler or the processor does not support AVX2.
 TimesKernel avx2_times_kernel();
 
 }  // namespace lidar_mapping::preprocessing

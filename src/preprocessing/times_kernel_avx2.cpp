@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+// Compiled with AVX2 if the compiler supports it; only plain pointers are used in its interface.
 #include "lidar_mapping/common/instruction_set.hpp"
 
 #include "times_kernel.hpp"
@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kLanes = 4;
 
-/// Load by load: a gather takes twice as long from the cache, and five times from memory, which it
-/// does not let the processor read ahead.
+/// Uses single loads: a gather takes twice as long from the cache and five times as long from
+/// memory, because it prevents the processor from prefetching.
 __m128 four(const unsigned char* first, std::size_t step) {
   const auto at = [&](std::size_t k) {
     float value;
@@ -30,18 +30,18 @@ __m128 four(const unsigned char* first, std::size_t step) {
   return _mm_insert_ps(_mm_insert_ps(two, at(2), 0x20), at(3), 0x30);
 }
 
-/// Lane by lane; what is no number changes nothing.
+/// Computes lane by lane; NaN changes nothing.
 struct Extremes {
   __m128 least, greatest;
 
-  void see(__m128 values) {
-    least = _mm_min_ps(values, least);  // the second one where the first is NaN
+  void add(__m128 values) {
+    least = _mm_min_ps(values, least);  // the second operand if the first is NaN
     greatest = _mm_max_ps(values, greatest);
   }
 };
 
 Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
-  // Two at a time hide how long a comparison takes.
+  // Two independent chains hide the latency of a comparison.
   Extremes even{_mm_set1_ps(bounds.least), _mm_set1_ps(bounds.greatest)};
   Extremes odd = even;
   const unsigned char* in = from.first;
@@ -51,8 +51,8 @@ Bounds copy_floats(const SteppedFloats& from, float* to, Bounds bounds) {
     const __m128 second = four(in + kLanes * from.step, from.step);
     _mm_storeu_ps(to + i, first);
     _mm_storeu_ps(to + i + kLanes, second);
-    even.see(first);
-    odd.see(second);
+    even.add(first);
+    odd.add(second);
   }
   float least[kLanes], greatest[kLanes];
   _mm_storeu_ps(least, _mm_min_ps(even.least, odd.least));

@@ -11,17 +11,18 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kLongestGap = 1.0;    // s between scans or fixes
-constexpr double kTurnDuration = 1.0;  // s
-constexpr double kClearSpeed = 2.0;    // m/s, from which on a direction means something
-constexpr double kEnoughTurning =
+constexpr double kMaxGap = 1.0;                // s between scans or fixes
+constexpr double kTurnDuration = 1.0;          // s
+constexpr double kMinSpeedForDirection = 2.0;  // m/s; at lower speeds the direction is not reliable
+constexpr double kMinSquaredTurning =
     0.5;  // rad^2, sum of squares: a bend of 90 degrees in three seconds
-constexpr double kForgetting = 0.98;   // of it, from one turn to the next
-constexpr double kShortestWay = 2.0;   // m
-constexpr double kSigmasOfWay = 20.0;  // for a scale good to a tenth
-constexpr double kLongestWay = 20.0;   // s
-constexpr std::size_t kWays = 5;
-constexpr double kSteady = 0.2;  // of the scale, by which the middle ones may differ
+constexpr double kForgetting = 0.98;          // factor of the old sums for each new turn
+constexpr double kMinSectionLength = 2.0;     // m
+constexpr double kMinSigmasOfSection = 20.0;  // for a scale accurate to a tenth
+constexpr double kMaxSectionDuration = 20.0;  // s
+constexpr std::size_t kSections = 5;
+// of the scale, largest difference of the middle values
+constexpr double kMaxScaleDifference = 0.2;
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
@@ -32,65 +33,69 @@ double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
 bool is_true_scale(double scale) { return scale > 0.7 && scale < 1.4; }
 
 std::string scale_sentence(double scale) {
-  const bool kilometres = scale > 3.2 && scale < 4.0;
+  const bool is_kilometres_per_hour = scale > 3.2 && scale < 4.0;
   return text("its speeds are %.2f times those of the fixes%s", scale,
-              kilometres ? ": they are in km/h" : "");
+              is_kilometres_per_hour ? ": they are in km/h" : "");
 }
 
-void VelocityCheck::see_turning(Stamp stamp, const Eigen::Vector3d& velocity, double rate) {
-  if (turn_ && (stamp <= turn_->last || to_seconds(stamp - turn_->last) > kLongestGap)) {
+void VelocityCheck::add_turn_rate(Stamp stamp, const Eigen::Vector3d& velocity, double rate) {
+  if (turn_ && (stamp <= turn_->last || to_seconds(stamp - turn_->last) > kMaxGap)) {
     turn_.reset();
   }
   const Eigen::Vector2d level = velocity.head<2>();
-  if (level.norm() < kClearSpeed) return turn_.reset();
+  if (level.norm() < kMinSpeedForDirection) return turn_.reset();
   if (turn_) {
     turn_->angle += rate * to_seconds(stamp - turn_->last);
     turn_->last = stamp;
     if (to_seconds(stamp - turn_->begin) < kTurnDuration) return;
-    squares_ = kForgetting * squares_ + turn_->angle * turn_->angle;
-    products_ = kForgetting * products_ + turn_->angle * angle_between(turn_->velocity, level);
+    squared_angles_ = kForgetting * squared_angles_ + turn_->angle * turn_->angle;
+    angle_products_ =
+        kForgetting * angle_products_ + turn_->angle * angle_between(turn_->velocity, level);
   }
   turn_ = Turn{stamp, stamp, level, 0.0};
 }
 
-void VelocityCheck::see_fix(const LocalFix& fix, double speed) {
-  if (way_ && (fix.stamp <= way_->last || to_seconds(fix.stamp - way_->last) > kLongestGap ||
-               to_seconds(fix.stamp - way_->from.stamp) > kLongestWay)) {
-    way_.reset();
+void VelocityCheck::add_fix(const LocalFix& fix, double speed) {
+  if (section_ &&
+      (fix.stamp <= section_->last || to_seconds(fix.stamp - section_->last) > kMaxGap ||
+       to_seconds(fix.stamp - section_->from.stamp) > kMaxSectionDuration)) {
+    section_.reset();
   }
-  if (way_) {
-    way_->driven += speed * to_seconds(fix.stamp - way_->last);
-    way_->last = fix.stamp;
-    const double length = (fix.p_enu - way_->from.p_enu).head<2>().norm();
+  if (section_) {
+    section_->distance_travelled += speed * to_seconds(fix.stamp - section_->last);
+    section_->last = fix.stamp;
+    const double length = (fix.p_enu - section_->from.p_enu).head<2>().norm();
     const double sigma = std::sqrt(fix.covariance.diagonal().head<2>().maxCoeff());
-    if (length < std::max(kShortestWay, kSigmasOfWay * sigma)) return;
-    scales_.push_back(way_->driven / length);
-    if (scales_.size() > kWays) scales_.pop_front();
+    if (length < std::max(kMinSectionLength, kMinSigmasOfSection * sigma)) return;
+    scales_.push_back(section_->distance_travelled / length);
+    if (scales_.size() > kSections) scales_.pop_front();
   }
-  way_ = Way{fix, fix.stamp, 0.0};
+  section_ = Section{fix, fix.stamp, 0.0};
 }
 
-/// The median, where the others agree with it; jumps of fixes do not.
-std::optional<double> VelocityCheck::steady_scale() const {
-  if (scales_.size() < kWays) return std::nullopt;
-  std::array<double, kWays> sorted{};
+/// The median, if the other values agree with it; jumps of fixes do not agree.
+std::optional<double> VelocityCheck::consistent_scale() const {
+  if (scales_.size() < kSections) return std::nullopt;
+  std::array<double, kSections> sorted{};
   std::copy(scales_.begin(), scales_.end(), sorted.begin());
   std::sort(sorted.begin(), sorted.end());
-  const double median = sorted[kWays / 2];
-  if (sorted[kWays - 2] - sorted[1] > kSteady * median) return std::nullopt;
+  const double median = sorted[kSections / 2];
+  if (sorted[kSections - 2] - sorted[1] > kMaxScaleDifference * median) return std::nullopt;
   return median;
 }
 
 VelocityProblem VelocityCheck::problem(const Eigen::Vector3d& velocity) const {
-  const auto scale = steady_scale();
+  const auto scale = consistent_scale();
   if (scale && !is_true_scale(*scale)) return VelocityProblem::kUnit;
-  // In axes that stay where they are the direction turns by as much as the vehicle, in its own not
-  // at all; a flying one that yaws on a straight way sees it turn back.
-  if (squares_ > kEnoughTurning) {
-    return products_ > 0.5 * squares_ ? VelocityProblem::kAxes : VelocityProblem::kNone;
+  // In fixed axes the direction rotates by the same angle as the vehicle, in the vehicle's own axes
+  // not at all. For a flying vehicle that yaws on a straight path it rotates back.
+  if (squared_angles_ > kMinSquaredTurning) {
+    return angle_products_ > 0.5 * squared_angles_ ? VelocityProblem::kAxes
+                                                   : VelocityProblem::kNone;
   }
-  const bool aside = std::abs(velocity.y()) > std::max(std::abs(velocity.x()), kClearSpeed);
-  return aside ? VelocityProblem::kAside : VelocityProblem::kNone;
+  const bool points_aside =
+      std::abs(velocity.y()) > std::max(std::abs(velocity.x()), kMinSpeedForDirection);
+  return points_aside ? VelocityProblem::kAside : VelocityProblem::kNone;
 }
 
 std::string VelocityCheck::sentence(VelocityProblem problem) const {
@@ -98,7 +103,7 @@ std::string VelocityCheck::sentence(VelocityProblem problem) const {
     case VelocityProblem::kNone:
       return "";
     case VelocityProblem::kUnit:
-      return scale_sentence(steady_scale().value_or(0.0)) +
+      return scale_sentence(consistent_scale().value_or(0.0)) +
              "; it is not used until they agree (publish m/s, or set use_velocity to false)";
     case VelocityProblem::kAxes:
       return "its direction turns with the vehicle, as in East-North-Up; it is not used until it "

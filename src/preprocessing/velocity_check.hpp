@@ -11,22 +11,22 @@ namespace lidar_mapping::preprocessing {
 
 enum class VelocityProblem { kNone, kUnit, kAxes, kAside };
 
-/// Whether speeds of so many times the true ones may be meant as m/s.
+/// True if speeds with this scale may be in m/s.
 bool is_true_scale(double scale);
-/// "its speeds are 3.60 times those of the fixes: they are in km/h".
+/// The message, for example "its speeds are 3.60 times those of the fixes: they are in km/h".
 std::string scale_sentence(double scale);
 
-/// Whether a velocity is one in m/s and in the axes of its frame (x ahead, z up), by what the other
-/// sensors show: its speeds are those of the fixes, and its direction does not turn with the
+/// Checks with the other sensors that a velocity is in m/s and in the axes of its frame (x ahead, z
+/// up): its speeds agree with those of the fixes, and its direction does not rotate with the
 /// vehicle.
 class VelocityCheck {
  public:
-  /// A velocity and the gyro's rate about that frame's z (rad/s), scan by scan.
-  void see_turning(Stamp stamp, const Eigen::Vector3d& velocity, double rate);
-  /// A fix and the speed at its stamp.
-  void see_fix(const LocalFix& fix, double speed);
+  /// Adds a velocity and the gyro's rate about the z axis of its frame (rad/s), for each scan.
+  void add_turn_rate(Stamp stamp, const Eigen::Vector3d& velocity, double rate);
+  /// Adds a fix and the speed at its stamp.
+  void add_fix(const LocalFix& fix, double speed);
 
-  /// What speaks against using this velocity; later ones may agree again.
+  /// The reason for not using this velocity; it may disappear with later samples.
   VelocityProblem problem(const Eigen::Vector3d& velocity) const;
   std::string sentence(VelocityProblem problem) const;
   void clear() { *this = {}; }
@@ -35,22 +35,22 @@ class VelocityCheck {
   struct Turn {
     Stamp begin = 0;
     Stamp last = 0;
-    Eigen::Vector2d velocity;  ///< at the begin
-    double angle = 0.0;        ///< by the gyro since
+    Eigen::Vector2d velocity;  ///< at the beginning
+    double angle = 0.0;        ///< angle by the gyro since then
   };
-  struct Way {
+  struct Section {
     LocalFix from;
     Stamp last = 0;
-    double driven = 0.0;  ///< m, by the velocity since
+    double distance_travelled = 0.0;  ///< m, by the velocity since then
   };
 
-  std::optional<double> steady_scale() const;
+  std::optional<double> consistent_scale() const;
 
   std::optional<Turn> turn_;
-  double squares_ = 0.0;   ///< of the gyro's angles
-  double products_ = 0.0;  ///< of them and the velocity's
-  std::optional<Way> way_;
-  std::deque<double> scales_;  ///< of the last ways
+  double squared_angles_ = 0.0;  ///< sum of squares of the gyro's angles
+  double angle_products_ = 0.0;  ///< sum of products with the angles of the velocity
+  std::optional<Section> section_;
+  std::deque<double> scales_;  ///< of the last sections
 };
 
 }  // namespace lidar_mapping::preprocessing

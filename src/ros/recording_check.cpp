@@ -9,7 +9,7 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
@@ -22,7 +22,7 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-using preprocessing::Finding;
+using preprocessing::CheckDiagnostic;
 using preprocessing::InputReport;
 using preprocessing::Severity;
 
@@ -35,9 +35,9 @@ const std::map<std::string, std::string> kRawScans = {
     {"hesai_lidar/PandarScan", "convert them with hesai_lidar's cloud node"},
     {"rslidar_msgs/rslidarScan", "convert them with rslidar_sdk (msg_source 2)"}};
 
-const Finding kNoClouds = {Severity::kFault,
-                           "no topic of the recording holds sensor_msgs/PointCloud2",
-                           "record the clouds that the LiDAR's driver publishes"};
+const CheckDiagnostic kNoClouds = {Severity::kFault,
+                                   "no topic of the recording holds sensor_msgs/PointCloud2",
+                                   "record the clouds that the LiDAR's driver publishes"};
 
 /// Messages that hold a receiver's data, but no fix.
 const std::map<std::string, std::string> kRawFixes = {
@@ -45,14 +45,14 @@ const std::map<std::string, std::string> kRawFixes = {
     {"novatel_gps_msgs/NovatelPosition", "record novatel_gps_driver's fix beside them"}};
 
 /// What to do about a recording without what `known` could be made into.
-std::optional<Finding> raw_data_in(const BagSet& bags,
-                                   const std::map<std::string, std::string>& known,
-                                   Severity severity, const std::string& wanted) {
+std::optional<CheckDiagnostic> raw_data_in(const BagSet& bags,
+                                           const std::map<std::string, std::string>& known,
+                                           Severity severity, const std::string& wanted) {
   for (const BagTopic& topic : bags.topics()) {
     const auto found = known.find(topic.type);
     if (found == known.end()) continue;
-    return Finding{severity, topic.name + " holds " + topic.type + ", not " + wanted,
-                   found->second};
+    return CheckDiagnostic{severity, topic.name + " holds " + topic.type + ", not " + wanted,
+                           found->second};
   }
   return std::nullopt;
 }
@@ -77,17 +77,17 @@ Stamp end_of(const RecordingCheck& recording) {
 class Examination {
  public:
   Examination(const RecordingCheck& recording, const preprocessing::PreprocessingConfig& config)
-      : config_(config), doctor_(config), frames_(recording.base_frame) {}
+      : config_(config), input_validator_(config), frames_(recording.base_frame) {}
 
   void see(const BagMessage& message) try {
     if (message.holds<sensor_msgs::PointCloud2>()) {
       see(read_cloud(message), message.recorded);
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
-      doctor_.see_imu(from_message(*imu), imu->header.frame_id);
+      input_validator_.add_imu(from_message(*imu), imu->header.frame_id);
     } else if (const auto velocity = read_velocity(message)) {
-      doctor_.see_velocity(velocity->sample, velocity->frame_id);
+      input_validator_.add_velocity(velocity->sample, velocity->frame_id);
     } else if (const auto fix = read_gnss(message)) {
-      doctor_.see_gnss(fix->sample, fix->frame_id);
+      input_validator_.add_gnss(fix->sample, fix->frame_id);
     } else if (const auto frames = read_transforms(message)) {
       frames_.add(*frames, message.topic() == "/tf_static");
     }
@@ -102,15 +102,16 @@ class Examination {
   }
 
   std::vector<InputReport> reports() const {
-    auto reports = doctor_.report([this](const auto& frame) { return frames_.T_base(frame); });
+    auto reports =
+        input_validator_.report([this](const auto& frame) { return frames_.T_base(frame); });
     if (unreadable_ > 0) {
-      reports.front().findings.push_back(
+      reports.front().diagnostics.push_back(
           {Severity::kFault,
            std::to_string(unreadable_) + " clouds cannot be read, first " + problem_,
            "they are dropped"});
     }
     if (damaged_ > 0) {
-      reports.front().findings.push_back(
+      reports.front().diagnostics.push_back(
           {Severity::kFault,
            std::to_string(damaged_) + " places of the recording are damaged, among them " + damage_,
            "copy it again; what is damaged is left out"});
@@ -123,13 +124,13 @@ class Examination {
     const CloudView view = cloud.view();
     preprocessing::CloudSummary summary = summary_of(view, decode(view, config_));
     summary.delay = to_seconds(delivery - summary.stamp);
-    doctor_.see_scan(summary);
+    input_validator_.add_scan(summary);
   } catch (const InputError& error) {
     if (unreadable_++ == 0) problem_ = error.what();
   }
 
   preprocessing::PreprocessingConfig config_;
-  preprocessing::InputDoctor doctor_;
+  preprocessing::InputValidator input_validator_;
   RecordedFrames frames_;
   std::size_t unreadable_ = 0;
   std::string problem_;  ///< of the first of them
@@ -188,11 +189,11 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   reports.front().found += other_clouds(recording);
   if (t.points.empty()) {
     const auto raw = raw_data_in(*recording.bags, kRawScans, Severity::kFault, "PointCloud2");
-    reports.front().findings = {raw ? *raw : kNoClouds};
+    reports.front().diagnostics = {raw ? *raw : kNoClouds};
   }
   if (t.gnss.empty()) {
     const auto raw = raw_data_in(*recording.bags, kRawFixes, Severity::kWarning, "NavSatFix");
-    if (raw) reports.back().findings.push_back(*raw);
+    if (raw) reports.back().diagnostics.push_back(*raw);
   }
   return reports;
 }

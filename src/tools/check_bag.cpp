@@ -41,9 +41,9 @@ void add_arguments(CLI::App& app, Options& options) {
 void print(const preprocessing::InputReport& report, const std::string& topic) {
   std::printf("%-9s %s%s%s\n", report.input.c_str(), topic.c_str(), topic.empty() ? "" : ": ",
               report.found.c_str());
-  for (const preprocessing::Finding& finding : report.findings) {
-    std::printf("  %-8s%s\n           remedy: %s\n", preprocessing::to_string(finding.severity),
-                finding.text.c_str(), finding.remedy.c_str());
+  for (const preprocessing::CheckDiagnostic& diagnostic : report.diagnostics) {
+    std::printf("  %-8s%s\n           remedy: %s\n", preprocessing::to_string(diagnostic.severity),
+                diagnostic.text.c_str(), diagnostic.remedy.c_str());
   }
 }
 
@@ -59,12 +59,12 @@ bool run(const Options& options) {
   recording.topics = ros_border::topics_in(bags, options.topics);
   const ros_border::SensorTopics& t = recording.topics;
   const std::string topics[] = {t.points, t.imu, t.velocity, t.gnss};
-  std::size_t findings = 0, index = 0;
+  std::size_t diagnostics = 0, index = 0;
   for (const auto& report : ros_border::check(recording, config)) {
     print(report, topics[index++]);
-    findings += report.findings.size();
+    diagnostics += report.diagnostics.size();
   }
-  return findings == 0;
+  return diagnostics == 0;
 }
 
 }  // namespace

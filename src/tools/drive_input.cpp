@@ -43,8 +43,9 @@ std::vector<std::string> lines_about(const BagInput& bags) try {
     std::string name = report.input;
     name.resize(10, ' ');
     lines.push_back(name + topic + (topic.empty() ? "" : ": ") + report.found);
-    for (const preprocessing::Finding& finding : report.findings) {
-      lines.push_back("  " + std::string(to_string(finding.severity)) + ": " + sentence(finding));
+    for (const preprocessing::CheckDiagnostic& diagnostic : report.diagnostics) {
+      lines.push_back("  " + std::string(to_string(diagnostic.severity)) + ": " +
+                      sentence(diagnostic));
     }
   }
   return lines;

@@ -7,8 +7,8 @@
 
 #include "base_frame.hpp"
 #include "base_frames.hpp"
+#include "evaluated_drive.hpp"
 #include "motion_filter.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -76,11 +76,11 @@ const Pose kBaseSensor{exp_so3({0.4, 1.0, -2.0}), {1.5, -0.7, 1.2}};
 BaseFrame border() {
   BaseFrame frame;
   frame.set_sensor_pose(kBaseSensor);
-  frame.begin_at({exp_so3({0.0, 0.0, 1.0}), {100.0, 50.0, 2.0}});
+  frame.set_start({exp_so3({0.0, 0.0, 1.0}), {100.0, 50.0, 2.0}});
   return frame;
 }
 
-TEST(BaseFrame, GivesTheTwistWithWhichBaseLinkMoves) {
+TEST(BaseFrame, ConvertsTheTwistToBaseLink) {
   const BaseFrame frame = border();
   FrontEndResult now = some_result();
   FrontEndResult later = now;
@@ -90,7 +90,7 @@ TEST(BaseFrame, GivesTheTwistWithWhichBaseLinkMoves) {
   EXPECT_LT(difference(moved(now.T_odom_base, now.twist, 0.3), expected).norm(), 1e-9);
 }
 
-TEST(BaseFrame, GivesTheCovarianceOfBaseLinksMotion) {
+TEST(BaseFrame, ConvertsTheCovarianceToBaseLink) {
   const BaseFrame frame = border();
   const FrontEndResult of_sensor = some_result();
   const FrontEndResult of_base = frame.of_base(of_sensor);
@@ -104,7 +104,7 @@ TEST(BaseFrame, GivesTheCovarianceOfBaseLinksMotion) {
   EXPECT_LT((of_base.covariance - J * of_sensor.covariance * J.transpose()).norm(), 1e-5);
 }
 
-TEST(BaseFrame, MeasuredVelocitiesGoOverTheLeverArm) {
+TEST(BaseFrame, ConvertsVelocitiesWithTheLeverArm) {
   const BaseFrame frame = border();
   const FrontEndResult of_base = frame.of_base(some_result());
   const Eigen::Vector3d v = some_result().twist.head<3>();
@@ -124,10 +124,10 @@ TEST(BaseFrame, MeasuredVelocitiesGoOverTheLeverArm) {
 // What leaves the front end hangs together in base_link.
 TEST(BaseFrame, KeyFramesAreInBaseLink) {
   const simulation::Drive drive = make_drive("town", 3.0, 1);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   std::optional<KeyFrame> key_frame;
   for (std::size_t i = 0; i < 20 && !key_frame; ++i) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     for (const FrontEndResult& finalized : result.finalized) {
       if (finalized.key_frame) key_frame = finalized.key_frame;
     }
@@ -144,7 +144,7 @@ TEST(BaseFrame, KeyFramesAreInBaseLink) {
 }
 
 // What the gyro took out of a scan, and what the accelerometer felt, go over the border, too.
-TEST(BaseFrame, TurnsGyroAndAccelerometerIntoTheLidarsAxes) {
+TEST(BaseFrame, RotatesGyroAndAccelerometerIntoTheLidarsAxes) {
   const Pose T_base_sensor{exp_so3({0.1, -0.4, 1.2}), {1.0, -0.5, 1.8}};
   BaseFrame frame;
   frame.set_sensor_pose(T_base_sensor);

@@ -10,7 +10,7 @@
 
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 
-#include "ride.hpp"
+#include "evaluated_drive.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -81,7 +81,7 @@ struct Outcome {
 };
 
 Outcome follow(const simulation::Drive& drive) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   Preprocessed scans(drive);
   Outcome outcome;
   Pose T_map_last, T_odom_last;
@@ -93,7 +93,7 @@ Outcome follow(const simulation::Drive& drive) {
     }
     prior.uneven_turning = synced.uneven_turning;
     prior.felt = synced.felt;
-    const FrontEndResult& result = ride.take(synced.scan, prior);
+    const FrontEndResult& result = ride.process(synced.scan, prior);
     outcome.lost += result.status.state == TrackingState::kLost ? 1 : 0;
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
@@ -111,7 +111,7 @@ Outcome follow(const simulation::Drive& drive) {
 }
 
 // Each scan of a sensor with few beams turned by a degree or two, and the next one back.
-TEST(CarriedDrive, StepsTurnRightlyWithAGyro) {
+TEST(CarriedDrive, StepsRotateCorrectlyWithAGyro) {
   for (const char* name : {"legged", "spin", "handheld"}) {
     SCOPED_TRACE(name);
     const Outcome outcome = follow(carried_drive(name, 12.0));
@@ -123,7 +123,7 @@ TEST(CarriedDrive, StepsTurnRightlyWithAGyro) {
   }
 }
 
-TEST(CarriedDrive, AGyroThatIsWrongIsFoundOut) {
+TEST(CarriedDrive, WrongGyroIsDetected) {
   for (const char* fault : {"imu_frame", "imu_units=degrees"}) {
     SCOPED_TRACE(fault);
     const Outcome outcome = follow(carried_drive("running", 12.0, fault));
@@ -133,14 +133,14 @@ TEST(CarriedDrive, AGyroThatIsWrongIsFoundOut) {
 
 /// By the LiDAR alone, m.
 double error_without_imu(const simulation::Drive& drive) {
-  Ride ride(drive);
-  for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.take(i);
+  EvaluatedDrive ride(drive);
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.process(i);
   return ride.error();
 }
 
 // Scans were bent by it until it was found out and even then, and predicted by it at its limit:
 // metres off where the LiDAR alone is off by centimetres.
-TEST(CarriedDrive, AGyroThatIsWrongDoesNoHarm) {
+TEST(CarriedDrive, WrongGyroIsHarmless) {
   for (const char* fault : {"imu_units=degrees", "imu_frame", "imu_clip=4,1.5"}) {
     for (const char* name : {"legged", "handheld"}) {
       SCOPED_TRACE(std::string(fault) + ", " + name);
@@ -153,7 +153,7 @@ TEST(CarriedDrive, AGyroThatIsWrongDoesNoHarm) {
 }
 
 // Cut for two seconds in mid-walk.
-TEST(CarriedDrive, AGyroMayFailForSeconds) {
+TEST(CarriedDrive, GyroMayFailForSeconds) {
   const Outcome outcome = follow(carried_drive("handheld", 12.0, "imu_gap=2,6"));
   EXPECT_EQ(outcome.lost, 0U);
   EXPECT_LT(outcome.error, 0.1);

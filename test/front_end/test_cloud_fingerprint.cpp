@@ -18,39 +18,39 @@ PointCloud cloud_of(std::size_t size) {
   return cloud;
 }
 
-TEST(RepeatedScans, AreToldFromNewOnes) {
+TEST(RepeatedScans, AreDetected) {
   RepeatedScans scans;
   PointCloud cloud = cloud_of(3000);
-  EXPECT_FALSE(scans.repeats(cloud));
-  EXPECT_TRUE(scans.repeats(cloud));
-  EXPECT_TRUE(scans.repeats(cloud));
+  EXPECT_FALSE(scans.is_repeated(cloud));
+  EXPECT_TRUE(scans.is_repeated(cloud));
+  EXPECT_TRUE(scans.is_repeated(cloud));
   for (Point& point : cloud.points) point.x += 0.001F;
-  EXPECT_FALSE(scans.repeats(cloud));
-  EXPECT_TRUE(scans.repeats(cloud));
+  EXPECT_FALSE(scans.is_repeated(cloud));
+  EXPECT_TRUE(scans.is_repeated(cloud));
   cloud.points.pop_back();
-  EXPECT_FALSE(scans.repeats(cloud));
+  EXPECT_FALSE(scans.is_repeated(cloud));
 }
 
 TEST(RepeatedScans, IgnoreIntensitiesAndTheLastBits) {
   RepeatedScans scans;
   PointCloud cloud = cloud_of(3000);
-  scans.repeats(cloud);
+  scans.is_repeated(cloud);
   for (Point& point : cloud.points) {
     point.intensity += 1.0F;
     point.y *= 1.0F + std::numeric_limits<float>::epsilon();
   }
   // A coordinate may lie between two steps; those of this cloud do not.
-  EXPECT_TRUE(scans.repeats(cloud));
+  EXPECT_TRUE(scans.is_repeated(cloud));
 }
 
-TEST(RepeatedScans, ThatAreNearlyEmptyAreNone) {
+TEST(RepeatedScans, AreNotDetectedIfNearlyEmpty) {
   RepeatedScans scans;
-  EXPECT_FALSE(scans.repeats(cloud_of(10)));
-  EXPECT_FALSE(scans.repeats(cloud_of(10)));
-  EXPECT_FALSE(scans.repeats({}));
+  EXPECT_FALSE(scans.is_repeated(cloud_of(10)));
+  EXPECT_FALSE(scans.is_repeated(cloud_of(10)));
+  EXPECT_FALSE(scans.is_repeated({}));
 }
 
-TEST(Coasting, GoesOnAsBeforeAndIsEverLessSure) {
+TEST(Coasting, ContinuesTheMotionWithGrowingCovariance) {
   TrackedScan tracked;
   tracked.covariance = diagonal_covariance(0.01, 0.001);
   tracked.twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.5;

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluated_drive.hpp"
 #include "normalised_error.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -15,7 +15,7 @@ class SizeOfCovariance : public testing::TestWithParam<const char*> {};
 
 // The back end weighs the way from key frame to key frame with it. Smooth walls, rough fields and a
 // person's gait differ in how well the points fit, and in how fast errors part.
-TEST_P(SizeOfCovariance, IsThatOfTheErrors) {
+TEST_P(SizeOfCovariance, AgreesWithTheErrors) {
   const simulation::Drive drive = make_drive(GetParam(), 45.0);
   FrontEnd front_end{FrontEndConfig{}};
   front_end.set_sensor_pose(drive.mounting().T_base_lidar);

@@ -7,8 +7,8 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 
 #include "elevation_calibration.hpp"
+#include "evaluated_drive.hpp"
 #include "motion_filter.hpp"
-#include "ride.hpp"
 #include "sweep_sampler.hpp"
 
 namespace lidar_mapping::front_end {
@@ -35,7 +35,7 @@ double mean_elevation(const PointCloud& cloud) {
 
 }  // namespace
 
-TEST(ElevationMean, KnowsHowFarItsEstimatesScatter) {
+TEST(ElevationMean, ContainsTheScatterOfItsEstimates) {
   ElevationMean mean;
   EXPECT_EQ(mean.value().angle, 0.0);
   for (const double angle : {0.01, 0.03, 0.01, 0.03}) mean.add({angle, 1e-4});
@@ -43,7 +43,7 @@ TEST(ElevationMean, KnowsHowFarItsEstimatesScatter) {
   EXPECT_NEAR(mean.value().sigma, 0.01 / std::sqrt(4.0), 1e-6);
 }
 
-TEST(ElevationMean, TrustsAnEstimateByItsSigma) {
+TEST(ElevationMean, WeightsEstimatesByTheirSigma) {
   ElevationMean mean;
   mean.add({0.0, 0.1});
   mean.add({0.01, 0.001});
@@ -57,13 +57,14 @@ ElevationCalibration calibrate(const simulation::Drive& drive, std::size_t first
   ElevationCalibration calibration;
   for (std::size_t i = first; i < drive.scan_count(); i += 3) {
     const Scan scan = lowered_scan(drive, i, angle);
-    sampler.set_elevation_shift(calibration.applied());
-    sampler.take(scan, i);
+    sampler.set_elevation_shift(calibration.applied_angle());
+    sampler.sample(scan, i);
     const double middle = to_seconds(scan.stamp) + sampler.reference();
     const Pose T_map_base = drive.trajectory().pose(from_seconds(middle));
     const Pose soon = drive.trajectory().pose(from_seconds(middle + 0.02));
-    calibration.see(sampler.dense(scan), {T_map_base, twist_between(T_map_base, soon, 0.02)}, 1.0);
-    if (between_scans) calibration.catch_up();
+    calibration.add_scan(sampler.sample_dense(scan),
+                         {T_map_base, twist_between(T_map_base, soon, 0.02)}, 1.0);
+    if (between_scans) calibration.compare_pending();
   }
   return calibration;
 }
@@ -73,46 +74,47 @@ class ElevationCalibrationTest : public testing::TestWithParam<double> {};
 TEST_P(ElevationCalibrationTest, FindsTheAngleFromScansAtKnownPoses) {
   const double angle = GetParam() * kDegree;
   const ElevationCalibration calibration = calibrate(town(22.0), 20, angle);
-  const ElevationEstimate found = calibration.estimate();
-  EXPECT_LT(found.sigma, 0.04 * kDegree) << "0.6 of that of a pair, 0.05, and their scatter";
-  EXPECT_NEAR(found.angle, angle, 3.0 * found.sigma);
+  const ElevationEstimate accepted_angle = calibration.estimate();
+  EXPECT_LT(accepted_angle.sigma, 0.04 * kDegree)
+      << "0.6 of that of a pair, 0.05, and their scatter";
+  EXPECT_NEAR(accepted_angle.angle, angle, 3.0 * accepted_angle.sigma);
   // Nothing is corrected that is right, and most of what is wrong.
-  EXPECT_NEAR(calibration.found(), angle, angle == 0.0 ? 0.0 : 0.05 * kDegree);
+  EXPECT_NEAR(calibration.accepted_angle(), angle, angle == 0.0 ? 0.0 : 0.05 * kDegree);
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, ElevationCalibrationTest, testing::Values(0.0, -0.2));
 
-TEST(ElevationCalibration, ComparesBetweenScansToTheSameEnd) {
+TEST(ElevationCalibration, GivesTheSameResultWhenComparingBetweenScans) {
   const simulation::Drive drive = town(14.0);
   const ElevationCalibration within = calibrate(drive, 20, 0.0);
   ElevationCalibration between = calibrate(drive, 20, 0.0, true);
-  between.catch_up();
+  between.compare_pending();
   ElevationCalibration late = within;
-  late.catch_up();
+  late.compare_pending();
   EXPECT_NE(between.estimate().sigma, 0.0);
   EXPECT_EQ(late.estimate().angle, between.estimate().angle);
   EXPECT_EQ(late.estimate().sigma, between.estimate().sigma);
 }
 
-TEST(ElevationCalibration, IsNotMadeSureByScansThatDoNotPinTheirRelativePose) {
+TEST(ElevationCalibration, IgnoresScansThatDoNotDetermineTheirRelativePose) {
   constexpr std::size_t kInside = 250;  // from here on the tube is nearly all that is in sight
   const ElevationCalibration calibration = calibrate(make_drive("tunnel", 33.0, 3), kInside, 0.0);
   // Its pairs would seem to give 0.037 degrees to within 0.013.
   EXPECT_GT(calibration.estimate().sigma, 0.03 * kDegree);
-  EXPECT_EQ(calibration.found(), 0.0);
+  EXPECT_EQ(calibration.accepted_angle(), 0.0);
 }
 
 // Pairs of one place can agree on an angle that is not there: -0.5 and -0.3 degrees here, beyond
 // three standard deviations of their scatter.
-TEST(ElevationCalibration, BelievesNoAngleThatAPlacePretends) {
+TEST(ElevationCalibration, IgnoresTheCommonErrorOfAPlace) {
   for (const std::uint64_t seed : {63, 68}) {
     const ElevationCalibration calibration = calibrate(make_drive("car_park", 60.0, seed), 0, 0.0);
     EXPECT_LT(calibration.estimate().angle, -0.25 * kDegree) << seed;
-    EXPECT_EQ(calibration.found(), 0.0) << seed;
+    EXPECT_EQ(calibration.accepted_angle(), 0.0) << seed;
   }
 }
 
-TEST(FrontEnd, TurnsThePointsOfASensorWithWrongElevations) {
+TEST(FrontEnd, RotatesThePointsOfASensorWithWrongElevations) {
   const double angle = 0.3 * kDegree;
   const simulation::Drive drive = town(20.0);
   FrontEndConfig config;

@@ -38,7 +38,7 @@ Scan empty_scan(const simulation::Drive& drive, std::size_t index) {
   return scan;
 }
 
-TEST(FrontEnd, FollowsADrive) {
+TEST(FrontEnd, TracksADrive) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   for (std::size_t i = 0; i < 120; ++i) {
@@ -52,7 +52,7 @@ TEST(FrontEnd, FollowsADrive) {
 }
 
 // Nothing about the motion is known at first, and scans go missing on the way.
-TEST(FrontEnd, StartsAtSpeedAndBearsLossOfScans) {
+TEST(FrontEnd, StartsAtSpeedAndToleratesMissingScans) {
   const simulation::Drive drive = town();
   constexpr std::size_t kFirst = 100;
   FrontEnd front_end{FrontEndConfig{}};
@@ -66,7 +66,7 @@ TEST(FrontEnd, StartsAtSpeedAndBearsLossOfScans) {
 }
 
 /// What a recording gives that begins in motion: preprocessing compensates from the second scan on.
-TEST(FrontEnd, DeskewsAFirstScanThatOnlyTheNextOneKnowsTheMotionOf) {
+TEST(FrontEnd, DeskewsTheFirstScanWithTheMotionFromTheSecond) {
   const simulation::Drive drive = town();
   for (const std::size_t first : {140, 160, 180}) {
     FrontEnd front_end{FrontEndConfig{}};
@@ -100,7 +100,7 @@ TEST(FrontEnd, StandsStillAmongMovingCars) {
 
 // Blindness is told, the pose goes on as predicted with a growing covariance, and the
 // drive is found again.
-TEST(FrontEnd, SaysThatItIsLostAndFindsBack) {
+TEST(FrontEnd, ReportsLostTrackingAndRecovers) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   FrontEndResult result;
@@ -119,7 +119,7 @@ TEST(FrontEnd, SaysThatItIsLostAndFindsBack) {
   EXPECT_LT(error(drive, 60, 109, result), 0.25);
 }
 
-TEST(FrontEnd, BeginsANewSegmentWhenLostForLong) {
+TEST(FrontEnd, StartsANewSegmentAfterBeingLostTooLong) {
   const simulation::Drive drive = town();
   simulation::DriveOptions options;
   options.drive = "car_park";
@@ -139,7 +139,7 @@ TEST(FrontEnd, BeginsANewSegmentWhenLostForLong) {
 }
 
 // Nothing is kept outside of the object.
-TEST(FrontEnd, TwoInstancesDoNotDisturbEachOther) {
+TEST(FrontEnd, TwoInstancesAreIndependent) {
   const simulation::Drive drive = town();
   FrontEnd alone{FrontEndConfig{}};
   FrontEnd one{FrontEndConfig{}};
@@ -168,7 +168,7 @@ TEST(FrontEnd, PosesDoNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST(FrontEnd, RefusesStampsThatDoNotIncrease) {
+TEST(FrontEnd, RejectsStampsThatDoNotIncrease) {
   FrontEnd front_end{FrontEndConfig{}};
   Scan scan;
   scan.stamp = kScanPeriod;
@@ -176,7 +176,7 @@ TEST(FrontEnd, RefusesStampsThatDoNotIncrease) {
   EXPECT_THROW(front_end.process(scan), InputError);
 }
 
-TEST(FrontEnd, GoesOnNumberingAfterARestart) {
+TEST(FrontEnd, ContinuesNumberingAfterARestart) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   Pose start;
@@ -189,7 +189,7 @@ TEST(FrontEnd, GoesOnNumberingAfterARestart) {
   EXPECT_EQ(result.key_frame->segment, 3U);
 }
 
-TEST(FrontEnd, MakesNoKeyFrameOfAScanThatItCannotDeskew) {
+TEST(FrontEnd, MakesNoKeyFrameFromAScanThatCannotBeDeskewed) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   EXPECT_FALSE(front_end.process(drive.base_scan(0)).key_frame) << "the motion is not known yet";
@@ -219,7 +219,7 @@ std::vector<FrontEndResult> finalized_from(const simulation::Drive& drive, std::
   }
 }
 
-TEST(FrontEnd, LooksAgainAtItsFirstScansWhereADriveBeginsAtSpeed) {
+TEST(FrontEnd, RematchesTheFirstScansOfADriveThatBeginsAtSpeed) {
   const simulation::Drive drive = town();
   constexpr std::size_t kFirst = 120;
   FrontEnd front_end{FrontEndConfig{}};
@@ -240,7 +240,7 @@ TEST(FrontEnd, LooksAgainAtItsFirstScansWhereADriveBeginsAtSpeed) {
   EXPECT_GT(key_frames, 6U);
 }
 
-TEST(FrontEnd, FirstScansStayAsTheyAreWhereNothingComesAfterThem) {
+TEST(FrontEnd, FirstScansAreFinalIfNoScanFollows) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   std::vector<Pose> provisional;
@@ -259,7 +259,7 @@ TEST(FrontEnd, FirstScansStayAsTheyAreWhereNothingComesAfterThem) {
   EXPECT_TRUE(next.finalized.empty());
 }
 
-TEST(FrontEnd, FirstScansStayAsTheyAreWhereItIsLostAfterThem) {
+TEST(FrontEnd, FirstScansAreFinalIfTrackingIsLost) {
   const simulation::Drive drive = town();
   FrontEnd front_end{FrontEndConfig{}};
   for (std::size_t i = 150; i < 155; ++i) front_end.process(drive.base_scan(i));
@@ -306,7 +306,7 @@ Pose begun(const FrontEndConfig& config, const std::optional<Pose>& said, const 
   return result.T_odom_base;
 }
 
-TEST(FrontEnd, BeginsWhereAPersonSaysOrElseWhereGnssDoes) {
+TEST(FrontEnd, StartsAtTheConfiguredPoseOrElseAtTheGnssPose) {
   const Pose by_gnss{Eigen::Quaterniond::Identity(), {7.0, 7.0, 7.0}};
   const Pose said{Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())),
                   {3.0, -2.0, 0.5}};
@@ -324,7 +324,7 @@ TEST(FrontEnd, BeginsWhereAPersonSaysOrElseWhereGnssDoes) {
   EXPECT_LT(distance(begun(config, std::nullopt, by_gnss), said), 1e-9);
 }
 
-TEST(FrontEnd, GoesOnWhereItWasAfterARestartWhateverTheInitialPose) {
+TEST(FrontEnd, ContinuesAtItsPoseAfterARestart) {
   FrontEndConfig config;
   config.initial_pose = {3.0, -2.0, 0.5, 0.0, 0.0, 0.0};
   FrontEnd front_end(config);
@@ -347,14 +347,14 @@ Scan wide_scan(double reach) {
   return scan;
 }
 
-TEST(FrontEnd, SaysHowManyPointsFoundNoRoomInTheLocalMap) {
+TEST(FrontEnd, CountsPointsDroppedByAFullLocalMap) {
   FrontEndConfig config;
   const Scan scan = wide_scan(60.0);
   EXPECT_EQ(FrontEnd(config).process(scan).status.map_points_dropped, 0U);
   config.voxel_size = config.insertion_resolution = 0.2;
   const std::size_t dropped = FrontEnd(config).process(scan).status.map_points_dropped;
   EXPECT_GT(dropped, 10000U);
-  EXPECT_NE(full_map_notice(dropped).find("voxel_size"), std::string::npos);
+  EXPECT_NE(full_map_message(dropped).find("voxel_size"), std::string::npos);
 }
 
 TEST(FrontEnd, ThinsOutTheCloudsOfKeyFrames) {

@@ -47,7 +47,7 @@ double error(const simulation::Drive& drive, std::size_t from, const Pose& T_odo
 
 // A sweep of another place is told within three sweeps and never becomes a key frame, and the
 // drive goes on when the view returns.
-TEST(FrontEndFaults, SweepsOfAnotherPlaceAreToldAndKeptOutOfTheMap) {
+TEST(FrontEndFaults, SweepsOfAnotherPlaceAreReportedAndNotInserted) {
   const simulation::Drive drive = drive_of("town");
   const simulation::Drive elsewhere = drive_of("car_park");
   FrontEnd front_end{FrontEndConfig{}};
@@ -69,7 +69,7 @@ TEST(FrontEndFaults, SweepsOfAnotherPlaceAreToldAndKeptOutOfTheMap) {
 
 // Bare ground holds no position. The pose stays at the prediction instead of running after
 // the rings, which travel with the sensor.
-TEST(FrontEndFaults, BareGroundDoesNotDragThePose) {
+TEST(FrontEndFaults, BareGroundDoesNotDisplaceThePose) {
   const simulation::Drive drive = drive_of("town");
   FrontEnd front_end{FrontEndConfig{}};
   FrontEndResult result;

@@ -23,7 +23,7 @@ namespace {
 
 Pose turned(double angle) { return {exp_so3({0.0, 0.0, angle}), Eigen::Vector3d::Zero()}; }
 
-TEST(FrontEndConfig, KnowsTheKeyFramesOfHdlGraphSlam) {
+TEST(FrontEndConfig, AcceptsTheParametersOfHdlGraphSlam) {
   const auto config = config::load<FrontEndConfig>(
       {config::parse_yaml("keyframe_delta_trans: 5.0\nkeyframe_delta_angle: 1.0\n"
                           "keyframe_delta_time: 10000.0\n",
@@ -54,7 +54,7 @@ TEST(KeyFrameRule, MeasuresTheSameInAllDirections) {
   }
 }
 
-TEST(KeyFrameRule, IntervalCountsOnlyWhereItIsSet) {
+TEST(KeyFrameRule, IntervalIsUsedOnlyIfSet) {
   EXPECT_FALSE((KeyFrameRule{2.0, 1.0, 0.0}.reached(Pose{}, from_seconds(1e5))));
   EXPECT_TRUE((KeyFrameRule{2.0, 1.0, 5.0}.reached(Pose{}, from_seconds(5.0))));
 }
@@ -68,7 +68,7 @@ registration::NdtMatch match_of(double overlap, double pair_quality) {
 
 // A sensor that sees a sector and turns finds few pairs, but good ones; a wrong pose finds bad
 // ones.
-TEST(MatchJudge, TellsTheEndOfTheMapFromAWrongPose) {
+TEST(MatchJudge, DistinguishesTheEndOfTheMapFromAWrongPose) {
   MatchJudge judge(50.0);
   const registration::MotionBelief anywhere{{}, Matrix12d::Identity()};
   for (int scan = 0; scan < 50; ++scan) judge.learn(match_of(0.8, 0.85));
@@ -114,17 +114,17 @@ TEST(RingSpacing, IsZeroWithoutRings) {
 }
 
 // Where a field leaves a direction open the planes of leaves are all that there is.
-TEST(RingSpacing, IsNotHeededInAField) {
+TEST(RingSpacing, IsNotUsedInAnOpenField) {
   constexpr double kSpacing = 0.03;
   const auto at = [](double x) { return Pose{Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; };
-  HeededRings rings(kSpacing);
+  RingSpacingGate rings(kSpacing);
   EXPECT_EQ(rings.spacing_at(at(0.0)), kSpacing);
-  rings.leave_open(at(100.0));
+  rings.mark_open_field(at(100.0));
   EXPECT_EQ(rings.spacing_at(at(120.0)), 0.0);
   EXPECT_EQ(rings.spacing_at(at(200.0)), kSpacing);
 }
 
-TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {
+TEST(Deskew, MovesPointsToWhereTheSensorWouldHaveMeasuredThem) {
   Vector6d twist;
   twist << 20.0, -0.5, 0.1, 0.1, -0.2, 1.2;
   const Eigen::Vector3d p_world(30.0, -12.0, 2.0);
@@ -143,7 +143,7 @@ TEST(Deskew, PutsPointsWhereTheMovingSensorWouldHaveSeenThem) {
   }
 }
 
-TEST(Deskew, FollowsASensorThatIsAccelerated) {
+TEST(Deskew, HandlesAnAcceleratedSensor) {
   Vector6d twist, acceleration;
   twist << 10.0, 0.0, 0.0, 0.0, 0.0, 0.3;
   acceleration << -4.0, 1.0, 0.0, 0.0, 0.5, 2.0;
@@ -167,7 +167,8 @@ TEST(Degeneracy, FindsTheAxisOfATunnel) {
   ASSERT_EQ(directions.size(), 1U);
   EXPECT_NEAR(std::abs(directions[0].x()), 1.0, 1e-6);
   EXPECT_TRUE(degenerate_directions(Matrix6d::Identity()).empty());
-  const Eigen::Vector3d beside = projection_beside(directions) * Eigen::Vector3d(3.0, 2.0, 1.0);
+  const Eigen::Vector3d beside =
+      projection_orthogonal_to(directions) * Eigen::Vector3d(3.0, 2.0, 1.0);
   EXPECT_LT((beside - Eigen::Vector3d(0.0, 2.0, 1.0)).norm(), 1e-6);
 }
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ride.hpp"
+#include "evaluated_drive.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -24,15 +24,15 @@ class HandHeld : public testing::TestWithParam<Walk> {};
 // seen.
 TEST_P(HandHeld, IsTrackedAtTwoScansASecond) {
   const simulation::Drive drive = make_drive("walk", 60.0, GetParam().seed, GetParam().lidar);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   for (std::size_t i = 0; i < drive.scan_count(); i += 5) {
     MotionPrior prior;
     if (GetParam().gyro) {
       prior.angular_velocity = drive.trajectory().state(drive.scan_stamp(i)).angular_velocity_base;
     }
-    const FrontEndResult& result = ride.take(i, prior);
+    const FrontEndResult& result = ride.process(i, prior);
     if (result.status.state != TrackingState::kLost) {
-      ASSERT_LT(ride.error(), 0.6 + 0.005 * ride.way()) << i;
+      ASSERT_LT(ride.error(), 0.6 + 0.005 * ride.distance_travelled()) << i;
     }
   }
   EXPECT_LT(ride.error(), 0.5);
@@ -50,10 +50,10 @@ TEST(CarPark, KeepsItsHeightOnARamp) {
   const simulation::Drive drive = make_drive("car_park", 64.0, 65);
   std::vector<double> errors;
   for (const std::size_t inside : {140, 145, 150, 155}) {
-    Ride ride(drive);
+    EvaluatedDrive ride(drive);
     for (std::size_t i = inside; i < kBehindIt; ++i) {
-      ride.take(i);
-      if (i == kBeforeTheRamp) ride.begin_anew();
+      ride.process(i);
+      if (i == kBeforeTheRamp) ride.restart_evaluation();
     }
     errors.push_back(ride.error());
   }
@@ -73,18 +73,18 @@ class BlindTunnel : public testing::TestWithParam<SensorAndSeed> {};
 
 // Nothing in a smooth tunnel says how fast the sensor goes: it is to go on as it came in, through
 // bends as well, and to come out where the tunnel ends.
-TEST_P(BlindTunnel, IsPassedAtTheSpeedOfItsBeginning) {
+TEST_P(BlindTunnel, IsPassedAtTheEntrySpeed) {
   const simulation::Drive drive = make_drive("tunnel", 42.0, GetParam().seed, GetParam().lidar);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   int degenerate = 0;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     ASSERT_NE(result.status.state, TrackingState::kLost) << i;
     degenerate += result.status.state == TrackingState::kDegenerate ? 1 : 0;
-    if (i == kBeforeTheTunnel) ride.begin_anew();
+    if (i == kBeforeTheTunnel) ride.restart_evaluation();
   }
   EXPECT_GT(degenerate, 60);
-  EXPECT_LT(ride.error(), 0.008 * ride.way());
+  EXPECT_LT(ride.error(), 0.008 * ride.distance_travelled());
 }
 
 INSTANTIATE_TEST_SUITE_P(Tunnels, BlindTunnel,
@@ -95,62 +95,62 @@ INSTANTIATE_TEST_SUITE_P(Tunnels, BlindTunnel,
 TEST(Tunnel, IsPassedWithANoisyWheelSpeedOfWrongScale) {
   const simulation::Drive drive = make_drive("tunnel", 36.0);
   std::mt19937 engine(4);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   int degenerate = 0;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const FrontEndResult& result =
-        ride.take(i, wheel_speed(drive, drive.scan_stamp(i), 1.015, 0.1, engine));
+        ride.process(i, wheel_speed(drive, drive.scan_stamp(i), 1.015, 0.1, engine));
     ASSERT_NE(result.status.state, TrackingState::kLost) << i;
     degenerate += result.status.degenerate_directions.empty() ? 0 : 1;
   }
   EXPECT_GT(degenerate, 50);
-  EXPECT_LT(ride.error(), 0.005 * ride.way());
+  EXPECT_LT(ride.error(), 0.005 * ride.distance_travelled());
 }
 
 // Beyond 30 m a voxel in a tree is crossed by one ring at a time, which goes along with the sensor.
 TEST(TownWithFewRings, IsNotBentByItsTrees) {
   constexpr std::size_t kBegin = 100;
   const simulation::Drive drive = make_drive("town", 80.0, 14);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-    ASSERT_NE(ride.take(i).status.state, TrackingState::kLost) << i;
-    if (i == kBegin) ride.begin_anew();
+    ASSERT_NE(ride.process(i).status.state, TrackingState::kLost) << i;
+    if (i == kBegin) ride.restart_evaluation();
   }
   EXPECT_LT(ride.error(), 0.2) << "0.35 where rings on leaves pull upwards";
 }
 
 // The vehicle brakes, stands at a crossing among other cars and starts off again.
-TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndGoesOn) {
+TEST(StopAndGo, StandsStillWithoutDriftOrKeyFramesAndContinues) {
   constexpr double kStanding = 0.02;  // m/s
   constexpr std::size_t kBeforeTheStop = 300;
   const simulation::Drive drive = make_drive("town", 48.0);
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   int standing = 0;
   int key_frames = 0;
   for (std::size_t i = kBeforeTheStop; i < drive.scan_count(); ++i) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     ASSERT_NE(result.status.state, TrackingState::kLost) << i;
     if (drive.trajectory().state(drive.scan_stamp(i)).velocity_map.norm() < kStanding) {
-      if (standing++ == 0) ride.begin_anew();
+      if (standing++ == 0) ride.restart_evaluation();
       key_frames += result.key_frame ? 1 : 0;
       ASSERT_LT(ride.error(), 0.03) << i;
     } else if (standing > 0) {
-      ASSERT_LT(ride.error(), 0.05 + 0.01 * ride.way()) << i;
+      ASSERT_LT(ride.error(), 0.05 + 0.01 * ride.distance_travelled()) << i;
     }
   }
   EXPECT_GT(standing, 10);
   EXPECT_LE(key_frames, 1);
-  EXPECT_GT(ride.way(), 20.0);
+  EXPECT_GT(ride.distance_travelled(), 20.0);
 }
 
-TEST(VelocityThatLies, IsFoundOut) {
+TEST(WrongVelocity, IsDetected) {
   const simulation::Drive drive = make_drive("town", 16.0);
   for (const double scale : {0.0, 1.3}) {
     std::mt19937 engine(4);
-    Ride ride(drive);
+    EvaluatedDrive ride(drive);
     for (std::size_t i = 0; i < drive.scan_count(); ++i) {
-      ride.take(i, wheel_speed(drive, drive.scan_stamp(i), scale, 0.0, engine));
-      ASSERT_LT(ride.error(), 0.05 + 0.003 * ride.way()) << scale << " " << i;
+      ride.process(i, wheel_speed(drive, drive.scan_stamp(i), scale, 0.0, engine));
+      ASSERT_LT(ride.error(), 0.05 + 0.003 * ride.distance_travelled()) << scale << " " << i;
     }
   }
 }

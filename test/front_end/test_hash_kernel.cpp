@@ -34,7 +34,7 @@ std::vector<std::uint32_t> hashes_of(HashKernel kernel, const std::vector<float>
 }
 
 // Neighbours are loaded side by side, others one by one, and the rest of a block alone.
-TEST(HashKernel, GivesAPointTheSameHashHoweverItIsLoaded) {
+TEST(HashKernel, GivesTheSameHashForEveryWayOfLoading) {
   const std::vector<float> points = some_points(203);
   const auto all = hashes_of(portable_hash_kernel(), points, 1);
   for (const std::size_t stride : {3U, 7U}) {

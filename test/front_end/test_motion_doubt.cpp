@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluated_drive.hpp"
 #include "motion_doubt.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -23,38 +23,38 @@ Pose ahead(double metres) {
   return pose;
 }
 
-TEST(MotionDoubt, IsNoneWhereNoStepIsDoubtful) {
+TEST(MotionDoubt, IsZeroWithoutDoubtfulSteps) {
   MotionDoubt doubt;
   for (const auto state : {TrackingState::kTracking, TrackingState::kDegenerate}) {
-    doubt.take(ahead(1.0), status_of(state, 0.5, 0.05));
+    doubt.add_step(ahead(1.0), status_of(state, 0.5, 0.05));
   }
-  EXPECT_FALSE(doubt.any());
+  EXPECT_FALSE(doubt.has_doubt());
   EXPECT_TRUE(doubt.covariance().isZero(0.0));
   KeyFrame key_frame;
-  doubt.hand_over(key_frame);
+  doubt.apply_to(key_frame);
   EXPECT_FALSE(key_frame.doubtful);
   EXPECT_EQ(key_frame.motion_covariance, Covariance6::Identity());
 }
 
-TEST(MotionDoubt, HasTheExpectedErrorOfAStepInEachDirection) {
+TEST(MotionDoubt, ContainsTheExpectedErrorInEveryDirection) {
   MotionDoubt doubt;
-  doubt.take(ahead(1.0), status_of(TrackingState::kDoubtful, 0.3, 0.02));
-  EXPECT_TRUE(doubt.any());
+  doubt.add_step(ahead(1.0), status_of(TrackingState::kDoubtful, 0.3, 0.02));
+  EXPECT_TRUE(doubt.has_doubt());
   EXPECT_LT((doubt.covariance() - diagonal_covariance(0.3, 0.02)).norm(), 1e-15);
 }
 
-TEST(MotionDoubt, AddsStepsAsIndependentOnes) {
+TEST(MotionDoubt, AddsStepsAsIndependent) {
   MotionDoubt doubt;
-  doubt.take({}, status_of(TrackingState::kDoubtful, 0.3, 0.03));
-  doubt.take({}, status_of(TrackingState::kDoubtful, 0.4, 0.04));
+  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.03));
+  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.4, 0.04));
   EXPECT_LT((doubt.covariance() - diagonal_covariance(0.5, 0.05)).norm(), 1e-15);
 }
 
 // 10 m further on a turn of 0.02 rad is a shift of 0.2 m aside and up, and none along.
-TEST(MotionDoubt, CarriesAWrongTurnOnOverTheStepsBehindIt) {
+TEST(MotionDoubt, PropagatesARotationErrorToLaterSteps) {
   MotionDoubt doubt;
-  doubt.take({}, status_of(TrackingState::kDoubtful, 0.1, 0.02));
-  doubt.take(ahead(10.0), status_of(TrackingState::kTracking, 0.5, 0.5));
+  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.1, 0.02));
+  doubt.add_step(ahead(10.0), status_of(TrackingState::kTracking, 0.5, 0.5));
   const Covariance6& covariance = doubt.covariance();
   EXPECT_NEAR(covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(covariance(1, 1), 0.01 + 0.04, 1e-12);
@@ -63,12 +63,12 @@ TEST(MotionDoubt, CarriesAWrongTurnOnOverTheStepsBehindIt) {
   EXPECT_NEAR(covariance(1, 5), 0.004, 1e-12) << "a turn to the left leads to the left";
 }
 
-TEST(MotionDoubt, ComesOnTopOfAKeyFramesCovariance) {
+TEST(MotionDoubt, IsAddedToTheCovarianceOfAKeyFrame) {
   MotionDoubt doubt;
-  doubt.take({}, status_of(TrackingState::kDoubtful, 0.3, 0.02));
+  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.02));
   KeyFrame key_frame;
   key_frame.motion_covariance = diagonal_covariance(0.4, 0.0);
-  doubt.hand_over(key_frame);
+  doubt.apply_to(key_frame);
   EXPECT_TRUE(key_frame.doubtful);
   EXPECT_LT((key_frame.motion_covariance - diagonal_covariance(0.5, 0.02)).norm(), 1e-15);
 }
@@ -80,10 +80,10 @@ struct KeyFramesAndSteps {
 
 /// Every n-th scan of a drive.
 KeyFramesAndSteps key_frames_of(const simulation::Drive& drive, std::size_t every) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   KeyFramesAndSteps found;
   for (std::size_t i = 0; i < drive.scan_count(); i += every) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     if (result.key_frame) found.key_frames.push_back(*result.key_frame);
     if (result.status.state != TrackingState::kDoubtful) continue;
     ++found.doubtful_steps;

@@ -7,7 +7,7 @@
 
 #include "motion_filter.hpp"
 #include "twist_forecast.hpp"
-#include "velocity_trust.hpp"
+#include "velocity_validator.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -43,7 +43,7 @@ MotionState fitted_turning_in(double seconds) {
   return {moved(turning_in(seconds), bend, 1.0), twist};
 }
 
-TEST(MotionFilter, TheTwistChangesWithinASweepToo) {
+TEST(MotionFilter, TwistChangesWithinASweep) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(turning_in(0.0), 15.0, 1.0);
   EXPECT_EQ(filter.acceleration().norm(), 0.0);
@@ -63,7 +63,7 @@ TEST(MotionFilter, TheTwistChangesWithinASweepToo) {
   EXPECT_EQ(filter.acceleration().norm(), 0.0) << "of a prediction nothing is known";
 }
 
-TEST(MotionFilter, AJumpIsNoAcceleration) {
+TEST(MotionFilter, IgnoresJumpsAsAccelerations) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(Pose{}, 15.0, 1.0);
   filter.predict(0.1);
@@ -72,7 +72,7 @@ TEST(MotionFilter, AJumpIsNoAcceleration) {
 }
 
 // A measured speed forward moves the prediction forward.
-TEST(MotionFilter, MeasuredVelocityPointsTheRightWay) {
+TEST(MotionFilter, AppliesTheMeasuredVelocityInTheRightAxes) {
   MotionFilter filter(10.0, 5.0);
   filter.reset(turned(0.5), 15.0, 1.0);
   filter.predict(0.1);
@@ -104,7 +104,7 @@ TEST(TwistBetween, IsTheInverseOfMoved) {
   EXPECT_LT((twist_between(a, moved(a, twist, 0.4), 0.4) - twist).norm(), 1e-9);
 }
 
-TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
+TEST(TwistForecast, PrefersTheBetterPredictor) {
   std::mt19937 engine(5);
   std::normal_distribution<double> jitter(0.0, 1.0);
   const Vector6d walk = Vector6d::Constant(1.3);
@@ -112,16 +112,16 @@ TEST(TwistForecast, TakesTheOneThatForetoldBetter) {
   TwistForecast of_a_car(10.0);
   for (int i = 0; i < 200; ++i) {
     const Vector6d gait = Vector6d::NullaryExpr([&](Eigen::Index) { return jitter(engine); });
-    of_a_walk.see(walk + 0.05 * gait, walk + gait, 0.1);
+    of_a_walk.update(walk + 0.05 * gait, walk + gait, 0.1);
     const Vector6d speeding = Vector6d::Constant(0.1 * i);
-    of_a_car.see(speeding, speeding + Vector6d::Constant(0.05), 0.1);
+    of_a_car.update(speeding, speeding + Vector6d::Constant(0.05), 0.1);
   }
   EXPECT_LT((of_a_walk.next(0.1) - walk).norm(), 0.3);
   EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(19.95)).tail<3>().norm(), 0.05);
   EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(20.0)).head<3>().norm(), 1e-6);
 }
 
-TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
+TEST(TwistForecast, ContinuesAnAccelerationForTheNextStep) {
   TwistForecast forecast(10.0);
   const double acceleration = -2.0;
   double time = 0.0;
@@ -133,7 +133,7 @@ TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
     Vector6d sweep_twist = mean_twist;
     time += seconds;
     sweep_twist[0] = 30.0 + acceleration * time;
-    forecast.see(mean_twist, sweep_twist, seconds);
+    forecast.update(mean_twist, sweep_twist, seconds);
   }
   EXPECT_NEAR(forecast.next(0.3)[0], 30.0 + acceleration * (time + 0.15), 1e-6);
   EXPECT_NEAR(forecast.at_end_of_next(0.3)[0], 30.0 + acceleration * (time + 0.3), 1e-6);
@@ -141,16 +141,16 @@ TEST(TwistForecast, GoesOnWithAnAccelerationForAsLongAsTheNextStepTakes) {
   EXPECT_EQ(forecast.at_end_of_next(0.3)[2], forecast.next(0.3)[2]);
 }
 
-TEST(TwistForecast, TakesAJumpOfThePoseForNoAcceleration) {
+TEST(TwistForecast, IgnoresAJumpOfThePose) {
   TwistForecast forecast(10.0);
   Vector6d twist = Vector6d::Zero();
   for (int step = 0; step < 30; ++step) {
     twist[0] = 0.2 * step;
-    forecast.see(twist, twist, 0.1);
+    forecast.update(twist, twist, 0.1);
   }
   EXPECT_GT(forecast.at_end_of_next(0.1)[0] - forecast.next(0.1)[0], 0.09);
   twist[0] += 3.0;
-  forecast.see(twist, twist, 0.1);
+  forecast.update(twist, twist, 0.1);
   EXPECT_EQ(forecast.at_end_of_next(0.1)[0], forecast.next(0.1)[0]);
 }
 
@@ -180,7 +180,7 @@ TEST(MotionFilter, DoesNotLagBehindABrakingVehicle) {
   EXPECT_LT(std::abs(mean), 0.003) << "0.011 with a constant twist";
 }
 
-TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
+TEST(TwistForecast, DistinguishesASteadyAccelerationFromAGait) {
   TwistForecast forecast(10.0);
   for (int step = 0; step < 100; ++step) {
     // Forward ever faster, up and down from step to step, and not at all about z.
@@ -189,22 +189,22 @@ TEST(TwistForecast, KnowsASteadyAccelerationFromAGait) {
     Vector6d sweep_twist = mean_twist;
     sweep_twist[0] += 0.05;
     sweep_twist[2] = step % 2 == 0 ? 0.1 : -0.1;
-    forecast.see(mean_twist, sweep_twist, 0.1);
+    forecast.update(mean_twist, sweep_twist, 0.1);
   }
-  EXPECT_NEAR(forecast.steadiness()[0], 1.0, 1e-9);
-  EXPECT_EQ(forecast.steadiness()[2], 0.0);
-  EXPECT_EQ(forecast.steadiness()[5], 0.0);
+  EXPECT_NEAR(forecast.change_persistence()[0], 1.0, 1e-9);
+  EXPECT_EQ(forecast.change_persistence()[2], 0.0);
+  EXPECT_EQ(forecast.change_persistence()[5], 0.0);
 }
 
-TEST(VelocityTrust, LearnsTheScaleAndWhatTheVelocityIsWorth) {
+TEST(VelocityValidator, LearnsScaleAndAccuracyOfTheVelocity) {
   std::mt19937 engine(5);
   std::normal_distribution<double> noise(0.0, 0.1);
-  VelocityTrust wheels;
-  VelocityTrust dead;
+  VelocityValidator wheels;
+  VelocityValidator dead;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d velocity(10.0, 0.0, 0.0);
-    wheels.see(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);
-    dead.see(Eigen::Vector3d::Zero(), velocity);
+    wheels.update(1.02 * velocity + Eigen::Vector3d(noise(engine), noise(engine), 0.0), velocity);
+    dead.update(Eigen::Vector3d::Zero(), velocity);
   }
   EXPECT_NEAR(wheels.corrected({10.2, 0.0, 0.0}).x(), 10.0, 0.03);
   EXPECT_NEAR(wheels.usual_sigma(), 0.08, 0.03);

@@ -78,7 +78,7 @@ struct Variant {
 
 class RecordedDrive : public testing::TestWithParam<Variant> {};
 
-TEST_P(RecordedDrive, IsFollowedToItsEnd) {
+TEST_P(RecordedDrive, IsTrackedToItsEnd) {
   REQUIRE_RECORDED(folder, "kitti00_scans");
   const auto truth = test::recorded_poses(folder);
   FrontEnd front_end{FrontEndConfig{}};
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(City, RecordedDrive,
                          [](const auto& variant) { return variant.param.name; });
 
 // A scan every 0.83 s, 5.4 m apart in the mean.
-TEST(ThinnedRecording, EveryWrongStepIsSaid) {
+TEST(ThinnedRecording, EveryWrongStepIsReported) {
   REQUIRE_RECORDED(folder, "kitti00_scans");
   const auto truth = test::recorded_poses(folder);
   FrontEnd front_end{FrontEndConfig{}};

@@ -24,7 +24,7 @@ PointCloud random_cloud(std::size_t count) {
   return cloud;
 }
 
-TEST(ScanSampler, TakesAtMostOnePointPerCube) {
+TEST(ScanSampler, KeepsAtMostOnePointPerCube) {
   PointCloud cloud = random_cloud(20000);  // 8000 cubes
   ScanSampler sampler(17);
   const auto indices = sampler.sample(cloud, {4.0, 0.0, 1000.0, 1, 0});
@@ -64,12 +64,12 @@ double leaning(const PointCloud& cloud, bool scattered) {
 
 // Coming in across the side of a cube, of the noise the nearer points win on the one half of a wall
 // and the farther ones on the other.
-TEST(ScanSampler, AWallDoesNotLeanToWhereTheSweepComesFrom) {
+TEST(ScanSampler, HasNoBiasInTheDirectionOfTheSweep) {
   const PointCloud cloud = swept_wall();
   EXPECT_LT(std::abs(leaning(cloud, true)), 0.3 * std::abs(leaning(cloud, false)));
 }
 
-TEST(ScanSampler, ScatteringLooksAtEachPointOnce) {
+TEST(ScanSampler, ScatteredOrderVisitsEachPointOnce) {
   const PointCloud cloud = random_cloud(5000);
   ScanSampler sampler(20);
   for (const std::size_t stride : {1U, 3U, 9U, 5000U}) {
@@ -110,7 +110,7 @@ TEST(ScanSampler, LeavesOutPointsThatAreNotFiniteOrOutOfRange) {
   EXPECT_EQ(sampler.sample(cloud, {1.0, 1.0, 100.0, 1, 0}), std::vector<std::uint32_t>{4});
 }
 
-TEST(ScanSampler, SamplesAlikeAfterTheGenerationNumberHasWrapped) {
+TEST(ScanSampler, SamplesEquallyAfterTheGenerationWraps) {
   const PointCloud cloud = random_cloud(500);
   ScanSampler sampler(14);
   const auto first = sampler.sample(cloud, {1.0, 0.0, 1000.0, 1, 0});

@@ -34,7 +34,7 @@ bool has_turn(const std::vector<MotionState>& starts, double yaw) {
 }
 
 // A match reaches 0.1 rad; between scans that follow each other slowly a vehicle turns by more.
-TEST(SearchStarts, OfAFirstMotionTurnIfThereIsTimeToTurn) {
+TEST(SearchStarts, OfAFirstMotionRotateIfTheIntervalIsLong) {
   const auto slow = starts_at_speed(Pose{}, 0.5);
   EXPECT_TRUE(has_turn(slow, 0.3));
   EXPECT_TRUE(has_turn(slow, -0.3));
@@ -45,7 +45,7 @@ TEST(SearchStarts, OfAFirstMotionTurnIfThereIsTimeToTurn) {
 }
 
 // A LiDAR may look any way on its vehicle.
-TEST(SearchStarts, GoWhereTheVehicleGoes) {
+TEST(SearchStarts, LieInTheDirectionOfTravel) {
   const auto has = [](const std::vector<MotionState>& starts, double x, double y) {
     return std::any_of(starts.begin(), starts.end(), [&](const MotionState& start) {
       return (start.T_map_sensor.translation - Eigen::Vector3d(x, y, 0.0)).norm() < 0.7;

@@ -91,7 +91,7 @@ double error_of(const TrackedScan& tracked, double speed, double seconds) {
 
 class SlidingWindow : public testing::TestWithParam<registration::Method> {};
 
-TEST_P(SlidingWindow, FollowsADrive) {
+TEST_P(SlidingWindow, TracksADrive) {
   SlidingWindowTracker tracker(config_for(GetParam()));
   const double speed = 8.0;
   for (int k = 0; k < 20; ++k) {
@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(All, SlidingWindow,
                                          registration::Method::kGicp),
                          [](const auto& instance) { return to_string(instance.param); });
 
-TEST(SlidingWindowTracker, IsWhatNdtMatchesAgainstWhereThatIsAsked) {
+TEST(SlidingWindowTracker, IsUsedByNdtIfConfigured) {
   FrontEndConfig config = config_for(registration::Method::kNdt);
   const auto is_window = [&] {
     const std::unique_ptr<Tracker> tracker = make_tracker(config);
@@ -123,7 +123,7 @@ TEST(SlidingWindowTracker, IsWhatNdtMatchesAgainstWhereThatIsAsked) {
 }
 
 // The prediction is one of velocity, by stamps.
-TEST(SlidingWindowTracker, BearsTheLossOfScansAtSpeed) {
+TEST(SlidingWindowTracker, ToleratesMissingScansAtSpeed) {
   SlidingWindowTracker tracker(config_for(registration::Method::kVgicp));
   std::mt19937 engine(3);
   const double speed = 20.0;
@@ -135,7 +135,7 @@ TEST(SlidingWindowTracker, BearsTheLossOfScansAtSpeed) {
 }
 
 // What does not fit is reported lost and held at the prediction, and found again.
-TEST(SlidingWindowTracker, IsLostWithoutAViewAndRecovers) {
+TEST(SlidingWindowTracker, IsLostWithoutPointsAndRecovers) {
   SlidingWindowTracker tracker(config_for(registration::Method::kVgicp));
   const double speed = 6.0;
   for (int k = 0; k < 30; ++k) {
@@ -151,7 +151,7 @@ TEST(SlidingWindowTracker, IsLostWithoutAViewAndRecovers) {
   }
 }
 
-TEST(SlidingWindowTracker, BeginsANewSegmentAfterBeingLostForLong) {
+TEST(SlidingWindowTracker, StartsANewSegmentAfterBeingLostTooLong) {
   FrontEndConfig config = config_for(registration::Method::kVgicp);
   config.max_lost_time = 0.5;
   SlidingWindowTracker tracker(config);
@@ -168,7 +168,7 @@ TEST(SlidingWindowTracker, BeginsANewSegmentAfterBeingLostForLong) {
   EXPECT_TRUE(new_segment);
 }
 
-TEST(SlidingWindowTracker, TakesMeasuredVelocitiesIntoThePrediction) {
+TEST(SlidingWindowTracker, UsesMeasuredVelocitiesInThePrediction) {
   const double speed = 12.0;
   MotionPrior prior;
   prior.linear_velocity = Eigen::Vector3d(speed, 0.0, 0.0);
@@ -182,7 +182,7 @@ TEST(SlidingWindowTracker, TakesMeasuredVelocitiesIntoThePrediction) {
 }
 
 // Two instances know nothing of each other, and a restart forgets all.
-TEST(SlidingWindowTracker, ForgetsEverythingOnRestart) {
+TEST(SlidingWindowTracker, DiscardsEverythingOnRestart) {
   SlidingWindowTracker used(config_for(registration::Method::kVgicp));
   for (int k = 0; k < 4; ++k) used.track(scan_at(9.0, kPeriod * k), {});
   used.restart();
@@ -194,7 +194,7 @@ TEST(SlidingWindowTracker, ForgetsEverythingOnRestart) {
   }
 }
 
-TEST(KeyFrameWindow, LetsTheOldestGoAndThinsOutFromHalfAWindowOn) {
+TEST(KeyFrameWindow, DropsTheOldestAndThinsOutFromHalfAWindowOn) {
   KeyFrameWindow window(4, 1.0);
   PointCloud cloud;
   cloud.points.assign(5, {0.1F, 0.1F, 0.1F, 0.0F});

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluated_drive.hpp"
 #include "normalised_error.hpp"
-#include "ride.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -17,14 +17,14 @@ namespace {
 // One scan of 16 rings makes too thin a fine map for a second one many metres further on. The
 // coarse match that takes its place begins where the search has led, not at rest. In the last two
 // drives the vehicle turns.
-TEST(FewRings, AreFollowedFromTheFirstMetreOnAtTwoScansASecond) {
+TEST(FewRings, AreTrackedFromTheFirstMetreAtTwoScansPerSecond) {
   for (const auto& [seed, first] :
        {std::pair{51U, 470U}, std::pair{51U, 230U}, std::pair{52U, 270U}, std::pair{53U, 470U},
         std::pair{1U, 230U}}) {
     const simulation::Drive drive = make_drive("town", 60.0, seed);
-    Ride ride(drive);
-    for (std::size_t i = first; i < first + 40U; i += 5) ride.take(i);
-    EXPECT_GT(ride.way(), 15.0) << seed;
+    EvaluatedDrive ride(drive);
+    for (std::size_t i = first; i < first + 40U; i += 5) ride.process(i);
+    EXPECT_GT(ride.distance_travelled(), 15.0) << seed;
     EXPECT_LT(ride.error(), 0.5) << seed;
   }
 }
@@ -34,24 +34,25 @@ TEST(FewRings, AreFollowedFromTheFirstMetreOnAtTwoScansASecond) {
 TEST(FewRings, DoNotSlideAsTheyStartFromRest) {
   for (const std::uint64_t seed : {66, 69}) {
     const simulation::Drive drive = make_drive("car_park", 14.0, seed);
-    Ride ride(drive);
-    for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.take(i);
-    EXPECT_GT(ride.way(), 30.0) << seed;
+    EvaluatedDrive ride(drive);
+    for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.process(i);
+    EXPECT_GT(ride.distance_travelled(), 30.0) << seed;
     EXPECT_LT(ride.error(), 0.3) << seed;
   }
 }
 
 // A car nods by 0.35 degrees as it pulls away, and planes of single rings fit however it does:
 // without points between the rings these are off by 0.3 degrees after half a metre in the mean.
-TEST(FewRings, AreHardlyBentAsTheVehiclePullsAway) {
+TEST(FewRings, HardlyPitchAsTheVehicleStarts) {
   const std::vector<std::pair<const char*, unsigned>> starts = {
       {"town", 311}, {"town", 312}, {"figure_eight", 311}, {"car_park", 311}};
   double sum = 0.0;
   for (const auto& [world, seed] : starts) {
     const simulation::Drive drive = make_drive(world, 12.0, seed);
-    Ride ride(drive);
-    for (std::size_t i = 0; i < drive.scan_count() && ride.way() < 0.5; ++i) ride.take(i);
-    EXPECT_GT(ride.way(), 0.45) << world << seed;
+    EvaluatedDrive ride(drive);
+    for (std::size_t i = 0; i < drive.scan_count() && ride.distance_travelled() < 0.5; ++i)
+      ride.process(i);
+    EXPECT_GT(ride.distance_travelled(), 0.45) << world << seed;
     sum += ride.angle_error();
   }
   EXPECT_LT(sum / static_cast<double>(starts.size()), 0.15);
@@ -111,21 +112,21 @@ TEST(FirstScanFromElsewhere, IsReplacedAtOnce) {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     SCOPED_TRACE(seed);
     const simulation::Drive drive = make_drive("town", 50.0, seed);
-    Ride ride(drive);
-    ride.take({drive.scan_stamp(300), lidar_scan(drive, kElsewhere).cloud});
+    EvaluatedDrive ride(drive);
+    ride.process({drive.scan_stamp(300), lidar_scan(drive, kElsewhere).cloud});
     for (std::size_t i = 301; i < 320; ++i) {
-      const FrontEndResult& result = ride.take(i);
+      const FrontEndResult& result = ride.process(i);
       if (i < 300 + kReplaced) continue;
       // Doubtful steps through a young map are followed like others.
       EXPECT_TRUE(claims_pose(result.status.state)) << i;
-      if (i == 300 + kReplaced) ride.begin_anew();
+      if (i == 300 + kReplaced) ride.restart_evaluation();
     }
     EXPECT_LT(ride.error(), 0.1);
   }
 }
 
 // Turns on the spot from one scan to the next: more than anything before let expect.
-TEST(TurnOnTheSpot, IsFollowedFromRest) {
+TEST(TurnOnTheSpot, IsTrackedFromRest) {
   const simulation::Drive drive = make_drive("town", 4.0);
   const Scan standing = drive.base_scan(0);
   constexpr double kStep = 0.2;  // rad per scan
@@ -148,34 +149,34 @@ TEST(TurnOnTheSpot, IsFollowedFromRest) {
 }
 
 // Most of 64 beams meet the ground; the few posts and trees are little beside it, yet enough.
-TEST(OpenField, IsNotBlindToARoadThatIsSpeededUpOn) {
+TEST(OpenField, ObservesAnAccelerationOnARoad) {
   const simulation::Drive drive = make_drive("open_road", 50.0, 92, "hdl64");
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   for (std::size_t i = 360; i < 480; ++i) {
-    ride.take(i);
-    if (i == 370) ride.begin_anew();
+    ride.process(i);
+    if (i == 370) ride.restart_evaluation();
   }
-  EXPECT_GT(ride.way(), 100.0);
-  EXPECT_LT(ride.error(), 0.005 * ride.way());
+  EXPECT_GT(ride.distance_travelled(), 100.0);
+  EXPECT_LT(ride.error(), 0.005 * ride.distance_travelled());
 }
 
 // Sixteen rings on rough ground, seen from one place, fit wherever the sensor goes: that it moves
 // is noticed late or never. It must be said, and must not discredit a velocity that knows better.
-TEST(OpenField, SaysThatTheStartMayGoUnnoticed) {
+TEST(OpenField, ReportsThatTheStartMayBeMissed) {
   constexpr double kStep = 0.1;  // m
   for (const std::uint64_t seed : {42, 46}) {
     const simulation::Drive drive = make_drive("open_road", 16.0, seed);
-    Ride alone(drive), with_velocity(drive);
+    EvaluatedDrive alone(drive), with_velocity(drive);
     std::mt19937 engine(5);
     int silent = 0;
     for (std::size_t i = 0; i < drive.scan_count(); ++i) {
       const double before = i > 0 ? alone.error() : 0.0;
-      const bool said = alone.take(i).status.state != TrackingState::kTracking;
+      const bool said = alone.process(i).status.state != TrackingState::kTracking;
       if (!said && alone.error() > before + kStep) ++silent;
-      with_velocity.take(i, wheel_speed(drive, drive.scan_stamp(i), 1.01, 0.05, engine));
+      with_velocity.process(i, wheel_speed(drive, drive.scan_stamp(i), 1.01, 0.05, engine));
     }
     EXPECT_LE(silent, 5) << seed;
-    EXPECT_LT(with_velocity.error(), 0.08 * with_velocity.way()) << seed;
+    EXPECT_LT(with_velocity.error(), 0.08 * with_velocity.distance_travelled()) << seed;
   }
 }
 
@@ -193,26 +194,26 @@ simulation::Drive make_start(std::uint64_t seed, bool undistorted, double range_
 
 // As the vehicle rolls off, ever fewer of the points find a plane of the map that was made at rest,
 // in the coarse one, too. That is no reason to take the fine one, in which next to none does.
-TEST(OpenField, IsFollowedFromRest) {
+TEST(OpenField, IsTrackedFromRest) {
   for (const auto& [seed, undistorted] :
        {std::pair{44U, false}, std::pair{45U, true}, std::pair{46U, false}, std::pair{48U, true}}) {
     const simulation::Drive drive = make_start(seed, undistorted, 0.02);
-    Ride ride(drive);
-    for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.take(i);
-    EXPECT_LT(ride.error(), 0.06 * ride.way()) << seed;
+    EvaluatedDrive ride(drive);
+    for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.process(i);
+    EXPECT_LT(ride.error(), 0.06 * ride.distance_travelled()) << seed;
   }
 }
 
 // The rings go with the sensor, and all that stays behind are some trees and posts. Without them
 // all these stand still for good.
-TEST(OpenField, IsFollowedFromRestByWhatStandsUpright) {
+TEST(OpenField, IsTrackedFromRestByVerticalStructures) {
   for (const auto& [seed, undistorted, range_noise] :
        {std::tuple{41U, false, 0.02}, std::tuple{57U, false, 0.02}, std::tuple{68U, true, 0.02},
         std::tuple{67U, false, 0.05}}) {
     const simulation::Drive drive = make_start(seed, undistorted, range_noise);
-    Ride ride(drive);
-    for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.take(i);
-    EXPECT_LT(ride.error(), 0.06 * ride.way()) << seed;
+    EvaluatedDrive ride(drive);
+    for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.process(i);
+    EXPECT_LT(ride.error(), 0.06 * ride.distance_travelled()) << seed;
   }
 }
 

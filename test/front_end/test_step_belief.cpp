@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "claimed_pose.hpp"
+#include "evaluated_drive.hpp"
 #include "match_evidence.hpp"
-#include "ride.hpp"
 #include "step_belief.hpp"
 
 namespace lidar_mapping::front_end {
@@ -53,7 +53,7 @@ TEST(StepEvidence, ShowsThatNearAndFarDisagree) {
   EXPECT_NEAR(evidence_of(match_pulled_apart(shift, is_near), anywhere()).disagreement, 0.2, 1e-3);
 }
 
-TEST(StepEvidence, OfHalvesThatAgreeShowsNothing) {
+TEST(StepEvidence, IsSmallIfTheHalvesAgree) {
   const auto none = [](std::size_t) { return false; };
   const StepEvidence evidence = evidence_of(match_pulled_apart(Vector6d::Zero(), none), anywhere());
   EXPECT_EQ(evidence.disagreement, 0.0);
@@ -96,12 +96,12 @@ StepEvidence good_evidence() {
 
 TrackingState state_of(const StepEvidence& evidence) {
   FrontEndStatus status;
-  DoubtState().lower(believe(evidence, EvidenceSource::kNdt), status);
+  DoubtState().apply(evaluate_step(evidence, EvidenceSource::kNdt), status);
   return status.state;
 }
 
-TEST(StepBelief, IsSureOfAGoodStep) {
-  const StepBelief belief = believe(good_evidence(), EvidenceSource::kNdt);
+TEST(StepBelief, AcceptsAGoodStep) {
+  const StepBelief belief = evaluate_step(good_evidence(), EvidenceSource::kNdt);
   EXPECT_GT(belief.probability, 0.95);
   EXPECT_GT(belief.safety, 0.99);
   EXPECT_EQ(state_of(good_evidence()), TrackingState::kTracking);
@@ -119,12 +119,12 @@ TEST(StepBelief, DoubtsAStepThatMayBeWrong) {
   evidence.disagreement = 0.3;
   evidence.disagreement_angle = 1.0 * kDegree;
   evidence.disagreement_sigmas = 2.5;
-  EXPECT_FALSE(believe(evidence, EvidenceSource::kNdt).is_safe(false));
+  EXPECT_FALSE(evaluate_step(evidence, EvidenceSource::kNdt).is_safe(false));
   EXPECT_NE(state_of(evidence), TrackingState::kTracking);
 }
 
 // Seen in walks with 16 beams: three standard deviations exceed a degree, all else agrees.
-TEST(StepBelief, DoubtsNoStepForItsCovarianceAlone) {
+TEST(StepBelief, DoesNotDoubtBecauseOfTheCovarianceAlone) {
   StepEvidence evidence = good_evidence();
   evidence.sigma = 0.016;
   evidence.sigma_angle = 0.37 * kDegree;
@@ -137,8 +137,8 @@ TEST(StepBelief, ExpectsLargerErrorsOfWorseEvidence) {
   worse.disagreement_angle *= 10.0;
   worse.sigma *= 10.0;
   worse.sigma_angle *= 10.0;
-  const StepBelief good = believe(good_evidence(), EvidenceSource::kNdt);
-  const StepBelief belief = believe(worse, EvidenceSource::kNdt);
+  const StepBelief good = evaluate_step(good_evidence(), EvidenceSource::kNdt);
+  const StepBelief belief = evaluate_step(worse, EvidenceSource::kNdt);
   EXPECT_LT(good.expected_error, 0.02);
   EXPECT_LT(good.expected_error_angle, 0.1 * kDegree);
   EXPECT_GT(belief.expected_error, 3.0 * good.expected_error);
@@ -146,23 +146,23 @@ TEST(StepBelief, ExpectsLargerErrorsOfWorseEvidence) {
   EXPECT_LT(belief.safety, good.safety);
 }
 
-TEST(StepBelief, LeavesWhatIsLostOrDegenerateAsItIs) {
+TEST(StepBelief, KeepsLostAndDegenerateStates) {
   StepEvidence bad = good_evidence();
   bad.disagreement_sigmas = 100.0;
   bad.disagreement = bad.surprise = 3.0;
-  const StepBelief belief = believe(bad, EvidenceSource::kNdt);
+  const StepBelief belief = evaluate_step(bad, EvidenceSource::kNdt);
   DoubtState doubt;
   FrontEndStatus status;
   status.state = TrackingState::kLost;
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   EXPECT_EQ(status.state, TrackingState::kLost);
   EXPECT_EQ(status.probability, 0.0);
   status.state = TrackingState::kTracking;
   status.degenerate_directions = {Eigen::Vector3d::UnitX()};
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   EXPECT_EQ(status.state, TrackingState::kTracking);
   status.degenerate_directions.clear();
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   EXPECT_NE(status.state, TrackingState::kTracking);
 }
 
@@ -170,12 +170,12 @@ TrackingState state_of(double safety, DoubtState& doubt) {
   StepBelief belief;
   belief.safety = safety;
   FrontEndStatus status;
-  doubt.lower(belief, status);
+  doubt.apply(belief, status);
   return status.state;
 }
 
 // A step that is right with 0.8 begins no doubt, but does not end one either.
-TEST(DoubtState, LeavesADoubtfulStretchOnlyWhenItIsSure) {
+TEST(DoubtState, EndsADoubtfulSectionOnlyWithASafeStep) {
   DoubtState doubt;
   EXPECT_EQ(state_of(0.8, doubt), TrackingState::kTracking);
   EXPECT_EQ(state_of(0.55, doubt), TrackingState::kDoubtful);
@@ -195,11 +195,11 @@ struct Steps {
 
 /// Steps from the last scan that claimed its pose, over every n-th scan of a drive.
 Steps steps_of(const simulation::Drive& drive, std::size_t every) {
-  Ride ride(drive);
+  EvaluatedDrive ride(drive);
   Steps steps;
   Pose T_map_last, T_odom_last;
   for (std::size_t i = 0; i < drive.scan_count(); i += every) {
-    const FrontEndResult& result = ride.take(i);
+    const FrontEndResult& result = ride.process(i);
     const TrackingState state = result.status.state;
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
@@ -217,18 +217,18 @@ Steps steps_of(const simulation::Drive& drive, std::size_t every) {
 }
 
 // Hand-held, a scan every 0.8 s: 9 to 13 silent steps before there was a belief.
-TEST(StepBelief, SaysWhichStepsOfAWalkWithFewScansMayBeWrong) {
+TEST(StepBelief, ReportsDoubtfulStepsOfAWalkWithFewScans) {
   const Steps steps = steps_of(make_drive("walk", 30.0, 52), 8);
   EXPECT_GT(steps.wrong, 0);
   EXPECT_EQ(steps.silent, 0);
 }
 
-TEST(StepBelief, DoubtsNothingOfACleanDrive) {
+TEST(StepBelief, DoubtsNoStepOfACleanDrive) {
   EXPECT_EQ(steps_of(make_drive("town", 15.0, 52), 1).doubted, 0);
 }
 
 // Two of five steps were doubted when three standard deviations decided.
-TEST(StepBelief, DoubtsNothingOfACleanWalk) {
+TEST(StepBelief, DoubtsNoStepOfACleanWalk) {
   EXPECT_EQ(steps_of(make_drive("walk", 15.0, 201), 1).doubted, 0);
 }
 

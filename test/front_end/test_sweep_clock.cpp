@@ -57,19 +57,19 @@ std::function<double(int)> scatter(double sigma) {
   };
 }
 
-TEST(SweepClock, LeavesRegularStampsAsTheyAre) {
+TEST(SweepClock, UsesRegularStampsUnchanged) {
   EXPECT_TRUE(times([](int) { return 0.0; }).is_as_stamped);
   EXPECT_TRUE(times(scatter(0.001)).is_as_stamped);
   EXPECT_EQ(times(scatter(0.001)).jitter, 0.0);
 }
 
-TEST(SweepClock, CountsTurnsWhereStampsScatter) {
+TEST(SweepClock, CountsTurnsIfStampsScatter) {
   const Times found = times(scatter(0.02));
   EXPECT_LT(found.largest_error, 0.001);
   EXPECT_NEAR(found.jitter, 0.02, 0.005);
 }
 
-TEST(SweepClock, CountsTurnsOverScansThatAreMissing) {
+TEST(SweepClock, CountsTurnsOverMissingScans) {
   const Times found =
       times(scatter(0.015), kSweep, [](int i) { return i % 7 != 3 && (i < 90 || i > 110); });
   EXPECT_LT(found.largest_error, 0.003);
@@ -77,12 +77,12 @@ TEST(SweepClock, CountsTurnsOverScansThatAreMissing) {
 }
 
 // A view of 300 degrees: the sweep is shorter than the turn, which shows in the stamps.
-TEST(SweepClock, FindsThePeriodOfSweepsThatAreShorter) {
+TEST(SweepClock, FindsThePeriodOfShorterSweeps) {
   EXPECT_LT(times(scatter(0.02), 0.083).largest_error, 0.004);
 }
 
 // Scans that are taken when somebody asks for them are where their stamps say.
-TEST(SweepClock, BelievesStampsThatWander) {
+TEST(SweepClock, UsesDriftingStampsUnchanged) {
   double wandered = 0.0;
   const Times found = times([&](int i) {
     return wandered += 0.01 * simulation::Random(static_cast<std::uint64_t>(i), 4).normal();
@@ -90,7 +90,7 @@ TEST(SweepClock, BelievesStampsThatWander) {
   EXPECT_EQ(found.jitter, 0.0);
 }
 
-TEST(SweepClock, BelievesStampsOfSensorsThatDoNotSpin) {
+TEST(SweepClock, UsesStampsOfNonSpinningSensorsUnchanged) {
   EXPECT_TRUE(times(scatter(0.02), 0.0).is_as_stamped);
   EXPECT_TRUE(times(scatter(0.02), 0.01).is_as_stamped);
 }

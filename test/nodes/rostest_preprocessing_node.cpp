@@ -160,7 +160,7 @@ TEST_F(PreprocessingNode, NeedsNoMasterForItsScans) {
   EXPECT_EQ(from_ros(synced_.messages.back().header.stamp), stamp_of(24));
 }
 
-/// What the input doctor found and what waits in the queue of a topic have names of their own.
+/// What the input validator found and what waits in the queue of a topic have names of their own.
 TEST_F(PreprocessingNode, ReportsEachFigureOnceAfterItHasLookedAtTheInput) {
   Listener<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   send_transform();

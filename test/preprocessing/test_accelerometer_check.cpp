@@ -33,12 +33,12 @@ AccelerometerCheck carried(double nod, double seconds, const Fault& fault) {
 
 const Fault kNone = [](const Eigen::Vector3d& a) { return a; };
 
-TEST(AccelerometerCheck, LetsOneThatIsRightAlone) {
+TEST(AccelerometerCheck, AcceptsCorrectAccelerations) {
   EXPECT_EQ(carried(0.4, 30.0, kNone).problem(), AccelerationProblem::kNone);
   EXPECT_EQ(carried(0.0, 30.0, kNone).problem(), AccelerationProblem::kNone);
 }
 
-TEST(AccelerometerCheck, FindsTheUnitAndNamesIt) {
+TEST(AccelerometerCheck, FindsAndReportsTheUnit) {
   const auto check = carried(0.2, 8.0, [](const auto& a) { return a / kGravity; });
   EXPECT_EQ(check.problem(), AccelerationProblem::kNotGravity);
   EXPECT_NE(check.sentence().find("imu_acceleration_unit to G"), std::string::npos);
@@ -64,7 +64,7 @@ TEST(AccelerometerCheck, FindsValuesThatNeverChange) {
   EXPECT_EQ(carried(0.3, 8.0, dead).problem(), AccelerationProblem::kConstant);
 }
 
-TEST(AccelerometerCheck, TakesMoreThanAMomentToCondemnAndForgives) {
+TEST(AccelerometerCheck, RejectsOnlyAfterAWhileAndRecovers) {
   const Fault in_g = [](const auto& a) { return a / kGravity; };
   EXPECT_EQ(carried(0.2, 4.0, in_g).problem(), AccelerationProblem::kNone);
   int samples = 0;

@@ -21,35 +21,35 @@ Eigen::Vector3d rate(int i, double limit) {
   return {cut(0.3 * std::sin(0.02 * i) + noise), cut(4.0 * std::sin(0.05 * i) + noise), 0.0};
 }
 
-TEST(AxisLimits, FindsWhereTheRangeEnds) {
+TEST(AxisLimits, FindsTheEndOfTheRange) {
   AxisLimits limits(kLeast);
   for (int i = 0; i < 400; ++i) limits.add(rate(i, 3.0));
   ASSERT_TRUE(limits.lowest());
   EXPECT_EQ(*limits.lowest(), 3.0);
-  EXPECT_TRUE(limits.are_reached({0.0, -3.0, 0.0}));
-  EXPECT_FALSE(limits.are_reached({0.0, 2.99, 0.0}));
-  EXPECT_FALSE(limits.are_reached({3.0, 0.0, 0.0})) << "another axis";
+  EXPECT_TRUE(limits.reaches_limit({0.0, -3.0, 0.0}));
+  EXPECT_FALSE(limits.reaches_limit({0.0, 2.99, 0.0}));
+  EXPECT_FALSE(limits.reaches_limit({3.0, 0.0, 0.0})) << "another axis";
 }
 
-TEST(AxisLimits, TakesNoPeakForALimit) {
+TEST(AxisLimits, DoesNotMistakeAPeakForALimit) {
   AxisLimits limits(kLeast);
   for (int i = 0; i < 4000; ++i) limits.add(rate(i, 100.0));
   EXPECT_FALSE(limits.lowest());
 }
 
 // At rest a coarse converter says the same for long.
-TEST(AxisLimits, TakesNoRestForALimit) {
+TEST(AxisLimits, DoesNotMistakeRestForALimit) {
   AxisLimits limits(kLeast);
   for (int i = 0; i < 1000; ++i) limits.add({0.01, 0.0, -0.02});
   EXPECT_FALSE(limits.lowest());
 }
 
-TEST(AxisLimits, ForgetsALimitThatWasPassed) {
+TEST(AxisLimits, DropsALimitThatWasExceeded) {
   AxisLimits limits(kLeast);
   for (int i = 0; i < 5; ++i) limits.add({2.0, 0.0, 0.0});
-  EXPECT_TRUE(limits.are_reached({2.0, 0.0, 0.0}));
+  EXPECT_TRUE(limits.reaches_limit({2.0, 0.0, 0.0}));
   limits.add({2.5, 0.0, 0.0});
-  EXPECT_FALSE(limits.are_reached({2.5, 0.0, 0.0}));
+  EXPECT_FALSE(limits.reaches_limit({2.5, 0.0, 0.0}));
 }
 
 }  // namespace

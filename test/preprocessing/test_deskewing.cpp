@@ -135,7 +135,7 @@ TEST(Deskewing, IsExactForEveryStartAndDirection) {
   }
 }
 
-TEST(Deskewing, HeedsTurnedAndDistantSensors) {
+TEST(Deskewing, HandlesRotatedAndDistantSensors) {
   std::mt19937 engine(4);
   std::normal_distribution<double> normal(0.0, 1.0);
   const auto vector = [&] {
@@ -151,7 +151,7 @@ TEST(Deskewing, HeedsTurnedAndDistantSensors) {
   }
 }
 
-TEST(Deskewing, FollowsUnevenTurning) {
+TEST(Deskewing, HandlesNonUniformRotation) {
   Rig rig;
   rig.motion.wobble = 0.05;
   Rig without = rig;
@@ -160,7 +160,7 @@ TEST(Deskewing, FollowsUnevenTurning) {
   EXPECT_LT(residual(deskewed(rig).scan.cloud), 0.02 * raw);
 }
 
-TEST(Deskewing, WorksByVelocityAlone) {
+TEST(Deskewing, WorksWithVelocityAlone) {
   Rig rig;
   rig.imu = false;
   const SyncedScan scan = deskewed(rig);
@@ -169,13 +169,13 @@ TEST(Deskewing, WorksByVelocityAlone) {
 }
 
 /// An IMU may give an attitude alone: that it does not turn must not be concluded.
-TEST(Deskewing, TakesNoTurningFromAnImuWithoutGyro) {
+TEST(Deskewing, UsesNoRotationFromAnImuWithoutGyro) {
   Rig rig;
   rig.gyro = false;
   EXPECT_LT(residual(deskewed(rig).scan.cloud), 0.001) << "the velocity turns";
 }
 
-TEST(Deskewing, LeavesTimesWhereItCannotBeDone) {
+TEST(Deskewing, KeepsTimesIfDeskewingIsImpossible) {
   Rig nothing;
   nothing.imu = nothing.velocity = false;
   Rig speed_alone;
@@ -188,7 +188,7 @@ TEST(Deskewing, LeavesTimesWhereItCannotBeDone) {
   }
 }
 
-TEST(Deskewing, ByTheGyroAloneLeavesUniformTurning) {
+TEST(Deskewing, WithTheGyroAloneLeavesAUniformRotation) {
   Rig rig;
   rig.velocity = false;
   rig.motion.speed = 0.0;
@@ -209,7 +209,7 @@ TEST(Deskewing, ByTheGyroAloneLeavesUniformTurning) {
 }
 
 // A gyro that is found wrong has bent the scan.
-TEST(Deskewing, WhatTheGyroTookOutCanBePutBack) {
+TEST(Deskewing, TheGyrosCorrectionCanBeUndone) {
   Rig rig;
   rig.velocity = false;
   rig.motion.speed = 0.0;
@@ -235,7 +235,7 @@ TEST(Deskewing, WhatTheGyroTookOutCanBePutBack) {
   EXPECT_LT(left, 1e-4);
 }
 
-TEST(Deskewing, PutsASimulatedDriveBackInPlace) {
+TEST(Deskewing, CorrectsASimulatedDrive) {
   simulation::DriveOptions options;
   options.lidar = "vlp16";
   options.duration = 30.0;

@@ -76,7 +76,7 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-TEST(FloorDetector, FindsLeaningFloors) {
+TEST(FloorDetector, FindsTiltedFloors) {
   for (const double lean : {0.0, 3.0, -4.0}) {
     const Eigen::Vector3d normal(std::sin(lean * kDegree), 0.0, std::cos(lean * kDegree));
     const Scan scan = scan_of_plane(normal, 1.8, true, 7);
@@ -88,7 +88,7 @@ TEST(FloorDetector, FindsLeaningFloors) {
   }
 }
 
-TEST(FloorDetector, UndoesTheTiltOfTheSensor) {
+TEST(FloorDetector, CompensatesTheTiltOfTheSensor) {
   FloorDetectionConfig config = config_for(1.8);
   config.tilt_deg = 20.0;
   const Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
@@ -100,7 +100,7 @@ TEST(FloorDetector, UndoesTheTiltOfTheSensor) {
   EXPECT_LT(angle_between(R_level_base * floor.normal, Eigen::Vector3d::UnitZ()), 0.2 * kDegree);
 }
 
-TEST(FloorDetector, ShowsInWhichPointsItLooksAndWhichItFound) {
+TEST(FloorDetector, ReturnsThePointsItSearchedAndFound) {
   FloorDetectionConfig config = config_for(1.8);
   config.tilt_deg = 20.0;
   const Eigen::Quaterniond R_level_base = exp_so3(Eigen::Vector3d(0.0, 20.0 * kDegree, 0.0));
@@ -119,20 +119,20 @@ TEST(FloorDetector, ShowsInWhichPointsItLooksAndWhichItFound) {
   EXPECT_TRUE(points.inliers.empty());
 }
 
-TEST(FloorDetector, LooksOnlyWhereTheFloorIsExpected) {  // Heights from base_link
+TEST(FloorDetector, SearchesOnlyNearTheExpectedFloor) {  // Heights from base_link
   const Scan scan = scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 9);
   EXPECT_FALSE(FloorDetector(config_for(0.0)).process(scan).found);
   EXPECT_TRUE(FloorDetector(config_for(1.3)).process(scan).found);
 }
 
-TEST(FloorDetector, RefusesWallsAndEmptyScans) {
+TEST(FloorDetector, RejectsWallsAndEmptyScans) {
   EXPECT_FALSE(FloorDetector({}).process({}).found);
   Scan walls = scan_of_plane(Eigen::Vector3d::UnitZ(), 100.0, true, 10);
   EXPECT_FALSE(FloorDetector(config_for(1.0)).process(walls).found);
   EXPECT_FALSE(FloorDetector(config_for(0.0)).process(walls).found);
 }
 
-TEST(FloorDetector, RefusesTooFewPointsAndSteepPlanes) {
+TEST(FloorDetector, RejectsTooFewPointsAndSteepPlanes) {
   const Eigen::Vector3d steep(std::sin(15.0 * kDegree), 0.0, std::cos(15.0 * kDegree));
   EXPECT_FALSE(FloorDetector(config_for(1.8)).process(scan_of_plane(steep, 1.8, true, 11)).found);
   FloorDetectionConfig many = config_for(1.8);
@@ -141,7 +141,7 @@ TEST(FloorDetector, RefusesTooFewPointsAndSteepPlanes) {
       FloorDetector(many).process(scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 12)).found);
 }
 
-TEST(FloorDetector, KnowsTheHeightOnCrestsAndInDips) {
+TEST(FloorDetector, MeasuresTheHeightOnCrestsAndInDips) {
   for (const double radius : {600.0, -600.0, 1500.0}) {
     const Scan scan = scan_of_road([&](double x) { return 0.01 * x - x * x / (2.0 * radius); }, 13);
     const Floor floor = FloorDetector({}).process(scan);
@@ -158,7 +158,7 @@ TEST(FloorDetector, StaysOnTheRoadBetweenPavements) {
   EXPECT_NEAR(floor.offset, 0.0, 0.02);
 }
 
-TEST(FloorDetector, RefusesTheFootOfARamp) {
+TEST(FloorDetector, RejectsTheFootOfARamp) {
   const auto foot = [](double x) { return 0.115 * std::max(0.0, x - 3.0); };
   EXPECT_FALSE(FloorDetector({}).process(scan_of_road(foot, 15)).found);
 }

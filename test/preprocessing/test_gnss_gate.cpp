@@ -82,14 +82,14 @@ Outcome drive_with(const simulation::Drive& drive, bool with_motion, bool gating
   return outcome;
 }
 
-TEST(GnssGate, TakesAllOfACleanDrive) {
+TEST(GnssGate, AcceptsAllFixesOfACleanDrive) {
   const Outcome outcome = drive_with(simulation::Drive({}), true, true);
   EXPECT_EQ(outcome.refused, 0U);
   EXPECT_GE(outcome.with_gnss, outcome.scans - 2);
   EXPECT_LT(outcome.worst, 0.15);
 }
 
-TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {
+TEST(GnssGate, RejectsJumpsAndAcceptsTheReturn) {
   for (const double metres : {5.0, 50.0}) {
     simulation::DriveOptions options;
     options.gnss_jumps = {{40.0, metres}, {90.0, metres}};
@@ -104,7 +104,7 @@ TEST(GnssGate, RefusesJumpsAndTakesTheReturn) {
   }
 }
 
-TEST(GnssGate, TakesFixesAgainAfterAnOutage) {
+TEST(GnssGate, AcceptsFixesAgainAfterAnOutage) {
   simulation::DriveOptions options;
   options.gnss_outages = {{40.0, 100.0}};
   const Outcome outcome = drive_with(simulation::Drive(options), true, true);
@@ -113,7 +113,7 @@ TEST(GnssGate, TakesFixesAgainAfterAnOutage) {
 }
 
 // Who knows the whole drive corrects them, the first ones too.
-TEST(GnssTrack, LeavesLateStampsAsTheyAre) {
+TEST(GnssTrack, DoesNotChangeLateStamps) {
   simulation::DriveOptions options;
   options.seed = 3;
   const simulation::Drive drive(options);
@@ -125,7 +125,7 @@ TEST(GnssTrack, LeavesLateStampsAsTheyAre) {
   }
 }
 
-TEST(GnssGate, WithoutMotionRefusesWhatNobodyCanDrive) {
+TEST(GnssGate, WithoutMotionRejectsImpossibleSpeeds) {
   simulation::DriveOptions options;
   options.gnss_jumps = {{40.0, 50.0}};
   const Outcome outcome = drive_with(simulation::Drive(options), false, true);
@@ -138,7 +138,7 @@ void throw_first(std::vector<GnssFix>& fixes, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) fixes[i].latitude_deg += 5.0;
 }
 
-TEST(GnssTrack, LeavesOutAFirstFixThatIsElsewhere) {
+TEST(GnssTrack, DiscardsAFirstFixFarAway) {
   simulation::DriveOptions options;
   options.duration = 60.0;
   const simulation::Drive drive(options);
@@ -150,7 +150,7 @@ TEST(GnssTrack, LeavesOutAFirstFixThatIsElsewhere) {
   }
 }
 
-TEST(GnssTrack, BeginsItsFrameWhereTheNextFixesAgree) {
+TEST(GnssTrack, BeginsItsFrameAtTheNextFixesThatAgree) {
   simulation::DriveOptions options;
   options.duration = 20.0;
   const simulation::Drive drive(options);
@@ -176,13 +176,13 @@ TEST(GnssTrack, BeginsItsFrameWhereTheNextFixesAgree) {
   }
   EXPECT_GE(with_gnss, scans.size() - 6);
   std::string said;
-  for (const Notice& notice : stage.take_notices()) said += notice.text + "\n";
+  for (const Diagnostic& diagnostic : stage.take_diagnostics()) said += diagnostic.text + "\n";
   EXPECT_NE(said.find("gnss: the first fix is 556 km from the next ones"), std::string::npos)
       << said;
 }
 
 /// Nobody knows then which ones are wrong; what was placed once stays.
-TEST(GnssTrack, NeverLeapsToWhereNobodyCanDrive) {
+TEST(GnssTrack, NeverAcceptsImpossibleJumps) {
   simulation::DriveOptions options;
   const simulation::Drive drive(options);
   const Outcome outcome = drive_with(drive, true, true, 0.0, [](std::vector<GnssFix>& fixes) {

@@ -53,7 +53,7 @@ AntennaFit slalom(double delay, const Eigen::Vector2d& arm_error) {
   return fit;
 }
 
-TEST(AntennaFit, FindsHowLateStampsAre) {
+TEST(AntennaFit, FindsTheDelayOfTheStamps) {
   for (const double delay : {-0.1, 0.0, 0.05}) {
     const auto result = slalom(delay, Eigen::Vector2d::Zero()).result(0.03);
     EXPECT_NEAR(result.delay, delay, 0.005);
@@ -61,14 +61,14 @@ TEST(AntennaFit, FindsHowLateStampsAre) {
   }
 }
 
-TEST(AntennaFit, FindsWhereTheAntennaIs) {
+TEST(AntennaFit, FindsThePositionOfTheAntenna) {
   const Eigen::Vector2d arm_error(1.2, -0.9);
   const auto result = slalom(0.0, arm_error).result(3.0);
   EXPECT_NEAR((result.arm_error - arm_error).norm(), 0.0, 0.2);
   EXPECT_LT(result.arm_sigma, 0.2);
 }
 
-TEST(AntennaFit, KnowsNothingOfAStandingVehicle) {
+TEST(AntennaFit, IsUnknownForAStandingVehicle) {
   AntennaFit fit;
   for (int i = 0; i < 600; ++i) {
     TrackedFix fix;
@@ -93,7 +93,7 @@ FixScatter scatter_of(double true_sigma, double stated_sigma) {
   return scatter;
 }
 
-TEST(FixScatter, RaisesCovariancesThatAreTooSmallAndOnlyThese) {
+TEST(FixScatter, RaisesOnlyCovariancesThatAreTooSmall) {
   EXPECT_NEAR(std::sqrt(scatter_of(1.0, 0.1).variance_factor()), 10.0, 2.0);
   EXPECT_EQ(scatter_of(1.0, 1.0).variance_factor(), 1.0);
   EXPECT_EQ(scatter_of(0.1, 1.0).variance_factor(), 1.0);
@@ -101,7 +101,7 @@ TEST(FixScatter, RaisesCovariancesThatAreTooSmallAndOnlyThese) {
 
 /// The extrinsic was applied the wrong way round. A wall north of a vehicle that turns on the
 /// spot must stay where it is, seen by a sensor that is turned by 90 degrees and a metre off.
-TEST(Preprocessor, AppliesTheExtrinsicTheRightWayRound) {
+TEST(Preprocessor, AppliesTheExtrinsicInTheRightDirection) {
   const Pose T_base_lidar{exp_so3({0.0, 0.0, M_PI / 2.0}), {1.0, 0.0, 0.5}};
   Preprocessor stage({}, [&](const std::string&) { return T_base_lidar; });
   std::vector<SyncedScan> scans;
@@ -130,7 +130,7 @@ TEST(Preprocessor, AppliesTheExtrinsicTheRightWayRound) {
   }
 }
 
-TEST(Preprocessor, TakesImuSamplesOfAnyRateThatComeLate) {
+TEST(Preprocessor, AcceptsLateImuSamplesOfAnyRate) {
   for (const double rate : {100.0, 400.0, 1000.0}) {
     Preprocessor stage({}, test::identity_lookup);
     std::vector<SyncedScan> scans;

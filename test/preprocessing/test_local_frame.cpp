@@ -26,7 +26,7 @@ TEST(LocalFrame, PointsEastNorthAndUp) {
   EXPECT_NEAR(frame.to_local(fix(at(0.3), 49.0, 8.4, 125.0)).p_enu.z(), 10.0, 1e-6);
 }
 
-TEST(LocalFrame, KeepsDistancesOfTheEarth) {
+TEST(LocalFrame, PreservesDistances) {
   LocalFrame frame({});
   frame.to_local(fix(at(0.0)));
   const GeographicLib::Geocentric earth = GeographicLib::Geocentric::WGS84();
@@ -40,7 +40,7 @@ TEST(LocalFrame, KeepsDistancesOfTheEarth) {
               (ecef(a) - ecef(b)).norm(), 1e-6);
 }
 
-TEST(LocalFrame, HasTheConfiguredDatum) {
+TEST(LocalFrame, UsesTheConfiguredDatum) {
   PreprocessingConfig config;
   config.use_datum = true;
   config.datum = {49.0, 8.4, 100.0};
@@ -50,7 +50,7 @@ TEST(LocalFrame, HasTheConfiguredDatum) {
   EXPECT_NEAR(frame.to_local(fix(at(0.0))).p_enu.z(), 15.0, 1e-6);
 }
 
-TEST(LocalFrame, RaisesCovariancesToTheFloorAndFillsUnknownOnes) {
+TEST(LocalFrame, BoundsCovariancesAndFillsUnknownOnes) {
   LocalFrame frame({});
   GnssFix bad = fix(at(0.0));
   bad.covariance = 1e-10 * Eigen::Matrix3d::Identity();
@@ -68,7 +68,7 @@ TEST(LocalFrame, RaisesCovariancesToTheFloorAndFillsUnknownOnes) {
   EXPECT_EQ(frame.to_local(bad).covariance(0, 1), 0.0);
 }
 
-TEST(LocalFrame, NamesWhatIsWrongWithAFix) {
+TEST(LocalFrame, ReportsTheProblemOfAFix) {
   const PreprocessingConfig config;
   EXPECT_EQ(problem_of(fix(at(0.0)), config), "");
   const auto refuses = [&](auto&& spoil) {

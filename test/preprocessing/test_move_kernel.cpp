@@ -47,7 +47,7 @@ PointCloud cloud_in(Order order, std::size_t count) {
   return cloud;
 }
 
-TEST(MoveKernel, IsOffByLessThanATenthOfAMillimetre) {
+TEST(MoveKernel, IsAccurateToATenthOfAMillimetre) {
   const ScanMotion motion = fast_motion();
   const Pose T_base_sensor{exp_so3({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0}};
   const Pose R_base_sensor{T_base_sensor.rotation, Eigen::Vector3d::Zero()};
@@ -69,7 +69,7 @@ TEST(MoveKernel, IsOffByLessThanATenthOfAMillimetre) {
   }
 }
 
-TEST(MoveKernel, HoldsTheMotionBeyondItsEnds) {
+TEST(MoveKernel, KeepsTheMotionConstantBeyondItsEnds) {
   const ScanMotion motion = fast_motion();
   PointCloud cloud = cloud_in(Order::kByTime, 16);
   std::fill(cloud.times.begin(), cloud.times.begin() + 8, -1.0F);
@@ -135,7 +135,7 @@ Outcome outcome_of(MoveKernel kernel, Order order, std::size_t count,
   return {points, times, result.kept, result.not_finite};
 }
 
-TEST(MoveKernel, KeepsWhatStaysInItsOrderAndCountsWhatIsNotFinite) {
+TEST(MoveKernel, KeepsTheOrderAndCountsNonFinitePoints) {
   for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 17U, 1001U}) {
     const Outcome outcome = outcome_of(move_kernel(), Order::kByTime, count);
     EXPECT_EQ(outcome.not_finite, (count + 10) / 11 + (count + 16) / 22) << count;
@@ -219,7 +219,7 @@ TEST(TimesKernel, CopiesAndFindsTheSpan) {
   }
 }
 
-TEST(TimesKernel, FillsWhatWasThereBeforeAndWhatIsNew) {
+TEST(TimesKernel, FillsOldAndNewMemory) {
   std::vector<float> source(10000);
   std::iota(source.begin(), source.end(), 1.0F);
   const auto* first = reinterpret_cast<const unsigned char*>(source.data());
@@ -232,7 +232,7 @@ TEST(TimesKernel, FillsWhatWasThereBeforeAndWhatIsNew) {
   }
 }
 
-TEST(TimesKernel, NoNumberHasNoSpan) {
+TEST(TimesKernel, NonFiniteTimesHaveNoSpan) {
   std::vector<float> times;
   const std::vector<float> none(9, std::numeric_limits<float>::quiet_NaN());
   const TimeSpan span =

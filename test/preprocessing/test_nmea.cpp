@@ -27,7 +27,7 @@ TEST(Nmea, ReadsTheFixOfAGgaSentence) {
   EXPECT_NEAR(std::sqrt((*fix->covariance)(2, 2)), 7.2, 1e-9);
 }
 
-TEST(Nmea, KnowsAllConstellationsHemispheresAndQualities) {
+TEST(Nmea, ReadsAllConstellationsHemispheresAndQualities) {
   const auto fix =
       fix_of_nmea("$GNGGA,123519.25,3351.5,S,15112.5,W,4,20,0.5,10.0,M,-3.0,M,1.0,0001", kStamp);
   ASSERT_TRUE(fix) << "a sentence without a checksum is taken";
@@ -43,7 +43,7 @@ TEST(Nmea, KnowsAllConstellationsHemispheresAndQualities) {
   EXPECT_FALSE(vague->covariance) << "without a dilution nobody knows";
 }
 
-TEST(Nmea, TakesNothingFromWhatHoldsNoFixOrIsDamaged) {
+TEST(Nmea, RejectsSentencesWithoutFixAndDamagedOnes) {
   for (const std::string& sentence :
        {std::string(), std::string("$"), std::string("$GPGGA"), std::string(30, ','),
         std::string("$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A"),

@@ -21,7 +21,7 @@ using test::velocity;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Preprocessor, KeepsTheStampOfEveryScanBitForBit) {
+TEST(Preprocessor, DoesNotChangeTheStampOfAScan) {
   Preprocessor stage({}, identity_lookup);
   const auto scans = drive(stage, 3.0, kNothingMissing);
   ASSERT_GE(scans.size(), 28U);
@@ -52,7 +52,7 @@ TEST(Preprocessor, RunsWithEverySubsetOfSensors) {
   }
 }
 
-TEST(Preprocessor, GivesEveryScanOnceAndInOrder) {
+TEST(Preprocessor, ReturnsEveryScanOnceAndInOrder) {
   std::mt19937 engine(5);
   std::vector<int> order(40);
   for (int i = 0; i < 40; ++i) order[static_cast<std::size_t>(i)] = i;
@@ -76,7 +76,7 @@ TEST(Preprocessor, GivesEveryScanOnceAndInOrder) {
   }
 }
 
-TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
+TEST(Preprocessor, ReportsEachReasonForRejectedFixesOnce) {
   Preprocessor stage({}, identity_lookup);
   for (int i = 0; i < 100; ++i) {
     GnssFix poor = fix(at(0.1 * i));
@@ -85,10 +85,10 @@ TEST(Preprocessor, SaysEachReasonForRefusedFixesOnce) {
     stage.add_gnss(fix(at(0.1 * i + 0.05), 49.0, 8.4, 50001.0 + i), "gps");
   }
   EXPECT_EQ(stage.counters().gnss_refused, 200U);
-  EXPECT_EQ(stage.take_notices().size(), 2U);
+  EXPECT_EQ(stage.take_diagnostics().size(), 2U);
 }
 
-TEST(Preprocessor, StaysFiniteWhateverComes) {
+TEST(Preprocessor, StaysFiniteForAnyInput) {
   Preprocessor stage({}, identity_lookup);
   std::vector<SyncedScan> scans;
   for (int i = 0; i < 200; ++i) {
@@ -121,7 +121,7 @@ TEST(Preprocessor, StaysFiniteWhateverComes) {
   }
 }
 
-TEST(Preprocessor, DropsScansWithoutPointsAndSaysSo) {
+TEST(Preprocessor, DropsAndReportsScansWithoutPoints) {
   Preprocessor stage({}, identity_lookup);
   RawScan empty{at(0.0), "lidar", {}};
   RawScan nan = ring_scan(at(0.1));
@@ -133,10 +133,10 @@ TEST(Preprocessor, DropsScansWithoutPointsAndSaysSo) {
   EXPECT_TRUE(stage.flush().empty());
   EXPECT_EQ(stage.counters().scans_without_points, 4U);
   EXPECT_EQ(stage.counters().points_not_finite, 100U);
-  EXPECT_FALSE(stage.take_notices().empty());
+  EXPECT_FALSE(stage.take_diagnostics().empty());
 }
 
-TEST(Preprocessor, RefusesAConfigurationThatContradictsItself) {
+TEST(Preprocessor, RejectsAContradictoryConfiguration) {
   const auto& checks = PreprocessingConfig::schema().checks();
   const auto problem = [&](const PreprocessingConfig& config) {
     std::string all;

@@ -18,7 +18,7 @@ using test::kNothingMissing;
 using test::ring_scan;
 using test::velocity;
 
-TEST(Preprocessor, GoesOnAfterAGapOfAnySensor) {
+TEST(Preprocessor, ContinuesAfterAGapOfAnySensor) {
   for (const std::string name : {"imu", "velocity", "gnss"}) {
     Preprocessor stage({}, identity_lookup);
     auto scans = drive(stage, 6.0, [&](const std::string& sensor, double t) {
@@ -61,7 +61,7 @@ TEST(Preprocessor, WaitsForSlowAndLateSensors) {
   }
 }
 
-TEST(Preprocessor, DoesNotWaitForASensorThatHasGone) {
+TEST(Preprocessor, DoesNotWaitForAnInactiveSensor) {
   Preprocessor stage({}, identity_lookup);
   const auto scans =
       drive(stage, 6.0, [](const std::string& name, double t) { return name == "imu" && t > 1.0; });
@@ -69,18 +69,18 @@ TEST(Preprocessor, DoesNotWaitForASensorThatHasGone) {
   EXPECT_GE(scans.size(), 58U);
 }
 
-TEST(Preprocessor, BeginsAnewWhenTimeGoesBack) {
+TEST(Preprocessor, ResetsWhenTimeGoesBack) {
   Preprocessor fresh({}, identity_lookup), stage({}, identity_lookup);
   auto expected = drive(fresh, 3.0, kNothingMissing);
   append(expected, fresh.flush());
   drive(stage, 3.0, kNothingMissing, 100.0);
-  stage.take_notices();
+  stage.take_diagnostics();
   auto again = drive(stage, 3.0, kNothingMissing);
   append(again, stage.flush());
   EXPECT_GE(stage.counters().resets, 1U);
-  const auto notices = stage.take_notices();
-  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
-    return notice.text.find("time went back") != std::string::npos;
+  const auto diagnostics = stage.take_diagnostics();
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
+    return diagnostic.text.find("time went back") != std::string::npos;
   }));
   ASSERT_EQ(again.size(), expected.size() - 1);  // the first one might have been stray
   for (std::size_t i = 1; i < again.size(); ++i) {
@@ -109,7 +109,7 @@ std::vector<SyncedScan> drive_with_stray(Preprocessor& stage, const std::string&
   return scans;
 }
 
-TEST(Preprocessor, IsNotMisledByOneStrayStamp) {
+TEST(Preprocessor, IgnoresASingleWrongStamp) {
   for (const char* input : {"imu", "velocity", "gnss", "points"}) {
     for (const Stamp stray : {Stamp{0}, at(100.0), at(-50.0), from_seconds(4e9)}) {
       Preprocessor stage({}, identity_lookup);
@@ -121,7 +121,7 @@ TEST(Preprocessor, IsNotMisledByOneStrayStamp) {
   }
 }
 
-TEST(Preprocessor, WaitsForAnImuWhoseOtherClockIsTakenAway) {
+TEST(Preprocessor, WaitsForAnImuWithACorrectedTimeOffset) {
   PreprocessingConfig config;
   config.imu_time_offset = -3600.0;
   Preprocessor stage(config, identity_lookup);
@@ -135,7 +135,7 @@ TEST(Preprocessor, WaitsForAnImuWhoseOtherClockIsTakenAway) {
   for (const SyncedScan& scan : scans) EXPECT_TRUE(scan.imu.has_value());
 }
 
-TEST(Preprocessor, GoesOnAfterALongPauseOfOneSensor) {
+TEST(Preprocessor, ContinuesAfterALongPauseOfOneSensor) {
   Preprocessor stage({}, identity_lookup);
   const auto pause = [](const std::string& name, double t) {
     return name == "gnss" && t > 1.0 && t < 14.0;
@@ -148,7 +148,7 @@ TEST(Preprocessor, GoesOnAfterALongPauseOfOneSensor) {
   EXPECT_EQ(stage.counters().gnss_refused, 0U);
 }
 
-TEST(Preprocessor, TakesAJumpOfTimeThatGoesOn) {
+TEST(Preprocessor, AcceptsALastingJumpOfTime) {
   Preprocessor stage({}, identity_lookup);
   std::vector<SyncedScan> scans;
   for (int i = 0; i < 20; ++i) append(scans, stage.process(ring_scan(at(0.1 * i))));

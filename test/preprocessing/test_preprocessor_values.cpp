@@ -21,7 +21,7 @@ using test::kNothingMissing;
 using test::ring_scan;
 using test::velocity;
 
-TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
+TEST(Preprocessor, DoesNotUseAGyroWithImpossibleRates) {
   Preprocessor stage({}, identity_lookup);
   std::vector<SyncedScan> scans;
   for (int i = 0; i < 300; ++i) {
@@ -34,14 +34,14 @@ TEST(Preprocessor, DoesNotUseAGyroThatTurnsAsNobodyDrives) {
   ASSERT_EQ(scans.size(), 30U);
   EXPECT_TRUE(scans[12].imu->has_angular_velocity);  // a shock is none
   EXPECT_FALSE(scans[20].imu->has_angular_velocity);
-  const auto notices = stage.take_notices();
-  EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const Notice& notice) {
-    return notice.text.find("imu_angular_unit") != std::string::npos;
+  const auto diagnostics = stage.take_diagnostics();
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
+    return diagnostic.text.find("imu_angular_unit") != std::string::npos;
   }));
 }
 
 // Turns of 5 degrees/s look like 5 rad/s: no vehicle's limit tells, but the velocity does.
-TEST(Preprocessor, DoesNotUseAGyroThatTurnsFarMoreThanTheVelocity) {
+TEST(Preprocessor, DoesNotUseAGyroThatContradictsTheVelocity) {
   for (const double unit : {1.0, 180.0 / M_PI}) {
     Preprocessor stage({}, identity_lookup);
     std::vector<SyncedScan> scans;
@@ -94,9 +94,9 @@ TEST(Preprocessor, DoesNotUseAGyroAtTheEndOfItsRange) {
   EXPECT_GT(kept, 3);
   EXPECT_LT(kept, 25);
   const auto says_range = [](Preprocessor& stage) {
-    const auto notices = stage.take_notices();
-    return std::count_if(notices.begin(), notices.end(), [](const Notice& notice) {
-      return notice.text.find("end at 3.0 rad/s") != std::string::npos;
+    const auto diagnostics = stage.take_diagnostics();
+    return std::count_if(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& diagnostic) {
+      return diagnostic.text.find("end at 3.0 rad/s") != std::string::npos;
     });
   };
   EXPECT_EQ(says_range(clipped), 1);
@@ -112,10 +112,10 @@ TEST(Preprocessor, WaitsForTheTransformOfTheScan) {
   for (int i = 0; i < 40; ++i) append(scans, stage.process(ring_scan(at(0.1 * i))));
   EXPECT_TRUE(scans.empty());
   EXPECT_EQ(stage.counters().scans_without_extrinsic, 10U);  // the queue holds 30
-  const auto notices = stage.take_notices();
-  ASSERT_EQ(notices.size(), 1U);
-  EXPECT_NE(notices[0].text.find("no transform from 'lidar'"), std::string::npos);
-  EXPECT_EQ(notices[0].level, Notice::Level::kWarning);
+  const auto diagnostics = stage.take_diagnostics();
+  ASSERT_EQ(diagnostics.size(), 1U);
+  EXPECT_NE(diagnostics[0].text.find("no transform from 'lidar'"), std::string::npos);
+  EXPECT_EQ(diagnostics[0].level, Diagnostic::Level::kWarning);
   known = true;
   append(scans, stage.process(ring_scan(at(4.0))));
   append(scans, stage.flush());
@@ -130,10 +130,12 @@ TEST(Preprocessor, UsesNoSensorWithoutATransform) {
   append(scans, stage.flush());
   ASSERT_EQ(scans.size(), 20U);
   for (const SyncedScan& scan : scans) EXPECT_FALSE(scan.imu || scan.velocity || scan.gnss);
-  const auto notices = stage.take_notices();
-  EXPECT_EQ(notices.size(), 4U);  // imu, velocity, gnss; and no point times
-  const auto is_info = [](const Notice& notice) { return notice.level == Notice::Level::kInfo; };
-  EXPECT_EQ(std::count_if(notices.begin(), notices.end(), is_info), 1) << "no point times";
+  const auto diagnostics = stage.take_diagnostics();
+  EXPECT_EQ(diagnostics.size(), 4U);  // imu, velocity, gnss; and no point times
+  const auto is_info = [](const Diagnostic& diagnostic) {
+    return diagnostic.level == Diagnostic::Level::kInfo;
+  };
+  EXPECT_EQ(std::count_if(diagnostics.begin(), diagnostics.end(), is_info), 1) << "no point times";
 }
 
 TEST(Preprocessor, ConvertsTheUnitsOfTheImu) {
@@ -189,7 +191,7 @@ std::vector<Eigen::Vector3d> rates_with_late_velocities(int delay) {
 }
 
 // Nodes and map_bag made two maps of one drive, and two runs of the nodes, too.
-TEST(Preprocessor, TheOrderOfArrivalChangesNothing) {
+TEST(Preprocessor, DoesNotDependOnTheOrderOfArrival) {
   const auto prompt = rates_with_late_velocities(0);
   const auto late = rates_with_late_velocities(15);
   ASSERT_GT(late.size(), 45U);
@@ -220,7 +222,7 @@ SyncedScan last_of_drive_with_heading(double error, ImuOrientation mode, double 
   return scans.back();
 }
 
-TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {
+TEST(Preprocessor, AcceptsAHeadingThatTheTrackConfirms) {
   EXPECT_TRUE(last_of_drive_with_heading(0.1, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(1.0, ImuOrientation::kAuto, 40.0).gnss->R_enu_base);
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 8.0).gnss->R_enu_base);
@@ -228,14 +230,14 @@ TEST(Preprocessor, BelievesAHeadingThatTheTrackConfirms) {
   EXPECT_FALSE(last_of_drive_with_heading(0.0, ImuOrientation::kNone, 40.0).gnss->R_enu_base);
 }
 
-TEST(Preprocessor, BelievesTheHeadingOfAVehicleThatBacksUp) {
+TEST(Preprocessor, AcceptsTheHeadingOfAReversingVehicle) {
   EXPECT_TRUE(
       last_of_drive_with_heading(M_PI, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
   EXPECT_FALSE(
       last_of_drive_with_heading(0.0, ImuOrientation::kAuto, 40.0, -10.0).gnss->R_enu_base);
 }
 
-TEST(Preprocessor, HandsTheLeverArmOn) {
+TEST(Preprocessor, ReturnsTheLeverArm) {
   Preprocessor stage({}, [](const std::string& frame) {
     return std::optional<Pose>(
         Pose{Eigen::Quaterniond::Identity(), {frame == "gps" ? 1.5 : 0.0, 0.0, 0.3}});
@@ -251,7 +253,7 @@ PointCloud cloud_of(const PreprocessingConfig& config, RawScan scan) {
   return scans.at(0).scan.cloud;
 }
 
-TEST(Preprocessor, TakesPackedPointsLikeReadOnes) {
+TEST(Preprocessor, TreatsPackedPointsLikeOthers) {
   std::vector<PreprocessingConfig> configs(3);
   configs[1].point_times = PointTimes::kAzimuth;
   configs[2].vertical_angle_correction_deg = 0.205;

@@ -16,7 +16,7 @@ namespace {
 
 using test::at;
 
-TEST(SampleBuffer, PutsSamplesIntoTheOrderOfTheirStamps) {
+TEST(SampleBuffer, SortsSamplesByTheirStamps) {
   std::mt19937 engine(1);
   std::vector<int> order(100);
   for (int i = 0; i < 100; ++i) order[static_cast<std::size_t>(i)] = i;
@@ -34,7 +34,7 @@ TEST(SampleBuffer, PutsSamplesIntoTheOrderOfTheirStamps) {
   }
 }
 
-TEST(SampleBuffer, RefusesDuplicatesAndStaysBounded) {
+TEST(SampleBuffer, RejectsDuplicatesAndStaysBounded) {
   SampleBuffer<ImuSample> buffer(from_seconds(1.0), 50);
   for (int i = 0; i < 1000; ++i) {
     EXPECT_TRUE(buffer.insert(test::imu(at(0.01 * i))));
@@ -44,7 +44,7 @@ TEST(SampleBuffer, RefusesDuplicatesAndStaysBounded) {
   EXPECT_FALSE(buffer.insert(test::imu(at(0.0))));
 }
 
-TEST(Interpolation, StaysBetweenNeighboursOrGivesNothing) {
+TEST(Interpolation, StaysBetweenNeighboursOrIsEmpty) {
   std::mt19937 engine(2);
   std::uniform_real_distribution<double> value(-5.0, 5.0);
   std::uniform_real_distribution<double> step(0.001, 0.4);
@@ -73,7 +73,7 @@ TEST(Interpolation, StaysBetweenNeighboursOrGivesNothing) {
   EXPECT_LT(found, 4500);
 }
 
-TEST(Interpolation, TakesTheShorterWayWhateverTheSigns) {
+TEST(Interpolation, UsesTheShorterRotationForAnySigns) {
   for (double yaw = -3.1; yaw < 3.1; yaw += 0.1) {
     ImuSample a = test::imu(at(0.0));
     ImuSample b = test::imu(at(0.1));
@@ -86,7 +86,7 @@ TEST(Interpolation, TakesTheShorterWayWhateverTheSigns) {
   }
 }
 
-TEST(Interpolation, HasNoOrientationWhereOneSampleHasNone) {
+TEST(Interpolation, HasNoOrientationIfOneSampleHasNone) {
   ImuSample with = test::imu(at(0.0));
   with.orientation = Eigen::Quaterniond::Identity();
   const ImuSample without = test::imu(at(0.1));
@@ -95,7 +95,7 @@ TEST(Interpolation, HasNoOrientationWhereOneSampleHasNone) {
   EXPECT_FALSE(interpolated(without, with, at(0.05)).orientation);
 }
 
-TEST(Interpolation, MovesVelocitiesOfTurnedAndDistantSensors) {
+TEST(Interpolation, TransfersVelocitiesOfRotatedAndDistantSensors) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 1.0);
   const auto vector = [&] {
@@ -166,13 +166,13 @@ TEST(Interpolation, FollowsABendBetweenFixes) {
   }
 }
 
-TEST(Interpolation, IsTheChordWhereTheFixBeforeIsTooNear) {
+TEST(Interpolation, IsLinearIfThePreviousFixIsTooNear) {
   const LocalFix earlier = on_circle(-0.01, 15.0, 7.0), a = on_circle(0.0, 15.0, 7.0),
                  b = on_circle(0.1, 15.0, 7.0);
   EXPECT_EQ(interpolated(earlier, a, b, at(0.05)).p_enu, interpolated(a, b, at(0.05)).p_enu);
 }
 
-TEST(SampleBuffer, FindsTheSampleBefore) {
+TEST(SampleBuffer, FindsThePreviousSample) {
   SampleBuffer<LocalFix> buffer(from_seconds(100.0), 10);
   for (const double seconds : {1.0, 2.0, 5.0}) buffer.insert(on_circle(seconds, 15.0, 7.0));
   EXPECT_EQ(buffer.before(at(1.0), from_seconds(1.5)), nullptr);

@@ -58,7 +58,7 @@ TEST(ScanPass, KeepsAllPointsWithTheFilterOff) {
   EXPECT_EQ(cloud.size(), 1000U);
 }
 
-TEST(ScanPass, DropsWhatIsNoPoint) {
+TEST(ScanPass, DropsInvalidPoints) {
   PointCloud cloud;
   cloud.points = {
       {kNaN, 1, 1, 0}, {0, 0, 0, 0},     {std::numeric_limits<float>::infinity(), 0, 0, 0},
@@ -70,14 +70,14 @@ TEST(ScanPass, DropsWhatIsNoPoint) {
   EXPECT_EQ(cloud.points[0].intensity, 3.0F);
 }
 
-TEST(ScanPass, TakesAnEmptyScan) {
+TEST(ScanPass, AcceptsAnEmptyScan) {
   PointCloud cloud;
   EXPECT_EQ(keep_and_deskew(packed_in(cloud), cloud, Pose::Identity(), PassLimits({}), nullptr),
             0U);
   EXPECT_TRUE(cloud.empty());
 }
 
-TEST(ScanPass, CutsTheVehicleOut) {
+TEST(ScanPass, RemovesTheVehicle) {
   PreprocessingConfig config;
   config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
   PointCloud cloud;
@@ -89,7 +89,7 @@ TEST(ScanPass, CutsTheVehicleOut) {
   EXPECT_EQ(cloud.points[0].intensity, 2.0F);
 }
 
-TEST(ScanPass, CutsTheVehicleOutWhereverTheSensorLooks) {
+TEST(ScanPass, RemovesTheVehicleForAnySensorPose) {
   PreprocessingConfig config;
   config.vehicle_box = {-2.0, -1.0, 0.0, 3.0, 1.0, 2.0};
   // Its x points to the left of base_link and its z ahead.
@@ -128,7 +128,7 @@ TEST(ScanPass, CorrectsTheVerticalAngle) {
   }
 }
 
-TEST(ScanTimes, FollowTheAzimuthEitherWay) {
+TEST(ScanTimes, FollowTheAzimuthInBothDirections) {
   for (const ScanDirection direction :
        {ScanDirection::kClockwise, ScanDirection::kCounterclockwise}) {
     for (const double start_deg : {0.0, 90.0, 180.0, -135.0}) {
@@ -143,7 +143,7 @@ TEST(ScanTimes, FollowTheAzimuthEitherWay) {
         cloud.points.push_back({static_cast<float>(10.0 * std::cos(azimuth)),
                                 static_cast<float>(10.0 * std::sin(azimuth)), 0.0F, 0.0F});
       }
-      EXPECT_EQ(settle_times(cloud, false, config).problem, "");
+      EXPECT_EQ(normalize_times(cloud, false, config).problem, "");
       for (int i = 0; i < 360; ++i) {
         EXPECT_NEAR(cloud.times[static_cast<std::size_t>(i)], 0.1 * (i + 0.5) / 360.0, 1e-6);
       }
@@ -151,7 +151,7 @@ TEST(ScanTimes, FollowTheAzimuthEitherWay) {
   }
 }
 
-TEST(ScanTimes, MeanTheInstantOfTheStamp) {
+TEST(ScanTimes, ReferToTheInstantOfTheStamp) {
   for (const auto& [meaning, shift] :
        {std::pair{ScanStamp::kStart, 0.0}, std::pair{ScanStamp::kMiddle, 0.05},
         std::pair{ScanStamp::kEnd, 0.1}}) {
@@ -163,26 +163,26 @@ TEST(ScanTimes, MeanTheInstantOfTheStamp) {
     from_start.times = {0.0F, 0.05F, 0.1F};
     to_end.times = {-0.1F, -0.05F, 0.0F};
     absolute.times = {0.0F, 0.05F, 0.1F};
-    settle_times(from_start, false, config);
-    settle_times(to_end, false, config);
-    settle_times(absolute, true, config);
+    normalize_times(from_start, false, config);
+    normalize_times(to_end, false, config);
+    normalize_times(absolute, true, config);
     EXPECT_NEAR(from_start.times[0], -shift, 1e-7);
     EXPECT_NEAR(to_end.times[0], -0.1, 1e-7);
     EXPECT_NEAR(absolute.times[2], 0.1, 1e-7);
   }
 }
 
-TEST(ScanTimes, OfAWrongUnitAreRefusedWithAWord) {
+TEST(ScanTimes, OfAWrongUnitAreRejectedWithAMessage) {
   for (const float factor : {1e3F, 1e6F, 1e9F}) {
     PointCloud cloud;
     cloud.points.resize(2, {5, 0, 0, 0});
     cloud.times = {0.0F, 0.1F * factor};
-    EXPECT_NE(settle_times(cloud, false, {}).problem, "");
+    EXPECT_NE(normalize_times(cloud, false, {}).problem, "");
     EXPECT_FALSE(cloud.has_times());
   }
 }
 
-TEST(Thinning, FiltersWhateverTheExtent) {
+TEST(Thinning, FiltersCloudsOfAnyExtent) {
   for (const DownsampleMethod method :
        {DownsampleMethod::kVoxelGrid, DownsampleMethod::kApproximateVoxelGrid}) {
     PreprocessingConfig config;
@@ -199,7 +199,7 @@ TEST(Thinning, FiltersWhateverTheExtent) {
   EXPECT_EQ(downsampled(random_cloud(5, 100, 2.0F), {}).size(), 100U);
 }
 
-TEST(Thinning, RemovesLonelyPointsAndKeepsTimes) {
+TEST(Thinning, RemovesIsolatedPointsAndKeepsTimes) {
   PointCloud cloud = random_cloud(6, 4000, 3.0F);
   cloud.points.push_back({50.0F, 50.0F, 50.0F, -1.0F});
   cloud.times.push_back(0.077F);

@@ -37,7 +37,7 @@ using Sender = std::function<Eigen::Vector3d(double t)>;
 
 struct Outcome {
   std::vector<SyncedScan> scans;  ///< one in 0.1 s
-  std::string notices;
+  std::string diagnostics;
 };
 
 enum class Fixes { kNone, kGood, kScattered };
@@ -63,7 +63,8 @@ Outcome driven(const Sender& sent, Fixes fixes = Fixes::kGood) {
     append(outcome.scans, stage.process(std::move(scan)));
   }
   append(outcome.scans, stage.flush());
-  for (const Notice& notice : stage.take_notices()) outcome.notices += notice.text + "\n";
+  for (const Diagnostic& diagnostic : stage.take_diagnostics())
+    outcome.diagnostics += diagnostic.text + "\n";
   return outcome;
 }
 
@@ -83,46 +84,46 @@ TEST(VelocityCheck, AVelocityThatAgreesIsUsed) {
   const Outcome outcome = driven(ahead);
   ASSERT_EQ(outcome.scans.size(), 200U);
   for (std::size_t i = 0; i < 199; ++i) EXPECT_TRUE(uses_velocity(outcome.scans[i])) << i;
-  EXPECT_EQ(outcome.notices.find("velocity:"), std::string::npos) << outcome.notices;
+  EXPECT_EQ(outcome.diagnostics.find("velocity:"), std::string::npos) << outcome.diagnostics;
 }
 
-TEST(VelocityCheck, KilometresPerHourAreNamedAndNotUsedUntilTheyAreMetres) {
+TEST(VelocityCheck, KilometresPerHourAreReportedAndNotUsed) {
   const Outcome outcome =
       driven([](double t) -> Eigen::Vector3d { return (t < 12.0 ? 3.6 : 1.0) * ahead(t); });
   ASSERT_EQ(outcome.scans.size(), 200U);
   EXPECT_FALSE(uses_velocity(outcome.scans[50]));
   EXPECT_FALSE(uses_velocity(outcome.scans[110]));
   EXPECT_TRUE(uses_velocity(outcome.scans[180]));
-  EXPECT_NE(outcome.notices.find("3.60 times those of the fixes: they are in km/h"),
+  EXPECT_NE(outcome.diagnostics.find("3.60 times those of the fixes: they are in km/h"),
             std::string::npos)
-      << outcome.notices;
+      << outcome.diagnostics;
   EXPECT_TRUE(outcome.scans[60].gnss);  // the fixes are not held against it
 }
 
 /// Scattered by metres, whatever their covariance says.
-TEST(VelocityCheck, BadFixesSayNothingAboutTheUnit) {
+TEST(VelocityCheck, BadFixesDoNotChangeTheUnit) {
   const Outcome outcome = driven(ahead, Fixes::kScattered);
   ASSERT_EQ(outcome.scans.size(), 200U);
   for (const SyncedScan& scan : outcome.scans) EXPECT_TRUE(scan.velocity);
 }
 
-TEST(VelocityCheck, AVelocityInEastNorthUpIsNamedAndNotUsed) {
+TEST(VelocityCheck, AVelocityInEastNorthUpIsReportedAndNotUsed) {
   for (const Fixes fixes : {Fixes::kGood, Fixes::kNone}) {
     const Outcome outcome = driven(in_enu, fixes);
     ASSERT_EQ(outcome.scans.size(), 200U);
     EXPECT_TRUE(uses_velocity(outcome.scans[40]));  // nothing tells yet
     for (std::size_t i = 95; i < 200; ++i) EXPECT_FALSE(uses_velocity(outcome.scans[i])) << i;
-    EXPECT_NE(outcome.notices.find("velocity:"), std::string::npos) << outcome.notices;
+    EXPECT_NE(outcome.diagnostics.find("velocity:"), std::string::npos) << outcome.diagnostics;
   }
 }
 
-TEST(VelocityCheck, AVelocityAsideWaitsForATurn) {
+TEST(VelocityCheck, ASidewaysVelocityIsUsedAfterATurn) {
   const Outcome sideways =
       driven([](double) { return Eigen::Vector3d(0.0, kSpeed, 0.0); }, Fixes::kNone);
   ASSERT_EQ(sideways.scans.size(), 200U);
   EXPECT_FALSE(uses_velocity(sideways.scans[40]));
   EXPECT_TRUE(uses_velocity(sideways.scans[180]));
-  EXPECT_NE(sideways.notices.find("points aside"), std::string::npos) << sideways.notices;
+  EXPECT_NE(sideways.diagnostics.find("points aside"), std::string::npos) << sideways.diagnostics;
 }
 
 /// What flies may yaw on a straight way.

@@ -46,14 +46,14 @@ std::vector<std::string> findings_in(const simulation::DriveOptions& options,
   ros_border::RecordingCheck recording;
   recording.bags = &bags;
   recording.topics = ros_border::topics_in(bags);
-  std::vector<std::string> findings;
+  std::vector<std::string> diagnostics;
   for (const auto& report : ros_border::check(recording, {})) {
     if (report.input == "points" && !content.lidar) continue;
-    for (const auto& finding : report.findings) {
-      findings.push_back(report.input + ": " + sentence(finding));
+    for (const auto& diagnostic : report.diagnostics) {
+      diagnostics.push_back(report.input + ": " + sentence(diagnostic));
     }
   }
-  return findings;
+  return diagnostics;
 }
 
 std::string joined(const std::vector<std::string>& lines) {
@@ -63,9 +63,10 @@ std::string joined(const std::vector<std::string>& lines) {
 }
 
 /// A finding that holds the words, and no other that is about something else.
-void expect_only(const std::vector<std::string>& findings, const std::string& words) {
-  EXPECT_NE(joined(findings).find(words), std::string::npos) << words << "\n" << joined(findings);
-  EXPECT_EQ(findings.size(), 1U) << joined(findings);
+void expect_only(const std::vector<std::string>& diagnostics, const std::string& words) {
+  EXPECT_NE(joined(diagnostics).find(words), std::string::npos) << words << "\n"
+                                                                << joined(diagnostics);
+  EXPECT_EQ(diagnostics.size(), 1U) << joined(diagnostics);
 }
 
 TEST(CheckBag, FindsNothingInCleanBags) {
@@ -92,9 +93,9 @@ TEST(CheckBag, FindsFaultsOfImuAndVelocity) {
   expect_only(spoilt(BagFault::kImuInG), "set imu_acceleration_unit to G");
   expect_only(spoilt(BagFault::kGyroInDegrees), "set imu_angular_unit to DEG_PER_S");
   expect_only(spoilt(BagFault::kVelocityInKmh), "they are in km/h");
-  const auto findings = spoilt(BagFault::kNoImuTransform);  // the velocity has the same frame
-  ASSERT_EQ(findings.size(), 2U) << joined(findings);
-  EXPECT_NE(findings[0].find("no transform from 'imu_link'"), std::string::npos);
+  const auto diagnostics = spoilt(BagFault::kNoImuTransform);  // the velocity has the same frame
+  ASSERT_EQ(diagnostics.size(), 2U) << joined(diagnostics);
+  EXPECT_NE(diagnostics[0].find("no transform from 'imu_link'"), std::string::npos);
 }
 
 TEST(CheckBag, FindsAntennasThatAreElsewhereAndLateStamps) {

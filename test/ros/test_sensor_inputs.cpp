@@ -189,8 +189,8 @@ TEST_F(SensorInputs, FixesAreReadFromTheSentencesOfAReceiver) {
   RecordingCheck recording;
   recording.bags = &there;
   recording.topics = topics();
-  for (const auto& finding : check(recording, {}).back().findings) {
-    EXPECT_EQ(finding.text.find("not NavSatFix"), std::string::npos) << finding.text;
+  for (const auto& diagnostic : check(recording, {}).back().diagnostics) {
+    EXPECT_EQ(diagnostic.text.find("not NavSatFix"), std::string::npos) << diagnostic.text;
   }
 }
 

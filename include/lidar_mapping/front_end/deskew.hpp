@@ -5,11 +5,12 @@
 
 namespace lidar_mapping::front_end {
 
-/// The cloud as it would have been seen at its stamp, for a sensor frame that moves with a constant
-/// twist (its own axes, m/s and rad/s). The result has no times; a cloud without times comes back
-/// as it is. Works in the cloud's own memory, so give away what is not needed any more.
+/// The cloud as the sensor would have measured it if all points had been measured at the stamp. The
+/// sensor frame moves with a constant twist (in its own axes, m/s and rad/s). The result has no
+/// point times. A cloud without point times is returned unchanged. The function works in the
+/// cloud's own memory, so move the cloud into it if it is not needed any more.
 PointCloud deskewed(PointCloud cloud, const Vector6d& twist, int threads = 1);
-/// The same for a frame that is accelerated: `twist` is that at the stamp and changes by
+/// The same for an accelerated frame: `twist` is the twist at the stamp, and it changes by
 /// `acceleration` per second.
 PointCloud deskewed(PointCloud cloud, const Vector6d& twist, const Vector6d& acceleration,
                     int threads = 1);

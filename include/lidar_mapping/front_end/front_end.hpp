@@ -12,59 +12,61 @@
 
 namespace lidar_mapping::front_end {
 
-/// What is known of a scan.
+/// The result for one scan.
 struct FrontEndResult {
-  Stamp stamp = 0;  ///< that of the scan, bit for bit
+  Stamp stamp = 0;  ///< the scan's stamp, unchanged
   Pose T_odom_base;
-  /// Of the motion since the previous scan, axes of base_link.
+  /// Covariance of the motion since the previous scan, in the axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
-  /// Of base_link in its own axes, at the stamp: m/s, rad/s. With the scan in base_link,
-  /// deskewed(cloud, twist, acceleration) gives it as it would have been seen at the stamp
-  /// (deskew.hpp). The pose does not need that, so it is left to those who display the scan.
+  /// Twist of base_link in its own axes at the stamp: m/s, rad/s. With the scan in base_link,
+  /// deskewed(cloud, twist, acceleration) gives the scan without motion distortion (deskew.hpp).
+  /// The pose does not need this step, so it is left to those who display the scan.
   Vector6d twist = Vector6d::Zero();
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
-  /// If this scan was chosen. The first one is as soon as its points are deskewed or can be: where
-  /// they have times, that is once the motion is known.
+  /// Set if this scan was chosen as a key frame. The first scan is chosen as soon as its points are
+  /// deskewed or can be deskewed: if the points have times, this is when the motion is known.
   std::optional<KeyFrame> key_frame;
-  std::uint32_t segment = 0;  ///< poses of one segment of the trajectory hang together
+  std::uint32_t segment = 0;  ///< poses within one segment are connected by odometry
   FrontEndStatus status;
-  /// The scan will be looked at again, with more of its surroundings known: what it is now may do
-  /// for those who cannot wait. So it is with the first scan, and with those after it for up to 6 s
-  /// where a drive with few rings begins at speed. Key frames are chosen afterwards.
+  /// The scan will be matched again when the map holds more of its surroundings. Use this result
+  /// only if you cannot wait for the final one. The first scan is provisional; if a drive begins at
+  /// speed and the sensor has few rings, so are the scans of the next 6 s at most. Their key frames
+  /// are chosen afterwards.
   bool provisional = false;
-  /// The scans that were provisional until now, in their order, and as they are to stay.
+  /// The scans that were provisional until now, in their order, with their final results.
   std::vector<FrontEndResult> finalized;
 };
 
 /// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames
-/// (Magnusson 2009; doc/front_end.md). Scans are in the LiDAR's frame; what comes out is about
-/// base_link, poses are T_odom_base at the scan's stamp. One thread calls it; it owns no clock and
-/// no file.
+/// (Magnusson 2009; doc/front_end.md). The scans are in the LiDAR's frame. The results are about
+/// base_link; poses are T_odom_base at the scan's stamp. The class must be called from one thread;
+/// it uses no clock and no files.
 class FrontEnd {
  public:
   explicit FrontEnd(const FrontEndConfig& config);
   ~FrontEnd();
 
-  /// Throws InputError if the stamp does not increase. A poor match is no error: see the status.
+  /// Throws InputError if the stamp does not increase. A poor match is not an error: it is reported
+  /// in the status.
   FrontEndResult process(const Scan& scan, const MotionPrior& prior = {});
 
-  /// For the end of a drive, or where nothing comes for long: scans that are still provisional stay
-  /// as they are.
+  /// Makes all provisional scans final as they are. To be called at the end of a drive, or if no
+  /// scan arrives for a long time.
   std::vector<FrontEndResult> finalize();
 
-  /// How the LiDAR sits on the vehicle. Without it scans are taken to be in base_link, seen from
-  /// nowhere in particular: the two sides of a thin plate are not told apart.
+  /// The pose of the LiDAR on the vehicle. If it is not set, the scans are taken to be in base_link
+  /// and the viewpoint is unknown: the two sides of a thin plate are then not distinguished.
   void set_sensor_pose(const Pose& T_base_sensor);
 
-  /// The first scan lies at this pose in odom, whatever other sensors say. Throws InputError if
-  /// there was a scan already.
+  /// Sets the pose of the first scan in odom; it overrides the values of other sensors. Throws
+  /// InputError if a scan was processed already.
   void set_initial_pose(const Pose& T_odom_base);
 
-  /// Goes on after a restart: the next scan begins a new segment, at this pose; the next key frame
-  /// is `next_index`.
+  /// Continues after a restart of the program: the next scan begins a new segment at this pose, and
+  /// the next key frame has the index `next_index`.
   void resume(KeyFrameIndex next_index, std::uint32_t next_segment, const Pose& T_odom_base);
 
-  /// The clouds of the sliding window in odom, one point per voxel: for display.
+  /// The clouds of the sliding window in odom, with one point per voxel. For display.
   PointCloud local_map() const;
 
  private:

@@ -9,7 +9,7 @@
 namespace lidar_mapping::front_end {
 
 enum class OdometrySource { kLidar, kExternal };
-/// What NDT matches against.
+/// The target that NDT matches against.
 enum class LocalMapMethod { kVoxels, kSlidingWindow };
 
 /// Parameters of the stage; each is described once, in schema().

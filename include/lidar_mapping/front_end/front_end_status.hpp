@@ -14,17 +14,19 @@ namespace lidar_mapping::front_end {
 
 enum class TrackingState {
   kTracking,
-  kDegenerate,  ///< fits, but some directions were not observed: they follow the prediction
-  kDoubtful,    ///< fits, but the step may be off by more than 0.3 m or 1 degree
-  kDegraded,    ///< fits poorly, or is probably wrong: used, but not put into the map
-  kLost         ///< does not fit: the pose is the prediction
+  /// the match is good, but some directions were not observed: they follow the prediction
+  kDegenerate,
+  kDoubtful,  ///< the match is good, but the step may be wrong by more than 0.3 m or 1 degree
+  /// the match is poor or probably wrong: it is used, but the scan is not put into the map
+  kDegraded,
+  kLost  ///< no acceptable match: the pose is the prediction
 };
 /// "tracking", "degenerate", "doubtful", "degraded", "lost".
 const char* to_string(TrackingState state);
-/// True if the pose is said to be right within its covariance.
+/// True if the state claims that the pose is correct within its covariance.
 bool claims_pose(TrackingState state);
 
-/// How one scan was judged.
+/// The quality of one scan's match, and what was observed with it.
 struct FrontEndStatus {
   TrackingState state = TrackingState::kTracking;
   bool converged = false;
@@ -33,47 +35,51 @@ struct FrontEndStatus {
   double inlier_fraction = 0.0;  ///< 0 to 1
   double overlap = 0.0;          ///< 0 to 1
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
-  bool rescued = false;                                ///< more than one start was needed
-  bool repeated = false;  ///< the points are those of the scan before, as of a driver that hangs
-  /// Points since the beginning that the local map had no room for: it is full, and what is new to
-  /// it is not matched against later.
+  bool rescued = false;  ///< the match needed more than one starting pose
+  /// the points are the same as those of the previous scan, as from a driver that hangs
+  bool repeated = false;
+  /// Number of points since the start that were not inserted because the local map was full. Later
+  /// scans cannot be matched against them.
   std::size_t map_points_dropped = 0;
-  /// Standard deviation (m) of the way since the beginning that comes from directions that neither
-  /// the points nor other sensors observed (BlindWay): it grows where the state is degenerate.
+  /// Standard deviation (m) of the distance travelled since the start, as far as it comes from
+  /// directions that neither the points nor other sensors observed (UnobservedTravel). It grows
+  /// while the state is degenerate.
   double unobserved_stddev = 0.0;
-  /// What the sensor's elevations were found to lack, rad: points are turned upwards by that, in
-  /// steps that no match feels.
+  /// Error of the sensor's elevation angles, rad, as estimated: the points are rotated upwards by
+  /// this angle, in steps that are too small to disturb a match.
   double elevation_shift = 0.0;
-  /// Scatter of the stamps, s, where they are so irregular that turns of the sensor are counted
-  /// instead (SweepClock); 0 elsewhere.
+  /// Standard deviation of the stamps, s, if they are so irregular that whole turns of the sensor
+  /// are counted instead (SweepClock); otherwise 0.
   double stamp_jitter = 0.0;
-  /// The gyro foretells matches worse than they foretell each other, and is not used (GyroTrust).
+  /// The gyro predicts the matches worse than a prediction without it does, so it is not used
+  /// (GyroValidator).
   bool gyro_distrusted = false;
-  /// What the sensor went up or down so far by the accelerometer alone, m: no points showed it
-  /// (UnseenRide).
+  /// Vertical distance travelled so far according to the accelerometer alone, m: the points did not
+  /// show this motion (VerticalRideDetector).
   double unseen_way = 0.0;
-  /// That the step from the last scan that claimed its pose is right within three of its own
-  /// standard deviations, 0 to 1 (StepBelief).
+  /// Probability, 0 to 1, that the step from the last scan with a claimed pose is correct within
+  /// three of its own standard deviations (StepBelief).
   double probability = 1.0;
-  /// How far off such a step usually is, whatever its covariance says; 0 where nothing was matched.
+  /// Usual error of such a step, independent of its covariance; 0 if nothing was matched.
   double expected_error = 0.0;        ///< m
   double expected_error_angle = 0.0;  ///< rad
-  /// What these follow from.
+  /// The figures from which probability and expected errors are computed.
   StepEvidence evidence;
-  /// For whole scan and for its steps: the only figures that are not the same in each run.
+  /// Computing time of the whole scan and of its steps. These are the only figures that differ from
+  /// run to run.
   double seconds = 0.0;
   std::vector<std::pair<std::string, double>> step_seconds;
 };
 
-/// Says that points are turned upwards by `elevation_shift` (rad) from now on.
-std::string elevation_notice(double elevation_shift);
-/// Says that the local map is full, and what makes room.
-std::string full_map_notice(std::size_t map_points_dropped);
-/// Says that stamps scatter by `jitter` (s) and what is done about it.
-std::string jitter_notice(double jitter);
-/// Says that the sensor rides up or down without any points that show it.
-std::string ride_notice();
-/// Says that the gyro is not used to predict, and what to look at.
-std::string gyro_notice();
+/// The message that points are rotated upwards by `elevation_shift` (rad) from now on.
+std::string elevation_message(double elevation_shift);
+/// The message that the local map is full, and which parameters give it more room.
+std::string full_map_message(std::size_t map_points_dropped);
+/// The message that the stamps scatter by `jitter` (s), and what is done about it.
+std::string jitter_message(double jitter);
+/// The message that the sensor moves up or down while no points show it.
+std::string ride_message();
+/// The message that the gyro is not used for prediction, and what to check.
+std::string gyro_message();
 
 }  // namespace lidar_mapping::front_end

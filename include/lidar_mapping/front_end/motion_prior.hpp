@@ -9,21 +9,22 @@
 
 namespace lidar_mapping::front_end {
 
-/// What other sensors say about the motion at the scan's stamp; all optional.
+/// The motion at the scan's stamp as other sensors measured it; all fields are optional.
 struct MotionPrior {
   std::optional<Eigen::Vector3d> angular_velocity;  ///< rad/s, axes of base_link
   std::optional<Eigen::Vector3d> linear_velocity;   ///< m/s, of base_link in its axes
-  /// rad/s, axes of base_link: how the vehicle turned where linear_velocity was measured. The way
-  /// from there to base_link was reckoned with it, and so is the way on to the LiDAR; without it
-  /// angular_velocity stands in.
+  /// Angular velocity (rad/s, axes of base_link) that was used to transfer linear_velocity from its
+  /// sensor to base_link. The same value has to be used to transfer it to the LiDAR. Without it
+  /// angular_velocity is used.
   std::optional<Eigen::Vector3d> velocity_turning;
-  /// What the gyro has taken out of the scan beside that: it is put back where the gyro is wrong.
+  /// The non-uniform rotation that was removed from the scan by the gyro. The front end adds it
+  /// again if it finds the gyro wrong.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
-  /// By the accelerometer since the scan before.
+  /// Mean specific force by the accelerometer since the previous scan.
   std::optional<FeltForce> felt = std::nullopt;
-  /// Pose of base_link by an odometry outside; used instead of matching with `odometry: external`.
+  /// Pose of base_link by an external odometry; it replaces matching with `odometry: external`.
   std::optional<Pose> T_external_base;
-  /// Pose of the first scan in odom; used once.
+  /// Pose of the first scan in odom; used only once.
   std::optional<Pose> T_odom_base_initial;
 };
 

@@ -8,10 +8,11 @@
 
 namespace lidar_mapping::front_end {
 
-/// Measures how long the steps of a scan take. For reports only: no result depends on it.
+/// Measures the computing time of the steps of a scan. It is used for reports only: no result
+/// depends on it.
 class StepTimer {
  public:
-  /// Begins a step, and ends the one before.
+  /// Starts a step and ends the previous one.
   void start(const char* step) {
     stop();
     step_ = step;
@@ -22,7 +23,7 @@ class StepTimer {
     steps_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - begin_).count());
     step_ = nullptr;
   }
-  /// Ends the present step and hands over all steps since the last call, in order.
+  /// Ends the current step and returns all steps since the last call, in order.
   std::vector<std::pair<std::string, double>> take() {
     stop();
     return std::exchange(steps_, {});

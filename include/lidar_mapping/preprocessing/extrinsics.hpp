@@ -10,10 +10,11 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// T_base_frame of a sensor's frame, or nothing while it is not known.
+/// T_base_frame of a sensor's frame; empty while it is not known.
 using ExtrinsicLookup = std::function<std::optional<Pose>(const std::string& frame_id)>;
 
-/// Asks until there is an answer, then keeps it: sensors are bolted to the vehicle.
+/// Looks up the pose of a sensor until it is found, then stores it: sensors are fixed to the
+/// vehicle.
 class Extrinsics {
  public:
   explicit Extrinsics(ExtrinsicLookup lookup) : lookup_(std::move(lookup)) {}

@@ -7,19 +7,20 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// What a floor was sought in, for display; in base_link.
+/// The points in which the floor was searched, for display; in base_link.
 struct FloorPoints {
   PointCloud filtered;  ///< after height clip and normal filter
-  PointCloud inliers;   ///< on the plane that was found; empty without one
+  PointCloud inliers;   ///< on the plane that was found; empty if none was found
 };
 
-/// Finds the floor below the vehicle: height clip, normal filter, RANSAC plane, refinement
-/// (the method of hdl_graph_slam, Koide et al. 2019). No floor is no error: Floor::found.
+/// Detects the floor below the vehicle: height clip, normal filter, RANSAC plane, refinement (the
+/// method of hdl_graph_slam, Koide et al. 2019). It is not an error if there is no floor: see
+/// Floor::found.
 class FloorDetector {
  public:
   explicit FloorDetector(const FloorDetectionConfig& config);
 
-  /// The points are filled in where they are asked for.
+  /// Fills in the points if `points` is not null.
   Floor process(const Scan& scan, FloorPoints* points = nullptr) const;
 
  private:

@@ -8,12 +8,13 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// The fix in a GGA sentence of NMEA 0183, of any constellation ("$GPGGA,...", "$GNGGA,..."); none
-/// in any other sentence, in a damaged one (its checksum, where there is one, has to agree), and
-/// where the receiver has no position. The altitude is that above the ellipsoid: the antenna's
-/// above the geoid plus the geoid's. The status is that of sensor_msgs/NavSatFix for the quality of
-/// the fix; the covariance is the horizontal dilution times an error that goes with the quality,
-/// twice as much vertically. A sentence holds no date, so the stamp is the given one.
+/// The fix in a GGA sentence of NMEA 0183, of any constellation ("$GPGGA,...", "$GNGGA,..."). Empty
+/// for any other sentence, for a damaged one (if there is a checksum, it has to agree), and if the
+/// receiver has no position. The altitude is above the ellipsoid: the antenna's height above the
+/// geoid plus the geoid's height. The status is that of sensor_msgs/NavSatFix for the quality of
+/// the fix. The horizontal standard deviation is the horizontal dilution times an error that
+/// depends on the quality; the vertical one is twice as large. A sentence contains no date, so the
+/// given stamp is used.
 std::optional<GnssFix> fix_of_nmea(const std::string& sentence, Stamp stamp);
 
 }  // namespace lidar_mapping::preprocessing

@@ -8,16 +8,16 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Points as a driver wrote them: x y z side by side as floats, a float intensity. Nobody reads
-/// them before they are moved, so that each is touched once.
+/// Points in the layout of a driver: x y z adjacent as floats, and a float intensity. They are not
+/// read before they are deskewed, so that each point is accessed only once.
 struct PackedPoints {
-  std::shared_ptr<const void> memory;    ///< what keeps them
+  std::shared_ptr<const void> memory;    ///< owner of the memory
   const unsigned char* first = nullptr;  ///< x of the first point
   std::size_t step = 0;                  ///< bytes from point to point, 16 or more
   std::size_t intensity = 0;             ///< bytes from x to the intensity
 };
 
-/// Reads as many points as there is room for in the cloud.
+/// Reads as many points as the cloud has room for.
 void read_points(const PackedPoints& packed, PointCloud& cloud);
 
 }  // namespace lidar_mapping::preprocessing

@@ -9,20 +9,20 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Where the time of a point comes from.
+/// Source of the points' times.
 enum class PointTimes {
-  kField,    ///< from the cloud's field; without one the scan counts as compensated
-  kAzimuth,  ///< where there is no field, from the direction of the points
-  kNone      ///< the scan is compensated already, whatever its fields say
+  kField,    ///< from the cloud's field; a scan without this field is taken as motion-compensated
+  kAzimuth,  ///< from the direction of the points, if there is no field
+  kNone      ///< the scan is motion-compensated already, even if it has a time field
 };
 /// Unit of the times in a cloud's field.
 enum class PointTimeUnit { kAuto, kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 enum class ScanDirection { kClockwise, kCounterclockwise };
-/// The instant of a scan that the stamp of its message names.
+/// The instant of a scan to which the stamp of its message refers.
 enum class ScanStamp { kStart, kMiddle, kEnd };
 enum class DownsampleMethod { kNone, kVoxelGrid, kApproximateVoxelGrid };
 enum class OutlierRemovalMethod { kNone, kStatistical, kRadius };
-/// Whether the orientation of the IMU is one in East-North-Up.
+/// Whether the orientation of the IMU refers to East-North-Up.
 enum class ImuOrientation {
   kAuto,  ///< if its heading agrees with the track of the GNSS positions
   kEnu,   ///< always

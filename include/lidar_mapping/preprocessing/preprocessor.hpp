@@ -10,34 +10,35 @@
 #include "lidar_mapping/common/point_cloud.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
 #include "lidar_mapping/common/uneven_turning.hpp"
+#include "lidar_mapping/preprocessing/diagnostic_log.hpp"
 #include "lidar_mapping/preprocessing/extrinsics.hpp"
-#include "lidar_mapping/preprocessing/notices.hpp"
 #include "lidar_mapping/preprocessing/packed_points.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 namespace lidar_mapping::preprocessing {
 
-/// A scan as the sensor gave it: points in the sensor's frame, times (if any) relative to `stamp`.
+/// A scan as measured: points in the sensor's frame, times (if any) relative to `stamp`.
 struct RawScan {
   Stamp stamp = 0;
   std::string frame_id;
   PointCloud cloud;
-  /// The times came from absolute ones: they refer to `stamp` whatever `scan_stamp` says.
+  /// The times were computed from absolute ones: they are relative to `stamp`, whatever
+  /// `scan_stamp` is.
   bool times_are_absolute = false;
-  /// Of the cloud's times, where the reader of the message knows it.
+  /// Time span of the cloud's points, if the reader of the message knows it.
   std::optional<TimeSpan> time_span = std::nullopt;
-  /// Where the points have not been read yet; the cloud has the room for them.
+  /// Location of the points if they have not been read yet; the cloud then has room for them.
   std::optional<PackedPoints> packed = std::nullopt;
 
-  /// Reads the points that are packed.
+  /// Reads the packed points.
   void unpack();
 };
 
-/// A scan in the LiDAR's own frame and what the other sensors measured at its stamp. No value where
-/// a sensor is absent or has a gap there: nothing is extrapolated. The cloud has times if the
-/// motion during the scan is still in it; where only the IMU's gyro was there, the turning that
-/// remains is uniform, at the rate imu->angular_velocity.
+/// A scan in the LiDAR's own frame, with the values of the other sensors at its stamp. A value is
+/// missing if the sensor is absent or has a gap there: nothing is extrapolated. The cloud has times
+/// if the motion during the scan is still contained in it. If only the IMU's gyro was available,
+/// the remaining rotation is uniform, at the rate imu->angular_velocity.
 struct SyncedScan {
   Scan scan;
   std::string frame_id;  ///< the LiDAR's
@@ -45,12 +46,13 @@ struct SyncedScan {
   std::optional<ImuSample> imu;            ///< in the axes of base_link
   std::optional<VelocitySample> velocity;  ///< of base_link
   std::optional<GnssPosition> gnss;
-  /// What the gyro alone has taken out of the cloud: whoever finds it wrong puts it back.
+  /// The non-uniform rotation that was removed from the cloud by the gyro alone. The front end adds
+  /// it again if it finds the gyro wrong.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
-  std::optional<FeltForce> felt = std::nullopt;  ///< since the scan before
+  std::optional<FeltForce> felt = std::nullopt;  ///< since the previous scan
 };
 
-/// What was dropped, and why, since the start.
+/// Numbers of processed and dropped data since the start.
 struct PreprocessingCounters {
   std::size_t scans_in = 0;
   std::size_t scans_out = 0;
@@ -62,13 +64,14 @@ struct PreprocessingCounters {
   std::size_t scans_deskewed = 0;
   std::size_t points_not_finite = 0;
   std::size_t samples_refused = 0;  ///< not finite, duplicate or out of order
-  std::size_t gnss_refused = 0;     ///< no fix, implausible position, gated
-  std::size_t resets = 0;           ///< time went back beyond the buffers
+  std::size_t gnss_refused = 0;     ///< no fix, implausible position, or rejected by the gate
+  std::size_t resets = 0;           ///< time went back by more than the buffers hold
 };
 
-/// Brings scans and the samples of the other sensors together: waits until each sensor in use has a
-/// sample after the scan (or its latency has passed, in data time), interpolates at the scan's
-/// stamp, deskews and filters. It owns no clock: time is what the data say. One thread calls it.
+/// Synchronises scans with the samples of the other sensors. It waits until each sensor in use has
+/// a sample after the scan, or until its latency is over (in the time of the data). Then it
+/// interpolates at the scan's stamp, deskews and filters. It uses no clock: time is defined by the
+/// data. The class must be called from one thread.
 class Preprocessor {
  public:
   using ExtrinsicLookup = preprocessing::ExtrinsicLookup;
@@ -77,23 +80,24 @@ class Preprocessor {
   Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup);
   ~Preprocessor();
 
-  /// Samples of the other sensors, in the axes of `frame_id`. Bad ones are counted and dropped.
+  /// Adds samples of the other sensors, in the axes of `frame_id`. Bad samples are counted and
+  /// dropped.
   void add_imu(const ImuSample& sample, const std::string& frame_id);
   void add_velocity(const VelocitySample& sample, const std::string& frame_id);
   void add_gnss(const GnssFix& fix, const std::string& frame_id);
 
   /// Queues a scan and returns the scans that are complete now, in order of their stamps.
   std::vector<SyncedScan> process(RawScan scan);
-  /// The scans that have become complete through samples added since.
+  /// The scans that were completed by samples added since the last call.
   std::vector<SyncedScan> take_complete();
-  /// The waiting scans as they are: for the end of the data.
+  /// All waiting scans, complete or not: for the end of the data.
   std::vector<SyncedScan> flush();
 
-  /// Origin of the East-North-Up frame, once there was a good fix.
+  /// Origin of the East-North-Up frame; empty until there was a good fix.
   std::optional<GeodeticDatum> datum() const;
   const PreprocessingCounters& counters() const;
-  /// Sentences about what was found or went wrong since the last call, each said once.
-  std::vector<Notice> take_notices();
+  /// Messages about observations and problems since the last call; each one is reported once.
+  std::vector<Diagnostic> take_diagnostics();
 
  private:
   class Impl;

@@ -10,38 +10,38 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// The motion of a point of the vehicle during a scan, in the axes of base_link: T_stamp_t, its
-/// pose at time t in its own frame at the scan's stamp, at equal steps of time (s, relative to the
-/// stamp).
+/// The motion of a point of the vehicle during a scan, in the axes of base_link: T_stamp_t is its
+/// pose at time t in its own frame at the scan's stamp. Poses are given at equal steps of time (s,
+/// relative to the stamp).
 struct ScanMotion {
   double begin = 0.0;
   double step = 0.0;
   std::vector<Pose> T_stamp_knot;
 
-  /// Linear between the knots; held beyond the ends.
+  /// Linear interpolation between the knots; constant beyond the ends.
   Pose at(double time) const;
 };
 
-/// Nothing where it was not measured.
+/// Empty if it was not measured.
 using MaybeVector = std::optional<Eigen::Vector3d>;
 /// Angular velocity at a time (s, relative to the scan's stamp).
 using TurningAtTime = std::function<MaybeVector(double time)>;
-/// Velocity at a time where the vehicle turns at the rate `omega`.
+/// Velocity at a time at which the vehicle turns at the rate `omega`.
 using VelocityAtTime = std::function<MaybeVector(double time, const Eigen::Vector3d& omega)>;
 
 /// Integrates angular velocity (on SO(3)) and velocity, both in the axes of base_link, by the
-/// midpoint rule from the stamp to both ends of [begin, end]. Without a `velocity` only the turning
-/// is followed. Nothing where a value is missing.
+/// midpoint rule from the stamp to both ends of [begin, end]. Without a `velocity` only the
+/// rotation is integrated. Empty if a value is missing.
 std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTime& turning,
                                      const VelocityAtTime& velocity);
 
 /// Mean angular velocity over the scan, rad/s.
 Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
 
-/// What remains of the turning when a uniform one is taken away: rotations exp(-omega t) R(t). A
-/// scan that is moved by it looks as if the vehicle had turned at the constant rate `omega`.
+/// The rotation that remains when a uniform rotation is removed: exp(-omega t) R(t). A scan that is
+/// corrected by it looks as if the vehicle had turned at the constant rate `omega`.
 ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
-/// The rotations of a motion without a uniform turning.
+/// The rotations of a motion without its uniform part.
 UnevenTurning turning_of(const ScanMotion& motion);
 
 }  // namespace lidar_mapping::preprocessing

@@ -10,37 +10,37 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// What the pass over the points needs to know of the configuration.
+/// The limits that are applied to the points, from the configuration.
 struct PassLimits {
   explicit PassLimits(const PreprocessingConfig& config);
 
   float near_squared;
   float far_squared;
-  Eigen::Vector3f box_min;  ///< of the box on the vehicle, in base_link; empty if min = max
+  Eigen::Vector3f box_min;  ///< box around the vehicle, in base_link; empty if min = max
   Eigen::Vector3f box_max;
 };
 
 enum class PointTimesAfter { kKept, kDropped };
 
-/// The one pass over the points of a raw scan, from where they are `packed` to the cloud, which has
-/// their times and the room for them (in place with packed_in(cloud)): drops points that are not
-/// finite, at the sensor itself, out of range or on the vehicle; with a `motion` (its own) it
-/// moves the others to where the sensor would have seen them at the scan's stamp. Points stay in
-/// the sensor's frame. Times stay with their points, or are dropped. Returns how many were not
-/// finite.
+/// Filters and deskews the points of a raw scan in one pass. The points are read from `packed` and
+/// written to the cloud, which has their times and room for them (packed_in(cloud) works in place).
+/// Points are dropped if they are not finite, at the sensor itself, out of range or on the vehicle.
+/// With a `motion` (of the sensor), the other points are moved to where the sensor would have
+/// measured them at the scan's stamp. The points stay in the sensor's frame. Their times are kept
+/// or dropped. Returns the number of points that are not finite.
 std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
                             const Pose& T_base_sensor, const PassLimits& limits,
                             const ScanMotion* motion,
                             PointTimesAfter times = PointTimesAfter::kKept);
 
-/// The cloud's own points.
+/// Refers to the cloud's own points.
 PackedPoints packed_in(const PointCloud& cloud);
 
-/// Turns every point by `angle` (rad) upwards about the horizontal axis normal to its beam.
+/// Rotates every point upwards by `angle` (rad) about the horizontal axis normal to its beam.
 void correct_vertical_angle(PointCloud& cloud, double angle);
 
-/// Seconds since the scan's start for each point of a sensor that turns once per `scan_period`,
-/// from the azimuth in the sensor's frame.
+/// Sets the time of each point, in seconds since the scan's start, from its azimuth in the sensor's
+/// frame. The sensor makes one turn per `scan_period`.
 void set_times_from_azimuth(PointCloud& cloud, const PreprocessingConfig& config);
 
 }  // namespace lidar_mapping::preprocessing

@@ -13,14 +13,14 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// First and last time of the points, s relative to the scan's stamp; both 0 without times.
+/// First and last time of the points, s relative to the scan's stamp; both are 0 without times.
 struct TimeSpan {
   double begin = 0.0;
   double end = 0.0;
 };
 TimeSpan time_span(const PointCloud& cloud);
 
-/// The span of times that come bit by bit; no finite one leaves both ends 0.
+/// Finds the span of times that are added in parts; both ends are 0 if no time is finite.
 class TimeSpanFinder {
  public:
   void add(const float* times, std::size_t count);
@@ -31,8 +31,8 @@ class TimeSpanFinder {
   float last_ = std::numeric_limits<float>::lowest();
 };
 
-/// Makes `count` times by blocks, which fill(begin, end) overwrites while they are in the nearest
-/// cache: what a vector clears of new room costs little there.
+/// Makes `count` times by blocks. fill(begin, end) overwrites a block while it is in the nearest
+/// cache, so that the zeros written by the vector's resize() cost little.
 template <typename Fill>
 void fill_by_blocks(std::size_t count, std::vector<float>& times, const Fill& fill) {
   constexpr std::size_t kBlock = 2048;
@@ -45,20 +45,19 @@ void fill_by_blocks(std::size_t count, std::vector<float>& times, const Fill& fi
   }
 }
 
-/// Copies `count` floats, of which each begins `step` bytes after the one before, to `times`, and
-/// returns their span.
+/// Copies `count` floats, which are `step` bytes apart, to `times`, and returns their span.
 TimeSpan read_times(const unsigned char* first, std::size_t step, std::size_t count,
                     std::vector<float>& times);
 
-struct SettledTimes {
-  TimeSpan span;        ///< of the times that there are now
-  std::string problem;  ///< a sentence where something is wrong
+struct NormalizedTimes {
+  TimeSpan span;        ///< span of the resulting times
+  std::string problem;  ///< a message if something is wrong, otherwise empty
 };
 
-/// Makes the times of a scan what the rest of the stage takes them for: seconds relative to the
-/// stamp (`absolute` ones are that already), or none if the scan counts as compensated. An
-/// implausible span leaves the scan without times. `known` is the span, where it is known already.
-SettledTimes settle_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
-                          const std::optional<TimeSpan>& known = std::nullopt);
+/// Converts the times of a scan to seconds relative to the stamp (`absolute` times are that
+/// already), or removes them if the scan is taken as motion-compensated. If the span is
+/// implausible, the scan gets no times. `known` is the span, if it is known already.
+NormalizedTimes normalize_times(PointCloud& cloud, bool absolute, const PreprocessingConfig& config,
+                                const std::optional<TimeSpan>& known = std::nullopt);
 
 }  // namespace lidar_mapping::preprocessing

@@ -6,7 +6,7 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
-#include "lidar_mapping/preprocessing/input_doctor.hpp"
+#include "lidar_mapping/preprocessing/input_validator.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/cloud_view.hpp"
 
@@ -46,7 +46,7 @@ DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
                            const preprocessing::PreprocessingConfig& config,
                            PointCloud buffer = {});
 
-/// What the input doctor wants to know of a cloud.
+/// The properties of a cloud that the input validator checks.
 preprocessing::CloudSummary summary_of(const CloudView& message, const DecodedCloud& decoded);
 
 }  // namespace lidar_mapping::ros_border

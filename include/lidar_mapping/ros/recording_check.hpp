@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lidar_mapping/preprocessing/finding.hpp"
+#include "lidar_mapping/preprocessing/check_diagnostic.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 
@@ -32,8 +32,8 @@ struct RecordingCheck {
 SensorTopics topics_in(const BagSet& bags, SensorTopics wanted = {});
 
 /// Looks at the messages of a recording and says, for points, imu, velocity and gnss in this order,
-/// what came and what is wrong with it: see preprocessing::InputDoctor. Transforms are those of /tf
-/// and /tf_static. What of the bags is damaged is left out, and a fault of the points. Throws
+/// what came and what is wrong with it: see preprocessing::InputValidator. Transforms are those of
+/// /tf and /tf_static. What of the bags is damaged is left out, and a fault of the points. Throws
 /// FileError if a bag cannot be read at all.
 std::vector<preprocessing::InputReport> check(const RecordingCheck& recording,
                                               const preprocessing::PreprocessingConfig& config);

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scans that are not what the sensor saw: they may cost accuracy, but no step that is wrong is
+// called tracking.
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/registration/registration_config.hpp"
+
+#include "evaluated_drive.hpp"
+#include "match_judge.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr std::size_t kAtSpeed = 90;
+constexpr double kWrong = 0.3;  // m
+constexpr double kEnd = 14.5;   // s: 50 scans after the first one
+
+simulation::Drive spoilt_drive(const std::string& fault, const std::string& lidar,
+                               double duration) {
+  simulation::DriveOptions options;
+  options.lidar = lidar;
+  options.seed = 51;
+  options.duration = duration;
+  if (!fault.empty()) options.scan_faults = {simulation::parse_scan_fault(fault)};
+  return simulation::Drive(options);
+}
+
+struct Outcome {
+  int silent = 0;  ///< steps that are wrong though called tracking
+  int lost = 0;
+  int repeated = 0;
+  double error = 0.0;  ///< m, at the end
+  double way = 0.0;
+};
+
+Outcome ride_through(const simulation::Drive& drive) {
+  EvaluatedDrive ride(drive);
+  Outcome outcome;
+  Pose T_map_last, T_odom_last;
+  for (std::size_t i = kAtSpeed; i < drive.scan_count(); ++i) {
+    const FrontEndResult& result = ride.process(i);
+    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
+    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
+                       (T_odom_last.inverse() * result.T_odom_base);
+    const bool is_lost = result.status.state == TrackingState::kLost;
+    outcome.lost += is_lost ? 1 : 0;
+    outcome.repeated += result.status.repeated ? 1 : 0;
+    EXPECT_FALSE(is_lost && result.key_frame) << i;
+    const bool wrong = error.translation.norm() > kWrong;
+    if (i > kAtSpeed && wrong && result.status.state == TrackingState::kTracking) ++outcome.silent;
+    if (is_lost) continue;
+    T_map_last = T_map_base;
+    T_odom_last = result.T_odom_base;
+  }
+  outcome.error = ride.error();
+  outcome.way = ride.distance_travelled();
+  return outcome;
+}
+
+struct Case {
+  const char* lidar;
+  const char* fault;
+  double drift;  ///< share of the way
+};
+
+class Outliers : public testing::TestWithParam<Case> {};
+
+TEST_P(Outliers, IncreaseTheErrorByALimitedAmount) {
+  const Outcome outcome = ride_through(spoilt_drive(GetParam().fault, GetParam().lidar, kEnd));
+  EXPECT_EQ(outcome.silent, 0);
+  EXPECT_EQ(outcome.lost, 0);
+  EXPECT_LT(outcome.error, GetParam().drift * outcome.way);
+}
+
+INSTANTIATE_TEST_SUITE_P(Drives, Outliers,
+                         testing::Values(Case{"hdl64", "outliers=0.3", 0.003},
+                                         Case{"vlp16", "outliers=0.3", 0.006}));
+
+// The pose of a scan that comes again would be that of the last one, 1 m behind per scan.
+TEST(RepeatedScan, IsReportedAsLostAndTheDriveContinues) {
+  for (const auto& [fault, at_least] : {std::pair("frozen=1,2", 2), std::pair("frozen=4,2", 8)}) {
+    const Outcome outcome = ride_through(spoilt_drive(fault, "vlp16", kEnd));
+    EXPECT_GE(outcome.repeated, at_least) << fault;
+    EXPECT_EQ(outcome.lost, outcome.repeated) << fault;
+    EXPECT_EQ(outcome.silent, 0) << fault;
+    EXPECT_LT(outcome.error, 0.02 * outcome.way) << fault;
+  }
+}
+
+// Whatever follows the scans; here the vehicle stands still.
+TEST(RepeatedScan, IsNotReportedAsTrackingByOtherMethods) {
+  const simulation::Drive drive = spoilt_drive("frozen=2,1", "vlp16", 4.0);
+  FrontEndConfig config;
+  config.registration.method = registration::Method::kVgicp;
+  FrontEnd front_end(config);
+  for (std::size_t i = 0; i < 16; ++i) {
+    const FrontEndStatus status = front_end.process(drive.base_scan(i)).status;
+    const bool is_repeated = i == 11 || i == 12;
+    EXPECT_EQ(status.repeated, is_repeated) << i;
+    EXPECT_EQ(status.state == TrackingState::kDegraded, is_repeated) << i;
+  }
+}
+
+// Over the time between two stamps the vehicle moves by 14 m/s times their error, 0.3 m.
+TEST(StampJitter, HasLittleInfluenceOnPoses) {
+  const simulation::Drive drive = spoilt_drive("jitter=0.02", "vlp16", kEnd);
+  EvaluatedDrive ride(drive);
+  constexpr std::size_t kFirst = 70;
+  constexpr std::size_t kNoticed = kFirst + 25;
+  double largest = 0.0;
+  Pose T_map_last, T_odom_last;
+  for (std::size_t i = kFirst; i < drive.scan_count(); ++i) {
+    const FrontEndResult& result = ride.process(i);
+    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
+    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
+                       (T_odom_last.inverse() * result.T_odom_base);
+    if (i > kNoticed) {
+      largest = std::max(largest, error.translation.norm());
+      EXPECT_NEAR(result.status.stamp_jitter, 0.02, 0.008) << i;
+      EXPECT_EQ(result.status.state, TrackingState::kTracking) << i;
+    }
+    T_map_last = T_map_base;
+    T_odom_last = result.T_odom_base;
+  }
+  EXPECT_LT(largest, 0.05);
+}
+
+TEST(MatchJudge, RejectsImpossibleMotions) {
+  const MatchJudge judge(50.0);
+  const auto step = [](double metres, double radians) {
+    return Pose{exp_so3({0.0, 0.0, radians}), {metres, 0.0, 0.0}};
+  };
+  EXPECT_TRUE(judge.is_possible_motion(step(4.9, 0.0), 0.1));
+  EXPECT_FALSE(judge.is_possible_motion(step(5.1, 0.0), 0.1));
+  EXPECT_TRUE(judge.is_possible_motion(step(0.0, 1.2), 0.1));
+  EXPECT_FALSE(judge.is_possible_motion(step(0.0, 1.3), 0.1));
+  EXPECT_TRUE(judge.is_possible_motion(step(10.0, 2.0), 0.5));
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
