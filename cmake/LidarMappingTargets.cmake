@@ -8,7 +8,8 @@ target_compile_options(lidar_mapping_warnings INTERFACE
 set(LIDAR_MAPPING_LIBRARIES
     lidar_mapping_common lidar_mapping_config lidar_mapping_preprocessing
     lidar_mapping_registration lidar_mapping_front_end lidar_mapping_loop_closing
-    lidar_mapping_back_end lidar_mapping_map lidar_mapping_session lidar_mapping_evaluation
+    lidar_mapping_pose_graph lidar_mapping_back_end lidar_mapping_moving_objects
+    lidar_mapping_map lidar_mapping_map_quality lidar_mapping_session lidar_mapping_evaluation
     lidar_mapping_simulation lidar_mapping_pipeline lidar_mapping_ros)
 
 # lidar_mapping_stage(NAME SOURCES a.cpp ... USES common ... [PUBLIC libs] [PRIVATE libs])
@@ -30,6 +31,19 @@ function(lidar_mapping_stage name)
   endif()
 endfunction()
 
+# lidar_mapping_room(NAME SOURCES a.cpp ... LIBRARIES libs): what several programs share and nobody
+# else may use. It is linked into each of them, and its headers lie beside its sources.
+function(lidar_mapping_room name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(target lidar_mapping_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(${target} PUBLIC ${ARG_LIBRARIES} PRIVATE lidar_mapping_warnings)
+  if(catkin_FOUND)
+    add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+  endif()
+endfunction()
+
 # lidar_mapping_executable(NAME SOURCES a.cpp ... LIBRARIES libs): a node or a command
 function(lidar_mapping_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
@@ -47,15 +61,13 @@ endfunction()
 # that lie beside the sources of the stage that its folder is named after.
 function(lidar_mapping_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
-  set(main ${PROJECT_SOURCE_DIR}/test/support/gtest_main.cpp)
   if(catkin_FOUND)
-    catkin_add_gtest(${name} ${ARG_SOURCES} ${main}
-                     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
+    catkin_add_gtest(${name} ${ARG_SOURCES} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
-    target_link_libraries(${name} ${ARG_LIBRARIES} lidar_mapping_warnings)
+    target_link_libraries(${name} lidar_mapping_test_main ${ARG_LIBRARIES} lidar_mapping_warnings)
   else()
-    add_executable(${name} ${ARG_SOURCES} ${main})
-    target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} GTest::gtest lidar_mapping_warnings)
+    add_executable(${name} ${ARG_SOURCES})
+    target_link_libraries(${name} PRIVATE lidar_mapping_test_main ${ARG_LIBRARIES} lidar_mapping_warnings)
     add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
   endif()
   get_filename_component(stage ${CMAKE_CURRENT_SOURCE_DIR} NAME)

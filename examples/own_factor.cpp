@@ -6,12 +6,12 @@
 
 #include <ceres/sized_cost_function.h>
 
-#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/pose_graph/factor_graph.hpp"
 
 namespace {
 
 using namespace lidar_mapping;
-using namespace lidar_mapping::back_end;
+using namespace lidar_mapping::pose_graph;
 
 /// Residual of a measured range between a node and a beacon in the map, in standard deviations.
 /// Derivatives are with respect to the update of tangent.hpp, (dt, v) in the axes of the node.

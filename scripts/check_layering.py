@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hold the includes against the table of stages: a file includes only its own stage and those below.
 
+A stage without a folder in include/lidar_mapping is a room: programs share it, and nobody else may use it.
+
 doc/architecture.md shows this table, and a picture of it; draw_layers.py writes both.
 usage: check_layering.py [ROOT]
 """
@@ -11,8 +13,8 @@ import sys
 
 CONFIGURED = {'common', 'config'}
 MATCHING = CONFIGURED | {'registration'}
-CORE = {'common', 'config', 'preprocessing', 'registration', 'front_end', 'loop_closing',
-        'back_end', 'map', 'session', 'evaluation', 'simulation'}
+DRIVING = MATCHING | {'front_end', 'preprocessing'}
+MAPPING = DRIVING | {'loop_closing', 'pose_graph', 'back_end', 'session'}
 # From the ground up: what a stage is, and the stages that it may include.
 STAGES = {
     'common': ('time, poses, point clouds, covariances, units, voxel keys, errors', set()),
@@ -21,19 +23,31 @@ STAGES = {
     'front_end': ('odometry: pose of each scan, key frames', MATCHING),
     'loop_closing': ('candidates for loops and their verification', MATCHING),
     'preprocessing': ('synchronisation, deskewing, filters, GNSS in local axes, floor', CONFIGURED),
-    'back_end': ('pose graph: factors, solvers, robust kernels, g2o files', CONFIGURED),
-    'map': ('maps and their files, moving objects, quality', CONFIGURED),
+    'pose_graph': ('any pose graph: factors, robust kernels, solvers, g2o files', {'common'}),
+    'back_end': ('the graph of a drive: odometry, loops, GNSS, IMU, floor', CONFIGURED | {'pose_graph'}),
+    'moving_objects': ('ground, and what passed through the map, by visibility', {'common'}),
+    'map': ('maps and their files', CONFIGURED | {'moving_objects'}),
+    'map_quality': ('thickness, residual misalignment between passes, entropy', {'common'}),
     'session': ('what is kept of a drive on disk', CONFIGURED),
     'simulation': ('worlds, sensors and drives', CONFIGURED),
     'evaluation': ('errors of trajectories against the truth', {'common'}),
-    'pipeline': ('the stages put together, without ROS', CORE),
-    'ros': ('messages and values, bags, parameters, queues', CORE | {'pipeline'}),
-    'nodes': ('one file for each node', CORE | {'pipeline', 'ros'}),
-    'tools': ('one file for each command', CORE | {'pipeline', 'ros'}),
+    'pipeline': ('the stages put together, without ROS', MAPPING),
+    'json': ('figures as JSON text', set()),
+    'report': ('figures and verdicts of a map, and the record of its making',
+               MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'evaluation', 'json'}),
+    'campaign': ('odometry over many simulated cases, checked step by step',
+                 DRIVING | {'simulation', 'evaluation', 'json'}),
+    'ros': ('messages and values, bags, parameters, queues', DRIVING),
+    'recordings': ('a drive from bags or folders', MAPPING | {'pipeline', 'ros'}),
+    'nodes': ('one file for each node', MAPPING | {'pipeline', 'moving_objects', 'map', 'ros'}),
+    'tools': ('one file for each command',
+              MAPPING | {'pipeline', 'moving_objects', 'map', 'map_quality', 'simulation', 'evaluation', 'json',
+                         'report', 'campaign', 'ros', 'recordings'}),
 }
 ALLOWED = {stage: allowed for stage, (_, allowed) in STAGES.items()}
-ROS_STAGES = {'ros', 'nodes', 'tools'}
+ROS_STAGES = {'ros', 'recordings', 'nodes', 'tools'}
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"lidar_mapping/(\w+)/')
+PLAIN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^/"]+)"')
 ROS_INCLUDE = re.compile(
     r'^\s*#\s*include\s*[<"](ros|rosbag|tf2|tf2_\w+|\w+_msgs|diagnostic_updater|XmlRpc\w*|'
     r'lidar_mapping/[A-Z]\w*\.h)\b')
@@ -42,6 +56,12 @@ ROS_INCLUDE = re.compile(
 def stage_of(path, root):
     parts = path.relative_to(root).parts
     return parts[2] if parts[0] == 'include' else parts[1]
+
+
+def is_beside(header, stage, root):
+    """A header beside the sources is for its own stage; one of a room, which has no other, for its users too."""
+    rooms = [other for other in ALLOWED[stage] if not (root / 'include/lidar_mapping' / other).is_dir()]
+    return any((root / 'src' / folder / header).is_file() for folder in [stage] + rooms)
 
 
 def problems_of(path, root):
@@ -54,6 +74,9 @@ def problems_of(path, root):
         own = OWN_INCLUDE.match(line)
         if own and own.group(1) != stage and own.group(1) not in ALLOWED[stage]:
             yield f'{name}:{number}: {stage} may not include {own.group(1)}'
+        plain = PLAIN_INCLUDE.match(line)
+        if plain and not is_beside(plain.group(1), stage, root):
+            yield f'{name}:{number}: {plain.group(1)} lies neither in src/{stage} nor in a room that {stage} may use'
         if stage not in ROS_STAGES and ROS_INCLUDE.match(line):
             yield f'{name}:{number}: {stage} may not know ROS: {line.strip()}'
 

@@ -7,7 +7,7 @@ usage: draw_layers.py [--check]     --check: says whether they are up to date, a
 import pathlib
 import sys
 
-from check_layering import STAGES
+from check_layering import ROS_STAGES, STAGES
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / 'doc' / 'architecture.md'
@@ -74,7 +74,7 @@ def picture():
                          f'C{x1 + WIDTH / 2:.0f} {y1 + HEIGHT + 30:.0f} {x2 + WIDTH / 2:.0f} {y2 - 30:.0f} '
                          f'{x2 + WIDTH / 2:.0f} {y2:.0f}" fill="none" stroke="#9aa5b1" stroke-width="1.5"/>')
     for stage, (x, y) in at.items():
-        fill = '#fde9d0' if stage in ('ros', 'nodes', 'tools') else '#dbe9f6'
+        fill = '#fde9d0' if stage in ROS_STAGES else '#dbe9f6'
         parts.append(f'<rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{HEIGHT}" rx="6" '
                      f'fill="{fill}" stroke="#5b6b7b"/>')
         parts.append(f'<text x="{x + WIDTH / 2:.0f}" y="{y + HEIGHT / 2 + 5:.0f}" text-anchor="middle" '

@@ -59,7 +59,7 @@ class BackEnd::Impl {
 
   KeyFramePoses poses() const { return poses_of(drive_, revision_); }
   KeyFramePoses odometry() const { return odometry_of(drive_, revision_); }
-  PoseGraph graph() const { return pose_graph_of(drive_, config_); }
+  pose_graph::PoseGraph graph() const { return pose_graph_of(drive_, config_); }
 
  private:
   /// A map that is not in East-North-Up yet should be soon.
@@ -133,6 +133,6 @@ Pose BackEnd::T_map_odom() const { return impl_->drive().T_map_odom(); }
 std::vector<std::pair<Loop, bool>> BackEnd::loops() const { return loops_of(impl_->drive()); }
 std::vector<GnssPosition> BackEnd::positions() const { return positions_of(impl_->drive()); }
 std::vector<int> BackEnd::parts() const { return parts_of(impl_->drive()); }
-PoseGraph BackEnd::graph() const { return impl_->graph(); }
+pose_graph::PoseGraph BackEnd::graph() const { return impl_->graph(); }
 
 }  // namespace lidar_mapping::back_end

@@ -14,9 +14,10 @@ constexpr config::Range kStddev = {1e-6, 1e3};
 constexpr config::Range kSteps = {1, 1e9};
 
 /// Also in capital and in small letters, which files of other programs have.
-std::vector<std::pair<std::string, RobustKernel>> kernels_in_any_case() {
-  std::vector<std::pair<std::string, RobustKernel>> choices = robust_kernel_names();
-  for (const auto& [name, kernel] : robust_kernel_names()) {
+std::vector<std::pair<std::string, pose_graph::RobustKernel>> kernels_in_any_case() {
+  std::vector<std::pair<std::string, pose_graph::RobustKernel>> choices =
+      pose_graph::robust_kernel_names();
+  for (const auto& [name, kernel] : pose_graph::robust_kernel_names()) {
     std::string small = name;
     std::string capital = name;
     for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -31,7 +31,7 @@ bool is_used(int constraint, const std::vector<bool>& used) {
 }
 
 Vector6d motion_error(const DriveGraph& drive, const BackEndConfig& config,
-                      const FactorGraph& graph, std::size_t node) {
+                      const pose_graph::FactorGraph& graph, std::size_t node) {
   const Pose measured = motion_to(drive, node);
   const int to = static_cast<int>(node);
   const Pose off = measured.inverse() * graph.pose(to - 1).inverse() * graph.pose(to);
@@ -88,8 +88,8 @@ double position_scatter(const DriveFactors& factors, const std::vector<bool>& us
   int freedom = 0;
   for (const int i : factors.horizontal_of) {
     if (!is_used(i, used)) continue;
-    const Constraint& position = factors.graph.constraints[static_cast<std::size_t>(i)];
-    squares += chi2(factors.graph, position);
+    const pose_graph::Constraint& position = factors.graph.constraints[static_cast<std::size_t>(i)];
+    squares += pose_graph::chi2(factors.graph, position);
     freedom += position.degrees_of_freedom();
   }
   return freedom == 0 ? 1.0 : std::clamp(std::sqrt(squares / freedom), kLeastScatter, 1.0);

@@ -35,7 +35,7 @@ Covariance6 asked_covariance(const BackEndConfig& config) {
 }
 
 void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_gnss,
-                bool with_vertical, FactorGraph& graph) {
+                bool with_vertical, pose_graph::FactorGraph& graph) {
   const std::vector<int> connected = connected_segments(drive, true);
   for (std::size_t segment = 0; segment < drive.segment_starts.size(); ++segment) {
     const int node = drive.segment_starts[segment];
@@ -48,13 +48,13 @@ void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_
     const Covariance6 covariance = segment == 0 && config.fix_first_node
                                        ? asked_covariance(config)
                                        : prior_covariance(pose, firm, firm && !with_vertical);
-    graph.add({prior_residual(pose, g2o_information(covariance)), node});
+    graph.add({pose_graph::prior_residual(pose, pose_graph::g2o_information(covariance)), node});
   }
 }
 
 // A step that is probably wrong holds where nothing else does, and gives way to what contradicts it
 // by more than the error that is expected of it.
-constexpr RobustKernel kDoubtfulKernel = RobustKernel::kCauchy;
+constexpr pose_graph::RobustKernel kDoubtfulKernel = pose_graph::RobustKernel::kCauchy;
 constexpr double kDoubtfulKernelSize = 1.0;  // standard deviations
 
 void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
@@ -62,10 +62,11 @@ void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFac
     if (!drive.nodes[i].joined) continue;
     const int to = static_cast<int>(i);
     factors.motion_of[i] = static_cast<int>(factors.graph.constraints.size());
-    const Matrix6d information = g2o_information(motion_covariance_to(drive, i, config));
+    const Matrix6d information =
+        pose_graph::g2o_information(motion_covariance_to(drive, i, config));
     const bool doubtful = drive.nodes[i].doubtful;
-    factors.graph.add({relative_pose_residual(motion_to(drive, i), information), to - 1, to, false,
-                       doubtful ? kDoubtfulKernel : config.odometry_robust_kernel,
+    factors.graph.add({pose_graph::relative_pose_residual(motion_to(drive, i), information), to - 1,
+                       to, false, doubtful ? kDoubtfulKernel : config.odometry_robust_kernel,
                        doubtful ? kDoubtfulKernelSize : config.robust_kernel_size, doubtful});
   }
 }
@@ -77,17 +78,19 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
     // What a person accepted stands as firm as odometry: no kernel, no refusal.
     const bool open = loop.loop.decision == LoopDecision::kAuto;
     factors.loop_of[i] = static_cast<int>(factors.graph.constraints.size());
-    const Matrix6d information = g2o_information(loop_covariance(loop.loop, config));
-    factors.graph.add({relative_pose_residual(loop.loop.T_from_to, information), loop.from, loop.to,
-                       open, open ? config.loop_robust_kernel : RobustKernel::kNone,
+    const Matrix6d information = pose_graph::g2o_information(loop_covariance(loop.loop, config));
+    factors.graph.add({pose_graph::relative_pose_residual(loop.loop.T_from_to, information),
+                       loop.from, loop.to, open,
+                       open ? config.loop_robust_kernel : pose_graph::RobustKernel::kNone,
                        config.robust_kernel_size});
   }
 }
 
-void add_verticals(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
+                   pose_graph::FactorGraph& graph) {
   for (const Vertical& vertical : verticals(drive, config)) {
-    graph.add({tilt_residual(vertical.up_base, vertical.stddev), vertical.node, -1, false,
-               config.imu_robust_kernel, config.robust_kernel_size});
+    graph.add({pose_graph::tilt_residual(vertical.up_base, vertical.stddev), vertical.node, -1,
+               false, config.imu_robust_kernel, config.robust_kernel_size});
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/pose_graph/factor_graph.hpp"
 
 #include "drive_graph.hpp"
 
@@ -11,7 +11,7 @@ namespace lidar_mapping::back_end {
 
 /// The factor graph of a drive, and what each of its constraints came from.
 struct DriveFactors {
-  FactorGraph graph;
+  pose_graph::FactorGraph graph;
   std::vector<bool> marked;        ///< per constraint: believed so far, or not judged yet
   std::vector<int> motion_of;      ///< constraint of each node with the one before; -1: none
   std::vector<int> loop_of;        ///< constraint of each loop; -1: none

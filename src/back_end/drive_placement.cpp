@@ -137,7 +137,8 @@ Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool a
   return result;
 }
 
-void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
+                  pose_graph::FactorGraph& graph) {
   constexpr std::size_t kStretch = 100;
   DriveGraph moved = drive;
   for (std::size_t i = 0; i < moved.nodes.size(); ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/pose_graph/factor_graph.hpp"
 
 #include "drive_graph.hpp"
 
@@ -24,6 +24,7 @@ Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool a
 
 /// Moves stretches of the states onto the positions about them: drift over the whole track would
 /// make every far position look false.
-void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph);
+void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
+                  pose_graph::FactorGraph& graph);
 
 }  // namespace lidar_mapping::back_end

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/back_end/residuals.hpp"
+#include "lidar_mapping/pose_graph/residuals.hpp"
 
 #include "edge_covariance.hpp"
 #include "gnss_delay.hpp"
@@ -62,20 +62,20 @@ std::vector<int> parts_of(const DriveGraph& drive) {
   return result;
 }
 
-PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config) {
-  PoseGraph graph;
+pose_graph::PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config) {
+  pose_graph::PoseGraph graph;
   for (const DriveNode& node : drive.nodes) graph.nodes.push_back({node.index, node.T_map_base});
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     const DriveNode& a = drive.nodes[i - 1];
     const DriveNode& b = drive.nodes[i];
     if (!b.joined) continue;
     graph.edges.push_back({a.index, b.index, motion_to(drive, i),
-                           g2o_information(motion_covariance_to(drive, i, config))});
+                           pose_graph::g2o_information(motion_covariance_to(drive, i, config))});
   }
   for (const DriveLoop& loop : drive.loops) {
     if (!loop.used) continue;
     graph.edges.push_back({loop.loop.from, loop.loop.to, loop.loop.T_from_to,
-                           g2o_information(loop_covariance(loop.loop, config))});
+                           pose_graph::g2o_information(loop_covariance(loop.loop, config))});
   }
   return graph;
 }

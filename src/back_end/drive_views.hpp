@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lidar_mapping/back_end/pose_graph.hpp"
+#include "lidar_mapping/pose_graph/pose_graph.hpp"
 
 #include "drive_graph.hpp"
 
@@ -13,6 +13,6 @@ KeyFramePoses odometry_of(const DriveGraph& drive, std::uint32_t revision);
 std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive);
 std::vector<GnssPosition> positions_of(const DriveGraph& drive);
 std::vector<int> parts_of(const DriveGraph& drive);
-PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config);
+pose_graph::PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end

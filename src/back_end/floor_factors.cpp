@@ -10,15 +10,16 @@ namespace {
 constexpr double kWeakStddev_m = 1e3;
 constexpr double kWeakHeadingStddev_rad = 10.0;
 
-void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
+                     pose_graph::FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.floors.size(); ++i) {
     const DriveFloor& a = drive.floors[i - 1];
     const DriveFloor& b = drive.floors[i];
     // Floors further apart need not lie in one plane.
     if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].joined) continue;
     const Eigen::Matrix3d covariance = neighbours_covariance(a.floor, b.floor, config);
-    graph.add({common_floor_residual(a.floor, b.floor, covariance), a.node, b.node, false,
-               config.floor_robust_kernel, config.robust_kernel_size});
+    graph.add({pose_graph::common_floor_residual(a.floor, b.floor, covariance), a.node, b.node,
+               false, config.floor_robust_kernel, config.robust_kernel_size});
   }
 }
 
@@ -31,23 +32,27 @@ Pose plane_pose(const DriveGraph& drive, const DriveFloor& first) {
 }
 
 /// A node of its own stands for the plane, so that no single floor decides about it.
-void add_floor_plane(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void add_floor_plane(const DriveGraph& drive, const BackEndConfig& config,
+                     pose_graph::FactorGraph& graph) {
   if (drive.floors.empty()) return;
   const Pose pose = plane_pose(drive, drive.floors.front());
   const int plane = graph.add_node(pose);
   Vector6d stddev;  // a plane is free in height and tilt; along itself it must be held
   stddev << 1.0, 1.0, kWeakStddev_m, kWeakHeadingStddev_rad, kWeakHeadingStddev_rad, 1.0;
-  graph.add({prior_residual(pose, g2o_information(stddev.cwiseAbs2().asDiagonal())), plane});
+  graph.add({pose_graph::prior_residual(
+                 pose, pose_graph::g2o_information(stddev.cwiseAbs2().asDiagonal())),
+             plane});
   for (const DriveFloor& floor : drive.floors) {
     const Eigen::Matrix3d covariance = floor.floor.covariance + floor_covariance(config);
-    graph.add({common_floor_residual(Floor{}, floor.floor, covariance), plane, floor.node, false,
-               config.floor_robust_kernel, config.robust_kernel_size});
+    graph.add({pose_graph::common_floor_residual(Floor{}, floor.floor, covariance), plane,
+               floor.node, false, config.floor_robust_kernel, config.robust_kernel_size});
   }
 }
 
 }  // namespace
 
-void add_floors(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void add_floors(const DriveGraph& drive, const BackEndConfig& config,
+                pose_graph::FactorGraph& graph) {
   switch (config.floor_constraint) {
     case FloorConstraint::kNone:
       break;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lidar_mapping/back_end/factor_graph.hpp"
+#include "lidar_mapping/pose_graph/factor_graph.hpp"
 
 #include "drive_graph.hpp"
 
 namespace lidar_mapping::back_end {
 
 /// Ties nodes by the floors below them, as `floor_constraint` says.
-void add_floors(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph);
+void add_floors(const DriveGraph& drive, const BackEndConfig& config,
+                pose_graph::FactorGraph& graph);
 
 }  // namespace lidar_mapping::back_end

@@ -54,24 +54,27 @@ void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors
     if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
     const GnssPosition p = timed_position(drive, gnss);
     factors.horizontal_of[i] = static_cast<int>(factors.graph.constraints.size());
-    factors.graph.add({antenna_horizontal_residual(p.p_enu_antenna, p.p_base_antenna,
-                                                   growth[i] * horizontal_covariance(p, config)),
-                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.graph.add(
+        {pose_graph::antenna_horizontal_residual(p.p_enu_antenna, p.p_base_antenna,
+                                                 growth[i] * horizontal_covariance(p, config)),
+         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
     if (!has_altitude(p)) continue;
     factors.altitude_of[i] = static_cast<int>(factors.graph.constraints.size());
-    factors.graph.add({antenna_altitude_residual(p.p_enu_antenna.z(), p.p_base_antenna,
-                                                 std::sqrt(growth[i]) * altitude_stddev(p, config)),
-                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.graph.add(
+        {pose_graph::antenna_altitude_residual(p.p_enu_antenna.z(), p.p_base_antenna,
+                                               std::sqrt(growth[i]) * altitude_stddev(p, config)),
+         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
   }
 }
 
-void add_headings(const DriveGraph& drive, const BackEndConfig& config, FactorGraph& graph) {
+void add_headings(const DriveGraph& drive, const BackEndConfig& config,
+                  pose_graph::FactorGraph& graph) {
   const std::vector<bool> in_enu = segments_in_enu(drive);
   for (const DriveGnss& gnss : drive.gnss) {
     if (!gnss.position.R_enu_base) continue;
     if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
-    graph.add({heading_residual(yaw_of(*gnss.position.R_enu_base),
-                                config.imu_heading_stddev_deg * kRadPerDeg),
+    graph.add({pose_graph::heading_residual(yaw_of(*gnss.position.R_enu_base),
+                                            config.imu_heading_stddev_deg * kRadPerDeg),
                gnss.node, -1, false, config.imu_robust_kernel, config.robust_kernel_size});
   }
 }

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <optional>
 
+#include "lidar_mapping/pose_graph/linearisation.hpp"
+
 #include "drive_factors.hpp"
 #include "drive_views.hpp"
-#include "linearisation.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -28,7 +29,8 @@ PoseDeviation deviation_of(const Covariance6& covariance) {
 class Covariances {
  public:
   explicit Covariances(const DriveFactors& factors)
-      : system_(information_matrix(factors.graph, factors.marked, neighbours(factors.graph))),
+      : system_(pose_graph::information_matrix(factors.graph, factors.marked,
+                                               neighbours(factors.graph))),
         inverse_(selected(*system_)) {}
 
   /// False where the constraints leave something free.
@@ -44,13 +46,13 @@ class Covariances {
   }
 
  private:
-  static std::vector<std::pair<int, int>> neighbours(const FactorGraph& graph) {
+  static std::vector<std::pair<int, int>> neighbours(const pose_graph::FactorGraph& graph) {
     std::vector<std::pair<int, int>> pairs;
     for (int i = 1; i < static_cast<int>(graph.states.size()); ++i) pairs.emplace_back(i - 1, i);
     return pairs;
   }
 
-  static std::optional<SelectedInverse> selected(BlockCholesky<6>& system) {
+  static std::optional<pose_graph::SelectedInverse> selected(pose_graph::BlockCholesky<6>& system) {
     system.add_diagonal(0, kKnown * Matrix6d::Identity());
     return system.selected_inverse();
   }
@@ -61,8 +63,8 @@ class Covariances {
     return angles.asDiagonal() * system_->block(*inverse_, row, column) * angles.asDiagonal();
   }
 
-  std::unique_ptr<BlockCholesky<6>> system_;
-  std::optional<SelectedInverse> inverse_;
+  std::unique_ptr<pose_graph::BlockCholesky<6>> system_;
+  std::optional<pose_graph::SelectedInverse> inverse_;
 };
 
 }  // namespace

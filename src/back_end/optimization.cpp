@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <sstream>
 
+#include "lidar_mapping/pose_graph/least_eigenvalue.hpp"
+#include "lidar_mapping/pose_graph/robust_solver.hpp"
+
 #include "drift_share.hpp"
 #include "drive_factors.hpp"
 #include "drive_placement.hpp"
 #include "gnss_delay.hpp"
-#include "least_eigenvalue.hpp"
-#include "robust_solver.hpp"
 #include "shared_errors.hpp"
 
 namespace lidar_mapping::back_end {
@@ -22,7 +23,7 @@ constexpr double kTolerance = 1e-5;
 constexpr double kWeaklyHeld = 1e-8;
 
 /// The states as odometry alone has them, from the first node of each segment.
-void follow_odometry(const DriveGraph& drive, FactorGraph& graph) {
+void follow_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     if (!drive.nodes[i].joined) continue;
     const Pose motion = drive.nodes[i - 1].T_odom_base.inverse() * drive.nodes[i].T_odom_base;
@@ -32,35 +33,36 @@ void follow_odometry(const DriveGraph& drive, FactorGraph& graph) {
 
 /// From the present poses, with everything that was believed and everything new. True if nothing
 /// contradicts the outcome.
-bool solve_from_present(DriveFactors& factors, RobustSolution& solution) {
-  solution = solve_as_marked(factors.graph, factors.marked, {50, 1e10, kTolerance});
+bool solve_from_present(DriveFactors& factors, pose_graph::RobustSolution& solution) {
+  solution = pose_graph::solve_as_marked(factors.graph, factors.marked, {50, 1e10, kTolerance});
   if (!solution.success) return false;
-  const std::vector<bool> agreed = believed(factors.graph);
+  const std::vector<bool> agreed = pose_graph::believed(factors.graph);
   for (std::size_t i = 0; i < agreed.size(); ++i) {
     if (factors.marked[i] != agreed[i]) return false;
   }
   return true;
 }
 
-RobustSolution solve_factors(const DriveGraph& drive, const BackEndConfig& config,
-                             DriveFactors& factors, bool thorough) {
-  const std::vector<StateBlock> present = factors.graph.states;
-  RobustSolution solution;
+pose_graph::RobustSolution solve_factors(const DriveGraph& drive, const BackEndConfig& config,
+                                         DriveFactors& factors, bool thorough) {
+  const std::vector<pose_graph::StateBlock> present = factors.graph.states;
+  pose_graph::RobustSolution solution;
   if (thorough) factors.marked.assign(factors.marked.size(), true);
   if (solve_from_present(factors, solution)) return solution;
   factors.graph.states = present;
   follow_odometry(drive, factors.graph);
   if (config.use_gnss && !config.georeference_only) pull_to_gnss(drive, config, factors.graph);
-  solution = solve_graduated(factors.graph);
+  solution = pose_graph::solve_graduated(factors.graph);
   if (!solution.success) factors.graph.states = present;
   return solution;
 }
 
-bool used(const RobustSolution& solution, int constraint) {
+bool used(const pose_graph::RobustSolution& solution, int constraint) {
   return constraint >= 0 && solution.used[static_cast<std::size_t>(constraint)];
 }
 
-void take_over(const DriveFactors& factors, const RobustSolution& solution, DriveGraph& drive) {
+void take_over(const DriveFactors& factors, const pose_graph::RobustSolution& solution,
+               DriveGraph& drive) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     drive.nodes[i].T_map_base = factors.graph.pose(static_cast<int>(i));
   }
@@ -97,7 +99,7 @@ void correct_delays(const SharedErrors& shared, DriveGraph& drive) {
 
 /// What a solution with odometry as it is and with all of its drift shows of its errors, and of
 /// GNSS's delay. The factors are made anew with that.
-void learn_errors(const BackEndConfig& config, const RobustSolution& solution,
+void learn_errors(const BackEndConfig& config, const pose_graph::RobustSolution& solution,
                   DriveFactors& factors, DriveGraph& drive) {
   const double scatter = position_scatter(factors, solution.used);
   const SharedErrors shared = find_shared_errors(drive, factors, solution.used, scatter);
@@ -115,11 +117,11 @@ void learn_errors(const BackEndConfig& config, const RobustSolution& solution,
 
 /// Solves once more with what the positions show of odometry; everything stays as it is where that
 /// fails.
-void refine(const BackEndConfig& config, DriveFactors& factors, RobustSolution& solution,
-            DriveGraph& drive) {
+void refine(const BackEndConfig& config, DriveFactors& factors,
+            pose_graph::RobustSolution& solution, DriveGraph& drive) {
   const std::vector<GnssDelay> delays = drive.gnss_delays;
   learn_errors(config, solution, factors, drive);
-  RobustSolution refined = solve_factors(drive, config, factors, false);
+  pose_graph::RobustSolution refined = solve_factors(drive, config, factors, false);
   if (!refined.success) {
     drive.gnss_delays = delays;
     drive.odometry_errors = {};
@@ -132,14 +134,14 @@ void refine(const BackEndConfig& config, DriveFactors& factors, RobustSolution& 
   take_over(factors, solution, drive);
 }
 
-bool any_used(const std::vector<int>& constraints, const RobustSolution& solution) {
+bool any_used(const std::vector<int>& constraints, const pose_graph::RobustSolution& solution) {
   return std::any_of(constraints.begin(), constraints.end(),
                      [&](int constraint) { return used(solution, constraint); });
 }
 
 /// Judgements on the whole drive: those so far, but for the part that was solved, and the new ones.
 void fill(const OptimizationProblem& problem, const DriveGraph& solved,
-          const RobustSolution& solution, OptimizationReport& report) {
+          const pose_graph::RobustSolution& solution, OptimizationReport& report) {
   const Judgements before = count_judgements(problem.drive);
   const Judgements after = count_judgements(solved);
   report.success = solution.success;
@@ -160,7 +162,7 @@ void fill(const OptimizationProblem& problem, const DriveGraph& solved,
 /// Only what is new and its surroundings; where that does not settle everything nothing moves.
 void solve_window(const OptimizationProblem& problem, OptimizationSolution& result) {
   DriveFactors factors = make_factors(result.drive, problem.config);
-  RobustSolution solution;
+  pose_graph::RobustSolution solution;
   result.whole_needed = !solve_from_present(factors, solution);
   solution.success = solution.success && !result.whole_needed;
   if (solution.success) take_over(factors, solution, result.drive);
@@ -186,9 +188,9 @@ void tell_placement(const DriveGraph& drive, const Georeference& placed,
 }
 
 /// How firmly the least known motion is held: a map that nothing ties down shows here.
-void tell_firmness(const DriveFactors& factors, const RobustSolution& solution,
+void tell_firmness(const DriveFactors& factors, const pose_graph::RobustSolution& solution,
                    OptimizationReport& report) {
-  report.least_eigenvalue = least_eigenvalue(factors.graph, solution.used);
+  report.least_eigenvalue = pose_graph::least_eigenvalue(factors.graph, solution.used);
   std::ostringstream text;
   text.precision(3);
   text << "; smallest eigenvalue of the information matrix " << report.least_eigenvalue;
@@ -221,7 +223,7 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
   if (problem.config.use_gnss) find_gnss_delays(drive, problem.config);
   drive.odometry_errors = {};
   DriveFactors factors = make_factors(drive, problem.config);
-  RobustSolution solution =
+  pose_graph::RobustSolution solution =
       solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_turned);
   if (solution.success) take_over(factors, solution, drive);
   if (solution.success && any_used(factors.horizontal_of, solution)) {

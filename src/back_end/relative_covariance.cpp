@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
+#include "lidar_mapping/pose_graph/linearisation.hpp"
+
 #include "drive_factors.hpp"
-#include "linearisation.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -33,8 +34,8 @@ class RelativeCovariance::Impl {
       : nodes_(problem.drive.nodes) {
     const DriveFactors factors = make_factors(problem.drive, problem.config);
     states_ = static_cast<int>(factors.graph.states.size());
-    system_ = information_matrix(factors.graph,
-                                 given == Given::kAll ? factors.marked : odometry_marks(factors));
+    system_ = pose_graph::information_matrix(
+        factors.graph, given == Given::kAll ? factors.marked : odometry_marks(factors));
     for (int i = 0; i < states_; ++i) {
       system_->add_diagonal(i, kUnknown * Matrix6d::Identity());
     }
@@ -64,7 +65,7 @@ class RelativeCovariance::Impl {
 
   std::vector<DriveNode> nodes_;
   int states_ = 0;
-  std::unique_ptr<BlockCholesky<6>> system_;
+  std::unique_ptr<pose_graph::BlockCholesky<6>> system_;
   bool is_solvable_ = false;
 };
 

@@ -6,9 +6,9 @@
 #include <Eigen/Cholesky>
 
 #include "lidar_mapping/common/antenna_fit.hpp"
+#include "lidar_mapping/pose_graph/linearisation.hpp"
 
 #include "gnss_delay.hpp"
-#include "linearisation.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -26,16 +26,16 @@ using Shifts = Eigen::Matrix<double, 3, kCount>;
 /// Normal equations of the unknowns beside the poses.
 class SharedEquations {
  public:
-  SharedEquations(const FactorGraph& graph, const std::vector<bool>& used)
+  SharedEquations(const pose_graph::FactorGraph& graph, const std::vector<bool>& used)
       : graph_(graph),
         pose_gradient_(Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(graph.states.size()))),
         mixed_(Eigen::MatrixXd::Zero(pose_gradient_.size(), kCount)) {
     for (std::size_t i = 0; i < used.size(); ++i) {
       if (!used[i]) continue;
-      const Constraint& c = graph.constraints[i];
-      const Linearised at = linearised(graph, c);
+      const pose_graph::Constraint& c = graph.constraints[i];
+      const pose_graph::Linearised at = pose_graph::linearised(graph, c);
       // The poses are at a minimum with kernels.
-      const Eigen::VectorXd pull = kernel_slope(c, at.residual) * at.residual;
+      const Eigen::VectorXd pull = pose_graph::kernel_slope(c, at.residual) * at.residual;
       pose_gradient_.segment<6>(6 * c.first) += at.first.transpose() * pull;
       if (c.second < 0) continue;
       pose_gradient_.segment<6>(6 * c.second) += at.second.transpose() * pull;
@@ -45,8 +45,8 @@ class SharedEquations {
   /// A unit of each unknown has the effect that its column of `shifts` (m) has on the constraint's
   /// last node, in the node's axes.
   void add(int constraint, const Shifts& shifts) {
-    const Constraint& c = graph_.constraints[static_cast<std::size_t>(constraint)];
-    const Linearised at = linearised(graph_, c);
+    const pose_graph::Constraint& c = graph_.constraints[static_cast<std::size_t>(constraint)];
+    const pose_graph::Linearised at = pose_graph::linearised(graph_, c);
     const bool pair = c.second >= 0;
     const Eigen::MatrixXd effects = (pair ? at.second : at.first).leftCols<3>() * shifts;
     gradient_ += effects.transpose() * at.residual;
@@ -56,7 +56,7 @@ class SharedEquations {
   }
 
   /// Newton's step for unknowns that are near zero, by `stddev`.
-  UnknownVector solution(BlockCholesky<6>& poses, const UnknownVector& stddev) const {
+  UnknownVector solution(pose_graph::BlockCholesky<6>& poses, const UnknownVector& stddev) const {
     const Eigen::MatrixXd by_poses = poses.solve(mixed_);
     Eigen::Matrix<double, kCount, kCount> information = curvature_ - mixed_.transpose() * by_poses;
     information.diagonal() += stddev.cwiseAbs2().cwiseInverse();
@@ -64,7 +64,7 @@ class SharedEquations {
   }
 
  private:
-  const FactorGraph& graph_;
+  const pose_graph::FactorGraph& graph_;
   Eigen::VectorXd pose_gradient_;
   UnknownVector gradient_ = UnknownVector::Zero();
   Eigen::Matrix<double, kCount, kCount> curvature_ = Eigen::Matrix<double, kCount, kCount>::Zero();
@@ -115,7 +115,8 @@ UnknownVector stddevs(const DriveGraph& drive) {
 
 SharedErrors find_shared_errors(const DriveGraph& drive, const DriveFactors& factors,
                                 const std::vector<bool>& used, double scatter) {
-  const std::unique_ptr<BlockCholesky<6>> poses = information_matrix(factors.graph, used);
+  const std::unique_ptr<pose_graph::BlockCholesky<6>> poses =
+      pose_graph::information_matrix(factors.graph, used);
   if (!poses->factorize()) return {};
   SharedEquations equations(factors.graph, used);
   add_stretch(drive, factors, equations);

@@ -13,15 +13,17 @@ namespace {
 
 constexpr int kSteps = 5;  // columns that what is known is carried on
 
-PointCells cells_of(const PlacedPoints& points) {
-  return {points, GroundArea::kColumn, std::numeric_limits<float>::infinity()};
+moving_objects::PointCells cells_of(const moving_objects::PlacedPoints& points) {
+  return {points, moving_objects::GroundArea::kColumn, std::numeric_limits<float>::infinity()};
 }
 
 }  // namespace
 
-GroundRaster::GroundRaster(const PlacedPoints& points, const GroundArea& area, LocalGround& ground)
+GroundRaster::GroundRaster(const moving_objects::PlacedPoints& points,
+                           const moving_objects::GroundArea& area,
+                           moving_objects::LocalGround& ground)
     // One more on each side, so that every column that is filled has eight around it.
-    : rectangle_(CellArea(cells_of(points)).widened(kSteps + 1)),
+    : rectangle_(moving_objects::CellArea(cells_of(points)).widened(kSteps + 1)),
       heights_(rectangle_.size(), kUnknown) {
   const std::vector<std::uint32_t> numbers = rectangle_.numbers_of(cells_of(points));
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -34,7 +36,7 @@ GroundRaster::GroundRaster(const PlacedPoints& points, const GroundArea& area, L
 }
 
 int GroundRaster::cell_of(double coordinate) {
-  return static_cast<int>(std::floor(coordinate / GroundArea::kColumn));
+  return static_cast<int>(std::floor(coordinate / moving_objects::GroundArea::kColumn));
 }
 
 void GroundRaster::fill_holes() {

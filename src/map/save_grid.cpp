@@ -32,8 +32,9 @@ class PointEvidence {
   explicit PointEvidence(const GridBlock& block)
       : block_(block), obstacles_(block.size()), ground_(block.size()) {}
 
-  void take(const GridFrame& frame, const PointCloud& cloud, const PlacedPoints& points,
-            const GroundArea& area, LocalGround& ground, const GridOptions& options) {
+  void take(const GridFrame& frame, const PointCloud& cloud,
+            const moving_objects::PlacedPoints& points, const moving_objects::GroundArea& area,
+            moving_objects::LocalGround& ground, const GridOptions& options) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const int column = frame.column_of(cloud.points[i].x);
       const int row = frame.row_of(cloud.points[i].y);
@@ -92,10 +93,10 @@ std::vector<std::uint8_t> values_of(const CloudParts& map, const GridFrame& fram
                                     const std::optional<GridRays>& rays) {
   constexpr float kAll = std::numeric_limits<float>::infinity();
   const PointCloud cloud = points_around(map, frame, block);
-  const PlacedPoints points(cloud, Pose());
-  const GroundArea area(points, kAll);
-  LocalGround ground(area);
-  ground.add(ground_columns(points, kAll));
+  const moving_objects::PlacedPoints points(cloud, Pose());
+  const moving_objects::GroundArea area(points, kAll);
+  moving_objects::LocalGround ground(area);
+  ground.add(moving_objects::ground_columns(points, kAll));
   PointEvidence evidence(block);
   evidence.take(frame, cloud, points, area, ground, options);
   const GroundRaster raster(points, area, ground);

@@ -9,8 +9,8 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
-#include "lidar_mapping/map/moving_objects.hpp"
 #include "lidar_mapping/map/top_view.hpp"
+#include "lidar_mapping/moving_objects/moving_objects.hpp"
 
 #include "map_formats.hpp"
 #include "map_products.hpp"
@@ -92,10 +92,10 @@ class ProductWriter {
                 const ProductOptions& options, const std::filesystem::path& directory)
       : poses_(poses), clouds_(clouds), config_(config), options_(options), directory_(directory) {
     if (options.p_base_sensor && !options.keep_moving) {
-      MovingObjectsConfig removal;
+      moving_objects::MovingObjectsConfig removal;
       removal.threads = config.threads;
-      fixed_ =
-          std::make_unique<StaticClouds>(clouds, poses, *options.p_base_sensor, removal, directory);
+      fixed_ = std::make_unique<moving_objects::StaticClouds>(clouds, poses, *options.p_base_sensor,
+                                                              removal, directory);
     }
     if (options.crop) {
       cropped_ = std::make_unique<CroppedClouds>(uncropped(), poses, *options.crop);
@@ -249,7 +249,7 @@ class ProductWriter {
   const MapConfig& config_;
   const ProductOptions& options_;
   const std::filesystem::path& directory_;
-  std::unique_ptr<StaticClouds> fixed_;
+  std::unique_ptr<moving_objects::StaticClouds> fixed_;
   std::unique_ptr<CroppedClouds> cropped_;
   std::optional<CloudParts> points_;
   bool has_picture_ = false;

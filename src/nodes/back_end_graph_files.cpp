@@ -28,7 +28,7 @@ fs::path folder_of_person(const std::string& path) {
 
 /// The graph as it is now, and the session that has the clouds.
 struct Snapshot {
-  back_end::PoseGraph graph;
+  pose_graph::PoseGraph graph;
   fs::path session;
 };
 

@@ -7,19 +7,19 @@
 #include <sstream>
 #include <type_traits>
 
-#include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
 
 namespace lidar_mapping::pipeline {
 
 namespace {
 
 namespace fs = std::filesystem;
-using back_end::PoseEdge;
+using pose_graph::PoseEdge;
 
 constexpr double kGnssStddev_m = 1.0;  // the dump does not say how good positions are
 
@@ -192,14 +192,14 @@ std::optional<GeodeticDatum> read_datum(const fs::path& path) {
 }
 
 /// Poses and the edges between them; planes, priors and fixed vertices are another matter.
-back_end::PoseGraph read_poses_and_edges(const fs::path& path) {
+pose_graph::PoseGraph read_poses_and_edges(const fs::path& path) {
   std::ifstream file = open_for_reading(path);
   std::stringstream wanted;
   for (std::string line; std::getline(file, line);) {
     const std::string tag = line.substr(0, line.find(' '));
     if (tag == "VERTEX_SE3:QUAT" || tag == "EDGE_SE3:QUAT") wanted << line << '\n';
   }
-  return back_end::read_g2o(wanted, path.string()).graph;
+  return pose_graph::read_g2o(wanted, path.string()).graph;
 }
 
 /// An edge by the positions of its key frames, the older one first.
@@ -223,7 +223,7 @@ Link turned_round(const Link& link) {
   return {link.to, link.from, link.T_from_to.inverse(), A * link.covariance * A.transpose()};
 }
 
-std::vector<Link> links_of(const back_end::PoseGraph& graph,
+std::vector<Link> links_of(const pose_graph::PoseGraph& graph,
                            const std::vector<DumpedFrame>& frames) {
   std::map<std::int64_t, std::size_t> position;
   for (std::size_t i = 0; i < frames.size(); ++i) position[frames[i].id] = i;

@@ -4,10 +4,10 @@
 #include <map>
 #include <optional>
 
-#include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
 
 namespace lidar_mapping::pipeline {
 
@@ -47,7 +47,7 @@ std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
 
 class DumpWriter {
  public:
-  DumpWriter(const session::Session& session, const back_end::PoseGraph& graph,
+  DumpWriter(const session::Session& session, const pose_graph::PoseGraph& graph,
              const fs::path& directory)
       : session_(session),
         graph_(graph),
@@ -57,7 +57,7 @@ class DumpWriter {
         imu_(by_stamp(session.imu())),
         floors_(by_stamp(session.floors())) {
     if (datum_) utm_.emplace(*datum_);
-    for (const back_end::PoseNode& node : graph.nodes) estimates_[node.id] = node.pose;
+    for (const pose_graph::PoseNode& node : graph.nodes) estimates_[node.id] = node.pose;
   }
 
   void write() {
@@ -86,7 +86,7 @@ class DumpWriter {
  private:
   /// A fixed vertex where the first key frame lies holds the graph.
   void write_graph() const {
-    back_end::PoseGraph anchored = graph_;
+    pose_graph::PoseGraph anchored = graph_;
     const std::int64_t anchor = graph_.nodes.back().id + 1;
     anchored.nodes.push_back({anchor, graph_.nodes.front().pose});
     Vector6d weight;
@@ -95,7 +95,7 @@ class DumpWriter {
     anchored.edges.push_back(
         {anchor, graph_.nodes.front().id, Pose::Identity(), weight.asDiagonal()});
     File graph(directory_ / "graph.g2o");
-    back_end::write_g2o(anchored, graph.stream());
+    pose_graph::write_g2o(anchored, graph.stream());
     graph.stream() << "FIX " << anchor << "\n";
     graph.close();
     File special(directory_ / "special_nodes.csv");
@@ -156,7 +156,7 @@ class DumpWriter {
   }
 
   const session::Session& session_;
-  const back_end::PoseGraph& graph_;
+  const pose_graph::PoseGraph& graph_;
   const fs::path directory_;
   const std::optional<GeodeticDatum> datum_;
   std::optional<UtmFrame> utm_;  ///< of the datum
@@ -168,7 +168,7 @@ class DumpWriter {
 
 }  // namespace
 
-void write_hdl_dump(const session::Session& session, const back_end::PoseGraph& graph,
+void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph& graph,
                     const fs::path& directory) {
   if (graph.nodes.empty()) throw InputError("the session has no key frames; nothing to dump");
   const fs::path target = fs::absolute(directory).lexically_normal();

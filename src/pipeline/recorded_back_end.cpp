@@ -3,8 +3,8 @@
 
 #include <set>
 
-#include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
 
@@ -181,7 +181,7 @@ void write_results(const session::Session& session, const back_end::BackEnd& bac
   session::write_candidates_csv(session, directory / "candidates.csv");
   session::write_loop_list(session, directory / "loops.txt");
   write_doubt(drive_doubt(session, back_end, poses), directory / "doubt.csv");
-  back_end::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
+  pose_graph::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -52,7 +52,7 @@ bool run(const Options& options) {
   const std::string file = tools::only_stage_file(options.config, "preprocessing");
   const PreprocessingConfig config =
       file.empty() ? PreprocessingConfig() : config::load_file<PreprocessingConfig>(file);
-  const ros_border::BagSet bags(tools::with_bags_of_folders(options.bags));
+  const ros_border::BagSet bags(recordings::with_bags_of_folders(options.bags));
   ros_border::RecordingCheck recording;
   recording.bags = &bags;
   recording.base_frame = options.base_frame;

@@ -21,7 +21,7 @@
 namespace {
 
 using namespace lidar_mapping;
-using tools::Json;
+using json::Json;
 using namespace lidar_mapping::evaluation;
 
 struct Options {
@@ -133,7 +133,7 @@ void print(const Json& result) {
   std::printf("KITTI relative error     %.4f %%  %.4f deg/100 m  (segments of %s m)\n",
               kitti["translation_percent"].get<double>(),
               kitti["rotation_deg_per_100m"].get<double>(),
-              tools::dumped(kitti["segment_lengths_m"]).c_str());
+              json::dumped(kitti["segment_lengths_m"]).c_str());
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -154,7 +154,7 @@ void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
                      error.translation.norm(), rotation_angle(error.rotation) * kDegPerRad});
   }
   const std::string data = picture + ".json";
-  write_text(data, tools::dumped(poses));
+  write_text(data, json::dumped(poses));
   tools::run_program(tools::program_beside("plot_trajectories.py"), {data, picture});
   std::filesystem::remove(data);
 }
@@ -188,7 +188,7 @@ void run(const Options& options) {
   result["hints"] = hints;
   print(result);
   for (const std::string& hint : hints) std::printf("hint: %s\n", hint.c_str());
-  if (!options.json.empty()) write_text(options.json, tools::dumped(result, 2) + "\n");
+  if (!options.json.empty()) write_text(options.json, json::dumped(result, 2) + "\n");
   if (!options.plot.empty()) plot(options.plot, pairs);
 }
 

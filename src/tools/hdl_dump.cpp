@@ -21,7 +21,7 @@ void export_dump(const std::string& name, const std::string& directory) {
       {pipeline::stored_configuration<back_end::BackEndConfig>(session)}));
   pipeline::replay(session, back_end);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
-  const back_end::PoseGraph graph = back_end.graph();
+  const pose_graph::PoseGraph graph = back_end.graph();
   pipeline::write_hdl_dump(session, graph, directory);
   std::printf("%zu key frames, %zu edges in %s\n", graph.nodes.size(), graph.edges.size(),
               directory.c_str());

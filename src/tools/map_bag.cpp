@@ -43,7 +43,7 @@ constexpr int kDoubtful = 4;
 constexpr int kStoppedAtOnce = 130;
 
 struct Options {
-  DriveSelection drive;
+  recordings::DriveSelection drive;
   std::string output;
   ParameterSources parameters;
   std::string figures;
@@ -164,7 +164,8 @@ class MappingRun {
  private:
   /// Leaves neither the recording's index nor the pipeline behind: the map needs their memory.
   void map_recording() {
-    OpenDrive drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
+    recordings::OpenDrive drive =
+        recordings::open_drive(options_.drive, stages_.pipeline.preprocessing);
     for (const std::string& line : drive.lines) std::printf("%s\n", line.c_str());
     std::fflush(stdout);
     record_ = record_of(drive);
@@ -179,7 +180,7 @@ class MappingRun {
       std::printf(
           "going over the whole recording again: its last part alone does not lead to "
           "where the session ends\n");
-      drive = open_drive(options_.drive, stages_.pipeline.preprocessing);
+      drive = recordings::open_drive(options_.drive, stages_.pipeline.preprocessing);
       map(*drive.input, true);
     }
     pipeline_.reset();
@@ -189,12 +190,12 @@ class MappingRun {
                 output_.key_frames_before(), report_.optimization.key_frames);
   }
 
-  RunRecord record_of(const OpenDrive& drive) const {
-    RunRecord record;
+  report::RunRecord record_of(const recordings::OpenDrive& drive) const {
+    report::RunRecord record;
     record.software = std::string("lidar_mapping ") + LIDAR_MAPPING_VERSION;
     record.command = options_.command;
-    record.date = utc(std::time(nullptr));
-    for (const std::string& path : drive.paths) record.files.push_back(recorded_file(path));
+    record.date = report::utc(std::time(nullptr));
+    for (const std::string& path : drive.paths) record.files.push_back(report::recorded_file(path));
     record.begin = drive.input->begin();
     record.end = drive.input->end();
     record.start = options_.start;
@@ -286,7 +287,7 @@ class MappingRun {
     const auto figures = mapping_figures(report_, driven, times(mapped, products));
     std::printf("%s", to_text(figures).c_str());
     if (!options_.figures.empty()) {
-      write_text_atomically(options_.figures, tools::dumped(figures, 2) + "\n");
+      write_text_atomically(options_.figures, json::dumped(figures, 2) + "\n");
     }
     return finish(stop_asked != 0 ? kStoppedEarly : 0);
   }
@@ -317,7 +318,7 @@ class MappingRun {
   Options options_;
   StageFiles stages_;
   SessionOutput output_;
-  RunRecord record_;
+  report::RunRecord record_;
   Stamp begin_ = 0;  ///< of what is wanted of the recording
   Stamp end_ = 0;
   Stamp mapped_from_ = 0;  ///< later where a session is gone on with

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tells how good the map of a session is, without truth; as lines, JSON or a report to look at.
 
-#include "lidar_mapping/map/map_quality.hpp"
+#include "lidar_mapping/map_quality/map_quality.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -24,8 +24,8 @@
 namespace {
 
 using namespace lidar_mapping;
+using json::Json;
 using session::Session;
-using tools::Json;
 
 struct Options {
   std::string session;
@@ -47,27 +47,28 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Se
 }
 
 struct Judged {
-  map::LocalThickness thickness;
-  std::vector<map::GhostVector> ghosts;  ///< worst first
+  map_quality::LocalThickness thickness;
+  std::vector<map_quality::GhostVector> ghosts;  ///< worst first
   bool has_ratio = false;
 };
 
-Judged judged(const tools::ReportInput& input, const map::QualityConfig& config, bool has_ratio) {
+Judged judged(const report::ReportInput& input, const map_quality::QualityConfig& config,
+              bool has_ratio) {
   CloudSource& clouds = input.session.clouds();
-  Judged result{map::local_thickness(input.poses, clouds, config),
-                map::ghost_vectors(input.poses, clouds, config), has_ratio};
+  Judged result{map_quality::local_thickness(input.poses, clouds, config),
+                map_quality::ghost_vectors(input.poses, clouds, config), has_ratio};
   std::stable_sort(result.ghosts.begin(), result.ghosts.end(),
                    [](const auto& a, const auto& b) { return a.size() > b.size(); });
   return result;
 }
 
-void print(const char* name, const map::Thickness& thickness, bool has_ratio) {
+void print(const char* name, const map_quality::Thickness& thickness, bool has_ratio) {
   std::printf("%-7s thickness: median %5.1f mm, 90 %% below %5.1f mm (%zu cells)", name,
               1000.0 * thickness.median, 1000.0 * thickness.high, thickness.cells);
   has_ratio ? std::printf(", %.2f of the noise\n", thickness.median_ratio) : std::printf("\n");
 }
 
-void print(const std::vector<map::GhostVector>& ghosts, std::size_t places) {
+void print(const std::vector<map_quality::GhostVector>& ghosts, std::size_t places) {
   if (ghosts.empty()) {
     std::printf("no place was driven twice, so only local quality could be judged\n");
     return;
@@ -76,7 +77,7 @@ void print(const std::vector<map::GhostVector>& ghosts, std::size_t places) {
               ghosts.size());
   std::printf("  key frame       x       y   along mm  left mm   up mm  yaw deg  planes\n");
   for (std::size_t i = 0; i < std::min(places, ghosts.size()); ++i) {
-    const map::GhostVector& ghost = ghosts[i];
+    const map_quality::GhostVector& ghost = ghosts[i];
     std::printf("  %9u %7.1f %7.1f   %8.1f %8.1f %7.1f  %7.3f  %6zu\n", ghost.key_frame,
                 ghost.position.x(), ghost.position.y(), 1000.0 * ghost.along, 1000.0 * ghost.left,
                 1000.0 * ghost.up, ghost.yaw * kDegPerRad, ghost.planes);
@@ -90,55 +91,57 @@ void print(const Judged& found, std::size_t places) {
   print(found.ghosts, places);
 }
 
-Json to_json(const Judged& found, const map::QualityConfig& config) {
+Json to_json(const Judged& found, const map_quality::QualityConfig& config) {
   Json figures = {{"range_noise_m", config.range_noise},
-                  {"thickness", tools::to_json(found.thickness, found.has_ratio)},
+                  {"thickness", report::to_json(found.thickness, found.has_ratio)},
                   {"ghosts", Json::array()}};
-  for (const map::GhostVector& ghost : found.ghosts) {
-    figures["ghosts"].push_back(tools::to_json(ghost));
+  for (const map_quality::GhostVector& ghost : found.ghosts) {
+    figures["ghosts"].push_back(report::to_json(ghost));
   }
   return figures;
 }
 
 /// Everything that is known of the drive and its map.
-Json report_of(const tools::ReportInput& input, const Judged& found,
-               const map::QualityConfig& config, const back_end::BackEnd& graph,
+Json report_of(const report::ReportInput& input, const Judged& found,
+               const map_quality::QualityConfig& config, const back_end::BackEnd& graph,
                const std::vector<back_end::KeyFrameDeviation>& deviations) {
   Json report = {{"format", 2},
                  {"session", input.session.directory().filename().string()},
-                 {"origin", tools::origin_figures(input)},
-                 {"products", tools::product_figures(input)},
-                 {"drive", tools::drive_figures(input)}};
+                 {"origin", report::origin_figures(input)},
+                 {"products", report::product_figures(input)},
+                 {"drive", report::drive_figures(input)}};
   report.update(to_json(found, config));
-  report["entropy"] = tools::to_json(map::mean_map_entropy(input.poses, input.session.clouds()));
-  report["trajectory"] = tools::trajectory_figures(input);
-  report["loops"] = tools::loop_figures(input);
-  report["gnss"] = tools::gnss_figures(input, graph);
-  report["scans"] = tools::scan_figures(input);
-  report["uncertainty"] = tools::uncertainty_figures(input, graph, deviations);
-  report["doubt"] = tools::doubt_figures(input, graph);
-  report["truth"] = tools::truth_figures(input);
-  report["verdicts"] = tools::verdicts(report);
-  report["overall"] = tools::overall_verdict(report);
+  report["entropy"] =
+      report::to_json(map_quality::mean_map_entropy(input.poses, input.session.clouds()));
+  report["trajectory"] = report::trajectory_figures(input);
+  report["loops"] = report::loop_figures(input);
+  report["gnss"] = report::gnss_figures(input, graph);
+  report["scans"] = report::scan_figures(input);
+  report["uncertainty"] = report::uncertainty_figures(input, graph, deviations);
+  report["doubt"] = report::doubt_figures(input, graph);
+  report["truth"] = report::truth_figures(input);
+  report["verdicts"] = report::verdicts(report);
+  report["overall"] = report::overall_verdict(report);
   return report;
 }
 
 /// What the pictures of the report need beside its figures: files in `directory`.
-void write_picture_data(const tools::ReportInput& input, const Judged& found,
-                        const map::QualityConfig& config, const std::filesystem::path& directory) {
+void write_picture_data(const report::ReportInput& input, const Judged& found,
+                        const map_quality::QualityConfig& config,
+                        const std::filesystem::path& directory) {
   CloudSource& clouds = input.session.clouds();
   Json places = Json::array();
   for (std::size_t i = 0; i < std::min(kPictures, found.ghosts.size()); ++i) {
-    const auto points = map::place_points(input.poses, clouds, config, found.ghosts[i]);
-    places.push_back({{"across", tools::place_picture(points, tools::View::kAcross)},
-                      {"above", tools::place_picture(points, tools::View::kFromAbove)}});
+    const auto points = map_quality::place_points(input.poses, clouds, config, found.ghosts[i]);
+    places.push_back({{"across", report::place_picture(points, report::View::kAcross)},
+                      {"above", report::place_picture(points, report::View::kFromAbove)}});
   }
-  write_text_atomically(directory / "places.json", tools::dumped(places));
+  write_text_atomically(directory / "places.json", json::dumped(places));
   const auto view = map::top_view(map::build_map(input.poses, clouds, {}), 0.25, 1600);
   map::write_png(directory / "top_view.png", view);
   const Json frame = {view.x_min, view.x_min + view.width * view.pixel_m,
                       view.y_max - view.height * view.pixel_m, view.y_max};
-  write_text_atomically(directory / "top_view.json", tools::dumped(frame));
+  write_text_atomically(directory / "top_view.json", json::dumped(frame));
 }
 
 void print_verdicts(const Json& report) {
@@ -153,10 +156,10 @@ void print_verdicts(const Json& report) {
   }
 }
 
-void write_report(const tools::ReportInput& input, const Judged& found,
-                  const map::QualityConfig& config, const Json& report) {
+void write_report(const report::ReportInput& input, const Judged& found,
+                  const map_quality::QualityConfig& config, const Json& report) {
   const std::filesystem::path directory = input.session.directory();
-  write_text_atomically(directory / "report.json", tools::dumped(report) + "\n");
+  write_text_atomically(directory / "report.json", json::dumped(report) + "\n");
   const std::filesystem::path data = directory / ".report";
   std::filesystem::create_directories(data);
   write_picture_data(input, found, config, data);
@@ -172,7 +175,7 @@ void judge(const Options& options) {
   // Before all that takes long: a truth that cannot be read is noticed at once.
   std::optional<Trajectory> truth;
   if (!options.truth.empty()) truth = read_trajectory(options.truth);
-  map::QualityConfig config;
+  map_quality::QualityConfig config;
   config.range_noise = options.range_noise;
   const auto sensor = sensor_origin_of(options, session);
   config.p_base_sensor = sensor;
@@ -181,9 +184,9 @@ void judge(const Options& options) {
                  "--sensor-origin x y z for the ratio to the noise, and to tell the sides of a "
                  "surface apart\n";
   }
-  const tools::ReportInput input = tools::report_input(session, truth);
+  const report::ReportInput input = report::report_input(session, truth);
   const Judged found = judged(input, config, sensor.has_value());
-  const auto graph = tools::solved_graph(session);
+  const auto graph = report::solved_graph(session);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
   const Json report = report_of(input, found, config, *graph, deviations);
   print(found, options.places);
@@ -191,10 +194,10 @@ void judge(const Options& options) {
   if (!options.json.empty()) {
     Json figures = to_json(found, config);
     for (const char* part : {"verdicts", "truth", "uncertainty"}) figures[part] = report[part];
-    write_text_atomically(options.json, tools::dumped(figures, 2) + "\n");
+    write_text_atomically(options.json, json::dumped(figures, 2) + "\n");
   }
   if (!options.key_frames.empty()) {
-    write_text_atomically(options.key_frames, tools::key_frame_table(input, deviations));
+    write_text_atomically(options.key_frames, report::key_frame_table(input, deviations));
   }
   if (options.report) write_report(input, found, config, report);
 }

@@ -18,8 +18,9 @@ std::string line(const char* format, Values... values) {
 
 }  // namespace
 
-Json mapping_figures(const pipeline::PipelineReport& report, double driven, const RunTimes& times) {
-  Json json;
+json::Json mapping_figures(const pipeline::PipelineReport& report, double driven,
+                           const RunTimes& times) {
+  json::Json json;
   json["driven_seconds"] = driven;
   json["scans"] = report.progress.scans;
   json["key_frames"] = report.optimization.key_frames;
@@ -36,7 +37,7 @@ Json mapping_figures(const pipeline::PipelineReport& report, double driven, cons
   return json;
 }
 
-std::string to_text(const Json& figures) {
+std::string to_text(const json::Json& figures) {
   const auto& speed = figures["times_real_time"];
   std::string text =
       line("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\nprocessor seconds:",

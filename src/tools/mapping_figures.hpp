@@ -19,9 +19,10 @@ struct RunTimes {
 };
 
 /// Times, counts and memory of this process, after `driven` seconds of driving.
-Json mapping_figures(const pipeline::PipelineReport& report, double driven, const RunTimes& times);
+json::Json mapping_figures(const pipeline::PipelineReport& report, double driven,
+                           const RunTimes& times);
 
 /// The same in lines for people.
-std::string to_text(const Json& figures);
+std::string to_text(const json::Json& figures);
 
 }  // namespace lidar_mapping::tools

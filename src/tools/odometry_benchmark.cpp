@@ -25,8 +25,8 @@
 namespace {
 
 using namespace lidar_mapping;
-using tools::Json;
-using tools::ScanRecord;
+using campaign::ScanRecord;
+using json::Json;
 
 /// The name of no method but of a whole front end, that of the articles (article_odometry.hpp).
 const std::string kArticles = "LIDAR_LOCALIZATION";
@@ -92,12 +92,12 @@ void finalize(const std::vector<front_end::FrontEndResult>& finalized,
 
 /// Time counts from the cloud in memory to the pose.
 void add_timed(const Process& process, const Scan& scan, std::vector<ScanRecord>& records) {
-  const double cpu_before = tools::cpu_time_ms();
+  const double cpu_before = campaign::cpu_time_ms();
   const auto before = std::chrono::steady_clock::now();
   const front_end::FrontEndResult result = process(scan);
   const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - before;
   ScanRecord record;
-  record.cpu_ms = tools::cpu_time_ms() - cpu_before;
+  record.cpu_ms = campaign::cpu_time_ms() - cpu_before;
   record.wall_ms = wall.count();
   record.stamp = result.stamp;
   record.T_odom_base = result.T_odom_base;
@@ -153,12 +153,12 @@ void run(const Options& options) {
   const front_end::FrontEndConfig config = make_config(options);
   const std::string notice = registration::method_notice(config.registration);
   if (!notice.empty()) std::cerr << "odometry_benchmark: " << notice << "\n";
-  const tools::Recording recording = tools::open_recording(
+  const recordings::Recording recording = recordings::open_recording(
       options.recording, options.topic,
       {options.elevation_correction_deg * kRadPerDeg, options.time_from_azimuth});
   const std::vector<std::size_t> scans = chosen_scans(options, recording.size);
 
-  const double memory_before = tools::peak_memory_mb();
+  const double memory_before = campaign::peak_memory_mb();
   const Process process = make_process(options, config, recording.T_base_sensor);
   std::vector<ScanRecord> records;
   for (const std::size_t i : scans) add_timed(process, recording.scan(i), records);
@@ -167,18 +167,18 @@ void run(const Options& options) {
       {"recording", options.recording},
       {"method", options.method.empty() ? to_string(config.registration.method) : options.method},
       {"threads", options.threads}};
-  result.update(tools::figures_of(records));
-  result["peak_memory_mb"] = tools::peak_memory_mb();
-  result["memory_over_start_mb"] = tools::peak_memory_mb() - memory_before;
+  result.update(campaign::figures_of(records));
+  result["peak_memory_mb"] = campaign::peak_memory_mb();
+  result["memory_over_start_mb"] = campaign::peak_memory_mb() - memory_before;
   if (!options.truth.empty()) {
     const auto pairs = paired(read_trajectory(options.truth), scans, records);
-    result.update(tools::errors_of(pairs));
-    if (pairs.size() == records.size()) result.update(tools::steps_of(pairs, records));
+    result.update(campaign::errors_of(pairs));
+    if (pairs.size() == records.size()) result.update(campaign::steps_of(pairs, records));
   }
-  write_text(options.poses, tools::to_kitti(records));
-  write_text(options.times, tools::to_csv(records));
-  write_text(options.json, tools::dumped(result, 2) + "\n");
-  std::cout << tools::dumped(result, 2) << "\n";
+  write_text(options.poses, campaign::to_kitti(records));
+  write_text(options.times, campaign::to_csv(records));
+  write_text(options.json, json::dumped(result, 2) + "\n");
+  std::cout << json::dumped(result, 2) << "\n";
 }
 
 }  // namespace

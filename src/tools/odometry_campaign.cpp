@@ -20,9 +20,9 @@
 namespace {
 
 using namespace lidar_mapping;
-using tools::CampaignCase;
-using tools::CampaignFigures;
-using tools::Json;
+using campaign::CampaignCase;
+using campaign::CampaignFigures;
+using json::Json;
 
 struct Options {
   std::vector<std::string> lidars = {"hdl64", "vlp16"};
@@ -39,9 +39,9 @@ struct Options {
 /// Every case with every sensor and seed that it does not fix itself, then the random ones.
 std::vector<CampaignCase> all_runs(const Options& options) {
   std::vector<CampaignCase> cases;
-  if (!options.cases.empty()) cases = tools::read_cases(options.cases);
-  for (const std::string& line : options.lines) cases.push_back(tools::parse_case(line));
-  if (cases.empty() && options.random == 0) cases = tools::usual_cases();
+  if (!options.cases.empty()) cases = campaign::read_cases(options.cases);
+  for (const std::string& line : options.lines) cases.push_back(campaign::parse_case(line));
+  if (cases.empty() && options.random == 0) cases = campaign::usual_cases();
   std::vector<CampaignCase> runs;
   for (const CampaignCase& c : cases) {
     const auto lidars = c.lidar.empty() ? options.lidars : std::vector<std::string>{c.lidar};
@@ -55,7 +55,7 @@ std::vector<CampaignCase> all_runs(const Options& options) {
     }
   }
   simulation::Random random(options.seed);
-  for (std::size_t i = 0; i < options.random; ++i) runs.push_back(tools::random_case(random));
+  for (std::size_t i = 0; i < options.random; ++i) runs.push_back(campaign::random_case(random));
   return runs;
 }
 
@@ -126,14 +126,14 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
 void run(const Options& options) {
   const std::vector<CampaignCase> runs = all_runs(options);
   print_head();
-  std::optional<tools::EvidenceTable> table;
+  std::optional<campaign::EvidenceTable> table;
   if (!options.evidence.empty()) table.emplace(options.evidence);
   Json all = Json::array();
   Totals totals;
   for (const CampaignCase& c : runs) {
-    const std::string line = tools::to_line(c);
-    std::vector<tools::CheckedStep> steps;
-    const CampaignFigures figures = tools::run_case(c, options.duration, &steps);
+    const std::string line = campaign::to_line(c);
+    std::vector<campaign::CheckedStep> steps;
+    const CampaignFigures figures = campaign::run_case(c, options.duration, &steps);
     if (table) table->add(line, steps);
     print(figures, line);
     all.push_back(to_json(figures, line));
@@ -143,7 +143,7 @@ void run(const Options& options) {
   if (table) table->close();
   if (options.json.empty()) return;
   std::ofstream file(options.json);
-  file << tools::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) << "\n";
+  file << json::dumped(Json{{"duration_s", options.duration}, {"runs", all}}, 2) << "\n";
   if (!file.flush()) throw FileError("cannot write " + options.json);
 }
 

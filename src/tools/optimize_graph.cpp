@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 #include <sys/resource.h>
 
-#include "lidar_mapping/back_end/g2o_file.hpp"
-#include "lidar_mapping/back_end/graph_optimizer.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
+#include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 
 #include "json.hpp"
 #include "number_checks.hpp"
@@ -18,8 +18,8 @@
 namespace {
 
 using namespace lidar_mapping;
-using tools::Json;
-using namespace lidar_mapping::back_end;
+using json::Json;
+using namespace lidar_mapping::pose_graph;
 
 constexpr const char* kGraduated = "graduated";
 
@@ -80,7 +80,7 @@ void write_json(const std::string& path, const G2oFile& file, const GraphReport&
                          {"notes", file.notes},
                          {"refused_edges", refused_edges(file.graph, report)}};
   std::ofstream stream(path);
-  stream << tools::dumped(document, 2) << '\n';
+  stream << json::dumped(document, 2) << '\n';
   if (!stream) throw FileError("cannot write " + path + "; check the folder and the free space");
 }
 

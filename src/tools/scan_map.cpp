@@ -23,10 +23,10 @@ Config stored(const Session& session) {
 }
 
 /// With the topics that the drive was mapped from, where the session knows them.
-DriveSelection selection_of(const Session& session, const ScanMapInput& input) {
-  DriveSelection selection;
+recordings::DriveSelection selection_of(const Session& session, const ScanMapInput& input) {
+  recordings::DriveSelection selection;
   selection.paths = input.recording;
-  const auto record = read_run_record(session.directory());
+  const auto record = report::read_run_record(session.directory());
   if (!record) return selection;
   const auto topic = [&](const char* sensor) {
     const auto found = record->topics.find(sensor);
@@ -45,7 +45,8 @@ DriveSelection selection_of(const Session& session, const ScanMapInput& input) {
 map::Files write_scan_map(const Session& session, const MapOutput& output,
                           const ScanMapInput& input) {
   const auto preprocessing = stored<preprocessing::PreprocessingConfig>(session);
-  const OpenDrive drive = open_drive(selection_of(session, input), preprocessing);
+  const recordings::OpenDrive drive =
+      recordings::open_drive(selection_of(session, input), preprocessing);
   const std::vector<pipeline::PlacedScan> scans =
       pipeline::placed_scans(session, key_frame_poses(session, output));
   const double as_key_frames =

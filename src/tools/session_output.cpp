@@ -75,7 +75,7 @@ SessionOutput::SessionOutput(fs::path folder, Resume resume)
   old_ = Session::open(folder_, Session::Access::kWrite);
   key_frames_before_ = old_->key_frame_count();
   parameters_ = old_->configurations();
-  record_ = read_run_record(folder_);
+  record_ = report::read_run_record(folder_);
   if (resume_ == Resume::kExact) refuse_edited(*old_);
 }
 
@@ -85,7 +85,7 @@ SessionOutput::~SessionOutput() {
   fs::remove_all(aside_, ignored);
 }
 
-void SessionOutput::check(const RunRecord& record,
+void SessionOutput::check(const report::RunRecord& record,
                           const std::map<std::string, std::string>& parameters) const {
   if (!is_there_) return;
   const std::string remedy = "; name a new folder for this recording";
@@ -95,20 +95,20 @@ void SessionOutput::check(const RunRecord& record,
                      ", or give --quick-resume if you know that it is this one");
   }
   std::string difference;
-  if (record_) difference = recording_difference(*record_, record);
+  if (record_) difference = report::recording_difference(*record_, record);
   if (!difference.empty()) {
     throw InputError("the session in " + folder_.string() +
                      " is of another recording: " + difference + remedy);
   }
   std::map<std::string, std::string> of_stages = parameters;
   of_stages.erase("map");
-  difference = parameter_difference(parameters_, of_stages);
+  difference = report::parameter_difference(parameters_, of_stages);
   if (difference.empty()) return;
   throw InputError("the session in " + folder_.string() + " was made with other parameters: " +
                    difference + "; give the same, or name a new folder");
 }
 
-Session SessionOutput::open(const RunRecord& record) {
+Session SessionOutput::open(const report::RunRecord& record) {
   if (is_made_again()) {
     fs::remove_all(aside_);
     return Session::create_in(aside_);
@@ -120,16 +120,16 @@ Session SessionOutput::open(const RunRecord& record) {
   if (fs::exists(folder_ / "session.db")) {  // begun by this run, and to be begun anew
     return Session::open(folder_, Session::Access::kWrite);
   }
-  write_run_record(folder_, record);
+  report::write_run_record(folder_, record);
   return Session::create_in(folder_);
 }
 
-bool SessionOutput::commit(const RunRecord& record, std::size_t key_frames) {
+bool SessionOutput::commit(const report::RunRecord& record, std::size_t key_frames) {
   if (is_made_again()) {
     if (key_frames < key_frames_before_) return false;
     move_into_place();
   }
-  write_run_record(folder_, record);
+  report::write_run_record(folder_, record);
   return true;
 }
 

@@ -33,7 +33,8 @@ class SessionOutput {
 
   /// Throws InputError if there is a session that was made from another recording or with other
   /// parameters (texts of the stages; those of the map may differ).
-  void check(const RunRecord& record, const std::map<std::string, std::string>& parameters) const;
+  void check(const report::RunRecord& record,
+             const std::map<std::string, std::string>& parameters) const;
   /// The session that is there has the whole recording.
   bool is_complete() const { return record_ && record_->is_complete; }
   /// Of the session that is there.
@@ -44,10 +45,10 @@ class SessionOutput {
   void set_map_parameters(const std::string& yaml) { old_->set_configuration("map", yaml); }
 
   /// The session to be written, each time as if it were the first. Nobody may hold the one before.
-  session::Session open(const RunRecord& record);
+  session::Session open(const report::RunRecord& record);
   /// Puts what was written, so many key frames, in its place when nobody writes to it any more.
   /// False if the old session reaches farther and stays.
-  bool commit(const RunRecord& record, std::size_t key_frames);
+  bool commit(const report::RunRecord& record, std::size_t key_frames);
 
  private:
   bool is_made_again() const { return is_there_ && resume_ == Resume::kExact; }
@@ -59,7 +60,7 @@ class SessionOutput {
   bool is_there_ = false;
   std::size_t key_frames_before_ = 0;
   std::map<std::string, std::string> parameters_;  ///< of the session that is there
-  std::optional<RunRecord> record_;                ///< of the session that is there
+  std::optional<report::RunRecord> record_;        ///< of the session that is there
   std::optional<session::Session> old_;            ///< keeps others from writing to it
 };
 

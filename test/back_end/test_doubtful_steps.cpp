@@ -2,10 +2,10 @@
 // A step of the odometry that is probably wrong, in the graph.
 
 #include "lidar_mapping/back_end/relative_covariance.hpp"
+#include "lidar_mapping/pose_graph/linearisation.hpp"
 
 #include "back_end_fixture.hpp"
 #include "drive_factors.hpp"
-#include "linearisation.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -122,10 +122,11 @@ TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
   optimize(back_end, true);
   const auto problem = back_end.problem(true);
   const DriveFactors factors = make_factors(problem->drive, problem->config);
-  const Constraint& step =
+  const pose_graph::Constraint& step =
       factors.graph.constraints[static_cast<std::size_t>(factors.motion_of[kWrong])];
   EXPECT_TRUE(step.doubtful);
-  EXPECT_LT(kernel_slope(step, linearised(factors.graph, step).residual), 0.01);
+  EXPECT_LT(pose_graph::kernel_slope(step, pose_graph::linearised(factors.graph, step).residual),
+            0.01);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "lidar_mapping/pose_graph/robust_solver.hpp"
+
 #include "back_end_fixture.hpp"
 #include "drift_share.hpp"
 #include "optimization.hpp"
-#include "robust_solver.hpp"
 #include "shared_errors.hpp"
 
 namespace lidar_mapping::back_end {
@@ -45,7 +46,8 @@ TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
   EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
   const Pose by_odometry = drive.key_frames[698].T_odom_base.inverse() *  //
                            drive.key_frames[699].T_odom_base;
-  const PoseGraph graph = back_end.graph();  // positions had nothing to say about this motion
+  const pose_graph::PoseGraph graph =
+      back_end.graph();  // positions had nothing to say about this motion
   EXPECT_NEAR(graph.edges[698].T_from_to.translation.norm() / by_odometry.translation.norm(),
               1.0 - 2e-4, 8e-5);
 }
@@ -118,7 +120,8 @@ TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
     DriveGraph off = problem->drive;
     off.gnss_delays[0] = {wrong, 0.003, beside};
     DriveFactors factors = make_factors(off, problem->config);
-    const RobustSolution solution = solve_as_marked(factors.graph, factors.marked);
+    const pose_graph::RobustSolution solution =
+        pose_graph::solve_as_marked(factors.graph, factors.marked);
     const double scatter = position_scatter(factors, solution.used);
     const SharedErrors found = find_shared_errors(off, factors, solution.used, scatter);
     EXPECT_NEAR(found.delay, -wrong, 0.001);
@@ -140,7 +143,7 @@ TEST(SharedErrors, AreTheSameFromPosesOfOtherWeights) {
   DriveFactors factors = make_factors(off, problem->config);
   const std::vector<bool> used = factors.marked;
   const SharedErrors found = find_shared_errors(off, factors, used, 0.2);
-  ASSERT_TRUE(solve_as_marked(factors.graph, used).success);
+  ASSERT_TRUE(pose_graph::solve_as_marked(factors.graph, used).success);
   const SharedErrors at_minimum = find_shared_errors(off, factors, used, 0.2);
   EXPECT_NEAR(found.delay, -0.004, 0.001);
   EXPECT_NEAR(found.delay, at_minimum.delay, 5e-5);

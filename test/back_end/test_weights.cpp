@@ -2,9 +2,9 @@
 #include <cmath>
 #include <random>
 
-#include "lidar_mapping/back_end/residuals.hpp"
-#include "lidar_mapping/back_end/robust_kernel.hpp"
 #include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/pose_graph/residuals.hpp"
+#include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
 #include "back_end_fixture.hpp"
 #include "edge_covariance.hpp"
@@ -76,7 +76,7 @@ TEST(Weights, OtherRulesAreThereByName) {
   Loop loop;
   loop.covariance = diagonal_covariance(0.01, 0.001);
   EXPECT_NEAR(loop_covariance(loop, config)(0, 0), 0.25, 1e-12);
-  EXPECT_NEAR(g2o_information(loop_covariance(loop, config))(5, 5), 100.0, 1e-9);
+  EXPECT_NEAR(pose_graph::g2o_information(loop_covariance(loop, config))(5, 5), 100.0, 1e-9);
   config.use_const_inf_matrix = false;
   config.use_fitness_inf_matrix = true;
   loop.fitness = 0.0;
@@ -108,47 +108,47 @@ TEST(Weights, ChiSquareIsHonest) {
 
 TEST(Weights, KernelsBendWhereTheyShould) {
   double rho[3];
-  const auto huber = make_kernel(RobustKernel::kHuber, 2.0);
+  const auto huber = pose_graph::make_kernel(pose_graph::RobustKernel::kHuber, 2.0);
   huber->Evaluate(1.0, rho);
   EXPECT_EQ(rho[1], 1.0);
-  const auto dcs = make_kernel(RobustKernel::kDcs, 2.0);
+  const auto dcs = pose_graph::make_kernel(pose_graph::RobustKernel::kDcs, 2.0);
   dcs->Evaluate(4.0, rho);
   EXPECT_NEAR(rho[0], 4.0, 1e-12);
   dcs->Evaluate(1e9, rho);
   EXPECT_NEAR(rho[0], 12.0, 1e-6);
-  const auto geman = make_kernel(RobustKernel::kGemanMcClure, 2.0);
+  const auto geman = pose_graph::make_kernel(pose_graph::RobustKernel::kGemanMcClure, 2.0);
   geman->Evaluate(1e9, rho);
   EXPECT_NEAR(rho[0], 4.0, 1e-6);
-  EXPECT_EQ(make_kernel(RobustKernel::kNone, 1.0), nullptr);
+  EXPECT_EQ(pose_graph::make_kernel(pose_graph::RobustKernel::kNone, 1.0), nullptr);
 }
 
 TEST(Weights, KernelsEndWhereTheirNamesSay) {
-  const auto pull = [](RobustKernel kernel, double s) {
+  const auto pull = [](pose_graph::RobustKernel kernel, double s) {
     double rho[3];
-    make_kernel(kernel, 2.0)->Evaluate(s, rho);
+    pose_graph::make_kernel(kernel, 2.0)->Evaluate(s, rho);
     return rho[1];
   };
-  for (const auto& [name, kernel] : robust_kernel_names()) {
-    if (kernel == RobustKernel::kNone) continue;
+  for (const auto& [name, kernel] : pose_graph::robust_kernel_names()) {
+    if (kernel == pose_graph::RobustKernel::kNone) continue;
     EXPECT_NEAR(pull(kernel, 0.0), 1.0, 1e-12) << name;
     EXPECT_LT(pull(kernel, 1e4), 0.03) << name;
   }
-  EXPECT_EQ(pull(RobustKernel::kSaturated, 4.1), 0.0);
-  EXPECT_EQ(pull(RobustKernel::kTukey, 4.1), 0.0);
-  EXPECT_NEAR(pull(RobustKernel::kFair, 4.0), 0.5, 1e-12);
-  EXPECT_NEAR(pull(RobustKernel::kPseudoHuber, 12.0), 0.5, 1e-12);
-  EXPECT_NEAR(pull(RobustKernel::kWelsch, 4.0), std::exp(-1.0), 1e-12);
+  EXPECT_EQ(pull(pose_graph::RobustKernel::kSaturated, 4.1), 0.0);
+  EXPECT_EQ(pull(pose_graph::RobustKernel::kTukey, 4.1), 0.0);
+  EXPECT_NEAR(pull(pose_graph::RobustKernel::kFair, 4.0), 0.5, 1e-12);
+  EXPECT_NEAR(pull(pose_graph::RobustKernel::kPseudoHuber, 12.0), 0.5, 1e-12);
+  EXPECT_NEAR(pull(pose_graph::RobustKernel::kWelsch, 4.0), std::exp(-1.0), 1e-12);
 }
 
 TEST(Weights, KernelsAreKnownByTheNamesOfG2oInAnyCase) {
   for (const char* name : {"NONE", "Huber", "Cauchy", "DCS", "Fair", "GemanMcClure", "PseudoHuber",
                            "Saturated", "Tukey", "Welsch", "tukey", "PSEUDOHUBER", "dcs"}) {
-    EXPECT_NO_THROW(robust_kernel_of(name)) << name;
+    EXPECT_NO_THROW(pose_graph::robust_kernel_of(name)) << name;
     const std::string text = std::string("loop_robust_kernel: ") + name + "\n";
     const auto config = config::load<BackEndConfig>({config::parse_yaml(text, "back_end.yaml")});
-    EXPECT_EQ(config.loop_robust_kernel, robust_kernel_of(name)) << name;
+    EXPECT_EQ(config.loop_robust_kernel, pose_graph::robust_kernel_of(name)) << name;
   }
-  EXPECT_THROW(robust_kernel_of("Tuckey"), InputError);
+  EXPECT_THROW(pose_graph::robust_kernel_of("Tuckey"), InputError);
 }
 
 TEST(BackEndConfig, KnowsTheNamesOfHdlGraphSlam) {
@@ -159,16 +159,16 @@ TEST(BackEndConfig, KnowsTheNamesOfHdlGraphSlam) {
       "hdl")});
   EXPECT_FALSE(config.use_gnss);
   EXPECT_EQ(config.optimize_min_interval, 3.0);
-  EXPECT_EQ(config.odometry_robust_kernel, RobustKernel::kNone);
-  EXPECT_EQ(config.loop_robust_kernel, RobustKernel::kHuber);
-  EXPECT_EQ(config.gnss_robust_kernel, RobustKernel::kCauchy);
-  EXPECT_EQ(config.imu_robust_kernel, RobustKernel::kDcs);
-  EXPECT_EQ(config.floor_robust_kernel, RobustKernel::kTukey);
+  EXPECT_EQ(config.odometry_robust_kernel, pose_graph::RobustKernel::kNone);
+  EXPECT_EQ(config.loop_robust_kernel, pose_graph::RobustKernel::kHuber);
+  EXPECT_EQ(config.gnss_robust_kernel, pose_graph::RobustKernel::kCauchy);
+  EXPECT_EQ(config.imu_robust_kernel, pose_graph::RobustKernel::kDcs);
+  EXPECT_EQ(config.floor_robust_kernel, pose_graph::RobustKernel::kTukey);
 }
 
 TEST(Weights, KernelsHaveExactDerivatives) {
-  for (const auto& [name, kernel] : robust_kernel_names()) {
-    const auto loss = make_kernel(kernel, 1.5);
+  for (const auto& [name, kernel] : pose_graph::robust_kernel_names()) {
+    const auto loss = pose_graph::make_kernel(kernel, 1.5);
     if (!loss) continue;
     for (const double s : {0.5, 3.0, 20.0}) {
       constexpr double kStep = 1e-5;
@@ -189,7 +189,7 @@ TEST(Config, RefusesRulesThatExcludeEachOther) {
   EXPECT_THROW(load("use_const_inf_matrix: true\nuse_fitness_inf_matrix: true\n"), ConfigError);
   EXPECT_THROW(load("use_gnss: false\ngeoreference_only: true\n"), ConfigError);
   EXPECT_THROW(load("min_stddev_x: 6.0\n"), ConfigError);
-  EXPECT_EQ(load("loop_robust_kernel: DCS\n").loop_robust_kernel, RobustKernel::kDcs);
+  EXPECT_EQ(load("loop_robust_kernel: DCS\n").loop_robust_kernel, pose_graph::RobustKernel::kDcs);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
 
+#include "lidar_mapping/pose_graph/least_eigenvalue.hpp"
+
 #include "back_end_fixture.hpp"
 #include "drive_window.hpp"
-#include "least_eigenvalue.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -90,20 +91,20 @@ TEST(Window, AFarLoopCallsForTheWholeGraph) {
 }
 
 TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
-  FactorGraph graph;
+  pose_graph::FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
   for (int i = 1; i < 4; ++i) {
     const Pose motion = graph.pose(i - 1).inverse() * graph.pose(i);
-    graph.add({relative_pose_residual(motion, 100.0 * Matrix6d::Identity()), i - 1, i});
+    graph.add({pose_graph::relative_pose_residual(motion, 100.0 * Matrix6d::Identity()), i - 1, i});
   }
-  EXPECT_LT(least_eigenvalue(graph, {true, true, true}), 1e-9);
-  graph.add({prior_residual(graph.pose(0), 4.0 * Matrix6d::Identity()), 0});
-  const double held = least_eigenvalue(graph, {true, true, true, true});
+  EXPECT_LT(pose_graph::least_eigenvalue(graph, {true, true, true}), 1e-9);
+  graph.add({pose_graph::prior_residual(graph.pose(0), 4.0 * Matrix6d::Identity()), 0});
+  const double held = pose_graph::least_eigenvalue(graph, {true, true, true, true});
   EXPECT_GT(held, 0.01);
   EXPECT_LT(held, 4.0);
   // A tie at the other end makes it firmer.
-  graph.add({prior_residual(graph.pose(3), 400.0 * Matrix6d::Identity()), 3});
-  EXPECT_GT(least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * held);
+  graph.add({pose_graph::prior_residual(graph.pose(3), 400.0 * Matrix6d::Identity()), 3});
+  EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * held);
 }
 
 TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {

@@ -13,11 +13,11 @@
 #include <sensor_msgs/NavSatFix.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/ros/nmea_sentence.hpp"
 #include "lidar_mapping/session/session.hpp"
 
@@ -64,8 +64,8 @@ sensor_msgs::PointCloud2 cloud(const ros::Time& stamp) {
   return message;
 }
 
-back_end::PoseGraph circle(bool planar) {
-  back_end::PoseGraph graph;
+pose_graph::PoseGraph circle(bool planar) {
+  pose_graph::PoseGraph graph;
   graph.planar = planar;
   for (int i = 0; i < static_cast<int>(kKeyFrames); ++i) {
     Pose pose = place(i);
@@ -74,7 +74,7 @@ back_end::PoseGraph circle(bool planar) {
   }
   for (std::size_t i = 0; i < kKeyFrames; ++i) {
     const std::size_t next = (i + 1) % kKeyFrames;
-    back_end::PoseEdge edge;
+    pose_graph::PoseEdge edge;
     edge.from = graph.nodes[i].id;
     edge.to = graph.nodes[next].id;
     edge.T_from_to = graph.nodes[i].pose.inverse() * graph.nodes[next].pose;
@@ -292,7 +292,7 @@ void write_pcd(const fs::path& path, const std::string& data, bool times) {
 }
 
 void write_g2o(const fs::path& path, bool planar) {
-  back_end::write_g2o(circle(planar), path.string());
+  pose_graph::write_g2o(circle(planar), path.string());
 }
 
 void write_trajectory(const fs::path& path, bool kitti) {

@@ -8,13 +8,13 @@
 #include <variant>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
-#include "lidar_mapping/back_end/g2o_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/folder_input.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
+#include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/session.hpp"
@@ -59,7 +59,7 @@ void read_all(pipeline::InputSource& source) {
 }
 
 void read_bag(const fs::path& path) {
-  tools::BagInput input({path}, {}, "base_link", {});
+  recordings::BagInput input({path}, {}, "base_link", {});
   input.examine(0.0);
   read_all(input);
 }
@@ -108,7 +108,7 @@ Kind pcd(const std::string& data, bool times) {
           [](const fs::path& folder) {
             session::read_pcd(folder / "a.pcd");
             try {
-              tools::read_pcd_scan(folder / "a.pcd", 0, {});
+              recordings::read_pcd_scan(folder / "a.pcd", 0, {});
             } catch (const InputError&) {
             }
           }};
@@ -118,7 +118,7 @@ Kind g2o(bool planar) {
   return {planar ? "g2o_planar" : "g2o",
           [=](const fs::path& folder) { write_g2o(folder / "a.g2o", planar); },
           [](const fs::path& folder) {
-            const auto file = back_end::read_g2o(folder / "a.g2o");
+            const auto file = pose_graph::read_g2o(folder / "a.g2o");
             for (const auto& node : file.graph.nodes) require(is_finite(node.pose), "a vertex");
           }};
 }
@@ -193,13 +193,13 @@ Kind campaign_cases() {
   return {"campaign_cases",
           [](const fs::path& folder) {
             std::string lines;
-            for (const auto& example : tools::usual_cases())
-              lines += tools::to_line(example) + "\n";
+            for (const auto& example : campaign::usual_cases())
+              lines += campaign::to_line(example) + "\n";
             lines += "walk drive=tunnel lidar=os1_64 seed=7 start=3.5 scan_rate=5 every=2\n";
             write_content(folder / "cases.txt", lines);
           },
           [](const fs::path& folder) {
-            for (const auto& example : tools::read_cases(folder / "cases.txt")) {
+            for (const auto& example : campaign::read_cases(folder / "cases.txt")) {
               require(example.every >= 1 && example.every <= 1000, "every");
               require(example.start >= 0.0 && example.start < 1e6, "a start");
               require(example.scan_rate > 0.0 && example.scan_rate < 1e4, "a rate");
@@ -223,7 +223,7 @@ Kind doubt() {
 Kind run_record() {
   return {"run_record",
           [](const fs::path& folder) {
-            tools::RunRecord record;
+            report::RunRecord record;
             record.software = "lidar_mapping 0.1.0";
             record.command = "map_bag drive.bag -o town";
             record.files = {{"drive.bag", 123456789, "85944171f73967e8"}};
@@ -231,10 +231,10 @@ Kind run_record() {
             record.end = 1'700'000'160'000'000'000;
             record.topics = {{"points", "/points"}, {"imu", "/imu"}};
             record.sensors = {"points: /points"};
-            tools::write_run_record(folder, record);
+            report::write_run_record(folder, record);
           },
           [](const fs::path& folder) {
-            const auto record = tools::read_run_record(folder);
+            const auto record = report::read_run_record(folder);
             require(record && std::isfinite(record->start), "a time");
             require(std::isfinite(record->sensor_height), "a height");
           }};

@@ -3,7 +3,7 @@
 # damaged files do to it. The rest of the package stays as it is built for use. `readers_root` is
 # the folder of the package.
 set(reader_sources
-  ${readers_root}/src/back_end/g2o_file.cpp
+  ${readers_root}/src/pose_graph/g2o_file.cpp
   ${readers_root}/src/common/input_file.cpp
   ${readers_root}/src/common/number_words.cpp
   ${readers_root}/src/common/pcd_header.cpp
@@ -38,11 +38,11 @@ set(reader_sources
   ${readers_root}/src/session/session_folder.cpp
   ${readers_root}/src/session/session_reading.cpp
   ${readers_root}/src/session/session_schema.cpp
-  ${readers_root}/src/tools/bag_input.cpp
-  ${readers_root}/src/tools/campaign_case.cpp
+  ${readers_root}/src/recordings/bag_input.cpp
+  ${readers_root}/src/campaign/campaign_case.cpp
   ${readers_root}/src/tools/config_path.cpp
-  ${readers_root}/src/tools/pcd_scan.cpp
-  ${readers_root}/src/tools/run_record.cpp
+  ${readers_root}/src/recordings/pcd_scan.cpp
+  ${readers_root}/src/report/run_record.cpp
   ${readers_root}/src/tools/stage_files.cpp)
 
 # A number beyond the range of the type that it is put into is no error of `undefined`.

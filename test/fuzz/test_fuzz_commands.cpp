@@ -180,10 +180,10 @@ void write_one_session(const fs::path& folder) { write_session(folder / "s"); }
 /// With all that a session's folder has beside session.db and is read again.
 void write_mapped_session(const fs::path& folder) {
   write_session(folder / "s");
-  tools::RunRecord record;
+  report::RunRecord record;
   record.command = "map_bag drive.bag -o s";
   record.topics = {{"points", "/points"}};
-  tools::write_run_record(folder / "s", record);
+  report::write_run_record(folder / "s", record);
   fs::create_directory(folder / "s" / "map");
   write_content(folder / "s" / "map" / "map.yaml", "min: [0.0, 0.0, 0.0]\nmax: [1.0, 2.0, 3.0]\n");
 }

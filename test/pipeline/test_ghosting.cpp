@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/back_end/back_end.hpp"
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
-#include "lidar_mapping/map/map_quality.hpp"
+#include "lidar_mapping/map_quality/map_quality.hpp"
 
 #include "simulated_key_frames.hpp"
 
@@ -72,7 +72,8 @@ class StreetTwice {
 
   /// Spread that 90 % of the walls of the street stay below.
   double wall_thickness(const KeyFramePoses& poses, bool second_pass) {
-    return map::local_thickness(in_street(poses, second_pass), frames_, config()).walls.high;
+    return map_quality::local_thickness(in_street(poses, second_pass), frames_, config())
+        .walls.high;
   }
 
   double error(const KeyFramePoses& poses) const {
@@ -84,8 +85,8 @@ class StreetTwice {
     return std::sqrt(squares / static_cast<double>(poses.poses.size()));
   }
 
-  map::LocalThickness true_thickness() {
-    return map::local_thickness(in_street(frames_.poses, true), frames_, config());
+  map_quality::LocalThickness true_thickness() {
+    return map_quality::local_thickness(in_street(frames_.poses, true), frames_, config());
   }
 
   /// The drive's clouds, and in those of the first pass a car parked at the kerb.
@@ -124,10 +125,10 @@ class StreetTwice {
   }
 
   /// How the second pass lies where it is moved like this in its own axes, place by place.
-  std::vector<map::GhostVector> ghosts_of(const Pose& displacement) {
+  std::vector<map_quality::GhostVector> ghosts_of(const Pose& displacement) {
     return ghosts_of(displacement, frames_);
   }
-  std::vector<map::GhostVector> ghosts_of(const Pose& displacement, CloudSource& clouds) {
+  std::vector<map_quality::GhostVector> ghosts_of(const Pose& displacement, CloudSource& clouds) {
     KeyFramePoses poses = frames_.poses;
     for (KeyFramePose& pose : poses.poses) {
       if (seconds(pose) < kSecond) continue;
@@ -135,8 +136,9 @@ class StreetTwice {
       pose.T_map_base.translation += heading * displacement.translation;
       pose.T_map_base.rotation = displacement.rotation * pose.T_map_base.rotation;
     }
-    std::vector<map::GhostVector> in_second_pass;
-    for (const map::GhostVector& ghost : map::ghost_vectors(poses, clouds, config())) {
+    std::vector<map_quality::GhostVector> in_second_pass;
+    for (const map_quality::GhostVector& ghost :
+         map_quality::ghost_vectors(poses, clouds, config())) {
       if (seconds(truth()[ghost.key_frame]) > kSecond + 1.0) in_second_pass.push_back(ghost);
     }
     return in_second_pass;
@@ -152,8 +154,8 @@ class StreetTwice {
 
   const std::vector<KeyFramePose>& truth() const { return frames_.poses.poses; }
   Eigen::Vector3d sensor() const { return drive_.mounting().T_base_lidar.translation; }
-  map::QualityConfig config() const {
-    map::QualityConfig config;
+  map_quality::QualityConfig config() const {
+    map_quality::QualityConfig config;
     config.p_base_sensor = sensor();
     return config;
   }
@@ -215,7 +217,7 @@ TEST(Ghosting, LoopsMakeOneStreetOfTwoPassesWithoutGnss) {
 }
 
 TEST(Ghosting, ATrueMapIsAsThickAsTheNoise) {
-  const map::LocalThickness thickness = street().true_thickness();
+  const map_quality::LocalThickness thickness = street().true_thickness();
   EXPECT_GT(thickness.walls.cells, 300U);
   EXPECT_GT(thickness.ground.cells, 1000U);
   EXPECT_NEAR(thickness.ground.median_ratio, 1.0, 0.1);
@@ -226,7 +228,7 @@ TEST(Ghosting, ADisplacedPassIsFoundWithItsSize) {
   const auto expect = [&](const Pose& displacement, double yaw_deg) {
     const auto ghosts = street().ghosts_of(displacement);
     ASSERT_GE(ghosts.size(), 3U);
-    for (const map::GhostVector& ghost : ghosts) {
+    for (const map_quality::GhostVector& ghost : ghosts) {
       EXPECT_NEAR(ghost.left, displacement.translation.y(), 0.01) << ghost.key_frame;
       EXPECT_NEAR(ghost.up, displacement.translation.z(), 0.01) << ghost.key_frame;
       EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, yaw_deg, 0.05) << ghost.key_frame;
@@ -247,7 +249,7 @@ TEST(Ghosting, AParkedCarThatLeftIsNoDisplacedPass) {
   StreetTwice::WithParkedCar clouds(street());
   const auto ghosts = street().ghosts_of({}, clouds);
   ASSERT_GE(ghosts.size(), 3U);
-  for (const map::GhostVector& ghost : ghosts) {
+  for (const map_quality::GhostVector& ghost : ghosts) {
     EXPECT_NEAR(ghost.left, 0.0, 0.01) << ghost.key_frame;
     EXPECT_NEAR(ghost.up, 0.0, 0.01) << ghost.key_frame;
     EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, 0.0, 0.05) << ghost.key_frame;

@@ -68,7 +68,7 @@ Session example_session(const fs::path& folder) {
   return session;
 }
 
-back_end::PoseGraph graph_of(const Session& session) {
+pose_graph::PoseGraph graph_of(const Session& session) {
   back_end::BackEnd back_end({});
   replay(session, back_end);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
@@ -109,7 +109,7 @@ TEST(HdlDump, HasTheFilesThatInteractiveSlamReads) {
 TEST(HdlDump, ComesBackAsItWent) {
   const TemporaryFolder folder;
   const Session before = example_session(folder.path() / "session");
-  const back_end::PoseGraph graph = graph_of(before);
+  const pose_graph::PoseGraph graph = graph_of(before);
   write_hdl_dump(before, graph, folder.path() / "dump");
   Session after = Session::create_in(folder.path() / "back");
   const HdlImport imported = read_hdl_dump(folder.path() / "dump", after);

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/trajectory.hpp"
-#include "lidar_mapping/map/map_quality.hpp"
-#include "lidar_mapping/map/moving_objects.hpp"
+#include "lidar_mapping/map_quality/map_quality.hpp"
+#include "lidar_mapping/moving_objects/moving_objects.hpp"
 #include "lidar_mapping/pipeline/kitti_folder.hpp"
 
 #include "test_data.hpp"
@@ -40,7 +40,7 @@ KeyFramePoses street(const std::filesystem::path& file) {
 
 double median_distance(const KeyFramePoses& poses, CloudSource& clouds) {
   std::vector<double> sizes;
-  for (const map::GhostVector& ghost : map::ghost_vectors(poses, clouds, {})) {
+  for (const map_quality::GhostVector& ghost : map_quality::ghost_vectors(poses, clouds, {})) {
     sizes.push_back(ghost.size());
   }
   EXPECT_GE(sizes.size(), 3U);
@@ -54,8 +54,8 @@ TEST(RecordedQuality, RanksRegisteredPosesAboveThoseOfSatellites) {
   const KeyFramePoses registered = street(folder / "poses.txt");
   const KeyFramePoses satellites = street(folder / "poses_gnss_ins.txt");
   EXPECT_LT(3.0 * median_distance(registered, clouds), median_distance(satellites, clouds));
-  EXPECT_LT(map::mean_map_entropy(registered, clouds).mean,
-            map::mean_map_entropy(satellites, clouds).mean);
+  EXPECT_LT(map_quality::mean_map_entropy(registered, clouds).mean,
+            map_quality::mean_map_entropy(satellites, clouds).mean);
 }
 
 // In its streets nearly all cars are parked, and hedges and fences are seen through.
@@ -67,7 +67,7 @@ TEST(RecordedQuality, KeepsStreetsOfParkedCars) {
   for (KeyFrameIndex index = 0; index < 300; ++index) {
     poses.poses.push_back({index, Stamp{index}, trajectory.poses.at(index).pose});
   }
-  map::StaticClouds fixed(clouds, poses, Eigen::Vector3d::Zero());
+  moving_objects::StaticClouds fixed(clouds, poses, Eigen::Vector3d::Zero());
   double removed = 0.0;
   double all = 0.0;
   for (KeyFrameIndex index = 10; index < 290; ++index) {

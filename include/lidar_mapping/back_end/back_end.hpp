@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
-#include "lidar_mapping/back_end/pose_graph.hpp"
 #include "lidar_mapping/common/floor.hpp"
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/pose_graph/pose_graph.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -88,7 +88,7 @@ class BackEnd {
   /// is unknown.
   std::vector<int> parts() const;
   /// The graph with its present poses, for files.
-  PoseGraph graph() const;
+  pose_graph::PoseGraph graph() const;
 
  private:
   class Impl;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lidar_mapping/back_end/robust_kernel.hpp"
 #include "lidar_mapping/config/schema.hpp"
+#include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -112,15 +112,15 @@ struct BackEndConfig {
   double floor_stddev_m = 0.02;
 
   /// Kernel of odometry constraints.
-  RobustKernel odometry_robust_kernel = RobustKernel::kNone;
+  pose_graph::RobustKernel odometry_robust_kernel = pose_graph::RobustKernel::kNone;
   /// Kernel of the loops that are believed.
-  RobustKernel loop_robust_kernel = RobustKernel::kHuber;
+  pose_graph::RobustKernel loop_robust_kernel = pose_graph::RobustKernel::kHuber;
   /// Kernel of the GNSS positions that are believed.
-  RobustKernel gnss_robust_kernel = RobustKernel::kHuber;
+  pose_graph::RobustKernel gnss_robust_kernel = pose_graph::RobustKernel::kHuber;
   /// Kernel of orientations, headings and accelerations.
-  RobustKernel imu_robust_kernel = RobustKernel::kHuber;
+  pose_graph::RobustKernel imu_robust_kernel = pose_graph::RobustKernel::kHuber;
   /// Kernel of floors.
-  RobustKernel floor_robust_kernel = RobustKernel::kCauchy;
+  pose_graph::RobustKernel floor_robust_kernel = pose_graph::RobustKernel::kCauchy;
   /// [standard deviations] Where the kernels begin to bend.
   double robust_kernel_size = 3.0;
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "lidar_mapping/back_end/pose_graph.hpp"
+#include "lidar_mapping/pose_graph/pose_graph.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -12,7 +12,7 @@ namespace lidar_mapping::pipeline {
 /// (doc/session.md): graph.g2o with an anchor, 000000/{data,cloud.pcd} for each key frame,
 /// special_nodes.csv and, with a datum, zero_utm. The folder must not exist; it appears whole or
 /// not at all. `graph` has the key frames' indices as ids. Throws FileError.
-void write_hdl_dump(const session::Session& session, const back_end::PoseGraph& graph,
+void write_hdl_dump(const session::Session& session, const pose_graph::PoseGraph& graph,
                     const std::filesystem::path& directory);
 
 /// What a dump gave.

@@ -57,7 +57,7 @@ class RecordedBackEnd {
   KeyFramePoses odometry() const { return back_end_.odometry(); }
   Pose T_map_odom() const { return back_end_.T_map_odom(); }
   /// See BackEnd::graph().
-  back_end::PoseGraph graph() const { return back_end_.graph(); }
+  pose_graph::PoseGraph graph() const { return back_end_.graph(); }
   /// See BackEnd::parts().
   std::vector<int> parts() const { return back_end_.parts(); }
   /// The graph's present opinion of every loop.

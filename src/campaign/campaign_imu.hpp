@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "lidar_mapping/front_end/motion_prior.hpp"
+#include "lidar_mapping/preprocessing/preprocessor.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+namespace lidar_mapping::campaign {
+
+/// The scans of a drive and what its IMU says of them, as preprocessing gives them.
+class ImuFeed {
+ public:
+  explicit ImuFeed(const simulation::Drive& drive);
+
+  /// The scan `index` with its samples; nothing where preprocessing drops it. In order.
+  std::optional<std::pair<Scan, front_end::MotionPrior>> next(std::size_t index);
+
+ private:
+  const simulation::Drive& drive_;
+  std::vector<ImuSample> samples_;
+  std::size_t added_ = 0;
+  preprocessing::Preprocessor preprocessor_;
+};
+
+}  // namespace lidar_mapping::campaign

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "campaign_run.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/config/load.hpp"
+#include "lidar_mapping/evaluation/trajectory_errors.hpp"
+#include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/simulation/drive.hpp"
+
+#include "campaign_imu.hpp"
+
+namespace lidar_mapping::campaign {
+
+namespace {
+
+using front_end::FrontEndResult;
+using front_end::TrackingState;
+
+double thread_cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+front_end::FrontEndConfig make_config(const CampaignCase& c) {
+  return config::load<front_end::FrontEndConfig>(
+      {config::parse_yaml("registration_method: " + c.method, "case " + c.name)});
+}
+
+/// The last of the poses become what they are to stay.
+void finalize(const std::vector<FrontEndResult>& finalized,
+              std::vector<evaluation::PosePair>& pairs) {
+  auto pair = pairs.end() - static_cast<std::ptrdiff_t>(finalized.size());
+  for (const FrontEndResult& result : finalized) (pair++)->estimate = result.T_odom_base;
+}
+
+void count(TrackingState state, CampaignFigures& figures) {
+  ++figures.scans;
+  figures.lost += state == TrackingState::kLost ? 1 : 0;
+  figures.degraded += state == TrackingState::kDegraded ? 1 : 0;
+  figures.doubtful += state == TrackingState::kDoubtful ? 1 : 0;
+  figures.degenerate += state == TrackingState::kDegenerate ? 1 : 0;
+}
+
+/// Brier's score of the probability.
+void score(const CheckedStep& step, CampaignFigures& figures) {
+  if (step.status.state == TrackingState::kLost) return;
+  const double miss = step.status.probability - (step.is_right() ? 1.0 : 0.0);
+  figures.squared_error += miss * miss;
+  ++figures.steps;
+}
+
+}  // namespace
+
+CampaignFigures run_case(const CampaignCase& c, double duration,
+                         std::vector<CheckedStep>* checked) {
+  const simulation::Drive drive(drive_options(c, duration));
+  front_end::FrontEnd front_end(make_config(c));
+  front_end.set_sensor_pose(drive.mounting().T_base_lidar);
+  CampaignFigures figures;
+  StepChecker steps;
+  std::vector<evaluation::PosePair> pairs;
+  std::uint32_t segment = 0;
+  std::optional<ImuFeed> feed;
+  if (c.imu != "none") feed.emplace(drive);
+  for (std::size_t i = 0; i < drive.scan_count(); i += c.every) {
+    std::pair<Scan, front_end::MotionPrior> input;
+    if (auto fed = feed ? feed->next(i) : std::nullopt) {
+      input = *std::move(fed);
+    } else {
+      simulation::SimulatedScan scan = drive.scan(i);
+      input.first = {scan.stamp, std::move(scan.cloud)};
+    }
+    const double before = thread_cpu_ms();
+    const FrontEndResult result = front_end.process(input.first, input.second);
+    figures.cpu_ms += thread_cpu_ms() - before;
+    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
+    count(result.status.state, figures);
+    const auto error =
+        steps.take(T_map_base, result.T_odom_base, result.status.state, result.segment != segment);
+    if (error) score({result.stamp, result.status, *error}, figures);
+    if (error && checked != nullptr) checked->push_back({result.stamp, result.status, *error});
+    segment = result.segment;
+    finalize(result.finalized, pairs);
+    pairs.push_back({drive.scan_stamp(i), T_map_base, result.T_odom_base});
+  }
+  finalize(front_end.finalize(), pairs);
+  figures.cpu_ms /= static_cast<double>(std::max<std::size_t>(1, figures.scans));
+  figures.silent = steps.silent();
+  figures.wrong = steps.wrong();
+  figures.false_alarms = steps.false_alarms();
+  figures.largest_error = steps.largest_error();
+  figures.largest_error_deg = steps.largest_error_deg();
+  figures.way = evaluation::travelled_distances(pairs).back();
+  const auto fitted = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+  figures.ape = evaluation::absolute_pose_error(fitted).translation_m.rmse;
+  const auto drift = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
+  if (drift.segments > 0) figures.drift_percent = drift.translation_percent;
+  return figures;
+}
+
+}  // namespace lidar_mapping::campaign

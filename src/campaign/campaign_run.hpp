@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "campaign_case.hpp"
+#include "step_checker.hpp"
+
+namespace lidar_mapping::campaign {
+
+/// What the front end made of one drive.
+struct CampaignFigures {
+  std::size_t scans = 0;
+  std::optional<double> drift_percent;  ///< none where the drive is too short
+  std::size_t silent = 0;               ///< steps that are wrong though called tracking
+  std::size_t wrong = 0;                ///< steps that are wrong, whatever they are called
+  std::size_t false_alarms = 0;         ///< steps that are not wrong, but called doubtful or worse
+  std::size_t lost = 0;
+  std::size_t degraded = 0;
+  std::size_t doubtful = 0;
+  std::size_t degenerate = 0;
+  double largest_error = 0.0;      ///< m, of a step that is called tracking
+  double largest_error_deg = 0.0;  ///< likewise
+  /// Of the probability that a step is right, summed over `steps` steps; lost ones say nothing.
+  double squared_error = 0.0;
+  std::size_t steps = 0;
+  double cpu_ms = 0.0;  ///< per scan
+  double way = 0.0;     ///< m
+  double ape = 0.0;     ///< m, root mean square after alignment
+};
+
+/// Simulates the case and runs the front end over `duration` seconds of it; every step goes into
+/// `steps` where that is given. Throws ConfigError.
+CampaignFigures run_case(const CampaignCase& campaign_case, double duration,
+                         std::vector<CheckedStep>* steps = nullptr);
+
+}  // namespace lidar_mapping::campaign

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step_checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lidar_mapping/common/units.hpp"
+
+namespace lidar_mapping::campaign {
+
+using front_end::TrackingState;
+
+bool CheckedStep::is_right() const {
+  return error.metres <= 3.0 * status.evidence.sigma &&
+         error.degrees * kRadPerDeg <= 3.0 * status.evidence.sigma_angle;
+}
+
+std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base,
+                                           TrackingState state, bool new_segment) {
+  if (new_segment) last_.reset();
+  std::optional<StepError> error;
+  if (last_) {
+    const Pose difference = (last_->T_map_base.inverse() * T_map_base).inverse() *
+                            (last_->T_odom_base.inverse() * T_odom_base);
+    error =
+        StepError{difference.translation.norm(), rotation_angle(difference.rotation) * kDegPerRad};
+    count(*error, state);
+  }
+  if (claims_pose(state) || new_segment) last_ = Claim{T_map_base, T_odom_base};
+  return error;
+}
+
+void StepChecker::count(const StepError& error, TrackingState state) {
+  wrong_ += error.is_wrong() ? 1 : 0;
+  const bool said = state != TrackingState::kTracking && state != TrackingState::kDegenerate;
+  false_alarms_ += !error.is_wrong() && said ? 1 : 0;
+  if (state != TrackingState::kTracking) return;
+  silent_ += error.is_wrong() ? 1 : 0;
+  largest_error_ = std::max(largest_error_, error.metres);
+  largest_error_deg_ = std::max(largest_error_deg_, error.degrees);
+}
+
+}  // namespace lidar_mapping::campaign

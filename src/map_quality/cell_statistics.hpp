@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+#include <Eigen/Core>
+
+#include "lidar_mapping/common/plane_fit.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
+
+namespace lidar_mapping::map_quality {
+
+struct Plane {
+  Eigen::Vector3d normal;
+  Eigen::Vector3d centre;
+  double thickness = 0.0;  ///< standard deviation along the normal, m
+  double extent = 0.0;     ///< second largest standard deviation, m
+};
+
+Plane plane_of(const PointMoments& moments);
+
+inline bool is_ground(const Plane& plane) { return std::abs(plane.normal.z()) > 0.9; }
+inline bool is_wall(const Plane& plane) { return std::abs(plane.normal.z()) < 0.25; }
+
+/// Key of the cell of edge `size` that a point lies in.
+VoxelKey cell_key(const Eigen::Vector3d& point, double size);
+
+}  // namespace lidar_mapping::map_quality

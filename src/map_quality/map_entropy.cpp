@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <Eigen/LU>
+
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/map_quality/map_quality.hpp"
+
+#include "cell_statistics.hpp"
+
+namespace lidar_mapping::map_quality {
+
+namespace {
+
+constexpr double kRadius = 0.3;         // m, of the neighbourhood
+constexpr double kPlaceRadius = 8.0;    // m around a key frame where entropy is taken
+constexpr double kObservers = 30.0;     // m; key frames this near give the points
+constexpr std::size_t kPlaces = 60;     // along the whole way
+constexpr std::size_t kQueries = 1500;  // points of a place
+constexpr double kMinNeighbours = 5.0;
+
+struct Sum {
+  double entropy = 0.0;
+  double points = 0.0;
+  double neighbours = 0.0;
+};
+
+using Cells = std::unordered_map<VoxelKey, std::vector<Eigen::Vector3d>>;
+
+/// Points of all key frames around, relative to the place's key frame.
+std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& poses,
+                                           std::size_t place, CloudSource& clouds) {
+  std::vector<Eigen::Vector3d> points;
+  const Eigen::Vector3d centre = poses[place].T_map_base.translation;
+  const double reach = kPlaceRadius + kRadius;
+  for (const KeyFramePose& pose : poses) {
+    if ((pose.T_map_base.translation - centre).norm() > kObservers) continue;
+    const PointCloudPtr cloud = clouds.cloud(pose.index);
+    if (!cloud) continue;
+    const Pose T_centre_base{pose.T_map_base.rotation, pose.T_map_base.translation - centre};
+    for (const Point& point : cloud->points) {
+      const Eigen::Vector3d p = T_centre_base * point.position().cast<double>();
+      if (p.squaredNorm() < reach * reach) points.push_back(p);
+    }
+  }
+  return points;
+}
+
+PointMoments neighbours_of(const Eigen::Vector3d& point, const Cells& cells) {
+  PointMoments moments;
+  for (int n = 0; n < 27; ++n) {
+    const Eigen::Vector3d step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    const auto cell = cells.find(cell_key(point + kRadius * step, kRadius));
+    if (cell == cells.end()) continue;
+    for (const Eigen::Vector3d& other : cell->second) {
+      const Eigen::Vector3d away = other - point;
+      if (away.squaredNorm() < kRadius * kRadius) moments.add(away);
+    }
+  }
+  return moments;
+}
+
+/// Half the logarithm of det(2 pi e covariance), over evenly chosen points.
+Sum entropy_of(const std::vector<Eigen::Vector3d>& points) {
+  Cells cells;
+  for (const Eigen::Vector3d& point : points) cells[cell_key(point, kRadius)].push_back(point);
+  Sum sum;
+  const std::size_t step = points.size() / kQueries + 1;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    if (points[i].norm() > kPlaceRadius) continue;
+    const PointMoments moments = neighbours_of(points[i], cells);
+    if (moments.count < kMinNeighbours) continue;
+    const double volume = (2.0 * kPi * M_E * moments.covariance()).determinant();
+    if (!(volume > 0.0)) continue;
+    sum.entropy += 0.5 * std::log(volume);
+    sum.points += 1.0;
+    sum.neighbours += moments.count;
+  }
+  return sum;
+}
+
+}  // namespace
+
+MapEntropy mean_map_entropy(const KeyFramePoses& poses, CloudSource& clouds) {
+  const std::size_t step = poses.poses.size() / kPlaces + 1;
+  Sum total;
+  for (std::size_t place = 0; place < poses.poses.size(); place += step) {
+    const Sum sum = entropy_of(points_around(poses.poses, place, clouds));
+    total.entropy += sum.entropy;
+    total.points += sum.points;
+    total.neighbours += sum.neighbours;
+  }
+  if (total.points == 0.0) return {};
+  return {total.entropy / total.points, kRadius, static_cast<std::size_t>(total.points),
+          total.neighbours / total.points};
+}
+
+}  // namespace lidar_mapping::map_quality

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/moving_objects/local_ground.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "lidar_mapping/common/order_statistics.hpp"
+
+namespace lidar_mapping::moving_objects {
+
+namespace {
+
+constexpr std::size_t kSide = GroundArea::kSide;
+constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instead
+constexpr float kNone = LowestPoints::kNone;
+constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
+
+/// Of those that are known.
+template <typename Heights>
+float lower_quartile(Heights heights) {
+  const auto end = std::remove(heights.begin(), heights.end(), kNone);
+  return end == heights.begin() ? kNone : quantile_of_range(heights.begin(), end, 0.25);
+}
+
+}  // namespace
+
+std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
+  const PointCells cells(points, GroundArea::kColumn, farthest);
+  const CellArea area(cells);
+  const std::vector<std::uint32_t> numbers = area.numbers_of(cells);
+  std::vector<LowestPoints> grid(area.size());
+  const auto origin_z = static_cast<float>(points.origin.z());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] != CellArea::kOutside) grid[numbers[i]].take(origin_z + points.z[i]);
+  }
+  // In the order of the grid, as others are asked for in theirs.
+  std::vector<GroundColumn> columns;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid[i].lowest != kNone) columns.push_back({area.cell_at(i), grid[i]});
+  }
+  return columns;
+}
+
+LocalGround::LocalGround(const GroundArea& area)
+    : area_(area), columns_(area.size()), grounds_(area.size(), kNotAsked) {}
+
+void LocalGround::add(const std::vector<GroundColumn>& columns) {
+  for (const GroundColumn& column : columns) {
+    const std::uint32_t number = area_.number_of(column.cell);
+    if (number != GroundArea::kOutside) columns_[number].join(column.points);
+  }
+}
+
+float LocalGround::height_above(float z, std::uint32_t number) {
+  if (number == GroundArea::kOutside) return 0.0F;
+  float& ground = grounds_[number];
+  if (std::isnan(ground)) ground = ground_at(number);
+  return ground == kNone ? kNone : z - ground;
+}
+
+float LocalGround::ground_at(std::uint32_t column) const {
+  const float own = columns_[column].second;
+  const Heights around = heights_around(column);
+  const float deep = own - kDeeper;
+  int known = 0;
+  int deeper = 0;
+  for (const float height : around) {
+    known += height != kNone ? 1 : 0;
+    deeper += height < deep ? 1 : 0;
+  }
+  if (known == 0) return own;
+  if (own != kNone && deeper <= known / 4) return own;
+  return lower_quartile(around);
+}
+
+LocalGround::Heights LocalGround::heights_around(std::uint32_t column) const {
+  Heights heights{};
+  std::size_t count = 0;
+  for (const std::uint32_t first : area_.rows_around(column)) {
+    for (std::size_t i = 0; i < kSide; ++i) heights[count++] = columns_[first + i].second;
+  }
+  heights[kSide * kSide / 2] = kNone;
+  return heights;
+}
+
+}  // namespace lidar_mapping::moving_objects

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "lidar_mapping/common/nameless_file.hpp"
+
+namespace lidar_mapping::moving_objects {
+
+/// Numbers of points in ascending order.
+using Marks = std::vector<std::uint32_t>;
+
+/// Marked points of each key frame, in a nameless file in a folder. Throws FileError.
+class MarkFile {
+ public:
+  explicit MarkFile(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
+  bool contains(std::size_t position) const { return spans_.count(position) > 0; }
+  /// Once for each.
+  void put(std::size_t position, const Marks& marks);
+  Marks get(std::size_t position) const;
+
+ private:
+  struct Span {
+    std::uint64_t begin = 0;  ///< marks
+    std::size_t count = 0;
+  };
+
+  std::filesystem::path directory_;
+  std::unique_ptr<NamelessFile> file_;
+  std::uint64_t end_ = 0;  ///< marks
+  std::map<std::size_t, Span> spans_;
+};
+
+}  // namespace lidar_mapping::moving_objects

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Compiled with AVX-512 where the compiler has it; nothing but plain pointers crosses its border.
+#include "lidar_mapping/common/instruction_set.hpp"
+
+#include "visibility_kernels.hpp"
+
+#ifdef LIDAR_MAPPING_HAS_AVX512
+#include "visibility_kernels_body.hpp"
+#endif
+
+namespace lidar_mapping::moving_objects {
+
+const VisibilityKernels* avx512_visibility_kernels() {
+#ifdef LIDAR_MAPPING_HAS_AVX512
+  return processor_has(InstructionSet::kAvx512) ? &kKernels : nullptr;
+#else
+  return nullptr;
+#endif
+}
+
+}  // namespace lidar_mapping::moving_objects

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/pose_graph/factor_graph.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "lidar_mapping/common/errors.hpp"
+
+#include "gauss_newton.hpp"
+#include "openmp_silence.hpp"
+
+namespace lidar_mapping::pose_graph {
+
+namespace {
+
+/// SuiteSparse is the faster one wherever the factor is thick, and no slower elsewhere.
+ceres::SparseLinearAlgebraLibraryType sparse_library() {
+  return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE)
+             ? ceres::SUITE_SPARSE
+             : ceres::EIGEN_SPARSE;
+}
+
+ceres::Solver::Options solver_options(const MinimizerSettings& settings) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = sparse_library();
+  options.initial_trust_region_radius = settings.initial_radius;
+  options.max_trust_region_radius = 1e32;
+  // Ceres throws the step away on which this test ends; the callback above keeps it.
+  options.function_tolerance = 1e-3 * settings.tolerance;
+  options.gradient_tolerance = 0.0;
+  options.parameter_tolerance = 1e-12;
+  options.max_num_iterations = settings.max_iterations;
+  // One thread: sums over several have an order that changes from run to run.
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+constexpr double kUndamped = 1e10;  // radius of the trust region from which on it does not bind
+
+/// Ends a minimisation one step before Ceres' own test would: near the minimum each gain is to the
+/// one before as the next one will be to it, at most.
+class EnoughGained : public ceres::IterationCallback {
+ public:
+  explicit EnoughGained(double tolerance) : tolerance_(tolerance) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    if (step.iteration == 0 || !step.step_is_successful) return ceres::SOLVER_CONTINUE;
+    const double rate = last_gain_ > 0.0 ? std::min(1.0, step.cost_change / last_gain_) : 1.0;
+    last_gain_ = step.cost_change;
+    const bool enough = step.cost_change * rate < tolerance_ * step.cost;
+    return enough ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  double tolerance_;
+  double last_gain_ = 0.0;
+};
+
+/// The Ceres problem of a graph; built and solved once.
+class GraphProblem {
+ public:
+  explicit GraphProblem(FactorGraph& graph)
+      : graph_(graph), problem_(borrowing_problem_options()), added_(graph.states.size(), false) {}
+
+  void add(const Constraint& constraint, ceres::LossFunction* loss) {
+    double* first = block(constraint.first);
+    if (constraint.second < 0) {
+      problem_.AddResidualBlock(constraint.residual.get(), loss, first);
+      return;
+    }
+    double* second = block(constraint.second);
+    problem_.AddResidualBlock(constraint.residual.get(), loss, first, second);
+  }
+
+  MinimizerSummary solve(const MinimizerSettings& settings) {
+    EnoughGained enough(settings.tolerance);
+    ceres::Solver::Options options = solver_options(settings);
+    options.callbacks.push_back(&enough);
+    ceres::Solver::Summary summary;
+    const OpenMpSilence silence;
+    ceres::Solve(options, &problem_, &summary);
+    MinimizerSummary result;
+    result.initial_cost = 2.0 * summary.initial_cost;
+    result.final_cost = 2.0 * summary.final_cost;
+    result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps - 1;
+    result.usable = summary.IsSolutionUsable();
+    result.message = summary.message;
+    return result;
+  }
+
+ private:
+  double* block(int node) {
+    const auto slot = static_cast<std::size_t>(node);
+    double* state = graph_.states[slot].data();
+    if (added_[slot]) return state;
+    added_[slot] = true;
+    if (graph_.planar) {
+      problem_.AddParameterBlock(state, kPlanarBlockSize);
+    } else {
+      add_pose_block(problem_, state, update_);
+    }
+    if (graph_.held[slot]) problem_.SetParameterBlockConstant(state);
+    return state;
+  }
+
+  FactorGraph& graph_;
+  TangentUpdate update_;
+  ceres::Problem problem_;
+  std::vector<bool> added_;
+};
+
+/// What keeps a constraint from being solved with the graph; empty if nothing does.
+std::string problem_of(const Constraint& constraint, const FactorGraph& graph) {
+  if (constraint.residual == nullptr) return "has no residual; give it a ceres::CostFunction";
+  const int rows = constraint.degrees_of_freedom();
+  if (rows < 1 || rows > kMostRows) {
+    return "has a residual of " + std::to_string(rows) + " rows; 1 to " +
+           std::to_string(kMostRows) + " are solved, so split it into several constraints";
+  }
+  const std::vector<std::int32_t> expected(constraint.second < 0 ? 1 : 2,
+                                           graph.planar ? kPlanarBlockSize : kPoseBlockSize);
+  if (constraint.residual->parameter_block_sizes() != expected) {
+    return "has a residual with other blocks than " + std::to_string(expected.size()) + " of " +
+           std::to_string(expected.front()) + " numbers; it must take one for each of its nodes";
+  }
+  const int nodes = static_cast<int>(graph.states.size());
+  if (constraint.first < 0 || std::max(constraint.first, constraint.second) >= nodes) {
+    return "is between nodes " + std::to_string(constraint.first) + " and " +
+           std::to_string(constraint.second) + ", but there are " + std::to_string(nodes) +
+           "; add the nodes first";
+  }
+  return "";
+}
+
+}  // namespace
+
+void FactorGraph::add(Constraint constraint) {
+  const std::string problem = problem_of(constraint, *this);
+  if (!problem.empty()) {
+    throw InputError("constraint " + std::to_string(constraints.size()) + " " + problem);
+  }
+  constraints.push_back(std::move(constraint));
+}
+
+int FactorGraph::add_node(const Pose& pose, bool hold) {
+  states.push_back(planar ? to_planar_block(pose) : to_block(pose));
+  held.push_back(hold);
+  return static_cast<int>(states.size()) - 1;
+}
+
+Pose FactorGraph::pose(int node) const {
+  const double* block = states[static_cast<std::size_t>(node)].data();
+  return planar ? to_planar_pose(block) : to_pose(block);
+}
+
+void FactorGraph::set_pose(int node, const Pose& pose) {
+  states[static_cast<std::size_t>(node)] = planar ? to_planar_block(pose) : to_block(pose);
+}
+
+double chi2(const FactorGraph& graph, const Constraint& constraint) {
+  const std::size_t second =
+      static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
+  const std::array<const double*, 2> blocks = {
+      graph.states[static_cast<std::size_t>(constraint.first)].data(), graph.states[second].data()};
+  std::array<double, kMostRows> residual{};
+  constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
+  double sum = 0.0;
+  for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {
+    sum += residual[static_cast<std::size_t>(i)] * residual[static_cast<std::size_t>(i)];
+  }
+  return sum;
+}
+
+double total_chi2(const FactorGraph& graph, const std::vector<bool>& used) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
+    if (used[i]) sum += chi2(graph, graph.constraints[i]);
+  }
+  return sum;
+}
+
+MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
+                          const MinimizerSettings& settings) {
+  MinimizerSummary undamped;
+  if (settings.initial_radius >= kUndamped) {
+    undamped = gauss_newton(graph, used, loss_of, settings);
+    if (undamped.usable) return undamped;
+  }
+  const std::vector<StateBlock> before = graph.states;
+  GraphProblem problem(graph);
+  for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
+    if (used[i]) problem.add(graph.constraints[i], loss_of(graph.constraints[i]));
+  }
+  MinimizerSummary summary = problem.solve(settings);
+  summary.iterations += undamped.iterations;
+  if (!summary.usable) graph.states = before;
+  return summary;
+}
+
+}  // namespace lidar_mapping::pose_graph

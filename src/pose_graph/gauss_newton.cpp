@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "gauss_newton.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lidar_mapping/pose_graph/block_cholesky.hpp"
+
+namespace lidar_mapping::pose_graph {
+
+namespace {
+
+// Directions that rounding alone decides about stay where they are.
+constexpr double kDamping = 1e-10;
+constexpr double kFarStep = 1e-3;   // share of the cost from which on an old factor is not used
+constexpr double kRounding = 1e-9;  // by which the cost may seem to rise at the minimum
+
+/// A constraint of the problem with its loss.
+struct Term {
+  const Constraint* constraint;
+  ceres::LossFunction* loss;
+  int pair;  ///< its block off the diagonal; -1: none, one of its nodes does not move
+};
+
+/// Value and slope of a loss at a squared norm.
+std::pair<double, double> loss_at(const ceres::LossFunction* loss, double squared_norm) {
+  if (loss == nullptr) return {squared_norm, 1.0};
+  std::array<double, 3> rho{};
+  loss->Evaluate(squared_norm, rho.data());
+  return {rho[0], rho[1]};
+}
+
+/// The normal equations of a graph; `size` is the dimension of a node's update.
+template <int size>
+class NormalEquations {
+ public:
+  static constexpr int kBlock = size == 6 ? kPoseBlockSize : kPlanarBlockSize;
+  using Block = Eigen::Matrix<double, size, size>;
+
+  NormalEquations(const FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
+      : graph_(graph), touched_(graph.states.size(), false) {
+    std::vector<std::pair<int, int>> pairs;
+    for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
+      if (!used[i]) continue;
+      const Constraint& constraint = graph.constraints[i];
+      Term term{&constraint, loss_of(constraint), -1};
+      touch(constraint.first);
+      if (constraint.second >= 0) touch(constraint.second);
+      if (constraint.second >= 0 && moves(constraint.first) && moves(constraint.second)) {
+        term.pair = static_cast<int>(pairs.size());
+        pairs.emplace_back(constraint.first, constraint.second);
+      }
+      terms_.push_back(term);
+    }
+    cholesky_ = std::make_unique<BlockCholesky<size>>(static_cast<int>(graph.states.size()), pairs);
+  }
+
+  double cost() const {
+    double sum = 0.0;
+    for (const Term& term : terms_) sum += loss_at(term.loss, chi2(graph_, *term.constraint)).first;
+    return sum;
+  }
+
+  /// Matrix and gradient at the present states; the factor stays that of before.
+  void linearise() {
+    cholesky_->set_zero();
+    gradient_ = Eigen::VectorXd::Zero(size * static_cast<Eigen::Index>(graph_.states.size()));
+    for (int node = 0; node < static_cast<int>(graph_.states.size()); ++node) {
+      if (!moves(node)) cholesky_->add_diagonal(node, Block::Identity());
+    }
+    for (const Term& term : terms_) add(term);
+  }
+  /// False if the matrix is not positive definite.
+  bool factorize() { return cholesky_->factorize(); }
+  /// To the minimum of the linearised cost, a segment per node.
+  Eigen::VectorXd step() { return -cholesky_->solve(gradient_); }
+  /// By how much the linearised cost falls over a step.
+  double expected_gain(const Eigen::VectorXd& step) const { return -gradient_.dot(step); }
+
+  bool moves(int node) const {
+    const auto slot = static_cast<std::size_t>(node);
+    return touched_[slot] && !graph_.held[slot];
+  }
+
+ private:
+  void touch(int node) { touched_[static_cast<std::size_t>(node)] = true; }
+
+  const double* state(int node) const {
+    return graph_.states[static_cast<std::size_t>(node)].data();
+  }
+
+  void add(const Term& term) {
+    switch (term.constraint->degrees_of_freedom()) {
+      case 1:
+        return add_rows<1>(term);
+      case 2:
+        return add_rows<2>(term);
+      case 3:
+        return add_rows<3>(term);
+      case 4:
+        return add_rows<4>(term);
+      case 5:
+        return add_rows<5>(term);
+      default:  // FactorGraph::add() takes no more than these
+        return add_rows<kMostRows>(term);
+    }
+  }
+
+  template <int rows>
+  void add_rows(const Term& term) {
+    using Jacobian = Eigen::Matrix<double, rows, kBlock, Eigen::RowMajor>;
+    const Constraint& constraint = *term.constraint;
+    const bool two = constraint.second >= 0;
+    std::array<Jacobian, 2> jacobians;
+    Eigen::Matrix<double, rows, 1> residual;
+    const std::array<const double*, 2> blocks = {state(constraint.first),
+                                                 state(two ? constraint.second : constraint.first)};
+    std::array<double*, 2> targets = {jacobians[0].data(), jacobians[1].data()};
+    constraint.residual->Evaluate(blocks.data(), residual.data(), targets.data());
+    const double weight = loss_at(term.loss, residual.squaredNorm()).second;
+    const Eigen::Matrix<double, rows, size> first = jacobians[0].template leftCols<size>();
+    add_node(constraint.first, first, residual, weight);
+    if (!two) return;
+    const Eigen::Matrix<double, rows, size> second = jacobians[1].template leftCols<size>();
+    add_node(constraint.second, second, residual, weight);
+    if (term.pair < 0) return;
+    const Block block = weight * (first.transpose() * second);
+    cholesky_->add_pair(static_cast<std::size_t>(term.pair), block);
+  }
+
+  template <int rows>
+  void add_node(int node, const Eigen::Matrix<double, rows, size>& jacobian,
+                const Eigen::Matrix<double, rows, 1>& residual, double weight) {
+    if (!moves(node)) return;
+    Block block = weight * (jacobian.transpose() * jacobian);
+    block.diagonal() *= 1.0 + kDamping;
+    cholesky_->add_diagonal(node, block);
+    gradient_.segment<size>(size * static_cast<Eigen::Index>(node)).noalias() +=
+        weight * (jacobian.transpose() * residual);
+  }
+
+  const FactorGraph& graph_;
+  std::vector<bool> touched_;
+  std::vector<Term> terms_;
+  std::unique_ptr<BlockCholesky<size>> cholesky_;
+  Eigen::VectorXd gradient_;
+};
+
+StateBlock planar_moved(const StateBlock& state, const double* d) {
+  return {state[0] + d[0], state[1] + d[1], state[2] + d[2], 0.0, 0.0, 0.0, 0.0};
+}
+
+template <int size>
+std::vector<StateBlock> after(const FactorGraph& graph, const NormalEquations<size>& equations,
+                              const Eigen::VectorXd& step) {
+  std::vector<StateBlock> states = graph.states;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!equations.moves(static_cast<int>(i))) continue;
+    const double* d = step.data() + size * i;
+    states[i] = size == 6 ? moved(states[i].data(), d) : planar_moved(states[i], d);
+  }
+  return states;
+}
+
+/// Steps of one graph. The factor of an earlier state serves as long as the steps that it gives are
+/// small: they cost a fraction of a new one.
+template <int size>
+class Descent {
+ public:
+  Descent(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
+      : graph_(graph), equations_(graph, used, loss_of), cost_(equations_.cost()) {}
+
+  MinimizerSummary run(const MinimizerSettings& settings) {
+    MinimizerSummary summary;
+    summary.initial_cost = cost_;
+    equations_.linearise();
+    bool going = renew();
+    while (going && !summary.usable && summary.iterations < settings.max_iterations) {
+      ++summary.iterations;
+      if (!take_step()) {
+        summary.usable = rose_ < kRounding * cost_;
+        going = !summary.usable && !fresh_ && renew();
+        continue;
+      }
+      equations_.linearise();
+      fresh_ = false;
+      step_ = equations_.step();
+      const double expected = equations_.expected_gain(step_);
+      summary.usable = expected < settings.tolerance * cost_;
+      if (summary.usable) {
+        take_step();  // it is there already
+      } else if (expected > kFarStep * cost_) {
+        going = renew();
+      }
+    }
+    summary.final_cost = cost_;
+    summary.message = summary.usable ? "converged" : "a step did not lower the cost";
+    return summary;
+  }
+
+ private:
+  /// Factorises the equations as they are and solves them.
+  bool renew() {
+    fresh_ = true;
+    if (!equations_.factorize()) return false;
+    step_ = equations_.step();
+    return step_.allFinite();
+  }
+
+  /// False, and the states as they were, if the cost does not fall.
+  bool take_step() {
+    std::vector<StateBlock> states = after(graph_, equations_, step_);
+    graph_.states.swap(states);
+    const double cost = equations_.cost();
+    if (cost <= cost_) {
+      cost_ = cost;
+      return true;
+    }
+    rose_ = std::isfinite(cost) ? cost - cost_ : std::numeric_limits<double>::infinity();
+    graph_.states.swap(states);
+    return false;
+  }
+
+  FactorGraph& graph_;
+  NormalEquations<size> equations_;
+  Eigen::VectorXd step_;
+  double cost_;
+  double rose_ = 0.0;   ///< by how much the cost would have risen over the last refused step
+  bool fresh_ = false;  ///< the factor is that of the present states
+};
+
+}  // namespace
+
+MinimizerSummary gauss_newton(FactorGraph& graph, const std::vector<bool>& used,
+                              const LossOf& loss_of, const MinimizerSettings& settings) {
+  return graph.planar ? Descent<3>(graph, used, loss_of).run(settings)
+                      : Descent<6>(graph, used, loss_of).run(settings);
+}
+
+}  // namespace lidar_mapping::pose_graph

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/pose_graph/linearisation.hpp"
+
+#include <array>
+
+namespace lidar_mapping::pose_graph {
+
+Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMostRows>;
+  const bool pair = constraint.second >= 0;
+  const auto block = [&](int node) { return graph.states[static_cast<std::size_t>(node)].data(); };
+  const std::array<const double*, 2> blocks = {block(constraint.first),
+                                               block(pair ? constraint.second : constraint.first)};
+  const int count = constraint.degrees_of_freedom();
+  std::array<Rows, 2> jacobians = {Rows::Zero(count, kPoseBlockSize),
+                                   Rows::Zero(count, kPoseBlockSize)};
+  std::array<double*, 2> pointers = {jacobians[0].data(), jacobians[1].data()};
+  std::array<double, kMostRows> residual{};
+  constraint.residual->Evaluate(blocks.data(), residual.data(), pointers.data());
+  return {Eigen::Map<const Eigen::VectorXd>(residual.data(), count), jacobians[0].leftCols<6>(),
+          jacobians[1].leftCols<6>()};
+}
+
+double kernel_slope(const Constraint& constraint, const Eigen::VectorXd& residual) {
+  const auto kernel = make_kernel(constraint.kernel, constraint.kernel_size);
+  if (!kernel) return 1.0;
+  std::array<double, 3> value{};
+  kernel->Evaluate(residual.squaredNorm(), value.data());
+  return value[1];
+}
+
+std::unique_ptr<BlockCholesky<6>> information_matrix(
+    const FactorGraph& graph, const std::vector<bool>& marked,
+    const std::vector<std::pair<int, int>>& more_pairs) {
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    const Constraint& constraint = graph.constraints[i];
+    if (marked[i] && constraint.second >= 0) {
+      pairs.emplace_back(constraint.first, constraint.second);
+    }
+  }
+  pairs.insert(pairs.end(), more_pairs.begin(), more_pairs.end());
+  auto system = std::make_unique<BlockCholesky<6>>(static_cast<int>(graph.states.size()), pairs);
+  system->set_zero();
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    if (!marked[i]) continue;
+    const Constraint& constraint = graph.constraints[i];
+    const auto [residual, first, second] = linearised(graph, constraint);
+    const double share = constraint.doubtful ? kernel_slope(constraint, residual) : 1.0;
+    system->add_diagonal(constraint.first, share * first.transpose() * first);
+    if (constraint.second < 0) continue;
+    system->add_diagonal(constraint.second, share * second.transpose() * second);
+    system->add_pair(pair++, share * first.transpose() * second);
+  }
+  return system;
+}
+
+}  // namespace lidar_mapping::pose_graph

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry_chain.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+
+namespace lidar_mapping::pose_graph {
+
+namespace {
+
+struct Neighbour {
+  int node = 0;
+  std::size_t edge = 0;
+  bool forward = true;
+};
+
+std::vector<std::vector<Neighbour>> neighbours(const PoseGraph& graph) {
+  std::vector<std::vector<Neighbour>> result(graph.nodes.size());
+  const auto ends = edge_positions(graph);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    result[static_cast<std::size_t>(ends[i].first)].push_back({ends[i].second, i, true});
+    result[static_cast<std::size_t>(ends[i].second)].push_back({ends[i].first, i, false});
+  }
+  return result;
+}
+
+/// A way from a placed node to a neighbour.
+struct Step {
+  int from = 0;
+  Neighbour to;
+};
+
+/// Placed nodes grow over their neighbours; odometry goes first, other edges wait behind it.
+class Growth {
+ public:
+  Growth(PoseGraph& graph, std::vector<bool> placed)
+      : graph_(graph), neighbours_(neighbours(graph)), placed_(std::move(placed)) {}
+
+  void run() {
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+      if (placed_[i]) offer(static_cast<int>(i));
+    }
+    spread();
+    // Parts that hang on nothing begin where they stand.
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+      if (placed_[i]) continue;
+      placed_[i] = true;
+      offer(static_cast<int>(i));
+      spread();
+    }
+  }
+
+ private:
+  void offer(int node) {
+    for (const Neighbour& to : neighbours_[static_cast<std::size_t>(node)]) {
+      if (placed_[static_cast<std::size_t>(to.node)]) continue;
+      (is_odometry(graph_.edges[to.edge]) ? odometry_ : others_).push_back({node, to});
+    }
+  }
+
+  void spread() {
+    while (!odometry_.empty() || !others_.empty()) {
+      auto& queue = odometry_.empty() ? others_ : odometry_;
+      const Step step = queue.front();
+      queue.pop_front();
+      const auto slot = static_cast<std::size_t>(step.to.node);
+      if (placed_[slot]) continue;
+      const Pose& motion = graph_.edges[step.to.edge].T_from_to;
+      graph_.nodes[slot].pose = graph_.nodes[static_cast<std::size_t>(step.from)].pose *
+                                (step.to.forward ? motion : motion.inverse());
+      placed_[slot] = true;
+      offer(step.to.node);
+    }
+  }
+
+  PoseGraph& graph_;
+  std::vector<std::vector<Neighbour>> neighbours_;
+  std::vector<bool> placed_;
+  std::deque<Step> odometry_;
+  std::deque<Step> others_;
+};
+
+}  // namespace
+
+std::vector<std::pair<int, int>> edge_positions(const PoseGraph& graph) {
+  const auto position = [&](std::int64_t id) {
+    const auto found = std::lower_bound(
+        graph.nodes.begin(), graph.nodes.end(), id,
+        [](const PoseNode& node, std::int64_t wanted) { return node.id < wanted; });
+    return static_cast<int>(found - graph.nodes.begin());
+  };
+  std::vector<std::pair<int, int>> result;
+  result.reserve(graph.edges.size());
+  for (const PoseEdge& edge : graph.edges) {
+    result.emplace_back(position(edge.from), position(edge.to));
+  }
+  return result;
+}
+
+bool is_odometry(const PoseEdge& edge) { return std::abs(edge.from - edge.to) == 1; }
+
+void place_along_edges(PoseGraph& graph, std::vector<bool> placed) {
+  Growth(graph, std::move(placed)).run();
+}
+
+}  // namespace lidar_mapping::pose_graph

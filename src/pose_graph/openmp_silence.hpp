@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// CHOLMOD's OpenMP threads spin between the parts of a factorisation, which costs processor time
+// and gains little on the sparse factors of a drive. While one of these lives, OpenMP regions that
+// the calling thread enters run on it alone. Weak: CHOLMOD may be built without OpenMP.
+
+extern "C" {
+__attribute__((weak)) int omp_get_max_active_levels();
+__attribute__((weak)) void omp_set_max_active_levels(int levels);
+}
+
+namespace lidar_mapping::pose_graph {
+
+class OpenMpSilence {
+ public:
+  OpenMpSilence() {
+    if (omp_set_max_active_levels == nullptr || omp_get_max_active_levels == nullptr) return;
+    levels_ = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
+  }
+  ~OpenMpSilence() {
+    if (levels_ >= 0) omp_set_max_active_levels(levels_);
+  }
+  OpenMpSilence(const OpenMpSilence&) = delete;
+  OpenMpSilence& operator=(const OpenMpSilence&) = delete;
+
+ private:
+  int levels_ = -1;  ///< as they were; negative: nothing to bring back
+};
+
+}  // namespace lidar_mapping::pose_graph

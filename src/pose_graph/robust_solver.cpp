@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_mapping/pose_graph/robust_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace lidar_mapping::pose_graph {
+
+namespace {
+
+constexpr int kRounds = 5;
+// Real errors have heavier tails than Gauss' while false loops lie far out: refusal begins at twice
+// the quantile, or a hundredth and more of the true ones would go.
+constexpr double kRefusal = 2.0;
+// Tried in turn until half of the switchable constraints are believed.
+constexpr std::array<double, 3> kWeightsOfOthers = {1.0, 0.04, 0.0016};
+
+/// Losses by kernel and size, made once and kept while a problem uses them.
+class Kernels {
+ public:
+  using Losses = std::map<std::pair<RobustKernel, double>, std::unique_ptr<ceres::LossFunction>>;
+
+  ceres::LossFunction* get(RobustKernel kernel, double size) {
+    auto& loss = losses_[{kernel, size}];
+    if (!loss) loss = make_kernel(kernel, size);
+    return loss.get();
+  }
+
+  /// With the least weight.
+  ceres::LossFunction* get_light(RobustKernel kernel, double size) {
+    auto& loss = light_[{kernel, size}];
+    if (!loss) {
+      loss = std::make_unique<ceres::ScaledLoss>(get(kernel, size), kWeightsOfOthers.back(),
+                                                 ceres::DO_NOT_TAKE_OWNERSHIP);
+    }
+    return loss.get();
+  }
+
+ private:
+  Losses losses_;
+  Losses light_;
+};
+
+/// All constraints under their own kernels.
+LossOf own_kernels(Kernels& kernels) {
+  return [&kernels](const Constraint& c) { return kernels.get(c.kernel, c.kernel_size); };
+}
+
+/// Switchable constraints under Cauchy with one standard deviation: it still pulls from far away.
+/// The others with a share of their weight, so that they give way to drift that their covariances
+/// do not know of. Doubtful ones have the least: they are no evidence against any.
+LossOf pulling(Kernels& kernels, ceres::LossFunction* others) {
+  return [&kernels, others](const Constraint& c) {
+    if (c.doubtful) return kernels.get_light(c.kernel, c.kernel_size);
+    return c.switchable ? kernels.get(RobustKernel::kCauchy, 1.0) : others;
+  };
+}
+
+/// Switchable constraints under DCS that bends at the limit of contradiction.
+LossOf deciding(Kernels& kernels) {
+  return [&kernels](const Constraint& c) {
+    if (c.doubtful) return kernels.get_light(c.kernel, c.kernel_size);
+    return c.switchable ? kernels.get(RobustKernel::kDcs,
+                                      std::sqrt(contradiction_limit(c.degrees_of_freedom())))
+                        : kernels.get(c.kernel, c.kernel_size);
+  };
+}
+
+}  // namespace
+
+std::vector<bool> believed(const FactorGraph& graph) {
+  std::vector<bool> used;
+  used.reserve(graph.constraints.size());
+  for (const Constraint& c : graph.constraints) {
+    used.push_back(!c.switchable ||
+                   chi2(graph, c) < kRefusal * contradiction_limit(c.degrees_of_freedom()));
+  }
+  return used;
+}
+
+RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
+                               const MinimizerSettings& settings) {
+  Kernels kernels;
+  RobustSolution solution;
+  solution.cost_before = total_chi2(graph, used);
+  const MinimizerSummary summary = minimize(graph, used, own_kernels(kernels), settings);
+  solution.cost_after = total_chi2(graph, used);
+  solution.iterations = summary.iterations;
+  solution.success = summary.usable;
+  solution.message = summary.message;
+  solution.used = std::move(used);
+  return solution;
+}
+
+namespace {
+
+/// One run of the scheme from the present states.
+RobustSolution graduate(FactorGraph& graph, double weight_of_others) {
+  Kernels kernels;
+  ceres::ScaledLoss others(nullptr, weight_of_others, ceres::TAKE_OWNERSHIP);
+  const std::vector<bool> all(graph.constraints.size(), true);
+  int iterations = minimize(graph, all, pulling(kernels, &others), {60, 1e4, 1e-5}).iterations;
+  iterations += minimize(graph, all, deciding(kernels), {60, 1e6, 1e-5}).iterations;
+  RobustSolution solution;
+  std::vector<bool> used = believed(graph);
+  for (int round = 0; round < kRounds; ++round) {
+    solution = solve_as_marked(graph, used);
+    iterations += solution.iterations;
+    used = believed(graph);
+    if (used == solution.used) break;
+  }
+  solution.iterations = iterations;
+  return solution;
+}
+
+std::ptrdiff_t switchable_count(const FactorGraph& graph) {
+  return std::count_if(graph.constraints.begin(), graph.constraints.end(),
+                       [](const Constraint& c) { return c.switchable; });
+}
+
+std::ptrdiff_t refused_count(const RobustSolution& solution) {
+  return std::count(solution.used.begin(), solution.used.end(), false);
+}
+
+}  // namespace
+
+RobustSolution solve_graduated(FactorGraph& graph) {
+  const std::vector<StateBlock> start = graph.states;
+  std::vector<StateBlock> best_states = start;
+  RobustSolution best;
+  for (const double weight : kWeightsOfOthers) {
+    graph.states = start;
+    RobustSolution solution = graduate(graph, weight);
+    if (!best.success || (solution.success && refused_count(solution) < refused_count(best))) {
+      best = std::move(solution);
+      best_states = graph.states;
+    }
+    if (2 * refused_count(best) <= switchable_count(graph)) break;
+  }
+  graph.states = start;
+  best.cost_before = best.success ? total_chi2(graph, best.used) : 0.0;
+  graph.states = best_states;
+  return best;
+}
+
+}  // namespace lidar_mapping::pose_graph

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bag_input.hpp"
+
+#include <deque>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/ros/bag_set.hpp"
+#include "lidar_mapping/ros/geometry_conversions.hpp"
+#include "lidar_mapping/ros/point_cloud_decoder.hpp"
+#include "lidar_mapping/ros/recorded_cloud.hpp"
+#include "lidar_mapping/ros/recorded_frames.hpp"
+#include "lidar_mapping/ros/sensor_conversions.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
+#include "lidar_mapping/ros/topic_choice.hpp"
+#include "lidar_mapping/ros/transform_odometry.hpp"
+
+namespace lidar_mapping::recordings {
+
+namespace {
+
+using pipeline::FramedSample;
+using pipeline::Input;
+using ros_border::BagDamage;
+using ros_border::BagMessage;
+using ros_border::BagSet;
+using ros_border::BagStream;
+using ros_border::RecordedCloud;
+using ros_border::SensorTopics;
+
+/// Sensors are bolted on: what /tf says of them at the beginning stays.
+constexpr Stamp kFramesLook = from_seconds(20.0);
+
+/// Simulators begin at 0, where a stamp of 0 is one.
+const ros::Time kSimulatedUntil(1e6);
+
+/// The stamp, or where the driver sets none the time of recording.
+Stamp given_or_recorded(Stamp stamp, const ros::Time& recorded) {
+  const bool is_missing = stamp == 0 && recorded > kSimulatedUntil;
+  return is_missing ? ros_border::from_ros(recorded) : stamp;
+}
+
+template <typename Sample>
+Input framed(ros_border::SensorInput<Sample> input, const ros::Time& recorded) {
+  input.sample.stamp = given_or_recorded(input.sample.stamp, recorded);
+  return FramedSample<Sample>{input.sample, ros_border::frame_name(input.frame_id)};
+}
+
+}  // namespace
+
+class BagInput::Impl {
+ public:
+  Impl(const std::vector<std::string>& paths, const SensorTopics& wanted,
+       const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
+      : bags_(paths), config_(config), frames_(base_frame) {
+    topics_ = ros_border::topics_in(bags_, wanted);
+    read_frames();
+    choose_base_frame();
+    if (config.enable_robot_odometry_init_guess) {
+      topics_.velocity.clear();
+      wheels_.emplace(config.robot_odom_frame_id, frames_.base_frame());
+    }
+    const auto times = bags_.times_of(sensor_topics());
+    if (!times) return;
+    begin_ = times->first;
+    end_ = times->second;
+  }
+
+  std::optional<Input> next() {
+    if (!waiting_.empty()) return take_waiting();
+    while (const auto message = stream().next()) {
+      mention_damage();
+      if (auto input = readable(*message)) return input;
+    }
+    if (std::exchange(ended_, true) || damaged() == 0) return std::nullopt;
+    mention_damage();
+    notices_.push_back("damaged places of the recording that were left out: " +
+                       std::to_string(damaged()));
+    return std::nullopt;
+  }
+
+  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+
+  std::vector<preprocessing::InputReport> examine(double seconds) const {
+    return ros_border::check({&bags_, topics_, frames_.base_frame(), seconds}, config_);
+  }
+
+  void skip_to(Stamp stamp) { stream().skip_to(stamp); }
+
+  Stamp begin() const { return begin_; }
+  Stamp end() const { return end_; }
+  const SensorTopics& topics() const { return topics_; }
+  const std::string& frames_notice() const { return frames_notice_; }
+  std::optional<Pose> T_base(const std::string& frame) const { return frames_.T_base(frame); }
+
+ private:
+  std::vector<std::string> sensor_topics() const {
+    return {topics_.points, topics_.imu, topics_.velocity, topics_.gnss};
+  }
+  std::vector<std::string> wanted_topics() const {
+    std::vector<std::string> topics = sensor_topics();
+    if (wheels_) topics.emplace_back("/tf");
+    return topics;
+  }
+
+  BagStream& stream() {
+    if (!stream_) stream_.emplace(bags_.messages_of(wanted_topics()));
+    return *stream_;
+  }
+
+  void read_frames() {
+    add_frames({"/tf_static"}, std::numeric_limits<Stamp>::min(),
+               std::numeric_limits<Stamp>::max());
+    const auto scans = bags_.times_of({topics_.points});
+    const Stamp from = scans ? scans->first : 0;
+    add_frames({"/tf"}, from, from + kFramesLook);
+  }
+
+  /// What was recorded from one time until another; damaged messages are passed over.
+  void add_frames(const std::vector<std::string>& topics, Stamp from, Stamp until) {
+    BagStream messages = bags_.messages_of(topics);
+    messages.skip_to(from);
+    for (auto message = messages.next(); message && message->recorded <= until;
+         message = messages.next()) {
+      try {
+        const auto frames = ros_border::read_transforms(*message);
+        if (frames) frames_.add(*frames, message->topic() == "/tf_static");
+      } catch (const ros::Exception&) {
+        continue;
+      }
+    }
+  }
+
+  /// Where nothing says where the LiDAR is on the vehicle, its frame stands for the vehicle's.
+  void choose_base_frame() {
+    const auto cloud = ros_border::first_cloud(bags_, topics_.points);
+    if (!cloud) return;
+    const std::string lidar_frame = ros_border::frame_name(cloud->message.header.frame_id);
+    if (frames_.T_base(lidar_frame)) return;
+    frames_notice_ = lidar_frame.empty() ? "the scans name no frame"
+                                         : "nothing in the recording leads from '" + lidar_frame +
+                                               "' to '" + frames_.base_frame() + "'";
+    frames_notice_ +=
+        ": the frame of the scans stands for that of the vehicle (x forward, z up), and sensors in "
+        "frames without a transform to it are not used";
+    if (!lidar_frame.empty()) frames_.set_base_frame(lidar_frame);
+  }
+
+  preprocessing::RawScan decoded(const RecordedCloud& cloud, Stamp stamp, PointCloud buffer) const {
+    preprocessing::RawScan scan =
+        ros_border::decode_lazily(cloud.view(), cloud.memory, config_, std::move(buffer)).scan;
+    scan.stamp = stamp;
+    if (scan.frame_id.empty()) scan.frame_id = frames_.base_frame();
+    return scan;
+  }
+
+  std::size_t damaged() const { return stream_->damage().places + damaged_messages_; }
+
+  /// The first that is met; of the others, the number is told at the end.
+  void mention_damage() {
+    const BagDamage& damage = stream_->damage();
+    if (damage.places == 0 || std::exchange(damage_mentioned_, true)) return;
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(3) << damage.reason << "; what was recorded at "
+         << to_seconds(damage.first) << " s is left out";
+    notices_.push_back(text.str());
+  }
+
+  std::optional<Input> take_waiting() {
+    std::optional<Input> input(std::move(waiting_.front()));
+    waiting_.pop_front();
+    return input;
+  }
+
+  /// A message of /tf may hold several poses.
+  std::optional<Input> read_wheels(const tf2_msgs::TFMessage& message) {
+    for (const VelocitySample& sample : wheels_->add(message)) {
+      waiting_.push_back(FramedSample<VelocitySample>{sample, frames_.base_frame()});
+    }
+    return waiting_.empty() ? std::nullopt : take_waiting();
+  }
+
+  std::optional<Input> readable(const BagMessage& message) try {
+    if (wheels_) {
+      if (const auto frames = ros_border::read_transforms(message)) return read_wheels(*frames);
+    }
+    return read(message);
+  } catch (const ros::Exception&) {
+    ++damaged_messages_;
+    return std::nullopt;
+  }
+
+  std::optional<Input> read(const BagMessage& message) const {
+    const ros::Time recorded = ros_border::to_ros(message.recorded);
+    if (message.holds<sensor_msgs::PointCloud2>()) {
+      const RecordedCloud cloud = ros_border::read_cloud(message);
+      const Stamp stamp =
+          given_or_recorded(ros_border::from_ros(cloud.message.header.stamp), recorded);
+      return pipeline::RecordedScan{stamp, [cloud, stamp, this](PointCloud buffer) {
+                                      return decoded(cloud, stamp, std::move(buffer));
+                                    }};
+    }
+    if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
+      return framed(ros_border::input_of(*imu), recorded);
+    }
+    if (auto velocity = ros_border::read_velocity(message)) return framed(*velocity, recorded);
+    if (auto fix = ros_border::read_gnss(message)) return framed(*fix, recorded);
+    return std::nullopt;
+  }
+
+  BagSet bags_;
+  preprocessing::PreprocessingConfig config_;
+  SensorTopics topics_;
+  ros_border::RecordedFrames frames_;
+  std::string frames_notice_;
+  std::optional<ros_border::TransformOdometry> wheels_;  ///< where the velocity comes from tf
+  std::deque<Input> waiting_;                            ///< of a message that held several
+  Stamp begin_ = 0;
+  Stamp end_ = 0;
+  std::optional<BagStream> stream_;
+  std::size_t damaged_messages_ = 0;  ///< whole, but not what their type says
+  bool damage_mentioned_ = false;
+  bool ended_ = false;
+  std::vector<std::string> notices_;
+};
+
+BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wanted,
+                   const std::string& base_frame, const preprocessing::PreprocessingConfig& config)
+    : impl_(std::make_unique<Impl>(paths, wanted, base_frame, config)) {}
+BagInput::~BagInput() = default;
+
+std::optional<Input> BagInput::next() { return impl_->next(); }
+std::vector<std::string> BagInput::take_notices() { return impl_->take_notices(); }
+void BagInput::skip_to(Stamp stamp) { impl_->skip_to(stamp); }
+Stamp BagInput::begin() const { return impl_->begin(); }
+Stamp BagInput::end() const { return impl_->end(); }
+std::optional<Pose> BagInput::T_base(const std::string& frame_id) const {
+  return impl_->T_base(frame_id);
+}
+const SensorTopics& BagInput::topics() const { return impl_->topics(); }
+const std::string& BagInput::frames_notice() const { return impl_->frames_notice(); }
+std::vector<preprocessing::InputReport> BagInput::examine(double seconds) const {
+  return impl_->examine(seconds);
+}
+
+}  // namespace lidar_mapping::recordings

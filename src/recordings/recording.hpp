@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/pipeline/kitti_folder.hpp"
+
+namespace lidar_mapping::recordings {
+
+/// Scans that can be read one by one, in the sensor's frame.
+struct Recording {
+  std::size_t size = 0;
+  std::function<Scan(std::size_t)> scan;
+  Pose T_base_sensor;  ///< as the recording says it, else none
+};
+
+/// A folder as KITTI lays it out, or a bag with a topic of PointCloud2 (the first one, unless
+/// `topic` names one) and, if it is there, /tf_static. Throws FileError or InputError.
+Recording open_recording(const std::string& path, const std::string& topic,
+                         const pipeline::KittiReading& reading);
+
+}  // namespace lidar_mapping::recordings

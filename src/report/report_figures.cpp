@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/evaluation/trajectory_errors.hpp"
+#include "lidar_mapping/map/key_frame_track.hpp"
+
+#include "report_statistics.hpp"
+
+namespace lidar_mapping::report {
+
+namespace {
+
+constexpr double kRelativeDelta = 10.0;  // m, of the relative pose error
+constexpr std::size_t kFewestPairs = 3;  // that can be aligned
+
+/// Scans in a row that were not tracked.
+json::Json stretches(const std::vector<session::ScanRecord>& scans) {
+  json::Json found = json::Json::array();
+  std::string state = "tracking";
+  for (const session::ScanRecord& scan : scans) {
+    if (scan.state != "tracking" && scan.state == state) {
+      found.back()["scans"] = found.back()["scans"].get<int>() + 1;
+    } else if (scan.state != "tracking") {
+      found.push_back({{"state", scan.state},
+                       {"begin_s", to_seconds(scan.stamp - scans.front().stamp)},
+                       {"scans", 1}});
+    }
+    state = scan.state;
+  }
+  return found;
+}
+
+/// Poses beside the truth, moved rigidly onto it.
+std::vector<evaluation::PosePair> aligned_pairs(const Trajectory& truth,
+                                                const KeyFramePoses& poses) {
+  Trajectory estimate;
+  for (const KeyFramePose& pose : poses.poses) {
+    estimate.poses.push_back({pose.stamp, pose.T_map_base});
+  }
+  const auto pairs = evaluation::associate(truth, estimate);
+  if (pairs.size() < kFewestPairs) {
+    throw InputError("only " + std::to_string(pairs.size()) +
+                     " key frames lie within the time of the true trajectory; check the clocks of "
+                     "both");
+  }
+  return evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
+}
+
+}  // namespace
+
+ReportInput report_input(const session::Session& session, std::optional<Trajectory> truth) {
+  map::KeyFrameTrack track;
+  for (const KeyFrame& key_frame : session.key_frames()) track.add(key_frame);
+  track.update(session.poses());
+  return {session, track.poses(), track.odometry(), std::move(truth)};
+}
+
+json::Json drive_figures(const ReportInput& input) {
+  const auto& poses = input.poses.poses;
+  const auto distances = distances_of(input.poses);
+  json::Json figures = {
+      {"key_frames", poses.size()},
+      {"length_m", distances.empty() ? 0.0 : distances.back()},
+      {"seconds", poses.empty() ? 0.0 : to_seconds(poses.back().stamp - poses.front().stamp)},
+      {"revision", input.poses.revision},
+      {"datum", nullptr}};
+  if (const auto datum = input.session.datum()) {
+    figures["datum"] = {datum->latitude_deg, datum->longitude_deg, datum->altitude_m};
+  }
+  return figures;
+}
+
+json::Json trajectory_figures(const ReportInput& input) {
+  const auto distances = distances_of(input.poses);
+  json::Json rows = json::Json::array();
+  double farthest = 0.0;
+  double vertical = 0.0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const Pose& map_pose = input.poses.poses[i].T_map_base;
+    const Pose& odometry = input.odometry.poses[i].T_map_base;
+    const Eigen::Vector3d& p = map_pose.translation;
+    const Eigen::Vector3d& q = odometry.translation;
+    const double turned = yaw_of(odometry.rotation * map_pose.rotation.conjugate()) * kDegPerRad;
+    rows.push_back({input.poses.poses[i].index, distances[i], p.x(), p.y(), p.z(), q.x(), q.y(),
+                    q.z(), turned});
+    farthest = std::max(farthest, (q - p).norm());
+    vertical = std::max(vertical, std::abs(q.z() - p.z()));
+  }
+  return {{"columns",
+           {"key_frame", "distance", "x", "y", "z", "odometry_x", "odometry_y", "odometry_z",
+            "odometry_yaw_deg"}},
+          {"rows", rows},
+          {"odometry_max_m", farthest},
+          {"odometry_max_vertical_m", vertical}};
+}
+
+json::Json scan_figures(const ReportInput& input) {
+  const auto scans = input.session.scans();
+  std::map<std::string, int> states;
+  std::vector<double> seconds;
+  for (const session::ScanRecord& scan : scans) {
+    ++states[scan.state];
+    seconds.push_back(scan.seconds);
+  }
+  double optimising = 0.0;
+  double longest = 0.0;
+  const auto revisions = input.session.revisions();
+  for (const session::RevisionRecord& revision : revisions) {
+    optimising += revision.seconds;
+    longest = std::max(longest, revision.seconds);
+  }
+  return {{"scans", scans.size()},
+          {"dropped", scans.empty() ? 0 : scans.back().scans_dropped},
+          {"states", states},
+          {"stretches", stretches(scans)},
+          {"front_end_median_s", quantile(seconds, 0.5)},
+          {"front_end_p99_s", quantile(seconds, 0.99)},
+          {"optimisations", revisions.size()},
+          {"optimisation_longest_s", longest},
+          {"optimisation_total_s", optimising}};
+}
+
+json::Json truth_figures(const ReportInput& input) {
+  if (!input.truth) return nullptr;
+  const Trajectory& truth = *input.truth;
+  const auto pairs = aligned_pairs(truth, input.poses);
+  const auto of_odometry = aligned_pairs(truth, input.odometry);
+  const auto ape = evaluation::absolute_pose_error(pairs);
+  const auto rpe = evaluation::relative_pose_error(pairs, kRelativeDelta);
+  const auto kitti = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);
+  const auto distances = evaluation::travelled_distances(pairs);
+  json::Json rows = json::Json::array();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pose error = pairs[i].truth.inverse() * pairs[i].estimate;
+    const Pose before = of_odometry[i].truth.inverse() * of_odometry[i].estimate;
+    rows.push_back({distances[i], error.translation.norm(),
+                    rotation_angle(error.rotation) * kDegPerRad, before.translation.norm()});
+  }
+  return {{"poses", pairs.size()},
+          {"ape_rmse_m", ape.translation_m.rmse},
+          {"ape_max_m", ape.translation_m.max},
+          {"ape_rmse_deg", ape.rotation_deg.rmse},
+          {"rpe_delta_m", kRelativeDelta},
+          {"rpe_rmse_m", rpe.translation_m.rmse},
+          {"rpe_rmse_deg", rpe.rotation_deg.rmse},
+          {"kitti_translation_percent", kitti.translation_percent},
+          {"kitti_rotation_deg_per_100m", kitti.rotation_deg_per_100m},
+          {"columns", {"distance", "error_m", "error_deg", "odometry_error_m"}},
+          {"rows", rows}};
+}
+
+namespace {
+
+/// Without the place of the sensor nobody knows how beams met the surfaces: no ratio then.
+json::Json thickness_json(const map_quality::Thickness& thickness, bool has_ratio) {
+  return {{"cells", thickness.cells},
+          {"median_m", thickness.median},
+          {"p90_m", thickness.high},
+          {"median_within_m", thickness.median_within},
+          {"median_ratio_to_noise", has_ratio ? json::Json(thickness.median_ratio) : json::Json()}};
+}
+
+}  // namespace
+
+json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio) {
+  return {{"ground", thickness_json(thickness.ground, has_ratio)},
+          {"walls", thickness_json(thickness.walls, has_ratio)},
+          {"planar_share", thickness.planar_share}};
+}
+
+json::Json to_json(const map_quality::GhostVector& ghost) {
+  return {{"key_frame", ghost.key_frame},
+          {"position", {ghost.position.x(), ghost.position.y(), ghost.position.z()}},
+          {"along_m", ghost.along},
+          {"left_m", ghost.left},
+          {"up_m", ghost.up},
+          {"yaw_deg", ghost.yaw * kDegPerRad},
+          {"size_m", ghost.size()},
+          {"planes", ghost.planes},
+          {"residual_m", ghost.residual}};
+}
+
+json::Json to_json(const map_quality::MapEntropy& entropy) {
+  return {{"mean", entropy.mean},
+          {"radius_m", entropy.radius},
+          {"points", entropy.points},
+          {"mean_neighbours", entropy.neighbours}};
+}
+
+}  // namespace lidar_mapping::report

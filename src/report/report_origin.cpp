@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "report_figures.hpp"
+#include "run_record.hpp"
+
+namespace lidar_mapping::report {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Below it a stamp counts from the start of a simulator or of a sensor: it is no date.
+constexpr Stamp kFirstDate = from_seconds(1e8);
+
+json::Json date_of(const ReportInput& input) {
+  if (input.poses.poses.empty() || input.poses.poses.front().stamp < kFirstDate) return nullptr;
+  return utc(static_cast<std::time_t>(to_seconds(input.poses.poses.front().stamp)));
+}
+
+/// Metres and axes of all coordinates of map and trajectories.
+std::string coordinates_of(const ReportInput& input) {
+  const auto datum = input.session.datum();
+  if (!datum) return "local, m: the first key frame is the origin, x forward, y left, z up";
+  char text[240];
+  std::snprintf(text, sizeof text, "%.7f°, %.7f°, %.3f m above the ellipsoid (WGS 84)",
+                datum->latitude_deg, datum->longitude_deg, datum->altitude_m);
+  if (is_in_enu(input.session))
+    return std::string("local East-North-Up, m, with its origin at ") + text;
+  return std::string("local, m, not georeferenced (GNSS is not used); its datum is ") + text;
+}
+
+/// The numbers behind "name: [" in a map's description.
+json::Json list_in(const std::string& text, const std::string& name) {
+  const std::size_t begin = text.find(name + ": [");
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  if (begin == std::string::npos ||
+      std::sscanf(text.c_str() + begin + name.size() + 3, "%lf, %lf, %lf", &x, &y, &z) != 3) {
+    return nullptr;
+  }
+  return {x, y, z};
+}
+
+std::uintmax_t bytes_of(const fs::path& path) {
+  if (fs::is_regular_file(path)) return fs::file_size(path);
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  }
+  return bytes;
+}
+
+/// What each file is for, in the order of the page.
+const std::pair<const char*, const char*> kProducts[] = {
+    {"map/map.pcd", "point cloud of the map (PCD)"},
+    {"map/map.ply", "point cloud of the map (PLY)"},
+    {"map/map.las", "point cloud of the map (LAS)"},
+    {"map/pointcloud_map", "point cloud in tiles (Autoware)"},
+    {"map/map.yaml", "frame, origin, resolution and extent of the map"},
+    {"map/top_view.png", "the map from above"},
+    {"map/grid.pgm", "occupancy grid (map_server)"},
+    {"map/moving_objects.pcd", "points of moving objects that were left out"},
+    {"trajectory/optimized.tum", "optimised poses of the key frames"},
+    {"trajectory/laser_odom.tum", "odometry of the key frames"},
+    {"trajectory/laser_odom_scans.tum", "odometry of every scan"},
+    {"trajectory/gnss.tum", "GNSS track"},
+    {"graph.g2o", "pose graph"},
+    {"loops.csv", "loops"},
+    {"candidates.csv", "candidates for loops, taken or not"},
+    {"key_frames", "clouds of the key frames (PCD)"},
+    {"config.yaml", "all parameters in force"},
+    {"session.db", "everything that is known of the drive (SQLite)"}};
+
+}  // namespace
+
+json::Json origin_figures(const ReportInput& input) {
+  json::Json origin = {{"date", date_of(input)}, {"coordinates", coordinates_of(input)},
+                       {"recording", nullptr},   {"sensors", json::Json::array()},
+                       {"software", nullptr},    {"command", nullptr},
+                       {"mapped", nullptr},      {"configuration", input.session.configurations()}};
+  const auto record = read_run_record(input.session.directory());
+  if (!record) return origin;
+  origin["recording"] = json::Json::array();
+  for (const RecordedFile& file : record->files) {
+    origin["recording"].push_back({{"name", file.name}, {"bytes", file.bytes}});
+  }
+  origin["sensors"] = record->sensors;
+  origin["software"] = record->software;
+  origin["command"] = record->command;
+  origin["mapped"] = record->date;
+  return origin;
+}
+
+json::Json product_figures(const ReportInput& input) {
+  const fs::path& directory = input.session.directory();
+  json::Json files = json::Json::array();
+  for (const auto& [name, meaning] : kProducts) {
+    if (!fs::exists(directory / name)) continue;
+    files.push_back({{"name", name}, {"meaning", meaning}, {"bytes", bytes_of(directory / name)}});
+  }
+  std::ifstream stream(directory / "map" / "map.yaml");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return {{"files", files},
+          {"map_min_m", list_in(text.str(), "min")},
+          {"map_max_m", list_in(text.str(), "max")}};
+}
+
+}  // namespace lidar_mapping::report

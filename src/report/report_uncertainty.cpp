@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/pipeline/recorded_back_end.hpp"
+#include "lidar_mapping/pipeline/stored_configuration.hpp"
+
+#include "report_figures.hpp"
+#include "report_statistics.hpp"
+
+namespace lidar_mapping::report {
+
+namespace {
+
+using back_end::KeyFrameDeviation;
+
+back_end::BackEndConfig configuration_of(const session::Session& session) {
+  return config::load<back_end::BackEndConfig>(
+      {pipeline::stored_configuration<back_end::BackEndConfig>(session)});
+}
+
+/// Key frames that a believed loop or a GNSS position constrains.
+std::set<KeyFrameIndex> constrained_ones(const ReportInput& input,
+                                         const back_end::BackEnd& back_end, bool use_gnss) {
+  std::set<KeyFrameIndex> constrained;
+  for (const auto& [loop, used] : back_end.loops()) {
+    if (used) constrained.insert({loop.from, loop.to});
+  }
+  if (!use_gnss) return constrained;
+  std::set<Stamp> stamps;
+  for (const GnssPosition& gnss : input.session.gnss()) stamps.insert(gnss.stamp);
+  for (const KeyFramePose& pose : input.poses.poses) {
+    if (stamps.count(pose.stamp) > 0) constrained.insert(pose.index);
+  }
+  return constrained;
+}
+
+/// The longest part of the path on odometry alone.
+json::Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& constrained) {
+  const auto distances = distances_of(input.poses);
+  double begin = 0.0;
+  double longest = 0.0;
+  double at = 0.0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (distances[i] - begin > longest) {
+      longest = distances[i] - begin;
+      at = begin;
+    }
+    if (constrained.count(input.poses.poses[i].index) > 0) begin = distances[i];
+  }
+  return {{"length_m", longest}, {"begin_m", at}};
+}
+
+/// A key frame of the map with what the graph knows of it.
+struct Place {
+  const KeyFramePose* pose = nullptr;
+  const KeyFrameDeviation* deviation = nullptr;
+  double distance = 0.0;  ///< of the way to it, m
+};
+
+std::vector<Place> places_of(const ReportInput& input,
+                             const std::vector<KeyFrameDeviation>& deviations) {
+  std::map<KeyFrameIndex, const KeyFrameDeviation*> by_index;
+  for (const KeyFrameDeviation& deviation : deviations) by_index[deviation.index] = &deviation;
+  const std::vector<double> distances = distances_of(input.poses);
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const KeyFramePose& pose = input.poses.poses[i];
+    const auto found = by_index.find(pose.index);
+    if (found != by_index.end()) places.push_back({&pose, found->second, distances[i]});
+  }
+  return places;
+}
+
+/// The largest standard deviation of a position that is known at all, and where; null for none.
+json::Json largest(const std::vector<Place>& places,
+                   back_end::PoseDeviation KeyFrameDeviation::*which) {
+  const Place* worst = nullptr;
+  for (const Place& place : places) {
+    const double sigma = (place.deviation->*which).position;
+    if (!std::isfinite(sigma)) continue;
+    if (worst == nullptr || sigma > (worst->deviation->*which).position) worst = &place;
+  }
+  if (worst == nullptr) return nullptr;
+  const Eigen::Vector3d& p = worst->pose->T_map_base.translation;
+  return {{"sigma_m", (worst->deviation->*which).position},
+          {"key_frame", worst->deviation->index},
+          {"x", p.x()},
+          {"y", p.y()},
+          {"distance_m", worst->distance}};
+}
+
+}  // namespace
+
+std::unique_ptr<back_end::BackEnd> solved_graph(const session::Session& session) {
+  auto back_end = std::make_unique<back_end::BackEnd>(configuration_of(session));
+  pipeline::replay(session, *back_end);
+  back_end->apply(*back_end::solve(*back_end->problem(true)));
+  return back_end;
+}
+
+json::Json uncertainty_figures(const ReportInput& input, const back_end::BackEnd& back_end,
+                               const std::vector<back_end::KeyFrameDeviation>& deviations) {
+  const std::vector<Place> places = places_of(input, deviations);
+  json::Json rows = json::Json::array();
+  for (const Place& place : places) {
+    const back_end::PoseDeviation& sigma = place.deviation->from_first;
+    if (!std::isfinite(sigma.position)) continue;
+    rows.push_back({place.distance, sigma.position, sigma.angle * kDegPerRad});
+  }
+  const auto count = [&](const auto& is_so) {
+    return std::count_if(deviations.begin(), deviations.end(), is_so);
+  };
+  return {{"largest", largest(places, &KeyFrameDeviation::from_first)},
+          {"largest_step", largest(places, &KeyFrameDeviation::from_previous)},
+          {"not_tied", count([](const auto& d) { return !std::isfinite(d.from_first.position); })},
+          {"doubtful", count([](const auto& d) { return d.doubtful; })},
+          {"longest_without_constraint",
+           longest_gap(
+               input, constrained_ones(input, back_end, configuration_of(input.session).use_gnss))},
+          {"columns", {"distance", "sigma_m", "sigma_deg"}},
+          {"rows", rows}};
+}
+
+std::string key_frame_table(const ReportInput& input,
+                            const std::vector<back_end::KeyFrameDeviation>& deviations) {
+  std::ostringstream text;
+  text << "key_frame,stamp_ns,x,y,z,way_m,part,doubtful,sigma_first_m,sigma_first_deg,"
+          "sigma_previous_m,sigma_previous_deg\n"
+       << std::fixed << std::setprecision(6);
+  for (const Place& place : places_of(input, deviations)) {
+    const Eigen::Vector3d& p = place.pose->T_map_base.translation;
+    const back_end::KeyFrameDeviation& deviation = *place.deviation;
+    text << deviation.index << ',' << place.pose->stamp << ',' << p.x() << ',' << p.y() << ','
+         << p.z() << ',' << place.distance << ',' << deviation.part << ','
+         << (deviation.doubtful ? "yes" : "no") << ',' << deviation.from_first.position << ','
+         << deviation.from_first.angle * kDegPerRad << ',' << deviation.from_previous.position
+         << ',' << deviation.from_previous.angle * kDegPerRad << '\n';
+  }
+  return text.str();
+}
+
+}  // namespace lidar_mapping::report

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <cstdio>
+
+#include "report_figures.hpp"
+
+namespace lidar_mapping::report {
+
+namespace {
+
+// Beyond these a person should look.
+constexpr double kMaxRatio = 1.5;          // thickness to what the noise gives
+constexpr double kMaxPoseShare = 1.3;      // thickness to that of single groups
+constexpr double kMaxGhostSide = 0.05;     // m, left and up
+constexpr double kMaxGhostAlong = 0.2;     // m
+constexpr double kMaxGhostYaw = 0.2;       // deg
+constexpr double kMaxLoopResidual = 0.15;  // m
+constexpr double kMaxCorrection = 0.01;    // of the distance travelled
+constexpr double kMaxSigma = 0.5;          // m
+constexpr double kMaxGnssSigmas = 4.0;     // 95 % of the residuals, against the stated sigma
+constexpr double kMinGnssResidual = 0.1;   // m, never called too much
+
+template <typename... Values>
+std::string text(const char* format, Values... values) {
+  char buffer[240];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+/// `limit` says what is good.
+json::Json line(const char* name, const std::string& value, const json::Json& good,
+                const std::string& note, const std::string& limit = "") {
+  return {{"name", name}, {"value", value}, {"good", good}, {"note", note}, {"limit", limit}};
+}
+
+json::Json thickness_line(const char* name, const json::Json& thickness) {
+  if (thickness["cells"] == 0) return line(name, "no planar cells", nullptr, "");
+  const double median = thickness["median_m"];
+  const double within = thickness["median_within_m"];
+  const double from_poses = median / std::max(within, 1e-6);
+  const json::Json& ratio = thickness["median_ratio_to_noise"];
+  const bool good = from_poses < kMaxPoseShare && (ratio.is_null() || ratio < kMaxRatio);
+  const std::string value = text("%.1f mm", 1000.0 * median);
+  const std::string own = text("single passes of a few metres alone: %.1f mm", 1000.0 * within);
+  const std::string share = text("below %.1f times that of single passes", kMaxPoseShare);
+  if (ratio.is_null()) return line(name, value, good, own, share);
+  return line(name, value + text(", %.2f of the noise", ratio.get<double>()), good, own,
+              text("below %.1f of the noise and ", kMaxRatio) + share);
+}
+
+bool is_alarming(const json::Json& ghost) {
+  const auto beyond = [&](const char* part, double limit) {
+    return std::abs(ghost[part].get<double>()) > limit;
+  };
+  return beyond("left_m", kMaxGhostSide) || beyond("up_m", kMaxGhostSide) ||
+         beyond("along_m", kMaxGhostAlong) || beyond("yaw_deg", kMaxGhostYaw);
+}
+
+json::Json ghost_line(const json::Json& ghosts) {
+  const char* name = "Repeated passes";
+  if (ghosts.empty()) {
+    return line(name, "no place was driven twice", nullptr, "only local quality could be judged");
+  }
+  std::size_t alarming = 0;
+  for (const json::Json& ghost : ghosts) alarming += is_alarming(ghost) ? 1 : 0;
+  const double worst = ghosts.front()["size_m"];
+  const double median = ghosts[ghosts.size() / 2]["size_m"];
+  return line(name, text("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst),
+              alarming == 0,
+              text("%zu places, %zu of them beyond the limits", ghosts.size(), alarming),
+              text("below %.0f mm aside and up, %.0f mm along, %.1f deg", 1000.0 * kMaxGhostSide,
+                   1000.0 * kMaxGhostAlong, kMaxGhostYaw));
+}
+
+json::Json loop_line(const json::Json& loops) {
+  const std::size_t used = loops["used"];
+  const std::size_t dropped = loops["dropped_by_graph"];
+  const std::size_t refused = loops["refused_or_undecided"];
+  const double worst = loops["max_residual_m"];
+  const std::string note =
+      text("%zu dropped by the graph, %zu refused or undecided", dropped, refused);
+  if (used + dropped == 0) return line("Loops", "none", nullptr, note);
+  return line("Loops", text("%zu used, residual up to %.0f mm", used, 1000.0 * worst),
+              dropped == 0 && worst < kMaxLoopResidual, note,
+              text("none dropped, residuals below %.0f mm", 1000.0 * kMaxLoopResidual));
+}
+
+json::Json gnss_line(const json::Json& gnss) {
+  if (gnss["positions"] == 0) return line("GNSS", "none", nullptr, "the map is not georeferenced");
+  const double residual = gnss["p95_horizontal_m"];
+  const double stated = gnss["median_stated_sigma_m"];
+  const double limit = std::max(kMinGnssResidual, kMaxGnssSigmas * stated);
+  return line("GNSS",
+              text("%.0f mm horizontally in the median, 95 %% below %.0f mm",
+                   1000.0 * gnss["median_horizontal_m"].get<double>(), 1000.0 * residual),
+              residual < limit,
+              text("stated standard deviation %.0f mm; %s", 1000.0 * stated,
+                   gnss["used_by_graph"] ? "used by the graph" : "not used, aligned to the map"),
+              text("95 %% below %.0f mm", 1000.0 * limit));
+}
+
+json::Json odometry_line(const json::Json& report) {
+  const double farthest = report["trajectory"]["odometry_max_m"];
+  const double vertical = report["trajectory"]["odometry_max_vertical_m"];
+  const double length = report["drive"]["length_m"];
+  const double limit = std::max(0.5, kMaxCorrection * length);
+  const char* name = "Odometry against the map";
+  const bool has_gnss = report["gnss"]["positions"] > 0 && report["gnss"]["used_by_graph"];
+  if (report["loops"]["used"] == 0 && !has_gnss) {
+    return line(name, "not known", nullptr,
+                "the map is the odometry: no loop and no GNSS position corrected it");
+  }
+  return line(name, text("up to %.2f m apart", farthest), farthest < limit,
+              text("up to %.2f m in height, over %.0f m", vertical, length),
+              text("below %.1f m on a path of this length", limit));
+}
+
+json::Json scan_line(const json::Json& scans) {
+  const std::size_t all = scans["scans"];
+  const std::size_t dropped = scans["dropped"];
+  const std::size_t tracked = scans["states"].value("tracking", std::size_t{0});
+  return line("Scans", text("%zu, %zu of them tracked", all, tracked),
+              dropped == 0 && tracked == all, text("%zu dropped", dropped),
+              "all tracked, none dropped");
+}
+
+/// In words, of a key frame.
+std::string place(const json::Json& of) {
+  return text("key frame %u at %.1f, %.1f", of["key_frame"].get<unsigned>(), of["x"].get<double>(),
+              of["y"].get<double>());
+}
+
+json::Json uncertainty_line(const json::Json& uncertainty) {
+  const char* name = "Pose uncertainty";
+  const json::Json& gap = uncertainty["longest_without_constraint"];
+  const std::string note = text("longest path without loop or GNSS: %.0f m, from %.0f m on",
+                                gap["length_m"].get<double>(), gap["begin_m"].get<double>());
+  const std::string limit =
+      text("below %.1f m, all tied and none doubtful; loops or GNSS on that path make it smaller",
+           kMaxSigma);
+  const json::Json& first = uncertainty["largest"];
+  const json::Json& step = uncertainty["largest_step"];
+  if (first.is_null() || step.is_null()) return line(name, "not known", nullptr, note);
+  const double sigma = first["sigma_m"];
+  std::string value = text("standard deviation up to %.2f m from the first key frame (%s), ", sigma,
+                           place(first).c_str()) +
+                      text("up to %.2f m from a neighbour (%s)", step["sigma_m"].get<double>(),
+                           place(step).c_str());
+  const std::size_t not_tied = uncertainty["not_tied"];
+  const std::size_t doubtful = uncertainty["doubtful"];
+  if (not_tied > 0) value += text("; %zu key frames are not tied to the first", not_tied);
+  if (doubtful > 0) value += text("; %zu are doubtful", doubtful);
+  return line(name, value, sigma < kMaxSigma && not_tied == 0 && doubtful == 0, note, limit);
+}
+
+/// The worst of what is not to be relied on.
+json::Json doubt_line(const json::Json& doubt) {
+  const char* name = "Motion observed";
+  const std::string limit =
+      "parts of the map joined, and errors of the way that nothing observed below 1 % of it";
+  const json::Json* worst = nullptr;
+  std::size_t untrusted = 0;
+  for (const json::Json& stretch : doubt["stretches"]) {
+    if (stretch["trusted"]) continue;
+    ++untrusted;
+    // Null is unknown, and worse than any error.
+    const auto is_worse = [](const json::Json& a, const json::Json& b) {
+      return !b.is_null() && (a.is_null() || a.get<double>() > b.get<double>());
+    };
+    if (worst == nullptr || is_worse(stretch["error_m"], (*worst)["error_m"])) worst = &stretch;
+  }
+  if (worst == nullptr) {
+    return line(name, "all along", true,
+                text("%zu remarks in doubt.csv", doubt["stretches"].size()), limit);
+  }
+  const json::Json& error = (*worst)["error_m"];
+  const std::string value =
+      error.is_null()
+          ? text("lost at %.1f s, parts not joined", (*worst)["begin_s"].get<double>())
+          : text("not between %.1f and %.1f s, error %.1f m", (*worst)["begin_s"].get<double>(),
+                 (*worst)["end_s"].get<double>(), error.get<double>());
+  return line(name, value, false, text("%zu stretches are not to be trusted", untrusted), limit);
+}
+
+json::Json truth_line(const json::Json& truth) {
+  return line("Against the truth",
+              text("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
+                   1000.0 * truth["ape_max_m"].get<double>()),
+              nullptr,
+              text("after rigid alignment; RPE over %.0f m %.1f mm, %.3f deg",
+                   truth["rpe_delta_m"].get<double>(), 1000.0 * truth["rpe_rmse_m"].get<double>(),
+                   truth["rpe_rmse_deg"].get<double>()));
+}
+
+}  // namespace
+
+json::Json verdicts(const json::Json& report) {
+  json::Json lines = {thickness_line("Walls", report["thickness"]["walls"]),
+                      thickness_line("Ground", report["thickness"]["ground"]),
+                      ghost_line(report["ghosts"]),
+                      loop_line(report["loops"]),
+                      gnss_line(report["gnss"]),
+                      odometry_line(report),
+                      scan_line(report["scans"]),
+                      uncertainty_line(report["uncertainty"]),
+                      doubt_line(report["doubt"])};
+  if (!report["truth"].is_null()) lines.push_back(truth_line(report["truth"]));
+  return lines;
+}
+
+std::string overall_verdict(const json::Json& report) {
+  std::string faults;
+  for (const json::Json& line : report["verdicts"]) {
+    if (line["good"] != false) continue;
+    faults += (faults.empty() ? "" : ", ") + line["name"].get<std::string>();
+  }
+  std::string text =
+      faults.empty() ? "Good: nothing that a person would have to look at" : "Look at: " + faults;
+  if (report["ghosts"].empty()) {
+    text += "; no place was driven twice, so only local quality could be judged";
+  }
+  return text;
+}
+
+}  // namespace lidar_mapping::report

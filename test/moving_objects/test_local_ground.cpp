@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/moving_objects/local_ground.hpp"
+
+namespace lidar_mapping::moving_objects {
+namespace {
+
+constexpr double kColumn = 0.6;  // m, side of a column
+constexpr double kGrade = 0.3;
+const Eigen::Vector2d kCar(3.9, -2.1);  // m, middle of a column
+constexpr float kRoof = 1.5F;           // m above the street
+constexpr float kInside = 8.0F;  // m; at the street's ends half of the surroundings is unseen
+
+using Slope = Eigen::Vector2d;  ///< grade along x and y
+
+double street(const Slope& slope, double x, double y) { return slope.dot(Eigen::Vector2d(x, y)); }
+
+/// A sloping street seen every 0.2 m but for the column of the car, of which only the roof is seen.
+PlacedPoints sloping_street(const Slope& slope) {
+  PointCloud cloud;
+  const auto add = [&cloud](double x, double y, double z) {
+    Point point;
+    point.x = static_cast<float>(x);
+    point.y = static_cast<float>(y);
+    point.z = static_cast<float>(z);
+    cloud.points.push_back(point);
+  };
+  for (int i = -50; i < 50; ++i) {
+    for (int j = -50; j < 50; ++j) {
+      const double x = 0.1 + 0.2 * i;
+      const double y = 0.1 + 0.2 * j;
+      const bool is_car = std::max(std::abs(x - kCar.x()), std::abs(y - kCar.y())) < kColumn / 2;
+      add(x, y, street(slope, x, y) + (is_car ? kRoof : 0.0));
+    }
+  }
+  return PlacedPoints(cloud, Pose());
+}
+
+struct Seen {
+  float street;  ///< m above the ground, largest of the street's points
+  float roof;    ///< lowest of the roof's points
+};
+
+Seen heights(const Slope& slope) {
+  const PlacedPoints points = sloping_street(slope);
+  const GroundArea area(points);
+  LocalGround ground(area);
+  ground.add(ground_columns(points));
+  Seen seen{0.0F, kRoof * 10};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f point(points.x[i], points.y[i], points.z[i]);
+    if (point.head<2>().cwiseAbs().maxCoeff() > kInside) continue;
+    const float above = ground.height_above(point.z(), area.column_of(i));
+    const bool is_roof = point.z() > street(slope, point.x(), point.y()) + 0.5;
+    if (is_roof) {
+      seen.roof = std::min(seen.roof, above);
+    } else {
+      seen.street = std::max(seen.street, above);
+    }
+  }
+  return seen;
+}
+
+TEST(LocalGround, LiesBelowACarOnASlopeWhicheverWayItFalls) {
+  for (const Slope& slope :
+       {Slope(kGrade, 0.0), Slope(-kGrade, 0.0), Slope(0.0, kGrade), Slope(0.0, -kGrade)}) {
+    const Seen seen = heights(slope);
+    // A column's points lie up to 0.4 m uphill of its lowest ones.
+    EXPECT_NEAR(seen.street, 0.4 * kGrade, 0.01) << slope.transpose();
+    // The lowest quarter of the columns around the car begins one column downhill.
+    EXPECT_NEAR(seen.roof, kRoof + kColumn * kGrade, 0.02) << slope.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::moving_objects

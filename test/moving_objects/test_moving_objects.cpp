@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/moving_objects/moving_objects.hpp"
+
+namespace lidar_mapping::moving_objects {
+namespace {
+
+constexpr KeyFrameIndex kKeyFrames = 30;
+const Eigen::Vector3d kSensor(0.5, 0.0, 1.8);
+
+struct Box {
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+};
+
+/// Distance along a ray to a box; infinity if it misses.
+double distance_to(const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+  double near = 0.0;
+  double far = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const double a = (box.low[i] - origin[i]) / ray[i];
+    const double b = (box.high[i] - origin[i]) / ray[i];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  return near <= far && near > 0.0 ? near : std::numeric_limits<double>::infinity();
+}
+
+/// A street with walls, a parked car, a pole and a car, or a truck, that drives towards the
+/// vehicle.
+class Street : public CloudSource {
+ public:
+  explicit Street(double height = 1.5) : height_(height) {
+    for (KeyFrameIndex index = 0; index < kKeyFrames; ++index) {
+      Pose pose;
+      pose.translation.x() = 1.0 * index;
+      poses.poses.push_back({index, Stamp{index}, pose});
+      clouds_[index] = scan(pose, moving_car(index));
+    }
+  }
+
+  Box moving_car(KeyFrameIndex index) const {
+    const double x = 45.0 - 1.2 * index;
+    return {{x, 2.0, 0.0}, {x + 4.0, 3.8, height_}};
+  }
+
+  PointCloudPtr cloud(KeyFrameIndex index) override { return clouds_.at(index); }
+
+  /// Whether a point of that key frame is on the moving car, well above the ground.
+  bool on_moving_car(KeyFrameIndex index, const Point& point) const {
+    const Box car = moving_car(index);
+    const Eigen::Vector3d p =
+        point.position().cast<double>() + Eigen::Vector3d(1.0 * index, 0.0, 0.0);
+    return ((p - car.low).array() > -0.01).all() && ((car.high - p).array() > -0.01).all() &&
+           p.z() > 0.15;
+  }
+
+  KeyFramePoses poses;
+
+ private:
+  static PointCloudPtr scan(const Pose& T_map_base, const Box& car) {
+    const std::vector<Box> boxes = {
+        {{-50.0, 8.0, 0.0}, {80.0, 9.0, 8.0}},      {{-50.0, -9.0, 0.0}, {80.0, -8.0, 8.0}},
+        {{12.0, -5.5, 0.0}, {16.0, -3.8, 1.5}},     {{20.0, 6.0, 0.0}, {20.15, 6.15, 5.0}},
+        {{-60.0, -60.0, -1.0}, {100.0, 60.0, 0.0}}, car};
+    auto cloud = std::make_shared<PointCloud>();
+    const Eigen::Vector3d origin = T_map_base * kSensor;
+    for (int beam = 0; beam < 48; ++beam) {
+      const double elevation = (-24.0 + 0.6 * beam) * M_PI / 180.0;
+      for (int column = 0; column < 720; ++column) {
+        const double azimuth = column * M_PI / 360.0 + 1e-4;
+        const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+        double range = std::numeric_limits<double>::infinity();
+        for (const Box& box : boxes) range = std::min(range, distance_to(box, origin, ray));
+        if (range > 60.0) continue;
+        const Eigen::Vector3f p = (T_map_base.inverse() * (origin + range * ray)).cast<float>();
+        cloud->points.push_back({p.x(), p.y(), p.z(), 1.0F});
+      }
+    }
+    return cloud;
+  }
+
+  const double height_;  // m
+  std::map<KeyFrameIndex, PointCloudPtr> clouds_;
+};
+
+struct Counts {
+  double moving = 0.0;
+  double fixed = 0.0;
+};
+
+Counts count(const Street& street, const PointCloud& cloud, KeyFrameIndex index) {
+  Counts counts;
+  for (const Point& point : cloud.points) {
+    (street.on_moving_car(index, point) ? counts.moving : counts.fixed) += 1.0;
+  }
+  return counts;
+}
+
+class MovingObjectsTest : public testing::TestWithParam<double> {};
+
+TEST_P(MovingObjectsTest, GoAndWhatStandsStays) {
+  Street street(GetParam());
+  StaticClouds clean(street, street.poses, kSensor);
+  Counts before;
+  Counts after;
+  for (KeyFrameIndex index = 5; index < 25; ++index) {
+    const Counts all = count(street, *street.cloud(index), index);
+    const Counts kept = count(street, *clean.cloud(index), index);
+    before.moving += all.moving;
+    before.fixed += all.fixed;
+    after.moving += kept.moving;
+    after.fixed += kept.fixed;
+  }
+  ASSERT_GT(before.moving, 1000.0);
+  EXPECT_LT(after.moving / before.moving, 0.05);
+  EXPECT_GT(after.fixed / before.fixed, 0.999);
+}
+
+INSTANTIATE_TEST_SUITE_P(HeightOfCarAndTruck, MovingObjectsTest, testing::Values(1.5, 3.6));
+
+/// Clouds in which drops end some of the rays, mostly near by.
+class Rain : public CloudSource {
+ public:
+  Rain(Street& street, double share) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    std::exponential_distribution<float> beyond(1.0F / 6.0F);
+    for (const KeyFramePose& pose : street.poses.poses) {
+      auto cloud = std::make_shared<PointCloud>(*street.cloud(pose.index));
+      for (Point& point : cloud->points) {
+        if (chance(engine) > share) continue;
+        const Eigen::Vector3f sensor = kSensor.cast<float>();
+        const Eigen::Vector3f ray = point.position() - sensor;
+        const float range = 1.5F + beyond(engine);
+        if (range > ray.norm() - 0.5F) continue;
+        const Eigen::Vector3f p = sensor + ray * (range / ray.norm());
+        point = {p.x(), p.y(), p.z(), kDrop};
+      }
+      clouds_[pose.index] = cloud;
+    }
+  }
+
+  PointCloudPtr cloud(KeyFrameIndex index) override { return clouds_.at(index); }
+
+  static constexpr float kDrop = 7.0F;
+
+ private:
+  std::map<KeyFrameIndex, PointCloudPtr> clouds_;
+};
+
+TEST(MovingObjects, DropsGoAndWhatTheyFallOnStays) {
+  Street street;
+  Rain rain(street, 0.03);
+  StaticClouds clean(rain, street.poses, kSensor);
+  std::map<bool, double> all, gone;  // of drops, and of what stands
+  for (KeyFrameIndex index = 5; index < 25; ++index) {
+    const PointCloudPtr cloud = rain.cloud(index);
+    for (const Point& point : cloud->points) {
+      if (!street.on_moving_car(index, point)) all[point.intensity == Rain::kDrop] += 1.0;
+    }
+    const PointCloudPtr removed = clean.removed(index);
+    for (const Point& point : removed->points) {
+      if (!street.on_moving_car(index, point)) gone[point.intensity == Rain::kDrop] += 1.0;
+    }
+  }
+  ASSERT_GT(all[true], 5000.0);
+  EXPECT_GT(gone[true] / all[true], 0.97) << "0.96 where only things go";
+  EXPECT_LT(gone[false] / all[false], 0.001);
+}
+
+TEST(MovingObjects, PartsMakeTheWhole) {
+  Street street;
+  StaticClouds clean(street, street.poses, kSensor);
+  EXPECT_EQ(clean.cloud(10)->size() + clean.removed(10)->size(), street.cloud(10)->size());
+}
+
+bool are_equal(const PointCloud& a, const PointCloud& b) {
+  return std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(),
+                    [](const Point& p, const Point& q) { return p.position() == q.position(); });
+}
+
+TEST(MovingObjects, DoNotDependOnTheNumberOfThreadsOrTheOrderOfQuestions) {
+  Street street;
+  MovingObjectsConfig config;
+  config.threads = 1;
+  StaticClouds one(street, street.poses, kSensor, config);
+  config.threads = 3;
+  StaticClouds three(street, street.poses, kSensor, config);
+  for (KeyFrameIndex asked = 0; asked < kKeyFrames; ++asked) {
+    const KeyFrameIndex index = kKeyFrames - 1 - asked;
+    EXPECT_TRUE(are_equal(*one.removed(index), *three.removed(index))) << index;
+    EXPECT_GT(one.removed(asked)->size(), 0U);
+    EXPECT_TRUE(are_equal(*one.removed(asked), *three.removed(asked))) << asked;
+  }
+}
+
+TEST(MovingObjects, GoFromSeveralCloudsAsFromEach) {
+  Street street;
+  StaticClouds clean(street, street.poses, kSensor);
+  StaticClouds together(street, street.poses, kSensor);
+  const std::vector<KeyFrameIndex> indices = {20, 3, 17};
+  const std::vector<PointCloudPtr> clouds = together.clouds(indices, 2);
+  ASSERT_EQ(clouds.size(), indices.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    EXPECT_TRUE(are_equal(*clouds[i], *clean.cloud(indices[i]))) << indices[i];
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::moving_objects

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/pose_graph/factor_graph.hpp"
+#include "lidar_mapping/pose_graph/linearisation.hpp"
+
+#include "gauss_newton.hpp"
+
+namespace lidar_mapping::pose_graph {
+namespace {
+
+/// Any number of rows: row i measures the coordinate i mod 3 of the state as `measured[i mod 3]`.
+class Rows : public ceres::CostFunction {
+ public:
+  Rows(int rows, int block, const Eigen::Vector3d& measured) : measured_(measured) {
+    set_num_residuals(rows);
+    mutable_parameter_block_sizes()->push_back(block);
+  }
+
+  bool Evaluate(const double* const* states, double* residuals, double** jacobians) const override {
+    const int block = parameter_block_sizes().front();
+    for (int row = 0; row < num_residuals(); ++row) {
+      residuals[row] = states[0][row % 3] - measured_[row % 3];
+      if (jacobians == nullptr || jacobians[0] == nullptr) continue;
+      for (int column = 0; column < block; ++column) {
+        jacobians[0][row * block + column] = column == row % 3 ? 1.0 : 0.0;
+      }
+    }
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d measured_;
+};
+
+Constraint rows(int count, int block, const Eigen::Vector3d& measured = {1.0, 2.0, 0.5}) {
+  Constraint constraint;
+  constraint.residual = std::make_unique<Rows>(count, block, measured);
+  return constraint;
+}
+
+class RowCount : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMostRows + 1));
+
+TEST_P(RowCount, AllReachTheMinimum) {
+  FactorGraph graph;
+  graph.planar = true;
+  graph.add_node(Pose());
+  const Eigen::Vector3d here(1.0, 2.0, 0.5);
+  const Eigen::Vector3d there(4.0, 3.0, 0.6);
+  graph.add(rows(GetParam(), kPlanarBlockSize, here));
+  graph.add(rows(3, kPlanarBlockSize, there));
+  const LossOf none = [](const Constraint&) { return nullptr; };
+  const MinimizerSummary summary = gauss_newton(graph, std::vector<bool>(2, true), none, {});
+  EXPECT_TRUE(summary.usable) << summary.message;
+  for (int i = 0; i < 3; ++i) {
+    const double count = (GetParam() + 2 - i) / 3;  // rows of the first that measure coordinate i
+    const double mean = (count * here[i] + there[i]) / (count + 1.0);
+    EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
+  }
+}
+
+TEST_P(RowCount, AllAreLinearisedWhole) {
+  FactorGraph graph;
+  graph.add_node(Pose());
+  graph.add(rows(GetParam(), kPoseBlockSize));
+  const Linearised linear = linearised(graph, graph.constraints.front());
+  ASSERT_EQ(linear.residual.size(), GetParam());
+  EXPECT_EQ(linear.first.rows(), GetParam());
+  EXPECT_DOUBLE_EQ(linear.residual.squaredNorm(), chi2(graph, graph.constraints.front()));
+  EXPECT_EQ(linear.first.sum(), GetParam());
+  EXPECT_GT(contradiction_limit(GetParam()), 6.0);
+}
+
+std::string refusal(FactorGraph& graph, Constraint constraint) {
+  try {
+    graph.add(std::move(constraint));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FactorGraph, RefusesWhatItCannotSolve) {
+  FactorGraph graph;
+  graph.add_node(Pose());
+  EXPECT_NE(refusal(graph, rows(7, kPoseBlockSize)).find("7 rows"), std::string::npos);
+  EXPECT_NE(refusal(graph, rows(3, kPlanarBlockSize)).find("1 of 7 numbers"), std::string::npos);
+  EXPECT_NE(refusal(graph, Constraint()).find("no residual"), std::string::npos);
+  Constraint elsewhere = rows(3, kPoseBlockSize);
+  elsewhere.first = 1;
+  EXPECT_NE(refusal(graph, std::move(elsewhere)).find("add the nodes first"), std::string::npos);
+  Constraint single = rows(3, kPoseBlockSize);
+  single.second = 0;  // of one block, between two nodes
+  EXPECT_NE(refusal(graph, std::move(single)).find("2 of 7 numbers"), std::string::npos);
+  EXPECT_TRUE(graph.constraints.empty());
+  EXPECT_THROW(contradiction_limit(0), InputError);
+  EXPECT_THROW(contradiction_limit(7), InputError);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::pose_graph
