@@ -31,17 +31,31 @@ function(lidar_mapping_stage name)
   endif()
 endfunction()
 
-# lidar_mapping_room(NAME SOURCES a.cpp ... LIBRARIES libs): what several programs share and nobody
+# lidar_mapping_room(NAME [SOURCES a.cpp ...] LIBRARIES libs): what several programs share and nobody
 # else may use. It is linked into each of them, and its headers lie beside its sources.
 function(lidar_mapping_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   set(target lidar_mapping_${name})
+  if(NOT ARG_SOURCES)
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${CMAKE_CURRENT_SOURCE_DIR})
+    target_link_libraries(${target} INTERFACE ${ARG_LIBRARIES})
+    return()
+  endif()
   add_library(${target} STATIC ${ARG_SOURCES})
   target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(${target} PUBLIC ${ARG_LIBRARIES} PRIVATE lidar_mapping_warnings)
   if(catkin_FOUND)
     add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
   endif()
+endfunction()
+
+# lidar_mapping_test_support(NAME SOURCES a.cpp ... [LIBRARIES libs]): what test programs share
+function(lidar_mapping_test_support name)
+  lidar_mapping_room(${name} ${ARGN})
+  set_target_properties(lidar_mapping_${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  target_include_directories(lidar_mapping_${name} PUBLIC ${PROJECT_SOURCE_DIR}/test/support
+                                                          ${GTEST_INCLUDE_DIRS})
 endfunction()
 
 # lidar_mapping_executable(NAME SOURCES a.cpp ... LIBRARIES libs): a node or a command
