@@ -99,7 +99,9 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
   forecast_ = TwistForecast(linear_.max_sigma);
   corrected_ = false;
   acceleration_.setZero();
-  T_map_corrected_ = pose;
+  last_corrected_ = state_;
+  has_match_ = false;
+  previous_match_.reset();
   since_corrected_ = 0.0;
   linear_.sigma = kMinAccelerationFraction * linear_.max_sigma;
   angular_.sigma = kMinAccelerationFraction * angular_.max_sigma;
@@ -114,7 +116,9 @@ void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance
   forecast_ = TwistForecast(linear_.max_sigma);
   corrected_ = false;
   acceleration_.setZero();
-  T_map_corrected_ = state.T_map_sensor;
+  last_corrected_ = state;
+  has_match_ = false;
+  previous_match_.reset();
   since_corrected_ = step_seconds_ = 0.0;
   state_ = state;
   covariance_ = covariance;
@@ -138,6 +142,7 @@ void MotionFilter::predict(double seconds, const std::optional<MeasuredTurning>&
   step_seconds_ = seconds;
   since_corrected_ += seconds;
   acceleration_.setZero();
+  previous_match_.reset();
   const bool forecast = std::exchange(corrected_, false);
   if (forecast) apply_forecast(seconds);
   forecast_state_ = {moved(state_.T_map_sensor, state_.twist, seconds), state_.twist};
@@ -238,18 +243,25 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
                            const Eigen::Matrix3d& observed) {
   update_acceleration_sigmas(state, observed);
   if (since_corrected_ != 0.0) {
+    previous_match_ = last_match();
     const Vector6d mean_twist =
-        twist_between(T_map_corrected_, state.T_map_sensor, since_corrected_);
+        twist_between(last_corrected_.T_map_sensor, state.T_map_sensor, since_corrected_);
     forecast_.update(mean_twist, state.twist, since_corrected_, observed);
     // The mean twist refers to the middle of the step, half a step ago.
     const Vector6d change = forecast_.change_persistence().cwiseProduct(state.twist - mean_twist);
     acceleration_ = plausible_acceleration(2.0 / since_corrected_ * change, observed);
     corrected_ = true;
   }
-  T_map_corrected_ = state.T_map_sensor;
+  last_corrected_ = state;
+  has_match_ = true;
   since_corrected_ = 0.0;
   state_ = state;
   covariance_ = 0.5 * (covariance + covariance.transpose());
+}
+
+std::optional<PreviousMatch> MotionFilter::last_match() const {
+  if (!has_match_) return std::nullopt;
+  return PreviousMatch{last_corrected_, since_corrected_};
 }
 
 void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {

@@ -37,6 +37,12 @@ struct MeasuredTurning {
   double sigma = 0.0;       ///< standard deviation of both, per axis
 };
 
+/// The last match but one.
+struct PreviousMatch {
+  MotionState state;
+  double seconds_before = 0.0;  ///< the last match
+};
+
 /// Kalman filter of the sensor's pose and twist, for perturbed(MotionState, Vector12d). The twist
 /// continues as TwistForecast predicts, plus an unknown constant acceleration. The size of this
 /// acceleration is learned from the drive: the state of a vehicle at rest or on a straight road is
@@ -89,6 +95,12 @@ class MotionFilter {
   /// Change of the twist per second before the last matched state; zero if nothing was matched
   /// since the last prediction.
   const Vector6d& acceleration() const { return acceleration_; }
+  /// Empty if nothing was matched since the last prediction, or only once since the start.
+  const std::optional<PreviousMatch>& previous_match() const { return previous_match_; }
+  /// The last match, with the time from it to the state. Empty if there was none since the start.
+  std::optional<PreviousMatch> last_match() const;
+  /// True if the rotation up to the state was measured, not only forecast.
+  bool is_rotation_measured() const { return turning_measured_; }
   const Matrix12d& covariance() const { return covariance_; }
   registration::MotionBelief belief() const;
 
@@ -111,9 +123,11 @@ class MotionFilter {
   AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
   TwistForecast forecast_;
-  Pose T_map_corrected_;          ///< the pose that was last corrected
+  MotionState last_corrected_;    ///< the state that was last corrected
+  bool has_match_ = false;        ///< true if that was a match, not the start
   double since_corrected_ = 0.0;  ///< s
-  bool corrected_ = false;        ///< true if nothing was predicted since then
+  std::optional<PreviousMatch> previous_match_;
+  bool corrected_ = false;  ///< true if nothing was predicted since then
   Vector6d acceleration_ = Vector6d::Zero();
   MotionState state_;
   MotionState forecast_state_;

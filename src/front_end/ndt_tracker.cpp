@@ -24,6 +24,7 @@
 #include "reported_covariance.hpp"
 #include "ring_spacing.hpp"
 #include "step_belief.hpp"
+#include "sweep_begin.hpp"
 #include "sweep_clock.hpp"
 #include "sweep_matcher.hpp"
 #include "sweep_sampler.hpp"
@@ -214,6 +215,7 @@ class NdtTracker::Impl {
       const Vector6d d = difference(coasted_pose, match.state.T_map_sensor);
       evidence.motion_change = d.head<3>().norm();
       evidence.motion_change_angle = d.tail<3>().norm();
+      set_sweep_gap(match, evidence);
     }
     set_step(claim_,
              {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
@@ -222,6 +224,15 @@ class NdtTracker::Impl {
               initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0},
              since_claim_, evidence);
     return evidence;
+  }
+
+  void set_sweep_gap(const NdtMatch& match, StepEvidence& evidence) const {
+    const std::optional<PreviousMatch> last = filter_.last_match();
+    if (!last) return;
+    const Vector6d gap = gap_between({last->state, match.state, last->seconds_before});
+    evidence.sweep_gap = gap.head<3>().norm();
+    evidence.sweep_gap_angle = gap.tail<3>().norm();
+    evidence.turn = match.state.twist.tail<3>().norm() * last->seconds_before;
   }
 
   /// Uses the motion since the last match, not the motion during the sweep, which does not show a
@@ -405,14 +416,13 @@ class NdtTracker::Impl {
 
   void set_result(TrackedScan& result) {
     const double to_stamp = -sampler_.reference();
-    const MotionState at_stamp = steadily_accelerated(filter_.state(), filter_.acceleration(),
-                                                      sampler_.duration(), to_stamp);
-    result.T_odom_base = at_stamp.T_map_sensor;
-    result.acceleration = filter_.acceleration();
+    const SweepMotion motion = motion_from_stamp(filter_, sampler_.duration(), to_stamp);
+    result.T_odom_base = motion.begin.T_map_sensor;
+    result.acceleration = motion.acceleration;
     result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
                         filter_.acceleration_covariance(to_stamp);
     result.drift_variance_factor = drift_variance_factor_;
-    result.twist = at_stamp.twist;
+    result.twist = motion.begin.twist;
     result.motion_known = initialization_.motion_known();
     result.provisional = initialization_.is_provisional();
     if (claims_pose(result.status.state) || result.new_segment) claim(result);

@@ -23,6 +23,9 @@ std::vector<std::pair<const char*, double>> named_figures(const StepEvidence& e)
           {"disagreement_sigmas", e.disagreement_sigmas},
           {"unsteadiness", e.motion_change},
           {"unsteadiness_angle", e.motion_change_angle},
+          {"sweep_gap", e.sweep_gap},
+          {"sweep_gap_angle", e.sweep_gap_angle},
+          {"turn", e.turn},
           {"sectors", e.sectors}};
 }
 

@@ -39,6 +39,12 @@ struct StepEvidence {
   /// step. The columns in evidence tables are called `unsteadiness` and `unsteadiness_angle`.
   double motion_change = 0.0;        ///< m
   double motion_change_angle = 0.0;  ///< rad
+  /// Disagreement of this sweep and the last matched one about the pose half-way between them: each
+  /// is continued with its own twist. Large if the twist changes irregularly.
+  double sweep_gap = 0.0;        ///< m
+  double sweep_gap_angle = 0.0;  ///< rad
+  /// Rotation during the time of the step, as the sweep shows it.
+  double turn = 0.0;  ///< rad
   /// Effective number of the eight sectors around the sensor that constrain the pose: 8 if all
   /// contribute equally.
   double sectors = 0.0;
