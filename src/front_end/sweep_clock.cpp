@@ -29,6 +29,9 @@ constexpr double kMinBestPhasePower = 8.0;
 /// Periods are searched between these multiples of a sweep's duration.
 constexpr double kMinPeriodFactor = 0.95;
 constexpr double kMaxPeriodFactor = 2.1;
+/// If the duration is not known, from this multiple of the median step: the median of few scattered
+/// steps is off by a tenth of the period.
+constexpr double kMinMedianFactor = 0.75;
 /// Variance of the steps divided by that of the stamps: nearly 2 if the stamps scatter about a
 /// regular grid. If the period drifts, the ratio is smaller and falls with time (1 over 16 scans,
 /// 0.2 over 64); so it is with scans that are taken on request. The first limit applies before
@@ -59,7 +62,8 @@ double SweepClock::advance(Stamp stamp, double reference, double duration) {
   const double reference_change = reference - reference_;
   stamp_ = stamp;
   reference_ = reference;
-  if (is_first || duration <= 0.0 || stamp_interval > kMaxGap) {
+  const bool is_of_other_kind = !is_first && (duration > 0.0) != (window_.back().duration > 0.0);
+  if (is_first || is_of_other_kind || stamp_interval > kMaxGap) {
     begin_window(stamp, reference, duration);
     return is_first ? 0.0 : stamp_interval;
   }
@@ -100,12 +104,13 @@ void SweepClock::analyze_steps() {
   }
 }
 
-/// A sensor that does not spin has no regular period. The variance of a step contains the errors of
-/// two stamps.
+/// A sensor that does not spin has no regular period: its sweeps are shorter than their distance.
+/// The variance of a step contains the errors of two stamps.
 bool SweepClock::is_irregular() const {
-  return median_step_ < kMaxPeriodFactor * window_.back().duration &&
-         step_variance_ >
-             2.0 * kMinJitterFraction * kMinJitterFraction * median_step_ * median_step_;
+  const double duration = window_.back().duration;
+  const bool may_spin = duration == 0.0 || median_step_ < kMaxPeriodFactor * duration;
+  return may_spin && step_variance_ > 2.0 * kMinJitterFraction * kMinJitterFraction * median_step_ *
+                                          median_step_;
 }
 
 bool SweepClock::is_drifting(bool was_active) const {
@@ -114,22 +119,27 @@ bool SweepClock::is_drifting(bool was_active) const {
 }
 
 void SweepClock::find_period() {
+  const bool has_durations = window_.back().duration > 0.0;
   // First test whether a sweep is a full turn. Only a few sweeps are used, because the duration may
   // differ from the period by a few columns.
   std::deque<Sweep> latest(window_.end() - kMinSweeps, window_.end());
   double sweep = 0.0;
   for (const Sweep& s : latest) sweep += s.duration / static_cast<double>(kMinSweeps);
-  if (phase_power(latest, sweep) > kMinPhasePower) {
+  if (has_durations && phase_power(latest, sweep) > kMinPhasePower) {
     window_ = std::move(latest);
     return count_turns(sweep);
   }
-  if (window_.size() < kWindow) return;
+  if (!has_durations) return search_period(kMinMedianFactor * median_step_, median_step_);
+  if (window_.size() == kWindow) search_period(kMinPeriodFactor * sweep, sweep);
+}
+
+void SweepClock::search_period(double min_period, double typical_period) {
   // The step is so fine that over the window it changes the phase by a quarter of a turn.
-  const double step = 0.25 * sweep * sweep / (window_.back().middle - window_.front().middle);
+  const double step =
+      0.25 * typical_period * typical_period / (window_.back().middle - window_.front().middle);
   double best = 0.0;
   double best_power = kMinBestPhasePower;
-  for (double period = kMinPeriodFactor * sweep; period < kMaxPeriodFactor * sweep;
-       period += step) {
+  for (double period = min_period; period < kMaxPeriodFactor * typical_period; period += step) {
     const double power = phase_power(window_, period);
     if (power < best_power) continue;
     best_power = power;

@@ -12,8 +12,9 @@ namespace lidar_mapping::front_end {
 /// irregular all the same (because the driver stamps a scan when a packet arrives), the error of
 /// the time between two stamps, multiplied by the speed, is an error of the prediction. In this
 /// case whole turns of the sensor are counted instead. Three conditions must hold: a sweep takes
-/// most of the time to the next one, the sweeps are in phase with a period, and the stamps scatter
-/// about this period without drifting away. Otherwise the stamps are used as they are.
+/// most of the time to the next one (or its points have no times), the sweeps are in phase with a
+/// period, and the stamps scatter about this period without drifting away. Otherwise the stamps are
+/// used as they are.
 class SweepClock {
  public:
   /// The time from the middle of the previous sweep to the middle of this one, s; 0 for the first
@@ -44,6 +45,7 @@ class SweepClock {
   bool is_irregular() const;
   bool is_drifting(bool was_active) const;
   void find_period();
+  void search_period(double min_period, double typical_period);
   static double phase_power(const std::deque<Sweep>& sweeps, double period);
   void count_turns(double period);
   void fit();

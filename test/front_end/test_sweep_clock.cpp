@@ -83,16 +83,29 @@ TEST(SweepClock, FindsThePeriodOfShorterSweeps) {
 
 // Scans that are taken when somebody asks for them are where their stamps say.
 TEST(SweepClock, UsesDriftingStampsUnchanged) {
-  double wandered = 0.0;
-  const Times found = times([&](int i) {
-    return wandered += 0.01 * simulation::Random(static_cast<std::uint64_t>(i), 4).normal();
-  });
-  EXPECT_EQ(found.jitter, 0.0);
+  for (const double sweep : {kSweep, 0.0}) {
+    double wandered = 0.0;
+    const Times found = times(
+        [&](int i) {
+          return wandered += 0.01 * simulation::Random(static_cast<std::uint64_t>(i), 4).normal();
+        },
+        sweep);
+    EXPECT_EQ(found.jitter, 0.0) << sweep;
+  }
 }
 
 TEST(SweepClock, UsesStampsOfNonSpinningSensorsUnchanged) {
-  EXPECT_TRUE(times(scatter(0.02), 0.0).is_as_stamped);
   EXPECT_TRUE(times(scatter(0.02), 0.01).is_as_stamped);
+}
+
+// A driver that corrects the motion within a sweep may leave out the times of the points.
+TEST(SweepClock, CountsTurnsOfSweepsOfUnknownDuration) {
+  const Times found = times(scatter(0.02), 0.0);
+  EXPECT_LT(found.largest_error, 0.004);
+  EXPECT_NEAR(found.jitter, 0.02, 0.005);
+  const auto is_there = [](int i) { return i % 7 != 3 && (i < 90 || i > 110); };
+  EXPECT_LT(times(scatter(0.015), 0.0, is_there).largest_error, 0.005);
+  EXPECT_TRUE(times(scatter(0.001), 0.0).is_as_stamped);
 }
 
 }  // namespace
