@@ -12,7 +12,8 @@ void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
   const Covariance6 covariance =
       motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
-                        to.drift_variance_factor);
+                        to.drift_variance_factor) +
+      compose_covariance(from.sweep_covariance, T_from_to, to.sweep_covariance);
   evidence.seconds = seconds;
   evidence.sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());

@@ -9,8 +9,9 @@ namespace lidar_mapping::front_end {
 /// A pose that is claimed to be correct, at the stamp of its scan.
 struct ClaimedPose {
   Pose T_odom_base;
-  Covariance6 covariance = Covariance6::Zero();  ///< TrackedScan::covariance
-  double drift_variance_factor = 1.0;            ///< TrackedScan::drift_variance_factor
+  Covariance6 covariance = Covariance6::Zero();        ///< TrackedScan::covariance
+  double drift_variance_factor = 1.0;                  ///< TrackedScan::drift_variance_factor
+  Covariance6 sweep_covariance = Covariance6::Zero();  ///< TrackedScan::sweep_covariance
 };
 
 /// Writes the standard deviations of the step from one pose to the other into the evidence.

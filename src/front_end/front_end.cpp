@@ -34,7 +34,8 @@ constexpr double kExternalAngleSigma = 0.001;  // rad
 Covariance6 matched_covariance(const TrackedScan& from, const TrackedScan& to) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
   return motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
-                           to.drift_variance_factor);
+                           to.drift_variance_factor) +
+         compose_covariance(from.sweep_covariance, T_from_to, to.sweep_covariance);
 }
 
 Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) {

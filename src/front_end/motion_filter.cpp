@@ -23,9 +23,11 @@ constexpr double kMinAccelerationFraction = 0.025;
 /// Fraction of the forecast's mean squared error that the covariance of the twist does not contain.
 constexpr double kForecastFraction = 0.3;
 
-/// Variance of the pose within a sweep in units of a^2 t^4. It is small because successive scans
-/// have similar accelerations, and so similar errors.
-constexpr double kSweepAccelerationFactor = 0.0005;
+/// Variance of the begin of a sweep in units of the squared gap between sweeps. What a gap shows is
+/// the error of two continuations, each with its own; the begin is taken from both
+/// (sweep_begin.hpp).
+constexpr double kIrregularityFactor = 0.1;
+constexpr double kIrregularityRate = 0.1;
 
 /// Standard deviation of a pose relative to the part of the map that was inserted with it.
 constexpr double kAnchorSigma = 0.01;  // m
@@ -81,6 +83,12 @@ Covariance6 pose_covariance(const Matrix12d& covariance, const Vector6d& twist, 
   const Matrix12d F = transition(twist, seconds);
   const Matrix12d later = F * covariance * F.transpose();
   return later.topLeftCorner<6, 6>();
+}
+
+Vector6d gap_between(const SweepPair& sweeps) {
+  const double half = 0.5 * sweeps.seconds;
+  return difference(moved(sweeps.current.T_map_sensor, sweeps.current.twist, -half),
+                    moved(sweeps.previous.T_map_sensor, sweeps.previous.twist, half));
 }
 
 MotionFilter::MotionFilter(double acceleration_sigma, double angular_acceleration_sigma)
@@ -228,6 +236,18 @@ void MotionFilter::update_acceleration_sigmas(const MotionState& state,
                            turn.tail<3>().norm()));
 }
 
+void MotionFilter::update_irregularity(const MotionState& state, const Matrix12d& covariance) {
+  const double half = 0.5 * since_corrected_;
+  const Vector6d gap = gap_between({last_corrected_, state, since_corrected_});
+  const Covariance6 explained = pose_covariance(last_covariance_, last_corrected_.twist, half) +
+                                pose_covariance(covariance, state.twist, -half);
+  const Eigen::Vector2d squares(
+      gap.head<3>().squaredNorm() - explained.topLeftCorner<3, 3>().trace(),
+      gap.tail<3>().squaredNorm() - explained.bottomRightCorner<3, 3>().trace());
+  irregularity_ += kIrregularityRate * (squares.cwiseMax(0.0) / 3.0 - irregularity_);
+  step_of_irregularity_ = since_corrected_;
+}
+
 /// A jump of the pose, for example when tracking is regained, is not an acceleration.
 Vector6d MotionFilter::plausible_acceleration(const Vector6d& acceleration,
                                               const Eigen::Matrix3d& observed) const {
@@ -244,15 +264,19 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
   update_acceleration_sigmas(state, observed);
   if (since_corrected_ != 0.0) {
     previous_match_ = last_match();
+    if (has_match_) update_irregularity(state, covariance);
     const Vector6d mean_twist =
         twist_between(last_corrected_.T_map_sensor, state.T_map_sensor, since_corrected_);
     forecast_.update(mean_twist, state.twist, since_corrected_, observed);
     // The mean twist refers to the middle of the step, half a step ago.
     const Vector6d change = forecast_.change_persistence().cwiseProduct(state.twist - mean_twist);
     acceleration_ = plausible_acceleration(2.0 / since_corrected_ * change, observed);
+    // A measured rotation has been removed from the sweep as far as it was not uniform.
+    if (turning_measured_) acceleration_.tail<3>().setZero();
     corrected_ = true;
   }
   last_corrected_ = state;
+  last_covariance_ = covariance;
   has_match_ = true;
   since_corrected_ = 0.0;
   state_ = state;
@@ -275,9 +299,12 @@ void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {
   covariance_ = rest * covariance_ * rest.transpose() + known;
 }
 
-Covariance6 MotionFilter::acceleration_covariance(double seconds) const {
-  const double size = std::sqrt(kSweepAccelerationFactor) * seconds * seconds;
-  return diagonal_covariance(size * linear_.sigma, size * angular_.sigma);
+/// The error of a pose grows with the square of the distance from the middle of the sweep.
+Covariance6 MotionFilter::irregularity_covariance(double seconds) const {
+  if (step_of_irregularity_ == 0.0) return Covariance6::Zero();
+  const double scale = 4.0 * seconds * seconds / (step_of_irregularity_ * step_of_irregularity_);
+  const Eigen::Vector2d sigma = scale * (kIrregularityFactor * irregularity_).cwiseSqrt();
+  return diagonal_covariance(sigma[0], turning_measured_ ? 0.0 : sigma[1]);
 }
 
 registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }

@@ -43,6 +43,18 @@ struct PreviousMatch {
   double seconds_before = 0.0;  ///< the last match
 };
 
+/// Two successive sweeps, each with the pose and the twist at its middle as they were matched.
+struct SweepPair {
+  MotionState previous;
+  MotionState current;
+  double seconds = 0.0;  ///< from the middle of the one to the middle of the other
+};
+
+/// Disagreement of two sweeps about the pose half-way between their middles: the previous one
+/// continued forwards compared with the current one continued backwards, m and rad per axis. It is
+/// zero if the twist is constant, and also if it changes steadily.
+Vector6d gap_between(const SweepPair& sweeps);
+
 /// Kalman filter of the sensor's pose and twist, for perturbed(MotionState, Vector12d). The twist
 /// continues as TwistForecast predicts, plus an unknown constant acceleration. The size of this
 /// acceleration is learned from the drive: the state of a vehicle at rest or on a straight road is
@@ -87,9 +99,10 @@ class MotionFilter {
   /// only predicted, the new part of the map has the same error: relative to it the pose is known.
   void anchor(const std::vector<Eigen::Vector3d>& directions);
 
-  /// Covariance of the pose `seconds` before or after the state that comes from an acceleration:
-  /// the twist is not exactly constant. It is in addition to the covariance of the state.
-  Covariance6 acceleration_covariance(double seconds) const;
+  /// Covariance of the pose `seconds` before or after the state that comes from irregular changes
+  /// of the twist. It is in addition to the covariance of the state, and learned from the gaps
+  /// between successive sweeps as far as the covariances of their states do not explain them.
+  Covariance6 irregularity_covariance(double seconds) const;
 
   const MotionState& state() const { return state_; }
   /// Change of the twist per second before the last matched state; zero if nothing was matched
@@ -109,6 +122,7 @@ class MotionFilter {
   void apply_turning(const MeasuredTurning& turning);
   Vector6d plausible_acceleration(const Vector6d& acceleration,
                                   const Eigen::Matrix3d& observed) const;
+  void update_irregularity(const MotionState& state, const Matrix12d& covariance);
   void update_acceleration_sigmas(const MotionState& state, const Eigen::Matrix3d& observed);
   void measure(const Vector12d& row, double innovation, double sigma);
 
@@ -123,9 +137,13 @@ class MotionFilter {
   AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
   TwistForecast forecast_;
-  MotionState last_corrected_;    ///< the state that was last corrected
-  bool has_match_ = false;        ///< true if that was a match, not the start
-  double since_corrected_ = 0.0;  ///< s
+  MotionState last_corrected_;                     ///< the state that was last corrected
+  Matrix12d last_covariance_ = Matrix12d::Zero();  ///< of that state
+  /// Running mean of the unexplained squared gap per axis: linear (m^2), angular (rad^2).
+  Eigen::Vector2d irregularity_ = Eigen::Vector2d::Zero();
+  double step_of_irregularity_ = 0.0;  ///< s between the sweeps of the last gap
+  bool has_match_ = false;             ///< true if that was a match, not the start
+  double since_corrected_ = 0.0;       ///< s
   std::optional<PreviousMatch> previous_match_;
   bool corrected_ = false;  ///< true if nothing was predicted since then
   Vector6d acceleration_ = Vector6d::Zero();

@@ -219,9 +219,9 @@ class NdtTracker::Impl {
     }
     set_step(claim_,
              {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
-              pose_covariance(reported_covariance(match), match.state.twist, to_stamp) +
-                  filter_.acceleration_covariance(to_stamp),
-              initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0},
+              pose_covariance(reported_covariance(match), match.state.twist, to_stamp),
+              initialization_.has_few_scans() ? initial_drift_variance_factor(match) : 1.0,
+              filter_.irregularity_covariance(to_stamp)},
              since_claim_, evidence);
     return evidence;
   }
@@ -419,8 +419,8 @@ class NdtTracker::Impl {
     const SweepMotion motion = motion_from_stamp(filter_, sampler_.duration(), to_stamp);
     result.T_odom_base = motion.begin.T_map_sensor;
     result.acceleration = motion.acceleration;
-    result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp) +
-                        filter_.acceleration_covariance(to_stamp);
+    result.covariance = pose_covariance(covariance_, filter_.state().twist, to_stamp);
+    result.sweep_covariance = filter_.irregularity_covariance(to_stamp);
     result.drift_variance_factor = drift_variance_factor_;
     result.twist = motion.begin.twist;
     result.motion_known = initialization_.motion_known();
@@ -434,7 +434,8 @@ class NdtTracker::Impl {
   }
 
   void claim(const TrackedScan& result) {
-    claim_ = {result.T_odom_base, result.covariance, result.drift_variance_factor};
+    claim_ = {result.T_odom_base, result.covariance, result.drift_variance_factor,
+              result.sweep_covariance};
     since_claim_ = 0.0;
   }
 

@@ -136,7 +136,8 @@ class SlidingWindowTracker::Impl {
   }
 
   void claim(const TrackedScan& tracked) {
-    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor};
+    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor,
+              tracked.sweep_covariance};
     since_claim_ = 0.0;
   }
 

@@ -53,12 +53,6 @@ Pose between_middles(const SweepPair& sweeps, const Vector6d& acceleration, doub
 
 }  // namespace
 
-Vector6d gap_between(const SweepPair& sweeps) {
-  const double half = 0.5 * sweeps.seconds;
-  return difference(moved(sweeps.current.T_map_sensor, sweeps.current.twist, -half),
-                    moved(sweeps.previous.T_map_sensor, sweeps.previous.twist, half));
-}
-
 SweepMotion improved_begin(const SweepMotion& motion, const SweepPair& sweeps, double duration,
                            bool rotation) {
   const Pose& begin = motion.begin.T_map_sensor;

@@ -14,18 +14,6 @@ struct SweepMotion {
   Vector6d acceleration = Vector6d::Zero();
 };
 
-/// Two successive sweeps, each with the pose and the twist at its middle as they were matched.
-struct SweepPair {
-  MotionState previous;
-  MotionState current;
-  double seconds = 0.0;  ///< from the middle of the one to the middle of the other
-};
-
-/// Disagreement of two sweeps about the pose half-way between their middles: the previous one
-/// continued forwards compared with the current one continued backwards, m and rad per axis. It is
-/// zero if the twist is constant, and also if it changes steadily.
-Vector6d gap_between(const SweepPair& sweeps);
-
 /// Improves the begin of the current sweep by the previous one, which ends there: a sweep alone
 /// determines its middle better than its ends, because its twist changes while it lasts. A steady
 /// change (`motion.acceleration`) is known already; the motion of somebody who walks is not steady.

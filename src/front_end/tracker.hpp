@@ -32,6 +32,8 @@ struct TrackedScan {
   /// Variance of the errors that become different between scans while the sensor moves on, as a
   /// multiple of the usual one.
   double drift_variance_factor = 1.0;
+  /// Covariance of the pose within its sweep, in addition: independent from scan to scan.
+  Covariance6 sweep_covariance = Covariance6::Zero();
   Vector6d twist = Vector6d::Zero();  ///< of base_link in its own axes, at the stamp: m/s, rad/s
   Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
   FrontEndStatus status;
