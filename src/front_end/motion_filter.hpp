@@ -7,7 +7,7 @@
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
-#include "twist_forecast.hpp"
+#include "twist_predictor.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -38,7 +38,7 @@ struct MeasuredTurning {
 };
 
 /// Kalman filter of the sensor's pose and twist, for perturbed(MotionState, Vector12d). The twist
-/// continues as TwistForecast predicts, plus an unknown constant acceleration. The size of this
+/// continues as TwistPredictor predicts, plus an unknown constant acceleration. The size of this
 /// acceleration is learned from the drive: the state of a vehicle at rest or on a straight road is
 /// predicted with a smaller covariance than that of a vehicle in a sharp bend.
 class MotionFilter {
@@ -110,7 +110,7 @@ class MotionFilter {
   AccelerationSigma linear_;
   AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
-  TwistForecast forecast_;
+  TwistPredictor forecast_;
   Pose T_map_corrected_;          ///< the pose that was last corrected
   double since_corrected_ = 0.0;  ///< s
   bool corrected_ = false;        ///< true if nothing was predicted since then

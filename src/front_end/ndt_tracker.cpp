@@ -9,7 +9,7 @@
 
 #include "lidar_mapping/front_end/step_timer.hpp"
 
-#include "claimed_pose.hpp"
+#include "step_origin.hpp"
 #include "degeneracy.hpp"
 #include "elevation_calibration.hpp"
 #include "false_standstill_recovery.hpp"
@@ -460,7 +460,7 @@ class NdtTracker::Impl {
   Pose last_insertion_pose_;  ///< pose of the scan last inserted into the map
   Pose last_matched_pose_;    ///< pose of the scan last matched
   double lost_time_ = 0.0;    ///< s since the last match
-  ClaimedPose claim_;         ///< of the last scan with a claimed pose
+  PoseEstimate claim_;         ///< of the last scan with a claimed pose
   double since_claim_ = 0.0;  ///< s
 };
 

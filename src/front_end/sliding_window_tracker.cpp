@@ -12,7 +12,7 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
-#include "claimed_pose.hpp"
+#include "step_origin.hpp"
 #include "degeneracy.hpp"
 #include "key_frame_rule.hpp"
 #include "key_frame_window.hpp"
@@ -287,7 +287,7 @@ class SlidingWindowTracker::Impl {
   Stamp stamp_ = 0;
   Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
   bool speed_known_ = false;
-  ClaimedPose claim_;         ///< of the last scan with a claimed pose
+  PoseEstimate claim_;         ///< of the last scan with a claimed pose
   double since_claim_ = 0.0;  ///< s
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "claimed_pose.hpp"
+#include "step_origin.hpp"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::front_end {
 
-void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
+void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
               StepEvidence& evidence) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
   const Covariance6 covariance =

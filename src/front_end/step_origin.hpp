@@ -7,14 +7,14 @@
 namespace lidar_mapping::front_end {
 
 /// A pose that is claimed to be correct, at the stamp of its scan.
-struct ClaimedPose {
+struct PoseEstimate {
   Pose T_odom_base;
   Covariance6 covariance = Covariance6::Zero();  ///< TrackedScan::covariance
   double drift_variance_factor = 1.0;            ///< TrackedScan::drift_variance_factor
 };
 
 /// Writes the standard deviations of the step from one pose to the other into the evidence.
-void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
+void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
               StepEvidence& evidence);
 
 }  // namespace lidar_mapping::front_end
