@@ -12,12 +12,12 @@
 #include "lidar_mapping/front_end/step_timer.hpp"
 #include "lidar_mapping/registration/registration.hpp"
 
-#include "step_origin.hpp"
 #include "degeneracy.hpp"
 #include "key_frame_rule.hpp"
 #include "key_frame_window.hpp"
 #include "motion_filter.hpp"
 #include "step_belief.hpp"
+#include "step_origin.hpp"
 #include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
@@ -81,7 +81,7 @@ class SlidingWindowTracker::Impl {
     const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
     timer_.start("matching");
     const Match match = match_scan(sample, predicted, seconds);
-    since_claim_ += seconds;
+    step_origin_.advance(seconds);
     TrackedScan tracked = evaluate(match, predicted, seconds);
     tracked.status.evidence = collect_evidence(match, predicted, seconds);
     tracked.status.evidence.points = static_cast<double>(sample.size());
@@ -95,7 +95,7 @@ class SlidingWindowTracker::Impl {
       tracked.new_segment = true;
     }
     if (key_frame_due(tracked)) insert_key_frame(cloud);
-    if (claims_pose(tracked.status.state) || tracked.new_segment) claim(tracked);
+    step_origin_.update(tracked);
     tracked.twist = twist_;
     tracked.motion_known = speed_known_;
     tracked.status.step_seconds = timer_.take();
@@ -131,13 +131,8 @@ class SlidingWindowTracker::Impl {
     tracked.motion_known = speed_known_;
     tracked.status.converged = true;
     tracked.status.inlier_fraction = tracked.status.overlap = 1.0;
-    claim(tracked);
+    step_origin_.update(tracked);
     return tracked;
-  }
-
-  void claim(const TrackedScan& tracked) {
-    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor};
-    since_claim_ = 0.0;
   }
 
   /// Evidence for and against the match as the end of a step from the last claimed pose.
@@ -157,8 +152,8 @@ class SlidingWindowTracker::Impl {
     evidence.surprise_sigmas =
         std::hypot(evidence.surprise / (reach * config_.acceleration_sigma),
                    evidence.surprise_angle / (reach * config_.angular_acceleration_sigma));
-    set_step(claim_, {result.T_target_source, covariance_of(result.hessian), 1.0}, since_claim_,
-             evidence);
+    step_origin_.set_step_to({result.T_target_source, covariance_of(result.hessian), 1.0},
+                             evidence);
     return evidence;
   }
 
@@ -287,8 +282,7 @@ class SlidingWindowTracker::Impl {
   Stamp stamp_ = 0;
   Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
   bool speed_known_ = false;
-  PoseEstimate claim_;         ///< of the last scan with a claimed pose
-  double since_claim_ = 0.0;  ///< s
+  StepOrigin step_origin_;
 };
 
 SlidingWindowTracker::SlidingWindowTracker(const FrontEndConfig& config)

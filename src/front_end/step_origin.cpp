@@ -18,4 +18,14 @@ void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
   evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
 }
 
+void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidence) const {
+  set_step(estimate_, estimate, elapsed_, evidence);
+}
+
+void StepOrigin::update(const TrackedScan& tracked) {
+  if (!claims_pose(tracked.status.state) && !tracked.new_segment) return;
+  estimate_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor};
+  elapsed_ = 0.0;
+}
+
 }  // namespace lidar_mapping::front_end

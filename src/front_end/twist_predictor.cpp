@@ -35,7 +35,7 @@ double TwistPredictor::mean_weight(int part) const {
 /// If the acceleration is steady, the twist changes from the middle of a step to its end as much as
 /// from there to the middle of the next step. If it was noise, the two changes have opposite signs.
 void TwistPredictor::learn_change_persistence(const Vector6d& mean_twist,
-                                             const Eigen::Matrix3d& observed) {
+                                              const Eigen::Matrix3d& observed) {
   Vector6d before = sweep_twist_ - mean_twist_;
   Vector6d after = mean_twist - sweep_twist_;
   before.head<3>() = observed * before.head<3>();
@@ -50,7 +50,7 @@ Vector6d TwistPredictor::change_persistence() const {
 
 /// The mean twist of a step is the twist at its middle.
 void TwistPredictor::learn_acceleration(const Vector6d& mean_twist, double seconds,
-                                       const Eigen::Matrix3d& observed) {
+                                        const Eigen::Matrix3d& observed) {
   const Eigen::Vector3d change = observed * (mean_twist - mean_twist_).head<3>();
   Eigen::Vector3d now = change / (0.5 * (seconds_ + seconds));
   if (now.norm() > largest_acceleration_) now.setZero();
@@ -64,7 +64,7 @@ void TwistPredictor::learn_acceleration(const Vector6d& mean_twist, double secon
 }
 
 void TwistPredictor::update(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
-                           const Eigen::Matrix3d& observed) {
+                            const Eigen::Matrix3d& observed) {
   if (has_step_) {
     const auto learn = [&](const Vector6d& forecast, Eigen::Vector2d& error) {
       error += kLearningRate * (squared_difference(forecast, mean_twist, observed) - error);

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluated_drive.hpp"
 #include "covariance_inflation.hpp"
+#include "evaluated_drive.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {

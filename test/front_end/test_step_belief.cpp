@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "step_origin.hpp"
 #include "evaluated_drive.hpp"
 #include "match_evidence.hpp"
 #include "step_belief.hpp"
+#include "step_origin.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
