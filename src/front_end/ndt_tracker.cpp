@@ -79,22 +79,22 @@ StepMatch NdtTracker::match_scan(const Step& step, const PredictedMotion& predic
                                               matcher_, state_.map),
             beliefs.high_noise};
   }
-  std::optional<MotionFilter> moved = false_standstill_.track(
+  std::optional<MotionFilter> recovered = false_standstill_.track(
       sweep_.sparse(), predicted.high_noise_filter, beliefs.nominal.state.T_map_sensor);
-  if (moved) return match_from_vertical_structure(*moved);
+  if (recovered) return match_from_vertical_structure(*recovered);
   SweepMatcher::Found found = matcher_.find(sweep_.points(), state_.map, judge_.match_judge(),
                                             beliefs, {state_.last_matched_pose});
-  moved = false_standstill_.detect(sweep_.sparse(), found.match, step.seconds,
-                                   state_.coverage.is_single_place, state_.filter);
-  if (moved) return match_from_vertical_structure(*moved);
+  recovered = false_standstill_.detect(sweep_.sparse(), found.match, step.seconds,
+                                       state_.coverage.is_single_place, state_.filter);
+  if (recovered) return match_from_vertical_structure(*recovered);
   return {std::move(found), beliefs.high_noise};
 }
 
-StepMatch NdtTracker::match_from_vertical_structure(const MotionFilter& moved) {
-  state_.filter = moved;
+StepMatch NdtTracker::match_from_vertical_structure(const MotionFilter& recovered) {
+  state_.filter = recovered;
   initialization_.finalize();
   judge_.reset_usual_quality();
-  const MotionBelief prior = moved.belief();
+  const MotionBelief prior = recovered.belief();
   return {matcher_.match_without(sweep_.points(), state_.map, prior, kLevelDirections), prior,
           true};
 }
