@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coasting.hpp"
 
-#include "motion_filter.hpp"
-
 namespace lidar_mapping::front_end {
 namespace {
 
@@ -12,6 +10,9 @@ constexpr double kAngularAcceleration = 1.0;  // rad/s^2
 // 1 cm and 0.1 degrees per scan at 10 Hz: slower than any driving vehicle.
 constexpr double kRestSpeed = 0.1;  // m/s
 constexpr double kRestTurn = 0.02;  // rad/s
+
+/// While tracking is lost, the speed decreases to 1/e in this time.
+constexpr double kSpeedTimeConstant = 1.0;  // s
 
 bool is_at_rest(const Vector6d& twist) {
   return twist.head<3>().norm() < kRestSpeed && twist.tail<3>().norm() < kRestTurn;
@@ -38,6 +39,17 @@ TrackedScan coasted(const TrackedScan& tracked, double seconds) {
   result.new_segment = result.provisional = false;
   result.revisions.clear();
   return result;
+}
+
+void coast(double seconds, TrackerState& state) {
+  state.filter.slow_down(seconds, kSpeedTimeConstant);
+  state.covariance = state.filter.covariance();
+  state.drift_variance_factor = 1.0;
+  state.lost_time += seconds;
+}
+
+bool keeps_map(const TrackerState& state, double max_lost_time) {
+  return state.motion_known && state.lost_time <= max_lost_time;
 }
 
 }  // namespace lidar_mapping::front_end

@@ -20,17 +20,19 @@ class FalseStandstillRecovery {
   /// To be called when these points were inserted into the map.
   void insert(const SampledPoints& points, const MotionState& state);
 
-  /// If a motion was detected, sets `filter` to the pose that the vertical structures give, and
-  /// returns true; the remaining directions can then be matched from there. `high_noise_filter` is
-  /// `filter` predicted to this scan with the largest accelerations.
-  bool track(const SampledPoints& points, const MotionFilter& high_noise_filter,
-             MotionFilter& filter);
+  /// If a motion was detected, returns the filter with the pose that the vertical structures give;
+  /// the remaining directions can then be matched from there. `high_noise_filter` is the filter
+  /// predicted to this scan with the largest accelerations, `predicted` the pose of the usual
+  /// prediction.
+  std::optional<MotionFilter> track(const SampledPoints& points,
+                                    const MotionFilter& high_noise_filter, const Pose& predicted);
 
-  /// To be called for each scan for which track() returned false, `seconds` after the previous one.
-  /// If the sensor turns out to be at another pose than the matched one, sets `filter` to that pose
-  /// and returns true. `single_place` is MapInitialization::covers_single_place().
-  bool detect(const SampledPoints& points, const registration::NdtMatch& match, double seconds,
-              bool single_place, MotionFilter& filter);
+  /// To be called for each scan for which track() returned nothing, `seconds` after the previous
+  /// one. If the sensor turns out to be at another pose than the matched one, returns the predicted
+  /// filter, restarted at that pose. `single_place` is MapCoverage::is_single_place.
+  std::optional<MotionFilter> detect(const SampledPoints& points,
+                                     const registration::NdtMatch& match, double seconds,
+                                     bool single_place, const MotionFilter& filter);
 
  private:
   struct Inserted {
@@ -51,14 +53,9 @@ class FalseStandstillRecovery {
   std::optional<Hypothesis> find_other_pose(const std::vector<Eigen::Vector3f>& points,
                                             const Pose& matched);
   const Pose& last_pose() const;
-  Pose coarse_search(const std::vector<Eigen::Vector3f>& points) const;
   void confirm(const Pose& pose);
   bool is_consistent() const;
   std::optional<Pose> fit(const SampledPoints& points, const MotionState& predicted);
-  /// True if the points fit at this pose, and fit worse at poses behind and ahead of it. `ahead` is
-  /// the direction of travel in the sensor's axes.
-  bool is_distinct(const VerticalStructureMap::Fit& fit, const Eigen::Vector2d& ahead,
-                   const std::vector<Eigen::Vector3f>& points) const;
 
   std::vector<Inserted> pending_;  ///< not yet in the map, which is seldom needed
   VerticalStructureMap map_;

@@ -14,9 +14,9 @@
 #include "base_frame.hpp"
 #include "cloud_fingerprint.hpp"
 #include "coasting.hpp"
+#include "covariance_inflation.hpp"
 #include "isolated_point_filter.hpp"
 #include "key_frame_rule.hpp"
-#include "motion_doubt.hpp"
 #include "reported_covariance.hpp"
 #include "scan_sampler.hpp"
 #include "tracker.hpp"
@@ -133,7 +133,7 @@ class SensorOdometry {
     T_first_external_.reset();
     last_key_frame_.reset();
     last_.reset();
-    doubt_ = {};
+    inflation_ = {};
     tracked_.reset();
     repeated_scans_.reset();
     ride_detector_.interrupt();
@@ -214,7 +214,7 @@ class SensorOdometry {
   void add_step(const TrackedScan& from, const TrackedScan& to, Covariance6& covariance) {
     covariance = covariance_since(from, to);
     if (is_doubtful(to.status)) covariance += expected_error_covariance(to.status);
-    doubt_.add_step(from.T_odom_base.inverse() * to.T_odom_base, to.status);
+    inflation_.add_step(from.T_odom_base.inverse() * to.T_odom_base, to.status);
   }
 
   std::vector<FrontEndResult> finalize_provisional(const std::vector<Revision>& revisions) {
@@ -222,7 +222,7 @@ class SensorOdometry {
     if (!provisional_.empty()) {
       // The steps of these scans are added again.
       last_.reset();
-      doubt_ = {};
+      inflation_ = {};
     }
     for (std::size_t i = 0; i < provisional_.size(); ++i) {
       if (i < revisions.size()) revise(provisional_[i].tracked, revisions[i]);
@@ -257,7 +257,7 @@ class SensorOdometry {
     ++segment_;
     last_.reset();
     last_key_frame_.reset();
-    doubt_ = {};
+    inflation_ = {};
   }
 
   /// Pose by `odometry: external`.
@@ -297,9 +297,9 @@ class SensorOdometry {
     key_frame.T_odom_base = tracked.T_odom_base;
     if (last_key_frame_) {
       key_frame.motion_covariance = covariance_since(*last_key_frame_, tracked);
-      doubt_.apply_to(key_frame);
+      inflation_.apply_to(key_frame);
     }
-    doubt_ = {};
+    inflation_ = {};
     key_frame.degenerate_directions = tracked.status.degenerate_directions;
     key_frame.cloud = std::make_shared<const PointCloud>(
         deskewed(std::move(points), tracked.twist, tracked.acceleration, config_.threads));
@@ -341,7 +341,7 @@ class SensorOdometry {
   std::optional<TrackedScan> tracked_;  ///< the last scan that was given to the tracker
   Stamp tracked_stamp_ = 0;
   std::optional<TrackedScan> last_key_frame_;
-  MotionDoubt doubt_;  ///< of the motion since then
+  CovarianceInflation inflation_;  ///< of the motion since then
   Stamp key_frame_stamp_ = 0;
   KeyFrameIndex next_index_ = 0;
   std::uint32_t segment_ = 0;

@@ -8,10 +8,6 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Up to this distance from its start (in voxels), the map counts as a map of a single place.
-constexpr double kSinglePlaceRadius = 10.0;
-/// Up to this number of scans, the drift variance is increased.
-constexpr int kFewScans = 12;
 // The first scans are matched again under two conditions. The vehicle begins faster than this
 // speed: with a slower one key frames would wait too long for the map to grow. And the fraction of
 // the second scan's points that find a plane in the map of the first scan, including the points
@@ -41,13 +37,6 @@ Revision revision_of(const SweepMatcher::Found& found, double reference) {
 }
 
 }  // namespace
-
-void MapInitialization::reset() {
-  delayed_.stop();
-  inserted_scans_ = 0;
-  single_place_ = true;
-  motion_known_ = false;
-}
 
 void MapInitialization::start(const Pose& T_odom_base) {
   start_pose_ = T_odom_base;
@@ -88,18 +77,22 @@ SweepMatcher::Found MapInitialization::match_second_scan(
 }
 
 bool MapInitialization::replaces_first_scan(const StepBelief& belief) {
-  if (motion_known_ || first_scan_replaced_ || belief.is_safe(false)) return false;
+  if (first_scan_replaced_ || belief.is_safe(false)) return false;
   first_scan_replaced_ = true;
   return true;
 }
 
 void MapInitialization::set_motion(const registration::NdtMatch& match) {
-  motion_known_ = true;
   first_scan_replaced_ = false;
   if (!delayed_.is_active()) return;
   const Vector6d& twist = match.state.twist;
   delayed_.set_first_state(first_state(twist));
   if (twist.head<3>().norm() < kMinSpeed || match.overlap > kMinOverlap) delayed_.stop();
+}
+
+void MapInitialization::add(Stamp stamp, const SweepSampler& sweep, const MotionFilter& filter) {
+  if (!delayed_.is_active()) return;
+  delayed_.add({stamp, sweep.reference(), sweep.points(), filter.state(), filter.covariance(), {}});
 }
 
 std::vector<Revision> MapInitialization::rematch_first_scans(const MotionFilter& filter,
@@ -113,16 +106,6 @@ std::vector<Revision> MapInitialization::rematch_first_scans(const MotionFilter&
   }
   delayed_.stop();
   return revisions;
-}
-
-bool MapInitialization::has_few_scans() const { return inserted_scans_ <= kFewScans; }
-
-void MapInitialization::set_inserted(const SampledPoints& points, const Eigen::Vector3d& p_odom,
-                                     double voxel_size) {
-  delayed_.set_inserted(points);
-  ++inserted_scans_;
-  if ((p_odom - start_pose_.translation).norm() > kSinglePlaceRadius * voxel_size)
-    single_place_ = false;
 }
 
 }  // namespace lidar_mapping::front_end

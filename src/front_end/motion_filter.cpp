@@ -104,7 +104,7 @@ void MotionFilter::AccelerationSigma::update(double acceleration) {
 
 void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma) {
   state_ = {pose, Vector6d::Zero()};
-  forecast_ = TwistForecast(linear_.max_sigma);
+  forecast_ = TwistPredictor(linear_.max_sigma);
   corrected_ = false;
   acceleration_.setZero();
   last_corrected_ = state_;
@@ -121,7 +121,7 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
 }
 
 void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance) {
-  forecast_ = TwistForecast(linear_.max_sigma);
+  forecast_ = TwistPredictor(linear_.max_sigma);
   corrected_ = false;
   acceleration_.setZero();
   last_corrected_ = state;

@@ -7,7 +7,7 @@
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/registration/ndt_matcher.hpp"
 
-#include "twist_forecast.hpp"
+#include "twist_predictor.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -56,7 +56,7 @@ struct SweepPair {
 Vector6d gap_between(const SweepPair& sweeps);
 
 /// Kalman filter of the sensor's pose and twist, for perturbed(MotionState, Vector12d). The twist
-/// continues as TwistForecast predicts, plus an unknown constant acceleration. The size of this
+/// continues as TwistPredictor predicts, plus an unknown constant acceleration. The size of this
 /// acceleration is learned from the drive: the state of a vehicle at rest or on a straight road is
 /// predicted with a smaller covariance than that of a vehicle in a sharp bend.
 class MotionFilter {
@@ -136,7 +136,7 @@ class MotionFilter {
   AccelerationSigma linear_;
   AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
-  TwistForecast forecast_;
+  TwistPredictor forecast_;
   MotionState last_corrected_;                     ///< the state that was last corrected
   Matrix12d last_covariance_ = Matrix12d::Zero();  ///< of that state
   /// Running mean of the unexplained squared gap per axis: linear (m^2), angular (rad^2).

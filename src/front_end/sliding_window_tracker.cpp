@@ -3,22 +3,14 @@
 
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include <Eigen/LU>
 
 #include "lidar_mapping/common/voxel_filter.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
-#include "lidar_mapping/front_end/step_timer.hpp"
-#include "lidar_mapping/registration/registration.hpp"
 
-#include "claimed_pose.hpp"
 #include "degeneracy.hpp"
-#include "key_frame_rule.hpp"
-#include "key_frame_window.hpp"
 #include "motion_filter.hpp"
-#include "step_belief.hpp"
-#include "unobserved_travel.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -62,246 +54,192 @@ Covariance6 covariance_of(const Matrix6d& hessian) {
 
 }  // namespace
 
-class SlidingWindowTracker::Impl {
- public:
-  explicit Impl(const FrontEndConfig& config)
-      : config_(config),
-        rule_{config.key_frame_distance, config.key_frame_angle, 0.0},
-        registration_(registration::make_registration(config.registration)),
-        window_(static_cast<std::size_t>(config.local_frame_num),
-                config.local_map_filter_resolution) {}
-
-  TrackedScan track(const Scan& scan, const MotionPrior& prior) {
-    if (window_.empty()) return start(scan, prior);
-    timer_.start("sampling");
-    const double seconds = to_seconds(scan.stamp - stamp_);
-    predict_twist(prior);
-    const Pose predicted = moved(T_odom_base_, twist_, seconds);
-    const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
-    const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
-    timer_.start("matching");
-    const Match match = match_scan(sample, predicted, seconds);
-    since_claim_ += seconds;
-    TrackedScan tracked = evaluate(match, predicted, seconds);
-    tracked.status.evidence = collect_evidence(match, predicted, seconds);
-    tracked.status.evidence.points = static_cast<double>(sample.size());
-    tracked.status.evidence.degenerate = tracked.status.degenerate_directions.empty() ? 0.0 : 1.0;
-    doubt_.apply(evaluate_step(tracked.status.evidence, EvidenceSource::kSlidingWindow),
-                 tracked.status);
-    set_pose(tracked, scan.stamp, prior.linear_velocity.has_value());
-    timer_.start("insertion");
-    if (lost_for(scan.stamp) > config_.max_lost_time) {
-      window_.clear();
-      tracked.new_segment = true;
-    }
-    if (key_frame_due(tracked)) insert_key_frame(cloud);
-    if (claims_pose(tracked.status.state) || tracked.new_segment) claim(tracked);
-    tracked.twist = twist_;
-    tracked.motion_known = speed_known_;
-    tracked.status.step_seconds = timer_.take();
-    return tracked;
-  }
-
-  void restart() {
-    window_.clear();
-    T_odom_base_ = Pose::Identity();
-    twist_.setZero();
-    sweep_twist_.setZero();
-  }
-
-  PointCloud local_map() const { return window_.joint_cloud(Pose::Identity()); }
-
- private:
-  /// The result from the best of several starting poses; it is T_odom_base.
-  struct Match {
-    RegistrationResult result;
-    bool rescued = false;
-  };
-
-  TrackedScan start(const Scan& scan, const MotionPrior& prior) {
-    doubt_.reset();
-    predict_twist(prior);
-    speed_known_ = prior.linear_velocity.has_value();
-    stamp_ = tracked_stamp_ = scan.stamp;
-    insert_key_frame(deskewed(scan.cloud, sweep_twist_));
-    TrackedScan tracked;
-    tracked.T_odom_base = T_odom_base_;
-    tracked.covariance = diagonal_covariance(1e-4, 1e-5);
-    tracked.twist = twist_;
-    tracked.motion_known = speed_known_;
-    tracked.status.converged = true;
-    tracked.status.inlier_fraction = tracked.status.overlap = 1.0;
-    claim(tracked);
-    return tracked;
-  }
-
-  void claim(const TrackedScan& tracked) {
-    claim_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor,
-              tracked.sweep_covariance};
-    since_claim_ = 0.0;
-  }
-
-  /// Evidence for and against the match as the end of a step from the last claimed pose.
-  StepEvidence collect_evidence(const Match& match, const Pose& predicted, double seconds) const {
-    const RegistrationResult& result = match.result;
-    StepEvidence evidence;
-    evidence.overlap = result.overlap;
-    evidence.pair_quality = result.overlap > 0.0 ? result.inlier_fraction / result.overlap : 0.0;
-    evidence.converged = result.converged ? 1.0 : 0.0;
-    evidence.iterations = result.iterations;
-    evidence.rescued = match.rescued ? 1.0 : 0.0;
-    const Vector6d d = difference(predicted, result.T_target_source);
-    evidence.surprise = d.head<3>().norm();
-    evidence.surprise_angle = d.tail<3>().norm();
-    // Half of the squared time, for the displacement by the largest acceleration.
-    const double reach = 0.5 * seconds * seconds;
-    evidence.surprise_sigmas =
-        std::hypot(evidence.surprise / (reach * config_.acceleration_sigma),
-                   evidence.surprise_angle / (reach * config_.angular_acceleration_sigma));
-    set_step(claim_, {result.T_target_source, covariance_of(result.hessian), 1.0}, since_claim_,
-             evidence);
-    return evidence;
-  }
-
-  void predict_twist(const MotionPrior& prior) {
-    sweep_twist_ += kSweepSmoothing * (twist_ - sweep_twist_);
-    if (prior.linear_velocity) {
-      twist_.head<3>() = sweep_twist_.head<3>() = *prior.linear_velocity;
-    }
-    if (prior.angular_velocity) {
-      twist_.tail<3>() = sweep_twist_.tail<3>() = *prior.angular_velocity;
-    }
-  }
-
-  Match match_scan(const PointCloud& sample, const Pose& predicted, double seconds) {
-    Match match{align(sample, predicted), false};
-    if (speed_known_ && match.result.inlier_fraction >= kLostInliers) return match;
-    for (const Pose& start : other_starts(seconds)) {
-      const RegistrationResult result = align(sample, start);
-      if (result.inlier_fraction <= match.result.inlier_fraction) continue;
-      match = {result, true};
-    }
-    return match;
-  }
-
-  /// The pose at rest and, if the speed is not known, poses ahead.
-  std::vector<Pose> other_starts(double seconds) const {
-    std::vector<Pose> starts = {T_odom_base_};
-    if (speed_known_) return starts;
-    for (double distance = kStartStep; distance < kMaxStartSpeed * seconds;
-         distance += kStartStep) {
-      starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {distance, 0.0, 0.0}});
-    }
-    return starts;
-  }
-
-  RegistrationResult align(const PointCloud& sample, const Pose& T_odom_base_start) {
-    RegistrationResult result =
-        registration_->align(sample, T_odom_map_.inverse() * T_odom_base_start);
-    result.T_target_source = T_odom_map_ * result.T_target_source;
-    return result;
-  }
-
-  TrackedScan evaluate(const Match& match, const Pose& predicted, double seconds) const {
-    const RegistrationResult& result = match.result;
-    TrackedScan tracked;
-    tracked.status.converged = result.converged;
-    tracked.status.iterations = result.iterations;
-    tracked.status.fitness = result.fitness;
-    tracked.status.inlier_fraction = result.inlier_fraction;
-    tracked.status.overlap = result.overlap;
-    tracked.status.rescued = match.rescued;
-    const double distance = (result.T_target_source.translation - T_odom_base_.translation).norm();
-    if (result.inlier_fraction < kLostInliers || distance > config_.max_speed * seconds) {
-      tracked.status.state = TrackingState::kLost;
-      tracked.T_odom_base = predicted;
-      tracked.covariance = diagonal_covariance(kLostSigma, kLostAngleSigma);
-      return tracked;
-    }
-    tracked.status.degenerate_directions = degenerate_directions(result.hessian);
-    tracked.T_odom_base = with_prediction_along(predicted, result.T_target_source,
-                                                tracked.status.degenerate_directions);
-    tracked.covariance = covariance_of(result.hessian);
-    if (result.inlier_fraction < kTrackedInliers) {
-      tracked.status.state = TrackingState::kDegraded;
-    } else if (!tracked.status.degenerate_directions.empty()) {
-      tracked.status.state = TrackingState::kDegenerate;
-    }
-    return tracked;
-  }
-
-  /// Adopts the pose; the velocity is computed only from poses that were measured.
-  void set_pose(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
-    if (tracked.status.state == TrackingState::kLost) {
-      unobserved_travel_.interrupt();
-    } else {
-      twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
-      speed_known_ = true;
-      tracked_stamp_ = stamp;
-      update_unobserved_travel(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
-    }
-    tracked.status.unobserved_stddev = unobserved_travel_.stddev();
-    T_odom_base_ = tracked.T_odom_base;
-    stamp_ = stamp;
-  }
-
-  void update_unobserved_travel(const FrontEndStatus& status, double seconds,
-                                bool speed_is_measured) {
-    if (status.degenerate_directions.empty()) {
-      unobserved_travel_.add_observed(twist_.head<3>().norm(), kSpeedVariance, seconds);
-    } else {
-      unobserved_travel_.add_unobserved(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
-    }
-  }
-
-  double lost_for(Stamp now) const { return to_seconds(now - tracked_stamp_); }
-
-  bool key_frame_due(const TrackedScan& tracked) const {
-    if (window_.empty()) return true;
-    if (tracked.status.state == TrackingState::kLost ||
-        tracked.status.state == TrackingState::kDegraded) {
-      return false;
-    }
-    return rule_.reached(window_.newest_pose().inverse() * tracked.T_odom_base, 0);
-  }
-
-  /// The target is relative to the newest key frame, so that single precision is sufficient far
-  /// from the start.
-  void insert_key_frame(PointCloud cloud) {
-    tracked_stamp_ = stamp_;
-    window_.push(T_odom_base_, std::move(cloud));
-    T_odom_map_ = T_odom_base_;
-    registration_->set_target(window_.joint_cloud(T_odom_map_.inverse()));
-  }
-
-  FrontEndConfig config_;
-  KeyFrameRule rule_;
-  std::unique_ptr<registration::Registration> registration_;
-  KeyFrameWindow window_;
-  UnobservedTravel unobserved_travel_;
-  DoubtState doubt_;
-  StepTimer timer_;
-  Pose T_odom_map_;   ///< frame of the registration's target
-  Pose T_odom_base_;  ///< of the last scan
-  Vector6d twist_ = Vector6d::Zero();
-  Vector6d sweep_twist_ = Vector6d::Zero();  ///< twist with which sweeps are deskewed
-  Stamp stamp_ = 0;
-  Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
-  bool speed_known_ = false;
-  ClaimedPose claim_;         ///< of the last scan with a claimed pose
-  double since_claim_ = 0.0;  ///< s
-};
-
 SlidingWindowTracker::SlidingWindowTracker(const FrontEndConfig& config)
-    : impl_(std::make_unique<Impl>(config)) {}
-SlidingWindowTracker::~SlidingWindowTracker() = default;
+    : config_(config),
+      rule_{config.key_frame_distance, config.key_frame_angle, 0.0},
+      matcher_(config) {}
 
 TrackedScan SlidingWindowTracker::track(const Scan& scan, const MotionPrior& prior) {
-  return impl_->track(scan, prior);
+  if (matcher_.empty()) return start(scan, prior);
+  timer_.start("sampling");
+  const double seconds = to_seconds(scan.stamp - stamp_);
+  step_origin_.advance(seconds);
+  predict_twist(prior);
+  const Pose predicted = moved(T_odom_base_, twist_, seconds);
+  const PointCloud cloud = deskewed(scan.cloud, sweep_twist_);
+  const PointCloud sample = voxel_filtered(cloud, config_.frame_filter_resolution);
+  timer_.start("matching");
+  const Match match = match_scan(sample, predicted, seconds);
+  TrackedScan tracked = evaluate(match, predicted, seconds);
+  judge(match, predicted, seconds, sample.size(), tracked.status);
+  set_pose(tracked, scan.stamp, prior.linear_velocity.has_value());
+  timer_.start("insertion");
+  update_window(cloud, tracked);
+  step_origin_.update(tracked);
+  tracked.twist = twist_;
+  tracked.motion_known = speed_known_;
+  tracked.status.step_seconds = timer_.take();
+  return tracked;
 }
 
-void SlidingWindowTracker::restart() { impl_->restart(); }
+TrackedScan SlidingWindowTracker::start(const Scan& scan, const MotionPrior& prior) {
+  doubt_.reset();
+  predict_twist(prior);
+  speed_known_ = prior.linear_velocity.has_value();
+  stamp_ = tracked_stamp_ = scan.stamp;
+  insert_key_frame(deskewed(scan.cloud, sweep_twist_));
+  TrackedScan tracked;
+  tracked.T_odom_base = T_odom_base_;
+  tracked.covariance = diagonal_covariance(1e-4, 1e-5);
+  tracked.twist = twist_;
+  tracked.motion_known = speed_known_;
+  tracked.status.converged = true;
+  tracked.status.inlier_fraction = tracked.status.overlap = 1.0;
+  step_origin_.update(tracked);
+  return tracked;
+}
 
-PointCloud SlidingWindowTracker::local_map() const { return impl_->local_map(); }
+void SlidingWindowTracker::judge(const Match& match, const Pose& predicted, double seconds,
+                                 std::size_t points, FrontEndStatus& status) {
+  status.evidence = collect_evidence(match, predicted, seconds);
+  status.evidence.points = static_cast<double>(points);
+  status.evidence.degenerate = status.degenerate_directions.empty() ? 0.0 : 1.0;
+  doubt_.apply(evaluate_step(status.evidence, EvidenceSource::kSlidingWindow), status);
+}
+
+/// Evidence for and against the match as the end of a step from the last claimed pose.
+StepEvidence SlidingWindowTracker::collect_evidence(const Match& match, const Pose& predicted,
+                                                    double seconds) const {
+  const RegistrationResult& result = match.result;
+  StepEvidence evidence;
+  evidence.overlap = result.overlap;
+  evidence.pair_quality = result.overlap > 0.0 ? result.inlier_fraction / result.overlap : 0.0;
+  evidence.converged = result.converged ? 1.0 : 0.0;
+  evidence.iterations = result.iterations;
+  evidence.rescued = match.rescued ? 1.0 : 0.0;
+  const Vector6d d = difference(predicted, result.T_target_source);
+  evidence.surprise = d.head<3>().norm();
+  evidence.surprise_angle = d.tail<3>().norm();
+  // Half of the squared time, for the displacement by the largest acceleration.
+  const double reach = 0.5 * seconds * seconds;
+  evidence.surprise_sigmas =
+      std::hypot(evidence.surprise / (reach * config_.acceleration_sigma),
+                 evidence.surprise_angle / (reach * config_.angular_acceleration_sigma));
+  step_origin_.set_step_to({result.T_target_source, covariance_of(result.hessian), 1.0}, evidence);
+  return evidence;
+}
+
+void SlidingWindowTracker::predict_twist(const MotionPrior& prior) {
+  sweep_twist_ += kSweepSmoothing * (twist_ - sweep_twist_);
+  if (prior.linear_velocity) {
+    twist_.head<3>() = sweep_twist_.head<3>() = *prior.linear_velocity;
+  }
+  if (prior.angular_velocity) {
+    twist_.tail<3>() = sweep_twist_.tail<3>() = *prior.angular_velocity;
+  }
+}
+
+SlidingWindowTracker::Match SlidingWindowTracker::match_scan(const PointCloud& sample,
+                                                             const Pose& predicted,
+                                                             double seconds) {
+  Match match = matcher_.match(sample, predicted);
+  if (speed_known_ && match.result.inlier_fraction >= kLostInliers) return match;
+  return matcher_.best_of(std::move(match), sample, other_starts(seconds));
+}
+
+/// The pose at rest and, if the speed is not known, poses ahead.
+std::vector<Pose> SlidingWindowTracker::other_starts(double seconds) const {
+  std::vector<Pose> starts = {T_odom_base_};
+  if (speed_known_) return starts;
+  for (double distance = kStartStep; distance < kMaxStartSpeed * seconds; distance += kStartStep) {
+    starts.push_back(T_odom_base_ * Pose{Eigen::Quaterniond::Identity(), {distance, 0.0, 0.0}});
+  }
+  return starts;
+}
+
+TrackedScan SlidingWindowTracker::evaluate(const Match& match, const Pose& predicted,
+                                           double seconds) const {
+  const RegistrationResult& result = match.result;
+  TrackedScan tracked;
+  tracked.status.converged = result.converged;
+  tracked.status.iterations = result.iterations;
+  tracked.status.fitness = result.fitness;
+  tracked.status.inlier_fraction = result.inlier_fraction;
+  tracked.status.overlap = result.overlap;
+  tracked.status.rescued = match.rescued;
+  const double distance = (result.T_target_source.translation - T_odom_base_.translation).norm();
+  if (result.inlier_fraction < kLostInliers || distance > config_.max_speed * seconds) {
+    tracked.status.state = TrackingState::kLost;
+    tracked.T_odom_base = predicted;
+    tracked.covariance = diagonal_covariance(kLostSigma, kLostAngleSigma);
+    return tracked;
+  }
+  tracked.status.degenerate_directions = degenerate_directions(result.hessian);
+  tracked.T_odom_base = with_prediction_along(predicted, result.T_target_source,
+                                              tracked.status.degenerate_directions);
+  tracked.covariance = covariance_of(result.hessian);
+  if (result.inlier_fraction < kTrackedInliers) {
+    tracked.status.state = TrackingState::kDegraded;
+  } else if (!tracked.status.degenerate_directions.empty()) {
+    tracked.status.state = TrackingState::kDegenerate;
+  }
+  return tracked;
+}
+
+/// Adopts the pose; the velocity is computed only from poses that were measured.
+void SlidingWindowTracker::set_pose(TrackedScan& tracked, Stamp stamp, bool speed_is_measured) {
+  if (tracked.status.state == TrackingState::kLost) {
+    unobserved_travel_.interrupt();
+  } else {
+    twist_ = twist_between(T_odom_base_, tracked.T_odom_base, to_seconds(stamp - stamp_));
+    speed_known_ = true;
+    tracked_stamp_ = stamp;
+    update_unobserved_travel(tracked.status, to_seconds(stamp - stamp_), speed_is_measured);
+  }
+  tracked.status.unobserved_stddev = unobserved_travel_.stddev();
+  T_odom_base_ = tracked.T_odom_base;
+  stamp_ = stamp;
+}
+
+void SlidingWindowTracker::update_unobserved_travel(const FrontEndStatus& status, double seconds,
+                                                    bool speed_is_measured) {
+  if (status.degenerate_directions.empty()) {
+    unobserved_travel_.add_observed(twist_.head<3>().norm(), kSpeedVariance, seconds);
+  } else {
+    unobserved_travel_.add_unobserved(speed_is_measured ? 1.0 / kSpeedVariance : 0.0, seconds);
+  }
+}
+
+/// Discards the window if tracking has been lost for too long.
+void SlidingWindowTracker::update_window(const PointCloud& cloud, TrackedScan& tracked) {
+  if (to_seconds(stamp_ - tracked_stamp_) > config_.max_lost_time) {
+    matcher_.clear();
+    tracked.new_segment = true;
+  }
+  if (key_frame_due(tracked)) insert_key_frame(cloud);
+}
+
+bool SlidingWindowTracker::key_frame_due(const TrackedScan& tracked) const {
+  if (matcher_.empty()) return true;
+  if (tracked.status.state == TrackingState::kLost ||
+      tracked.status.state == TrackingState::kDegraded) {
+    return false;
+  }
+  return rule_.reached(matcher_.newest_pose().inverse() * tracked.T_odom_base, 0);
+}
+
+void SlidingWindowTracker::insert_key_frame(PointCloud cloud) {
+  tracked_stamp_ = stamp_;
+  matcher_.insert(T_odom_base_, std::move(cloud));
+}
+
+void SlidingWindowTracker::restart() {
+  matcher_.clear();
+  T_odom_base_ = Pose::Identity();
+  twist_.setZero();
+  sweep_twist_.setZero();
+}
+
+PointCloud SlidingWindowTracker::local_map() const { return matcher_.cloud(); }
 
 }  // namespace lidar_mapping::front_end

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
+#include <vector>
 
+#include "lidar_mapping/front_end/step_timer.hpp"
+
+#include "key_frame_rule.hpp"
+#include "step_belief.hpp"
+#include "step_origin.hpp"
 #include "tracker.hpp"
+#include "unobserved_travel.hpp"
+#include "window_matcher.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -15,15 +22,42 @@ namespace lidar_mapping::front_end {
 class SlidingWindowTracker : public Tracker {
  public:
   explicit SlidingWindowTracker(const FrontEndConfig& config);
-  ~SlidingWindowTracker() override;
 
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override;
   void restart() override;
   PointCloud local_map() const override;
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  using Match = WindowMatcher::Match;
+
+  TrackedScan start(const Scan& scan, const MotionPrior& prior);
+  void predict_twist(const MotionPrior& prior);
+  Match match_scan(const PointCloud& sample, const Pose& predicted, double seconds);
+  std::vector<Pose> other_starts(double seconds) const;
+  TrackedScan evaluate(const Match& match, const Pose& predicted, double seconds) const;
+  void judge(const Match& match, const Pose& predicted, double seconds, std::size_t points,
+             FrontEndStatus& status);
+  StepEvidence collect_evidence(const Match& match, const Pose& predicted, double seconds) const;
+  void set_pose(TrackedScan& tracked, Stamp stamp, bool speed_is_measured);
+  void update_unobserved_travel(const FrontEndStatus& status, double seconds,
+                                bool speed_is_measured);
+  void update_window(const PointCloud& cloud, TrackedScan& tracked);
+  bool key_frame_due(const TrackedScan& tracked) const;
+  void insert_key_frame(PointCloud cloud);
+
+  const FrontEndConfig config_;
+  KeyFrameRule rule_;
+  WindowMatcher matcher_;
+  UnobservedTravel unobserved_travel_;
+  DoubtState doubt_;
+  StepOrigin step_origin_;
+  StepTimer timer_;
+  Pose T_odom_base_;  ///< of the last scan
+  Vector6d twist_ = Vector6d::Zero();
+  Vector6d sweep_twist_ = Vector6d::Zero();  ///< twist with which sweeps are deskewed
+  Stamp stamp_ = 0;
+  Stamp tracked_stamp_ = 0;  ///< of the last scan that was not lost
+  bool speed_known_ = false;
 };
 
 }  // namespace lidar_mapping::front_end

@@ -87,10 +87,15 @@ class StationaryMatches {
     registration::NdtMatch match;
     match.overlap = 0.3;
     match.state.T_map_sensor = matched_pose_;
-    const bool is_moved = false_standstill_.track(points, high_noise, filter_) ||
-                          false_standstill_.detect(points, match, 0.1, true, filter_);
-    if (!is_moved) filter_.restart({matched_pose_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
-    return is_moved;
+    std::optional<MotionFilter> recovered =
+        false_standstill_.track(points, high_noise, filter_.state().T_map_sensor);
+    if (!recovered) recovered = false_standstill_.detect(points, match, 0.1, true, filter_);
+    if (recovered) {
+      filter_ = *recovered;
+    } else {
+      filter_.restart({matched_pose_, Vector6d::Zero()}, 1e-4 * Matrix12d::Identity());
+    }
+    return recovered.has_value();
   }
 
   const MotionFilter& filter() const { return filter_; }

@@ -9,7 +9,7 @@
 
 #include "motion_filter.hpp"
 #include "sweep_begin.hpp"
-#include "twist_forecast.hpp"
+#include "twist_predictor.hpp"
 #include "velocity_validator.hpp"
 
 namespace lidar_mapping::front_end {
@@ -212,12 +212,12 @@ TEST(TwistBetween, IsTheInverseOfMoved) {
   EXPECT_LT((twist_between(a, moved(a, twist, 0.4), 0.4) - twist).norm(), 1e-9);
 }
 
-TEST(TwistForecast, PrefersTheBetterPredictor) {
+TEST(TwistPredictor, PrefersTheBetterPredictor) {
   std::mt19937 engine(5);
   std::normal_distribution<double> jitter(0.0, 1.0);
   const Vector6d walk = Vector6d::Constant(1.3);
-  TwistForecast of_a_walk(10.0);
-  TwistForecast of_a_car(10.0);
+  TwistPredictor of_a_walk(10.0);
+  TwistPredictor of_a_car(10.0);
   for (int i = 0; i < 200; ++i) {
     const Vector6d gait = Vector6d::NullaryExpr([&](Eigen::Index) { return jitter(engine); });
     of_a_walk.update(walk + 0.05 * gait, walk + gait, 0.1);
@@ -229,8 +229,8 @@ TEST(TwistForecast, PrefersTheBetterPredictor) {
   EXPECT_LT((of_a_car.next(0.1) - Vector6d::Constant(20.0)).head<3>().norm(), 1e-6);
 }
 
-TEST(TwistForecast, ContinuesAnAccelerationForTheNextStep) {
-  TwistForecast forecast(10.0);
+TEST(TwistPredictor, ContinuesAnAccelerationForTheNextStep) {
+  TwistPredictor forecast(10.0);
   const double acceleration = -2.0;
   double time = 0.0;
   for (int step = 0; step < 100; ++step) {
@@ -249,8 +249,8 @@ TEST(TwistForecast, ContinuesAnAccelerationForTheNextStep) {
   EXPECT_EQ(forecast.at_end_of_next(0.3)[2], forecast.next(0.3)[2]);
 }
 
-TEST(TwistForecast, IgnoresAJumpOfThePose) {
-  TwistForecast forecast(10.0);
+TEST(TwistPredictor, IgnoresAJumpOfThePose) {
+  TwistPredictor forecast(10.0);
   Vector6d twist = Vector6d::Zero();
   for (int step = 0; step < 30; ++step) {
     twist[0] = 0.2 * step;
@@ -288,8 +288,8 @@ TEST(MotionFilter, DoesNotLagBehindABrakingVehicle) {
   EXPECT_LT(std::abs(mean), 0.003) << "0.011 with a constant twist";
 }
 
-TEST(TwistForecast, DistinguishesASteadyAccelerationFromAGait) {
-  TwistForecast forecast(10.0);
+TEST(TwistPredictor, DistinguishesASteadyAccelerationFromAGait) {
+  TwistPredictor forecast(10.0);
   for (int step = 0; step < 100; ++step) {
     // Forward ever faster, up and down from step to step, and not at all about z.
     Vector6d mean_twist = Vector6d::Zero();

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "claimed_pose.hpp"
 #include "evaluated_drive.hpp"
 #include "match_evidence.hpp"
 #include "step_belief.hpp"
+#include "step_origin.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -61,7 +61,7 @@ TEST(StepEvidence, IsSmallIfTheHalvesAgree) {
 }
 
 TEST(StepEvidence, HasTheStandardDeviationOfTheStep) {
-  ClaimedPose from, to;
+  PoseEstimate from, to;
   from.covariance = to.covariance = diagonal_covariance(0.1, 0.01);
   StepEvidence evidence;
   set_step(from, to, 0.4, evidence);

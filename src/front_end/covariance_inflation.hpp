@@ -15,7 +15,7 @@ Covariance6 expected_error_covariance(const FrontEndStatus& status);
 
 /// Accumulates the additional covariance of the doubtful steps of a motion. The errors of the steps
 /// are independent of each other; a rotation error of one step also displaces all later steps.
-class MotionDoubt {
+class CovarianceInflation {
  public:
   /// Adds the next step of the motion, with the status of its end.
   void add_step(const Pose& T_from_to, const FrontEndStatus& status);
@@ -25,11 +25,11 @@ class MotionDoubt {
 
   /// In the axes of the motion's end; zero if no step was doubtful.
   const Covariance6& covariance() const { return covariance_; }
-  bool has_doubt() const { return has_doubt_; }
+  bool is_inflated() const { return inflated_; }
 
  private:
   Covariance6 covariance_ = Covariance6::Zero();
-  bool has_doubt_ = false;
+  bool inflated_ = false;
 };
 
 }  // namespace lidar_mapping::front_end

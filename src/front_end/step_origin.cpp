@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "claimed_pose.hpp"
+#include "step_origin.hpp"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::front_end {
 
-void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
+void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
               StepEvidence& evidence) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
   const Covariance6 covariance =
@@ -17,6 +17,17 @@ void set_step(const ClaimedPose& from, const ClaimedPose& to, double seconds,
   evidence.seconds = seconds;
   evidence.sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   evidence.sigma_angle = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+}
+
+void StepOrigin::set_step_to(const PoseEstimate& estimate, StepEvidence& evidence) const {
+  set_step(estimate_, estimate, elapsed_, evidence);
+}
+
+void StepOrigin::update(const TrackedScan& tracked) {
+  if (!claims_pose(tracked.status.state) && !tracked.new_segment) return;
+  estimate_ = {tracked.T_odom_base, tracked.covariance, tracked.drift_variance_factor,
+               tracked.sweep_covariance};
+  elapsed_ = 0.0;
 }
 
 }  // namespace lidar_mapping::front_end

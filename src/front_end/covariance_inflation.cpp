@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "motion_doubt.hpp"
+#include "covariance_inflation.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -9,17 +9,17 @@ Covariance6 expected_error_covariance(const FrontEndStatus& status) {
   return diagonal_covariance(status.expected_error, status.expected_error_angle);
 }
 
-void MotionDoubt::add_step(const Pose& T_from_to, const FrontEndStatus& status) {
+void CovarianceInflation::add_step(const Pose& T_from_to, const FrontEndStatus& status) {
   const bool doubtful = is_doubtful(status);
-  if (!has_doubt_ && !doubtful) return;
-  has_doubt_ = true;
+  if (!inflated_ && !doubtful) return;
+  inflated_ = true;
   const Covariance6 of_step = doubtful ? expected_error_covariance(status) : Covariance6::Zero();
   covariance_ = compose_covariance(covariance_, T_from_to, of_step);
 }
 
-void MotionDoubt::apply_to(KeyFrame& key_frame) const {
-  key_frame.doubtful = has_doubt_;
-  if (has_doubt_) key_frame.motion_covariance += covariance_;
+void CovarianceInflation::apply_to(KeyFrame& key_frame) const {
+  key_frame.doubtful = inflated_;
+  if (inflated_) key_frame.motion_covariance += covariance_;
 }
 
 }  // namespace lidar_mapping::front_end

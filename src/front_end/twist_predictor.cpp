@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "twist_forecast.hpp"
+#include "twist_predictor.hpp"
 
 #include <algorithm>
 
@@ -27,15 +27,15 @@ Vector persistence_of(const Vector& continued, const Vector& squared) {
 
 }  // namespace
 
-double TwistForecast::mean_weight(int part) const {
+double TwistPredictor::mean_weight(int part) const {
   const double both = mean_error_[part] + sweep_error_[part];
   return both > 0.0 ? sweep_error_[part] / both : 0.0;
 }
 
 /// If the acceleration is steady, the twist changes from the middle of a step to its end as much as
 /// from there to the middle of the next step. If it was noise, the two changes have opposite signs.
-void TwistForecast::learn_change_persistence(const Vector6d& mean_twist,
-                                             const Eigen::Matrix3d& observed) {
+void TwistPredictor::learn_change_persistence(const Vector6d& mean_twist,
+                                              const Eigen::Matrix3d& observed) {
   Vector6d before = sweep_twist_ - mean_twist_;
   Vector6d after = mean_twist - sweep_twist_;
   before.head<3>() = observed * before.head<3>();
@@ -44,13 +44,13 @@ void TwistForecast::learn_change_persistence(const Vector6d& mean_twist,
   squared_change_ += kLearningRate * (before.cwiseProduct(before) - squared_change_);
 }
 
-Vector6d TwistForecast::change_persistence() const {
+Vector6d TwistPredictor::change_persistence() const {
   return persistence_of(continued_change_, squared_change_);
 }
 
 /// The mean twist of a step is the twist at its middle.
-void TwistForecast::learn_acceleration(const Vector6d& mean_twist, double seconds,
-                                       const Eigen::Matrix3d& observed) {
+void TwistPredictor::learn_acceleration(const Vector6d& mean_twist, double seconds,
+                                        const Eigen::Matrix3d& observed) {
   const Eigen::Vector3d change = observed * (mean_twist - mean_twist_).head<3>();
   Eigen::Vector3d now = change / (0.5 * (seconds_ + seconds));
   if (now.norm() > largest_acceleration_) now.setZero();
@@ -63,8 +63,8 @@ void TwistForecast::learn_acceleration(const Vector6d& mean_twist, double second
   acceleration_.head<3>() = persistence.cwiseProduct(now);
 }
 
-void TwistForecast::update(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
-                           const Eigen::Matrix3d& observed) {
+void TwistPredictor::update(const Vector6d& mean_twist, const Vector6d& sweep_twist, double seconds,
+                            const Eigen::Matrix3d& observed) {
   if (has_step_) {
     const auto learn = [&](const Vector6d& forecast, Eigen::Vector2d& error) {
       error += kLearningRate * (squared_difference(forecast, mean_twist, observed) - error);
@@ -82,15 +82,15 @@ void TwistForecast::update(const Vector6d& mean_twist, const Vector6d& sweep_twi
   has_step_ = true;
 }
 
-Vector6d TwistForecast::from_mean(double seconds) const {
+Vector6d TwistPredictor::from_mean(double seconds) const {
   return mean_twist_ + 0.5 * (seconds_ + seconds) * acceleration_;
 }
 
-Vector6d TwistForecast::from_sweep(double seconds) const {
+Vector6d TwistPredictor::from_sweep(double seconds) const {
   return sweep_twist_ + 0.5 * seconds * acceleration_;
 }
 
-Vector6d TwistForecast::next(double seconds) const {
+Vector6d TwistPredictor::next(double seconds) const {
   Vector6d next = from_sweep(seconds);
   const Vector6d to_mean = from_mean(seconds) - next;
   next.head<3>() += mean_weight(0) * (observed_ * to_mean.head<3>());
@@ -98,7 +98,7 @@ Vector6d TwistForecast::next(double seconds) const {
   return next;
 }
 
-Vector6d TwistForecast::at_end_of_next(double seconds) const {
+Vector6d TwistPredictor::at_end_of_next(double seconds) const {
   return next(seconds) + 0.5 * seconds * acceleration_;
 }
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "covariance_inflation.hpp"
 #include "evaluated_drive.hpp"
-#include "motion_doubt.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -23,39 +23,39 @@ Pose ahead(double metres) {
   return pose;
 }
 
-TEST(MotionDoubt, IsZeroWithoutDoubtfulSteps) {
-  MotionDoubt doubt;
+TEST(CovarianceInflation, IsZeroWithoutDoubtfulSteps) {
+  CovarianceInflation inflation;
   for (const auto state : {TrackingState::kTracking, TrackingState::kDegenerate}) {
-    doubt.add_step(ahead(1.0), status_of(state, 0.5, 0.05));
+    inflation.add_step(ahead(1.0), status_of(state, 0.5, 0.05));
   }
-  EXPECT_FALSE(doubt.has_doubt());
-  EXPECT_TRUE(doubt.covariance().isZero(0.0));
+  EXPECT_FALSE(inflation.is_inflated());
+  EXPECT_TRUE(inflation.covariance().isZero(0.0));
   KeyFrame key_frame;
-  doubt.apply_to(key_frame);
+  inflation.apply_to(key_frame);
   EXPECT_FALSE(key_frame.doubtful);
   EXPECT_EQ(key_frame.motion_covariance, Covariance6::Identity());
 }
 
-TEST(MotionDoubt, ContainsTheExpectedErrorInEveryDirection) {
-  MotionDoubt doubt;
-  doubt.add_step(ahead(1.0), status_of(TrackingState::kDoubtful, 0.3, 0.02));
-  EXPECT_TRUE(doubt.has_doubt());
-  EXPECT_LT((doubt.covariance() - diagonal_covariance(0.3, 0.02)).norm(), 1e-15);
+TEST(CovarianceInflation, ContainsTheExpectedErrorInEveryDirection) {
+  CovarianceInflation inflation;
+  inflation.add_step(ahead(1.0), status_of(TrackingState::kDoubtful, 0.3, 0.02));
+  EXPECT_TRUE(inflation.is_inflated());
+  EXPECT_LT((inflation.covariance() - diagonal_covariance(0.3, 0.02)).norm(), 1e-15);
 }
 
-TEST(MotionDoubt, AddsStepsAsIndependent) {
-  MotionDoubt doubt;
-  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.03));
-  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.4, 0.04));
-  EXPECT_LT((doubt.covariance() - diagonal_covariance(0.5, 0.05)).norm(), 1e-15);
+TEST(CovarianceInflation, AddsStepsAsIndependent) {
+  CovarianceInflation inflation;
+  inflation.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.03));
+  inflation.add_step({}, status_of(TrackingState::kDoubtful, 0.4, 0.04));
+  EXPECT_LT((inflation.covariance() - diagonal_covariance(0.5, 0.05)).norm(), 1e-15);
 }
 
 // 10 m further on a turn of 0.02 rad is a shift of 0.2 m aside and up, and none along.
-TEST(MotionDoubt, PropagatesARotationErrorToLaterSteps) {
-  MotionDoubt doubt;
-  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.1, 0.02));
-  doubt.add_step(ahead(10.0), status_of(TrackingState::kTracking, 0.5, 0.5));
-  const Covariance6& covariance = doubt.covariance();
+TEST(CovarianceInflation, PropagatesARotationErrorToLaterSteps) {
+  CovarianceInflation inflation;
+  inflation.add_step({}, status_of(TrackingState::kDoubtful, 0.1, 0.02));
+  inflation.add_step(ahead(10.0), status_of(TrackingState::kTracking, 0.5, 0.5));
+  const Covariance6& covariance = inflation.covariance();
   EXPECT_NEAR(covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(covariance(1, 1), 0.01 + 0.04, 1e-12);
   EXPECT_NEAR(covariance(2, 2), 0.01 + 0.04, 1e-12);
@@ -63,12 +63,12 @@ TEST(MotionDoubt, PropagatesARotationErrorToLaterSteps) {
   EXPECT_NEAR(covariance(1, 5), 0.004, 1e-12) << "a turn to the left leads to the left";
 }
 
-TEST(MotionDoubt, IsAddedToTheCovarianceOfAKeyFrame) {
-  MotionDoubt doubt;
-  doubt.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.02));
+TEST(CovarianceInflation, IsAddedToTheCovarianceOfAKeyFrame) {
+  CovarianceInflation inflation;
+  inflation.add_step({}, status_of(TrackingState::kDoubtful, 0.3, 0.02));
   KeyFrame key_frame;
   key_frame.motion_covariance = diagonal_covariance(0.4, 0.0);
-  doubt.apply_to(key_frame);
+  inflation.apply_to(key_frame);
   EXPECT_TRUE(key_frame.doubtful);
   EXPECT_LT((key_frame.motion_covariance - diagonal_covariance(0.5, 0.02)).norm(), 1e-15);
 }
@@ -94,7 +94,7 @@ KeyFramesAndSteps key_frames_of(const simulation::Drive& drive, std::size_t ever
 }
 
 // Hand-held, a scan every 0.8 s.
-TEST(MotionDoubt, IsInTheKeyFramesOfAWalkWithFewScans) {
+TEST(CovarianceInflation, IsInTheKeyFramesOfAWalkWithFewScans) {
   const KeyFramesAndSteps found = key_frames_of(make_drive("walk", 20.0, 52), 8);
   EXPECT_GT(found.doubtful_steps, 0);
   const auto doubtful = [](const KeyFrame& k) { return k.doubtful; };
@@ -103,7 +103,7 @@ TEST(MotionDoubt, IsInTheKeyFramesOfAWalkWithFewScans) {
   EXPECT_GT((at->motion_covariance.topLeftCorner<3, 3>().trace()), 1e-3);
 }
 
-TEST(MotionDoubt, IsNotInTheKeyFramesOfACleanWalk) {
+TEST(CovarianceInflation, IsNotInTheKeyFramesOfACleanWalk) {
   for (const KeyFrame& key_frame : key_frames_of(make_drive("walk", 10.0, 201), 1).key_frames) {
     EXPECT_FALSE(key_frame.doubtful);
   }

@@ -11,11 +11,11 @@ namespace lidar_mapping::front_end {
 /// steps. The velocity also continues to change as it changed from the previous step to the last
 /// one, weighted by the persistence of such changes in recent steps: this is complete while a
 /// vehicle brakes, and zero for the motion of a gait.
-class TwistForecast {
+class TwistPredictor {
  public:
   /// A change of the velocity by more than `largest_acceleration` (m/s^2) is a jump of the pose and
   /// is not continued.
-  explicit TwistForecast(double largest_acceleration)
+  explicit TwistPredictor(double largest_acceleration)
       : largest_acceleration_(largest_acceleration) {}
 
   /// Adds a step of `seconds`: its mean twist and the twist during the sweep at its end. Only the

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a map starts and ends: at the first scan, if the second scan does not fit to the first one,
+// and after tracking was lost.
+#include "coasting.hpp"
+#include "ndt_tracker.hpp"
+#include "reported_covariance.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+/// A map does not start with fewer points.
+constexpr std::size_t kMinPoints = 50;
+
+}  // namespace
+
+void NdtTracker::start(const Scan& scan, FrontEndStatus& status) {
+  start_map(scan, start_);
+  status.converged = has_enough_points();
+  status.state = has_enough_points() ? TrackingState::kTracking : TrackingState::kLost;
+}
+
+bool NdtTracker::has_enough_points() const { return sweep_.points().size() >= kMinPoints; }
+
+/// The points are stored until the motion during the scan is known.
+void NdtTracker::start_map(const Scan& scan, const Pose& T_odom_base) {
+  start_ = T_odom_base;
+  start_motion(T_odom_base, sweep_.reference(), state_);
+  mapper_.start_map(scan, T_odom_base, sweep_, state_.map);
+  if (!has_enough_points()) return;
+  initialization_.start(T_odom_base);
+  initialization_.add(scan.stamp, sweep_, state_.filter);
+  insert(scan);
+  initialization_.set_first_scan(sweep_.sample_dense(scan),
+                                 mapper_.is_indoors() ? SampledPoints{} : sweep_.between_rings(),
+                                 scan.cloud.has_times(), sweep_.reference());
+}
+
+void NdtTracker::discard_map() {
+  state_.discard_map();
+  mapper_.interrupt();
+  judge_.reset();
+  initialization_.finalize();
+  false_standstill_.reset();
+  unobserved_travel_.interrupt();
+}
+
+void NdtTracker::replace_first_scan(const Scan& scan, const StepMatch& match, double probability) {
+  const MotionState& matched = match.found.match.state;
+  const Matrix12d covariance =
+      reported_covariance(match.found.match) + doubt_covariance(matched, match.prior, probability);
+  discard_map();
+  start_map(scan, moved(matched.T_map_sensor, matched.twist, -sweep_.reference()));
+  initialization_.finalize();
+  state_.covariance = covariance;
+}
+
+void NdtTracker::recover(const Step& step, TrackedScan& result) {
+  initialization_.finalize();
+  unobserved_travel_.interrupt();
+  coast(step.seconds, state_);
+  if (keeps_map(state_, max_lost_time_) || !has_enough_points()) return;
+  const MotionState& predicted = state_.filter.state();
+  const Pose at_stamp = moved(predicted.T_map_sensor, predicted.twist, -sweep_.reference());
+  discard_map();
+  start_map(step.scan, at_stamp);
+  // The pose is still a prediction, so the state remains lost.
+  result.status.converged = true;
+  result.new_segment = true;
+}
+
+void NdtTracker::restart() {
+  discard_map();
+  start_ = Pose::Identity();
+}
+
+}  // namespace lidar_mapping::front_end

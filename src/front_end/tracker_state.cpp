@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tracker_state.hpp"
+
+#include <Eigen/LU>
+
+#include "degeneracy.hpp"
+#include "reported_covariance.hpp"
+#include "sweep_begin.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+// Standard deviations of the motion before the second scan: any vehicle may be moving already.
+constexpr double kInitialSpeedSigma = 15.0;  // m/s
+constexpr double kInitialRateSigma = 1.0;    // rad/s
+
+}  // namespace
+
+TrackerState::TrackerState(const FrontEndConfig& config)
+    : map(config.voxel_size, config.local_map_radius),
+      filter(config.acceleration_sigma, config.angular_acceleration_sigma) {}
+
+void TrackerState::discard_map() {
+  map.clear();
+  coverage = {};
+  motion_known = false;
+  lost_time = 0.0;
+}
+
+double drift_variance_factor(const TrackerState& state, const registration::NdtMatch& match) {
+  return state.coverage.has_few_scans() ? initial_drift_variance_factor(match) : 1.0;
+}
+
+void start_motion(const Pose& T_odom_base, double reference, TrackerState& state) {
+  state.last_matched_pose = T_odom_base;
+  state.filter.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
+  state.filter.predict(reference);
+  state.covariance = state.filter.covariance();
+  state.drift_variance_factor = 1.0;
+}
+
+void correct_motion(const SweepMatcher::Found& found, TrackerState& state) {
+  const registration::NdtMatch& match = found.match;
+  state.filter.correct(match.state, match.information.inverse(),
+                       projection_orthogonal_to(found.degenerate_directions));
+  state.covariance = reported_covariance(match);
+  state.drift_variance_factor = drift_variance_factor(state, match);
+  state.last_matched_pose = match.state.T_map_sensor;
+  state.lost_time = 0.0;
+}
+
+void set_motion_at_stamp(const TrackerState& state, const SweepSampler& sweep,
+                         TrackedScan& result) {
+  const double to_stamp = -sweep.reference();
+  const MotionFilter& filter = state.filter;
+  const SweepMotion motion = motion_from_stamp(filter, sweep.duration(), to_stamp);
+  result.T_odom_base = motion.begin.T_map_sensor;
+  result.twist = motion.begin.twist;
+  result.acceleration = motion.acceleration;
+  result.covariance = pose_covariance(state.covariance, filter.state().twist, to_stamp);
+  result.sweep_covariance = filter.irregularity_covariance(to_stamp);
+  result.drift_variance_factor = state.drift_variance_factor;
+  result.motion_known = state.motion_known;
+}
+
+}  // namespace lidar_mapping::front_end

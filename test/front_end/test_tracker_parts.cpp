@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of the sequential NDT's tracker: its state, its judge, and what it inserts into its
+// map.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "coasting.hpp"
+#include "local_mapper.hpp"
+#include "motion_predictor.hpp"
+#include "step_judge.hpp"
+#include "step_origin.hpp"
+#include "tracker_state.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+Pose ahead(double x) { return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; }
+
+TrackedScan tracked_at(double x, TrackingState state) {
+  TrackedScan tracked;
+  tracked.T_odom_base = ahead(x);
+  tracked.covariance = diagonal_covariance(0.1, 0.01);
+  tracked.status.state = state;
+  return tracked;
+}
+
+TEST(StepOrigin, StaysAtTheLastClaimedPose) {
+  StepOrigin origin;
+  const PoseEstimate here{ahead(3.0), diagonal_covariance(0.1, 0.01), 1.0};
+  StepEvidence evidence;
+  origin.update(tracked_at(1.0, TrackingState::kTracking));
+  for (const auto state : {TrackingState::kLost, TrackingState::kDegraded}) {
+    origin.advance(0.1);
+    origin.update(tracked_at(2.0, state));
+  }
+  origin.advance(0.1);
+  origin.set_step_to(here, evidence);
+  EXPECT_NEAR(evidence.seconds, 0.3, 1e-12);
+  const double sigma_of_long_step = evidence.sigma;
+  origin.update(tracked_at(2.5, TrackingState::kDoubtful));
+  origin.advance(0.1);
+  origin.set_step_to(here, evidence);
+  EXPECT_NEAR(evidence.seconds, 0.1, 1e-12);
+  EXPECT_LT(evidence.sigma, sigma_of_long_step);
+}
+
+TEST(StepOrigin, IsTheFirstScanOfASegment) {
+  StepOrigin origin;
+  origin.advance(5.0);
+  TrackedScan first = tracked_at(0.0, TrackingState::kLost);
+  first.new_segment = true;
+  origin.update(first);
+  StepEvidence evidence;
+  origin.set_step_to({}, evidence);
+  EXPECT_EQ(evidence.seconds, 0.0);
+}
+
+/// Points all around the sensor, at this distance (m).
+Scan scan_of_walls(double range) {
+  Scan scan;
+  for (int i = 0; i < 2000; ++i) {
+    const double azimuth = 0.1 * i;
+    const double z = 0.001 * (i - 1000);
+    scan.cloud.points.push_back({static_cast<float>(range * std::cos(azimuth)),
+                                 static_cast<float>(range * std::sin(azimuth)),
+                                 static_cast<float>(z), 0.0F});
+  }
+  return scan;
+}
+
+MotionState moving(double x, double speed) {
+  MotionState state{ahead(x), Vector6d::Zero()};
+  state.twist[0] = speed;
+  return state;
+}
+
+/// Inserts scans at poses of a tracker.
+class Insertions {
+ public:
+  explicit Insertions(double range) : scan_(scan_of_walls(range)) {
+    config_.calibrate_elevation = false;
+    sweep_.sample(scan_, 0);
+    start_motion(Pose{}, 0.0, state_);
+    mapper_.start_map(scan_, Pose{}, sweep_, state_.map);
+  }
+
+  /// True if the mapper inserts a scan at this position.
+  bool insert_at(double x) {
+    state_.filter.restart(moving(x, 0.0), Matrix12d::Identity());
+    if (!mapper_.is_due(state_)) return false;
+    mapper_.insert(scan_, sweep_, state_, timer_);
+    return true;
+  }
+  TrackerState& state() { return state_; }
+  const LocalMapper& mapper() const { return mapper_; }
+  double voxel_size() const { return config_.voxel_size; }
+
+ private:
+  FrontEndConfig config_;
+  Scan scan_;
+  SweepSampler sweep_{config_};
+  TrackerState state_{config_};
+  LocalMapper mapper_{config_};
+  StepTimer timer_;
+};
+
+TEST(LocalMapper, InsertsTheFirstScansAndThenWhereTheSensorMoves) {
+  Insertions insertions(20.0);
+  EXPECT_TRUE(insertions.state().map.empty());
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(insertions.insert_at(0.0));
+  EXPECT_FALSE(insertions.state().map.empty());
+  EXPECT_FALSE(insertions.insert_at(0.0));
+  EXPECT_FALSE(insertions.insert_at(1.9));
+  EXPECT_TRUE(insertions.insert_at(2.1));
+  EXPECT_FALSE(insertions.insert_at(2.1));
+  EXPECT_EQ(insertions.state().coverage.inserted_scans, 4);
+}
+
+TEST(LocalMapper, TellsWhenTheMapCoversMoreThanOnePlace) {
+  Insertions insertions(20.0);
+  const double radius = 10.0 * insertions.voxel_size();
+  EXPECT_TRUE(insertions.insert_at(0.9 * radius));
+  EXPECT_TRUE(insertions.state().coverage.is_single_place);
+  EXPECT_TRUE(insertions.insert_at(1.1 * radius));
+  EXPECT_FALSE(insertions.state().coverage.is_single_place);
+}
+
+TEST(LocalMapper, UsesSmallVoxelsInRooms) {
+  Insertions street(20.0);
+  Insertions room(3.0);
+  EXPECT_FALSE(street.mapper().is_indoors());
+  EXPECT_TRUE(room.mapper().is_indoors());
+  EXPECT_EQ(street.state().map.fine().resolution(), street.voxel_size());
+  EXPECT_EQ(room.state().map.fine().resolution(), 0.5 * room.voxel_size());
+}
+
+TEST(TrackerState, StartsAtThePoseOfTheStamp) {
+  const FrontEndConfig config;
+  TrackerState state(config);
+  start_motion(ahead(7.0), 0.0, state);
+  SweepSampler sweep(config);
+  sweep.sample(scan_of_walls(20.0), 0);
+  TrackedScan result;
+  set_motion_at_stamp(state, sweep, result);
+  EXPECT_EQ(result.T_odom_base.translation, ahead(7.0).translation);
+  EXPECT_FALSE(result.motion_known);
+  EXPECT_LT(result.covariance(0, 0), 1e-6) << "the first pose is known by definition";
+}
+
+TEST(Coasting, SlowsDownUntilTheMapIsGivenUp) {
+  TrackerState state{FrontEndConfig{}};
+  state.filter.restart(moving(0.0, 10.0), 0.01 * Matrix12d::Identity());
+  state.motion_known = true;
+  coast(0.5, state);
+  EXPECT_NEAR(state.filter.state().twist[0], 10.0 * std::exp(-0.5), 1e-9);
+  EXPECT_EQ(state.covariance, state.filter.covariance());
+  EXPECT_TRUE(keeps_map(state, 0.9));
+  coast(0.5, state);
+  EXPECT_FALSE(keeps_map(state, 0.9));
+}
+
+TEST(Coasting, GivesUpAMapOfOneScanAtOnce) {
+  TrackerState state{FrontEndConfig{}};
+  coast(0.1, state);
+  EXPECT_FALSE(keeps_map(state, 10.0));
+}
+
+double information_ahead(const MotionPrior& prior) {
+  MotionFilter filter(10.0, 5.0);
+  filter.restart(moving(0.0, 10.0), 0.04 * Matrix12d::Identity());
+  return measured_speed_information(MotionPredictor().predict(filter, prior, 0.1, 0.1),
+                                    {Eigen::Vector3d::UnitX()});
+}
+
+TEST(MotionPredictor, TellsHowWellOtherSensorsKnowTheSpeed) {
+  MotionPrior measured;
+  measured.linear_velocity = Eigen::Vector3d(10.0, 0.0, 0.0);
+  EXPECT_NEAR(information_ahead({}), 0.0, 1e-6);
+  EXPECT_GT(information_ahead(measured), 1.0);
+}
+
+TEST(MotionPredictor, PredictsWithLargeAndUsualAccelerations) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(ahead(1.0), 0.1, 0.1);
+  const PredictedMotion predicted = MotionPredictor().predict(filter, {}, 0.1, 0.1);
+  EXPECT_GT(predicted.high_noise_filter.covariance()(0, 0), predicted.filter.covariance()(0, 0));
+  EXPECT_EQ(predicted.beliefs.nominal.state.T_map_sensor.translation,
+            predicted.filter.state().T_map_sensor.translation);
+  EXPECT_DOUBLE_EQ(filter.covariance()(0, 0), 1e-8) << "the filter itself is not predicted";
+}
+
+/// A good match at this position (m), from a prior that allows any motion.
+StepMatch good_match_at(double x) {
+  StepMatch match;
+  match.found.match.state = moving(x, 10.0);
+  match.found.match.converged = true;
+  match.found.match.overlap = 0.9;
+  match.found.match.quality = 0.8;
+  match.found.match.pose_hessian = 1e6 * Matrix6d::Identity();
+  match.found.match.points_information = match.found.match.information =
+      1e6 * Matrix12d::Identity();
+  match.prior = {match.found.match.state, Matrix12d::Identity()};
+  return match;
+}
+
+FrontEndStatus status_of_a_match_at(double x, bool motion_known) {
+  const FrontEndConfig config;
+  TrackerState state(config);
+  start_motion(Pose{}, 0.0, state);
+  state.motion_known = motion_known;
+  SweepSampler sweep(config);
+  sweep.sample(scan_of_walls(20.0), 0);
+  FrontEndStatus status;
+  StepJudge(50.0).judge(good_match_at(x), state, sweep, 0.1, status);
+  return status;
+}
+
+TEST(StepJudge, LosesAMotionThatNoVehicleCanMake) {
+  EXPECT_NE(status_of_a_match_at(1.0, true).state, TrackingState::kLost);
+  EXPECT_EQ(status_of_a_match_at(100.0, true).state, TrackingState::kLost);
+  EXPECT_NE(status_of_a_match_at(100.0, false).state, TrackingState::kLost)
+      << "before the second match the motion is not known";
+}
+
+TEST(StepJudge, DescribesTheMatch) {
+  const FrontEndStatus status = status_of_a_match_at(1.0, true);
+  EXPECT_TRUE(status.converged);
+  EXPECT_EQ(status.overlap, 0.9);
+  EXPECT_GT(status.evidence.points, 50.0);
+  EXPECT_GT(status.evidence.sigma, 0.0);
+  EXPECT_GT(status.probability, 0.0);
+  EXPECT_TRUE(status.degenerate_directions.empty());
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
