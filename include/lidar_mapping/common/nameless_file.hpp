@@ -16,7 +16,9 @@ class NamelessFile {
   NamelessFile(const NamelessFile&) = delete;
   NamelessFile& operator=(const NamelessFile&) = delete;
 
+  /// Writes `bytes` bytes at `offset` (bytes from the beginning); the file grows as needed.
   void write(std::uint64_t offset, const void* data, std::size_t bytes);
+  /// Reads `bytes` bytes that were written from `offset` on; fails if the file is shorter.
   void read(std::uint64_t offset, void* data, std::size_t bytes) const;
 
  private:
