@@ -13,8 +13,8 @@ class ElevationShift {
   explicit ElevationShift(double angle)
       : cosine_(static_cast<float>(std::cos(angle))), sine_(static_cast<float>(std::sin(angle))) {}
 
-  /// Turns one point, in place. Its range stays as it is; a point on the vertical axis only moves
-  /// along it.
+  /// Turns one point, in place: its range and azimuth stay. A point on the vertical axis, which has
+  /// no azimuth, stays on the axis.
   void operator()(float& x, float& y, float& z) const {
     const float horizontal = std::sqrt(x * x + y * y);
     const float scale = horizontal > 0.0F ? (horizontal * cosine_ - z * sine_) / horizontal : 1.0F;

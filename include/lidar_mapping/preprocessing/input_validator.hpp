@@ -24,8 +24,8 @@ struct CloudSummary {
   std::string time_unit;        ///< "s", "ms", "us" or "ns"; empty if there are no times
   bool absolute_times = false;  ///< times of the clock of the stamps
   bool foreign_clock = false;   ///< absolute by another clock
-  double first_time = 0.0;  ///< s, relative to the stamp, or to the first point by another clock
-  double last_time = 0.0;   ///< s, as first_time
+  double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
+  double last_time = 0.0;       ///< s, as first_time
   std::optional<double> delay;  ///< s from the stamp to the delivery, if known
   /// Points of the first 0.6 % of the scan's time, m, in the sensor's frame.
   std::vector<Eigen::Vector3f> begin_points;

@@ -30,7 +30,7 @@ enum class ScanDirection {
 };
 /// The instant of a scan to which the stamp of its message refers.
 enum class ScanStamp {
-  kStart,   ///< the first point's
+  kStart,   ///< that of its first point
   kMiddle,  ///< half a scan_period after the start
   kEnd      ///< a scan_period after the start
 };

@@ -40,8 +40,8 @@ std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTi
 Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
 
 /// The rotation that remains when a uniform rotation is removed: exp(-omega t) R(t). A scan that is
-/// corrected by it looks as if the vehicle had turned at the constant rate `omega`
-/// (rad/s). Translations stay as they are.
+/// corrected by it looks as if the vehicle had turned at the constant rate `omega` (rad/s).
+/// Translations stay as they are.
 ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
 /// The rotations of a motion without its uniform part.
 UnevenTurning turning_of(const ScanMotion& motion);

@@ -12,7 +12,8 @@ namespace lidar_mapping::preprocessing {
 
 /// The limits that are applied to the points, from the configuration.
 struct PassLimits {
-  /// Without use_distance_filter only points within a centimetre of the sensor are too near.
+  /// The limits of a configuration; without use_distance_filter only points within a centimetre of
+  /// the sensor are too near.
   explicit PassLimits(const PreprocessingConfig& config);
 
   float near_squared;       ///< square of the least range from the sensor, m^2

@@ -65,8 +65,8 @@ struct NdtPart {
 
 /// Sectors of equal angle around the sensor into which the points of a match are parted.
 constexpr std::size_t kNdtSectors = 8;
-/// Parts of a match: the sectors' points that are nearer than their mean range, then the farther
-/// ones.
+/// Parts of a match: the sectors with their points that are nearer than the mean range, then the
+/// sectors with the farther ones.
 constexpr std::size_t kNdtParts = 2 * kNdtSectors;
 
 /// Where the points fit best, and how well.

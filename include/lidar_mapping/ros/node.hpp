@@ -99,7 +99,7 @@ int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError 
 /// What stands on a node's command line beside ROS's own words.
 struct NodeOptions {
   bool print_config = false;         ///< print the configuration in force and end
-  OnError on_error = OnError::kEnd;  ///< see OnError
+  OnError on_error = OnError::kEnd;  ///< if the node cannot start
   std::optional<int> exit_status;    ///< with which the program ends at once: help, a wrong option
 };
 
