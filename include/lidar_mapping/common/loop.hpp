@@ -51,10 +51,13 @@ struct LoopVerdict {
   Verdict verdict = Verdict::kUndecided;      ///< the decision
   std::string reason;                         ///< one sentence: figure, limit, parameter
   double distance = 0.0;                      ///< between the poses before matching, m
-  double fitness = 0.0;                       ///< m^2
-  double overlap = 0.0;                       ///< above ground, 0 to 1
-  double free_space_violation = 0.0;          ///< 0 to 1
-  double horizontal_eigenvalue = 0.0;         ///< 0 to 0.5
+  double fitness = 0.0;                       ///< mean squared distance of paired points, m^2
+  /// Share of the points above ground with a partner, 0 to 1.
+  double overlap = 0.0;
+  /// Share of the points above ground that stand in what the other side saw to be free, 0 to 1.
+  double free_space_violation = 0.0;
+  /// How well the walls pin the horizontal position: 0.5 at best, 0 in a smooth tunnel.
+  double horizontal_eigenvalue = 0.0;
   double innovation = 0.0;  ///< squared, normalised by the prior's covariance, 6 degrees of freedom
 };
 

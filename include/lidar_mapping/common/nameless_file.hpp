@@ -10,7 +10,7 @@ namespace lidar_mapping {
 /// thread may read. Throws FileError.
 class NamelessFile {
  public:
-  /// Makes the folder, too.
+  /// Makes the file in `directory`, and the folder where it is missing.
   explicit NamelessFile(const std::filesystem::path& directory);
   ~NamelessFile();
   NamelessFile(const NamelessFile&) = delete;

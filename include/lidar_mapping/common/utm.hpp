@@ -15,7 +15,7 @@ namespace lidar_mapping {
 /// its side of the equator, wherever they are.
 class UtmFrame {
  public:
-  /// In the zone that the datum lies in.
+  /// The frame in the zone that the datum lies in.
   explicit UtmFrame(const GeodeticDatum& datum);
 
   /// Easting, northing, height of a point in East-North-Up about the datum; all m.

@@ -14,7 +14,7 @@ inline int floor_to_int(float value) {
   const int whole = static_cast<int>(value);
   return whole - static_cast<int>(value < static_cast<float>(whole));
 }
-/// The same for double.
+/// The greatest whole number that is not above `value`, for double.
 inline std::int64_t floor_to_int(double value) {
   const auto whole = static_cast<std::int64_t>(value);
   return whole - static_cast<std::int64_t>(value < static_cast<double>(whole));

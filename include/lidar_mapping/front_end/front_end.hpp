@@ -22,7 +22,8 @@ struct FrontEndResult {
   /// deskewed(cloud, twist, acceleration) gives the scan without motion distortion (deskew.hpp).
   /// The pose does not need this step, so it is left to those who display the scan.
   Vector6d twist = Vector6d::Zero();
-  Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
+  /// Change of the twist during the sweep: m/s^2, rad/s^2.
+  Vector6d acceleration = Vector6d::Zero();
   /// Set if this scan was chosen as a key frame. The first scan is chosen as soon as its points are
   /// deskewed or can be deskewed: if the points have times, this is when the motion is known.
   std::optional<KeyFrame> key_frame;

@@ -21,7 +21,7 @@ struct StepEvidence {
   double iterations = 0.0;         ///< steps of the search
   double rescued = 0.0;            ///< 0 or 1: the match needed more than one starting pose
   double degenerate = 0.0;         ///< 0 or 1: the points did not observe one direction
-  double seconds = 0.0;            ///< since the last scan with a claimed pose
+  double seconds = 0.0;            ///< s since the last scan with a claimed pose
   /// Standard deviations of the step: square roots of the traces of its covariance.
   double sigma = 0.0;        ///< m
   double sigma_angle = 0.0;  ///< rad

@@ -19,7 +19,7 @@ struct PassLimits {
   float near_squared;       ///< square of the least range from the sensor, m^2
   float far_squared;        ///< square of the greatest range from the sensor, m^2
   Eigen::Vector3f box_min;  ///< box around the vehicle, m, in base_link; empty if min = max
-  Eigen::Vector3f box_max;  ///< its upper corner
+  Eigen::Vector3f box_max;  ///< its upper corner, m
 };
 
 /// What becomes of the points' times in a pass.

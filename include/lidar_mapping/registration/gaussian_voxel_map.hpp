@@ -24,15 +24,16 @@ struct Gaussian {
 struct PlaneModel {
   int min_points = 5;         ///< a voxel with fewer has no plane
   double sigma = 0.015;       ///< m: of a point on a perfect plane
-  double prior_points = 1.5;  ///< so many points of an isotropic blob stand for prior doubt,
-  double prior_sigma = 0.15;  ///< m: of this size
-  double line_ratio = 0.2;    ///< below this ratio of the two large eigenvalues it is distrusted,
-  double line_floor = 0.01;   ///< and from this on it is a line and no plane
-  double least_breadth =
-      0.03;  ///< m: standard deviation along the middle axis that noise alone may have,
-  double sure_breadth = 0.05;  ///< and from which on it is the surface's
-  double thin_ratio = 0.1;  ///< thickness to breadth: up to this what rings see one by one is thin,
-  double thick_ratio = 0.3;  ///< and from this on a bush
+  double prior_points = 1.5;  ///< number of points of an isotropic blob, the prior doubt
+  double prior_sigma = 0.15;  ///< m: standard deviation of that blob
+  double line_ratio = 0.2;    ///< below this ratio of the two large eigenvalues it is distrusted
+  double line_floor = 0.01;   ///< up to this ratio of them it is a line and no plane
+  /// m: standard deviation along the middle axis that noise alone may have.
+  double least_breadth = 0.03;
+  double sure_breadth = 0.05;  ///< m: from this on it is the surface's own
+  /// Thickness to breadth: up to this, what the sensor's rings see one by one is thin.
+  double thin_ratio = 0.1;
+  double thick_ratio = 0.3;  ///< thickness to breadth: from this on it is a bush
 };
 
 /// Plane of a voxel, scaled so that normal . p - offset is the distance of p in standard

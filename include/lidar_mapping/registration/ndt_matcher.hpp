@@ -21,7 +21,7 @@ using Matrix12d = Eigen::Matrix<double, 12, 12>;
 /// Perturbations: that of perturbed() for the pose, then the twist's.
 struct MotionState {
   Pose T_map_sensor;                  ///< at the reference time
-  Vector6d twist = Vector6d::Zero();  ///< constant during the sweep
+  Vector6d twist = Vector6d::Zero();  ///< constant during the sweep, m/s and rad/s
 };
 
 /// The pose perturbed as perturbed() does it, and the twist plus the last six numbers of d.
@@ -41,9 +41,10 @@ struct NdtOptions {
   NeighborSearch neighbor_search = NeighborSearch::kDirect1;
   /// Distance in standard deviations at which a point loses most of its weight (Geman-McClure).
   double kernel = 2.5;
-  /// The squared kernel starts that much wider and falls by this factor per iteration.
+  /// Factor by which the squared kernel is wider in the first iteration.
   double kernel_widening = 100.0;
-  double kernel_fall = 16.0;          ///< until it has its own width
+  /// Factor by which it gets narrower with each iteration, until it has its own width.
+  double kernel_fall = 16.0;
   int max_iterations = 30;            ///< after which the match has not converged
   double translation_epsilon = 1e-3;  ///< m: a step below both limits ends the search
   double rotation_epsilon = 5e-5;     ///< rad

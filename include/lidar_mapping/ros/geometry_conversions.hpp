@@ -36,7 +36,7 @@ geometry_msgs::Transform to_transform(const Pose& pose);
 /// The pose in a message. Throws InputError for values that are not finite or a quaternion whose
 /// length is more than 0.01 away from 1.
 Pose from_message(const geometry_msgs::Pose& pose);
-/// The same of a transform.
+/// The pose in a transform, with the same errors.
 Pose from_message(const geometry_msgs::Transform& transform);
 
 /// Three numbers of any unit.
