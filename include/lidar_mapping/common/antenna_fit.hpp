@@ -9,14 +9,16 @@
 
 namespace lidar_mapping {
 
-/// A good fix beside the vehicle's motion by dead reckoning or odometry; both level.
+/// A good fix beside the vehicle's motion by dead reckoning or odometry; both level, so two axes
+/// are enough. `dr` is the frame of dead reckoning, which turns and drifts against East-North-Up.
 struct TrackedFix {
-  Stamp stamp = 0;
+  Stamp stamp = 0;  ///< of the fix, from which `applied_delay` is taken off
+  /// Of the antenna by the fix: East and North, m.
   Eigen::Vector2d p_enu = Eigen::Vector2d::Zero();
-  double yaw_dr = 0.0;                                       ///< heading of base_link, rad
-  Eigen::Vector2d p_dr_base = Eigen::Vector2d::Zero();       ///< m
-  Eigen::Vector2d v_dr = Eigen::Vector2d::Zero();            ///< of the antenna, m/s
-  Eigen::Vector2d p_base_antenna = Eigen::Vector2d::Zero();  ///< as tf has it
+  double yaw_dr = 0.0;                                       ///< heading of base_link in dr, rad
+  Eigen::Vector2d p_dr_base = Eigen::Vector2d::Zero();       ///< of base_link, m
+  Eigen::Vector2d v_dr = Eigen::Vector2d::Zero();            ///< of the antenna, axes of dr, m/s
+  Eigen::Vector2d p_base_antenna = Eigen::Vector2d::Zero();  ///< as tf has it, m
   double applied_delay = 0.0;  ///< s that were taken off the stamp already
 };
 
@@ -27,25 +29,31 @@ struct TrackedFix {
 /// into the normal equations of d (late by, s) and dl (antenna beside tf's, m).
 class AntennaFit {
  public:
+  /// Adds the next fix, in the order of the stamps; one that lies more than 12 s behind the first
+  /// of the window begins a new window.
   void add(const TrackedFix& fix);
   /// The next fix is not joined to those before by dead reckoning.
   void begin_window();
+  /// Forgets all windows.
   void clear() { *this = {}; }
 
+  /// The fit of all windows that are complete.
   struct Result {
-    double delay = 0.0;  ///< s by which the stamps are late
-    double delay_sigma = 0.0;
-    Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();  ///< m, in base_link
-    double arm_sigma = 0.0;
+    double delay = 0.0;        ///< s by which the stamps are late
+    double delay_sigma = 0.0;  ///< standard deviation of `delay`, s
+    /// What tf's lever arm lacks, m, in base_link.
+    Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();
+    double arm_sigma = 0.0;  ///< standard deviation of the worse component of `arm_error`, m
 
-    /// Well enough to be corrected.
+    /// The delay is known to 8 ms, which is well enough to correct it.
     bool delay_is_known() const;
-    /// By more than the fit may be wrong, and than is worth while.
+    /// The stamps are late, or early, by more than 10 ms and four standard deviations.
     bool is_late() const;
   };
   /// That of a lever arm which was measured with a ruler, m.
   static constexpr double kMeasuredArm = 0.03;
-  /// `arm_prior`: standard deviation (m) of tf's lever arm as far as it is known beforehand.
+  /// The fit so far. `arm_prior`: standard deviation (m) of tf's lever arm as far as it is known
+  /// beforehand.
   Result result(double arm_prior = kMeasuredArm) const;
 
  private:

@@ -14,7 +14,7 @@ namespace lidar_mapping {
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write);
 
-/// The same for a text.
+/// write_atomically() with a text. Throws FileError.
 void write_text_atomically(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace lidar_mapping

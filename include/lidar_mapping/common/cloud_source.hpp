@@ -14,8 +14,9 @@ class CloudSource {
   virtual ~CloudSource() = default;
   /// The cloud in base_link of that key frame, or null if it is not known or cannot be read.
   virtual PointCloudPtr cloud(KeyFrameIndex index) = 0;
-  /// Those of several, in that order; sources that can be asked by more than one thread fetch them
-  /// with at most so many (0: all cores).
+  /// The clouds of several key frames in that order, null where cloud() would give null. The second
+  /// argument is the greatest number of threads (0: all cores) for sources that can be asked by
+  /// more than one.
   virtual std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
                                             int /*threads*/) {
     std::vector<PointCloudPtr> found;

@@ -9,9 +9,12 @@ namespace lidar_mapping {
 /// as a sensor with wrong elevations wants it. Points are in the sensor's axes.
 class ElevationShift {
  public:
+  /// `angle`: rad, positive upwards.
   explicit ElevationShift(double angle)
       : cosine_(static_cast<float>(std::cos(angle))), sine_(static_cast<float>(std::sin(angle))) {}
 
+  /// Turns one point, in place: its range and azimuth stay. A point on the vertical axis, which has
+  /// no azimuth, stays on the axis.
   void operator()(float& x, float& y, float& z) const {
     const float horizontal = std::sqrt(x * x + y * y);
     const float scale = horizontal > 0.0F ? (horizontal * cosine_ - z * sine_) / horizontal : 1.0F;

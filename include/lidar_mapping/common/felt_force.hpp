@@ -9,10 +9,10 @@ namespace lidar_mapping {
 
 /// What an accelerometer has felt between two instants.
 struct FeltForce {
-  Stamp since = 0;
+  Stamp since = 0;  ///< begin of the time over which the mean is taken
   /// Mean specific force, m/s^2 (+g upward at rest), axes of base_link.
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Vector3d p_base_imu = Eigen::Vector3d::Zero();  ///< where it was felt
+  Eigen::Vector3d p_base_imu = Eigen::Vector3d::Zero();  ///< where it was felt, m
 };
 
 }  // namespace lidar_mapping

@@ -8,13 +8,13 @@ namespace lidar_mapping {
 
 /// The floor below the vehicle: normal . p + offset = 0 for p in base_link, normal upward.
 struct Floor {
-  Stamp stamp = 0;
-  bool found = false;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double offset = 0.0;  ///< m
+  Stamp stamp = 0;                                    ///< of the scan in which it was searched
+  bool found = false;                                 ///< if false, only the stamp has a meaning
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit length, in base_link
+  double offset = 0.0;                                ///< height of base_link above the floor, m
   /// Of rotation about x, rotation about y (rad) and height (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-  int inliers = 0;
+  int inliers = 0;  ///< number of points on the plane
 };
 
 }  // namespace lidar_mapping

@@ -14,11 +14,11 @@ using KeyFrameIndex = std::uint32_t;
 
 /// A scan that was chosen for the map. The front end alone makes and numbers key frames.
 struct KeyFrame {
-  KeyFrameIndex index = 0;
+  KeyFrameIndex index = 0;    ///< its number in the run
   std::uint32_t segment = 0;  ///< no odometry constraint joins two segments
-  Stamp stamp = 0;
-  Pose T_odom_base;
-  /// Of the motion since the previous key frame.
+  Stamp stamp = 0;            ///< of the scan
+  Pose T_odom_base;           ///< by odometry, at the stamp
+  /// Of the motion since the previous key frame, in the axes of base_link at this one.
   Covariance6 motion_covariance = Covariance6::Identity();
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link, unit length
   /// A step of that motion may be wrong by more than its match says; the covariance has its
@@ -29,16 +29,16 @@ struct KeyFrame {
 
 /// Pose of a key frame in the map.
 struct KeyFramePose {
-  KeyFrameIndex index = 0;
-  Stamp stamp = 0;
-  Pose T_map_base;
+  KeyFrameIndex index = 0;  ///< that of the key frame
+  Stamp stamp = 0;          ///< that of the key frame
+  Pose T_map_base;          ///< as the back end has it now
 };
 
 /// All poses (whole), or those that moved, ordered by index.
 struct KeyFramePoses {
-  std::uint32_t revision = 0;
-  bool whole = true;
-  std::vector<KeyFramePose> poses;
+  std::uint32_t revision = 0;       ///< grows by one whenever poses have moved
+  bool whole = true;                ///< all key frames of the run are listed
+  std::vector<KeyFramePose> poses;  ///< increasing index
 };
 
 }  // namespace lidar_mapping

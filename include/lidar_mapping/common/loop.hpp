@@ -8,50 +8,70 @@
 namespace lidar_mapping {
 
 /// Where the suspicion came from that two key frames see the same place.
-enum class LoopSource { kPosition, kGnss, kAppearance, kManual };
+enum class LoopSource {
+  kPosition,    ///< their estimated poses lie near each other
+  kGnss,        ///< GNSS places them near each other
+  kAppearance,  ///< their clouds look alike
+  kManual       ///< a person named them
+};
 
 /// What a person said of a loop. It stands above what the graph thinks of it.
-enum class LoopDecision { kAuto, kAccept, kRefuse };
+enum class LoopDecision {
+  kAuto,    ///< nothing: the graph decides
+  kAccept,  ///< the loop is right
+  kRefuse   ///< the loop is wrong and left out
+};
 
 /// Two key frames that see the same place, and how they lie to each other.
 struct Loop {
   KeyFrameIndex from = 0;  ///< the older one
-  KeyFrameIndex to = 0;
-  Stamp stamp = 0;  ///< of `to`
-  Pose T_from_to;
-  Covariance6 covariance = Covariance6::Identity();
+  KeyFrameIndex to = 0;    ///< the newer one
+  Stamp stamp = 0;         ///< of `to`
+  Pose T_from_to;          ///< as matched: pose of base_link at `to` in base_link at `from`
+  Covariance6 covariance = Covariance6::Identity();  ///< of T_from_to, axes of base_link at `to`
   double fitness = 0.0;  ///< mean squared distance of paired points, m^2
-  double overlap = 0.0;  ///< share of the scan that the submap explains
-  LoopSource source = LoopSource::kPosition;
-  LoopDecision decision = LoopDecision::kAuto;
+  double overlap = 0.0;  ///< share of the scan that the submap explains, 0 to 1
+  LoopSource source = LoopSource::kPosition;    ///< of the suspicion
+  LoopDecision decision = LoopDecision::kAuto;  ///< of a person
 };
 
-enum class Verdict { kAccepted, kRefused, kUndecided };
+/// What is thought of a loop candidate.
+enum class Verdict {
+  kAccepted,  ///< the two key frames see the same place, as matched
+  kRefused,   ///< they do not, or the match may as well be wrong
+  kUndecided  ///< the evidence does not suffice, or not yet
+};
 
 /// What became of a loop candidate, and why.
 struct LoopVerdict {
-  KeyFrameIndex from = 0;
-  KeyFrameIndex to = 0;
-  Stamp stamp = 0;
-  LoopSource source = LoopSource::kPosition;
-  Verdict verdict = Verdict::kUndecided;
-  std::string reason;                  ///< one sentence: figure, limit, parameter
-  double distance = 0.0;               ///< between the poses before matching, m
-  double fitness = 0.0;                ///< m^2
-  double overlap = 0.0;                ///< above ground, 0 to 1
-  double free_space_violation = 0.0;   ///< 0 to 1
-  double horizontal_eigenvalue = 0.0;  ///< 0 to 0.5
+  KeyFrameIndex from = 0;                     ///< the older key frame
+  KeyFrameIndex to = 0;                       ///< the newer key frame
+  Stamp stamp = 0;                            ///< of `to`
+  LoopSource source = LoopSource::kPosition;  ///< of the suspicion
+  Verdict verdict = Verdict::kUndecided;      ///< the decision
+  std::string reason;                         ///< one sentence: figure, limit, parameter
+  double distance = 0.0;                      ///< between the poses before matching, m
+  double fitness = 0.0;                       ///< mean squared distance of paired points, m^2
+  /// Share of the points above ground with a partner, 0 to 1.
+  double overlap = 0.0;
+  /// Share of the points above ground that stand in what the other side saw to be free, 0 to 1.
+  double free_space_violation = 0.0;
+  /// How well the walls pin the horizontal position: 0.5 at best, 0 in a smooth tunnel.
+  double horizontal_eigenvalue = 0.0;
   double innovation = 0.0;  ///< squared, normalised by the prior's covariance, 6 degrees of freedom
 };
 
-/// "position", "gnss", "appearance", "manual"; and back (throws InputError for another word).
+/// "position", "gnss", "appearance", "manual".
 const char* to_string(LoopSource source);
+/// The source of that name. Throws InputError for another word.
 LoopSource loop_source_from(const std::string& name);
-/// "auto", "accept", "refuse"; and back.
+/// "auto", "accept", "refuse".
 const char* to_string(LoopDecision decision);
+/// The decision of that name. Throws InputError for another word.
 LoopDecision loop_decision_from(const std::string& name);
-/// "accepted", "refused", "undecided"; and back.
+/// "accepted", "refused", "undecided".
 const char* to_string(Verdict verdict);
+/// The verdict of that name. Throws InputError for another word.
 Verdict verdict_from(const std::string& name);
 
 }  // namespace lidar_mapping

@@ -10,13 +10,15 @@ namespace lidar_mapping {
 /// thread may read. Throws FileError.
 class NamelessFile {
  public:
-  /// Makes the folder, too.
+  /// Makes the file in `directory`, and the folder where it is missing.
   explicit NamelessFile(const std::filesystem::path& directory);
   ~NamelessFile();
   NamelessFile(const NamelessFile&) = delete;
   NamelessFile& operator=(const NamelessFile&) = delete;
 
+  /// Writes `bytes` bytes at `offset` (bytes from the beginning); the file grows as needed.
   void write(std::uint64_t offset, const void* data, std::size_t bytes);
+  /// Reads `bytes` bytes that were written from `offset` on; fails if the file is shorter.
   void read(std::uint64_t offset, void* data, std::size_t bytes) const;
 
  private:

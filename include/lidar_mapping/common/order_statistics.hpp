@@ -21,7 +21,7 @@ typename std::iterator_traits<Iterator>::value_type quantile_of_range(Iterator b
   return *at;
 }
 
-/// The same of a copy; 0 of no values.
+/// quantile_of_range() of a copy of the values; 0 of no values.
 template <typename T>
 T quantile(std::vector<T> values, double fraction) {
   return values.empty() ? T{} : quantile_of_range(values.begin(), values.end(), fraction);

@@ -14,7 +14,7 @@ std::string pcd_header(std::size_t points, const std::string& data = "binary");
 
 /// A field of the points of a PCD file.
 struct PcdField {
-  std::string name;
+  std::string name;       ///< as in FIELDS: x, intensity, ...
   std::size_t size = 0;   ///< bytes of one number
   char type = 'F';        ///< F, U or I: floating, unsigned or signed
   std::size_t count = 1;  ///< of numbers
@@ -22,11 +22,11 @@ struct PcdField {
 
 /// What stands before the points of a PCD file.
 struct PcdHeader {
-  std::string text;  ///< all of it, with the line end behind DATA
-  std::vector<PcdField> fields;
-  std::size_t points = 0;
-  std::size_t width = 0;  ///< points of a row
-  std::string data;       ///< ascii, binary or binary_compressed
+  std::string text;              ///< all of it, with the line end behind DATA
+  std::vector<PcdField> fields;  ///< in the order of the file
+  std::size_t points = 0;        ///< their number
+  std::size_t width = 0;         ///< points of a row
+  std::string data;              ///< ascii, binary or binary_compressed
 
   /// Bytes of a point.
   std::size_t step() const;

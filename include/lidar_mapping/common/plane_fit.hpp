@@ -9,16 +9,19 @@ namespace lidar_mapping {
 /// cell some metres wide a few hundred metres from the origin; what is wider or farther is to be
 /// added relative to a point nearby.
 struct PointMoments {
-  double count = 0.0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  double count = 0.0;                                 ///< number of points
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();      ///< of the positions, m
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();  ///< sum of p p^T, m^2
 
+  /// Adds one point, in m.
   void add(const Eigen::Vector3d& point) {
     count += 1.0;
     sum += point;
     squares += point * point.transpose();
   }
+  /// Of the points so far, m; there has to be one.
   Eigen::Vector3d mean() const { return sum / count; }
+  /// About the mean, divided by the number of points, m^2; there has to be one.
   Eigen::Matrix3d covariance() const { return squares / count - mean() * mean().transpose(); }
 };
 
@@ -28,6 +31,7 @@ struct PlaneFit {
   Eigen::Vector3d mean;       ///< m
   Eigen::Vector3d variances;  ///< m^2, along the normal first, then in the plane, rising
 
+  /// From the eigenvectors of the covariance; three points or more make a plane.
   explicit PlaneFit(const PointMoments& moments);
 };
 

@@ -10,39 +10,40 @@ namespace lidar_mapping {
 
 /// Inertial measurement; the frame is that of the sensor or base_link, as the holder says.
 struct ImuSample {
-  Stamp stamp = 0;
+  Stamp stamp = 0;                                             ///< of the measurement
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s
   Eigen::Vector3d linear_acceleration =
       Eigen::Vector3d::Zero();                    ///< m/s^2, +g upward at rest (REP 145)
   std::optional<Eigen::Quaterniond> orientation;  ///< R_world_sensor, East-North-Up
   // What the sensor does not measure is zero here, and nobody may take it for rest.
-  bool has_angular_velocity = true;
-  bool has_linear_acceleration = true;
+  bool has_angular_velocity = true;     ///< false: the sensor has no gyro
+  bool has_linear_acceleration = true;  ///< false: the sensor has no accelerometer
 };
 
 /// Velocity of a frame in its own axes.
 struct VelocitySample {
-  Stamp stamp = 0;
+  Stamp stamp = 0;                                    ///< of the measurement
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
 };
 
 /// A fix as the receiver reports it.
 struct GnssFix {
-  Stamp stamp = 0;
-  double latitude_deg = 0.0;
-  double longitude_deg = 0.0;
-  double altitude_m = 0.0;  ///< above the WGS 84 ellipsoid
-  int status = -1;          ///< sensor_msgs/NavSatStatus: -1 none, 0 fix, 1 SBAS, 2 GBAS (RTK)
+  Stamp stamp = 0;             ///< of the measurement, as the receiver has it
+  double latitude_deg = 0.0;   ///< of the antenna, WGS 84, north positive
+  double longitude_deg = 0.0;  ///< of the antenna, WGS 84, east positive
+  double altitude_m = 0.0;     ///< above the WGS 84 ellipsoid
+  int status = -1;             ///< sensor_msgs/NavSatStatus: -1 none, 0 fix, 1 SBAS, 2 GBAS (RTK)
   std::optional<Eigen::Matrix3d> covariance;  ///< m^2, East-North-Up; none if unknown
 };
 
 /// Origin of the local East-North-Up frame.
 struct GeodeticDatum {
-  double latitude_deg = 0.0;
-  double longitude_deg = 0.0;
-  double altitude_m = 0.0;  ///< above the WGS 84 ellipsoid
+  double latitude_deg = 0.0;   ///< WGS 84, north positive
+  double longitude_deg = 0.0;  ///< WGS 84, east positive
+  double altitude_m = 0.0;     ///< above the WGS 84 ellipsoid
 
+  /// Equal to the last bit.
   bool operator==(const GeodeticDatum& other) const {
     return latitude_deg == other.latitude_deg && longitude_deg == other.longitude_deg &&
            altitude_m == other.altitude_m;
@@ -51,10 +52,10 @@ struct GeodeticDatum {
 
 /// Position of the antenna in the local East-North-Up frame at a scan's stamp.
 struct GnssPosition {
-  Stamp stamp = 0;
-  Eigen::Vector3d p_enu_antenna = Eigen::Vector3d::Zero();
+  Stamp stamp = 0;                                           ///< that of the scan
+  Eigen::Vector3d p_enu_antenna = Eigen::Vector3d::Zero();   ///< m, from the datum
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< m^2, East-North-Up
-  Eigen::Vector3d p_base_antenna = Eigen::Vector3d::Zero();  ///< lever arm
+  Eigen::Vector3d p_base_antenna = Eigen::Vector3d::Zero();  ///< lever arm, m
   std::optional<Eigen::Quaterniond> R_enu_base;              ///< where an IMU gives a true heading
 };
 

@@ -9,15 +9,16 @@
 
 namespace lidar_mapping {
 
+/// A pose of a trajectory, in the frame that its holder says.
 struct StampedPose {
-  Stamp stamp = 0;
-  Pose pose;
+  Stamp stamp = 0;  ///< or the line number, see Trajectory::has_stamps
+  Pose pose;        ///< of the moving frame in the fixed one
 };
 
 /// Poses in the order of their stamps.
 struct Trajectory {
-  std::vector<StampedPose> poses;
-  bool has_stamps = true;  ///< KITTI's files have none: stamps are line numbers then
+  std::vector<StampedPose> poses;  ///< increasing stamps
+  bool has_stamps = true;          ///< KITTI's files have none: stamps are line numbers then
 };
 
 /// A line "seconds x y z qx qy qz qw" per pose; 9 decimals, so stamps come back exactly.

@@ -15,12 +15,14 @@ namespace lidar_mapping {
 /// its side of the equator, wherever they are.
 class UtmFrame {
  public:
+  /// The frame in the zone that the datum lies in.
   explicit UtmFrame(const GeodeticDatum& datum);
 
+  /// Easting, northing, height of a point in East-North-Up about the datum; all m.
   Eigen::Vector3d from_enu(const Eigen::Vector3d& p_enu) const;
-  /// Throws InputError for what is no place of the zone.
+  /// The inverse of from_enu(). Throws InputError for what is no place of the zone.
   Eigen::Vector3d to_enu(const Eigen::Vector3d& p_utm) const;
-  /// Of the datum itself.
+  /// Easting, northing, height of the datum itself, m.
   const Eigen::Vector3d& origin() const;
   /// The EPSG code of the plane system.
   std::uint16_t epsg() const;

@@ -14,6 +14,7 @@ inline int floor_to_int(float value) {
   const int whole = static_cast<int>(value);
   return whole - static_cast<int>(value < static_cast<float>(whole));
 }
+/// The greatest whole number that is not above `value`, for double.
 inline std::int64_t floor_to_int(double value) {
   const auto whole = static_cast<std::int64_t>(value);
   return whole - static_cast<std::int64_t>(value < static_cast<double>(whole));
@@ -22,7 +23,8 @@ inline std::int64_t floor_to_int(double value) {
 /// Number of the voxel that a point lies in, along each axis.
 using VoxelIndex = Eigen::Vector3i;
 
-/// `scaled`: the point in units of the voxel's edge, float or double.
+/// Index of the voxel that holds a point. `scaled`: the point in units of the voxel's edge, float
+/// or double.
 template <typename Derived>
 VoxelIndex voxel_index(const Eigen::MatrixBase<Derived>& scaled) {
   EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(Derived, 3)
@@ -35,13 +37,19 @@ VoxelIndex voxel_index(const Eigen::MatrixBase<Derived>& scaled) {
 /// free. Indices beyond +-2^20 (at voxels of 1 cm beyond 10 km) come back from the other side.
 using VoxelKey = std::uint64_t;
 
-constexpr int kVoxelKeyBits = 21;
+constexpr int kVoxelKeyBits = 21;  ///< of one axis in a VoxelKey
+/// What is added to an index so that no key has a negative part.
 constexpr int kVoxelKeyHalf = 1 << (kVoxelKeyBits - 1);
+/// The bits of one axis.
 constexpr VoxelKey kVoxelKeyMask = (VoxelKey{1} << kVoxelKeyBits) - 1;
+/// From a voxel's key to that of the next voxel along x.
 constexpr VoxelKey kVoxelKeyStepX = VoxelKey{1} << (2 * kVoxelKeyBits);
+/// From a voxel's key to that of the next voxel along y.
 constexpr VoxelKey kVoxelKeyStepY = VoxelKey{1} << kVoxelKeyBits;
+/// From a voxel's key to that of the next voxel along z.
 constexpr VoxelKey kVoxelKeyStepZ = 1;
 
+/// The key of a voxel.
 inline VoxelKey voxel_key(const VoxelIndex& index) {
   const auto bits = [](int number) {
     return static_cast<VoxelKey>(static_cast<std::uint32_t>(number) + kVoxelKeyHalf) &
@@ -50,6 +58,7 @@ inline VoxelKey voxel_key(const VoxelIndex& index) {
   return bits(index.x()) * kVoxelKeyStepX | bits(index.y()) * kVoxelKeyStepY | bits(index.z());
 }
 
+/// The index of a voxel, from its key.
 inline VoxelIndex voxel_index(VoxelKey key) {
   const auto number = [](VoxelKey bits) {
     return static_cast<int>(bits & kVoxelKeyMask) - kVoxelKeyHalf;
@@ -71,9 +80,10 @@ void for_voxels_around(VoxelKey key, const Act& act) {
 /// The Art of Computer Programming 3, 6.4).
 inline std::uint64_t fibonacci_hash(std::uint64_t key) { return key * 0x9E3779B97F4A7C15ULL; }
 
-/// For tables that look at the lower bits. Those of x lie high in a key, where multiplying moves
-/// them out of the word: they are folded down first.
+/// Hash of a key for tables that look at the lower bits. Those of x lie high in a key, where
+/// multiplying moves them out of the word: they are folded down first.
 struct VoxelKeyHash {
+  /// 32 well-mixed bits, the best of them uppermost.
   std::size_t operator()(VoxelKey key) const {
     return static_cast<std::size_t>(fibonacci_hash(key ^ (key >> 31U)) >> 32U);
   }

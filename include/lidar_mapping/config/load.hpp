@@ -22,11 +22,14 @@ std::string bad_value_problem(const FieldDescription& field, const Value& value,
                               const std::string& problem, const std::string& origin);
 /// Joins problems to the text of one error, a line each.
 std::string joined(const std::vector<std::string>& problems);
-/// A commented YAML file, and a Markdown table, of fields with the given values.
+/// A commented YAML file of fields with the given values (one for each field, as print_value()
+/// writes it); `summary` is its heading.
 std::string yaml_document(const std::string& summary, const std::vector<FieldDescription>& fields,
                           const std::vector<std::string>& values);
+/// A Markdown table of fields: name, default, allowed values, unit, meaning.
 std::string markdown_table(const std::vector<FieldDescription>& fields);
 
+/// The fields of a configuration struct, in the order of its schema.
 template <typename Config>
 std::vector<FieldDescription> descriptions() {
   std::vector<FieldDescription> result;
@@ -72,7 +75,7 @@ Config load(const std::vector<Source>& sources) {
   return config;
 }
 
-/// The configuration in a YAML file.
+/// The configuration in a YAML file. Throws as read_yaml_file() and load() do.
 template <typename Config>
 Config load_file(const std::string& path) {
   return load<Config>({read_yaml_file(path)});

@@ -14,8 +14,8 @@ namespace lidar_mapping::config {
 
 /// Allowed values of a number, both ends included.
 struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();  ///< least value, unit of the field
+  double max = std::numeric_limits<double>::infinity();   ///< greatest value, unit of the field
 };
 
 /// What a person has to know about one field.
@@ -27,18 +27,36 @@ struct FieldDescription {
   std::string meaning;        ///< one sentence
 };
 
-// Conversions of a value to a field's type; they return what is wrong, or an empty text.
+// Conversions of a value to a field's type. They return what is wrong, as the end of a sentence
+// ("is out of range"), and leave the field as it is then; or an empty text.
+
+/// Reads a number, whole or not, within the range.
 std::string read_value(const Value& value, const Range& range, double& field);
+/// Reads a whole number within the range.
 std::string read_value(const Value& value, const Range& range, int& field);
+/// Reads true or false.
 std::string read_value(const Value& value, bool& field);
+/// Reads a text; nothing counts as an empty one.
 std::string read_value(const Value& value, std::string& field);
+/// Reads a list of exactly `size` finite numbers.
 std::string read_value(const Value& value, std::size_t size, std::vector<double>& field);
+
+// Values as a YAML file has them: read back they have the same type, and numbers 12 digits.
+
+/// A number, always with a point, an exponent or as .inf, -.inf, .nan.
 std::string print_value(double field);
+/// A whole number.
 std::string print_value(int field);
+/// true or false.
 std::string print_value(bool field);
+/// A text in quotation marks.
 std::string print_value(const std::string& field);
+/// A list: [1.0, 2.0].
 std::string print_value(const std::vector<double>& field);
+
+/// Allowed values in words: "integer from 1 to 256"; the type alone if it has no limits.
 std::string describe(const char* type, const Range& range);
+/// Allowed words: "NDT, ICP or GICP". Words that differ by capital letters alone are named once.
 std::string describe_choices(const std::vector<std::string>& choices);
 
 /// The one description of a configuration struct: loading, checking, printing, the default file in
@@ -47,10 +65,12 @@ std::string describe_choices(const std::vector<std::string>& choices);
 template <typename Config>
 class Schema {
  public:
-  /// `stage` names the file config/<stage>.yaml; `summary` is its heading.
+  /// `stage` names the file config/STAGE.yaml; `summary` is its heading.
   Schema(std::string stage, std::string summary)
       : stage_(std::move(stage)), summary_(std::move(summary)) {}
 
+  /// A field with a real number. `name` is that in files; `unit` may be empty; `meaning` is one
+  /// sentence.
   Schema& real(const std::string& name, double Config::*field, Range range, const std::string& unit,
                const std::string& meaning) {
     return add(
@@ -58,6 +78,7 @@ class Schema {
         [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
         [=](const Config& c) { return print_value(c.*field); });
   }
+  /// A field with a whole number.
   Schema& integer(const std::string& name, int Config::*field, Range range, const std::string& unit,
                   const std::string& meaning) {
     return add(
@@ -65,12 +86,14 @@ class Schema {
         [=](Config& c, const Value& v) { return read_value(v, range, c.*field); },
         [=](const Config& c) { return print_value(c.*field); });
   }
+  /// A field that is true or false.
   Schema& boolean(const std::string& name, bool Config::*field, const std::string& meaning) {
     return add(
         {name, print_value(Config{}.*field), "true or false", "", meaning},
         [=](Config& c, const Value& v) { return read_value(v, c.*field); },
         [=](const Config& c) { return print_value(c.*field); });
   }
+  /// A field with any text.
   Schema& text(const std::string& name, std::string Config::*field, const std::string& meaning) {
     return add(
         {name, print_value(Config{}.*field), "text", "", meaning},
@@ -141,16 +164,22 @@ class Schema {
     return *this;
   }
 
+  /// A field, with the functions that move its value.
   struct Field {
-    FieldDescription description;
+    FieldDescription description;  ///< for people
+    /// Sets the field from a value; returns what is wrong, or an empty text.
     std::function<std::string(Config&, const Value&)> read;
-    std::function<std::string(const Config&)> print;
+    std::function<std::string(const Config&)> print;  ///< its value as a YAML file has it
   };
+  /// The name that was given to the constructor.
   const std::string& stage() const { return stage_; }
+  /// The heading that was given to the constructor.
   const std::string& summary() const { return summary_; }
+  /// All fields, in the order in which they were added.
   const std::vector<Field>& fields() const { return fields_; }
-  /// Other name to name.
+  /// What alias() has added: other name to name.
   const std::map<std::string, std::string>& aliases() const { return aliases_; }
+  /// What check() has added.
   const std::vector<std::function<std::string(const Config&)>>& checks() const { return checks_; }
 
  private:

@@ -9,9 +9,9 @@ namespace lidar_mapping::evaluation {
 
 /// The same instant in two trajectories.
 struct PosePair {
-  Stamp stamp = 0;
-  Pose truth;
-  Pose estimate;
+  Stamp stamp = 0;  ///< of the estimate
+  Pose truth;       ///< in the frame of the true trajectory
+  Pose estimate;    ///< in the frame of the estimated trajectory
 };
 
 /// Pairs every estimate with the truth at its stamp, interpolated between two poses of the truth
@@ -25,11 +25,12 @@ std::vector<PosePair> associate(const Trajectory& truth, const Trajectory& estim
 /// pairs.
 Pose rigid_alignment(const std::vector<PosePair>& pairs);
 
-/// The same with a scale of the estimated positions, which is to be applied first.
+/// A rigid motion with a scale of the estimated positions, which is to be applied first.
 struct SimilarityAlignment {
-  Pose T_truth_estimate;
-  double scale = 1.0;
+  Pose T_truth_estimate;  ///< of the scaled estimate
+  double scale = 1.0;     ///< factor of the estimated positions
 };
+/// As rigid_alignment(), with a scale (Umeyama 1991). Throws InputError for less than three pairs.
 SimilarityAlignment similarity_alignment(const std::vector<PosePair>& pairs);
 
 /// The pairs with the estimated positions multiplied by `scale`.

@@ -8,19 +8,22 @@
 
 namespace lidar_mapping::evaluation {
 
+/// What errors amount to, in their unit. All figures are 0 without errors.
 struct ErrorStatistics {
-  std::size_t count = 0;
-  double rmse = 0.0;
-  double mean = 0.0;
-  double median = 0.0;
-  double max = 0.0;
+  std::size_t count = 0;  ///< number of errors
+  double rmse = 0.0;      ///< root of the mean square
+  double mean = 0.0;      ///< arithmetic mean
+  double median = 0.0;    ///< of two in the middle their mean
+  double max = 0.0;       ///< the greatest
 };
 
+/// Errors of poses or motions, in their two parts.
 struct PoseErrors {
-  ErrorStatistics translation_m;
-  ErrorStatistics rotation_deg;
+  ErrorStatistics translation_m;  ///< lengths of the errors' translations, m
+  ErrorStatistics rotation_deg;   ///< angles of the errors' rotations, degrees
 };
 
+/// Statistics of errors that are not negative.
 ErrorStatistics statistics_of(std::vector<double> values);
 
 /// Absolute pose error (Sturm et al. 2012): distance and angle between estimate and truth.
@@ -33,11 +36,13 @@ PoseErrors relative_pose_error(const std::vector<PosePair>& pairs, double delta_
 /// KITTI's relative errors (Geiger et al. 2012): mean over all segments of the given lengths that
 /// fit into the path, started at every `step`-th pose.
 struct KittiErrors {
-  double translation_percent = 0.0;
-  double rotation_deg_per_100m = 0.0;
-  std::size_t segments = 0;
-  std::vector<double> lengths_m;  ///< those of which at least one segment fits
+  double translation_percent = 0.0;    ///< of the length
+  double rotation_deg_per_100m = 0.0;  ///< degrees for 100 m
+  std::size_t segments = 0;            ///< number of segments in the mean; 0: none fits
+  std::vector<double> lengths_m;       ///< those of which at least one segment fits
 };
+/// The relative errors over all lengths (m) together; a `step` of 0 counts as 1, the benchmark
+/// has 10.
 KittiErrors kitti_errors(const std::vector<PosePair>& pairs, const std::vector<double>& lengths_m,
                          std::size_t step);
 

@@ -11,7 +11,7 @@ namespace lidar_mapping::front_end {
 /// cloud's own memory, so move the cloud into it if it is not needed any more.
 PointCloud deskewed(PointCloud cloud, const Vector6d& twist, int threads = 1);
 /// The same for an accelerated frame: `twist` is the twist at the stamp, and it changes by
-/// `acceleration` per second.
+/// `acceleration` (m/s^2 and rad/s^2) per second.
 PointCloud deskewed(PointCloud cloud, const Vector6d& twist, const Vector6d& acceleration,
                     int threads = 1);
 

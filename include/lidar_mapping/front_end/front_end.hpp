@@ -14,20 +14,21 @@ namespace lidar_mapping::front_end {
 
 /// The result for one scan.
 struct FrontEndResult {
-  Stamp stamp = 0;  ///< the scan's stamp, unchanged
-  Pose T_odom_base;
+  Stamp stamp = 0;   ///< the scan's stamp, unchanged
+  Pose T_odom_base;  ///< at the stamp
   /// Covariance of the motion since the previous scan, in the axes of base_link.
   Covariance6 covariance = Covariance6::Identity();
   /// Twist of base_link in its own axes at the stamp: m/s, rad/s. With the scan in base_link,
   /// deskewed(cloud, twist, acceleration) gives the scan without motion distortion (deskew.hpp).
   /// The pose does not need this step, so it is left to those who display the scan.
   Vector6d twist = Vector6d::Zero();
-  Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second during the sweep
+  /// Change of the twist during the sweep: m/s^2, rad/s^2.
+  Vector6d acceleration = Vector6d::Zero();
   /// Set if this scan was chosen as a key frame. The first scan is chosen as soon as its points are
   /// deskewed or can be deskewed: if the points have times, this is when the motion is known.
   std::optional<KeyFrame> key_frame;
   std::uint32_t segment = 0;  ///< poses within one segment are connected by odometry
-  FrontEndStatus status;
+  FrontEndStatus status;      ///< how good the match is
   /// The scan will be matched again when the map holds more of its surroundings. Use this result
   /// only if you cannot wait for the final one. The first scan is provisional; if a drive begins at
   /// speed and the sensor has few rings, so are the scans of the next 6 s at most. Their key frames
@@ -43,11 +44,12 @@ struct FrontEndResult {
 /// it uses no clock and no files.
 class FrontEnd {
  public:
+  /// Begins a run with an empty map. The configuration is one that load() accepts.
   explicit FrontEnd(const FrontEndConfig& config);
   ~FrontEnd();
 
-  /// Throws InputError if the stamp does not increase. A poor match is not an error: it is reported
-  /// in the status.
+  /// Odometry of one scan. Throws InputError if the stamp does not increase. A poor match is not an
+  /// error: it is reported in the status.
   FrontEndResult process(const Scan& scan, const MotionPrior& prior = {});
 
   /// Makes all provisional scans final as they are. To be called at the end of a drive, or if no

@@ -8,9 +8,16 @@
 
 namespace lidar_mapping::front_end {
 
-enum class OdometrySource { kLidar, kExternal };
+/// Where the motion comes from.
+enum class OdometrySource {
+  kLidar,    ///< scan matching
+  kExternal  ///< MotionPrior::T_external_base
+};
 /// The target that NDT matches against.
-enum class LocalMapMethod { kVoxels, kSlidingWindow };
+enum class LocalMapMethod {
+  kVoxels,        ///< voxels that are never rebuilt
+  kSlidingWindow  ///< the clouds of the last key frames
+};
 
 /// Parameters of the stage; each is described once, in schema().
 struct FrontEndConfig {
@@ -19,6 +26,7 @@ struct FrontEndConfig {
   /// [m and rad: x y z roll pitch yaw] Pose of base_link at the first scan; zeros: what GNSS and
   /// IMU say, or else the origin.
   std::vector<double> initial_pose = std::vector<double>(6, 0.0);
+  /// Method of scan matching, and its parameters.
   registration::RegistrationConfig registration;
 
   /// [m] A key frame is made after this distance, Euclidean.
@@ -68,6 +76,7 @@ struct FrontEndConfig {
   /// Upper limit of threads; 0 takes all cores. The result does not depend on it.
   int threads = 1;
 
+  /// All fields, and checks between them.
   static const config::Schema<FrontEndConfig>& schema();
 };
 

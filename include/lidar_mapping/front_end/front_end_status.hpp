@@ -12,8 +12,9 @@
 
 namespace lidar_mapping::front_end {
 
+/// What the front end claims about the pose of a scan.
 enum class TrackingState {
-  kTracking,
+  kTracking,  ///< the match is good
   /// the match is good, but some directions were not observed: they follow the prediction
   kDegenerate,
   kDoubtful,  ///< the match is good, but the step may be wrong by more than 0.3 m or 1 degree
@@ -28,13 +29,13 @@ bool claims_pose(TrackingState state);
 
 /// The quality of one scan's match, and what was observed with it.
 struct FrontEndStatus {
-  TrackingState state = TrackingState::kTracking;
-  bool converged = false;
-  int iterations = 0;
+  TrackingState state = TrackingState::kTracking;  ///< the judgement in one word
+  bool converged = false;        ///< the search ended before its iterations ran out
+  int iterations = 0;            ///< steps of the search
   double fitness = 0.0;          ///< mean squared distance of paired points, m^2
-  double inlier_fraction = 0.0;  ///< 0 to 1
-  double overlap = 0.0;          ///< 0 to 1
-  std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link
+  double inlier_fraction = 0.0;  ///< points that the robust kernel believes, 0 to 1
+  double overlap = 0.0;          ///< points with a partner in the map, 0 to 1
+  std::vector<Eigen::Vector3d> degenerate_directions;  ///< unit length, in base_link
   bool rescued = false;  ///< the match needed more than one starting pose
   /// the points are the same as those of the previous scan, as from a driver that hangs
   bool repeated = false;
@@ -65,10 +66,10 @@ struct FrontEndStatus {
   double expected_error_angle = 0.0;  ///< rad
   /// The figures from which probability and expected errors are computed.
   StepEvidence evidence;
-  /// Computing time of the whole scan and of its steps. These are the only figures that differ from
-  /// run to run.
+  /// Computing time of the whole scan, s. It and those of the steps are the only figures that
+  /// differ from run to run.
   double seconds = 0.0;
-  std::vector<std::pair<std::string, double>> step_seconds;
+  std::vector<std::pair<std::string, double>> step_seconds;  ///< name and s of each step
 };
 
 /// The message that points are rotated upwards by `elevation_shift` (rad) from now on.

@@ -18,10 +18,10 @@ struct StepEvidence {
   double pair_quality = 0.0;       ///< mean robust weight of the paired points
   double residual_variance = 0.0;  ///< NdtMatch::residual_variance
   double converged = 0.0;          ///< 0 or 1
-  double iterations = 0.0;
-  double rescued = 0.0;     ///< 0 or 1: the match needed more than one starting pose
-  double degenerate = 0.0;  ///< 0 or 1: the points did not observe one direction
-  double seconds = 0.0;     ///< since the last scan with a claimed pose
+  double iterations = 0.0;         ///< steps of the search
+  double rescued = 0.0;            ///< 0 or 1: the match needed more than one starting pose
+  double degenerate = 0.0;         ///< 0 or 1: the points did not observe one direction
+  double seconds = 0.0;            ///< s since the last scan with a claimed pose
   /// Standard deviations of the step: square roots of the traces of its covariance.
   double sigma = 0.0;        ///< m
   double sigma_angle = 0.0;  ///< rad
@@ -50,7 +50,7 @@ struct StepEvidence {
   double sectors = 0.0;
 };
 
-/// All figures with their names, in a fixed order.
+/// All figures with their names, in the order of the members above.
 std::vector<std::pair<const char*, double>> named_figures(const StepEvidence& evidence);
 
 }  // namespace lidar_mapping::front_end

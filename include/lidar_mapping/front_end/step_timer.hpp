@@ -18,12 +18,13 @@ class StepTimer {
     step_ = step;
     begin_ = Clock::now();
   }
+  /// Ends the current step, if there is one.
   void stop() {
     if (step_ == nullptr) return;
     steps_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - begin_).count());
     step_ = nullptr;
   }
-  /// Ends the current step and returns all steps since the last call, in order.
+  /// Ends the current step and returns all steps since the last call, in order: name and s.
   std::vector<std::pair<std::string, double>> take() {
     stop();
     return std::exchange(steps_, {});

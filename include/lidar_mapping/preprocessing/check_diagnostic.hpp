@@ -12,13 +12,14 @@ enum class Severity {
   /// the data are wrong or unusable: there is no map, or a wrong one, until this is corrected
   kFault
 };
+/// "WARNING", "FAULT".
 const char* to_string(Severity severity);
 
 /// A problem of an input, and its remedy.
 struct CheckDiagnostic {
-  Severity severity = Severity::kFault;
-  std::string text;
-  std::string remedy;
+  Severity severity = Severity::kFault;  ///< for the map
+  std::string text;                      ///< what is wrong, with the figures that show it
+  std::string remedy;                    ///< what to do about it
 };
 
 /// "text: remedy".
@@ -27,8 +28,8 @@ std::string sentence(const CheckDiagnostic& diagnostic);
 /// The report of an input: one line about its data, and its problems.
 struct InputReport {
   std::string input;  ///< points, imu, velocity, gnss
-  std::string found;
-  std::vector<CheckDiagnostic> diagnostics;
+  std::string found;  ///< what came: rate, frame, fields or units, number of messages
+  std::vector<CheckDiagnostic> diagnostics;  ///< its problems; empty if it is good
 };
 
 }  // namespace lidar_mapping::preprocessing

@@ -17,8 +17,10 @@ using ExtrinsicLookup = std::function<std::optional<Pose>(const std::string& fra
 /// vehicle.
 class Extrinsics {
  public:
+  /// `lookup` is asked again for a frame until it gives a pose.
   explicit Extrinsics(ExtrinsicLookup lookup) : lookup_(std::move(lookup)) {}
 
+  /// Pose of the sensor's frame in base_link; empty while it is not known or not finite.
   std::optional<Pose> T_base(const std::string& frame_id) const {
     const auto known = known_.find(frame_id);
     if (known != known_.end()) return known->second;

@@ -26,6 +26,7 @@ struct FloorDetectionConfig {
   /// [deg] Places leaning more are no floor.
   double normal_filter_thresh = 20.0;
 
+  /// All fields.
   static const config::Schema<FloorDetectionConfig>& schema();
 };
 

@@ -18,9 +18,10 @@ struct FloorPoints {
 /// Floor::found.
 class FloorDetector {
  public:
+  /// The configuration is one that load() accepts.
   explicit FloorDetector(const FloorDetectionConfig& config);
 
-  /// Fills in the points if `points` is not null.
+  /// The floor in a scan whose points are in base_link. Fills in `points` if they are not null.
   Floor process(const Scan& scan, FloorPoints* points = nullptr) const;
 
  private:

@@ -16,31 +16,38 @@ namespace lidar_mapping::preprocessing {
 
 /// The properties of a cloud that are checked.
 struct CloudSummary {
-  Stamp stamp = 0;
-  std::string frame_id;  ///< as in the message
-  std::size_t points = 0;
-  std::string fields;
-  std::string time_field;  ///< empty if there is none
-  std::string time_unit;
-  bool absolute_times = false;
-  bool foreign_clock = false;
-  double first_time = 0.0;  ///< s
-  double last_time = 0.0;
+  Stamp stamp = 0;              ///< of the message
+  std::string frame_id;         ///< as in the message
+  std::size_t points = 0;       ///< their number, also of those that are not finite
+  std::string fields;           ///< names in the order of the message, between them a space
+  std::string time_field;       ///< empty if there is none
+  std::string time_unit;        ///< "s", "ms", "us" or "ns"; empty if there are no times
+  bool absolute_times = false;  ///< times of the clock of the stamps
+  bool foreign_clock = false;   ///< absolute by another clock
+  double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
+  double last_time = 0.0;       ///< s, as first_time
   std::optional<double> delay;  ///< s from the stamp to the delivery, if known
-  /// Points of the first and the last half percent of the scan's time, in the sensor's frame.
-  std::vector<Eigen::Vector3f> begin_points, end_points;
+  /// Points of the first 0.6 % of the scan's time, m, in the sensor's frame.
+  std::vector<Eigen::Vector3f> begin_points;
+  /// Points of the last 0.6 % of the scan's time, m, in the sensor's frame.
+  std::vector<Eigen::Vector3f> end_points;
 };
 
 /// Checks the data of the sensors before they are used for mapping: rates, frames, units, times,
 /// gravity, fixes. It checks the messages as they arrive, not the output of preprocessing.
 class InputValidator {
  public:
+  /// The configuration is that of the preprocessing which the data are meant for.
   explicit InputValidator(const PreprocessingConfig& config);
   ~InputValidator();
 
+  /// A cloud has come, in the order of arrival as all that follow.
   void add_scan(const CloudSummary& cloud);
+  /// A sample has come, in the units of its message and the axes of its frame.
   void add_imu(const ImuSample& sample, const std::string& frame_id);
+  /// A velocity has come, in the axes of its frame.
   void add_velocity(const VelocitySample& sample, const std::string& frame_id);
+  /// A fix has come; `frame_id` is that of the antenna.
   void add_gnss(const GnssFix& fix, const std::string& frame_id);
 
   /// Reports on points, imu, velocity and gnss, in this order. A missing input is a fault only if

@@ -16,20 +16,52 @@ enum class PointTimes {
   kNone      ///< the scan is motion-compensated already, even if it has a time field
 };
 /// Unit of the times in a cloud's field.
-enum class PointTimeUnit { kAuto, kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
-enum class ScanDirection { kClockwise, kCounterclockwise };
+enum class PointTimeUnit {
+  kAuto,          ///< the one in which they span about a turn
+  kSeconds,       ///< s
+  kMilliseconds,  ///< ms
+  kMicroseconds,  ///< us
+  kNanoseconds    ///< ns
+};
+/// How the sensor turns.
+enum class ScanDirection {
+  kClockwise,        ///< seen from above
+  kCounterclockwise  ///< seen from above
+};
 /// The instant of a scan to which the stamp of its message refers.
-enum class ScanStamp { kStart, kMiddle, kEnd };
-enum class DownsampleMethod { kNone, kVoxelGrid, kApproximateVoxelGrid };
-enum class OutlierRemovalMethod { kNone, kStatistical, kRadius };
+enum class ScanStamp {
+  kStart,   ///< that of its first point
+  kMiddle,  ///< half a scan_period after the start
+  kEnd      ///< a scan_period after the start
+};
+/// How a scan is thinned.
+enum class DownsampleMethod {
+  kNone,                 ///< not at all
+  kVoxelGrid,            ///< to the mean of each voxel
+  kApproximateVoxelGrid  ///< to the first point of each voxel
+};
+/// Which points count as outliers.
+enum class OutlierRemovalMethod {
+  kNone,         ///< none
+  kStatistical,  ///< those whose mean distance to their neighbours is large for the scan
+  kRadius        ///< those with few neighbours within a radius
+};
 /// Whether the orientation of the IMU refers to East-North-Up.
 enum class ImuOrientation {
   kAuto,  ///< if its heading agrees with the track of the GNSS positions
   kEnu,   ///< always
   kNone   ///< never
 };
-enum class AccelerationUnit { kMetresPerSecond2, kStandardGravity };
-enum class AngularUnit { kRadians, kDegrees };
+/// Unit of accelerations.
+enum class AccelerationUnit {
+  kMetresPerSecond2,  ///< m/s^2
+  kStandardGravity    ///< g, see lidar_mapping::kStandardGravity
+};
+/// Unit of angular rates.
+enum class AngularUnit {
+  kRadians,  ///< rad/s
+  kDegrees   ///< degrees per second
+};
 
 /// Parameters of the stage; each is described once, in schema().
 struct PreprocessingConfig {
@@ -142,6 +174,7 @@ struct PreprocessingConfig {
   /// [deg, deg, m] Origin of the map: latitude, longitude, height above the ellipsoid.
   std::vector<double> datum = std::vector<double>(3, 0.0);
 
+  /// All fields, and checks between them.
   static const config::Schema<PreprocessingConfig>& schema();
 };
 

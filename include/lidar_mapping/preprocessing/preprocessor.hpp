@@ -20,9 +20,9 @@ namespace lidar_mapping::preprocessing {
 
 /// A scan as measured: points in the sensor's frame, times (if any) relative to `stamp`.
 struct RawScan {
-  Stamp stamp = 0;
-  std::string frame_id;
-  PointCloud cloud;
+  Stamp stamp = 0;       ///< of the message
+  std::string frame_id;  ///< the sensor's
+  PointCloud cloud;      ///< m; times in s
   /// The times were computed from absolute ones: they are relative to `stamp`, whatever
   /// `scan_stamp` is.
   bool times_are_absolute = false;
@@ -31,7 +31,7 @@ struct RawScan {
   /// Location of the points if they have not been read yet; the cloud then has room for them.
   std::optional<PackedPoints> packed = std::nullopt;
 
-  /// Reads the packed points.
+  /// Reads the packed points into the cloud, if there are any.
   void unpack();
 };
 
@@ -40,12 +40,12 @@ struct RawScan {
 /// if the motion during the scan is still contained in it. If only the IMU's gyro was available,
 /// the remaining rotation is uniform, at the rate imu->angular_velocity.
 struct SyncedScan {
-  Scan scan;
-  std::string frame_id;  ///< the LiDAR's
-  Pose T_base_lidar;
+  Scan scan;                               ///< the points in the LiDAR's frame
+  std::string frame_id;                    ///< the LiDAR's
+  Pose T_base_lidar;                       ///< its place on the vehicle
   std::optional<ImuSample> imu;            ///< in the axes of base_link
   std::optional<VelocitySample> velocity;  ///< of base_link
-  std::optional<GnssPosition> gnss;
+  std::optional<GnssPosition> gnss;        ///< of the antenna, East-North-Up
   /// The non-uniform rotation that was removed from the cloud by the gyro alone. The front end adds
   /// it again if it finds the gyro wrong.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
@@ -54,18 +54,18 @@ struct SyncedScan {
 
 /// Numbers of processed and dropped data since the start.
 struct PreprocessingCounters {
-  std::size_t scans_in = 0;
-  std::size_t scans_out = 0;
+  std::size_t scans_in = 0;                 ///< were given to process()
+  std::size_t scans_out = 0;                ///< were handed on
   std::size_t scans_without_extrinsic = 0;  ///< no transform from the scan's frame to base_link
-  std::size_t scans_without_points = 0;     ///< empty after filtering
-  std::size_t scans_out_of_order = 0;
-  std::size_t scans_waiting_too_long = 0;  ///< completed early: the queue was full
-  std::size_t scans_forgotten = 0;         ///< were waiting when time went back
-  std::size_t scans_deskewed = 0;
-  std::size_t points_not_finite = 0;
-  std::size_t samples_refused = 0;  ///< not finite, duplicate or out of order
-  std::size_t gnss_refused = 0;     ///< no fix, implausible position, or rejected by the gate
-  std::size_t resets = 0;           ///< time went back by more than the buffers hold
+  std::size_t scans_without_points = 0;     ///< fewer than min_points after filtering
+  std::size_t scans_out_of_order = 0;       ///< dropped for their stamp: older, equal or stray
+  std::size_t scans_waiting_too_long = 0;   ///< completed early: the queue was full
+  std::size_t scans_forgotten = 0;          ///< were waiting when time went back
+  std::size_t scans_deskewed = 0;           ///< motion fully compensated, so without times
+  std::size_t points_not_finite = 0;        ///< left out
+  std::size_t samples_refused = 0;          ///< not finite, duplicate or out of order
+  std::size_t gnss_refused = 0;  ///< no fix, implausible position, or rejected by the gate
+  std::size_t resets = 0;        ///< time went back by more than the buffers hold
 };
 
 /// Synchronises scans with the samples of the other sensors. It waits until each sensor in use has
@@ -74,16 +74,19 @@ struct PreprocessingCounters {
 /// data. The class must be called from one thread.
 class Preprocessor {
  public:
+  /// T_base_frame of a sensor's frame; empty while it is not known.
   using ExtrinsicLookup = preprocessing::ExtrinsicLookup;
 
   /// Throws ConfigError for a configuration that contradicts itself.
   Preprocessor(const PreprocessingConfig& config, ExtrinsicLookup lookup);
   ~Preprocessor();
 
-  /// Adds samples of the other sensors, in the axes of `frame_id`. Bad samples are counted and
-  /// dropped.
+  /// Adds a sample of the IMU, in the axes of `frame_id` and the units of the configuration. Bad
+  /// samples are counted and dropped.
   void add_imu(const ImuSample& sample, const std::string& frame_id);
+  /// Adds a velocity of the frame `frame_id` in its axes. Bad ones are counted and dropped.
   void add_velocity(const VelocitySample& sample, const std::string& frame_id);
+  /// Adds a fix of the antenna whose frame is `frame_id`. Bad ones are counted and dropped.
   void add_gnss(const GnssFix& fix, const std::string& frame_id);
 
   /// Queues a scan and returns the scans that are complete now, in order of their stamps.
@@ -95,6 +98,7 @@ class Preprocessor {
 
   /// Origin of the East-North-Up frame; empty until there was a good fix.
   std::optional<GeodeticDatum> datum() const;
+  /// What has become of the data so far.
   const PreprocessingCounters& counters() const;
   /// Messages about observations and problems since the last call; each one is reported once.
   std::vector<Diagnostic> take_diagnostics();

@@ -14,9 +14,9 @@ namespace lidar_mapping::preprocessing {
 /// pose at time t in its own frame at the scan's stamp. Poses are given at equal steps of time (s,
 /// relative to the stamp).
 struct ScanMotion {
-  double begin = 0.0;
-  double step = 0.0;
-  std::vector<Pose> T_stamp_knot;
+  double begin = 0.0;              ///< time of the first knot, s
+  double step = 0.0;               ///< from knot to knot, s
+  std::vector<Pose> T_stamp_knot;  ///< two or more
 
   /// Linear interpolation between the knots; constant beyond the ends.
   Pose at(double time) const;
@@ -24,9 +24,10 @@ struct ScanMotion {
 
 /// Empty if it was not measured.
 using MaybeVector = std::optional<Eigen::Vector3d>;
-/// Angular velocity at a time (s, relative to the scan's stamp).
+/// Angular velocity (rad/s) at a time (s, relative to the scan's stamp).
 using TurningAtTime = std::function<MaybeVector(double time)>;
-/// Velocity at a time at which the vehicle turns at the rate `omega`.
+/// Velocity (m/s) at a time (s, relative to the scan's stamp) at which the vehicle turns at the
+/// rate `omega` (rad/s).
 using VelocityAtTime = std::function<MaybeVector(double time, const Eigen::Vector3d& omega)>;
 
 /// Integrates angular velocity (on SO(3)) and velocity, both in the axes of base_link, by the
@@ -39,7 +40,8 @@ std::optional<ScanMotion> integrated(double begin, double end, const TurningAtTi
 Eigen::Vector3d mean_angular_velocity(const ScanMotion& motion);
 
 /// The rotation that remains when a uniform rotation is removed: exp(-omega t) R(t). A scan that is
-/// corrected by it looks as if the vehicle had turned at the constant rate `omega`.
+/// corrected by it looks as if the vehicle had turned at the constant rate `omega` (rad/s).
+/// Translations stay as they are.
 ScanMotion without_uniform_turning(const ScanMotion& motion, const Eigen::Vector3d& omega);
 /// The rotations of a motion without its uniform part.
 UnevenTurning turning_of(const ScanMotion& motion);

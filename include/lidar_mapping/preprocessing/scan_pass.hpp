@@ -12,15 +12,21 @@ namespace lidar_mapping::preprocessing {
 
 /// The limits that are applied to the points, from the configuration.
 struct PassLimits {
+  /// The limits of a configuration; without use_distance_filter only points within a centimetre of
+  /// the sensor are too near.
   explicit PassLimits(const PreprocessingConfig& config);
 
-  float near_squared;
-  float far_squared;
-  Eigen::Vector3f box_min;  ///< box around the vehicle, in base_link; empty if min = max
-  Eigen::Vector3f box_max;
+  float near_squared;       ///< square of the least range from the sensor, m^2
+  float far_squared;        ///< square of the greatest range from the sensor, m^2
+  Eigen::Vector3f box_min;  ///< box around the vehicle, m, in base_link; empty if min = max
+  Eigen::Vector3f box_max;  ///< its upper corner, m
 };
 
-enum class PointTimesAfter { kKept, kDropped };
+/// What becomes of the points' times in a pass.
+enum class PointTimesAfter {
+  kKept,    ///< the motion is still in the points, or a part of it
+  kDropped  ///< all points refer to the stamp
+};
 
 /// Filters and deskews the points of a raw scan in one pass. The points are read from `packed` and
 /// written to the cloud, which has their times and room for them (packed_in(cloud) works in place).
@@ -33,7 +39,7 @@ std::size_t keep_and_deskew(const PackedPoints& packed, PointCloud& cloud,
                             const ScanMotion* motion,
                             PointTimesAfter times = PointTimesAfter::kKept);
 
-/// Refers to the cloud's own points.
+/// Refers to the cloud's own points, which have to outlive the result.
 PackedPoints packed_in(const PointCloud& cloud);
 
 /// Rotates every point upwards by `angle` (rad) about the horizontal axis normal to its beam.

@@ -15,15 +15,18 @@ namespace lidar_mapping::preprocessing {
 
 /// First and last time of the points, s relative to the scan's stamp; both are 0 without times.
 struct TimeSpan {
-  double begin = 0.0;
-  double end = 0.0;
+  double begin = 0.0;  ///< s
+  double end = 0.0;    ///< s
 };
+/// First and last time of a cloud; times that are not finite do not count.
 TimeSpan time_span(const PointCloud& cloud);
 
 /// Finds the span of times that are added in parts; both ends are 0 if no time is finite.
 class TimeSpanFinder {
  public:
+  /// Adds `count` times, s.
   void add(const float* times, std::size_t count);
+  /// The span of all that were added.
   TimeSpan span() const;
 
  private:
@@ -49,8 +52,9 @@ void fill_by_blocks(std::size_t count, std::vector<float>& times, const Fill& fi
 TimeSpan read_times(const unsigned char* first, std::size_t step, std::size_t count,
                     std::vector<float>& times);
 
+/// What normalize_times() has found.
 struct NormalizedTimes {
-  TimeSpan span;        ///< span of the resulting times
+  TimeSpan span;        ///< span of the resulting times, s relative to the stamp
   std::string problem;  ///< a message if something is wrong, otherwise empty
 };
 

@@ -12,35 +12,41 @@
 
 namespace lidar_mapping::registration {
 
+/// Perturbation of a MotionState: that of the pose, then that of the twist.
 using Vector12d = Eigen::Matrix<double, 12, 1>;
+/// 12x12, in the order of Vector12d.
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
 /// Pose of the sensor at a reference time and its twist during the sweep (own axes, m/s and rad/s).
 /// Perturbations: that of perturbed() for the pose, then the twist's.
 struct MotionState {
-  Pose T_map_sensor;
-  Vector6d twist = Vector6d::Zero();
+  Pose T_map_sensor;                  ///< at the reference time
+  Vector6d twist = Vector6d::Zero();  ///< constant during the sweep, m/s and rad/s
 };
 
+/// The pose perturbed as perturbed() does it, and the twist plus the last six numbers of d.
 MotionState perturbed(const MotionState& state, const Vector12d& d);
 /// The d for which perturbed(a, d) equals b.
 Vector12d difference(const MotionState& a, const MotionState& b);
 
 /// What is known before the match; an information of zero means nothing.
 struct MotionBelief {
-  MotionState state;
-  Matrix12d information = Matrix12d::Zero();
+  MotionState state;                          ///< the most likely one
+  Matrix12d information = Matrix12d::Zero();  ///< inverse of its covariance
 };
 
+/// How a match is done.
 struct NdtOptions {
+  /// Voxels whose planes a point is matched with.
   NeighborSearch neighbor_search = NeighborSearch::kDirect1;
   /// Distance in standard deviations at which a point loses most of its weight (Geman-McClure).
   double kernel = 2.5;
-  /// The squared kernel starts that much wider and falls by this factor per iteration.
+  /// Factor by which the squared kernel is wider in the first iteration.
   double kernel_widening = 100.0;
+  /// Factor by which it gets narrower with each iteration, until it has its own width.
   double kernel_fall = 16.0;
-  int max_iterations = 30;
-  double translation_epsilon = 1e-3;  ///< m
+  int max_iterations = 30;            ///< after which the match has not converged
+  double translation_epsilon = 1e-3;  ///< m: a step below both limits ends the search
   double rotation_epsilon = 5e-5;     ///< rad
   /// Weight of a residual against the prior: below one because neighbouring points err together.
   double data_weight = 0.3;
@@ -54,24 +60,26 @@ struct NdtOptions {
 /// What one part of the points says of the pose, at the state before the last step and with the
 /// robust weights there, for independent residuals: hessian * d = -gradient, axes of the sensor.
 struct NdtPart {
-  Matrix6d hessian = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
+  Matrix6d hessian = Matrix6d::Zero();   ///< Gauss-Newton, for perturbed() of the pose
+  Vector6d gradient = Vector6d::Zero();  ///< of half the weighted sum of squared residuals
 };
 
-/// Parts of a match: eight sectors around the sensor, the nearer points of all of them, then the
-/// farther ones.
+/// Sectors of equal angle around the sensor into which the points of a match are parted.
 constexpr std::size_t kNdtSectors = 8;
+/// Parts of a match: the sectors with their points that are nearer than the mean range, then the
+/// sectors with the farther ones.
 constexpr std::size_t kNdtParts = 2 * kNdtSectors;
 
 /// Where the points fit best, and how well.
 struct NdtMatch {
-  MotionState state;
-  bool converged = false;
-  int iterations = 0;
+  MotionState state;       ///< where the search ended
+  bool converged = false;  ///< the last step was below the limits
+  int iterations = 0;      ///< number of steps
   /// Gauss-Newton Hessian of the points alone for the pose, for independent residuals.
   Matrix6d pose_hessian = Matrix6d::Zero();
-  /// What the points say, weighted against the prior, and both together.
+  /// What the points say, weighted against the prior: NdtOptions::data_weight times their Hessian.
   Matrix12d points_information = Matrix12d::Zero();
+  /// What points and prior say together: the inverse of the state's covariance.
   Matrix12d information = Matrix12d::Zero();
   double quality = 0.0;          ///< mean robust weight of all points, 0 to 1
   double inlier_fraction = 0.0;  ///< points that the kernel believes / points
@@ -88,6 +96,7 @@ struct NdtMatch {
 /// only scratch memory between calls. One thread at a time uses a matcher.
 class NdtMatcher {
  public:
+  /// Chooses the kernels that the processor can run.
   NdtMatcher();
   ~NdtMatcher();
 

@@ -10,10 +10,10 @@ namespace lidar_mapping::registration {
 
 /// How well a source cloud fits onto a target cloud, and where.
 struct RegistrationResult {
-  Pose T_target_source;
+  Pose T_target_source;    ///< where the source fits best
   bool converged = false;  ///< the last step was below the thresholds before the iterations ran out
-  int iterations = 0;
-  double fitness = 0.0;          ///< mean squared distance of paired points, m^2
+  int iterations = 0;      ///< number of steps
+  double fitness = 0.0;    ///< mean squared distance of paired points, m^2
   double inlier_fraction = 0.0;  ///< pairs that the robust kernel believes / points of the source
   double overlap = 0.0;          ///< points of the source with a partner / points of the source
   /// Gauss-Newton Hessian for perturbed(T_target_source, d); scaled so that its inverse is the

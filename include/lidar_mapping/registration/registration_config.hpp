@@ -12,7 +12,17 @@ namespace lidar_mapping::registration {
 
 /// Methods that make_registration() knows. The last ones are hdl_graph_slam's names; each stands
 /// for one of the methods above, see implemented_by().
-enum class Method { kNdt, kVgicp, kPclNdt, kIcp, kGicp, kNdtOmp, kFastGicp, kFastVgicp, kGicpOmp };
+enum class Method {
+  kNdt,        ///< points to the planes of voxels, this package's own (Magnusson 2009)
+  kVgicp,      ///< voxelised generalised ICP, this package's own (Koide et al. 2021)
+  kPclNdt,     ///< pcl::NormalDistributionsTransform
+  kIcp,        ///< pcl::IterativeClosestPoint (Besl and McKay 1992)
+  kGicp,       ///< pcl::GeneralizedIterativeClosestPoint (Segal et al. 2009)
+  kNdtOmp,     ///< stands for kNdt
+  kFastGicp,   ///< stands for kVgicp
+  kFastVgicp,  ///< stands for kVgicp
+  kGicpOmp     ///< stands for kGicp
+};
 
 /// Parameters of scan matching; each is described once, in schema(). All thresholds are lengths in
 /// metres and angles in radians, whatever the method's library makes of them.
@@ -44,6 +54,7 @@ struct RegistrationConfig {
   /// [m] Points farther from the target count neither in the fitness nor in the overlap.
   double fitness_max_range = 1.0;
 
+  /// All fields.
   static const config::Schema<RegistrationConfig>& schema();
   /// Without the method and the fitness, for a stage that has a choice and a fitness of its own.
   static const config::Schema<RegistrationConfig>& parameters();

@@ -15,29 +15,29 @@ namespace lidar_mapping::ros_border {
 
 /// What is sent on a topic by one publisher.
 struct BagConnection {
-  std::string topic;
-  std::string type;
-  std::string md5sum;  ///< of the type
-  std::uint64_t messages = 0;
+  std::string topic;           ///< name, as recorded
+  std::string type;            ///< package/Name; empty if the bag does not say
+  std::string md5sum;          ///< of the type
+  std::uint64_t messages = 0;  ///< their number, as the index says
 };
 
 /// A part of a bag that is read as a whole.
 struct BagChunk {
-  std::uint64_t position = 0;
-  Stamp begin = 0;  ///< of its first message
+  std::uint64_t position = 0;  ///< of its record, bytes from the beginning of the file
+  Stamp begin = 0;             ///< when its first message was recorded
 };
 
 /// A message of a chunk.
 struct BagEntry {
-  Stamp recorded = 0;
-  std::uint32_t offset = 0;  ///< into the chunk's content
-  std::uint32_t connection = 0;
+  Stamp recorded = 0;            ///< when it was recorded
+  std::uint32_t offset = 0;      ///< into the chunk's content, bytes
+  std::uint32_t connection = 0;  ///< key in BagFile::connections()
 };
 
 /// The content of a chunk: a view of memory that comes back when nobody holds it.
 struct ChunkContent {
-  std::shared_ptr<std::uint8_t> bytes;
-  std::size_t size = 0;
+  std::shared_ptr<std::uint8_t> bytes;  ///< decompressed
+  std::size_t size = 0;                 ///< number of bytes
 };
 
 /// A bag of version 2.0 (wiki.ros.org/Bags/Format/2.0), or some topics of it, chunk by chunk. What
@@ -46,23 +46,28 @@ struct ChunkContent {
 /// FileError with the position in the file and what to do.
 class BagFile {
  public:
+  /// Reads the index of all topics.
   explicit BagFile(const std::string& path);
+  /// Reads the index of some topics; those that are not there are passed over.
   BagFile(const std::string& path, const std::vector<std::string>& topics);
   ~BagFile();
   BagFile(const BagFile&) = delete;
   BagFile& operator=(const BagFile&) = delete;
 
+  /// As it was given to the constructor.
   const std::string& path() const { return path_; }
-  /// Those of the topics.
+  /// Connections of the topics, by the numbers that the bag gives them.
   const std::map<std::uint32_t, BagConnection>& connections() const { return connections_; }
-  /// Those that hold messages of the topics, in the order of their beginnings.
+  /// Chunks that hold messages of the topics, in the order of their beginnings.
   const std::vector<BagChunk>& chunks() const { return chunks_; }
   /// Messages of the topics, in the order of their times and then of the file.
   std::vector<BagEntry> entries(const BagChunk& chunk) const;
+  /// The content of a chunk, decompressed into `memory`. One thread calls it at a time.
   ChunkContent read(const BagChunk& chunk, ChunkMemory& memory);
-  /// Where the message lies in the content.
+  /// Where the message lies in the content, as it is on the wire.
   ByteRange message(const ChunkContent& content, const BagEntry& entry) const;
 
+  /// Throws FileError with the path, the reason and what to do.
   [[noreturn]] void fail(const std::string& reason) const;
 
  private:

@@ -14,8 +14,8 @@ namespace lidar_mapping::ros_border {
 
 /// What is recorded of one topic with one type of message.
 struct BagTopic {
-  std::string name;
-  std::string type;
+  std::string name;            ///< as recorded
+  std::string type;            ///< package/Name
   std::uint64_t messages = 0;  ///< as the index says
 };
 
@@ -24,11 +24,14 @@ struct BagTopic {
 /// where its index is damaged.
 class BagSet {
  public:
+  /// Reads the indexes of these files.
   explicit BagSet(std::vector<std::string> paths);
 
+  /// As they were given to the constructor.
   const std::vector<std::string>& paths() const { return paths_; }
-  /// Each once, in the order of their names and types.
+  /// What is recorded, each topic and type once, in the order of their names and types.
   const std::vector<BagTopic>& topics() const { return topics_; }
+  /// The topic is recorded with one of the types.
   bool has(const std::string& topic, const std::vector<std::string>& types) const;
   /// When the first and the last message of the topics were recorded; nothing if there is none.
   /// What is damaged is passed over.

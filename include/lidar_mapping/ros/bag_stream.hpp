@@ -22,19 +22,22 @@ namespace lidar_mapping::ros_border {
 /// `memory`. Two functions have the names of those of rosbag::MessageInstance, in whose stead it is
 /// read.
 struct BagMessage {
-  const BagConnection* connection = nullptr;  ///< as long as the stream
-  Stamp recorded = 0;
-  ByteRange data;
-  std::shared_ptr<const void> memory;
+  const BagConnection* connection = nullptr;  ///< lives as long as the stream
+  Stamp recorded = 0;                         ///< when it was recorded
+  ByteRange data;                             ///< as it was on the wire
+  std::shared_ptr<const void> memory;         ///< where the data lie
 
+  /// Its topic, as recorded.
   const std::string& topic() const { return connection->topic; }
+  /// Its type: package/Name.
   const std::string& getDataType() const { return connection->type; }
+  /// It is of this type, by the MD5 sum.
   template <typename Message>
   bool holds() const {
     return connection->md5sum == ros::message_traits::MD5Sum<Message>::value();
   }
-  /// Nothing if it holds another type. Throws ros::Exception if it is damaged. Not for types with
-  /// arrays of any length, whose number the library believes: see read_cloud() and
+  /// The message; nothing if it holds another type. Throws ros::Exception if it is damaged. Not for
+  /// types with arrays of any length, whose number the library believes: see read_cloud() and
   /// read_transforms().
   template <typename Message>
   std::optional<Message> instantiate() const {
@@ -44,7 +47,8 @@ struct BagMessage {
     ros::serialization::deserialize(from, *message);
     return message;
   }
-  /// The library takes its input as uint8_t*, but leaves it as it is.
+  /// The data for roscpp's deserialisation. The library takes its input as uint8_t*, but leaves it
+  /// as it is.
   ros::serialization::IStream stream() const {
     return {const_cast<std::uint8_t*>(data.first), static_cast<std::uint32_t>(data.size)};
   }
@@ -63,12 +67,14 @@ struct BagDamage {
 /// all; chunks and messages that are damaged are left out.
 class BagStream {
  public:
+  /// The messages of these topics in the bags.
   BagStream(const std::vector<std::string>& paths, const std::vector<std::string>& topics);
 
+  /// The next message; nothing at the end.
   std::optional<BagMessage> next();
   /// What was left out so far.
   const BagDamage& damage() const { return damage_; }
-  /// Goes to the first message at or after `stamp`.
+  /// Goes on to the first message that was recorded at or after `stamp`.
   void skip_to(Stamp stamp);
 
  private:

@@ -8,8 +8,8 @@ namespace lidar_mapping::ros_border {
 
 /// Bytes that somebody else keeps.
 struct ByteRange {
-  const std::uint8_t* first = nullptr;
-  std::size_t size = 0;
+  const std::uint8_t* first = nullptr;  ///< null only if there are none
+  std::size_t size = 0;                 ///< number of bytes
 };
 
 }  // namespace lidar_mapping::ros_border

@@ -13,7 +13,8 @@ namespace lidar_mapping::ros_border {
 /// fresh pages would cost as much as copying. May be given back by any thread.
 class ChunkMemory {
  public:
-  /// At least so many bytes of any content.
+  /// Memory of at least so many bytes, with any content; comes back with the last copy of the
+  /// pointer.
   std::shared_ptr<std::uint8_t> take(std::size_t bytes) {
     std::unique_ptr<Block> block = state_->spare();
     if (!block) block = std::make_unique<Block>();

@@ -21,8 +21,14 @@ namespace lidar_mapping::ros_border {
 /// number. Any thread may call it.
 class Diagnostics {
  public:
-  enum class Level { kOk, kWarning, kError };
+  /// Levels of diagnostic_msgs/DiagnosticStatus.
+  enum class Level {
+    kOk,       ///< all is well
+    kWarning,  ///< something is lost or left out
+    kError     ///< the node does not do its work
+  };
 
+  /// Starts the reports. `worker` is the one whose channels are reported, and outlives this object.
   Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
               const Worker& worker);
 
@@ -30,9 +36,9 @@ class Diagnostics {
   void set_state(Level level, const std::string& text);
   /// A figure that belongs to this node.
   void set(const std::string& key, const std::string& value);
-  /// The stamp of the datum that just arrived, and that of the result that just left: rates and
-  /// lag.
+  /// A datum with this stamp has arrived: counts for rate and lag.
   void count_input(Stamp stamp);
+  /// A result with this stamp has left: counts for rate and lag.
   void count_output(Stamp stamp);
 
  private:

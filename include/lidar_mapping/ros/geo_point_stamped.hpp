@@ -10,14 +10,15 @@ namespace lidar_mapping::ros_border {
 /// geographic_msgs/GeoPointStamped as it is on the wire, which hdl_graph_slam takes for GNSS: its
 /// package is not everywhere where ROS is.
 struct GeoPointStamped {
-  std_msgs::Header header;
-  double latitude = 0.0;   ///< degrees
-  double longitude = 0.0;  ///< degrees
-  double altitude = 0.0;   ///< m above the WGS 84 ellipsoid; NaN if unknown
+  std_msgs::Header header;  ///< stamp of the fix and the antenna's frame
+  double latitude = 0.0;    ///< degrees
+  double longitude = 0.0;   ///< degrees
+  double altitude = 0.0;    ///< m above the WGS 84 ellipsoid; NaN if unknown
 };
 
 }  // namespace lidar_mapping::ros_border
 
+// What roscpp asks of a type of message.
 namespace ros {
 namespace message_traits {
 

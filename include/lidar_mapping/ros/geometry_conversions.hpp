@@ -15,30 +15,40 @@
 
 namespace lidar_mapping::ros_border {
 
-/// 6x6 row-major, x y z roll pitch yaw.
+/// Covariance of a message: 6x6 row-major, x y z roll pitch yaw.
 using CovarianceArray = boost::array<double, 36>;
 
 /// Stamps cross the border bit for bit, in integers. Throws InputError where ros::Time cannot hold
 /// the stamp (before 1970 or after 2106).
 ros::Time to_ros(Stamp stamp);
+/// The stamp of a time of ROS, bit for bit.
 Stamp from_ros(const ros::Time& time);
 
-/// Of length 1. One that has it but for rounding stays as it is, bit for bit: to divide it by its
-/// length once more would change its last digits with every message that it travels in.
+/// The quaternion, of length 1. One that has it but for rounding stays as it is, bit for bit: to
+/// divide it by its length once more would change its last digits with every message that it
+/// travels in.
 Eigen::Quaterniond unit(const Eigen::Quaterniond& rotation);
 
+/// Position (m) and orientation.
 geometry_msgs::Pose to_message(const Pose& pose);
+/// Translation (m) and rotation: T_a_b is the transform from a (header) to b (child).
 geometry_msgs::Transform to_transform(const Pose& pose);
-/// Throws InputError for values that are not finite or a quaternion whose length is not near 1.
+/// The pose in a message. Throws InputError for values that are not finite or a quaternion whose
+/// length is more than 0.01 away from 1.
 Pose from_message(const geometry_msgs::Pose& pose);
+/// The pose in a transform, with the same errors.
 Pose from_message(const geometry_msgs::Transform& transform);
 
+/// Three numbers of any unit.
 geometry_msgs::Vector3 to_message(const Eigen::Vector3d& vector);
+/// Three numbers of any unit, unchecked.
 Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector);
-/// Linear, then angular.
+/// A twist: linear (m/s), then angular (rad/s).
 geometry_msgs::Twist to_twist(const Vector6d& twist);
 
+/// The covariance as a message has it, made exactly symmetric.
 CovarianceArray to_array(const Covariance6& covariance);
+/// The covariance in a message, unchecked.
 Covariance6 from_array(const CovarianceArray& values);
 
 /// The frame's name without the leading slash of tf 1, which tf2 refuses.

@@ -20,12 +20,13 @@ namespace lidar_mapping::ros_border {
 struct RunState {
   std::string run_id;                ///< empty if no run has begun
   std::vector<KeyFrame> key_frames;  ///< by index, without clouds
-  KeyFramePoses poses;
-  std::vector<Loop> loops;
-  std::vector<GnssPosition> gnss;  ///< at stamps of key frames
-  std::vector<Floor> floors;       ///< below key frames
-  KeyFrameIndex searched = 0;      ///< loop closing is done with the key frames below this index
+  KeyFramePoses poses;               ///< of all key frames
+  std::vector<Loop> loops;           ///< all of the run, also those that the graph refuses
+  std::vector<GnssPosition> gnss;    ///< at stamps of key frames
+  std::vector<Floor> floors;         ///< below key frames
+  KeyFrameIndex searched = 0;        ///< loop closing is done with the key frames below this index
 
+  /// The run and the indices of its key frames.
   RunIndices indices() const;
 };
 
@@ -33,11 +34,14 @@ struct RunState {
 /// into a worker, not into a callback.
 class KeyFrameClient {
  public:
+  /// The service is looked up in the namespace of `node`.
   explicit KeyFrameClient(const ros::NodeHandle& node);
 
-  /// Nothing if there is no back end.
+  /// What the back end has now; nothing if there is none. Throws InputError for an answer that
+  /// contradicts itself.
   std::optional<RunState> run();
-  /// As run(); waits for a back end that was killed in mid-drive and is about to start again.
+  /// As run(); waits up to 15 s for a back end that was killed in mid-drive and is about to start
+  /// again.
   std::optional<RunState> run_that_goes_on();
   /// These key frames with their clouds; empty if there is no back end.
   std::vector<RunKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
@@ -52,12 +56,13 @@ class KeyFrameClient {
 /// what this node missed, at the start and whenever there is a gap.
 class KeyFrameSubscription {
  public:
-  /// `deliver` is called in the worker's thread.
+  /// Up to `capacity` messages may wait. `deliver` is called in the worker's thread.
   KeyFrameSubscription(NodeContext& context, int capacity, KeyFrameFeed::Deliver deliver);
 
   /// To be called in the worker's thread with what the back end knows, as key_frame_poses names it:
   /// key frames of which this node has not heard are fetched.
   void note(RunIndices known);
+  /// What was handed on so far; for the worker's thread.
   const KeyFrameFeed& feed() const { return feed_; }
 
  private:

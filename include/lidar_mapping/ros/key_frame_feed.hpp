@@ -13,13 +13,13 @@ namespace lidar_mapping::ros_border {
 
 /// A key frame and the run that it belongs to.
 struct RunKeyFrame {
-  std::string run_id;
-  KeyFrame key_frame;
+  std::string run_id;  ///< names the run
+  KeyFrame key_frame;  ///< with or without its cloud
 };
 
 /// Which key frames of which run exist.
 struct RunIndices {
-  std::string run_id;
+  std::string run_id;                  ///< names the run
   std::vector<KeyFrameIndex> indices;  ///< increasing
 };
 
@@ -31,10 +31,12 @@ class KeyFrameFeed {
  public:
   /// Key frames with these indices, those that are known; nothing if nobody answers.
   using Fetch = std::function<std::vector<RunKeyFrame>(const std::vector<KeyFrameIndex>& indices)>;
+  /// Takes a key frame that is handed on.
   using Deliver = std::function<void(const RunKeyFrame&)>;
   /// A run begins; returns the index of its first key frame that is still to be handed on.
   using Begin = std::function<KeyFrameIndex(const std::string& run_id)>;
 
+  /// Without `begin` every run is handed on from index 0.
   KeyFrameFeed(
       Fetch fetch, Deliver deliver, Begin begin = [](const std::string&) { return 0U; });
 
@@ -45,6 +47,7 @@ class KeyFrameFeed {
   /// Gives up what is missing, and hands on what waits for it.
   void flush();
 
+  /// The run whose key frames are handed on; empty before the first.
   const std::string& run_id() const { return run_id_; }
   /// One more than the newest index that was handed on.
   KeyFrameIndex next_index() const { return next_; }

@@ -16,32 +16,42 @@
 // that do not fit together, covariances that are not finite) throws InputError.
 namespace lidar_mapping::ros_border {
 
+/// A key frame with its cloud, if it has one.
 KeyFrameMessage to_message(const KeyFrame& key_frame, const std::string& run_id,
                            const std::string& base_frame);
-/// The cloud is null where the message has none.
+/// A key frame; its cloud is null where the message has none.
 KeyFrame from_message(const KeyFrameMessage& message);
 
+/// Poses of key frames in `map_frame`.
 KeyFramePosesMessage to_message(const KeyFramePoses& poses, const std::string& run_id,
                                 const std::string& map_frame);
+/// Poses of key frames. Throws InputError if the lists of the message differ in length.
 KeyFramePoses from_message(const KeyFramePosesMessage& message);
 
+/// A loop without a person's decision, which stays with the back end.
 LoopMessage to_message(const Loop& loop, const std::string& run_id, const std::string& base_frame);
+/// A loop that no person has decided on. Throws InputError for a source that is not known.
 Loop from_message(const LoopMessage& message);
 
+/// What became of a candidate.
 LoopVerdictMessage to_message(const LoopVerdict& verdict, const std::string& run_id,
                               const std::string& base_frame);
+/// What became of a candidate. Throws InputError for a source or a verdict that is not known.
 LoopVerdict from_message(const LoopVerdictMessage& message);
 
+/// A floor in `base_frame`.
 FloorMessage to_message(const Floor& floor, const std::string& base_frame);
+/// A floor in base_link.
 Floor from_message(const FloorMessage& message);
 
-/// The status and whether the scan became a key frame.
+/// The status and whether the scan became a key frame. `scans_dropped`: since the start of the run.
 FrontEndStatusMessage to_message(const front_end::FrontEndResult& result,
                                  std::uint32_t scans_dropped, const std::string& base_frame);
 
-/// Odometry at the result's stamp. `covariance` is that of T_odom_base (axes of base_link); the
-/// message has it in the axes of `odom_frame`, as its definition wants. The twist's covariance
-/// follows from that of the last motion over `seconds`.
+/// Odometry at the result's stamp: pose in `odom_frame`, twist in `base_frame`. `covariance` is
+/// that of T_odom_base (axes of base_link); the message has it in the axes of `odom_frame`, as its
+/// definition wants. The twist's covariance follows from that of the last motion over `seconds`,
+/// and is zero if that is 0.
 nav_msgs::Odometry to_odometry(const front_end::FrontEndResult& result,
                                const Covariance6& covariance, double seconds,
                                const std::string& odom_frame, const std::string& base_frame);

@@ -7,10 +7,10 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
 
-/// The package's own messages and services. The generated headers put them into the namespace of
-/// the values that they carry, under the same names (lidar_mapping::KeyFrame), so a file cannot see
-/// both; here the generated aliases get the suffix `Message`. Include this header instead of the
-/// generated ones.
+// The package's own messages and services. The generated headers put them into the namespace of
+// the values that they carry, under the same names (lidar_mapping::KeyFrame), so a file cannot see
+// both; here the generated aliases get the suffix `Message`. Include this header instead of the
+// generated ones.
 #define Floor FloorMessage
 #define FrontEndStatus FrontEndStatusMessage
 #define KeyFrame KeyFrameMessage

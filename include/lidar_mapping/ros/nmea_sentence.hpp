@@ -12,12 +12,13 @@ namespace lidar_mapping::ros_border {
 /// nmea_msgs/Sentence as it is on the wire, which drivers of GNSS receivers publish: its package is
 /// not everywhere where ROS is.
 struct NmeaSentence {
-  std_msgs::Header header;
-  std::string sentence;
+  std_msgs::Header header;  ///< when the sentence came, and the antenna's frame
+  std::string sentence;     ///< one, from $ or ! to the checksum
 };
 
 }  // namespace lidar_mapping::ros_border
 
+// What roscpp asks of a type of message.
 namespace ros {
 namespace message_traits {
 

@@ -18,12 +18,13 @@ namespace lidar_mapping::ros_border {
 
 /// What every node has.
 struct NodeContext {
+  /// Starts the worker, whose errors go into the log. roscpp has to be initialised.
   NodeContext();
 
-  ros::NodeHandle node;
-  ros::NodeHandle private_node{"~"};
-  Worker worker;
-  Diagnostics diagnostics{node, private_node, worker};
+  ros::NodeHandle node;                                 ///< the node's namespace
+  ros::NodeHandle private_node{"~"};                    ///< the node's own names
+  Worker worker;                                        ///< the thread that computes
+  Diagnostics diagnostics{node, private_node, worker};  ///< its line on /diagnostics
 };
 
 /// Counts messages that were lost on the way: roscpp numbers what a publisher sends.
@@ -40,7 +41,10 @@ class SequenceGaps {
 };
 
 /// Whether a topic comes from a node of this package, which numbers its messages without gaps.
-enum class Numbered { kNo, kYes };
+enum class Numbered {
+  kNo,  ///< gaps in the numbers mean nothing
+  kYes  ///< gaps in the numbers are lost messages
+};
 
 /// Messages that roscpp holds for a callback. The callback only posts, so they go on at once; a
 /// longer queue than any burst leaves all dropping, and its counting, to the worker.
@@ -74,7 +78,7 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
   return context.node.subscribe(options);
 }
 
-/// A line of a node that is about to go: roscpp's log has ended with roscpp by then.
+/// Prints a line of a node that is about to go: roscpp's log has ended with roscpp by then.
 void say_at_end(const std::string& line);
 
 /// Queue of a publisher: subscribers take messages in at once, so few ever wait.
@@ -82,17 +86,21 @@ constexpr std::uint32_t kPublisherQueue = 100;
 
 /// What a node does that cannot start: end, or, where something would only start it again, stay and
 /// do nothing until it is asked to end.
-enum class OnError { kEnd, kStay };
+enum class OnError {
+  kEnd,  ///< with exit status 1
+  kStay  ///< and say so on /diagnostics
+};
 
-/// Makes the node, spins until the end and stops the worker before the node goes. Errors of
-/// configuration and files are said once, a line each. Returns the program's exit status.
+/// Calls `make` for the node, which may return null to end at once, spins until the end and stops
+/// the worker before the node goes. Errors of configuration and files are said once, a line each.
+/// Returns the program's exit status.
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error);
 
 /// What stands on a node's command line beside ROS's own words.
 struct NodeOptions {
-  bool print_config = false;
-  OnError on_error = OnError::kEnd;
-  std::optional<int> exit_status;  ///< with which the program ends at once: help, a wrong option
+  bool print_config = false;         ///< print the configuration in force and end
+  OnError on_error = OnError::kEnd;  ///< if the node cannot start
+  std::optional<int> exit_status;    ///< with which the program ends at once: help, a wrong option
 };
 
 /// Starts roscpp as `name`, which takes ROS's own words off the command line, and reads the rest.

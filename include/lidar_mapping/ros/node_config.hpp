@@ -18,15 +18,18 @@ struct NodeFields {
   /// [messages] Messages of a topic that may wait; beyond that the oldest is dropped, counted and
   /// reported.
   int queue_size = 100;
+
+  /// All fields.
   static const config::Schema<NodeFields>& schema();
 };
 
 /// Configuration of a node whose only parameters beside NodeFields are those of its stage.
 template <typename StageConfig>
 struct NodeConfig {
-  NodeFields node;
-  StageConfig stage;
+  NodeFields node;    ///< what every node has
+  StageConfig stage;  ///< parameters of the stage
 
+  /// The fields of both; stage and summary are those of the stage.
   static const config::Schema<NodeConfig>& schema() {
     static const auto schema =
         config::Schema<NodeConfig>(StageConfig::schema().stage(), StageConfig::schema().summary())
@@ -39,11 +42,14 @@ struct NodeConfig {
 /// The same for nodes that need to know from where points were seen.
 template <typename StageConfig>
 struct LidarNodeConfig {
+  /// What every node has.
   NodeFields node;
   /// Frame of the LiDAR in tf, whose place is where points were seen from; may be empty.
   std::string lidar_frame;
+  /// Parameters of the stage.
   StageConfig stage;
 
+  /// All fields; stage and summary are those of the stage.
   static const config::Schema<LidarNodeConfig>& schema() {
     static const auto schema =
         config::Schema<LidarNodeConfig>(StageConfig::schema().stage(),

@@ -14,18 +14,19 @@ namespace lidar_mapping::ros_border {
 /// where they lie into what it sends: large clouds are not copied twice. The cloud must stay as it
 /// is until publish() has returned.
 struct OutgoingCloud {
+  /// The points in `frame_id` at `stamp`.
   OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id);
 
-  /// Writes all bytes of the message's data.
+  /// Writes all bytes of the message's data: head.row_step.
   void write_data(std::uint8_t* to) const;
 
   sensor_msgs::PointCloud2 head;  ///< all but the data
-  const PointCloud& cloud;
+  const PointCloud& cloud;        ///< the points, m
 };
 
 }  // namespace lidar_mapping::ros_border
 
-// On the wire it is a PointCloud2.
+// What roscpp asks of a type of message: on the wire it is a PointCloud2.
 namespace ros {
 
 namespace message_traits {

@@ -13,16 +13,16 @@ namespace lidar_mapping::ros_border {
 
 /// A sensor that may be there or not: its input, with the types of message that it is read from.
 struct OptionalInput {
-  std::string name;   ///< of the launch file's argument, too
-  std::string topic;  ///< resolved
-  std::vector<std::string> types;
+  std::string name;                ///< of the launch file's argument, too
+  std::string topic;               ///< resolved
+  std::vector<std::string> types;  ///< package/Name
 };
 
 /// Finds out that a sensor is published under another name than the one that is listened to. Any
 /// thread may call it.
 class OverlookedSensors {
  public:
-  /// `own`: topics that this package publishes, resolved.
+  /// `inputs`: those that are listened to; `own`: topics that this package publishes, resolved.
   OverlookedSensors(std::vector<OptionalInput> inputs, std::set<std::string> own);
 
   /// A message of that input has come.

@@ -24,7 +24,7 @@ std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
                                               const std::string& stage);
 
 /// Leaves the configuration that is in force on the parameter server, for the session to keep:
-/// effective_configuration/<stage>, a YAML text.
+/// effective_configuration/STAGE, a YAML text.
 void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,
                                      const std::string& yaml);
 /// What all nodes have left there: YAML texts by stage.

@@ -21,12 +21,13 @@ struct CloudFormat {
   bool absolute_times = false;  ///< times of the clock of the stamps
   bool foreign_clock = false;   ///< absolute by another clock: counted from the first point
   double first_time = 0.0;      ///< s, relative to the stamp or as the field counts
-  double last_time = 0.0;
+  double last_time = 0.0;       ///< s, as first_time
 };
 
+/// A cloud as preprocessing takes it, and what it was.
 struct DecodedCloud {
-  preprocessing::RawScan scan;
-  CloudFormat format;
+  preprocessing::RawScan scan;  ///< points (m) and times (s)
+  CloudFormat format;           ///< what the message held
 };
 
 /// A PointCloud2 of any driver: x y z as FLOAT32 or FLOAT64, intensity from `intensity`, `i` or
@@ -34,7 +35,7 @@ struct DecodedCloud {
 /// `time_offset` of any number type, in the unit that fits the scan's period (or point_time_unit),
 /// relative or absolute. Points are taken as they are, in their order, also those that are not
 /// finite. Throws InputError for big-endian data, missing coordinates, fields outside of the point
-/// and data that are shorter than the header says.
+/// and data that are shorter than the header says. The memory of `buffer` is used again.
 DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
                     PointCloud buffer = {});
 /// The same, but points of the usual layout stay packed in the message's data, which `memory` keeps
@@ -42,6 +43,7 @@ DecodedCloud decode(const CloudView& message, const preprocessing::Preprocessing
 DecodedCloud decode_lazily(const CloudView& message, std::shared_ptr<const void> memory,
                            const preprocessing::PreprocessingConfig& config,
                            PointCloud buffer = {});
+/// The same for a whole message, which lives on with the scan.
 DecodedCloud decode_lazily(const sensor_msgs::PointCloud2ConstPtr& message,
                            const preprocessing::PreprocessingConfig& config,
                            PointCloud buffer = {});

@@ -12,14 +12,15 @@ namespace lidar_mapping::ros_border {
 
 /// A cloud that was left where it lies in the recording.
 struct RecordedCloud {
-  sensor_msgs::PointCloud2 message;  ///< without the data
-  ByteRange data;
-  std::shared_ptr<const void> memory;
+  sensor_msgs::PointCloud2 message;    ///< without the data
+  ByteRange data;                      ///< of the message
+  std::shared_ptr<const void> memory;  ///< where the data lie
 
+  /// The cloud with its data; this object has to outlive the view.
   CloudView view() const { return {message, data.first, data.size}; }
 };
 
-/// The message holds a cloud. Throws ros::Exception if it is damaged.
+/// The cloud in a message of type sensor_msgs/PointCloud2. Throws ros::Exception if it is damaged.
 RecordedCloud read_cloud(const BagMessage& recorded);
 
 }  // namespace lidar_mapping::ros_border

@@ -19,13 +19,15 @@ std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded);
 /// The transforms of a recording, put together.
 class RecordedFrames {
  public:
+  /// `base_frame` stands for the vehicle.
   explicit RecordedFrames(std::string base_frame) : base_frame_(std::move(base_frame)) {}
 
+  /// The frame that stands for the vehicle.
   const std::string& base_frame() const { return base_frame_; }
   /// From now on this frame stands for the vehicle.
   void set_base_frame(std::string frame) { base_frame_ = std::move(frame); }
 
-  /// A message of /tf_static (`is_static`) or /tf.
+  /// Takes a message of /tf_static (`is_static`) or /tf.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.
   std::optional<Pose> T_base(const std::string& frame) const;

@@ -20,10 +20,10 @@ struct SensorTopics {
 
 /// What is to be looked at.
 struct RecordingCheck {
-  const BagSet* bags = nullptr;  ///< of one drive
-  SensorTopics topics;
-  std::string base_frame = "base_link";
-  double seconds = 0.0;  ///< of the beginning; 0: all of it
+  const BagSet* bags = nullptr;          ///< of one drive
+  SensorTopics topics;                   ///< see topics_in()
+  std::string base_frame = "base_link";  ///< the vehicle's
+  double seconds = 0.0;                  ///< s of the beginning; 0: all of it
 };
 
 /// `wanted`, and of each sensor that it leaves out the launch file's topic if the bags have it,

@@ -18,6 +18,7 @@ namespace lidar_mapping::ros_border {
 template <typename Message>
 class RepeatingPublisher {
  public:
+  /// Advertises `topic`.
   RepeatingPublisher(ros::NodeHandle& node, const std::string& topic, std::uint32_t count)
       : newest_(std::make_shared<Newest>()), count_(count) {
     const auto repeat = [newest = newest_](const ros::SingleSubscriberPublisher& subscriber) {
@@ -27,6 +28,7 @@ class RepeatingPublisher {
     publisher_ = node.advertise<Message>(topic, kPublisherQueue + count, repeat);
   }
 
+  /// Sends a message now, and again to each of those that come later.
   void publish(Message message) {
     const std::lock_guard<std::mutex> lock(newest_->mutex);
     publisher_.publish(message);

@@ -15,16 +15,18 @@ namespace lidar_mapping::ros_border {
 
 /// A scan with what the other sensors said of its stamp.
 struct AssembledScan {
-  Scan scan;
-  front_end::MotionPrior prior;
+  Scan scan;                     ///< as it came
+  front_end::MotionPrior prior;  ///< for FrontEnd::process()
 };
 
 /// Which sensors have a sample of the scan's stamp.
 struct SyncedInputs {
-  bool imu = false;
-  bool velocity = false;
-  bool gnss = false;
+  bool imu = false;       ///< a sample of the IMU comes
+  bool velocity = false;  ///< a velocity comes
+  bool gnss = false;      ///< a position comes
+  /// The non-uniform rotation that was removed from the scan by the gyro.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
+  /// Mean specific force since the previous scan.
   std::optional<FeltForce> felt = std::nullopt;
 };
 
@@ -38,14 +40,20 @@ struct SyncedInputs {
 /// two samples around it. One thread calls it.
 class ScanAssembler {
  public:
+  /// `external_odometry`: scans need a pose of add_odometry().
   explicit ScanAssembler(bool external_odometry);
 
+  /// Which samples belong to the scan with this stamp.
   void add_inputs(Stamp stamp, const SyncedInputs& inputs);
+  /// A sample at a scan's stamp, in the axes of base_link.
   void add_imu(const ImuSample& sample_base);
+  /// The velocity of base_link in its axes at a scan's stamp.
   void add_velocity(const VelocitySample& sample_base);
+  /// A position at a scan's stamp.
   void add_gnss(const GnssPosition& position);
+  /// A pose of the outside odometry, at any stamp.
   void add_odometry(Stamp stamp, const Pose& T_external_base);
-  /// Throws InputError if the stamp does not increase.
+  /// A scan. Throws InputError if the stamp does not increase.
   void add_scan(Scan scan);
 
   /// The scans that are waited for no longer, oldest first.

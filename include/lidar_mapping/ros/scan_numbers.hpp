@@ -12,7 +12,7 @@ namespace lidar_mapping::ros_border {
 /// before the first where that has no small number.
 class ScanNumbers {
  public:
-  /// In the order of arrival.
+  /// Takes the number (header.seq) of a scan, in the order of arrival.
   void take(std::uint32_t number);
 
   /// Scans before the first one that came; none where the recording does not begin with a small
@@ -21,6 +21,7 @@ class ScanNumbers {
   /// Scans missing between those that came. A recording that was thinned (every second scan, say)
   /// misses none: the smallest step counts as one.
   std::size_t between() const;
+  /// All scans that nobody got.
   std::size_t missing() const { return before_first() + between(); }
 
  private:

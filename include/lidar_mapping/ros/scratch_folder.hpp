@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A folder for files that a node needs only while it runs: TMPDIR/lidar_mapping-<name>-<pid>. It
+/// A folder for files that a node needs only while it runs: TMPDIR/lidar_mapping-NAME-PID. It
 /// goes with this object; what a killed process of the same name left behind goes when the next
 /// one starts. Throws FileError if it cannot be made.
 class ScratchFolder {
@@ -17,6 +17,7 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
+  /// The folder, which exists and is empty at first.
   const std::filesystem::path& path() const { return path_; }
 
  private:

@@ -15,16 +15,20 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What has -1 in the first element of its covariance is not provided (sensor_msgs/Imu); an
-/// orientation also where the quaternion has no length.
+/// A sample in the axes of the message's frame. What has -1 in the first element of its covariance
+/// is not provided (sensor_msgs/Imu); an orientation also where the quaternion has no length.
 ImuSample from_message(const sensor_msgs::Imu& message);
+/// A sample in the axes of `frame_id`; covariances are 0 (unknown), or -1 for what is not provided.
 sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id);
 
+/// A velocity (m/s, rad/s) in the axes of the message's frame.
 VelocitySample from_message(const geometry_msgs::TwistStamped& message);
+/// A velocity (m/s, rad/s) of `frame_id` in its axes.
 geometry_msgs::TwistStamped to_message(const VelocitySample& sample, const std::string& frame_id);
 
-/// A covariance of unknown type is 'none'.
+/// A fix; it has no covariance if that is of unknown type.
 GnssFix from_message(const sensor_msgs::NavSatFix& message);
+/// A fix of the antenna `frame_id`.
 sensor_msgs::NavSatFix to_message(const GnssFix& fix, const std::string& frame_id);
 
 /// synced_gnss: position of the antenna (child_frame_id) in East-North-Up (frame_id), its 3x3
@@ -32,14 +36,17 @@ sensor_msgs::NavSatFix to_message(const GnssFix& fix, const std::string& frame_i
 /// orientation is the identity and pose.covariance[21] (roll, roll) is -1.
 nav_msgs::Odometry to_message(const GnssPosition& position, const std::string& map_frame,
                               const std::string& antenna_frame);
-/// `p_base_antenna` is the lever arm that tf gives for the message's child_frame_id.
+/// The inverse. `p_base_antenna` is the lever arm (m) that tf gives for the message's
+/// child_frame_id.
 GnssPosition from_message(const nav_msgs::Odometry& message, const Eigen::Vector3d& p_base_antenna);
 
-/// What synced_inputs tells of the scan beside the samples that there are: what the gyro has taken
-/// out of it, and what the accelerometer felt. Bit for bit.
+/// Puts into synced_inputs what the gyro has taken out of the scan. Bit for bit.
 void fill(SyncedInputsMessage& message, const UnevenTurning& turning);
+/// Puts into synced_inputs what the accelerometer felt before the scan. Bit for bit.
 void fill(SyncedInputsMessage& message, const FeltForce& felt);
+/// What the gyro has taken out of the scan; nothing if the message holds none.
 std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message);
+/// What the accelerometer felt before the scan; nothing if the message holds none.
 std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message);
 
 }  // namespace lidar_mapping::ros_border

@@ -29,17 +29,23 @@ const std::vector<std::string>& gnss_types();
 /// A sample, and the frame of its sensor as the message names it.
 template <typename Sample>
 struct SensorInput {
-  Sample sample;
-  std::string frame_id;
+  Sample sample;         ///< in the units of the message and the axes of the frame
+  std::string frame_id;  ///< may be empty or have a leading slash
 };
 
+/// The sample in a message.
 SensorInput<ImuSample> input_of(const sensor_msgs::Imu& message);
+/// The velocity in a message.
 SensorInput<VelocitySample> input_of(const geometry_msgs::TwistStamped& message);
+/// The velocity in a message; its covariance is not used.
 SensorInput<VelocitySample> input_of(const geometry_msgs::TwistWithCovarianceStamped& message);
+/// The twist of an odometry, in the axes of its child_frame_id.
 SensorInput<VelocitySample> input_of(const nav_msgs::Odometry& message);
+/// The fix in a message.
 SensorInput<GnssFix> input_of(const sensor_msgs::NavSatFix& message);
+/// The point as a fix without a covariance.
 SensorInput<GnssFix> input_of(const GeoPointStamped& message);
-/// Nothing in a sentence that holds no fix, as most do.
+/// The fix in a sentence; nothing in one that holds none, as most do.
 std::optional<SensorInput<GnssFix>> input_of(const NmeaSentence& message);
 
 /// What a message of any type holds if it is one of `Messages`. `AnyMessage` is
@@ -58,19 +64,22 @@ std::optional<SensorInput<Sample>> read_one_of(const AnyMessage& any) {
   }
 }
 
+/// The velocity in a message of one of velocity_types(); nothing in others.
 template <typename AnyMessage>
 std::optional<SensorInput<VelocitySample>> read_velocity(const AnyMessage& any) {
   return read_one_of<VelocitySample, geometry_msgs::TwistStamped,
                      geometry_msgs::TwistWithCovarianceStamped, nav_msgs::Odometry>(any);
 }
 
+/// The fix in a message of one of gnss_types(); nothing in others.
 template <typename AnyMessage>
 std::optional<SensorInput<GnssFix>> read_gnss(const AnyMessage& any) {
   return read_one_of<GnssFix, sensor_msgs::NavSatFix, GeoPointStamped, NmeaSentence>(any);
 }
 
-/// Whether messages of this type are read at all: one of them may hold nothing.
+/// A velocity is read from messages of this type; a single one may hold nothing.
 bool is_velocity_type(const std::string& type);
+/// Fixes are read from messages of this type; a single one may hold nothing.
 bool is_gnss_type(const std::string& type);
 
 }  // namespace lidar_mapping::ros_border

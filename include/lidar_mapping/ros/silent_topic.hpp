@@ -9,8 +9,8 @@ namespace lidar_mapping::ros_border {
 
 /// A topic that somebody publishes, and the type of its messages.
 struct PublishedTopic {
-  std::string name;
-  std::string type;
+  std::string name;  ///< resolved
+  std::string type;  ///< package/Name
 };
 
 /// One line for a user whose `topic` is silent: whether it is published at all, and which topics of
@@ -20,7 +20,7 @@ std::string why_silent(const std::string& topic, const std::string& type,
                        const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own, const std::string& remedy);
 
-/// As the master knows them now.
+/// What is published, as the master knows it now, in the order of the names.
 std::vector<PublishedTopic> published_topics();
 
 }  // namespace lidar_mapping::ros_border

@@ -23,7 +23,7 @@ class SensorFrames {
   /// frames, when a pair has been missing for 1 s, and at most once in 5 s. Frames may have tf 1's
   /// leading slash.
   std::optional<Pose> lookup(const std::string& target, const std::string& source);
-  /// Where a sensor sits on the vehicle; nothing too if its frame is empty.
+  /// Where a sensor sits on the vehicle (m, in base_frame); nothing too if its frame is empty.
   std::optional<Eigen::Vector3d> origin_of(const std::string& sensor_frame,
                                            const std::string& base_frame);
 
@@ -40,6 +40,7 @@ class SensorFrames {
 /// Broadcasts T_parent_child at a stamp of the data.
 class TransformPublisher {
  public:
+  /// Sends the pose of `child` in `parent` at `stamp` to /tf.
   void send(const Pose& T_parent_child, Stamp stamp, const std::string& parent,
             const std::string& child);
 

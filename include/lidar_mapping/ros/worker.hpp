@@ -16,16 +16,20 @@ namespace lidar_mapping::ros_border {
 /// memory bounded. A long bound makes a node lossless and late instead.
 class Worker {
  public:
-  using Task = std::function<void()>;
-  using ChannelId = std::size_t;
+  using Task = std::function<void()>;  ///< what the thread calls once
+  using ChannelId = std::size_t;       ///< number of a channel of this worker
 
   /// What stop() does with tasks that wait.
-  enum class OnStop { kDiscard, kDrain };
+  enum class OnStop {
+    kDiscard,  ///< they are dropped
+    kDrain     ///< they are done first
+  };
 
+  /// What has become of the tasks of a channel since the start.
   struct ChannelStatistics {
-    std::string name;
-    std::size_t waiting = 0;
-    std::size_t handled = 0;
+    std::string name;         ///< of the channel
+    std::size_t waiting = 0;  ///< now
+    std::size_t handled = 0;  ///< done
     std::size_t dropped = 0;  ///< pushed out of the full channel, or discarded at the end
     std::size_t lost = 0;     ///< never arrived here; see add_lost()
     std::size_t refused = 0;  ///< ended with an exception
@@ -36,17 +40,20 @@ class Worker {
   /// Stops.
   ~Worker();
 
+  /// Adds a channel in which up to `capacity` tasks may wait (at least one).
   ChannelId add_channel(const std::string& name, std::size_t capacity);
-  /// Never blocks. After stop() the task is dropped.
+  /// Puts a task into a channel. Never blocks. After stop() the task is dropped.
   void post(ChannelId channel, Task task);
   /// Counts messages that the transport lost before they could be posted.
   void add_lost(ChannelId channel, std::size_t count);
   /// Runs `task` in the thread once after nothing has happened for `after`; again after more work.
   void set_idle_task(std::chrono::milliseconds after, Task task);
+  /// Sets what stop() does; at first it discards.
   void set_on_stop(OnStop policy);
 
   /// Ends the thread after the task at hand, or after all that wait. May be called again.
   void stop();
+  /// Of all channels, in the order of their making.
   std::vector<ChannelStatistics> statistics() const;
   /// Messages of a channel that were dropped or lost.
   std::size_t losses(const std::string& channel) const;
