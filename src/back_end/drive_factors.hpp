@@ -12,7 +12,7 @@ namespace lidar_mapping::back_end {
 /// The factor graph of a drive, and what each of its constraints came from.
 struct DriveFactors {
   pose_graph::FactorGraph graph;
-  std::vector<bool> marked;        ///< per constraint: believed so far, or not judged yet
+  std::vector<bool> selected;      ///< per constraint: believed so far, or not judged yet
   std::vector<int> motion_of;      ///< constraint of each node with the one before; -1: none
   std::vector<int> loop_of;        ///< constraint of each loop; -1: none
   std::vector<int> horizontal_of;  ///< constraint of each GNSS position; -1: none

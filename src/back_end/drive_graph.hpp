@@ -15,9 +15,9 @@ namespace lidar_mapping::back_end {
 /// A key frame as the graph keeps it.
 struct DriveNode {
   KeyFrameIndex index = 0;
-  int segment = 0;      ///< in order of appearance
-  bool joined = false;  ///< odometry joins it to the node before
-  bool held = false;    ///< at the border of a window
+  int segment = 0;         ///< in order of appearance
+  bool connected = false;  ///< odometry joins it to the node before
+  bool fixed = false;      ///< at the border of a window
   /// A step of the motion to it may be wrong: no reason to refuse a loop.
   bool doubtful = false;
   Stamp stamp = 0;
@@ -31,7 +31,7 @@ struct DriveLoop {
   int from = 0;  ///< position in DriveGraph::nodes
   int to = 0;
   bool used = false;
-  bool weighed = false;  ///< some solution, or a person, has judged it
+  bool evaluated = false;  ///< some solution, or a person, has judged it
 };
 
 struct DriveGnss {
@@ -39,7 +39,7 @@ struct DriveGnss {
   int node = 0;
   bool horizontal_used = false;
   bool altitude_used = false;
-  bool weighed = false;
+  bool evaluated = false;
 };
 
 struct DriveImu {
@@ -63,9 +63,9 @@ struct GnssDelay {
 
 /// How odometry errs, as far as positions show it.
 struct OdometryErrors {
-  double stretch = 0.0;  ///< share by which its way has to be lengthened
+  double scale_error = 0.0;  ///< share by which its way has to be lengthened
   /// Of the configured drift's standard deviations: translation and rotation in base_link.
-  Vector6d drift_share = Vector6d::Ones();
+  Vector6d drift_fraction = Vector6d::Ones();
 };
 
 /// All that the back end knows of a drive, as values.
@@ -95,7 +95,7 @@ struct DriveGraph {
 
 /// For each segment the least segment that loops tie it to. Loops that no solution has judged yet
 /// count if `with_unweighed_loops`.
-std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops);
+std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluated_loops);
 
 /// Odometry from the node before to this one, which it joins, and its covariance: what the drive
 /// shows of its errors is taken into account.
@@ -104,17 +104,17 @@ Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
                                  const BackEndConfig& config);
 
 /// How many loops and positions the graph believes and refuses.
-struct Judgements {
+struct UsageCounts {
   std::size_t loops_used = 0;
   std::size_t loops_refused = 0;
   std::size_t gnss_used = 0;
   std::size_t gnss_refused = 0;
 };
-Judgements count_judgements(const DriveGraph& drive);
+UsageCounts count_usage(const DriveGraph& drive);
 
 /// The rotation that makes the map's z axis vertical, as the IMU saw it from all nodes of the
 /// marked segments; the identity where no IMU is in use.
-Eigen::Quaterniond levelling(const DriveGraph& drive, const std::vector<bool>& segments,
-                             const BackEndConfig& config);
+Eigen::Quaterniond gravity_alignment(const DriveGraph& drive, const std::vector<bool>& segments,
+                                     const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end

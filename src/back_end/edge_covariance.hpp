@@ -18,8 +18,9 @@ Vector6d drift_stddev(const Pose& T_previous_current, const BackEndConfig& confi
 /// first metres of a segment (`way` is what has been driven of it, m), and next to no knowledge
 /// along degenerate directions (unit vectors in the current base_link). Or constant, with
 /// use_const_inf_matrix.
-Covariance6 step_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
-                            double way, const std::vector<Eigen::Vector3d>& degenerate_directions,
+Covariance6 step_covariance(const Covariance6& registration_covariance,
+                            const Pose& T_previous_current, double distance_in_segment,
+                            const std::vector<Eigen::Vector3d>& degenerate_directions,
                             const BackEndConfig& config);
 
 /// Covariance of a loop from registration with its least error; or by its fitness, saturating as

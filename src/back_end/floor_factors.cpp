@@ -16,7 +16,7 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
     const DriveFloor& a = drive.floors[i - 1];
     const DriveFloor& b = drive.floors[i];
     // Floors further apart need not lie in one plane.
-    if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].joined) continue;
+    if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].connected) continue;
     const Eigen::Matrix3d covariance = neighbours_covariance(a.floor, b.floor, config);
     graph.add({pose_graph::common_floor_residual(a.floor, b.floor, covariance), a.node, b.node,
                false, config.floor_robust_kernel, config.robust_kernel_size});

@@ -12,7 +12,7 @@ struct OptimizationProblem {
   DriveGraph drive;                   ///< the whole drive, or a window of it
   std::optional<DriveWindow> window;  ///< where the drive is a window: of what
   std::size_t key_frames = 0;         ///< of the whole drive
-  Judgements judged;                  ///< on the whole drive, so far
+  UsageCounts usage;                  ///< on the whole drive, so far
   bool thorough = false;              ///< judge every loop and position anew
 };
 
@@ -20,7 +20,7 @@ struct OptimizationSolution {
   DriveGraph drive;  ///< with the new poses and judgements
   std::optional<DriveWindow> window;
   std::size_t key_frames = 0;
-  bool whole_needed = false;  ///< the window could not settle what is new
+  bool full_solve_needed = false;  ///< the window could not settle what is new
   OptimizationReport report;
 };
 

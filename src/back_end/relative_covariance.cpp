@@ -14,16 +14,16 @@ namespace {
 
 // Information of the key frame that is known: a micrometre and two microradians, which at the end
 // of ten kilometres are two centimetres.
-constexpr double kKnown = 1e12;
-constexpr double kUnknown = 1e-6;  // of each, so that none is free: a kilometre
+constexpr double kKnownInformation = 1e12;
+constexpr double kUnknownInformation = 1e-6;  // of each, so that none is free: a kilometre
 
 /// What odometry says, and nothing else.
-std::vector<bool> odometry_marks(const DriveFactors& factors) {
-  std::vector<bool> marked(factors.marked.size(), false);
+std::vector<bool> odometry_constraints(const DriveFactors& factors) {
+  std::vector<bool> selected(factors.selected.size(), false);
   for (const int motion : factors.motion_of) {
-    if (motion >= 0) marked[static_cast<std::size_t>(motion)] = true;
+    if (motion >= 0) selected[static_cast<std::size_t>(motion)] = true;
   }
-  return marked;
+  return selected;
 }
 
 }  // namespace
@@ -35,11 +35,12 @@ class RelativeCovariance::Impl {
     const DriveFactors factors = make_factors(problem.drive, problem.config);
     states_ = static_cast<int>(factors.graph.states.size());
     system_ = pose_graph::information_matrix(
-        factors.graph, given == Given::kAll ? factors.marked : odometry_marks(factors));
+        factors.graph, given == Given::kAll ? factors.selected : odometry_constraints(factors));
     for (int i = 0; i < states_; ++i) {
-      system_->add_diagonal(i, kUnknown * Matrix6d::Identity());
+      system_->add_diagonal(i, kUnknownInformation * Matrix6d::Identity());
     }
-    if (const auto row = row_of(from)) system_->add_diagonal(*row, kKnown * Matrix6d::Identity());
+    if (const auto row = row_of(from))
+      system_->add_diagonal(*row, kKnownInformation * Matrix6d::Identity());
     is_solvable_ = system_->factorize();
   }
 

@@ -11,14 +11,14 @@ namespace lidar_mapping::back_end {
 namespace {
 
 /// However well a few minutes agree, no sensor is believed more than this share allows.
-constexpr double kLeastShare = 0.25;
+constexpr double kMinFraction = 0.25;
 /// Pairs of means that a variance takes, and key frames that the longest means have to cover to
 /// show what neighbours share.
-constexpr std::size_t kLeastPairs = 8;
-constexpr std::size_t kLeastLength = 16;
+constexpr std::size_t kMinPairs = 8;
+constexpr std::size_t kMinLongestMean = 16;
 /// Length of the mean heading, of one where the vehicle never turns: a slanting mount shows only
 /// where it does.
-constexpr double kLongestMeanHeading = 0.7;
+constexpr double kMaxMeanHeadingLength = 0.7;
 
 using Directions = std::vector<Eigen::Vector3d>;
 
@@ -60,37 +60,37 @@ struct AllanVariance {
 
 /// Whether anything but odometry holds the height. Otherwise a firmer tilt's noise adds up along
 /// the way, where odometry that comes back to a place knows its height again.
-bool is_tied(const DriveGraph& drive, const BackEndConfig& config) {
+bool is_height_constrained(const DriveGraph& drive, const BackEndConfig& config) {
   if (config.use_gnss && !config.georeference_only && !drive.gnss.empty()) return true;
   return config.use_loop_close &&
          std::any_of(drive.loops.begin(), drive.loops.end(),
-                     [](const DriveLoop& loop) { return loop.used || !loop.weighed; });
+                     [](const DriveLoop& loop) { return loop.used || !loop.evaluated; });
 }
 
-bool turns(const DriveGraph& drive) {
+bool vehicle_turns(const DriveGraph& drive) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const DriveNode& node : drive.nodes) {
     sum += node.T_odom_base.rotation * Eigen::Vector3d::UnitX();
   }
-  return sum.norm() < kLongestMeanHeading * static_cast<double>(drive.nodes.size());
+  return sum.norm() < kMaxMeanHeadingLength * static_cast<double>(drive.nodes.size());
 }
 
 }  // namespace
 
 double tilt_stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
-  const double most = config.imu_orientation_stddev_deg;
-  if (!is_tied(drive, config) || !turns(drive)) return most;
+  const double configured = config.imu_orientation_stddev_deg;
+  if (!is_height_constrained(drive, config) || !vehicle_turns(drive)) return configured;
   const std::vector<Directions> segments = verticals_in_odometry(drive);
   double variance = 0.0;  // of one value, if as many independent ones had the means' variance
   std::size_t length = 1;
   for (;; length *= 2) {
     AllanVariance of_means;
     for (const Directions& directions : segments) of_means.add(directions, length);
-    if (of_means.pairs < kLeastPairs) break;
+    if (of_means.pairs < kMinPairs) break;
     variance = std::max(variance, static_cast<double>(length) * of_means.value());
   }
-  if (length <= kLeastLength) return most;
-  return std::clamp(std::sqrt(variance) * kDegPerRad, kLeastShare * most, most);
+  if (length <= kMinLongestMean) return configured;
+  return std::clamp(std::sqrt(variance) * kDegPerRad, kMinFraction * configured, configured);
 }
 
 }  // namespace lidar_mapping::back_end

@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
-#include "place_grid.hpp"
+#include "position_grid.hpp"
 #include "prior.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -43,27 +43,27 @@ class CandidateGenerator {
  private:
   using NodeId = Trajectory::NodeId;
 
-  bool is_apart(NodeId older) const;
-  bool admits(NodeId older) const;
+  bool is_far_along_path(NodeId older) const;
+  bool is_admissible(NodeId older) const;
   Prior prior_to(NodeId older) const;
-  void put_on_grids(NodeId node);
-  void relink();
-  std::vector<NodeId> near(const PlaceGrid& grid, double radius,
-                           const std::function<bool(NodeId)>& qualifies) const;
-  std::vector<NodeId> spread(std::vector<NodeId> nodes, const Eigen::Vector2d& centre,
-                             const PlaceGrid& grid) const;
+  void update_grids(NodeId node);
+  void update_loops();
+  std::vector<NodeId> admissible_within(const PositionGrid& grid, double radius,
+                                        const std::function<bool(NodeId)>& qualifies) const;
+  std::vector<NodeId> suppress_neighbours(std::vector<NodeId> nodes, const Eigen::Vector2d& centre,
+                                          const PositionGrid& grid) const;
   std::vector<NodeId> by_position() const;
   std::vector<NodeId> by_gnss() const;
   std::vector<NodeId> by_appearance() const;
   std::vector<Candidate> unscored_candidates() const;
-  void move_to_nearest(Candidate& candidate) const;
+  void move_to_nearest_key_frame(Candidate& candidate) const;
 
   LoopClosingConfig config_;
   Trajectory trajectory_;
-  Separation separation_;
+  GraphDistance graph_distance_;
   AppearanceIndex appearances_;
-  PlaceGrid map_grid_;
-  PlaceGrid gnss_grid_;
+  PositionGrid map_grid_;
+  PositionGrid gnss_grid_;
   std::vector<Loop> loops_;
 };
 

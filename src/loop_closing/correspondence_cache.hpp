@@ -14,24 +14,24 @@ namespace lidar_mapping::loop_closing {
 class CorrespondenceCache {
  public:
   /// For `count` moving points. The tree must outlive this object.
-  CorrespondenceCache(const KdTree& tree, std::size_t count) : tree_(tree), known_(count) {}
+  CorrespondenceCache(const KdTree& tree, std::size_t count) : tree_(tree), cached_(count) {}
 
   /// The nearest point to moving point `i`, now at `p`, that is closer than `limit` (m).
   std::optional<KdTree::Neighbour> nearest(std::size_t i, const Eigen::Vector3f& p, float limit);
 
  private:
-  struct Known {
+  struct CachedResult {
     Eigen::Vector3f p = Eigen::Vector3f::Zero();  ///< where the point was at the last search
     /// What all others were further away than the nearest, m; without any, how far the search went.
-    float lead = -1.0F;
+    float margin = -1.0F;
     std::uint32_t index = 0;
     bool found = false;
   };
-  void search(Known& known, const Eigen::Vector3f& p, float limit) const;
-  static bool still_holds(const Known& known, const Eigen::Vector3f& p, float limit);
+  void search(CachedResult& cached, const Eigen::Vector3f& p, float limit) const;
+  static bool is_still_valid(const CachedResult& cached, const Eigen::Vector3f& p, float limit);
 
   const KdTree& tree_;
-  std::vector<Known> known_;
+  std::vector<CachedResult> cached_;
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -31,7 +31,7 @@ Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig&
 
 /// True if the estimate knew within about a metre where an accepted match has to lie, and there it
 /// lies: whatever else looks like the place can only be the same place.
-bool is_beyond_doubt(const Match& match, const Prior& prior);
+bool is_unambiguous(const Match& match, const Prior& prior);
 
 /// "overlap 0.43 below the limit 0.50 (parameter)".
 std::string figure_sentence(const std::string& figure, double value, const std::string& relation,

@@ -40,12 +40,12 @@ int widest_axis(Iterator begin, Iterator end) {
 
 /// Keeps the one nearest point.
 struct NearestOne {
-  float bound;
+  float squared_limit;
   std::uint32_t index = 0;
   bool found = false;
 
   void operator()(std::uint32_t candidate, float squared_distance) {
-    bound = squared_distance;
+    squared_limit = squared_distance;
     index = candidate;
     found = true;
   }
@@ -53,15 +53,15 @@ struct NearestOne {
 
 /// Keeps the one nearest point and the distance of the second.
 struct NearestTwo {
-  float bound;  // of the second
-  float nearest = bound;
+  float squared_limit;  // of the second
+  float nearest = squared_limit;
   std::uint32_t index = 0;
   bool found = false;
 
   void operator()(std::uint32_t candidate, float squared_distance) {
-    bound = squared_distance;
+    squared_limit = squared_distance;
     if (squared_distance >= nearest) return;
-    bound = nearest;
+    squared_limit = nearest;
     nearest = squared_distance;
     index = candidate;
     found = true;
@@ -71,17 +71,18 @@ struct NearestTwo {
 /// Keeps the nearest few points, sorted.
 struct NearestSeveral {
   std::size_t count;
-  float bound = std::numeric_limits<float>::infinity();
+  float squared_limit = std::numeric_limits<float>::infinity();
   std::vector<KdTree::Neighbour> kept = {};
 
   void operator()(std::uint32_t candidate, float squared_distance) {
     if (kept.size() < count) kept.emplace_back();
-    auto place = kept.end() - 1;
-    for (; place != kept.begin() && squared_distance < (place - 1)->squared_distance; --place) {
-      *place = *(place - 1);
+    auto position = kept.end() - 1;
+    for (; position != kept.begin() && squared_distance < (position - 1)->squared_distance;
+         --position) {
+      *position = *(position - 1);
     }
-    *place = {candidate, squared_distance};
-    if (kept.size() == count) bound = kept.back().squared_distance;
+    *position = {candidate, squared_distance};
+    if (kept.size() == count) squared_limit = kept.back().squared_distance;
   }
 };
 
@@ -117,7 +118,7 @@ std::uint32_t KdTree::build(std::uint32_t begin, std::uint32_t end) {
 
 // The last lanes may belong to the next leaf; they are left out.
 template <typename Visit>
-inline void KdTree::scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const {
+inline void KdTree::scan_leaf(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const {
   const std::uint32_t count = leaf.end - leaf.begin;
   std::array<float, kLeafSize> squared;
   for (std::uint32_t i = 0; i < count; i += kLanes) {
@@ -128,7 +129,7 @@ inline void KdTree::scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visi
     std::memcpy(&squared[i], &lanes, sizeof(lanes));
   }
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (squared[i] < visit.bound) visit(leaf.begin + i, squared[i]);
+    if (squared[i] < visit.squared_limit) visit(leaf.begin + i, squared[i]);
   }
 }
 
@@ -138,14 +139,14 @@ template <typename Visit>
 void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
                     Visit& visit) const {
   const Node& node = nodes_[index];
-  if (node.right == 0) return scan(node, p, visit);
+  if (node.right == 0) return scan_leaf(node, p, visit);
   const float side = p[node.axis] - node.split;
   const std::uint32_t near = side < 0.0F ? index + 1 : node.right;
   const std::uint32_t far = side < 0.0F ? node.right : index + 1;
   search(near, p, offset, visit);
   const float kept = offset[node.axis];
   offset[node.axis] = side;
-  if (offset.squaredNorm() < visit.bound) search(far, p, offset, visit);
+  if (offset.squaredNorm() < visit.squared_limit) search(far, p, offset, visit);
   offset[node.axis] = kept;
 }
 
@@ -159,14 +160,15 @@ std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float
   NearestOne visit{limit * limit};
   search(p, visit);
   if (!visit.found) return std::nullopt;
-  return Neighbour{visit.index, visit.bound};
+  return Neighbour{visit.index, visit.squared_limit};
 }
 
-std::optional<KdTree::Lead> KdTree::nearest_with_lead(const Eigen::Vector3f& p, float limit) const {
+std::optional<KdTree::NearestWithSecond> KdTree::nearest_with_second(const Eigen::Vector3f& p,
+                                                                     float limit) const {
   NearestTwo visit{limit * limit};
   search(p, visit);
   if (!visit.found) return std::nullopt;
-  return Lead{{visit.index, visit.nearest}, visit.bound};
+  return NearestWithSecond{{visit.index, visit.nearest}, visit.squared_limit};
 }
 
 std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, std::size_t count) const {

@@ -21,9 +21,9 @@ class KdTree {
   };
 
   /// The nearest point, and how far the one after it is.
-  struct Lead {
+  struct NearestWithSecond {
     Neighbour nearest;
-    float next_squared = 0.0F;  ///< of the limit if there is none within it
+    float second_squared_distance = 0.0F;  ///< of the limit if there is none within it
   };
 
   KdTree() = default;
@@ -33,7 +33,7 @@ class KdTree {
   /// The nearest point that is closer than `limit` (m).
   std::optional<Neighbour> nearest(const Eigen::Vector3f& p, float limit) const;
   /// The same with the lead of the nearest one before all others.
-  std::optional<Lead> nearest_with_lead(const Eigen::Vector3f& p, float limit) const;
+  std::optional<NearestWithSecond> nearest_with_second(const Eigen::Vector3f& p, float limit) const;
   /// The `count` nearest points, nearest first; fewer if there are not as many.
   std::vector<Neighbour> nearest(const Eigen::Vector3f& p, std::size_t count) const;
 
@@ -48,7 +48,7 @@ class KdTree {
 
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
   template <typename Visit>
-  void scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const;
+  void scan_leaf(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const;
   template <typename Visit>
   void search(const Eigen::Vector3f& p, Visit& visit) const;
   template <typename Visit>

@@ -14,7 +14,8 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kDistinct = 10.0;  // m of way between two candidates that are both matched
+constexpr double kMinCandidateSpacing =
+    10.0;  // m of way between two candidates that are both matched
 
 }  // namespace
 
@@ -45,7 +46,7 @@ class LoopCloser::Impl {
   std::vector<Candidate> selected_candidates() const;
   VerifiedCandidate verify(const Candidate& candidate, const std::optional<QueryScan>& query);
   std::vector<VerifiedCandidate> verify_candidates();
-  void accept(const VerifiedCandidate& verified, LoopClosingResult& result);
+  void add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result);
 
   LoopClosingConfig config_;
   ScanAlignment alignment_;
@@ -85,7 +86,7 @@ std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   for (const Candidate& candidate : generator_.candidates()) {
     const auto is_near = [&](const Candidate& other) {
       return std::abs(trajectory()[candidate.node].travelled - trajectory()[other.node].travelled) <
-             kDistinct;
+             kMinCandidateSpacing;
     };
     if (std::any_of(result.begin(), result.end(), is_near)) continue;
     result.push_back(candidate);
@@ -104,7 +105,7 @@ VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
   result.match.alignment = alignment_.align(query->points, submap->surface, candidate.T_from_to);
   result.match.figures = measure_match(*query, *submap, result.match.alignment.T_target_source,
                                        config_.fitness_score_max_range);
-  if (candidate.prior.jumped > 0.0) result.match.figures.roofed = roofed_fraction(*submap);
+  if (candidate.prior.height_jumps > 0.0) result.match.figures.roofed = roofed_fraction(*submap);
   result.decision = decide(result.match, candidate.prior, config_);
   return result;
 }
@@ -126,10 +127,10 @@ std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
 
 /// What an accepted match leads to. Between segments that nothing joins yet it has to wait for
 /// others that agree with it, and these are accepted with it.
-void LoopCloser::Impl::accept(const VerifiedCandidate& verified, LoopClosingResult& result) {
+void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result) {
   const Loop loop = to_loop(verified, trajectory(), config_);
   result.verdicts.push_back(to_verdict(verified, trajectory()));
-  if (verified.candidate.prior.anchored || gnss_decides(verified.candidate.prior)) {
+  if (verified.candidate.prior.anchored || gnss_is_more_certain(verified.candidate.prior)) {
     result.loops.push_back(loop);
     return;
   }
@@ -156,7 +157,7 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
   LoopClosingResult result;
   for (const VerifiedCandidate& entry : verified) {
     if (entry.decision.verdict == Verdict::kAccepted) {
-      accept(entry, result);
+      add_accepted(entry, result);
     } else {
       result.verdicts.push_back(to_verdict(entry, trajectory()));
     }

@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
-#include "separation.hpp"
+#include "graph_distance.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -24,21 +24,21 @@ struct Prior {
   double sigma_horizontal = std::numeric_limits<double>::infinity();  ///< m
   double sigma_vertical = std::numeric_limits<double>::infinity();    ///< m
   double sigma_rotation = std::numeric_limits<double>::infinity();    ///< rad
-  double jumped = 0.0;           ///< heights that odometry jumped between the two, m
+  double height_jumps = 0.0;     ///< heights that odometry jumped between the two, m
   std::optional<Distance> gnss;  ///< where both have a position
 };
 
-Prior prior_between(const Trajectory& trajectory, const Separation& separation,
+Prior prior_between(const Trajectory& trajectory, const GraphDistance& graph_distance,
                     Trajectory::NodeId from, Trajectory::NodeId to,
                     const LoopClosingConfig& config);
 
 /// True if GNSS is there and knows the horizontal distance better than the estimate does.
-bool gnss_decides(const Prior& prior);
+bool gnss_is_more_certain(const Prior& prior);
 /// True if the two may see the same place: within detect_area, widened to 99 % by the uncertainty.
 /// An unanchored pair without GNSS may be anywhere.
-bool may_meet(const Prior& prior, const LoopClosingConfig& config);
+bool may_overlap(const Prior& prior, const LoopClosingConfig& config);
 /// Upper bound of the radius that may_meet() allows after driving `way` (m).
-double largest_radius(double way, const LoopClosingConfig& config);
+double largest_radius(double path_length, const LoopClosingConfig& config);
 
 /// Squared distance of a measured relative pose from the prior in units of its covariance (six
 /// degrees of freedom), and the part of the height alone (one).

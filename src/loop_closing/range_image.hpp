@@ -15,10 +15,10 @@ class RangeImage {
   /// Points and the sensor's position in the same frame.
   RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor);
 
-  enum class Sight { kUntested, kAgrees, kViolates };
+  enum class FreeSpaceTest { kUntested, kConsistent, kViolation };
   /// What the scan says about a point (same frame): untested unless its own cell holds a return and
   /// the 3 x 3 block around at least four.
-  Sight sight(const Eigen::Vector3f& p) const;
+  FreeSpaceTest test_free_space(const Eigen::Vector3f& p) const;
 
  private:
   struct Cell {

@@ -14,18 +14,18 @@ namespace lidar_mapping::loop_closing {
 class SegmentConnector {
  public:
   /// `stretch`: the way (m) that no two places look alike over.
-  explicit SegmentConnector(double stretch) : stretch_(stretch) {}
+  explicit SegmentConnector(double min_path_length) : min_path_length_(min_path_length) {}
 
   /// Takes in a match; returns all that are to be believed now, this one included, or none.
   std::vector<Loop> add(const Loop& loop, const Trajectory& trajectory);
 
  private:
-  struct Known {
+  struct KnownMatch {
     Loop loop;
-    bool believed = false;
+    bool accepted = false;
   };
-  double stretch_;
-  std::vector<Known> known_;  // bounded; the oldest is given up
+  double min_path_length_;
+  std::vector<KnownMatch> matches_;  // bounded; the oldest is given up
 };
 
 }  // namespace lidar_mapping::loop_closing

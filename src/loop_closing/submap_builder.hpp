@@ -42,8 +42,9 @@ class SubmapBuilder {
   PointsPtr map_points(KeyFrameIndex index);
   PointsPtr cache(KeyFrameIndex index, const PointsPtr& points);
   Points newest_scan(KeyFrameIndex index);
-  Points joined(const Trajectory& trajectory, Trajectory::NodeId middle, const Points& own,
-                std::size_t before, std::size_t after, double leaf);
+  Points merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
+                       const Points& own_points, std::size_t before, std::size_t after,
+                       double leaf);
 
   LoopClosingConfig config_;
   CloudSource& clouds_;

@@ -51,11 +51,11 @@ class GroundCells {
 };
 
 /// Lowers each value to the least of itself and those `step` before and behind.
-void spread_lowest(std::vector<float>& heights, int step) {
-  const std::vector<float> own = heights;
-  const auto count = static_cast<int>(own.size());
+void spread_minimum(std::vector<float>& heights, int step) {
+  const std::vector<float> original = heights;
+  const auto count = static_cast<int>(original.size());
   for (int i = step; i < count - step; ++i) {
-    heights[i] = std::min(own[i], std::min(own[i - step], own[i + step]));
+    heights[i] = std::min(original[i], std::min(original[i - step], original[i + step]));
   }
 }
 
@@ -91,8 +91,8 @@ std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points) {
     if (cells[i] >= 0) lowest[cells[i]] = std::min(lowest[cells[i]], points[i].z());
   }
   // To 3 x 3 blocks of cells.
-  spread_lowest(lowest, 1);
-  spread_lowest(lowest, GroundCells::kWidth);
+  spread_minimum(lowest, 1);
+  spread_minimum(lowest, GroundCells::kWidth);
   std::vector<bool> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     result[i] = cells[i] >= 0 && points[i].z() > lowest[cells[i]] + kClearance;

@@ -13,7 +13,8 @@ namespace {
 /// Fixes wait for their key frame; most scans are none, so the oldest are given up.
 constexpr std::size_t kMaxEarlyPositions = 2000;
 
-constexpr double kJump = 1.5;  // m that the height changes at once, as no ramp or stair does
+constexpr double kMinHeightJump =
+    1.5;  // m that the height changes at once, as no ramp or stair does
 
 /// How far the height of a step is from that which the direction of the step before leads to, if
 /// that is no motion but an error: a match on another storey, say.
@@ -22,7 +23,7 @@ double height_jump(const Pose& T_odom_first, const Pose& T_odom_second, const Po
   const Eigen::Vector3d step = (T_odom_second.inverse() * T_odom_third).translation;
   const double slope = before.norm() > 0.1 ? before.z() / before.norm() : 0.0;
   const double jump = std::abs(step.z() - slope * step.head<2>().norm());
-  return jump > kJump ? jump : 0.0;
+  return jump > kMinHeightJump ? jump : 0.0;
 }
 
 }  // namespace
@@ -41,12 +42,12 @@ Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
     const TrajectoryNode& last = nodes_.back();
     const bool continues = last.segment == node.segment;
     node.travelled = last.travelled;
-    node.jumped = last.jumped;
+    node.height_jumps = last.height_jumps;
     if (continues) {
       node.travelled += (node.T_odom_base.translation - last.T_odom_base.translation).norm();
     }
     if (continues && nodes_.size() > 1 && nodes_[nodes_.size() - 2].segment == node.segment) {
-      node.jumped +=
+      node.height_jumps +=
           height_jump(nodes_[nodes_.size() - 2].T_odom_base, last.T_odom_base, node.T_odom_base);
     }
   }

@@ -17,10 +17,10 @@ struct TrajectoryNode {
   std::uint32_t segment = 0;
   Stamp stamp = 0;
   Pose T_odom_base;
-  Pose T_map_base;         ///< newest estimate
-  bool optimised = false;  ///< the estimate came from the back end, not from odometry behind it
-  double travelled = 0.0;  ///< way from the first key frame, m
-  double jumped = 0.0;     ///< sum of the heights that odometry has jumped so far, m
+  Pose T_map_base;            ///< newest estimate
+  bool optimised = false;     ///< the estimate came from the back end, not from odometry behind it
+  double travelled = 0.0;     ///< way from the first key frame, m
+  double height_jumps = 0.0;  ///< sum of the heights that odometry has jumped so far, m
   std::optional<GnssPosition> gnss;
 };
 

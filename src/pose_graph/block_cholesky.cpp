@@ -5,14 +5,14 @@
 
 #include <Eigen/OrderingMethods>
 
-#include "openmp_silence.hpp"
+#include "single_threaded_openmp.hpp"
 
 namespace lidar_mapping::pose_graph {
 
 template <int size>
 BlockCholesky<size>::BlockCholesky(int nodes, const std::vector<std::pair<int, int>>& pairs) {
-  order(nodes, pairs);
-  lay_out(nodes, pairs);
+  compute_ordering(nodes, pairs);
+  build_pattern(nodes, pairs);
   cholmod_.setMode(Eigen::CholmodAuto);
   cholmod_.cholmod().print = 0;
   cholmod_.cholmod().nmethods = 1;
@@ -21,7 +21,8 @@ BlockCholesky<size>::BlockCholesky(int nodes, const std::vector<std::pair<int, i
 }
 
 template <int size>
-void BlockCholesky<size>::order(int nodes, const std::vector<std::pair<int, int>>& pairs) {
+void BlockCholesky<size>::compute_ordering(int nodes,
+                                           const std::vector<std::pair<int, int>>& pairs) {
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1.0);
   for (const auto& [a, b] : pairs) entries.emplace_back(std::max(a, b), std::min(a, b), 1.0);
@@ -30,13 +31,13 @@ void BlockCholesky<size>::order(int nodes, const std::vector<std::pair<int, int>
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(pattern.selfadjointView<Eigen::Lower>(), permutation);
   row_of_.resize(static_cast<std::size_t>(nodes));
-  for (int place = 0; place < nodes; ++place) {
-    row_of_[static_cast<std::size_t>(permutation.indices()[place])] = place;
+  for (int position = 0; position < nodes; ++position) {
+    row_of_[static_cast<std::size_t>(permutation.indices()[position])] = position;
   }
 }
 
 template <int size>
-void BlockCholesky<size>::lay_out(int nodes, const std::vector<std::pair<int, int>>& pairs) {
+void BlockCholesky<size>::build_pattern(int nodes, const std::vector<std::pair<int, int>>& pairs) {
   const auto row_of = [this](int node) { return row_of_[static_cast<std::size_t>(node)]; };
   std::vector<std::vector<int>> rows(static_cast<std::size_t>(nodes));
   for (int i = 0; i < nodes; ++i) rows[static_cast<std::size_t>(i)].push_back(i);
@@ -95,7 +96,7 @@ void BlockCholesky<size>::add_pair(std::size_t pair, const Block& block) {
     double* values =
         lower_.valuePtr() + lower_.outerIndexPtr()[slot.column * size + k] + slot.offset;
     Eigen::Map<Eigen::Matrix<double, size, 1>> target(values);
-    if (slot.turned) {
+    if (slot.transposed) {
       target += block.row(k).transpose();
     } else {
       target += block.col(k);
@@ -105,7 +106,7 @@ void BlockCholesky<size>::add_pair(std::size_t pair, const Block& block) {
 
 template <int size>
 bool BlockCholesky<size>::factorize() {
-  const OpenMpSilence silence;
+  const SingleThreadedOpenMp single_threaded;
   if (!analysed_) cholmod_.analyzePattern(lower_);
   analysed_ = true;
   cholmod_.factorize(lower_);

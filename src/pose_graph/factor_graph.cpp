@@ -12,7 +12,7 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "gauss_newton.hpp"
-#include "openmp_silence.hpp"
+#include "single_threaded_openmp.hpp"
 
 namespace lidar_mapping::pose_graph {
 
@@ -46,16 +46,16 @@ constexpr double kUndamped = 1e10;  // radius of the trust region from which on 
 
 /// Ends a minimisation one step before Ceres' own test would: near the minimum each gain is to the
 /// one before as the next one will be to it, at most.
-class EnoughGained : public ceres::IterationCallback {
+class ConvergenceCallback : public ceres::IterationCallback {
  public:
-  explicit EnoughGained(double tolerance) : tolerance_(tolerance) {}
+  explicit ConvergenceCallback(double tolerance) : tolerance_(tolerance) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
     if (step.iteration == 0 || !step.step_is_successful) return ceres::SOLVER_CONTINUE;
     const double rate = last_gain_ > 0.0 ? std::min(1.0, step.cost_change / last_gain_) : 1.0;
     last_gain_ = step.cost_change;
-    const bool enough = step.cost_change * rate < tolerance_ * step.cost;
-    return enough ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    const bool is_converged = step.cost_change * rate < tolerance_ * step.cost;
+    return is_converged ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
@@ -67,7 +67,7 @@ class EnoughGained : public ceres::IterationCallback {
 class GraphProblem {
  public:
   explicit GraphProblem(FactorGraph& graph)
-      : graph_(graph), problem_(borrowing_problem_options()), added_(graph.states.size(), false) {}
+      : graph_(graph), problem_(non_owning_problem_options()), added_(graph.states.size(), false) {}
 
   void add(const Constraint& constraint, ceres::LossFunction* loss) {
     double* first = block(constraint.first);
@@ -80,11 +80,11 @@ class GraphProblem {
   }
 
   MinimizerSummary solve(const MinimizerSettings& settings) {
-    EnoughGained enough(settings.tolerance);
+    ConvergenceCallback is_converged(settings.tolerance);
     ceres::Solver::Options options = solver_options(settings);
-    options.callbacks.push_back(&enough);
+    options.callbacks.push_back(&is_converged);
     ceres::Solver::Summary summary;
-    const OpenMpSilence silence;
+    const SingleThreadedOpenMp single_threaded;
     ceres::Solve(options, &problem_, &summary);
     MinimizerSummary result;
     result.initial_cost = 2.0 * summary.initial_cost;
@@ -106,7 +106,7 @@ class GraphProblem {
     } else {
       add_pose_block(problem_, state, update_);
     }
-    if (graph_.held[slot]) problem_.SetParameterBlockConstant(state);
+    if (graph_.fixed[slot]) problem_.SetParameterBlockConstant(state);
     return state;
   }
 
@@ -117,12 +117,12 @@ class GraphProblem {
 };
 
 /// What keeps a constraint from being solved with the graph; empty if nothing does.
-std::string problem_of(const Constraint& constraint, const FactorGraph& graph) {
+std::string validation_error(const Constraint& constraint, const FactorGraph& graph) {
   if (constraint.residual == nullptr) return "has no residual; give it a ceres::CostFunction";
   const int rows = constraint.degrees_of_freedom();
-  if (rows < 1 || rows > kMostRows) {
+  if (rows < 1 || rows > kMaxResidualRows) {
     return "has a residual of " + std::to_string(rows) + " rows; 1 to " +
-           std::to_string(kMostRows) + " are solved, so split it into several constraints";
+           std::to_string(kMaxResidualRows) + " are solved, so split it into several constraints";
   }
   const std::vector<std::int32_t> expected(constraint.second < 0 ? 1 : 2,
                                            graph.planar ? kPlanarBlockSize : kPoseBlockSize);
@@ -142,16 +142,16 @@ std::string problem_of(const Constraint& constraint, const FactorGraph& graph) {
 }  // namespace
 
 void FactorGraph::add(Constraint constraint) {
-  const std::string problem = problem_of(constraint, *this);
+  const std::string problem = validation_error(constraint, *this);
   if (!problem.empty()) {
     throw InputError("constraint " + std::to_string(constraints.size()) + " " + problem);
   }
   constraints.push_back(std::move(constraint));
 }
 
-int FactorGraph::add_node(const Pose& pose, bool hold) {
+int FactorGraph::add_node(const Pose& pose, bool is_fixed) {
   states.push_back(planar ? to_planar_block(pose) : to_block(pose));
-  held.push_back(hold);
+  fixed.push_back(is_fixed);
   return static_cast<int>(states.size()) - 1;
 }
 
@@ -169,7 +169,7 @@ double chi2(const FactorGraph& graph, const Constraint& constraint) {
       static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
   const std::array<const double*, 2> blocks = {
       graph.states[static_cast<std::size_t>(constraint.first)].data(), graph.states[second].data()};
-  std::array<double, kMostRows> residual{};
+  std::array<double, kMaxResidualRows> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
   double sum = 0.0;
   for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {

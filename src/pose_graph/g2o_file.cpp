@@ -123,15 +123,15 @@ class Reader {
  public:
   explicit Reader(const std::string& name) : name_(name) {}
 
-  void take(const std::string& text) {
+  void add_line(const std::string& text) {
     ++number_;
     Line line(text, name_, number_);
     const std::string tag = line.word();
     if (tag.empty() || tag[0] == '#') return;
     if (tag == "VERTEX_SE3:QUAT" || tag == "VERTEX_SE2") {
-      take_vertex(line, tag == "VERTEX_SE2");
+      add_vertex(line, tag == "VERTEX_SE2");
     } else if (tag == "EDGE_SE3:QUAT" || tag == "EDGE_SE2") {
-      take_edge(line, tag == "EDGE_SE2");
+      add_edge(line, tag == "EDGE_SE2");
     } else {
       ++unknown_[tag];
     }
@@ -142,7 +142,7 @@ class Reader {
       throw FileError(name_ + " has no EDGE_SE3:QUAT or EDGE_SE2; nothing to optimise");
     }
     place_nodes();
-    describe();
+    collect_notes();
     return std::move(file_);
   }
 
@@ -153,7 +153,7 @@ class Reader {
     if (file_.graph.planar != planar) line.fail("SE2 and SE3 lines are mixed; keep one kind");
   }
 
-  void take_vertex(Line& line, bool planar) {
+  void add_vertex(Line& line, bool planar) {
     require_kind(line, planar);
     const std::int64_t id = line.id();
     const Pose pose = planar ? read_planar_pose(line) : read_pose(line);
@@ -162,7 +162,7 @@ class Reader {
     }
   }
 
-  void take_edge(Line& line, bool planar) {
+  void add_edge(Line& line, bool planar) {
     require_kind(line, planar);
     PoseEdge edge;
     edge.from = line.id();
@@ -200,7 +200,7 @@ class Reader {
     if (missing_ > 0) place_along_edges(file_.graph, placed);
   }
 
-  void describe() {
+  void collect_notes() {
     if (missing_ > 0) {
       file_.notes.push_back(
           std::to_string(missing_) + " of " + std::to_string(file_.graph.nodes.size()) +
@@ -251,7 +251,7 @@ void write_information(std::ostream& out, const Matrix6d& information, bool plan
 G2oFile read_g2o(std::istream& stream, const std::string& name) {
   Reader reader(name);
   std::string line;
-  while (std::getline(stream, line)) reader.take(line);
+  while (std::getline(stream, line)) reader.add_line(line);
   return reader.result();
 }
 

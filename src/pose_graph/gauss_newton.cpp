@@ -14,9 +14,10 @@ namespace lidar_mapping::pose_graph {
 namespace {
 
 // Directions that rounding alone decides about stay where they are.
-constexpr double kDamping = 1e-10;
-constexpr double kFarStep = 1e-3;   // share of the cost from which on an old factor is not used
-constexpr double kRounding = 1e-9;  // by which the cost may seem to rise at the minimum
+constexpr double kDiagonalScaling = 1e-10;
+constexpr double kRefactorizeGain =
+    1e-3;                               // share of the cost from which on an old factor is not used
+constexpr double kCostRounding = 1e-9;  // by which the cost may seem to rise at the minimum
 
 /// A constraint of the problem with its loss.
 struct Term {
@@ -41,14 +42,14 @@ class NormalEquations {
   using Block = Eigen::Matrix<double, size, size>;
 
   NormalEquations(const FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
-      : graph_(graph), touched_(graph.states.size(), false) {
+      : graph_(graph), constrained_(graph.states.size(), false) {
     std::vector<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
       if (!used[i]) continue;
       const Constraint& constraint = graph.constraints[i];
       Term term{&constraint, loss_of(constraint), -1};
-      touch(constraint.first);
-      if (constraint.second >= 0) touch(constraint.second);
+      mark_constrained(constraint.first);
+      if (constraint.second >= 0) mark_constrained(constraint.second);
       if (constraint.second >= 0 && moves(constraint.first) && moves(constraint.second)) {
         term.pair = static_cast<int>(pairs.size());
         pairs.emplace_back(constraint.first, constraint.second);
@@ -82,11 +83,11 @@ class NormalEquations {
 
   bool moves(int node) const {
     const auto slot = static_cast<std::size_t>(node);
-    return touched_[slot] && !graph_.held[slot];
+    return constrained_[slot] && !graph_.fixed[slot];
   }
 
  private:
-  void touch(int node) { touched_[static_cast<std::size_t>(node)] = true; }
+  void mark_constrained(int node) { constrained_[static_cast<std::size_t>(node)] = true; }
 
   const double* state(int node) const {
     return graph_.states[static_cast<std::size_t>(node)].data();
@@ -105,7 +106,7 @@ class NormalEquations {
       case 5:
         return add_rows<5>(term);
       default:  // FactorGraph::add() takes no more than these
-        return add_rows<kMostRows>(term);
+        return add_rows<kMaxResidualRows>(term);
     }
   }
 
@@ -113,17 +114,17 @@ class NormalEquations {
   void add_rows(const Term& term) {
     using Jacobian = Eigen::Matrix<double, rows, kBlock, Eigen::RowMajor>;
     const Constraint& constraint = *term.constraint;
-    const bool two = constraint.second >= 0;
+    const bool has_second = constraint.second >= 0;
     std::array<Jacobian, 2> jacobians;
     Eigen::Matrix<double, rows, 1> residual;
-    const std::array<const double*, 2> blocks = {state(constraint.first),
-                                                 state(two ? constraint.second : constraint.first)};
+    const std::array<const double*, 2> blocks = {
+        state(constraint.first), state(has_second ? constraint.second : constraint.first)};
     std::array<double*, 2> targets = {jacobians[0].data(), jacobians[1].data()};
     constraint.residual->Evaluate(blocks.data(), residual.data(), targets.data());
     const double weight = loss_at(term.loss, residual.squaredNorm()).second;
     const Eigen::Matrix<double, rows, size> first = jacobians[0].template leftCols<size>();
     add_node(constraint.first, first, residual, weight);
-    if (!two) return;
+    if (!has_second) return;
     const Eigen::Matrix<double, rows, size> second = jacobians[1].template leftCols<size>();
     add_node(constraint.second, second, residual, weight);
     if (term.pair < 0) return;
@@ -136,31 +137,32 @@ class NormalEquations {
                 const Eigen::Matrix<double, rows, 1>& residual, double weight) {
     if (!moves(node)) return;
     Block block = weight * (jacobian.transpose() * jacobian);
-    block.diagonal() *= 1.0 + kDamping;
+    block.diagonal() *= 1.0 + kDiagonalScaling;
     cholesky_->add_diagonal(node, block);
     gradient_.segment<size>(size * static_cast<Eigen::Index>(node)).noalias() +=
         weight * (jacobian.transpose() * residual);
   }
 
   const FactorGraph& graph_;
-  std::vector<bool> touched_;
+  std::vector<bool> constrained_;
   std::vector<Term> terms_;
   std::unique_ptr<BlockCholesky<size>> cholesky_;
   Eigen::VectorXd gradient_;
 };
 
-StateBlock planar_moved(const StateBlock& state, const double* d) {
+StateBlock planar_retract(const StateBlock& state, const double* d) {
   return {state[0] + d[0], state[1] + d[1], state[2] + d[2], 0.0, 0.0, 0.0, 0.0};
 }
 
 template <int size>
-std::vector<StateBlock> after(const FactorGraph& graph, const NormalEquations<size>& equations,
-                              const Eigen::VectorXd& step) {
+std::vector<StateBlock> states_after(const FactorGraph& graph,
+                                     const NormalEquations<size>& equations,
+                                     const Eigen::VectorXd& step) {
   std::vector<StateBlock> states = graph.states;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!equations.moves(static_cast<int>(i))) continue;
     const double* d = step.data() + size * i;
-    states[i] = size == 6 ? moved(states[i].data(), d) : planar_moved(states[i], d);
+    states[i] = size == 6 ? retract(states[i].data(), d) : planar_retract(states[i], d);
   }
   return states;
 }
@@ -168,32 +170,32 @@ std::vector<StateBlock> after(const FactorGraph& graph, const NormalEquations<si
 /// Steps of one graph. The factor of an earlier state serves as long as the steps that it gives are
 /// small: they cost a fraction of a new one.
 template <int size>
-class Descent {
+class GaussNewtonSolver {
  public:
-  Descent(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
+  GaussNewtonSolver(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
       : graph_(graph), equations_(graph, used, loss_of), cost_(equations_.cost()) {}
 
   MinimizerSummary run(const MinimizerSettings& settings) {
     MinimizerSummary summary;
     summary.initial_cost = cost_;
     equations_.linearise();
-    bool going = renew();
-    while (going && !summary.usable && summary.iterations < settings.max_iterations) {
+    bool can_continue = refactorize();
+    while (can_continue && !summary.usable && summary.iterations < settings.max_iterations) {
       ++summary.iterations;
       if (!take_step()) {
-        summary.usable = rose_ < kRounding * cost_;
-        going = !summary.usable && !fresh_ && renew();
+        summary.usable = cost_increase_ < kCostRounding * cost_;
+        can_continue = !summary.usable && !factor_is_current_ && refactorize();
         continue;
       }
       equations_.linearise();
-      fresh_ = false;
+      factor_is_current_ = false;
       step_ = equations_.step();
       const double expected = equations_.expected_gain(step_);
       summary.usable = expected < settings.tolerance * cost_;
       if (summary.usable) {
         take_step();  // it is there already
-      } else if (expected > kFarStep * cost_) {
-        going = renew();
+      } else if (expected > kRefactorizeGain * cost_) {
+        can_continue = refactorize();
       }
     }
     summary.final_cost = cost_;
@@ -203,8 +205,8 @@ class Descent {
 
  private:
   /// Factorises the equations as they are and solves them.
-  bool renew() {
-    fresh_ = true;
+  bool refactorize() {
+    factor_is_current_ = true;
     if (!equations_.factorize()) return false;
     step_ = equations_.step();
     return step_.allFinite();
@@ -212,14 +214,14 @@ class Descent {
 
   /// False, and the states as they were, if the cost does not fall.
   bool take_step() {
-    std::vector<StateBlock> states = after(graph_, equations_, step_);
+    std::vector<StateBlock> states = states_after(graph_, equations_, step_);
     graph_.states.swap(states);
     const double cost = equations_.cost();
     if (cost <= cost_) {
       cost_ = cost;
       return true;
     }
-    rose_ = std::isfinite(cost) ? cost - cost_ : std::numeric_limits<double>::infinity();
+    cost_increase_ = std::isfinite(cost) ? cost - cost_ : std::numeric_limits<double>::infinity();
     graph_.states.swap(states);
     return false;
   }
@@ -228,16 +230,17 @@ class Descent {
   NormalEquations<size> equations_;
   Eigen::VectorXd step_;
   double cost_;
-  double rose_ = 0.0;   ///< by how much the cost would have risen over the last refused step
-  bool fresh_ = false;  ///< the factor is that of the present states
+  double cost_increase_ =
+      0.0;  ///< by how much the cost would have risen over the last refused step
+  bool factor_is_current_ = false;  ///< the factor is that of the present states
 };
 
 }  // namespace
 
 MinimizerSummary gauss_newton(FactorGraph& graph, const std::vector<bool>& used,
                               const LossOf& loss_of, const MinimizerSettings& settings) {
-  return graph.planar ? Descent<3>(graph, used, loss_of).run(settings)
-                      : Descent<6>(graph, used, loss_of).run(settings);
+  return graph.planar ? GaussNewtonSolver<3>(graph, used, loss_of).run(settings)
+                      : GaussNewtonSolver<6>(graph, used, loss_of).run(settings);
 }
 
 }  // namespace lidar_mapping::pose_graph

@@ -32,34 +32,34 @@ struct Step {
 };
 
 /// Placed nodes grow over their neighbours; odometry goes first, other edges wait behind it.
-class Growth {
+class SpanningTree {
  public:
-  Growth(PoseGraph& graph, std::vector<bool> placed)
+  SpanningTree(PoseGraph& graph, std::vector<bool> placed)
       : graph_(graph), neighbours_(neighbours(graph)), placed_(std::move(placed)) {}
 
   void run() {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
-      if (placed_[i]) offer(static_cast<int>(i));
+      if (placed_[i]) enqueue_edges(static_cast<int>(i));
     }
-    spread();
+    expand();
     // Parts that hang on nothing begin where they stand.
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       if (placed_[i]) continue;
       placed_[i] = true;
-      offer(static_cast<int>(i));
-      spread();
+      enqueue_edges(static_cast<int>(i));
+      expand();
     }
   }
 
  private:
-  void offer(int node) {
+  void enqueue_edges(int node) {
     for (const Neighbour& to : neighbours_[static_cast<std::size_t>(node)]) {
       if (placed_[static_cast<std::size_t>(to.node)]) continue;
       (is_odometry(graph_.edges[to.edge]) ? odometry_ : others_).push_back({node, to});
     }
   }
 
-  void spread() {
+  void expand() {
     while (!odometry_.empty() || !others_.empty()) {
       auto& queue = odometry_.empty() ? others_ : odometry_;
       const Step step = queue.front();
@@ -70,7 +70,7 @@ class Growth {
       graph_.nodes[slot].pose = graph_.nodes[static_cast<std::size_t>(step.from)].pose *
                                 (step.to.forward ? motion : motion.inverse());
       placed_[slot] = true;
-      offer(step.to.node);
+      enqueue_edges(step.to.node);
     }
   }
 
@@ -101,7 +101,7 @@ std::vector<std::pair<int, int>> edge_positions(const PoseGraph& graph) {
 bool is_odometry(const PoseEdge& edge) { return std::abs(edge.from - edge.to) == 1; }
 
 void place_along_edges(PoseGraph& graph, std::vector<bool> placed) {
-  Growth(graph, std::move(placed)).run();
+  SpanningTree(graph, std::move(placed)).run();
 }
 
 }  // namespace lidar_mapping::pose_graph

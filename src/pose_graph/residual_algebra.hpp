@@ -47,7 +47,7 @@ void write_jacobian(double* target, const TangentMatrix<rows>& derivative) {
 }
 
 /// Two unit vectors across `direction`, as rows.
-inline Eigen::Matrix<double, 2, 3> across(const Eigen::Vector3d& direction) {
+inline Eigen::Matrix<double, 2, 3> orthogonal_basis(const Eigen::Vector3d& direction) {
   Eigen::Matrix<double, 2, 3> rows;
   rows.row(0) = direction.unitOrthogonal();
   rows.row(1) = direction.cross(Eigen::Vector3d(rows.row(0)));

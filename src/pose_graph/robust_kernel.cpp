@@ -189,7 +189,7 @@ std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double siz
   return nullptr;
 }
 
-double contradiction_limit(int degrees_of_freedom) {
+double chi2_limit(int degrees_of_freedom) {
   constexpr std::array<double, 6> kQuantiles = {6.635, 9.210, 11.345, 13.277, 15.086, 16.812};
   if (degrees_of_freedom < 1 || degrees_of_freedom > static_cast<int>(kQuantiles.size())) {
     throw InputError("there is no limit for " + std::to_string(degrees_of_freedom) +

@@ -40,7 +40,7 @@ class Antenna : public ceres::SizedCostFunction<rows, kPoseBlockSize> {
 class Tilt : public ceres::SizedCostFunction<2, kPoseBlockSize> {
  public:
   Tilt(const Eigen::Vector3d& up_base, double stddev)
-      : weights_(across(up_base.normalized()) / stddev) {}
+      : weights_(orthogonal_basis(up_base.normalized()) / stddev) {}
 
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
     const Eigen::Vector3d up = rotation_of(blocks[0]).conjugate() * Eigen::Vector3d::UnitZ();

@@ -31,18 +31,18 @@ class Statement {
 
   bool step();
   bool next_is_null() const;
-  std::int64_t take_integer(std::int64_t least = std::numeric_limits<std::int64_t>::min(),
-                            std::int64_t most = std::numeric_limits<std::int64_t>::max());
-  double take_real();
+  std::int64_t read_integer(std::int64_t min_value = std::numeric_limits<std::int64_t>::min(),
+                            std::int64_t max_value = std::numeric_limits<std::int64_t>::max());
+  double read_real();
   /// At most 1e9.
-  double take_coordinate();
-  std::string take_text();
-  Blob take_blob();
+  double read_coordinate();
+  std::string read_text();
+  Blob read_blob();
   /// So many numbers; zeros for an empty cell.
-  Blob take_blob(std::size_t size);
-  Eigen::Vector3d take_vector();
-  Eigen::Quaterniond take_quaternion();
-  Pose take_pose();
+  Blob read_blob(std::size_t size);
+  Eigen::Vector3d read_vector();
+  Eigen::Quaterniond read_quaternion();
+  Pose read_pose();
   void skip(int cells) { column_ += cells; }
   /// Throws FileError, naming the file and the column, unless it is sound.
   void require(bool is_sound, int column, const std::string& wanted) const;

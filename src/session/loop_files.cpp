@@ -50,10 +50,10 @@ std::vector<LoopVerdict> candidates(const Session& session) {
   std::vector<LoopVerdict> result;
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, std::size_t> known;
   for (const LoopVerdict& verdict : session.verdicts()) {
-    const auto [place, is_new] = known.try_emplace({verdict.from, verdict.to}, result.size());
+    const auto [entry, is_new] = known.try_emplace({verdict.from, verdict.to}, result.size());
     if (is_new) {
       result.push_back(verdict);
-    } else if (LoopVerdict& earlier = result[place->second]; has_figures(verdict)) {
+    } else if (LoopVerdict& earlier = result[entry->second]; has_figures(verdict)) {
       earlier = verdict;
     } else {
       earlier.verdict = verdict.verdict;
@@ -95,7 +95,7 @@ bool is_index(double number) {
   return number >= 0.0 && number <= 4294967295.0 && number == std::floor(number);
 }
 
-[[noreturn]] void refuse_line(const std::string& where, const std::string& line) {
+[[noreturn]] void throw_malformed_line(const std::string& where, const std::string& line) {
   throw InputError(where + ": cannot understand '" + line +
                    "'; wanted auto, accept or refuse FROM TO, or add FROM TO [X Y Z [ROLL PITCH "
                    "YAW]]");
@@ -106,22 +106,22 @@ LoopEdit parse_edit(const std::string& line, const std::string& where) {
   std::string word;
   std::vector<double> numbers;
   stream >> word;
-  if (!read_numbers(stream, numbers) || numbers.size() < 2) refuse_line(where, line);
-  if (!is_index(numbers[0]) || !is_index(numbers[1])) refuse_line(where, line);
+  if (!read_numbers(stream, numbers) || numbers.size() < 2) throw_malformed_line(where, line);
+  if (!is_index(numbers[0]) || !is_index(numbers[1])) throw_malformed_line(where, line);
   LoopEdit edit;
   edit.where = where;
   edit.add = word == "add";
   if (edit.add) {
     edit.decision = LoopDecision::kAccept;
     const std::vector<double> guess(numbers.begin() + 2, numbers.end());
-    if (!guess.empty() && guess.size() != 3 && guess.size() != 6) refuse_line(where, line);
+    if (!guess.empty() && guess.size() != 3 && guess.size() != 6) throw_malformed_line(where, line);
     if (!guess.empty()) edit.guess = pose_of(guess);
   } else {
-    if (numbers.size() != 2) refuse_line(where, line);
+    if (numbers.size() != 2) throw_malformed_line(where, line);
     try {
       edit.decision = loop_decision_from(word);
     } catch (const InputError&) {
-      refuse_line(where, line);
+      throw_malformed_line(where, line);
     }
   }
   edit.from = static_cast<KeyFrameIndex>(std::min(numbers[0], numbers[1]));

@@ -26,7 +26,7 @@ std::string dated_name(std::time_t now) {
 }
 
 /// True if the folder did not exist; the system decides, so two processes cannot both get it.
-bool make_new(const fs::path& folder) {
+bool create_new(const fs::path& folder) {
   std::error_code error;
   const bool made = fs::create_directory(folder, error);
   if (error && error != std::errc::file_exists) {
@@ -37,7 +37,7 @@ bool make_new(const fs::path& folder) {
 }
 
 /// Replaces the link in one step. A file or folder named `latest` that is no link is left alone.
-void point_latest_to(const fs::path& folder) {
+void link_latest_to(const fs::path& folder) {
   const fs::path link = folder.parent_path() / "latest";
   if (fs::exists(fs::symlink_status(link)) && !fs::is_symlink(link)) return;
   const fs::path temporary =
@@ -59,10 +59,10 @@ fs::path make_run_folder(const fs::path& root, std::time_t now) {
   }
   const std::string name = dated_name(now);
   fs::path folder = root / name;
-  for (int number = 2; !make_new(folder); ++number) {
+  for (int number = 2; !create_new(folder); ++number) {
     folder = root / (name + "-" + std::to_string(number));
   }
-  point_latest_to(folder);
+  link_latest_to(folder);
   return folder;
 }
 

@@ -45,8 +45,8 @@ std::size_t believed_count(const BackEnd& back_end) {
 }
 
 struct Outcome {
-  std::size_t believed = 0;  ///< of the loops, all of them right
-  double error = 0.0;        ///< m
+  std::size_t consistent_constraints = 0;  ///< of the loops, all of them right
+  double error = 0.0;                      ///< m
 };
 
 /// With a loop at every so many key frames of the second lap.
@@ -62,20 +62,20 @@ Outcome outcome_of(const SyntheticDrive& drive, int step) {
 TEST(DoubtfulStep, GivesWayToRightLoopsHoweverWrongItIs) {
   const Outcome clean = outcome_of(test::make_drive(), 5);
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), 5);
-  EXPECT_EQ(doubted.believed, 80U);
+  EXPECT_EQ(doubted.consistent_constraints, 80U);
   EXPECT_LT(doubted.error, 1.1 * clean.error);
   // With the same covariance, but taken for what it claims.
   const Outcome claimed = outcome_of(wrongly_turned_drive(false), 5);
-  EXPECT_LT(claimed.believed, 80U);
+  EXPECT_LT(claimed.consistent_constraints, 80U);
   EXPECT_GT(claimed.error, 5.0 * clean.error);
 }
 
 TEST(DoubtfulStep, GivesWayToASingleLoop) {
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), kLap);
-  EXPECT_EQ(doubted.believed, 1U);
+  EXPECT_EQ(doubted.consistent_constraints, 1U);
   EXPECT_LT(doubted.error, 2.0) << "what is left is drift";
   const Outcome claimed = outcome_of(wrongly_turned_drive(false), kLap);
-  EXPECT_EQ(claimed.believed, 0U);
+  EXPECT_EQ(claimed.consistent_constraints, 0U);
   EXPECT_GT(claimed.error, 50.0);
 }
 
@@ -125,7 +125,7 @@ TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
   const pose_graph::Constraint& step =
       factors.graph.constraints[static_cast<std::size_t>(factors.motion_of[kWrong])];
   EXPECT_TRUE(step.doubtful);
-  EXPECT_LT(pose_graph::kernel_slope(step, pose_graph::linearised(factors.graph, step).residual),
+  EXPECT_LT(pose_graph::kernel_weight(step, pose_graph::linearise(factors.graph, step).residual),
             0.01);
 }
 

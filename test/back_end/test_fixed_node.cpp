@@ -17,7 +17,7 @@ namespace {
 double cost_of_half_a_metre(const BackEndConfig& config) {
   DriveGraph drive;
   drive.nodes.resize(2);
-  drive.nodes[1].joined = true;
+  drive.nodes[1].connected = true;
   drive.in_enu = {false};
   drive.segment_starts = {0};
   DriveFactors factors = make_factors(drive, config);

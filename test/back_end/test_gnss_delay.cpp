@@ -113,7 +113,7 @@ TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
   for (int i = 0; i < 100; ++i) {
     DriveNode node;
     node.stamp = from_seconds(kStep * i);
-    node.joined = i > 0;
+    node.connected = i > 0;
     node.T_odom_base = pose_in_traffic(kStep * i);
     drive.nodes.push_back(node);
   }
@@ -125,7 +125,8 @@ TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
       gnss.position.p_base_antenna = arm;
       const Eigen::Vector3d then =
           pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay) * arm);
-      ASSERT_LT((timed_position(drive, gnss).p_base_antenna - then).norm(), 0.004) << delay;
+      ASSERT_LT((delay_corrected_position(drive, gnss).p_base_antenna - then).norm(), 0.004)
+          << delay;
       const Eigen::Vector3d velocity = antenna_velocity(drive, gnss);
       const Eigen::Vector3d soon =
           pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay + 1e-4) * arm);

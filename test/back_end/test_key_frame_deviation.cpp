@@ -54,7 +54,7 @@ TEST(KeyFrameDeviation, OfAChainIsThatOfComposedMotions) {
 /// The inverse of all that the graph knows, the first key frame known: rows and columns of 6.
 Eigen::MatrixXd whole_inverse(const OptimizationProblem& problem) {
   const DriveFactors factors = make_factors(problem.drive, problem.config);
-  const auto system = pose_graph::information_matrix(factors.graph, factors.marked);
+  const auto system = pose_graph::information_matrix(factors.graph, factors.selected);
   system->add_diagonal(0, 1e12 * Matrix6d::Identity());
   EXPECT_TRUE(system->factorize());
   const auto size = 6 * static_cast<Eigen::Index>(factors.graph.states.size());

@@ -3,9 +3,9 @@
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
 #include "back_end_fixture.hpp"
-#include "drift_share.hpp"
+#include "drift_fraction.hpp"
 #include "optimization.hpp"
-#include "shared_errors.hpp"
+#include "systematic_errors.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -33,7 +33,7 @@ void add_positions(BackEnd& back_end, const SyntheticDrive& drive, std::size_t e
   }
 }
 
-const OdometryErrors& learnt(const OptimizationProblem& problem) {
+const OdometryErrors& estimated_errors(const OptimizationProblem& problem) {
   return problem.drive.odometry_errors;
 }
 
@@ -43,7 +43,7 @@ TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
   feed(back_end, drive);
   add_positions(back_end, drive, 600, 0.02);
   optimize(back_end, true);
-  EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
+  EXPECT_NEAR(estimated_errors(*back_end.problem()).scale_error, -2e-4, 8e-5);
   const Pose by_odometry = drive.key_frames[698].T_odom_base.inverse() *  //
                            drive.key_frames[699].T_odom_base;
   const pose_graph::PoseGraph graph =
@@ -67,8 +67,8 @@ TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
   feed(back_end, drive);
   add_positions(back_end, drive, 800, 0.02);
   optimize(back_end, true);
-  EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
-  EXPECT_LT(learnt(*back_end.problem()).drift_share.maxCoeff(), 0.75);
+  EXPECT_NEAR(estimated_errors(*back_end.problem()).scale_error, -2e-4, 8e-5);
+  EXPECT_LT(estimated_errors(*back_end.problem()).drift_fraction.maxCoeff(), 0.75);
   EXPECT_LT(test::true_rmse(back_end, drive), 0.05);
 }
 
@@ -78,13 +78,13 @@ TEST(OdometryErrors, LittleDriftIsToldFromMuch) {
     feed(good, good_drive(0.0005));
     add_positions(good, good_drive(0.0005), 800, sigma);
     optimize(good, true);
-    EXPECT_LT(learnt(*good.problem()).drift_share.maxCoeff(), 0.75) << sigma;
+    EXPECT_LT(estimated_errors(*good.problem()).drift_fraction.maxCoeff(), 0.75) << sigma;
   }
   BackEnd bad(BackEndConfig{});
   feed(bad, good_drive(0.02));
   add_positions(bad, good_drive(0.02), 800, 0.02);
   optimize(bad, true);
-  EXPECT_GT(learnt(*bad.problem()).drift_share.head<3>().minCoeff(), 0.85);
+  EXPECT_GT(estimated_errors(*bad.problem()).drift_fraction.head<3>().minCoeff(), 0.85);
 }
 
 TEST(OdometryErrors, AreAsConfiguredWithoutPositionsOrWithFew) {
@@ -94,7 +94,7 @@ TEST(OdometryErrors, AreAsConfiguredWithoutPositionsOrWithFew) {
     feed(back_end, drive);
     add_positions(back_end, drive, count, 0.02);
     optimize(back_end, true);
-    EXPECT_TRUE(learnt(*back_end.problem()).drift_share.isOnes(0.0)) << count;
+    EXPECT_TRUE(estimated_errors(*back_end.problem()).drift_fraction.isOnes(0.0)) << count;
   }
 }
 
@@ -108,7 +108,7 @@ TEST(OdometryErrors, FixesOfAMetreHardlyDisturbGoodOdometry) {
 }
 
 // The drive's delay is off by 4 ms, and what was made of the antenna's place by centimetres.
-TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
+TEST(SystematicErrors, TheRestOfACorrectedDelayIsFound) {
   const SyntheticDrive drive = good_drive(0.001);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -121,16 +121,16 @@ TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
     off.gnss_delays[0] = {wrong, 0.003, beside};
     DriveFactors factors = make_factors(off, problem->config);
     const pose_graph::RobustSolution solution =
-        pose_graph::solve_as_marked(factors.graph, factors.marked);
+        pose_graph::solve_selected(factors.graph, factors.selected);
     const double scatter = position_scatter(factors, solution.used);
-    const SharedErrors found = find_shared_errors(off, factors, solution.used, scatter);
+    const SystematicErrors found = estimate_systematic_errors(off, factors, solution.used, scatter);
     EXPECT_NEAR(found.delay, -wrong, 0.001);
-    EXPECT_LT((found.arm + beside).norm(), 0.005) << found.arm.transpose();
+    EXPECT_LT((found.lever_arm + beside).norm(), 0.005) << found.lever_arm.transpose();
   }
 }
 
 // After the weights have changed the poses are no longer at the minimum.
-TEST(SharedErrors, AreTheSameFromPosesOfOtherWeights) {
+TEST(SystematicErrors, AreTheSameFromPosesOfOtherWeights) {
   const SyntheticDrive drive = good_drive(0.001, 1e-4);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -139,16 +139,16 @@ TEST(SharedErrors, AreTheSameFromPosesOfOtherWeights) {
   const auto problem = back_end.problem();
   DriveGraph off = problem->drive;
   off.gnss_delays[0] = {0.004, 0.003, Eigen::Vector2d::Zero()};
-  off.odometry_errors.drift_share.setConstant(0.2);
+  off.odometry_errors.drift_fraction.setConstant(0.2);
   DriveFactors factors = make_factors(off, problem->config);
-  const std::vector<bool> used = factors.marked;
-  const SharedErrors found = find_shared_errors(off, factors, used, 0.2);
-  ASSERT_TRUE(pose_graph::solve_as_marked(factors.graph, used).success);
-  const SharedErrors at_minimum = find_shared_errors(off, factors, used, 0.2);
+  const std::vector<bool> used = factors.selected;
+  const SystematicErrors found = estimate_systematic_errors(off, factors, used, 0.2);
+  ASSERT_TRUE(pose_graph::solve_selected(factors.graph, used).success);
+  const SystematicErrors at_minimum = estimate_systematic_errors(off, factors, used, 0.2);
   EXPECT_NEAR(found.delay, -0.004, 0.001);
   EXPECT_NEAR(found.delay, at_minimum.delay, 5e-5);
-  EXPECT_NEAR(found.stretch, at_minimum.stretch, 1e-6);
-  EXPECT_LT((found.arm - at_minimum.arm).norm(), 5e-4);
+  EXPECT_NEAR(found.scale_error, at_minimum.scale_error, 1e-6);
+  EXPECT_LT((found.lever_arm - at_minimum.lever_arm).norm(), 5e-4);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST(TiltScatter, BelievesNoSensorEntirely) {
 TEST(TiltScatter, IsAsConfiguredWhereOnlyOdometryHoldsTheHeight) {
   BackEndConfig config;
   DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
-  drive.loops.front().weighed = true;  // and refused
+  drive.loops.front().evaluated = true;  // and refused
   EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
   drive.gnss.emplace_back();
   EXPECT_LT(tilt_stddev_deg(drive, config), 1.2);

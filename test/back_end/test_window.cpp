@@ -73,7 +73,7 @@ TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
   ASSERT_TRUE(problem->window);
   const auto before = run.back_end.poses().poses;
   const auto solution = solve(*problem);
-  ASSERT_TRUE(solution->whole_needed);
+  ASSERT_TRUE(solution->full_solve_needed);
   run.back_end.apply(*solution);
   EXPECT_EQ(before[2405].T_map_base.translation,
             run.back_end.poses().poses[2405].T_map_base.translation);
@@ -99,12 +99,12 @@ TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   }
   EXPECT_LT(pose_graph::least_eigenvalue(graph, {true, true, true}), 1e-9);
   graph.add({pose_graph::prior_residual(graph.pose(0), 4.0 * Matrix6d::Identity()), 0});
-  const double held = pose_graph::least_eigenvalue(graph, {true, true, true, true});
-  EXPECT_GT(held, 0.01);
-  EXPECT_LT(held, 4.0);
+  const double eigenvalue = pose_graph::least_eigenvalue(graph, {true, true, true, true});
+  EXPECT_GT(eigenvalue, 0.01);
+  EXPECT_LT(eigenvalue, 4.0);
   // A tie at the other end makes it firmer.
   graph.add({pose_graph::prior_residual(graph.pose(3), 400.0 * Matrix6d::Identity()), 3});
-  EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * held);
+  EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * eigenvalue);
 }
 
 TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {

@@ -14,7 +14,7 @@ namespace {
 Appearance seen_from(const ToyWorld& world, const Pose& pose) {
   const auto points = positions(world.scan(pose, 7));
   Appearance appearance;
-  appearance.view = BirdsEye(points, above_ground(points));
+  appearance.view = BirdsEyeView(points, above_ground(points));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
   return appearance;
 }
@@ -47,7 +47,7 @@ TEST(Appearance, AViewLiesBestOnItself) {
   for (int i = 0; i < 900; ++i) {
     points.emplace_back(coordinate(generator), coordinate(generator), 0.0F);
   }
-  const BirdsEye view(points, std::vector<bool>(points.size(), true));
+  const BirdsEyeView view(points, std::vector<bool>(points.size(), true));
   const ViewMatch match = ViewCorrelator(view).match(view.cells(), 0.0);
   EXPECT_EQ(match.translation, Eigen::Vector2d::Zero());
   EXPECT_NEAR(match.score, 1.0, 1e-9);
@@ -163,8 +163,8 @@ TEST(AppearanceIndex, FindsTheSameAtAPlaceThatLooksLikeNone) {
   }
 }
 
-TEST(BirdsEye, EmptyViewsMatchNothing) {
-  const ViewCorrelator correlator{BirdsEye()};
+TEST(BirdsEyeView, EmptyViewsMatchNothing) {
+  const ViewCorrelator correlator{BirdsEyeView()};
   EXPECT_EQ(correlator.match({{0.5F, 0.5F}}, 0.0).score, 0.0);
   EXPECT_EQ(SpectrumDescriptor().compare(SpectrumDescriptor()).similarity, 0.0);
 }

@@ -48,30 +48,30 @@ TEST(Judge, AfterAJumpOfTheHeightARoofLeavesItUndecided) {
   match.figures.roofed = 0.6;
   Prior prior = certain_prior();
   EXPECT_EQ(judged(match, prior).verdict, Verdict::kAccepted);
-  prior.jumped = 2.5;
+  prior.height_jumps = 2.5;
   expect(judged(match, prior), Verdict::kUndecided, "storey");
   match.figures.roofed = 0.05;
   EXPECT_EQ(judged(match, prior).verdict, Verdict::kAccepted) << "under the open sky";
 }
 
 TEST(Judge, NothingIsLeftToAskWhereTheEstimateKnowsThePlace) {
-  EXPECT_TRUE(is_beyond_doubt(good_match(), certain_prior()));
+  EXPECT_TRUE(is_unambiguous(good_match(), certain_prior()));
   Match astray = good_match();
   astray.alignment.T_target_source = planar(4.0, 0.0, 0.1);
-  EXPECT_FALSE(is_beyond_doubt(astray, certain_prior()));
+  EXPECT_FALSE(is_unambiguous(astray, certain_prior()));
 }
 
 TEST(Judge, DoubtStaysWhereTwoPlacesFit) {
   const std::vector<std::pair<std::string, void (*)(Prior&)>> doubts = {
       {"segments that nothing joins", [](Prior& prior) { prior.anchored = false; }},
-      {"storeys after a jump", [](Prior& prior) { prior.jumped = 2.5; }},
+      {"storeys after a jump", [](Prior& prior) { prior.height_jumps = 2.5; }},
       {"neighbouring streets", [](Prior& prior) { prior.sigma_horizontal = 1.5; }},
       {"storeys after a long way", [](Prior& prior) { prior.sigma_vertical = 1.0; }},
       {"opposite headings", [](Prior& prior) { prior.sigma_rotation = 1.0; }}};
   for (const auto& [what, worsen] : doubts) {
     Prior prior = certain_prior();
     worsen(prior);
-    EXPECT_FALSE(is_beyond_doubt(good_match(), prior)) << what;
+    EXPECT_FALSE(is_unambiguous(good_match(), prior)) << what;
   }
 }
 

@@ -43,13 +43,13 @@ TEST(KdTree, TellsHowFarTheSecondIs) {
   const KdTree tree(random_points(2000, 1));
   for (const auto& p : random_points(200, 2)) {
     const auto expected = sorted_distances(tree.points(), p);
-    const auto lead = tree.nearest_with_lead(p, 100.0F);
+    const auto lead = tree.nearest_with_second(p, 100.0F);
     ASSERT_TRUE(lead);
     EXPECT_EQ(lead->nearest.squared_distance, expected[0]);
-    EXPECT_EQ(lead->next_squared, expected[1]);
+    EXPECT_EQ(lead->second_squared_distance, expected[1]);
     const float limit = 0.5F * (std::sqrt(expected[0]) + std::sqrt(expected[1]));
-    EXPECT_EQ(tree.nearest_with_lead(p, limit)->next_squared, limit * limit);
-    EXPECT_FALSE(tree.nearest_with_lead(p, 0.5F * std::sqrt(expected[0])));
+    EXPECT_EQ(tree.nearest_with_second(p, limit)->second_squared_distance, limit * limit);
+    EXPECT_FALSE(tree.nearest_with_second(p, 0.5F * std::sqrt(expected[0])));
   }
 }
 

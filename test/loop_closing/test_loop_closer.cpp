@@ -285,16 +285,16 @@ TEST(LoopCloser, JoinsASegmentToTheOneBefore) {
   DriveClouds clouds(world, truth);
   LoopCloser closer({}, clouds);
   DriveOutcome outcome;
-  const std::size_t restart = 30;
+  const std::size_t reset = 30;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    KeyFrame key = key_frame(i, i < restart ? truth[i] : truth[restart].inverse() * truth[i]);
-    key.segment = i < restart ? 0 : 1;
+    KeyFrame key = key_frame(i, i < reset ? truth[i] : truth[reset].inverse() * truth[i]);
+    key.segment = i < reset ? 0 : 1;
     append(outcome, closer.process(key), truth);
   }
   EXPECT_EQ(outcome.false_loops, 0);
   ASSERT_FALSE(outcome.loops.empty());
-  EXPECT_LT(outcome.loops.front().from, restart);
-  EXPECT_GE(outcome.loops.front().to, restart);
+  EXPECT_LT(outcome.loops.front().from, reset);
+  EXPECT_GE(outcome.loops.front().to, reset);
 }
 
 TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {

@@ -27,7 +27,7 @@ TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
   const PointCloud cloud = scattered();
   const PointCloud expected = voxel_filtered(cloud, 0.5);
   VoxelMeans voxels;
-  voxels.restart(0.5);
+  voxels.reset(0.5);
   for (const Point& point : cloud.points) voxels.add(point.position());
   const auto points = voxels.points();
   ASSERT_GT(points.size(), 20000U);
@@ -40,7 +40,7 @@ TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
 TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
   VoxelMeans voxels;
   for (int round = 0; round < 2; ++round) {
-    voxels.restart(1.0);
+    voxels.reset(1.0);
     voxels.add({0.1F, 0.1F, 0.1F});
     voxels.add({-0.1F, 0.1F, 0.1F});
     voxels.add({0.3F, 0.3F, 0.3F});
@@ -52,7 +52,7 @@ TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
 
 TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
   VoxelMeans voxels;
-  voxels.restart(0.0);
+  voxels.reset(0.0);
   voxels.add({1.0F, 2.0F, 3.0F});
   voxels.add({1.0F, 2.0F, 3.0F});
   voxels.add({std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F});
@@ -64,7 +64,7 @@ TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
 // The finest leaf, at the ends of the range.
 TEST(VoxelMeans, KeepsFarAwayCellsApart) {
   VoxelMeans voxels;
-  voxels.restart(0.05);
+  voxels.reset(0.05);
   std::vector<Eigen::Vector3f> corners;
   for (const float x : {-49'999.0F, 49'999.0F}) {
     for (const float y : {-49'999.0F, 49'999.0F}) {

@@ -115,13 +115,13 @@ inline std::vector<Pose> along(const std::vector<Eigen::Vector2d>& corners, doub
   std::vector<Pose> poses;
   double rest = 0.0;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const Eigen::Vector2d way = corners[i + 1] - corners[i];
+    const Eigen::Vector2d side = corners[i + 1] - corners[i];
     double s = rest;
-    for (; s < way.norm(); s += step) {
-      const Eigen::Vector2d p = corners[i] + way.normalized() * s;
-      poses.push_back(planar(p.x(), p.y(), std::atan2(way.y(), way.x())));
+    for (; s < side.norm(); s += step) {
+      const Eigen::Vector2d p = corners[i] + side.normalized() * s;
+      poses.push_back(planar(p.x(), p.y(), std::atan2(side.y(), side.x())));
     }
-    rest = s - way.norm();
+    rest = s - side.norm();
   }
   return poses;
 }

@@ -41,7 +41,7 @@ Constraint rows(int count, int block, const Eigen::Vector3d& measured = {1.0, 2.
 }
 
 class RowCount : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMostRows + 1));
+INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMaxResidualRows + 1));
 
 TEST_P(RowCount, AllReachTheMinimum) {
   FactorGraph graph;
@@ -65,12 +65,12 @@ TEST_P(RowCount, AllAreLinearisedWhole) {
   FactorGraph graph;
   graph.add_node(Pose());
   graph.add(rows(GetParam(), kPoseBlockSize));
-  const Linearised linear = linearised(graph, graph.constraints.front());
+  const LinearisedConstraint linear = linearise(graph, graph.constraints.front());
   ASSERT_EQ(linear.residual.size(), GetParam());
   EXPECT_EQ(linear.first.rows(), GetParam());
   EXPECT_DOUBLE_EQ(linear.residual.squaredNorm(), chi2(graph, graph.constraints.front()));
   EXPECT_EQ(linear.first.sum(), GetParam());
-  EXPECT_GT(contradiction_limit(GetParam()), 6.0);
+  EXPECT_GT(chi2_limit(GetParam()), 6.0);
 }
 
 std::string refusal(FactorGraph& graph, Constraint constraint) {
@@ -95,8 +95,8 @@ TEST(FactorGraph, RefusesWhatItCannotSolve) {
   single.second = 0;  // of one block, between two nodes
   EXPECT_NE(refusal(graph, std::move(single)).find("2 of 7 numbers"), std::string::npos);
   EXPECT_TRUE(graph.constraints.empty());
-  EXPECT_THROW(contradiction_limit(0), InputError);
-  EXPECT_THROW(contradiction_limit(7), InputError);
+  EXPECT_THROW(chi2_limit(0), InputError);
+  EXPECT_THROW(chi2_limit(7), InputError);
 }
 
 }  // namespace

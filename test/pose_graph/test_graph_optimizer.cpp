@@ -9,7 +9,7 @@
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
-#include "chordal_start.hpp"
+#include "chordal_initialization.hpp"
 #include "odometry_chain.hpp"
 #include "synthetic_drive.hpp"
 
@@ -21,7 +21,7 @@ PoseGraph lap_graph(bool planar, const test::SyntheticDrive& drive, int lap = 40
   std::mt19937 engine(3);
   PoseGraph graph;
   graph.planar = planar;
-  const auto flat = [&](Pose pose) {
+  const auto chordal_edge = [&](Pose pose) {
     if (!planar) return pose;
     pose.translation.z() = 0.0;
     pose.rotation = exp_so3({0.0, 0.0, yaw_of(pose.rotation)});
@@ -32,17 +32,17 @@ PoseGraph lap_graph(bool planar, const test::SyntheticDrive& drive, int lap = 40
   const int count = static_cast<int>(drive.key_frames.size());
   for (int i = 0; i < count; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    graph.nodes.push_back({i, flat(drive.key_frames[slot].T_odom_base)});
+    graph.nodes.push_back({i, chordal_edge(drive.key_frames[slot].T_odom_base)});
     if (i == 0) continue;
     graph.edges.push_back({i - 1, i,
-                           flat(drive.key_frames[slot - 1].T_odom_base.inverse() *
-                                drive.key_frames[slot].T_odom_base),
+                           chordal_edge(drive.key_frames[slot - 1].T_odom_base.inverse() *
+                                        drive.key_frames[slot].T_odom_base),
                            odometry});
   }
   for (int i = lap; i < count; i += 10) {
-    graph.edges.push_back({i - lap, i,
-                           flat(test::make_loop(drive, i - lap, i, engine, 0.05, 0.003).T_from_to),
-                           loop});
+    graph.edges.push_back(
+        {i - lap, i,
+         chordal_edge(test::make_loop(drive, i - lap, i, engine, 0.05, 0.003).T_from_to), loop});
   }
   return graph;
 }
@@ -85,7 +85,7 @@ TEST_P(BothKinds, ExactMeasurementsAreMetByTheChordalStartAlone) {
   graph.edges.resize(graph.nodes.size() - 1);
   PoseGraph started = graph;
   for (PoseNode& node : started.nodes) node.pose = graph.nodes.front().pose;
-  ASSERT_TRUE(start_chordally(started));
+  ASSERT_TRUE(initialize_chordally(started));
   EXPECT_LT(largest_shift(graph, started), 1e-6);
 }
 

@@ -79,7 +79,7 @@ StateBlock stepped(const StateBlock& block, bool planar, int axis, double step) 
   }
   std::array<double, 6> d{};
   d[static_cast<std::size_t>(axis)] = step;
-  return moved(block.data(), d.data());
+  return retract(block.data(), d.data());
 }
 
 Eigen::MatrixXd numerical(const ceres::CostFunction& cost, const Blocks& blocks,
@@ -210,7 +210,7 @@ TEST(Tangent, MovedAndBackIsWhereItWas) {
   Draw draw(8);
   const StateBlock block = to_block(draw.pose(10.0, 2.0));
   const std::array<double, 6> d = {0.1, -0.2, 0.3, 0.2, -0.1, 0.3};
-  const StateBlock there = moved(block.data(), d.data());
+  const StateBlock there = retract(block.data(), d.data());
 #if LIDAR_MAPPING_CERES_HAS_MANIFOLD
   std::array<double, 6> back{};
   TangentUpdate().Minus(there.data(), block.data(), back.data());

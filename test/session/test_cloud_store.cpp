@@ -55,7 +55,7 @@ TEST(CloudStore, CacheShrinksWhenItIsTold) {
   const PointCloudPtr newest = store.cloud(2);
   store.set_cache_bytes(kBytesOfExample);
   EXPECT_EQ(store.cached_bytes(), kBytesOfExample);
-  EXPECT_TRUE(store.holds(2, newest));
+  EXPECT_TRUE(store.is_cached(2, newest));
   EXPECT_NE(store.cloud(0), nullptr);
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/nameless_file.hpp"
-#include "lidar_mapping/loop_closing/birds_eye.hpp"
+#include "lidar_mapping/loop_closing/birds_eye_view.hpp"
 #include "lidar_mapping/loop_closing/coarse_key.hpp"
 #include "lidar_mapping/loop_closing/spectrum_descriptor.hpp"
 
@@ -16,7 +16,7 @@ namespace lidar_mapping::loop_closing {
 
 /// How a key frame's surroundings look: about 8 kB.
 struct Appearance {
-  BirdsEye view;
+  BirdsEyeView view;
   SpectrumDescriptor descriptor;
 };
 
@@ -36,16 +36,19 @@ class AppearanceIndex {
   std::optional<Appearance> operator[](std::size_t node) const;
 
   /// The nodes that look most like the newest one among those that `admits`, best first.
-  std::vector<std::size_t> similar_to_newest(const std::function<bool(std::size_t)>& admits) const;
+  std::vector<std::size_t> similar_to_newest(
+      const std::function<bool(std::size_t)>& is_admissible) const;
 
  private:
   SpectrumDescriptor::Key key_of(std::size_t node) const;
-  std::vector<std::size_t> perhaps_nearest(const std::function<bool(std::size_t)>& admits) const;
-  std::vector<std::size_t> nearest_keys(const std::function<bool(std::size_t)>& admits) const;
+  std::vector<std::size_t> possible_nearest(
+      const std::function<bool(std::size_t)>& is_admissible) const;
+  std::vector<std::size_t> nearest_keys(
+      const std::function<bool(std::size_t)>& is_admissible) const;
 
   std::filesystem::path directory_;
   std::unique_ptr<NamelessFile> file_;
-  std::vector<std::optional<CoarseKey>> coarse_;
+  std::vector<std::optional<CoarseKey>> coarse_keys_;
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -18,7 +18,7 @@ class VoxelMeans {
   VoxelMeans();
 
   /// Forgets all points. `leaf`: edge of a voxel, m; with 0 every point stays.
-  void restart(double leaf);
+  void reset(double leaf);
   /// Points that are not finite, or further from the origin than any LiDAR sees, are left out.
   void add(const Eigen::Vector3f& p);
   std::vector<Eigen::Vector3f> points();
@@ -31,21 +31,21 @@ class VoxelMeans {
   };
   /// A point on its way to its voxel. A few wait for each other: the processor often guesses wrong
   /// where one of them goes, and then it should not have begun with the numbers of the next ones.
-  struct Waiting {
+  struct PendingPoint {
     VoxelKey key;
     Eigen::Vector3f offset;
   };
-  static constexpr std::size_t kWaiting = 32;
+  static constexpr std::size_t kMaxPending = 32;
 
-  void flush();
+  void process_pending();
   std::uint32_t find_or_add(VoxelKey key);
   std::uint32_t& slot_of(VoxelKey key);
   void grow();
 
   float leaf_ = 0.0F;
-  float per_leaf_ = 0.0F;
-  std::array<Waiting, kWaiting> waiting_;
-  std::size_t waiting_count_ = 0;
+  float inverse_leaf_ = 0.0F;
+  std::array<PendingPoint, kMaxPending> pending_;
+  std::size_t pending_count_ = 0;
   std::vector<Voxel> voxels_;
   std::vector<std::uint32_t> slots_;  // a hash table with linear probing, at most half full
 };

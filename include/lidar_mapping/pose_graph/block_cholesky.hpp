@@ -41,15 +41,15 @@ class BlockCholesky {
  private:
   using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
-  void order(int nodes, const std::vector<std::pair<int, int>>& pairs);
-  void lay_out(int nodes, const std::vector<std::pair<int, int>>& pairs);
+  void compute_ordering(int nodes, const std::vector<std::pair<int, int>>& pairs);
+  void build_pattern(int nodes, const std::vector<std::pair<int, int>>& pairs);
 
   std::vector<int> row_of_;  ///< place of each node in the elimination order
   /// Where a pair's block begins in each of its scalar columns, and whether it is stored turned.
   struct Slot {
     int column = 0;
     int offset = 0;
-    bool turned = false;
+    bool transposed = false;
   };
   std::vector<Slot> slots_;
   Matrix lower_;

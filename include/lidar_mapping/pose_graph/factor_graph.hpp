@@ -13,7 +13,7 @@
 namespace lidar_mapping::pose_graph {
 
 /// Rows that a residual may have: as many as a pose has degrees of freedom.
-constexpr int kMostRows = 6;
+constexpr int kMaxResidualRows = 6;
 
 /// A whitened residual of 1 to kMostRows rows on one or two nodes.
 struct Constraint {
@@ -34,10 +34,10 @@ struct Constraint {
 struct FactorGraph {
   bool planar = false;
   std::vector<StateBlock> states;
-  std::vector<bool> held;  ///< nodes that do not move
+  std::vector<bool> fixed;  ///< nodes that do not move
   std::vector<Constraint> constraints;
 
-  int add_node(const Pose& pose, bool hold = false);
+  int add_node(const Pose& pose, bool is_fixed = false);
   /// Throws InputError unless the constraint has 1 to kMostRows rows, a block for each of its nodes
   /// in the size of this graph's states, and nodes that are there already.
   void add(Constraint constraint);

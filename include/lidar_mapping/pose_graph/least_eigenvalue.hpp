@@ -11,6 +11,6 @@ namespace lidar_mapping::pose_graph {
 /// states, by inverse iteration; its units are mixed (1/m^2, and 1/rad^2 of half angles). Near 0
 /// where the constraints leave a motion free, 0 where they do so to rounding. Nodes that no
 /// constraint touches must not be there.
-double least_eigenvalue(const FactorGraph& graph, const std::vector<bool>& marked);
+double least_eigenvalue(const FactorGraph& graph, const std::vector<bool>& selected);
 
 }  // namespace lidar_mapping::pose_graph

@@ -38,6 +38,6 @@ std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double siz
 
 /// The 99 % quantile of chi-square with 1 to 6 degrees of freedom: above it a constraint counts as
 /// contradicted by the others. Throws InputError for another number.
-double contradiction_limit(int degrees_of_freedom);
+double chi2_limit(int degrees_of_freedom);
 
 }  // namespace lidar_mapping::pose_graph

@@ -16,8 +16,8 @@ struct RobustSolution {
 
 /// The graph with every constraint that `used` marks, each under its own kernel, from the present
 /// states.
-RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
-                               const MinimizerSettings& settings = {});
+RobustSolution solve_selected(FactorGraph& graph, std::vector<bool> used,
+                              const MinimizerSettings& settings = {});
 
 /// Decides which switchable constraints to believe and solves with them: Cauchy, then dynamic
 /// covariance scaling, then refusal above twice the 99 % quantile and least squares, in rounds in
@@ -28,6 +28,6 @@ RobustSolution solve_graduated(FactorGraph& graph);
 
 /// Marks of all constraints that are not switchable, and of switchable ones that agree with the
 /// present states.
-std::vector<bool> believed(const FactorGraph& graph);
+std::vector<bool> consistent_constraints(const FactorGraph& graph);
 
 }  // namespace lidar_mapping::pose_graph

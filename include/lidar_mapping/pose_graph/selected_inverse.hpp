@@ -25,12 +25,13 @@ class SelectedInverse {
 
  private:
   explicit SelectedInverse(Matrix factor);
-  void fill_column(int column);
-  void multiply_below(int column);
+  void compute_column(int column);
+  void multiply_column(int column);
 
-  Matrix inverse_;             ///< lower triangle, at first the factor
-  std::vector<int> place_;     ///< of each row in the column that is being filled; -1: none
-  std::vector<double> below_;  ///< of that column: the product with what stands behind it
+  Matrix inverse_;  ///< lower triangle, at first the factor
+  std::vector<int>
+      position_in_column_;       ///< of each row in the column that is being filled; -1: none
+  std::vector<double> product_;  ///< of that column: the product with what stands behind it
 };
 
 }  // namespace lidar_mapping::pose_graph

@@ -31,7 +31,7 @@ Pose to_planar_pose(const double* block);
 
 /// T * (dt, (sqrt(1 - v^2), v)) with d = (dt, v): the update of all 3D states; v is half a rotation
 /// vector for small angles, as in g2o (doc/back_end.md).
-StateBlock moved(const double* block, const double* d);
+StateBlock retract(const double* block, const double* d);
 
 /// The update for Ceres. Residuals write their derivatives with respect to d into the first six
 /// columns of a seven-column Jacobian and zero into the last; the derivative of the update is
@@ -57,7 +57,7 @@ class TangentUpdate : public ceres::LocalParameterization {
 #endif
 
 /// Options under which the caller keeps costs, losses and updates.
-ceres::Problem::Options borrowing_problem_options();
+ceres::Problem::Options non_owning_problem_options();
 /// Adds a 3D state with its update.
 void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& update);
 

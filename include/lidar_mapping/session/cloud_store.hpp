@@ -30,7 +30,7 @@ class CloudStore : public CloudSource {
   std::filesystem::path file(KeyFrameIndex index) const;
   bool contains(KeyFrameIndex index) const;
   /// True if this very cloud was put or given out lately: it need not be written again.
-  bool holds(KeyFrameIndex index, const PointCloudPtr& cloud) const;
+  bool is_cached(KeyFrameIndex index, const PointCloudPtr& cloud) const;
   std::size_t cached_bytes() const;
   /// From now on.
   void set_cache_bytes(std::size_t bytes);

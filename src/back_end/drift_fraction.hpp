@@ -12,7 +12,7 @@ double position_scatter(const DriveFactors& factors, const std::vector<bool>& us
 /// solution with all of it, whose states `factors` has. `drive` has its stretch. Where positions
 /// scatter by a tenth of their covariances, a tenth of the drift counts as all: what counts is
 /// their ratio. All where too few key frames have positions.
-Vector6d observed_drift_share(const DriveGraph& drive, const BackEndConfig& config,
-                              const DriveFactors& factors, const std::vector<bool>& used);
+Vector6d observed_drift_fraction(const DriveGraph& drive, const BackEndConfig& config,
+                                 const DriveFactors& factors, const std::vector<bool>& used);
 
 }  // namespace lidar_mapping::back_end

@@ -12,18 +12,18 @@ __attribute__((weak)) void omp_set_max_active_levels(int levels);
 
 namespace lidar_mapping::pose_graph {
 
-class OpenMpSilence {
+class SingleThreadedOpenMp {
  public:
-  OpenMpSilence() {
+  SingleThreadedOpenMp() {
     if (omp_set_max_active_levels == nullptr || omp_get_max_active_levels == nullptr) return;
     levels_ = omp_get_max_active_levels();
     omp_set_max_active_levels(0);
   }
-  ~OpenMpSilence() {
+  ~SingleThreadedOpenMp() {
     if (levels_ >= 0) omp_set_max_active_levels(levels_);
   }
-  OpenMpSilence(const OpenMpSilence&) = delete;
-  OpenMpSilence& operator=(const OpenMpSilence&) = delete;
+  SingleThreadedOpenMp(const SingleThreadedOpenMp&) = delete;
+  SingleThreadedOpenMp& operator=(const SingleThreadedOpenMp&) = delete;
 
  private:
   int levels_ = -1;  ///< as they were; negative: nothing to bring back

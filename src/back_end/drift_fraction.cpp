@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drift_share.hpp"
+#include "drift_fraction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +12,15 @@ namespace lidar_mapping::back_end {
 namespace {
 
 /// However well a few minutes agree, no odometry is believed more than this share allows.
-constexpr double kLeastShare = 0.1;
-constexpr double kLeastScatter = 1e-3;
+constexpr double kMinFraction = 0.1;
+constexpr double kMinScatter = 1e-3;
 /// Stretches of the way that a mean square takes, and motions that the longest ones have to cover
 /// to show what neighbours share.
-constexpr std::size_t kLeastStretches = 8;
-constexpr std::size_t kLeastLength = 16;
+constexpr std::size_t kMinSections = 8;
+constexpr std::size_t kMinLongestSection = 16;
 
 /// Sums along the way, from which those over any stretch follow.
-struct AlongTheWay {
+struct CumulativeSums {
   std::vector<Vector6d> errors;    ///< of the motions up to each node, in units of drift
   std::vector<int> positions;      ///< believed up to each node
   std::vector<std::size_t> begin;  ///< first node that odometry joins to each
@@ -34,20 +34,20 @@ Vector6d motion_error(const DriveGraph& drive, const BackEndConfig& config,
                       const pose_graph::FactorGraph& graph, std::size_t node) {
   const Pose measured = motion_to(drive, node);
   const int to = static_cast<int>(node);
-  const Pose off = measured.inverse() * graph.pose(to - 1).inverse() * graph.pose(to);
+  const Pose error_pose = measured.inverse() * graph.pose(to - 1).inverse() * graph.pose(to);
   Vector6d error;
-  error << off.translation, log_so3(off.rotation);
+  error << error_pose.translation, log_so3(error_pose.rotation);
   return error.cwiseQuotient(drift_stddev(measured, config));
 }
 
-AlongTheWay add_up(const DriveGraph& drive, const BackEndConfig& config,
-                   const DriveFactors& factors, const std::vector<bool>& used) {
+CumulativeSums cumulative_sums(const DriveGraph& drive, const BackEndConfig& config,
+                               const DriveFactors& factors, const std::vector<bool>& used) {
   std::vector<int> has_position(drive.nodes.size(), 0);
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     if (!is_used(factors.horizontal_of[i], used)) continue;
     has_position[static_cast<std::size_t>(drive.gnss[i].node)] = 1;
   }
-  AlongTheWay way;
+  CumulativeSums sums;
   Vector6d errors = Vector6d::Zero();
   int positions = 0;
   std::size_t begin = 0;
@@ -58,26 +58,26 @@ AlongTheWay add_up(const DriveGraph& drive, const BackEndConfig& config,
       errors += motion_error(drive, config, factors.graph, i);
     }
     positions += has_position[i];
-    way.errors.push_back(errors);
-    way.positions.push_back(positions);
-    way.begin.push_back(begin);
+    sums.errors.push_back(errors);
+    sums.positions.push_back(positions);
+    sums.begin.push_back(begin);
   }
-  return way;
+  return sums;
 }
 
 /// The variance of one motion's error if the sums over stretches of `length` motions were those of
 /// independent ones. None where too few stretches have positions at half of their nodes.
-std::optional<Vector6d> variance_over(const AlongTheWay& way, std::size_t length) {
+std::optional<Vector6d> motion_variance(const CumulativeSums& sums, std::size_t length) {
   Vector6d squares = Vector6d::Zero();
   std::size_t count = 0;
-  for (std::size_t end = length; end < way.errors.size(); end += length) {
+  for (std::size_t end = length; end < sums.errors.size(); end += length) {
     const std::size_t begin = end - length;
-    const int positions = way.positions[end] - way.positions[begin];
-    if (way.begin[end] > begin || 2 * positions < static_cast<int>(length)) continue;
-    squares += (way.errors[end] - way.errors[begin]).cwiseAbs2();
+    const int positions = sums.positions[end] - sums.positions[begin];
+    if (sums.begin[end] > begin || 2 * positions < static_cast<int>(length)) continue;
+    squares += (sums.errors[end] - sums.errors[begin]).cwiseAbs2();
     ++count;
   }
-  if (count < kLeastStretches) return std::nullopt;
+  if (count < kMinSections) return std::nullopt;
   return Vector6d(squares / static_cast<double>(count * length));
 }
 
@@ -85,30 +85,30 @@ std::optional<Vector6d> variance_over(const AlongTheWay& way, std::size_t length
 
 double position_scatter(const DriveFactors& factors, const std::vector<bool>& used) {
   double squares = 0.0;
-  int freedom = 0;
+  int dof = 0;
   for (const int i : factors.horizontal_of) {
     if (!is_used(i, used)) continue;
     const pose_graph::Constraint& position = factors.graph.constraints[static_cast<std::size_t>(i)];
     squares += pose_graph::chi2(factors.graph, position);
-    freedom += position.degrees_of_freedom();
+    dof += position.degrees_of_freedom();
   }
-  return freedom == 0 ? 1.0 : std::clamp(std::sqrt(squares / freedom), kLeastScatter, 1.0);
+  return dof == 0 ? 1.0 : std::clamp(std::sqrt(squares / dof), kMinScatter, 1.0);
 }
 
-Vector6d observed_drift_share(const DriveGraph& drive, const BackEndConfig& config,
-                              const DriveFactors& factors, const std::vector<bool>& used) {
+Vector6d observed_drift_fraction(const DriveGraph& drive, const BackEndConfig& config,
+                                 const DriveFactors& factors, const std::vector<bool>& used) {
   if (config.use_const_inf_matrix) return Vector6d::Ones();
-  const AlongTheWay way = add_up(drive, config, factors, used);
+  const CumulativeSums sums = cumulative_sums(drive, config, factors, used);
   Vector6d variance = Vector6d::Zero();
   std::size_t length = 1;
   for (;; length *= 2) {
-    const auto of_length = variance_over(way, length);
-    if (!of_length) break;
-    variance = variance.cwiseMax(*of_length);
+    const auto section_variance = motion_variance(sums, length);
+    if (!section_variance) break;
+    variance = variance.cwiseMax(*section_variance);
   }
-  if (length <= kLeastLength) return Vector6d::Ones();
+  if (length <= kMinLongestSection) return Vector6d::Ones();
   return (variance.cwiseSqrt() / position_scatter(factors, used))
-      .cwiseMax(kLeastShare)
+      .cwiseMax(kMinFraction)
       .cwiseMin(1.0);
 }
 

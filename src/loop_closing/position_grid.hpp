@@ -11,10 +11,10 @@ namespace lidar_mapping::loop_closing {
 
 /// Horizontal positions, sorted into square cells, so that a search costs what it finds and a
 /// position that moves costs two cells. Nodes are numbers from 0 without gaps.
-class PlaceGrid {
+class PositionGrid {
  public:
   /// Puts a node to a position, or moves it there.
-  void place(std::size_t node, const Eigen::Vector2d& position);
+  void set_position(std::size_t node, const Eigen::Vector2d& position);
   bool has(std::size_t node) const {
     return node < positions_.size() && !positions_[node].hasNaN();
   }

@@ -10,13 +10,13 @@ namespace lidar_mapping::loop_closing {
 
 /// What stands above the ground around a key frame, seen from above: 120 x 120 cells of 1 m around
 /// base_link, 1.8 kB.
-class BirdsEye {
+class BirdsEyeView {
  public:
   static constexpr int kWidth = 120;
 
-  BirdsEye() = default;
+  BirdsEyeView() = default;
   /// Of those points (in base_link) that are marked.
-  BirdsEye(const std::vector<Eigen::Vector3f>& points, const std::vector<bool>& above_ground);
+  BirdsEyeView(const std::vector<Eigen::Vector3f>& points, const std::vector<bool>& above_ground);
 
   /// Centres of the occupied cells, m.
   std::vector<Eigen::Vector2f> cells() const;
@@ -35,7 +35,7 @@ struct ViewMatch {
 /// Finds the horizontal position of other views in one view by correlation on the 1 m grid.
 class ViewCorrelator {
  public:
-  explicit ViewCorrelator(const BirdsEye& target);
+  explicit ViewCorrelator(const BirdsEyeView& target);
   /// The best shift of the cells `source`, turned by `yaw` (rad), of at most 15 m along x and y.
   ViewMatch match(const std::vector<Eigen::Vector2f>& source, double yaw) const;
 

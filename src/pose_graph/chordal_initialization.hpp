@@ -9,6 +9,6 @@ namespace lidar_mapping::pose_graph {
 /// matrices (chordal relaxation, Carlone 2015), then translations. The first node stays where it
 /// is. For graphs without false edges only: one of them spoils everything. False, and the graph as
 /// it was, if the graph falls apart.
-bool start_chordally(PoseGraph& graph);
+bool initialize_chordally(PoseGraph& graph);
 
 }  // namespace lidar_mapping::pose_graph
