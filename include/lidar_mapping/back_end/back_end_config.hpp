@@ -8,10 +8,14 @@
 
 namespace lidar_mapping::back_end {
 
-/// What the floor below the vehicle ties together.
-enum class FloorConstraint { kNone, kNeighbours, kPlane };
+/// Which key frames the floor below the vehicle connects.
+enum class FloorConstraint {
+  kNone,        ///< floors are not used
+  kNeighbours,  ///< two successive key frames stand on one plane
+  kPlane        ///< all key frames stand on one plane
+};
 
-/// Parameters of the stage; each is described once, in schema().
+/// Parameters of the back end. schema() describes each of them once; the comments here repeat it.
 struct BackEndConfig {
   /// Whether GNSS positions are used at all.
   bool use_gnss = true;
@@ -124,6 +128,7 @@ struct BackEndConfig {
   /// [standard deviations] Where the kernels begin to bend.
   double robust_kernel_size = 3.0;
 
+  /// Names, ranges, units and descriptions of all parameters.
   static const config::Schema<BackEndConfig>& schema();
 };
 
