@@ -7,20 +7,24 @@
 namespace lidar_mapping::loop_closing {
 
 /// How the points of a cloud are thinned before matching.
-enum class FilterMethod { kVoxel, kNone };
+enum class FilterMethod {
+  kVoxel,  ///< mean of the points in each voxel
+  kNone    ///< all points
+};
 
-/// How a scan is aligned with a submap: this package's own point-to-plane registration, or one of
-/// the methods of the stage registration.
+/// The registration method that aligns a scan with a submap: the point-to-plane method of this
+/// stage, or a method of the stage registration.
 struct LoopMethod {
-  bool point_to_plane = true;
-  registration::Method other = registration::Method::kNdt;
+  bool point_to_plane = true;  ///< use the point-to-plane method of this stage
+  registration::Method other = registration::Method::kNdt;  ///< method used otherwise
 
+  /// True if both name the same method.
   friend bool operator==(const LoopMethod& a, const LoopMethod& b) {
     return a.point_to_plane == b.point_to_plane && (a.point_to_plane || a.other == b.other);
   }
 };
 
-/// Parameters of the stage; each is described once, in schema().
+/// Parameters of loop closing. schema() describes each of them once; the comments here repeat it.
 struct LoopClosingConfig {
   // When to search.
   /// [key frames] Search at most every so many key frames.
@@ -89,6 +93,7 @@ struct LoopClosingConfig {
   /// [rad] A loop's standard deviation in rotation is never stated smaller.
   double min_stddev_q = 0.002;
 
+  /// Names, ranges, units and descriptions of all parameters.
   static const config::Schema<LoopClosingConfig>& schema();
 };
 
