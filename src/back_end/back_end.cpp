@@ -26,7 +26,7 @@ class BackEnd::Impl {
     if (config_.use_loop_close && builder_.new_data.loops >= config_.optimize_step_with_loop)
       return true;
     if (config_.use_gnss && builder_.new_data.gnss >= gnss_optimization_step()) return true;
-    // Odometry alone has nothing to distribute.
+    // With odometry alone there is no contradiction to distribute.
     const bool has_corrections = (config_.use_loop_close && !drive_.loops.empty()) ||
                                  (config_.use_gnss && !drive_.gnss.empty());
     return has_corrections && builder_.new_data.key_frames >= config_.optimize_step_with_key_frame;
@@ -62,15 +62,15 @@ class BackEnd::Impl {
   pose_graph::PoseGraph graph() const { return pose_graph_of(drive_, config_); }
 
  private:
-  /// A map that is not in East-North-Up yet should be soon.
+  /// Until the map is aligned to East-North-Up, a solution is due after few positions.
   int gnss_optimization_step() const {
     constexpr int kStepBeforeAlignment = 5;
     return drive_.in_enu.back() ? config_.optimize_step_with_gnss
                                 : std::min(kStepBeforeAlignment, config_.optimize_step_with_gnss);
   }
 
-  /// Small graphs are solved whole each time; large ones after each twentieth part that they have
-  /// grown, and when a window could not settle what is new.
+  /// Small graphs are always solved completely. Large ones are solved completely after each growth
+  /// by 5 %, and if a window was not sufficient for the new constraints.
   bool full_solve_due() const {
     constexpr std::size_t kSmallGraph = 4000;
     return full_solve_needed_ || drive_.nodes.size() < kSmallGraph ||
@@ -102,7 +102,8 @@ class BackEnd::Impl {
   DriveGraph drive_;
   std::uint32_t revision_ = 0;
   Stamp last_optimization_ = 0;
-  std::size_t last_full_solve_ = 0;  ///< key frames when the whole graph was solved last
+  /// Number of key frames at the last solution of the whole graph.
+  std::size_t last_full_solve_ = 0;
   bool full_solve_needed_ = false;
 };
 

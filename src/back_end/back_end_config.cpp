@@ -13,7 +13,8 @@ using Config = BackEndConfig;
 constexpr config::Range kStddev = {1e-6, 1e3};
 constexpr config::Range kSteps = {1, 1e9};
 
-/// Also in capital and in small letters, which files of other programs have.
+/// The names of the kernels also in upper and in lower case, as configuration files of other
+/// programs have them.
 std::vector<std::pair<std::string, pose_graph::RobustKernel>> kernels_in_any_case() {
   std::vector<std::pair<std::string, pose_graph::RobustKernel>> choices =
       pose_graph::robust_kernel_names();

@@ -11,19 +11,21 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// However well a few minutes agree, no odometry is believed more than this share allows.
+/// Lower bound: a few minutes of good agreement do not prove that the odometry is perfect.
 constexpr double kMinFraction = 0.1;
 constexpr double kMinScatter = 1e-3;
-/// Stretches of the way that a mean square takes, and motions that the longest ones have to cover
-/// to show what neighbours share.
+/// Least number of sections for a mean square, and least length in motions of the longest sections,
+/// so that errors that neighbouring motions have in common are seen.
 constexpr std::size_t kMinSections = 8;
 constexpr std::size_t kMinLongestSection = 16;
 
-/// Sums along the way, from which those over any stretch follow.
+/// Cumulative sums along the path; the sum over a section is the difference of two entries.
 struct CumulativeSums {
-  std::vector<Vector6d> errors;    ///< of the motions up to each node, in units of drift
-  std::vector<int> positions;      ///< believed up to each node
-  std::vector<std::size_t> begin;  ///< first node that odometry joins to each
+  /// Of the motions up to each node, in units of the configured drift.
+  std::vector<Vector6d> errors;
+  std::vector<int> positions;  ///< number of nodes with a used position up to each node
+  /// First node of the section of odometry that each node belongs to.
+  std::vector<std::size_t> begin;
 };
 
 bool is_used(int constraint, const std::vector<bool>& used) {
@@ -54,7 +56,7 @@ CumulativeSums cumulative_sums(const DriveGraph& drive, const BackEndConfig& con
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     if (factors.motion_of[i] < 0) {
       begin = i;
-    } else if (!drive.nodes[i].doubtful) {  // what such a step has lost is no drift
+    } else if (!drive.nodes[i].doubtful) {  // the error of a doubtful step is not drift
       errors += motion_error(drive, config, factors.graph, i);
     }
     positions += has_position[i];
@@ -65,8 +67,9 @@ CumulativeSums cumulative_sums(const DriveGraph& drive, const BackEndConfig& con
   return sums;
 }
 
-/// The variance of one motion's error if the sums over stretches of `length` motions were those of
-/// independent ones. None where too few stretches have positions at half of their nodes.
+/// The variance of the error of one motion, if the errors of the motions in each section of
+/// `length` motions were independent. Empty if there are too few sections with positions at half of
+/// their nodes.
 std::optional<Vector6d> motion_variance(const CumulativeSums& sums, std::size_t length) {
   Vector6d squares = Vector6d::Zero();
   std::size_t count = 0;

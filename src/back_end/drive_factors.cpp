@@ -10,15 +10,16 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// The prior of the first node: where nothing else says where the map is it is the only say; beside
-// GNSS it only keeps the directions that positions cannot observe (the roll about a straight road).
+// Prior of the first node of a segment. It determines the pose of the map if no other constraint
+// does. With GNSS it only determines the directions that positions cannot observe, such as the roll
+// on a straight road.
 constexpr double kStrongStddev_m = 1e-3;
 constexpr double kStrongStddev_rad = 1e-4;
 constexpr double kWeakStddev_m = 1e3;
 constexpr double kWeakHeadingStddev_rad = 10.0;
 constexpr double kWeakTiltStddev_rad = 0.05;
 
-/// Of place and heading, and of the tilt, each firm or weak.
+/// Position and heading, and the tilt, each with a strong or a weak prior.
 Covariance6 prior_covariance(const Pose& T_map_base, bool strong_position, bool strong_tilt) {
   const Eigen::Vector3d up_base = T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   const double tilt = strong_tilt ? kStrongStddev_rad : kWeakTiltStddev_rad;
@@ -30,7 +31,7 @@ Covariance6 prior_covariance(const Pose& T_map_base, bool strong_position, bool 
   return covariance;
 }
 
-/// As the parameters have it, the squares of x y z roll pitch yaw.
+/// As configured: the squares of x y z roll pitch yaw.
 Covariance6 configured_covariance(const BackEndConfig& config) {
   return Eigen::Map<const Vector6d>(config.fix_first_node_stddev.data()).cwiseAbs2().asDiagonal();
 }
@@ -42,8 +43,8 @@ void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_
     const int node = drive.segment_starts[segment];
     const Pose& pose =
         segment == 0 ? drive.T_map_first : drive.nodes[static_cast<std::size_t>(node)].T_map_base;
-    // A segment that hangs on another needs no prior; a weak one keeps it solvable should its
-    // loops be refused.
+    // A segment that loops connect to another one needs no prior. A weak one keeps the system
+    // solvable if all its loops are refused.
     const bool isolated = connected[segment] == static_cast<int>(segment);
     const bool strong = isolated && !(with_gnss && drive.in_enu[segment]);
     const Covariance6 covariance = segment == 0 && config.fix_first_node
@@ -53,10 +54,10 @@ void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_
   }
 }
 
-// A step that is probably wrong holds where nothing else does, and gives way to what contradicts it
-// by more than the error that is expected of it.
+// A doubtful step connects its key frames if nothing else does. Its kernel reduces its weight if
+// other constraints contradict it by more than the error that is expected of it.
 constexpr pose_graph::RobustKernel kDoubtfulKernel = pose_graph::RobustKernel::kCauchy;
-constexpr double kDoubtfulKernelSize = 1.0;  // standard deviations
+constexpr double kDoubtfulKernelSize = 1.0;  // of the expected error
 
 void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
@@ -76,7 +77,7 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     const DriveLoop& loop = drive.loops[i];
     if (loop.loop.decision == LoopDecision::kRefuse) continue;
-    // What a person accepted stands as firm as odometry: no kernel, no refusal.
+    // A loop that a person accepted has no kernel and is never refused, like odometry.
     const bool is_switchable = loop.loop.decision == LoopDecision::kAuto;
     factors.loop_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information = pose_graph::g2o_information(loop_covariance(loop.loop, config));
@@ -95,7 +96,7 @@ void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
   }
 }
 
-/// Believed so far, or not judged yet.
+/// Constraints that were used so far or were never evaluated.
 std::vector<bool> selected_constraints(const DriveGraph& drive, const DriveFactors& factors) {
   std::vector<bool> selected(factors.graph.constraints.size(), true);
   const auto select = [&](int constraint, bool used, bool evaluated) {

@@ -34,9 +34,9 @@ const Floor* floor_at(const DriveGraph& drive, std::size_t node) {
   return has_floor ? &found->floor : nullptr;
 }
 
-/// Share of the drift in height, roll and pitch that is left to a motion between two floors. Their
-/// scatter from one key frame to the next would pass for drift; of what is smaller than it floors
-/// tell nothing.
+/// Fraction of the drift in height, roll and pitch that remains for a motion between two floors.
+/// The noise of the floors from one key frame to the next must not be taken for drift: floors give
+/// no information on a drift that is smaller than their noise.
 double drift_fraction_between_floors(const DriveGraph& drive, std::size_t node,
                                      const Vector6d& drift, const BackEndConfig& config) {
   if (config.floor_constraint != FloorConstraint::kNeighbours) return 1.0;

@@ -20,7 +20,7 @@ DriveNode& node_at(DriveGraph& drive, int position) {
   return drive.nodes[static_cast<std::size_t>(position)];
 }
 
-/// Moves the nodes of some segments rigidly.
+/// Moves all nodes of the selected segments by one rigid motion.
 void transform_segments(DriveGraph& drive, const std::vector<bool>& segments,
                         const Pose& T_new_old) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
@@ -36,7 +36,7 @@ std::vector<bool> group_members(const std::vector<int>& connected, int group) {
   return result;
 }
 
-/// Where a loop that is new says that the group of its newer end lies, relative to where it is.
+/// The motion of the group at one end of a new loop that makes the loop fit.
 Pose correction_by_loop(DriveGraph& drive, const DriveLoop& loop, bool correct_newer_end) {
   const Pose& from = node_at(drive, loop.from).T_map_base;
   const Pose& to = node_at(drive, loop.to).T_map_base;
@@ -66,7 +66,7 @@ AlignmentLimits alignment_limits(const BackEndConfig& config) {
   return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * kRadPerDeg};
 }
 
-/// Over the whole track, or where that has drifted too far to fit, over its beginning.
+/// Aligns the whole track, or its beginning if the whole track has drifted too far.
 std::optional<Alignment> align_track(const std::vector<AlignmentSample>& samples,
                                      const Eigen::Quaterniond& R_level_map,
                                      const BackEndConfig& config) {

@@ -7,7 +7,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Lets the nodes that came during a solution follow odometry from those before.
+/// Computes the poses of nodes that were added during a solution by odometry from the previous
+/// nodes.
 void propagate_odometry(std::size_t first, DriveGraph& drive) {
   for (std::size_t i = first; i < drive.nodes.size(); ++i) {
     const DriveNode& previous = drive.nodes[i - 1];

@@ -12,7 +12,7 @@ namespace lidar_mapping::back_end {
 namespace {
 
 constexpr int kWindowSteps = 50;
-// A window absorbs corrections that die out within it. Larger ones bend the whole drive.
+// A window can absorb corrections that decay within it. Larger corrections change the whole drive.
 constexpr double kSmallCorrection_m = 0.3;
 constexpr double kSmallCorrection_rad = 0.02;
 
@@ -34,7 +34,7 @@ bool is_small_correction(const DriveGraph& drive, const DriveGnss& gnss) {
   return gap.head<2>().norm() < kSmallCorrection_m;
 }
 
-/// Nodes with something new; none if some of it is not small.
+/// Nodes with new constraints; empty if one of the corrections is not small.
 std::optional<std::vector<int>> nodes_with_new_data(const DriveGraph& drive,
                                                     const BackEndConfig& config) {
   std::vector<int> result;
@@ -62,7 +62,8 @@ std::multimap<int, int> loop_partners(const DriveGraph& drive) {
   return partners;
 }
 
-/// Steps from the seeds to each node about them, one more than kHops at the border.
+/// Number of steps from the nodes with new constraints to each node around them, up to one more
+/// than kWindowSteps at the border.
 std::map<int, int> steps_from(const DriveGraph& drive,
                               const std::vector<int>& nodes_with_new_data) {
   const std::multimap<int, int> partners = loop_partners(drive);
@@ -88,14 +89,14 @@ std::map<int, int> steps_from(const DriveGraph& drive,
   return steps_to;
 }
 
-/// Place of a node in the window, or -1.
+/// Position of a node in the window; -1: it is not in it.
 int position_in_window(const DriveWindow& window, int node) {
   const auto found = std::lower_bound(window.nodes.begin(), window.nodes.end(), node);
   if (found == window.nodes.end() || *found != node) return -1;
   return static_cast<int>(found - window.nodes.begin());
 }
 
-/// The values that belong to nodes of the window, renumbered.
+/// The values that belong to nodes of the window, with the numbers of the window.
 template <typename Value>
 std::vector<Value> in_window(const std::vector<Value>& values, const DriveWindow& window) {
   std::vector<Value> result;

@@ -10,18 +10,19 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// What the front end knows of its surroundings when a segment begins is a scan or two, so its first
-// steps are worse than it says. Loops hold both sides of the kink that they leave.
+// At the beginning of a segment, the local map of the front end holds only one or two scans. The
+// first steps are therefore worse than their covariances. This counts if loops constrain the poses
+// on both sides of the resulting error.
 constexpr double kInitialDistance = 20.0;     // m
-constexpr double kInitialStddev_m = 0.01;     // of each step
-constexpr double kInitialStddev_rad = 0.005;  // of each step
+constexpr double kInitialStddev_m = 0.01;     // m, added to each step
+constexpr double kInitialStddev_rad = 0.005;  // rad, added to each step
 
-/// The standard deviation of the quaternion's vector part is that of half the angle.
+/// The vector part of a quaternion is half the rotation vector for small angles.
 Covariance6 constant_covariance(const BackEndConfig& config) {
   return diagonal_covariance(config.const_stddev_x, 2.0 * config.const_stddev_q);
 }
 
-/// Standard deviation between its extremes: variances approach the larger one exponentially.
+/// Standard deviation between two limits: the variance approaches the upper limit exponentially.
 double saturating_stddev(double fitness, double min_stddev, double max_stddev,
                          const BackEndConfig& config) {
   const double s = std::min(fitness, config.inf_matrix_max_fitness);

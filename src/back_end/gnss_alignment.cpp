@@ -11,10 +11,11 @@ namespace {
 
 constexpr int kIterations = 10;
 constexpr std::size_t kMaxPairs = 300;
-// Drift bends a long track by more than the fixes' noise; that must not count as a false fix.
+// Drift deforms a long track by more than the noise of the fixes; the fixes must not be taken for
+// outliers because of that. As a fraction of the track's extent.
 constexpr double kTrackDeformation = 0.01;
 
-/// Heading and horizontal shift: p_enu = R(yaw) p_level + shift.
+/// Rotation about the vertical and horizontal shift: p_enu = R(yaw) p_level + shift.
 struct PlanarMotion {
   double yaw = 0.0;
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -53,7 +54,7 @@ double normalised_error(const LevelSample& sample, const PlanarMotion& motion) {
 std::optional<PlanarMotion> motion_from_pair(const LevelSample& a, const LevelSample& b) {
   const Eigen::Vector2d along_level = b.level - a.level;
   const Eigen::Vector2d along_enu = b.enu - a.enu;
-  // Both must be about as far apart, or one of the fixes is false.
+  // Both distances must agree, or one of the fixes is an outlier.
   const double tolerance = 3.0 * (a.stddev + b.stddev);
   if (std::abs(along_level.norm() - along_enu.norm()) > tolerance) return std::nullopt;
   PlanarMotion motion;
@@ -72,7 +73,7 @@ double truncated_squared_error(const std::vector<LevelSample>& samples,
   return sum;
 }
 
-/// The best of motions that two samples half the track apart give.
+/// The best of the motions from pairs of samples that are half the track apart.
 PlanarMotion best_pair_motion(const std::vector<LevelSample>& samples) {
   PlanarMotion best;
   double least = std::numeric_limits<double>::infinity();
@@ -89,7 +90,8 @@ PlanarMotion best_pair_motion(const std::vector<LevelSample>& samples) {
   return best;
 }
 
-/// Weighted least squares for heading and shift (Umeyama 1991 in the plane), weights from Cauchy.
+/// Weighted least squares for heading and shift (Umeyama 1991 in the plane) with weights of the
+/// Cauchy kernel.
 PlanarMotion refine_weighted(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
   double weights = 0.0;
   Eigen::Vector2d mean_level = Eigen::Vector2d::Zero();
@@ -129,7 +131,8 @@ double heading_stddev(const std::vector<LevelSample>& samples, const PlanarMotio
   return 1.0 / std::sqrt(std::max(information, 1e-12));
 }
 
-/// Weighted median of the altitude differences: half of the altitudes may be false.
+/// Weighted median of the altitude differences: it tolerates outliers in up to half of the
+/// altitudes.
 double altitude_shift(const std::vector<AlignmentSample>& samples,
                       const Eigen::Quaterniond& R_level_map) {
   std::vector<std::pair<double, double>> shifts;

@@ -14,19 +14,19 @@ namespace {
 constexpr double kMinSigma = 0.003;  // s
 constexpr Stamp kWindowDuration = from_seconds(12.0);
 constexpr double kMaxStepDuration =
-    2.0;  // s between key frames; a vehicle that stood tells no speed
+    2.0;  // s between key frames; without motion there is no velocity
 
-/// Where the antenna was (m) and how fast it moved (m/s), in the axes of some base_link.
+/// Position (m) and velocity (m/s) of the antenna in the axes of one base_link.
 struct AntennaState {
   Eigen::Vector3d position;
   Eigen::Vector3d velocity;
 };
 
-/// Key frames before and after a time whose places the antenna's way is drawn through: one on
-/// either side would cut the corners of the speed.
+/// Number of key frames on each side of a time through which the path of the antenna is
+/// interpolated. With one on each side, the velocity would not be continuous.
 constexpr int kKeyFramesPerSide = 2;
 
-/// The polynomial through places at given times (Newton's divided differences).
+/// The polynomial through positions at given times (Newton's divided differences).
 class TrajectoryPolynomial {
  public:
   void add(double seconds, const Eigen::Vector3d& position) {
@@ -53,7 +53,8 @@ class TrajectoryPolynomial {
  private:
   std::vector<double> seconds_;
   std::vector<Eigen::Vector3d> coefficients_;
-  std::vector<Eigen::Vector3d> last_differences_;  ///< differences that end at the last place
+  /// Divided differences that end at the last position.
+  std::vector<Eigen::Vector3d> last_differences_;
 };
 
 double seconds_between(const DriveGraph& drive, int from, int to) {
@@ -61,7 +62,7 @@ double seconds_between(const DriveGraph& drive, int from, int to) {
                     drive.nodes[static_cast<std::size_t>(from)].stamp);
 }
 
-/// Whether odometry leads from a node to the next without a rest.
+/// True if odometry connects a node with the next one without a stop between them.
 bool moves_to_next(const DriveGraph& drive, int node) {
   if (node < 0 || node + 1 >= static_cast<int>(drive.nodes.size())) return false;
   if (!drive.nodes[static_cast<std::size_t>(node) + 1].connected) return false;
@@ -69,8 +70,8 @@ bool moves_to_next(const DriveGraph& drive, int node) {
   return seconds > 0.0 && seconds <= kMaxStepDuration;
 }
 
-/// The antenna `delay` seconds before a node's stamp, in base_link as it is at the node: between
-/// the key frames about that time, as odometry has them.
+/// State of the antenna `delay` seconds before the stamp of a node, in the base_link of that node,
+/// interpolated between key frames by odometry.
 AntennaState antenna_at_delay(const DriveGraph& drive, int node, const Eigen::Vector3d& lever_arm,
                               double delay) {
   int before = node;
@@ -100,7 +101,7 @@ Eigen::Quaterniond R_map_odom(const DriveNode& node) {
   return node.T_map_base.rotation * node.T_odom_base.rotation.conjugate();
 }
 
-/// Odometry at a node beside its fix, in axes that are level.
+/// A fix together with the pose of its node by odometry, in a frame with a vertical z axis.
 TrackedFix tracked_fix(const DriveGraph& drive, const DriveGnss& gnss,
                        const Eigen::Quaterniond& R_level_odom) {
   const DriveNode& node = node_of(drive, gnss);
@@ -121,7 +122,7 @@ struct DelayFits {
   std::vector<AntennaFit> per_segment;
 };
 
-/// Lays the fixes over odometry, in windows over which its drift does not add up.
+/// Fits the fixes to odometry in windows that are short enough for its drift.
 DelayFits fit_delays(const DriveGraph& drive) {
   DelayFits fits;
   Eigen::Quaterniond R_level_odom = Eigen::Quaterniond::Identity();
@@ -146,7 +147,7 @@ DelayFits fit_delays(const DriveGraph& drive) {
   return fits;
 }
 
-/// What is not certain yet is not corrected, but allowed for.
+/// A delay that is not certain yet is not corrected, but is included in the uncertainty.
 GnssDelay delay_of(const AntennaFit::Result& result) {
   if (!result.delay_is_known()) {
     return {0.0, std::min(GnssDelay{}.sigma, std::hypot(result.delay, result.delay_sigma))};

@@ -13,7 +13,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// By how much each position's covariance grows because its neighbours share its error.
+/// Factor by which the covariance of each position grows because neighbouring positions have common
+/// errors.
 std::vector<double> covariance_factors(const DriveGraph& drive, const BackEndConfig& config) {
   std::vector<double> factors(drive.gnss.size(), 1.0);
   const auto p_odom = [&](std::size_t i) {
@@ -31,7 +32,7 @@ std::vector<double> covariance_factors(const DriveGraph& drive, const BackEndCon
   return factors;
 }
 
-/// The segments that hang together with one that lies in East-North-Up.
+/// The segments that are connected with a segment in East-North-Up.
 std::vector<bool> segments_in_enu(const DriveGraph& drive) {
   const std::vector<int> connected = connected_segments(drive, true);
   std::vector<bool> group_in_enu(connected.size(), false);

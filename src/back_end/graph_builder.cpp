@@ -14,7 +14,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Keeps `list` ordered by node; false if the node has its value already.
+/// Inserts a value into a list that is ordered by node. Returns false if the node has a value
+/// already.
 template <typename Value>
 bool insert_by_node(const Value& value, std::vector<Value>& list) {
   const auto after =

@@ -8,7 +8,7 @@
 
 namespace lidar_mapping::back_end {
 
-/// Measurements whose key frame has not come yet, bounded.
+/// Measurements that arrived before their key frame. The oldest is dropped above a limit.
 template <typename Value>
 class PendingMeasurements {
  public:
@@ -31,15 +31,15 @@ class PendingMeasurements {
   std::map<Stamp, Value> values_;
 };
 
-/// What came since the last solution.
+/// Number of data that arrived since the last solution.
 struct NewDataCounts {
   int key_frames = 0;
   int loops = 0;
   int gnss = 0;
 };
 
-/// Takes key frames, loops and measurements into a drive: checks them, and brings measurements
-/// together with the key frame of their stamp, whichever comes first.
+/// Adds key frames, loops and measurements to a drive. It checks them and assigns measurements to
+/// the key frame with the same stamp, in either order of arrival.
 class GraphBuilder {
  public:
   explicit GraphBuilder(const BackEndConfig& config) : config_(config) {}
@@ -66,8 +66,8 @@ class GraphBuilder {
   PendingMeasurements<GnssPosition> pending_gnss_;
   PendingMeasurements<ImuSample> pending_imu_;
   PendingMeasurements<Floor> pending_floors_;
-  std::uint32_t newest_segment_ = 0;  ///< as the front end numbers them
-  double distance_in_segment_ = 0.0;  ///< m, driven in it
+  std::uint32_t newest_segment_ = 0;  ///< number that the front end gave to the segment
+  double distance_in_segment_ = 0.0;  ///< distance travelled in the newest segment, m
 };
 
 }  // namespace lidar_mapping::back_end

@@ -15,17 +15,17 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// Information of the first key frame: a micrometre and two microradians, which at the end of ten
-// kilometres are two centimetres.
+// Information of the first key frame: standard deviations of one micrometre and two microradians,
+// which are two centimetres after ten kilometres.
 constexpr double kKnownInformation = 1e12;
 
 PoseDeviation deviation_of(const Covariance6& covariance) {
-  // What is left of large numbers may be below zero.
+  // Differences of large numbers may become negative by rounding.
   return {std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace())),
           std::sqrt(std::max(0.0, covariance.bottomRightCorner<3, 3>().trace()))};
 }
 
-/// The covariances of key frames and between neighbours, the first one known.
+/// Covariances of key frames and between neighbouring ones, with the first key frame known.
 class Covariances {
  public:
   explicit Covariances(const DriveFactors& factors)
@@ -33,12 +33,12 @@ class Covariances {
                                                neighbour_pairs(factors.graph))),
         inverse_(inverse_with_known_first(*system_)) {}
 
-  /// False where the constraints leave something free.
+  /// False if the constraints do not determine all poses.
   bool are_known() const { return inverse_.has_value(); }
 
   Covariance6 of(int node) const { return between(node, node); }
 
-  /// Of the motion T_from_to.
+  /// Covariance of the motion T_from_to.
   Covariance6 of_motion(int from, int to, const Pose& T_from_to) const {
     const Matrix6d adjoint_to_from = adjoint(T_from_to.inverse());
     const Matrix6d cross_term = adjoint_to_from * between(from, to);
@@ -60,7 +60,7 @@ class Covariances {
   }
 
   Matrix6d between(int row, int column) const {
-    // The tangent has half angles.
+    // The tangent of the graph has half angles.
     const Vector6d angles = (Vector6d() << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0).finished();
     return angles.asDiagonal() * system_->block(*inverse_, row, column) * angles.asDiagonal();
   }

@@ -17,12 +17,12 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// Poses are then within a fraction of a millimetre of the minimum.
+// The poses are then within a fraction of a millimetre of the minimum.
 constexpr double kCostTolerance = 1e-5;
-// Below it some motion of the whole map by metres costs next to nothing.
+// Below this eigenvalue, some motion of the map by metres hardly changes the cost.
 constexpr double kWeaklyConstrained = 1e-8;
 
-/// The states as odometry alone has them, from the first node of each segment.
+/// Sets the states to odometry alone, from the first node of each segment.
 void chain_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     if (!drive.nodes[i].connected) continue;
@@ -31,8 +31,8 @@ void chain_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
   }
 }
 
-/// From the present poses, with everything that was believed and everything new. True if nothing
-/// contradicts the outcome.
+/// Solves from the current poses with all constraints that were used and all new ones. True if no
+/// constraint contradicts the result.
 bool solve_from_current(DriveFactors& factors, pose_graph::RobustSolution& solution) {
   solution =
       pose_graph::solve_selected(factors.graph, factors.selected, {50, 1e10, kCostTolerance});
@@ -79,7 +79,7 @@ void store_solution(const DriveFactors& factors, const pose_graph::RobustSolutio
   }
 }
 
-/// Lets the old ones go first: on a long drive two graphs at once are the peak of memory.
+/// Frees the old factors first: two graphs at once would need most memory on a long drive.
 void rebuild_factors(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   factors = {};
   factors = make_factors(drive, config);
@@ -98,8 +98,8 @@ void correct_delays(const SystematicErrors& systematic, DriveGraph& drive) {
   }
 }
 
-/// What a solution with odometry as it is and with all of its drift shows of its errors, and of
-/// GNSS's delay. The factors are made anew with that.
+/// Estimates the errors of odometry and the delay of GNSS from a solution with the uncorrected
+/// odometry and its full drift. The factors are rebuilt with them.
 void estimate_errors(const BackEndConfig& config, const pose_graph::RobustSolution& solution,
                      DriveFactors& factors, DriveGraph& drive) {
   const double scatter = position_scatter(factors, solution.used);
@@ -111,16 +111,15 @@ void estimate_errors(const BackEndConfig& config, const pose_graph::RobustSoluti
       observed_drift_fraction(drive, config, factors, solution.used);
   rebuild_factors(drive, config, factors);
   if (!corrects_delays(drive)) return;
-  // Odometry that is believed more shows a delay by the course of whole streets, not of single
-  // bends, where its errors are alike from bend to bend.
+  // With a smaller drift the delay is determined by whole streets instead of single bends. In
+  // single bends the errors of odometry are similar and look like a delay.
   const SystematicErrors remaining =
       estimate_systematic_errors(drive, factors, solution.used, scatter);
   correct_delays(remaining, drive);
   rebuild_factors(drive, config, factors);
 }
 
-/// Solves once more with what the positions show of odometry; everything stays as it is where that
-/// fails.
+/// Solves again with the estimated errors of odometry. If that fails, everything stays as it is.
 void solve_with_estimated_errors(const BackEndConfig& config, DriveFactors& factors,
                                  pose_graph::RobustSolution& solution, DriveGraph& drive) {
   const std::vector<GnssDelay> delays = drive.gnss_delays;
@@ -143,7 +142,7 @@ bool has_used(const std::vector<int>& constraints, const pose_graph::RobustSolut
                      [&](int constraint) { return used(solution, constraint); });
 }
 
-/// Judgements on the whole drive: those so far, but for the part that was solved, and the new ones.
+/// Counts for the whole drive: those so far, without the solved part, plus the new ones.
 void fill_report(const OptimizationProblem& problem, const DriveGraph& solved,
                  const pose_graph::RobustSolution& solution, OptimizationReport& report) {
   const UsageCounts before = count_usage(problem.drive);
@@ -163,7 +162,8 @@ void fill_report(const OptimizationProblem& problem, const DriveGraph& solved,
                        : "the solver failed, poses are as before: " + solution.message;
 }
 
-/// Only what is new and its surroundings; where that does not settle everything nothing moves.
+/// Solves only the new constraints and their surroundings. If that is not sufficient, no pose
+/// changes.
 void solve_window(const OptimizationProblem& problem, OptimizationSolution& result) {
   DriveFactors factors = make_factors(result.drive, problem.config);
   pose_graph::RobustSolution solution;
@@ -173,7 +173,8 @@ void solve_window(const OptimizationProblem& problem, OptimizationSolution& resu
   fill_report(problem, result.drive, solution, result.report);
 }
 
-/// Positions that only place the map are no constraints; used are those that the place rests on.
+/// Positions that only place the map are no constraints; the inliers of the alignment count as
+/// used.
 void report_placement(const DriveGraph& drive, const Georeference& placed,
                       OptimizationReport& report) {
   report.gnss_rms = placed.rms_horizontal;
@@ -191,7 +192,8 @@ void report_placement(const DriveGraph& drive, const Georeference& placed,
   report.remarks.push_back("the map is " + text.str());
 }
 
-/// How firmly the least known motion is held: a map that nothing ties down shows here.
+/// Reports how well the least constrained motion is determined, so that a map with too few
+/// constraints is noticed.
 void report_least_eigenvalue(const DriveFactors& factors,
                              const pose_graph::RobustSolution& solution,
                              OptimizationReport& report) {

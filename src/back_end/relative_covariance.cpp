@@ -12,12 +12,13 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// Information of the key frame that is known: a micrometre and two microradians, which at the end
-// of ten kilometres are two centimetres.
+// Information of the known key frame: standard deviations of one micrometre and two microradians,
+// which are two centimetres after ten kilometres.
 constexpr double kKnownInformation = 1e12;
-constexpr double kUnknownInformation = 1e-6;  // of each, so that none is free: a kilometre
+// Of each key frame, so that all are determined: one kilometre.
+constexpr double kUnknownInformation = 1e-6;
 
-/// What odometry says, and nothing else.
+/// The constraints of odometry alone.
 std::vector<bool> odometry_constraints(const DriveFactors& factors) {
   std::vector<bool> selected(factors.selected.size(), false);
   for (const int motion : factors.motion_of) {
@@ -50,7 +51,7 @@ class RelativeCovariance::Impl {
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(Eigen::Index{6} * states_, 6);
     unit.middleRows<6>(Eigen::Index{6} * *row).setIdentity();
     const Matrix6d covariance = system_->solve(unit).middleRows<6>(Eigen::Index{6} * *row);
-    // The tangent has half angles.
+    // The tangent of the graph has half angles.
     const Vector6d angles = (Vector6d() << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0).finished();
     return Covariance6(angles.asDiagonal() * (0.5 * (covariance + covariance.transpose())) *
                        angles.asDiagonal());

@@ -14,16 +14,16 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Of the scale of LiDAR odometry before positions show it.
+/// Standard deviation of the scale error of LiDAR odometry before positions show it.
 constexpr double kScaleErrorStddev = 5e-5;
-/// Keeps an unknown out that nothing may change.
+/// Prior that keeps a parameter at zero.
 constexpr double kFixedStddev = 1e-9;
 
 enum Parameter { kScaleError, kDelay, kLeverArmX, kLeverArmY, kCount };
 using ParameterVector = Eigen::Matrix<double, kCount, 1>;
 using Displacements = Eigen::Matrix<double, 3, kCount>;
 
-/// Normal equations of the unknowns beside the poses.
+/// Normal equations of the parameters together with the poses.
 class NormalEquations {
  public:
   NormalEquations(const pose_graph::FactorGraph& graph, const std::vector<bool>& used)
@@ -34,7 +34,7 @@ class NormalEquations {
       if (!used[i]) continue;
       const pose_graph::Constraint& c = graph.constraints[i];
       const pose_graph::LinearisedConstraint at = pose_graph::linearise(graph, c);
-      // The poses are at a minimum with kernels.
+      // The poses are at the minimum of the cost with kernels.
       const Eigen::VectorXd weighted_residual =
           pose_graph::kernel_weight(c, at.residual) * at.residual;
       pose_gradient_.segment<6>(6 * c.first) += at.first.transpose() * weighted_residual;
@@ -43,8 +43,9 @@ class NormalEquations {
     }
   }
 
-  /// A unit of each unknown has the effect that its column of `shifts` (m) has on the constraint's
-  /// last node, in the node's axes.
+  /// Adds the effect of the parameters on one constraint. A unit of each parameter acts like a
+  /// displacement of the constraint's last node by its column of `displacements`, m in the node's
+  /// axes.
   void add(int constraint, const Displacements& displacements) {
     const pose_graph::Constraint& c = graph_.constraints[static_cast<std::size_t>(constraint)];
     const pose_graph::LinearisedConstraint at = pose_graph::linearise(graph_, c);
@@ -57,7 +58,7 @@ class NormalEquations {
     if (has_second) mixed_.middleRows<6>(6 * c.second) += at.second.transpose() * effects;
   }
 
-  /// Newton's step for unknowns that are near zero, by `stddev`.
+  /// Newton step for parameters whose prior has mean zero and `stddev`.
   ParameterVector solution(pose_graph::BlockCholesky<6>& poses,
                            const ParameterVector& stddev) const {
     const Eigen::MatrixXd solved_mixed = poses.solve(mixed_);
@@ -82,7 +83,7 @@ void add_scale_error(const DriveGraph& drive, const DriveFactors& factors,
     const int node = static_cast<int>(i);
     const Eigen::Quaterniond R_node_previous =
         factors.graph.pose(node).rotation.conjugate() * factors.graph.pose(node - 1).rotation;
-    // A longer motion was measured: as if the node lay as much behind.
+    // A longer measured motion has the effect of a node that is as much too far back.
     Displacements displacements = Displacements::Zero();
     displacements.col(kScaleError) = -(R_node_previous * motion_to(drive, i).translation);
     equations.add(factors.motion_of[i], displacements);
@@ -104,7 +105,7 @@ void add_delay_and_lever_arm(const DriveGraph& drive, const DriveFactors& factor
   }
 }
 
-/// Of all unknowns before the graph shows them.
+/// Standard deviations of all parameters before the graph shows them.
 ParameterVector prior_stddevs(const DriveGraph& drive) {
   double delay = kFixedStddev;
   double lever_arm = kFixedStddev;
@@ -126,8 +127,8 @@ SystematicErrors estimate_systematic_errors(const DriveGraph& drive, const Drive
   NormalEquations equations(factors.graph, used);
   add_scale_error(drive, factors, equations);
   add_delay_and_lever_arm(drive, factors, used, equations);
-  // Covariances that are all too large by one factor leave the poses as they are, but not what they
-  // are worth beside an unknown's own.
+  // If all covariances are too large by one factor, the poses are the same, but the weights
+  // relative to the priors of the parameters are not.
   const ParameterVector solution = equations.solution(*poses, prior_stddevs(drive) / scatter);
   return {solution(kScaleError), solution(kDelay), {solution(kLeverArmX), solution(kLeverArmY)}};
 }

@@ -5,18 +5,18 @@
 
 namespace lidar_mapping::back_end {
 
-/// Errors that all constraints of a kind share.
+/// Systematic errors, which all constraints of a kind have in common.
 struct SystematicErrors {
-  double scale_error = 0.0;  ///< share by which odometry's way has to be lengthened
-  /// To add where a delay of GNSS is corrected: to the delay (s), and to what is made of the
-  /// antenna's place (m, in base_link), which looks like a delay at an even speed.
+  double scale_error = 0.0;  ///< relative scale error of odometry, as in OdometryErrors
+  /// Corrections where a delay of GNSS is corrected: of the delay (s), and of the lever arm (m, in
+  /// base_link), which looks like a delay at constant speed.
   double delay = 0.0;
   Eigen::Vector2d lever_arm = Eigen::Vector2d::Zero();
 };
 
-/// Finds them beside the poses: a step of Newton's from the states that `factors` has, near a
-/// minimum over the poses alone, to that over both. `used` marks the constraints that are believed;
-/// `scatter` is by how much positions scatter beside what their covariances say (drift_share.hpp).
+/// Estimates the systematic errors together with the poses. The states of `factors` are near the
+/// minimum over the poses; one Newton step leads to the minimum over both. `used` selects the
+/// constraints; `scatter` is that of position_scatter() (drift_fraction.hpp).
 SystematicErrors estimate_systematic_errors(const DriveGraph& drive, const DriveFactors& factors,
                                             const std::vector<bool>& used, double scatter);
 

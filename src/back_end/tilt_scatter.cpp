@@ -10,19 +10,19 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// However well a few minutes agree, no sensor is believed more than this share allows.
+/// Lower bound: a few minutes of good agreement do not prove that a sensor is perfect.
 constexpr double kMinFraction = 0.25;
-/// Pairs of means that a variance takes, and key frames that the longest means have to cover to
-/// show what neighbours share.
+/// Least number of pairs of means for a variance, and least length in key frames of the longest
+/// means, so that errors that neighbours have in common are seen.
 constexpr std::size_t kMinPairs = 8;
 constexpr std::size_t kMinLongestMean = 16;
-/// Length of the mean heading, of one where the vehicle never turns: a slanting mount shows only
-/// where it does.
+/// Length of the mean of the heading vectors above which the vehicle is taken to drive in one
+/// direction only. A mounting error of the IMU is visible only if the vehicle turns.
 constexpr double kMaxMeanHeadingLength = 0.7;
 
 using Directions = std::vector<Eigen::Vector3d>;
 
-/// Where the IMU has the sky in odometry's axes, by segment: the same everywhere but for errors.
+/// The vertical by the IMU in the axes of odometry, by segment. Without errors it is constant.
 std::vector<Directions> verticals_in_odometry(const DriveGraph& drive) {
   std::vector<Directions> result(drive.in_enu.size());
   for (const DriveImu& imu : drive.imu) {
@@ -36,7 +36,8 @@ std::vector<Directions> verticals_in_odometry(const DriveGraph& drive) {
   return result;
 }
 
-/// Half the mean square of the change from one mean of `length` values to the next, per component.
+/// Allan variance: half the mean square of the difference between successive means of `length`
+/// values, per component.
 struct AllanVariance {
   double sum = 0.0;
   std::size_t pairs = 0;
@@ -58,8 +59,9 @@ struct AllanVariance {
   double value() const { return sum / (2.0 * static_cast<double>(pairs)); }
 };
 
-/// Whether anything but odometry holds the height. Otherwise a firmer tilt's noise adds up along
-/// the way, where odometry that comes back to a place knows its height again.
+/// True if other constraints than odometry determine the height. Otherwise the noise of a tilt with
+/// a large weight would accumulate along the path, while odometry alone recovers its height when it
+/// returns to a location.
 bool is_height_constrained(const DriveGraph& drive, const BackEndConfig& config) {
   if (config.use_gnss && !config.georeference_only && !drive.gnss.empty()) return true;
   return config.use_loop_close &&
@@ -81,7 +83,8 @@ double tilt_stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
   const double configured = config.imu_orientation_stddev_deg;
   if (!is_height_constrained(drive, config) || !vehicle_turns(drive)) return configured;
   const std::vector<Directions> segments = verticals_in_odometry(drive);
-  double variance = 0.0;  // of one value, if as many independent ones had the means' variance
+  // Of one value, if as many independent values had the variance of the means.
+  double variance = 0.0;
   std::size_t length = 1;
   for (;; length *= 2) {
     AllanVariance of_means;

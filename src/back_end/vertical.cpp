@@ -12,7 +12,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// A vehicle stands on its wheels: most accelerations point to where odometry has the sky.
+/// Sign of the accelerations: most of them point upwards in base_link, because a vehicle is
+/// upright.
 double acceleration_sign(const DriveGraph& drive) {
   double vote_sum = 0.0;
   for (const DriveImu& imu : drive.imu) {
@@ -22,8 +23,8 @@ double acceleration_sign(const DriveGraph& drive) {
   return vote_sum < 0.0 ? -1.0 : 1.0;
 }
 
-/// Length of the acceleration at rest as this sensor measures it, m/s^2: gravity differs by 0.3 %
-/// between places and sensors by more, and vehicles mostly go evenly.
+/// Length of the acceleration at rest as this sensor measures it, m/s^2, as the median: vehicles
+/// rarely accelerate. Gravity differs by 0.3 % between places, and the scale of sensors by more.
 double measured_gravity(const DriveGraph& drive) {
   std::vector<double> lengths;
   for (const DriveImu& imu : drive.imu) {
@@ -42,7 +43,7 @@ Vertical vertical_by_acceleration(const DriveImu& imu, double sign, double gravi
                                   const BackEndConfig& config) {
   const Eigen::Vector3d& acceleration = imu.sample.linear_acceleration;
   const double excess = std::abs(acceleration.norm() - gravity) / gravity;
-  // Braking by a changes the length by a^2 / 2g but turns the vertical by a / g.
+  // Braking by a changes the length by a^2 / 2g, but the direction by a / g.
   const double tilt_error = std::sqrt(2.0 * excess);
   return {imu.node, sign * acceleration.normalized(),
           std::hypot(config.imu_acceleration_stddev_deg * kRadPerDeg, tilt_error)};
