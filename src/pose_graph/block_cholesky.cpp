@@ -17,7 +17,8 @@ BlockCholesky<size>::BlockCholesky(int nodes, const std::vector<std::pair<int, i
   cholmod_.cholmod().print = 0;
   cholmod_.cholmod().nmethods = 1;
   cholmod_.cholmod().method[0].ordering = CHOLMOD_NATURAL;
-  cholmod_.cholmod().postorder = 0;  // AMD ends with it; so no step has to permute the matrix
+  // AMD has postordered already, so that no step has to permute the matrix.
+  cholmod_.cholmod().postorder = 0;
 }
 
 template <int size>
@@ -59,7 +60,7 @@ void BlockCholesky<size>::build_pattern(int nodes, const std::vector<std::pair<i
     for (int k = 0; k < size; ++k) {
       *outer++ = static_cast<int>(inner - lower_.innerIndexPtr());
       for (const int row : list) {
-        // The diagonal block is stored whole: CHOLMOD skips what lies above the diagonal.
+        // The diagonal block is stored completely; CHOLMOD ignores entries above the diagonal.
         for (int r = 0; r < size; ++r) *inner++ = row * size + r;
       }
     }

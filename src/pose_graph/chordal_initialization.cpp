@@ -18,7 +18,7 @@ namespace {
 /// An edge in d dimensions.
 template <int d>
 struct ChordalEdge {
-  int from = 0;  ///< unknown of the node, -1 for the first node, which is held
+  int from = 0;  ///< number of the node among the unknowns; -1 for the first node, which is fixed
   int to = 0;
   Eigen::Matrix<double, d, d> R;
   Eigen::Matrix<double, d, 1> t;
@@ -103,7 +103,7 @@ class ChordalInitialization {
     return true;
   }
 
-  /// With the rotations fixed the cost is quadratic in the translations.
+  /// With fixed rotations the cost is quadratic in the translations.
   bool solve_translations() {
     Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(nodes_ * d, 1);
     system_->set_zero();

@@ -5,10 +5,10 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// Start values from two linear solves, whatever the nodes' poses are: rotations relaxed to
-/// matrices (chordal relaxation, Carlone 2015), then translations. The first node stays where it
-/// is. For graphs without false edges only: one of them spoils everything. False, and the graph as
-/// it was, if the graph falls apart.
+/// Computes start values by two linear solutions, independently of the nodes' poses: first
+/// rotations relaxed to matrices (chordal relaxation, Carlone 2015), then translations. The first
+/// node keeps its pose. The graph must not contain false edges: a single one distorts the whole
+/// solution. Returns false and changes nothing if the graph is not connected.
 bool initialize_chordally(PoseGraph& graph);
 
 }  // namespace lidar_mapping::pose_graph

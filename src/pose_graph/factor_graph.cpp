@@ -18,7 +18,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// SuiteSparse is the faster one wherever the factor is thick, and no slower elsewhere.
+/// SuiteSparse is faster for dense factors and not slower for others.
 ceres::SparseLinearAlgebraLibraryType sparse_library() {
   return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE)
              ? ceres::SUITE_SPARSE
@@ -31,21 +31,22 @@ ceres::Solver::Options solver_options(const MinimizerSettings& settings) {
   options.sparse_linear_algebra_library_type = sparse_library();
   options.initial_trust_region_radius = settings.initial_radius;
   options.max_trust_region_radius = 1e32;
-  // Ceres throws the step away on which this test ends; the callback above keeps it.
+  // Ceres discards the step with which this test ends; ConvergenceCallback ends one step earlier.
   options.function_tolerance = 1e-3 * settings.tolerance;
   options.gradient_tolerance = 0.0;
   options.parameter_tolerance = 1e-12;
   options.max_num_iterations = settings.max_iterations;
-  // One thread: sums over several have an order that changes from run to run.
+  // One thread: with several, the order of summation changes from run to run.
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   return options;
 }
 
-constexpr double kUndamped = 1e10;  // radius of the trust region from which on it does not bind
+// Radius of the trust region from which on it does not limit steps.
+constexpr double kUndamped = 1e10;
 
-/// Ends a minimisation one step before Ceres' own test would: near the minimum each gain is to the
-/// one before as the next one will be to it, at most.
+/// Ends a minimisation one step before the test of Ceres. Near the minimum the ratio of the next
+/// gain to the last one is at most that of the last gain to the one before.
 class ConvergenceCallback : public ceres::IterationCallback {
  public:
   explicit ConvergenceCallback(double tolerance) : tolerance_(tolerance) {}
@@ -63,7 +64,7 @@ class ConvergenceCallback : public ceres::IterationCallback {
   double last_gain_ = 0.0;
 };
 
-/// The Ceres problem of a graph; built and solved once.
+/// The Ceres problem of a graph; it is built and solved once.
 class GraphProblem {
  public:
   explicit GraphProblem(FactorGraph& graph)
@@ -116,7 +117,7 @@ class GraphProblem {
   std::vector<bool> added_;
 };
 
-/// What keeps a constraint from being solved with the graph; empty if nothing does.
+/// The reason why a constraint cannot be solved with the graph; empty if there is none.
 std::string validation_error(const Constraint& constraint, const FactorGraph& graph) {
   if (constraint.residual == nullptr) return "has no residual; give it a ceres::CostFunction";
   const int rows = constraint.degrees_of_freedom();

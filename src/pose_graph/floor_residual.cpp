@@ -9,8 +9,8 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// The plane of the first floor, moved to the second node, against the floor seen there: two angles
-/// and the height.
+/// The plane of the first floor, transformed to the second node, compared with the floor measured
+/// there: two angles and the height.
 class CommonFloor : public ceres::SizedCostFunction<3, kPoseBlockSize, kPoseBlockSize> {
  public:
   CommonFloor(const Floor& first, const Floor& second, const Eigen::Matrix3d& covariance)

@@ -25,7 +25,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// The words and numbers of one line.
+/// Reads the words and numbers of one line.
 class Line {
  public:
   Line(const std::string& text, const std::string& file, int number)
@@ -48,7 +48,7 @@ class Line {
     return value;
   }
 
-  /// Of a pose: m, rad or of a quaternion.
+  /// A coordinate of a pose: m, rad, or an element of a quaternion.
   double coordinate() {
     constexpr double kFarthest = 1e9;
     const double value = number();
@@ -118,7 +118,7 @@ Matrix6d read_planar_information(Line& line) {
   return information;
 }
 
-/// Collects the lines of a file.
+/// Reads a file line by line.
 class Reader {
  public:
   explicit Reader(const std::string& name) : name_(name) {}
@@ -174,7 +174,7 @@ class Reader {
     file_.graph.edges.push_back(edge);
   }
 
-  /// Cross terms that stand in wrong places are the usual cause; both diagonal blocks are sound.
+  /// The usual cause is cross terms in wrong positions; both diagonal blocks are correct then.
   void repair(const Line& line, Matrix6d& information) {
     information.topRightCorner<3, 3>().setZero();
     information.bottomLeftCorner<3, 3>().setZero();

@@ -13,20 +13,21 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-// Directions that rounding alone decides about stay where they are.
+// A minimal damping, so that directions that are determined by rounding errors alone do not move.
 constexpr double kDiagonalScaling = 1e-10;
 constexpr double kRefactorizeGain =
-    1e-3;                               // share of the cost from which on an old factor is not used
-constexpr double kCostRounding = 1e-9;  // by which the cost may seem to rise at the minimum
+    1e-3;  // fraction of the cost: after a larger expected gain the factor is computed again
+// Fraction of the cost by which it may seem to rise at the minimum.
+constexpr double kCostRounding = 1e-9;
 
-/// A constraint of the problem with its loss.
+/// A constraint with its loss.
 struct Term {
   const Constraint* constraint;
   ceres::LossFunction* loss;
-  int pair;  ///< its block off the diagonal; -1: none, one of its nodes does not move
+  int pair;  ///< number of its block off the diagonal; -1: none, because a node is fixed
 };
 
-/// Value and slope of a loss at a squared norm.
+/// Value and derivative of a loss at a squared norm.
 std::pair<double, double> loss_at(const ceres::LossFunction* loss, double squared_norm) {
   if (loss == nullptr) return {squared_norm, 1.0};
   std::array<double, 3> rho{};
@@ -65,7 +66,7 @@ class NormalEquations {
     return sum;
   }
 
-  /// Matrix and gradient at the present states; the factor stays that of before.
+  /// Computes matrix and gradient at the current states; the factor stays that of an earlier state.
   void linearise() {
     cholesky_->set_zero();
     gradient_ = Eigen::VectorXd::Zero(size * static_cast<Eigen::Index>(graph_.states.size()));
@@ -74,11 +75,11 @@ class NormalEquations {
     }
     for (const Term& term : terms_) add(term);
   }
-  /// False if the matrix is not positive definite.
+  /// Factorises the matrix. Returns false if it is not positive definite.
   bool factorize() { return cholesky_->factorize(); }
-  /// To the minimum of the linearised cost, a segment per node.
+  /// The step to the minimum of the linearised cost, one segment per node.
   Eigen::VectorXd step() { return -cholesky_->solve(gradient_); }
-  /// By how much the linearised cost falls over a step.
+  /// The decrease of the linearised cost over a step.
   double expected_gain(const Eigen::VectorXd& step) const { return -gradient_.dot(step); }
 
   bool moves(int node) const {
@@ -105,7 +106,7 @@ class NormalEquations {
         return add_rows<4>(term);
       case 5:
         return add_rows<5>(term);
-      default:  // FactorGraph::add() takes no more than these
+      default:  // FactorGraph::add() accepts no more rows
         return add_rows<kMaxResidualRows>(term);
     }
   }
@@ -167,8 +168,8 @@ std::vector<StateBlock> states_after(const FactorGraph& graph,
   return states;
 }
 
-/// Steps of one graph. The factor of an earlier state serves as long as the steps that it gives are
-/// small: they cost a fraction of a new one.
+/// The Gauss-Newton steps of one graph. The factor of an earlier state is reused while its steps
+/// are small: such a step costs a fraction of one with a new factor.
 template <int size>
 class GaussNewtonSolver {
  public:
@@ -193,7 +194,7 @@ class GaussNewtonSolver {
       const double expected = equations_.expected_gain(step_);
       summary.usable = expected < settings.tolerance * cost_;
       if (summary.usable) {
-        take_step();  // it is there already
+        take_step();  // the state is already near the minimum
       } else if (expected > kRefactorizeGain * cost_) {
         can_continue = refactorize();
       }
@@ -204,7 +205,7 @@ class GaussNewtonSolver {
   }
 
  private:
-  /// Factorises the equations as they are and solves them.
+  /// Factorises the current equations and solves them.
   bool refactorize() {
     factor_is_current_ = true;
     if (!equations_.factorize()) return false;
@@ -212,7 +213,7 @@ class GaussNewtonSolver {
     return step_.allFinite();
   }
 
-  /// False, and the states as they were, if the cost does not fall.
+  /// Applies the step. Returns false and restores the states if the cost does not decrease.
   bool take_step() {
     std::vector<StateBlock> states = states_after(graph_, equations_, step_);
     graph_.states.swap(states);
@@ -230,9 +231,8 @@ class GaussNewtonSolver {
   NormalEquations<size> equations_;
   Eigen::VectorXd step_;
   double cost_;
-  double cost_increase_ =
-      0.0;  ///< by how much the cost would have risen over the last refused step
-  bool factor_is_current_ = false;  ///< the factor is that of the present states
+  double cost_increase_ = 0.0;      ///< increase of the cost by the last rejected step
+  bool factor_is_current_ = false;  ///< the factor belongs to the current states
 };
 
 }  // namespace

@@ -46,7 +46,7 @@ void set_states(const PoseGraph& graph, FactorGraph& factors) {
   }
 }
 
-/// Gives the graph its start values; returns their name.
+/// Sets the start values of the graph and returns the name of their source.
 std::string start(PoseGraph& graph, const GraphOptions& options) {
   if (!options.graduated && options.kernel == RobustKernel::kNone) {
     return initialize_chordally(graph) ? "chordal" : "file";
@@ -58,7 +58,7 @@ std::string start(PoseGraph& graph, const GraphOptions& options) {
 RobustSolution solve(FactorGraph& factors, const GraphOptions& options) {
   if (options.graduated) return solve_graduated(factors);
   const std::vector<bool> all(factors.constraints.size(), true);
-  // A bending kernel has far minima that undamped steps jump over.
+  // With a robust kernel, undamped steps may jump to distant minima.
   const double radius = options.kernel == RobustKernel::kNone ? 1e10 : 1e4;
   return solve_selected(factors, all, {100, radius, options.tolerance});
 }

@@ -25,13 +25,14 @@ std::vector<std::vector<Neighbour>> neighbours(const PoseGraph& graph) {
   return result;
 }
 
-/// A way from a placed node to a neighbour.
+/// A step along an edge from a placed node to a neighbour.
 struct Step {
   int from = 0;
   Neighbour to;
 };
 
-/// Placed nodes grow over their neighbours; odometry goes first, other edges wait behind it.
+/// Grows a spanning tree from the placed nodes. Edges of odometry are used first, others only if
+/// there is no edge of odometry left.
 class SpanningTree {
  public:
   SpanningTree(PoseGraph& graph, std::vector<bool> placed)
@@ -42,7 +43,7 @@ class SpanningTree {
       if (placed_[i]) enqueue_edges(static_cast<int>(i));
     }
     expand();
-    // Parts that hang on nothing begin where they stand.
+    // Other components of the graph start at the current pose of their first node.
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       if (placed_[i]) continue;
       placed_[i] = true;

@@ -12,7 +12,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// The vector part of q with w made positive, and its derivative W for q * (1, v).
+/// The vector part of q with positive w, and its derivative W for q * (1, v).
 struct HalfAngle {
   Eigen::Vector3d vector;
   Eigen::Matrix3d derivative;

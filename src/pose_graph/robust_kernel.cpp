@@ -59,7 +59,7 @@ class FairLoss : public ceres::LossFunction {
     const double sum = c_ + r;
     rho[0] = 2.0 * c_ * (r - c_ * std::log1p(r / c_));
     rho[1] = c_ / sum;
-    // The second derivative has a pole at zero, where the first one is what counts.
+    // The second derivative has a pole at zero; only the first one is needed there.
     rho[2] = r > 0.0 ? -0.5 * c_ / (r * sum * sum) : 0.0;
   }
 
@@ -99,8 +99,8 @@ class SaturatedLoss : public ceres::LossFunction {
   double c2_;
 };
 
-/// Tukey's biweight, c^2 / 3 (1 - (1 - s / c^2)^3) up to c and constant beyond. That of older Ceres
-/// has half the slope.
+/// Tukey's biweight, c^2 / 3 (1 - (1 - s / c^2)^3) up to c and constant beyond. The class of older
+/// versions of Ceres has half of this derivative.
 class TukeyLoss : public ceres::LossFunction {
  public:
   explicit TukeyLoss(double squared_size) : c2_(squared_size) {}

@@ -11,13 +11,15 @@ namespace lidar_mapping::pose_graph {
 namespace {
 
 constexpr int kMaxRounds = 5;
-// Real errors have heavier tails than Gauss' while false loops lie far out: refusal begins at twice
-// the quantile, or a hundredth and more of the true ones would go.
+// Real errors have heavier tails than a Gaussian, and false loops have much larger residuals. A
+// constraint is therefore refused only above twice the quantile; otherwise one per cent or more of
+// the true ones would be refused.
 constexpr double kRefusalFactor = 2.0;
-// Tried in turn until half of the switchable constraints are believed.
+// Weights of the constraints that are not switchable. They are tried in turn until half of the
+// switchable constraints are used.
 constexpr std::array<double, 3> kFixedConstraintWeights = {1.0, 0.04, 0.0016};
 
-/// Losses by kernel and size, made once and kept while a problem uses them.
+/// Losses by kernel and size, created once and kept while a problem uses them.
 class Kernels {
  public:
   using Losses = std::map<std::pair<RobustKernel, double>, std::unique_ptr<ceres::LossFunction>>;
@@ -28,7 +30,7 @@ class Kernels {
     return loss.get();
   }
 
-  /// With the least weight.
+  /// The same loss with the least weight.
   ceres::LossFunction* get_downweighted(RobustKernel kernel, double size) {
     auto& loss = downweighted_[{kernel, size}];
     if (!loss) {
@@ -43,14 +45,15 @@ class Kernels {
   Losses downweighted_;
 };
 
-/// All constraints under their own kernels.
+/// Each constraint under its own kernel.
 LossOf own_kernel_losses(Kernels& kernels) {
   return [&kernels](const Constraint& c) { return kernels.get(c.kernel, c.kernel_size); };
 }
 
-/// Switchable constraints under Cauchy with one standard deviation: it still pulls from far away.
-/// The others with a share of their weight, so that they give way to drift that their covariances
-/// do not know of. Doubtful ones have the least: they are no evidence against any.
+/// First stage: switchable constraints under Cauchy kernels of one standard deviation, which
+/// attract from far away. The other constraints have a reduced weight, so that they give way to a
+/// drift that their covariances do not include. Doubtful constraints have the least weight, because
+/// they are no evidence against others.
 LossOf cauchy_stage_losses(Kernels& kernels, ceres::LossFunction* other_loss) {
   return [&kernels, other_loss](const Constraint& c) {
     if (c.doubtful) return kernels.get_downweighted(c.kernel, c.kernel_size);
@@ -58,7 +61,7 @@ LossOf cauchy_stage_losses(Kernels& kernels, ceres::LossFunction* other_loss) {
   };
 }
 
-/// Switchable constraints under DCS that bends at the limit of contradiction.
+/// Second stage: switchable constraints under DCS with chi2_limit() as scale.
 LossOf dcs_stage_losses(Kernels& kernels) {
   return [&kernels](const Constraint& c) {
     if (c.doubtful) return kernels.get_downweighted(c.kernel, c.kernel_size);
@@ -96,7 +99,7 @@ RobustSolution solve_selected(FactorGraph& graph, std::vector<bool> used,
 
 namespace {
 
-/// One run of the scheme from the present states.
+/// One run of both stages and of the rounds after them, from the current states.
 RobustSolution run_graduated(FactorGraph& graph, double other_weight) {
   Kernels kernels;
   ceres::ScaledLoss other_loss(nullptr, other_weight, ceres::TAKE_OWNERSHIP);

@@ -12,8 +12,8 @@
 namespace lidar_mapping::pose_graph {
 
 std::optional<SelectedInverse> SelectedInverse::of(const Matrix& lower) {
-  // It keeps all entries of the pattern, rows in order, also those that happen to be zero: Z needs
-  // them.
+  // SimplicialLLT keeps all entries of the pattern in order of the rows, also those that happen to
+  // be zero. They are needed for Z.
   const Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(lower);
   if (factor.info() != Eigen::Success) return std::nullopt;
   return SelectedInverse(factor.matrixL().nestedExpression());
@@ -28,7 +28,7 @@ SelectedInverse::SelectedInverse(Matrix factor)
   }
 }
 
-/// From Z L = L^-T, whose lower triangle is zero but for 1 / L_jj on the diagonal.
+/// By Z L = L^-T, whose lower triangle is zero except for 1 / L_jj on the diagonal.
 void SelectedInverse::compute_column(int column) {
   multiply_column(column);
   const int begin = inverse_.outerIndexPtr()[column];
@@ -44,8 +44,8 @@ void SelectedInverse::compute_column(int column) {
   values[begin] = diagonal_sum / diagonal;
 }
 
-/// Rows below the diagonal of Z times this column of L. The columns of Z that it needs are behind
-/// it, and have all rows that this column has: so the factor fills in.
+/// Multiplies the rows of Z below the diagonal with this column of L. The columns of Z that are
+/// needed come after it, and have all rows of this column by the fill-in of the factor.
 void SelectedInverse::multiply_column(int column) {
   const int* outer = inverse_.outerIndexPtr();
   const int* rows = inverse_.innerIndexPtr();

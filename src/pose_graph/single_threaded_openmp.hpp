@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// CHOLMOD's OpenMP threads spin between the parts of a factorisation, which costs processor time
-// and gains little on the sparse factors of a drive. While one of these lives, OpenMP regions that
-// the calling thread enters run on it alone. Weak: CHOLMOD may be built without OpenMP.
+// CHOLMOD's OpenMP threads wait actively between the parts of a factorisation. This costs processor
+// time and gains little for the sparse factors of a drive. While an object of this class exists,
+// OpenMP regions of the calling thread run on that thread alone. The symbols are weak, because
+// CHOLMOD may be built without OpenMP.
 
 extern "C" {
 __attribute__((weak)) int omp_get_max_active_levels();
@@ -26,7 +27,7 @@ class SingleThreadedOpenMp {
   SingleThreadedOpenMp& operator=(const SingleThreadedOpenMp&) = delete;
 
  private:
-  int levels_ = -1;  ///< as they were; negative: nothing to bring back
+  int levels_ = -1;  ///< levels before; negative: nothing to restore
 };
 
 }  // namespace lidar_mapping::pose_graph

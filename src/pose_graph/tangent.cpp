@@ -10,7 +10,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// 7 x 6, row-major: the identity over a row of zeros.
+/// Writes the identity above a row of zeros, 7 x 6, row-major.
 void write_identity(double* jacobian) {
   std::fill_n(jacobian, kPoseBlockSize * 6, 0.0);
   for (int i = 0; i < 6; ++i) jacobian[i * 6 + i] = 1.0;
@@ -40,7 +40,7 @@ Pose to_planar_pose(const double* block) {
 
 StateBlock retract(const double* block, const double* d) {
   const Eigen::Vector3d v(d[3], d[4], d[5]);
-  // Beyond a half turn there is no unit quaternion with this vector part: take the half turn.
+  // If |v| > 1 there is no unit quaternion with this vector part; half a turn is the nearest.
   const double squared = v.squaredNorm();
   const double w = squared < 1.0 ? std::sqrt(1.0 - squared) : 0.0;
   const Eigen::Quaterniond rotation(w, v.x(), v.y(), v.z());
