@@ -15,7 +15,7 @@ constexpr std::size_t kNearestKeys = 25;
 constexpr std::size_t kMaxSimilar = 10;
 using Key = SpectrumDescriptor::Key;
 
-/// As it lies in the file: plain values, the same in memory and outside.
+/// A record of the file: plain values with the same layout in memory and in the file.
 struct Stored {
   Key key;
   Appearance appearance;
@@ -73,7 +73,7 @@ Key AppearanceIndex::key_of(std::size_t node) const {
   return key;
 }
 
-/// All that the coarse keys cannot tell to be further than the nearest.
+/// All nodes whose keys may be among the nearest, as far as the bounds of the coarse keys tell.
 std::vector<std::size_t> AppearanceIndex::possible_nearest(
     const std::function<bool(std::size_t)>& is_admissible) const {
   std::vector<std::pair<std::size_t, CoarseKey::Bounds>> bounds;

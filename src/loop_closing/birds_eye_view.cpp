@@ -15,13 +15,14 @@ constexpr int kMaxShift = 15;  // cells
 constexpr int kShifts = 2 * kMaxShift + 1;
 constexpr int kMargin = kMaxShift + 1;  // cells around the target, so that no shift leaves the grid
 constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;
-constexpr std::uint8_t kOccupiedWeight = 2;  // an occupied cell; its neighbours count half
+// Weight of an occupied cell; its neighbours have half of it.
+constexpr std::uint8_t kOccupiedWeight = 2;
 
 int cell_index(float coordinate) { return static_cast<int>(std::floor(coordinate)); }
 
 constexpr int kLanes = 16;
 using Lanes = std::uint8_t __attribute__((vector_size(kLanes)));
-constexpr int kRowLanes = 32;  // lanes for the shifts along x; the last one is to spare
+constexpr int kRowLanes = 32;  // lanes for the shifts along x; the last one is unused
 static_assert(kRowLanes == 2 * kLanes && kRowLanes > kShifts);
 
 inline Lanes load(const std::uint8_t* values) {
@@ -33,9 +34,10 @@ inline Lanes load(const std::uint8_t* values) {
 /// Sums of weights for all shifts along x.
 using RowSums = std::array<std::uint16_t, kRowLanes>;
 
-/// `row`: the weights for one shift along y; `corners`: where in them those of each cell begin.
+/// `row` holds the weights for one shift along y; `first_cells` are the positions in it at which
+/// the shifts of each source cell begin.
 RowSums row_sums(const std::vector<int>& first_cells, const std::uint8_t* row) {
-  constexpr std::size_t kMaxSummands = 255 / kOccupiedWeight;  // summands that a byte can take
+  constexpr std::size_t kMaxSummands = 255 / kOccupiedWeight;  // summands that fit into a byte
   RowSums sums{};
   for (std::size_t begin = 0; begin < first_cells.size(); begin += kMaxSummands) {
     const std::size_t end = std::min(begin + kMaxSummands, first_cells.size());
@@ -53,8 +55,8 @@ RowSums row_sums(const std::vector<int>& first_cells, const std::uint8_t* row) {
   return sums;
 }
 
-/// For each cell of the source, turned by `yaw`, the number of the target's cell that the least
-/// shifts along both axes put it on.
+/// For each cell of the source, rotated by `yaw`: the number of the target's cell below it at the
+/// smallest shifts along both axes.
 std::vector<int> first_cells_of(const std::vector<Eigen::Vector2f>& source, double yaw) {
   const Eigen::Matrix2f R = Eigen::Rotation2Df(static_cast<float>(yaw)).toRotationMatrix();
   std::vector<int> first_cells;

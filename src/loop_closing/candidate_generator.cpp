@@ -13,11 +13,13 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kMaxPerSource = 10;
-constexpr double kMinSpacing = 8.0;          // m of way between candidates of one pass
-constexpr double kSatisfiedError = 1.0;      // m; the map follows a loop that it meets that well
-constexpr double kMaxGnssError = 30.0;       // m that a fix may be off and still find its place
-constexpr double kMaxShiftAlongPass = 25.0;  // m of way from a candidate to its neighbours
-constexpr double kMaxStartError = 3.0;       // m that a start may be wrong
+constexpr double kMinSpacing = 8.0;      // m of path length between candidates of one pass
+constexpr double kSatisfiedError = 1.0;  // m; a loop with a smaller error is satisfied by the map
+// M; a fix may have this error and still give its candidates.
+constexpr double kMaxGnssError = 30.0;
+// M of path length from a candidate to the key frames that may replace it.
+constexpr double kMaxShiftAlongPass = 25.0;
+constexpr double kMaxStartError = 3.0;  // m; expected error of a starting pose
 
 Eigen::Vector2d horizontal(const Pose& pose) { return pose.translation.head<2>(); }
 
@@ -62,8 +64,8 @@ void CandidateGenerator::add_gnss(const GnssPosition& position) {
 
 void CandidateGenerator::add_loop(const Loop& loop) { loops_.push_back(loop); }
 
-/// Only loops that the newest estimate follows make it more certain: the back end may not have
-/// solved since, or may not believe a loop.
+/// Only loops that the newest estimate satisfies reduce its uncertainty: the back end may not have
+/// solved since, or may not use a loop.
 void CandidateGenerator::update_loops() {
   std::vector<GraphDistance::LoopEdge> links;
   for (const Loop& loop : loops_) {
@@ -75,7 +77,7 @@ void CandidateGenerator::update_loops() {
   graph_distance_.update_loops(links);
 }
 
-/// Neighbours along the way see the same place trivially, and scan and submap must not share
+/// Neighbouring key frames always observe the same location, and scan and submap must not share
 /// clouds.
 bool CandidateGenerator::is_far_along_path(NodeId older) const {
   const NodeId newest = trajectory_.size() - 1;
@@ -94,7 +96,7 @@ Prior CandidateGenerator::prior_to(NodeId older) const {
   return prior_between(trajectory_, graph_distance_, older, trajectory_.size() - 1, config_);
 }
 
-/// Nearest first, not more than one per some metres of one pass.
+/// Non-maximum suppression: the nearest nodes first, at most one per kMinSpacing of one pass.
 std::vector<CandidateGenerator::NodeId> CandidateGenerator::suppress_neighbours(
     std::vector<NodeId> nodes, const Eigen::Vector2d& centre, const PositionGrid& grid) const {
   std::stable_sort(nodes.begin(), nodes.end(), [&](NodeId a, NodeId b) {
@@ -143,8 +145,8 @@ std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_appearance() cons
   return appearances_.similar_to_newest([this](NodeId node) { return is_admissible(node); });
 }
 
-/// The key frame of the same pass that is nearest to the start, instead of the candidate's own: the
-/// nearer, the more the scans share.
+/// Replaces the candidate by the key frame of the same pass that is nearest to the starting pose:
+/// the nearer it is, the more the scans overlap.
 void CandidateGenerator::move_to_nearest_key_frame(Candidate& candidate) const {
   const TrajectoryNode original = trajectory_[candidate.node];
   const Pose T_odom_newest = original.T_odom_base * candidate.T_from_to;
@@ -168,7 +170,7 @@ void CandidateGenerator::move_to_nearest_key_frame(Candidate& candidate) const {
   candidate.T_from_to = trajectory_[best].T_odom_base.inverse() * T_odom_newest;
 }
 
-/// From all sources; a key frame that several name belongs to the first.
+/// Candidates from all sources. A key frame that several sources give belongs to the first of them.
 std::vector<Candidate> CandidateGenerator::unscored_candidates() const {
   std::vector<Candidate> result;
   const auto collect = [&](LoopSource source, const std::vector<NodeId>& nodes) {

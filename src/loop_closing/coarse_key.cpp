@@ -10,8 +10,8 @@ namespace {
 
 constexpr float kStepSize =
     1.0F / 128.0F;                  // harmonics of a descriptor of norm 1 are mostly below 1
-constexpr float kMaxStep = 255.0F;  // steps; what is beyond counts as error
-constexpr float kRounding = 1e-4F;  // share of a distance that its sum may be off
+constexpr float kMaxStep = 255.0F;  // steps; a larger value adds to the rounding error
+constexpr float kRounding = 1e-4F;  // relative rounding error of a distance in single precision
 
 }  // namespace
 

@@ -7,11 +7,12 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kRounding = 1e-3F;  // m; what single precision may be off some hundred metres away
+constexpr float kRounding = 1e-3F;  // m; error of single precision at some hundred metres
 
 }  // namespace
 
-/// The nearest may have come nearer, or gone away, by what the point moved, and so may all others.
+/// The distances to the nearest point and to all others have changed by at most the motion of the
+/// point.
 bool CorrespondenceCache::is_still_valid(const CachedResult& cached, const Eigen::Vector3f& p,
                                          float limit) {
   const float allowed_motion = cached.found ? 0.5F * cached.margin : cached.margin - limit;

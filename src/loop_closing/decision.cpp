@@ -10,15 +10,15 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kHeightQuantile = 10.8;    // 99.9 %, one degree of freedom
-constexpr double kMaxRoofedFraction = 0.2;  // share; less is a tree or a sign
-constexpr double kGnssQuantile = 3.3;       // standard deviations, the same
+constexpr double kHeightQuantile = 10.8;    // 99.9 % of chi-square, one degree of freedom
+constexpr double kMaxRoofedFraction = 0.2;  // fraction of cells; trees and signs give less
+constexpr double kGnssQuantile = 3.3;       // standard deviations, 99.9 %
 
-// Within these standard deviations there is room for one place only.
+// Within these standard deviations only one location is possible.
 constexpr double kCertainHorizontal = 1.0;    // m
 constexpr double kCertainVertical = 0.5;      // m; storeys are 3 m apart
 constexpr double kCertainRotation = 0.35;     // rad
-constexpr double kExpectedInnovation = 12.6;  // 95 %, six degrees of freedom
+constexpr double kExpectedInnovation = 12.6;  // 95 % of chi-square, six degrees of freedom
 
 using FailedCheck = std::optional<Decision>;
 using Config = LoopClosingConfig;
@@ -76,7 +76,7 @@ FailedCheck check_estimate(const Match& match, const Prior& prior, const Config&
   return std::nullopt;
 }
 
-/// Storeys of one house look alike, and an odometry that jumped in height may be on either.
+/// Storeys of one building look alike. After a jump in height the odometry may be on the wrong one.
 FailedCheck check_storey(const MatchFigures& figures, const Prior& prior) {
   if (!prior.anchored || prior.height_jumps == 0.0 || figures.roofed <= kMaxRoofedFraction)
     return std::nullopt;

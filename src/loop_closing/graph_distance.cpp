@@ -10,9 +10,9 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kUnconnected = std::numeric_limits<double>::infinity();
-constexpr int kMaxLoopsPerPath = 8;  // loops in a row of one shortest way
+constexpr int kMaxLoopsPerPath = 8;  // number of loops in a row along one shortest path
 
-/// Lowers `way` to what it is by way of a neighbour.
+/// Lowers `distance` to the distance via a neighbour, if that is smaller. Returns true if it was.
 bool relax(double& distance, double via_neighbour) {
   if (via_neighbour >= distance) return false;
   distance = via_neighbour;

@@ -11,7 +11,7 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 16;
-constexpr std::uint32_t kLanes = 4;  // what every processor computes with at once
+constexpr std::uint32_t kLanes = 4;  // vector width that every processor has
 constexpr int kAxes = 3;
 
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
@@ -36,9 +36,9 @@ int widest_axis(Iterator begin, Iterator end) {
   return axis;
 }
 
-// These are told of points that are closer than their bound only.
+// The visitors below are called only for points that are closer than their limit.
 
-/// Keeps the one nearest point.
+/// Keeps the nearest point.
 struct NearestOne {
   float squared_limit;
   std::uint32_t index = 0;
@@ -51,7 +51,7 @@ struct NearestOne {
   }
 };
 
-/// Keeps the one nearest point and the distance of the second.
+/// Keeps the nearest point and the distance of the second one.
 struct NearestTwo {
   float squared_limit;  // of the second
   float nearest = squared_limit;
@@ -68,7 +68,7 @@ struct NearestTwo {
   }
 };
 
-/// Keeps the nearest few points, sorted.
+/// Keeps several nearest points, sorted by distance.
 struct NearestSeveral {
   std::size_t count;
   float squared_limit = std::numeric_limits<float>::infinity();
@@ -116,7 +116,7 @@ std::uint32_t KdTree::build(std::uint32_t begin, std::uint32_t end) {
   return self;
 }
 
-// The last lanes may belong to the next leaf; they are left out.
+// The last lanes may belong to the next leaf and are ignored.
 template <typename Visit>
 inline void KdTree::scan_leaf(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const {
   const std::uint32_t count = leaf.end - leaf.begin;
@@ -133,8 +133,8 @@ inline void KdTree::scan_leaf(const Node& leaf, const Eigen::Vector3f& p, Visit&
   }
 }
 
-// `offset` is the vector from p to the cell of the node, so that its length bounds the distance of
-// all points in that cell (Arya and Mount 1993).
+// `offset` is the vector from p to the cell of the node. Its length is a lower bound for the
+// distances of all points in the cell (Arya and Mount 1993).
 template <typename Visit>
 void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
                     Visit& visit) const {

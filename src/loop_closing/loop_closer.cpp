@@ -15,7 +15,7 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kMinCandidateSpacing =
-    10.0;  // m of way between two candidates that are both matched
+    10.0;  // m of path length between two candidates that are both matched
 
 }  // namespace
 
@@ -79,7 +79,7 @@ bool LoopCloser::Impl::is_due() const {
   return travelled - *last_loop_travelled_ >= config_.min_edge_interval;
 }
 
-/// The best candidates, from different places where possible: neighbours would succeed or fail
+/// The best candidates, at different locations if possible: neighbouring ones would succeed or fail
 /// together.
 std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   std::vector<Candidate> result;
@@ -110,8 +110,8 @@ VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
   return result;
 }
 
-/// The most promising first. Where the estimate leaves no room for another place, the others would
-/// only say the same again; where places may be mistaken for each other all have their say.
+/// Verifies the best candidates in turn. If the estimate allows only one location, the search ends
+/// with the first accepted one; if locations may be confused, all are matched.
 std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   const std::vector<Candidate> candidates = selected_candidates();
   if (candidates.empty()) return {};
@@ -125,8 +125,8 @@ std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   return verified;
 }
 
-/// What an accepted match leads to. Between segments that nothing joins yet it has to wait for
-/// others that agree with it, and these are accepted with it.
+/// Adds an accepted match to the result. Between segments that are not connected yet, it has to
+/// wait until other matches agree with it; these are then accepted, too.
 void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result) {
   const Loop loop = to_loop(verified, trajectory(), config_);
   result.verdicts.push_back(to_verdict(verified, trajectory()));

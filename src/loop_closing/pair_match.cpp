@@ -16,7 +16,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-/// The drive up to `to`, so that its scan is the newest.
+/// The trajectory up to `to`, so that `to` is the newest node.
 Trajectory drive_until(const std::vector<KeyFrame>& key_frames, KeyFrameIndex to) {
   Trajectory trajectory;
   for (const KeyFrame& key_frame : key_frames) {
@@ -31,7 +31,8 @@ Trajectory::NodeId node_of(const Trajectory& trajectory, KeyFrameIndex index) {
   throw InputError("there is no key frame " + std::to_string(index));
 }
 
-/// Where the two views from above agree best, for both headings that the descriptors allow.
+/// The poses where the two bird's-eye views agree best, one for each of the two headings that the
+/// descriptors allow.
 std::vector<Pose> starting_poses_by_views(CloudSource& clouds, KeyFrameIndex from,
                                           KeyFrameIndex to) {
   const PointCloudPtr older = clouds.cloud(from);
@@ -59,7 +60,7 @@ std::vector<Pose> starting_poses(CloudSource& clouds, KeyFrameIndex from, KeyFra
   return poses;
 }
 
-/// Only what the clouds say counts.
+/// Switches off the check of the distance, so that only the clouds count.
 LoopClosingConfig without_distance_limit(LoopClosingConfig config) {
   config.max_loop_distance = std::numeric_limits<double>::infinity();
   return config;

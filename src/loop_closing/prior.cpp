@@ -12,20 +12,22 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kQuantile99 = 3.03;  // root of the 99 % quantile, two degrees of freedom
-// What is left of the estimate's error right beside a constraint: tension between constraints.
+// Root of the 99 % quantile of chi-square, two degrees of freedom.
+constexpr double kQuantile99 = 3.03;
+// Error of the estimate that remains next to a constraint, by contradictions between constraints.
 constexpr double kMinHorizontalSigma = 0.5;  // m
 constexpr double kMinVerticalSigma = 0.3;    // m
 constexpr double kMinRotationSigma = 0.04;   // rad
-constexpr double kMinGnssSigma = 1.0;        // m; receivers are rarely as good as they say
+constexpr double kMinGnssSigma = 1.0;        // m; receivers are rarely as good as they report
 
-// A random walk of the pitch, integrated along the way, grows with its power 1.5: hardly anything
-// between the storeys of a car park, metres after kilometres.
+// The height is the integral of a random walk of the pitch along the path, so that its error grows
+// with the power 1.5 of the distance: it is small between the storeys of a car park and metres
+// after kilometres.
 constexpr double kVerticalDriftDistance = 1000.0;  // m
 
 double degrees_per_100m(double value) { return value * kRadPerDeg / 100.0; }
 
-/// Position of base_link (of the antenna where there is no heading), horizontal.
+/// Horizontal position of base_link, or of the antenna if there is no heading.
 Eigen::Vector2d gnss_position(const GnssPosition& position) {
   const Eigen::Vector3d lever =
       position.R_enu_base ? Eigen::Vector3d(*position.R_enu_base * position.p_base_antenna)
@@ -83,7 +85,7 @@ bool may_overlap(const Prior& prior, const LoopClosingConfig& config) {
   const double radius = config.detect_area + kQuantile99 * sigma;
   if (distance > std::min(radius, config.distance_thresh)) return false;
   if (!prior.anchored) return true;
-  // A street may climb between the two, but not by more than its length lets it.
+  // A street between the two may climb, but only by 10 % of their distance.
   const double max_climb = 0.1 * prior.T_from_to.translation.head<2>().norm();
   return std::abs(prior.T_from_to.translation.z()) <=
          2.0 * kMinVerticalSigma + max_climb + kQuantile99 * prior.sigma_vertical;

@@ -16,7 +16,7 @@ constexpr int kRows = 90;      // of 2 degrees
 constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
 constexpr float kViolationMargin =
-    1.5F;  // m behind a point that its block must be to contradict it
+    1.5F;  // m; a block has to be this much behind a point to contradict it
 constexpr int kMinReturns = 4;
 
 }  // namespace

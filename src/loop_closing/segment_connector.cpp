@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxKnownMatches = 100;
 constexpr double kMaxSpeed = 40.0;             // m/s, of the vehicle while nothing was recorded
-constexpr double kTranslationTolerance = 0.5;  // m, and 2 % of the way between the matches
+constexpr double kTranslationTolerance = 0.5;  // m, plus 2 % of the path length between the matches
 constexpr double kDriftTolerance = 0.02;
 constexpr double kRotationTolerance = 0.1;  // rad
 
@@ -33,7 +33,7 @@ double path_length_between(const Trajectory& trajectory, Trajectory::NodeId a,
   return std::abs(trajectory[a].travelled - trajectory[b].travelled);
 }
 
-/// True if odometry leads from one match to the other.
+/// True if odometry between two matches agrees with both.
 bool are_consistent(const Loop& a, const Loop& b, const Trajectory& trajectory) {
   const Ends ends_a = ends_of(a, trajectory);
   const Ends ends_b = ends_of(b, trajectory);
@@ -48,8 +48,9 @@ bool are_consistent(const Loop& a, const Loop& b, const Trajectory& trajectory) 
          error.tail<3>().norm() < kRotationTolerance;
 }
 
-/// How far apart the two key frames can be at most: the ways to the ends of their segments and what
-/// the vehicle can have driven between. Segments that overlap in time are of two vehicles.
+/// Largest possible distance of the two key frames: the path lengths to the ends of their segments
+/// and the distance that the vehicle may have travelled between these. Infinite for segments that
+/// overlap in time, which come from two vehicles.
 double max_distance_apart(const Ends& ends, const Trajectory& trajectory) {
   Trajectory::NodeId last = ends.from;
   while (trajectory[last + 1].segment == trajectory[ends.from].segment) ++last;

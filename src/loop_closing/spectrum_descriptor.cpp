@@ -17,7 +17,8 @@ constexpr int kDirections = SpectrumDescriptor::kDirections;
 constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;
 using Spectra = Eigen::Matrix<float, kFrequencies, kDirections>;
 
-/// How many cells lie at which distance along a direction; shared between the two nearest bins.
+/// Histogram of the cells' distances along a direction; each cell is shared between the two nearest
+/// bins.
 std::vector<float> projected_histogram(const std::vector<Eigen::Vector2f>& cells, double angle) {
   const Eigen::Vector2f direction(static_cast<float>(std::cos(angle)),
                                   static_cast<float>(std::sin(angle)));
@@ -43,7 +44,8 @@ Spectra magnitude_spectra(const std::vector<Eigen::Vector2f>& cells) {
   return spectra;
 }
 
-/// Place of the peak of a parabola through three equidistant values, in steps from the middle one.
+/// Position of the peak of a parabola through three equidistant values, in steps from the middle
+/// one.
 double parabola_peak(double left, double middle, double right) {
   const double curvature = left - 2.0 * middle + right;
   return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
@@ -74,7 +76,7 @@ SpectrumDescriptor::Key SpectrumDescriptor::key() const {
 
 SpectrumDescriptor::Comparison SpectrumDescriptor::compare(const SpectrumDescriptor& other) const {
   const Spectra own = values_.cast<float>();
-  // Twice side by side, so that every circular shift is one block.
+  // Twice side by side, so that each circular shift is one block.
   Eigen::Matrix<float, kFrequencies, 2 * kDirections> own_twice;
   own_twice << own, own;
   const Spectra of_other = other.values_.cast<float>();

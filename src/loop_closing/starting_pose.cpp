@@ -9,11 +9,12 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kTrustedHorizontal = 0.7;  // m; the estimate is a better start than the views
-constexpr double kTrustedRotation = 0.35;   // rad
-constexpr std::size_t kMinCells = 30;       // occupied cells for a view to say anything
+// M; below it the estimate is a better starting pose than the views.
+constexpr double kTrustedHorizontal = 0.7;
+constexpr double kTrustedRotation = 0.35;  // rad
+constexpr std::size_t kMinCells = 30;      // least number of occupied cells for a view to be used
 
-/// A start on the same ground plane: roll, pitch and height differences are left to the matching.
+/// A starting pose on the same ground plane: roll, pitch and height are left to the registration.
 Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
   Pose pose;
   pose.translation << translation, 0.0;

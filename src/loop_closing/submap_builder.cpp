@@ -9,9 +9,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kMaxCachedPoints = 4'000'000;  // 48 MB: some 300 key frames of 64 beams
+constexpr std::size_t kMaxCachedPoints = 4'000'000;  // 48 MB: about 300 key frames of 64 beams
 constexpr std::size_t kMaxCachedSubmaps = 8;
-constexpr double kMaxPathLength = 30.0;  // m, further ones see other things
+// M; key frames further along the path observe other surroundings.
+constexpr double kMaxPathLength = 30.0;
 
 Eigen::Isometry3f isometry(const Pose& pose) {
   Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
@@ -65,14 +66,15 @@ PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& 
   return cache(key_frame.index, prepared ? prepared : preparation_.thinned(*newest_));
 }
 
-/// The newest cloud, thinned as a scan.
+/// The newest cloud, thinned like a scan.
 Points SubmapBuilder::newest_scan(KeyFrameIndex index) {
   if (scan_leaf() == map_leaf()) return *map_points(index);
   return thinned(*newest_, scan_leaf());
 }
 
-/// The points of `middle`, `own`, and of the key frames around it, placed by odometry, which over
-/// some metres is better than any estimate that still moves; thinned, in the base_link of `middle`.
+/// Merges `own_points` of node `middle` with the points of the key frames around it, thinned and in
+/// the base_link of `middle`. The poses come from odometry, which over some metres is better than
+/// an estimate that is still changing.
 Points SubmapBuilder::merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
                                     const Points& own_points, std::size_t before, std::size_t after,
                                     double leaf) {

@@ -10,14 +10,15 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-/// Fixes wait for their key frame; most scans are none, so the oldest are given up.
+/// Limit for fixes without a key frame, of which the oldest are dropped: most scans are no key
+/// frames.
 constexpr std::size_t kMaxEarlyPositions = 2000;
 
 constexpr double kMinHeightJump =
-    1.5;  // m that the height changes at once, as no ramp or stair does
+    1.5;  // m; a larger change of the height at once is neither a ramp nor stairs
 
-/// How far the height of a step is from that which the direction of the step before leads to, if
-/// that is no motion but an error: a match on another storey, say.
+/// Difference of the height of a step from the slope of the previous step, if it is too large for a
+/// motion. Such a jump is an error, for instance a match on another storey.
 double height_jump(const Pose& T_odom_first, const Pose& T_odom_second, const Pose& T_odom_third) {
   const Eigen::Vector3d before = (T_odom_first.inverse() * T_odom_second).translation;
   const Eigen::Vector3d step = (T_odom_second.inverse() * T_odom_third).translation;
@@ -65,7 +66,7 @@ Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
   return id;
 }
 
-/// From the node before, by odometry.
+/// The pose of a node by odometry from the previous node.
 Pose Trajectory::predicted(NodeId id) const {
   const TrajectoryNode& node = nodes_[id];
   if (id == 0 || nodes_[id - 1].segment != node.segment) return node.T_odom_base;

@@ -11,11 +11,11 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kTestRange = 40.0F;    // m from the scan; further points are too sparse
+constexpr float kTestRange = 40.0F;    // m from the scan; beyond it points are too sparse
 constexpr float kPairDistance = 0.3F;  // m
-constexpr float kPairSearch = 0.6F;    // m, for pairs that lie side by side on one plane
+constexpr float kPairSearch = 0.6F;    // m, for pairs that are side by side on one plane
 
-/// Shares of points that agree with a range image.
+/// Counts the points that contradict a range image.
 class FreeSpaceCounter {
  public:
   void add(RangeImage::FreeSpaceTest test_free_space) {
@@ -37,14 +37,14 @@ double smaller_eigenvalue(const Eigen::Matrix2d& scatter, int count) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter / count).eigenvalues()[0];
 }
 
-/// What the query's points and their nearest points in the submap say, a pair at a time.
+/// Accumulates the figures of pairs of a query point and its nearest point in the submap.
 class PairStatistics {
  public:
   PairStatistics(const Submap& submap, float fitness_range)
       : submap_(submap), fitness_range_(fitness_range) {}
 
-  /// `p`: a point of the query in the submap's frame; `pair`: the nearest point there, if any is
-  /// near; `tested`: the point is above ground and not far.
+  /// Adds one point: `p` is a point of the query in the submap's frame, `pair` the nearest point
+  /// there, if one is near. `tested` is true if the point is above ground and not too far away.
   void add(const Eigen::Vector3f& p, const std::optional<KdTree::Neighbour>& pair, bool tested) {
     if (tested) ++tested_;
     if (!pair) return;
@@ -85,7 +85,7 @@ class PairStatistics {
   Eigen::Matrix2d scatter_ = Eigen::Matrix2d::Zero();
 };
 
-/// Overlap, tested points, horizontal eigenvalue and fitness.
+/// Measures overlap, tested points, horizontal eigenvalue and fitness.
 void measure_pairs(const QueryScan& query, const Submap& submap,
                    const Eigen::Isometry3f& T_submap_query, float fitness_range,
                    MatchFigures& figures) {
@@ -128,7 +128,7 @@ double roofed_fraction(const Submap& submap) {
   constexpr int kCellsPerAxis = 15;     // along each axis
   constexpr float kCellSize = 2.0F;     // m
   constexpr float kMinHeight = 0.5F;    // m above the LiDAR
-  constexpr float kMinNormalZ = 0.95F;  // cosine
+  constexpr float kMinNormalZ = 0.95F;  // cosine of the largest tilt
   std::bitset<kCellsPerAxis * kCellsPerAxis> occupied, roofed;
   const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {

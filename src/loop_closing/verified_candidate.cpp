@@ -15,7 +15,7 @@ bool is_accepted(const VerifiedCandidate& verified) {
   return verified.decision.verdict == Verdict::kAccepted;
 }
 
-/// The Hessian knows of noise alone; a loop is never stiffer than what it is measured against.
+/// The Hessian includes only noise. The lower bound is the accuracy of the submap itself.
 Covariance6 with_lower_bound(const Covariance6& covariance, const LoopClosingConfig& config) {
   return covariance + diagonal_covariance(config.min_stddev_x, config.min_stddev_q);
 }

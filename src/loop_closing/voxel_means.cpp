@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;
 constexpr std::size_t kMinSlots = 1 << 14;
-constexpr float kMaxCoordinate = 5e4F;  // m; cells of any leaf that the parameters allow fit a key
+constexpr float kMaxCoordinate = 5e4F;  // m; with all permitted leaf sizes the cells fit into a key
 
 }  // namespace
 
@@ -24,7 +24,7 @@ void VoxelMeans::reset(double leaf) {
   std::fill(slots_.begin(), slots_.end(), kEmptySlot);
 }
 
-/// Where the number of the cell's voxel stands, or has to be put.
+/// The slot with the number of the cell's voxel, or the empty slot for it.
 inline std::uint32_t& VoxelMeans::slot_of(VoxelKey key) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = VoxelKeyHash()(key) & mask;
