@@ -14,8 +14,8 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr int kBusyTimeoutMs = 5000;
-constexpr std::size_t kShownBytes = 40;  // bytes of a cell that are repeated
-/// Information and covariances stay far from the end of the numbers when they are multiplied.
+constexpr std::size_t kShownBytes = 40;  // bytes of a damaged cell that a message shows
+/// Limit for stored numbers, so that products of information and covariances do not overflow.
 constexpr double kMaxNumber = 1e100;
 
 bool is_number(double value) { return std::abs(value) <= kMaxNumber; }
@@ -83,7 +83,7 @@ bool Statement::next_is_null() const {
   return sqlite3_column_type(statement_.get(), column_) == SQLITE_NULL;
 }
 
-/// Numbers of another kind, texts where numbers belong and the like: nobody but damage writes them.
+/// Checks such as for a text in a column of numbers. Only damaged files fail them.
 void Statement::require(bool is_sound, int column, const std::string& wanted) const {
   if (is_sound) return;
   const auto* shown = sqlite3_column_text(statement_.get(), column);
@@ -212,7 +212,7 @@ Transaction::~Transaction() {
   try {
     database_.execute("ROLLBACK");
   } catch (const std::exception&) {
-    // SQLite has rolled back by itself, as it does when the disk is full.
+    // SQLite has rolled back already, as it does if the disk is full.
   }
 }
 

@@ -6,14 +6,15 @@
 
 #include "session_folder.hpp"
 
-// Sessions that appear whole or not at all.
+// Sessions that appear only when they are complete.
 namespace lidar_mapping::session {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Fills a session in `growing` and moves it to where place() says, which is asked when it is full.
+/// Fills a session in the folder `temporary` and then moves it to the folder that destination()
+/// returns.
 Session create_aside(const fs::path& temporary, const std::function<void(Session&)>& fill,
                      const std::function<fs::path()>& destination) {
   fs::path target;

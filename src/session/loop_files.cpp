@@ -39,13 +39,13 @@ Verdicts newest_verdicts(const Session& session) {
   return verdicts;
 }
 
-/// What the graph says of a loop later has no figures of matching.
+/// False for a later verdict of the graph, which has no figures of a match.
 bool has_figures(const LoopVerdict& verdict) {
   return verdict.horizontal_eigenvalue > 0.0 || verdict.innovation > 0.0;
 }
 
-/// Every candidate once, in the order in which they came: the figures of its matching and what
-/// became of it in the end.
+/// Every candidate once in the order of storage, with the figures of its match and its final
+/// verdict.
 std::vector<LoopVerdict> candidates(const Session& session) {
   std::vector<LoopVerdict> result;
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, std::size_t> known;
@@ -78,8 +78,8 @@ Pose pose_of(const std::vector<double>& numbers) {
   return pose;
 }
 
-/// The numbers up to the end of the line, of which the first two are indices and the others places
-/// and angles; false if there is anything else.
+/// Reads all numbers to the end of the line: two indices, then coordinates and angles. Returns
+/// false if there is anything else.
 bool read_numbers(std::istream& stream, std::vector<double>& numbers) {
   try {
     for (std::string word; stream >> word;) {

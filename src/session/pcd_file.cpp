@@ -14,8 +14,8 @@ namespace lidar_mapping::session {
 
 namespace {
 
-/// PCL warns on the console about fields that a type has and the file lacks, so the type follows
-/// the file.
+/// PCL prints a warning for each field of the point type that the file does not have, so the point
+/// type is chosen by the file.
 template <typename PclPoint>
 PointCloud from_pcl(const pcl::PCLPointCloud2& raw) {
   pcl::PointCloud<PclPoint> cloud;

@@ -78,7 +78,8 @@ pcl::PCLPointCloud2 read_pcd_points(const fs::path& path, const PcdHeader& heade
     status = read_body(file, path, header, cloud);
   } catch (const FileError&) {
     throw;
-  } catch (const std::exception& error) {  // of PCL, such as std::out_of_range of a short line
+    // Thrown by PCL, such as std::out_of_range for a short line.
+  } catch (const std::exception& error) {
     problem = std::string(" (") + error.what() + ")";
   }
   if (status < 0) throw_unreadable(path, problem);

@@ -10,7 +10,7 @@ namespace lidar_mapping::session {
 
 namespace {
 
-/// Takes the fields of a value, one after the other, as the cells of a row.
+/// Writes the fields of a value one after the other as the cells of a row.
 class Writer {
  public:
   void process(std::int64_t value) { cells.emplace_back(value); }
@@ -40,18 +40,18 @@ class Writer {
     }
     cells.emplace_back(blob);
   }
-  /// Of a cloud only its size.
+  /// Only the number of points of a cloud.
   void process(const PointCloudPtr& cloud) { process(cloud ? cloud->size() : std::size_t{0}); }
 
   Cells cells;
 };
 
-/// Fills the fields of a value from the cells of a row.
+/// Reads the fields of a value from the cells of a row.
 class Reader {
  public:
   explicit Reader(Statement& row) : row_(row) {}
 
-  /// All of them are stamps, whose differences are to stay within their type.
+  /// All integers of this type are stamps; the limit keeps their differences within the type.
   void process(std::int64_t& value) {
     constexpr std::int64_t kLatest = 4'500'000'000'000'000'000;
     value = row_.read_integer(-kLatest, kLatest);
@@ -105,7 +105,7 @@ class Reader {
   Statement& row_;
 };
 
-/// Hands fields to a writer or a reader from left to right.
+/// Passes fields to a writer or a reader from left to right.
 template <typename Archive>
 struct Each {
   Archive& archive;
@@ -118,7 +118,7 @@ struct Each {
 template <typename Value>
 struct Row {};
 
-// The columns of each table, once for both directions: V is const for writing.
+// The columns of each table, defined once for writing (V is const) and reading.
 
 template <typename V, typename Each>
 void visit(Row<KeyFrame>, V& v, Each each) {

@@ -25,7 +25,8 @@ std::string dated_name(std::time_t now) {
   return name;
 }
 
-/// True if the folder did not exist; the system decides, so two processes cannot both get it.
+/// Creates a folder. Returns false if it existed; this is atomic, so that two processes cannot both
+/// create it.
 bool create_new(const fs::path& folder) {
   std::error_code error;
   const bool made = fs::create_directory(folder, error);
@@ -36,7 +37,8 @@ bool create_new(const fs::path& folder) {
   return made;
 }
 
-/// Replaces the link in one step. A file or folder named `latest` that is no link is left alone.
+/// Replaces the link atomically. A file or folder with the name `latest` that is not a link is not
+/// touched.
 void link_latest_to(const fs::path& folder) {
   const fs::path link = folder.parent_path() / "latest";
   if (fs::exists(fs::symlink_status(link)) && !fs::is_symlink(link)) return;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
 constexpr std::int64_t kVersion = 6;
-// Older ones can be read, and are brought up to date to be written.
+// Older versions can be read. They are upgraded when they are opened for writing.
 constexpr std::int64_t kWithoutDecisions = 1;
 constexpr std::int64_t kWithoutUnobserved = 2;
 constexpr std::int64_t kWithoutElevation = 3;
@@ -82,7 +82,7 @@ constexpr const char* kProbability = "ALTER TABLE scans ADD COLUMN probability R
 /// From version 5 to 6.
 constexpr const char* kDoubt = "ALTER TABLE key_frames ADD COLUMN doubtful INTEGER DEFAULT 0";
 
-/// From a version on to the newest.
+/// Upgrades the tables from a version to the newest one.
 void migrate(Database& database, std::int64_t version) {
   if (version <= kWithoutDecisions) database.execute(kDecisions);
   if (version <= kWithoutUnobserved) database.execute(kUnobserved);

@@ -30,7 +30,7 @@ Trajectory restricted_to(const Trajectory& trajectory, const std::set<Stamp>& st
   return result;
 }
 
-/// Drives that were joined can overlap in time.
+/// Merged drives may overlap in time.
 void sort_by_stamp(Trajectory& trajectory) {
   std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(),
                    [](const auto& a, const auto& b) { return a.stamp < b.stamp; });

@@ -50,8 +50,8 @@ TEST(BackEnd, LoopsRemoveDriftWithoutAnyOtherSensor) {
   EXPECT_GT(optimize(back_end, true).least_eigenvalue, 0.0);
 }
 
-/// The first half of a drive, a solution of it, the second half, and the solution taken in: with
-/// the solver in a thread of its own while the graph grows, or one after the other.
+/// Adds the first half of a drive, solves it, adds the second half and applies the solution. The
+/// solver runs either in a thread of its own while the graph grows, or before.
 KeyFramePoses solved_while_growing(const SyntheticDrive& drive, std::launch policy) {
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
@@ -73,7 +73,7 @@ KeyFramePoses solved_while_growing(const SyntheticDrive& drive, std::launch poli
   return back_end.apply(*solution.get());
 }
 
-// A solver in another thread and sensor data share nothing that changes.
+// A solver in another thread shares no data that change with the graph.
 TEST(BackEnd, SolvesInAnotherThreadWhileTheGraphGrows) {
   const SyntheticDrive drive = test::make_drive();
   const KeyFramePoses one_after_the_other = solved_while_growing(drive, std::launch::deferred);

@@ -18,13 +18,13 @@ using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
 
-constexpr std::size_t kWrong = 300;  // the key frame whose step is wrong
-constexpr int kLap = 400;            // key frames
+constexpr std::size_t kWrong = 300;  // key frame with the wrong step
+constexpr int kLap = 400;            // key frames per lap
 
-/// What the front end expects of such steps.
+/// Error that the front end expects of such steps.
 Covariance6 expected_error() { return diagonal_covariance(0.1, 0.01); }
 
-/// Odometry turns by 90 degrees too much on the way to kWrong.
+/// Odometry turns by 90 degrees too much in the step to kWrong.
 SyntheticDrive wrongly_turned_drive(bool doubtful) {
   SyntheticDrive drive = test::make_drive();
   const Pose before = drive.key_frames[kWrong - 1].T_odom_base;
@@ -45,11 +45,11 @@ std::size_t believed_count(const BackEnd& back_end) {
 }
 
 struct Outcome {
-  std::size_t consistent_constraints = 0;  ///< of the loops, all of them right
+  std::size_t consistent_constraints = 0;  ///< number of used loops; all loops are true
   double error = 0.0;                      ///< m
 };
 
-/// With a loop at every so many key frames of the second lap.
+/// Adds a loop at every `step`th key frame of the second lap.
 Outcome outcome_of(const SyntheticDrive& drive, int step) {
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
@@ -64,7 +64,7 @@ TEST(DoubtfulStep, GivesWayToRightLoopsHoweverWrongItIs) {
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), 5);
   EXPECT_EQ(doubted.consistent_constraints, 80U);
   EXPECT_LT(doubted.error, 1.1 * clean.error);
-  // With the same covariance, but taken for what it claims.
+  // The same covariance, but the step is not marked as doubtful.
   const Outcome claimed = outcome_of(wrongly_turned_drive(false), 5);
   EXPECT_LT(claimed.consistent_constraints, 80U);
   EXPECT_GT(claimed.error, 5.0 * clean.error);
@@ -91,7 +91,7 @@ TEST(DoubtfulStep, HoldsTheMapTogetherWhereNothingElseDoes) {
   EXPECT_LT(difference(motion, odometry).norm(), 1e-6);
 }
 
-// The loops that stand without the step do not fall with it: false ones are refused as ever.
+// The loops that are consistent without the step stay used, and false ones are still refused.
 TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
@@ -106,7 +106,7 @@ TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
   EXPECT_FALSE(back_end.loops().back().second);
 }
 
-// Contradicted by 90 degrees, it tells next to nothing of how its ends lie to each other.
+// A step that is contradicted by 90 degrees has almost no weight in the information matrix.
 TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How firmly the first key frame is held.
+// The prior of the first key frame.
 
 #include <string>
 
@@ -13,7 +13,7 @@
 namespace lidar_mapping::back_end {
 namespace {
 
-/// chi2 of the first key frame's prior with the map moved by half a metre along x.
+/// chi2 of the first key frame's prior if the map is moved by half a metre along x.
 double cost_of_half_a_metre(const BackEndConfig& config) {
   DriveGraph drive;
   drive.nodes.resize(2);

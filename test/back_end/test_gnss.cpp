@@ -50,7 +50,7 @@ TEST(Gnss, ThirtyMetresGiveTheHeadingWithoutAnImu) {
   }
 }
 
-/// Feeds the first `metres` with fixes of that quality, and optimises.
+/// Adds the first `metres` of a drive with fixes of this quality, and optimises.
 void drive_shortly(MappedDrive& run, int metres, double sigma_m, BackEnd& back_end) {
   for (int i = 0; i <= metres; ++i) {
     back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
@@ -59,7 +59,7 @@ void drive_shortly(MappedDrive& run, int metres, double sigma_m, BackEnd& back_e
   EXPECT_TRUE(optimize(back_end).success);
 }
 
-// Until the heading is known the map is odometry's.
+// Until the heading is known, the poses of the map are those of odometry.
 TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsTooShortForItsFixes) {
   DriveSettings settings;
   settings.start_yaw = 2.0;
@@ -72,7 +72,7 @@ TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsTooShortForItsFixes) {
   EXPECT_LT(rough_fixes.T_map_odom().translation.norm(), 1e-6);
 }
 
-// Good fixes need no long track.
+// Accurate fixes need only a short track.
 TEST(Gnss, TenMetresDoForGoodFixes) {
   for (const double yaw : {0.0, 2.0, -3.0}) {
     DriveSettings settings;
@@ -97,7 +97,7 @@ TEST(Gnss, AKeyFrameTakesItsFirstPositionOnly) {
   EXPECT_EQ(optimize(back_end).gnss_used, once);
 }
 
-// It does not wait for a hundred fixes.
+// The first alignment does not wait for a hundred fixes.
 TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   MappedDrive run;
   BackEnd back_end(BackEndConfig{});
@@ -269,7 +269,7 @@ TEST(Gnss, TooShortATrackIsSaidNotToBePlaced) {
 }
 
 TEST(Gnss, IsNeverWorseThanWithoutIt) {
-  // Fixes of 3 m whose error wanders slowly, under a drift that loops have removed.
+  // Fixes of 3 m whose error changes slowly, and a drift that loops have removed.
   MappedDrive with;
   std::normal_distribution<double> normal(0.0, 0.3);
   Eigen::Vector3d wander = Eigen::Vector3d::Zero();
@@ -290,13 +290,13 @@ TEST(Gnss, IsNeverWorseThanWithoutIt) {
             aligned_rmse(without.back_end, without.drive) + 0.3);
 }
 
-// A street driven twice with independent errors of 12 cm stays one street.
+// A street that is driven twice with independent errors of 12 cm stays one street.
 TEST(Gnss, LoopsWinLocallyOverFixes) {
   MappedDrive run;
   std::normal_distribution<double> normal(0.0, 0.12);
   Eigen::Vector3d error = Eigen::Vector3d::Zero();
   for (int i = 0; i < run.size(); ++i) {
-    // Errors last for some 30 m.
+    // The errors are correlated over about 30 m.
     if (i % 30 == 0)
       error = Eigen::Vector3d(normal(run.engine), normal(run.engine), normal(run.engine));
     GnssPosition position = run.gnss(i, 0.01);
@@ -318,13 +318,13 @@ TEST(Gnss, LoopsWinLocallyOverFixes) {
   const double error_before = true_rmse(run.back_end, run.drive);
   add_lap_loops(run.back_end, run.drive, 400, 3, run.engine);
   optimize(run.back_end);
-  // Matching itself leaves 2 cm in each direction.
+  // The registration itself has errors of 2 cm in each direction.
   EXPECT_LT(ghosting(), 0.035);
   EXPECT_LT(ghosting(), 0.3 * before);
   EXPECT_LT(true_rmse(run.back_end, run.drive), error_before + 0.02);
 }
 
-// The default configuration is a usable one.
+// The default configuration can be used as it is.
 TEST(Gnss, DefaultsReachTwoDecimetresWithRtk) {
   MappedDrive run;
   for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i, 0.02));

@@ -10,7 +10,7 @@ using test::feed;
 using test::optimize;
 using test::SyntheticDrive;
 
-constexpr double kPeriod = 0.1;  // s from one key frame to the next
+constexpr double kPeriod = 0.1;  // s between key frames
 
 /// The fix at key frame `at` of a receiver whose stamps are `delay` seconds late.
 GnssPosition late_fix(const SyntheticDrive& drive, int at, double delay, std::mt19937& engine) {
@@ -26,7 +26,7 @@ GnssPosition late_fix(const SyntheticDrive& drive, int at, double delay, std::mt
   return fix;
 }
 
-/// Root mean square by which positions miss the true antenna with their delay in the lever arm, m.
+/// RMS error of the positions with their delay in the lever arm, relative to the true antenna, m.
 double misfit(const std::vector<GnssPosition>& positions, const SyntheticDrive& drive,
               std::size_t first, std::size_t count) {
   double sum = 0.0;
@@ -52,7 +52,7 @@ TEST(GnssDelay, IsCorrectedFromTheFirstFixOn) {
     add_fixes(back_end, drive, delay, 0, size - 1);
     EXPECT_GT(misfit(back_end.positions(), drive, 1, 50), 0.4);
     optimize(back_end, true);
-    // The fixes' noise is 3 cm.
+    // The noise of the fixes is 3 cm.
     EXPECT_LT(misfit(back_end.positions(), drive, 1, 50), 0.06) << delay;
     EXPECT_LT(misfit(back_end.positions(), drive, 400, 350), 0.06) << delay;
     EXPECT_LT(test::true_rmse(back_end, drive), 0.06) << delay;
@@ -92,13 +92,13 @@ TEST(GnssDelay, IsAllowedForWhileItIsUnknown) {
   for (std::size_t i = 0; i < 40; ++i) back_end.add_key_frame(drive.key_frames[i]);
   add_fixes(back_end, drive, 0.0, 0, 40);
   optimize(back_end);
-  // The street leads East: 50 ms at 10 m/s along the way, nothing across.
+  // The street leads east: 50 ms at 10 m/s along the street, no effect across it.
   const Eigen::Matrix3d covariance = back_end.positions()[20].covariance;
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.5, 0.05);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }
 
-/// Round bends of 20 m at 3 to 11 m/s.
+/// A round course with bends of 20 m radius at 3 to 11 m/s.
 Pose pose_in_traffic(double seconds) {
   const double turned = (7.0 * seconds - 4.0 / 1.1 * std::cos(1.1 * seconds)) / 20.0;
   return {Eigen::Quaterniond(Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ())),

@@ -19,7 +19,7 @@ std::size_t believed_count(const BackEnd& back_end, std::size_t first, std::size
   return count;
 }
 
-/// Places declared one that lie apart, in consistent groups of ten.
+/// False loops between locations that are far apart, in consistent groups of ten.
 void add_false_loops(BackEnd& back_end, const SyntheticDrive& drive, int groups,
                      std::mt19937& engine) {
   std::uniform_int_distribution<int> pick(0, 150);
@@ -57,7 +57,7 @@ TEST(Loops, OneOnceTakenIsDroppedWhenOthersContradictItAndTheOtherWayRound) {
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   std::mt19937 engine(5);
-  // Alone, a loop a few metres wrong cannot be told from drift.
+  // A single loop with an error of a few metres cannot be distinguished from drift.
   Loop wrong = make_loop(drive, 0, 400, engine);
   wrong.T_from_to.translation.y() += 1.5;
   back_end.add_loop(wrong);
@@ -118,7 +118,7 @@ TEST(Loops, AnOptimisationWithoutNewsMovesNothing) {
   }
 }
 
-// The first loop is due at once, the next when the least interval has passed.
+// The first loop is optimised at once, the next one after the least interval.
 TEST(Loops, AreOptimisedSoonAndNotTooOften) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
@@ -161,7 +161,7 @@ TEST(Loops, PosesKeepIndexAndStampBitForBit) {
   }
 }
 
-// What a session keeps is enough to go on: the same inputs again give the same poses.
+// The data in a session are sufficient to continue: the same inputs give the same poses.
 TEST(Loops, ReplayingTheInputsGivesTheSameBytes) {
   const SyntheticDrive drive = test::make_drive();
   const auto run = [&] {
@@ -182,7 +182,7 @@ TEST(Loops, ReplayingTheInputsGivesTheSameBytes) {
 
 TEST(Segments, AreNotTiedByOdometryAndJoinedByLoops) {
   SyntheticDrive drive = test::make_drive();
-  // Tracking was lost at 500; the front end begins anew, elsewhere.
+  // Tracking was lost at 500; the front end starts a new segment at another pose.
   const Pose jump = {exp_so3({0.0, 0.0, 1.0}), {70.0, -30.0, 5.0}};
   for (std::size_t i = 500; i < 800; ++i) {
     drive.key_frames[i].segment = 1;

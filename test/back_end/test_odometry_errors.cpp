@@ -14,7 +14,7 @@ using test::feed;
 using test::optimize;
 using test::SyntheticDrive;
 
-/// A drive of 1.6 km whose odometry errs only as said.
+/// A drive of 1.6 km whose odometry has only the given errors.
 SyntheticDrive good_drive(double stddev_m, double scale_error = 0.0) {
   test::DriveSettings settings;
   settings.laps = 4;
@@ -46,13 +46,12 @@ TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
   EXPECT_NEAR(estimated_errors(*back_end.problem()).scale_error, -2e-4, 8e-5);
   const Pose by_odometry = drive.key_frames[698].T_odom_base.inverse() *  //
                            drive.key_frames[699].T_odom_base;
-  const pose_graph::PoseGraph graph =
-      back_end.graph();  // positions had nothing to say about this motion
+  const pose_graph::PoseGraph graph = back_end.graph();  // no position is near this motion
   EXPECT_NEAR(graph.edges[698].T_from_to.translation.norm() / by_odometry.translation.norm(),
               1.0 - 2e-4, 8e-5);
 }
 
-// Its three metres would pass for a stretch of the way of 0.2 %, and for all of the drift.
+// The error of three metres could be taken for a scale error of 0.2 % and for the full drift.
 TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
   SyntheticDrive drive = good_drive(0.0005, 2e-4);
   const Pose before = drive.key_frames[299].T_odom_base;
@@ -107,7 +106,7 @@ TEST(OdometryErrors, FixesOfAMetreHardlyDisturbGoodOdometry) {
   EXPECT_LT(test::aligned_rmse(back_end, drive), 0.095);
 }
 
-// The drive's delay is off by 4 ms, and what was made of the antenna's place by centimetres.
+// The delay of the drive is wrong by 4 ms, and the estimated lever arm by centimetres.
 TEST(SystematicErrors, TheRestOfACorrectedDelayIsFound) {
   const SyntheticDrive drive = good_drive(0.001);
   BackEnd back_end(BackEndConfig{});
@@ -129,7 +128,7 @@ TEST(SystematicErrors, TheRestOfACorrectedDelayIsFound) {
   }
 }
 
-// After the weights have changed the poses are no longer at the minimum.
+// After a change of the weights the poses are no longer at the minimum.
 TEST(SystematicErrors, AreTheSameFromPosesOfOtherWeights) {
   const SyntheticDrive drive = good_drive(0.001, 1e-4);
   BackEnd back_end(BackEndConfig{});

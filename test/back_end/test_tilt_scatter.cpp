@@ -19,10 +19,10 @@ constexpr double kDeg = M_PI / 180.0;
 /// Error of the IMU's orientation at a key frame, about the axes of the map (deg).
 using TiltError = std::function<Eigen::Vector3d(std::size_t)>;
 
-/// The vehicle turns round once in 100 key frames.
+/// The vehicle makes a full turn in 100 key frames.
 double heading(std::size_t i) { return 0.02 * M_PI * static_cast<double>(i); }
 
-/// Such a vehicle with a loop, and with perfect odometry in a frame of its own for each segment.
+/// A drive of this vehicle with one loop and perfect odometry, with a frame of its own per segment.
 DriveGraph round_drive(std::size_t count, const TiltError& error, std::size_t segments = 1) {
   DriveGraph drive;
   drive.in_enu.assign(segments, false);
@@ -41,8 +41,8 @@ DriveGraph round_drive(std::size_t count, const TiltError& error, std::size_t se
   return drive;
 }
 
-/// Errors of `sigma` about x and y that fade within `length` key frames; 0 for those that do not
-/// last.
+/// Errors of `sigma` about x and y with a correlation length of `length` key frames; 0:
+/// independent.
 TiltError noise(double sigma, double length) {
   auto engine = std::make_shared<std::mt19937>(4);
   auto state = std::make_shared<Eigen::Vector3d>(Eigen::Vector3d::Zero());
@@ -58,14 +58,14 @@ TiltError noise(double sigma, double length) {
 TEST(TiltScatter, OfIndependentErrorsIsTheirOwn) {
   const double stddev = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0)), {});
   EXPECT_GT(stddev, 0.75);
-  EXPECT_LT(stddev, 1.2);  // the greatest of several estimates
+  EXPECT_LT(stddev, 1.2);  // the largest of several estimates
   const double in_segments = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0), 3), {});
   EXPECT_NEAR(in_segments, stddev, 0.2);
 }
 
 TEST(TiltScatter, CountsErrorsThatNeighboursShare) {
-  // The mean of n key frames has the variance 40 / n times 0.3^2; means of finite length show a
-  // part.
+  // The mean of n key frames has the variance 40 / n times 0.3^2; means of finite length show only
+  // a part of it.
   const double honest = 0.3 * std::sqrt(2.0 * 20.0);
   const double stddev = tilt_stddev_deg(round_drive(2000, noise(0.3, 20.0)), {});
   EXPECT_GT(stddev, 0.7 * honest);
@@ -90,7 +90,7 @@ TEST(TiltScatter, BelievesNoSensorEntirely) {
 TEST(TiltScatter, IsAsConfiguredWhereOnlyOdometryHoldsTheHeight) {
   BackEndConfig config;
   DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
-  drive.loops.front().evaluated = true;  // and refused
+  drive.loops.front().evaluated = true;  // evaluated and not used
   EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
   drive.gnss.emplace_back();
   EXPECT_LT(tilt_stddev_deg(drive, config), 1.2);

@@ -13,7 +13,7 @@ namespace lidar_mapping::back_end {
 namespace {
 
 constexpr double kDeg = M_PI / 180.0;
-constexpr double kFarOn = 100.0;  // m, since the segment began
+constexpr double kFarOn = 100.0;  // m since the beginning of the segment
 
 Pose forward(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0.0, 0.0}}; }
 
@@ -25,7 +25,7 @@ TEST(Weights, DriftGrowsWithTheDistance) {
   EXPECT_GT(far(5), 3.0 * near(5));
 }
 
-// Of a drive of 60 m in two segments.
+// Edges of a drive of 60 m in two segments.
 TEST(Weights, TheFirstMetresOfEverySegmentAreHeldLessFirmly) {
   test::SyntheticDrive drive = test::make_drive({1, 60.0});
   const std::size_t second = drive.key_frames.size() / 2;
@@ -49,7 +49,7 @@ TEST(Weights, DegenerateDirectionsAreHardlyHeld) {
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }
 
-// In a corridor a loop that knows nothing along it corrects nothing along it.
+// In a corridor, a loop without information along the corridor does not correct along it.
 TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
   const test::SyntheticDrive drive = test::make_drive({1, 300.0});
   std::mt19937 engine(1);
@@ -69,7 +69,7 @@ TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
   EXPECT_GT(moved.y(), 0.15);
 }
 
-// Constant and by fitness, as hdl_graph_slam has them but with squares.
+// Constant and by fitness, as in hdl_graph_slam but with variances.
 TEST(Weights, OtherRulesAreThereByName) {
   BackEndConfig config;
   config.use_const_inf_matrix = true;
@@ -88,7 +88,7 @@ TEST(Weights, OtherRulesAreThereByName) {
   EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), 2.131, 0.001);
 }
 
-// Where noise is as the parameters say, chi2 per degree of freedom is about one.
+// If the noise is as configured, chi2 per degree of freedom is about one.
 TEST(Weights, ChiSquareIsHonest) {
   BackEndConfig config;
   config.odometry_min_stddev_m = config.loop_min_stddev_m = 1e-6;
@@ -102,7 +102,7 @@ TEST(Weights, ChiSquareIsHonest) {
   std::mt19937 engine(7);
   test::add_lap_loops(back_end, drive, 400, 2, engine);
   const OptimizationReport report = test::optimize(back_end);
-  // 200 loops of six dimensions close the graph: so many degrees of freedom are left.
+  // 200 loops of six dimensions close the graph, which is the number of degrees of freedom.
   EXPECT_NEAR(report.cost_after / (6.0 * 200.0), 1.0, 0.15);
 }
 

@@ -15,7 +15,7 @@ using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
 
-/// 4400 key frames on a street block, well tied by loops, solved.
+/// 4400 key frames around a street block, connected by many loops and solved.
 struct LongDrive {
   SyntheticDrive drive;
   BackEnd back_end{BackEndConfig{}};
@@ -51,7 +51,7 @@ TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
   EXPECT_TRUE(run.back_end.loops().back().second);
   const auto after = run.back_end.poses().poses;
   EXPECT_EQ(after.size(), before.size());
-  // The whole graph agrees to a centimetre, and takes much longer.
+  // The solution of the whole graph agrees within a centimetre and takes much longer.
   const double middle = cpu_seconds();
   optimize(run.back_end, true);
   EXPECT_LT(in_window, 0.5 * (cpu_seconds() - middle));
@@ -102,7 +102,7 @@ TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   const double eigenvalue = pose_graph::least_eigenvalue(graph, {true, true, true, true});
   EXPECT_GT(eigenvalue, 0.01);
   EXPECT_LT(eigenvalue, 4.0);
-  // A tie at the other end makes it firmer.
+  // A second connection at the other end increases the eigenvalue.
   graph.add({pose_graph::prior_residual(graph.pose(3), 400.0 * Matrix6d::Identity()), 3});
   EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * eigenvalue);
 }

@@ -39,7 +39,7 @@ TEST(Appearance, GivesHeadingAndPositionOfARevisit) {
   }
 }
 
-// More of them than a byte counts.
+// More cells than a byte can count.
 TEST(Appearance, AViewLiesBestOnItself) {
   std::vector<Eigen::Vector3f> points;
   std::mt19937 generator(1);
@@ -122,7 +122,7 @@ TEST(CoarseKey, BoundsTheDistanceOfTheKeys) {
   EXPECT_GE(bounds.upper, 0.5F * beyond.norm());
 }
 
-/// The 25 nearest keys, and of these the 10 most similar.
+/// The 25 nearest keys, and the 10 most similar of these.
 std::vector<std::size_t> most_similar_of_all(const std::vector<Appearance>& seen) {
   const SpectrumDescriptor& newest = seen.back().descriptor;
   std::vector<std::pair<double, std::size_t>> ranked;
@@ -150,7 +150,8 @@ TEST(AppearanceIndex, FindsWhatASearchAmongTheTrueKeysFinds) {
   }
 }
 
-// At a new place the keys say little of how similar the views are: each of the nearest keys counts.
+// At a new location the keys hardly depend on the similarity of the views, so that each of the
+// nearest keys counts.
 TEST(AppearanceIndex, FindsTheSameAtAPlaceThatLooksLikeNone) {
   std::vector<Appearance> seen = seen_on_the_way(make_town(150.0, 100.0, 5));
   const ToyWorld elsewhere = make_town(150.0, 100.0, 6);

@@ -15,7 +15,7 @@ std::vector<Eigen::Vector3f> random_points(std::size_t count, std::mt19937& gene
   return points;
 }
 
-// As in a matching: steps that become smaller, and limits too.
+// As in a registration: steps and limits decrease.
 TEST(CorrespondenceCache, GivesWhatASearchEachTimeGives) {
   std::mt19937 generator(1);
   const KdTree tree(random_points(3000, generator));

@@ -32,7 +32,7 @@ Decision judged(const Match& match, const Prior& prior = certain_prior(),
   return decide(match, prior, config);
 }
 
-/// The verdict is `verdict` and the reason names `parameter`.
+/// Expects this verdict, and that the reason names `parameter`.
 void expect(const Decision& decision, Verdict verdict, const std::string& parameter) {
   EXPECT_EQ(decision.verdict, verdict) << decision.reason;
   EXPECT_NE(decision.reason.find(parameter), std::string::npos) << decision.reason;
@@ -42,7 +42,7 @@ TEST(Judge, AcceptsWhatNothingSpeaksAgainst) {
   expect(judged(good_match()), Verdict::kAccepted, "overlap_margin_limit");
 }
 
-// Storeys look alike, and the estimate does not know on which of them the vehicle is.
+// Storeys look alike, and the estimate does not determine the storey of the vehicle.
 TEST(Judge, AfterAJumpOfTheHeightARoofLeavesItUndecided) {
   Match match = good_match();
   match.figures.roofed = 0.6;
@@ -75,7 +75,7 @@ TEST(Judge, DoubtStaysWhereTwoPlacesFit) {
   }
 }
 
-// Every figure has its say, none alone decides.
+// Each figure can refuse a match.
 TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
   Match match = good_match();
   match.alignment.converged = false;
@@ -109,7 +109,7 @@ TEST(Judge, TheFitnessHasAFarLimitUnlessAnotherOneOrNoneIsAskedFor) {
         {config::parse_yaml("fitness_score_thresh: " + limit + "\n", "hdl")});
   };
   Match match = good_match();
-  match.figures.fitness = 0.4;  // more than any true loop of the simulated drives has
+  match.figures.fitness = 0.4;  // larger than in any true loop of the simulated drives
   expect(judged(match), Verdict::kAccepted, "");
   match.figures.fitness = 2.0;
   expect(judged(match), Verdict::kRefused, "fitness_score_limit");

@@ -10,8 +10,8 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-// A square that ends where it began closes on the first key frames.
-// Without GNSS, although odometry ends 20 m away from the start.
+// A square that ends at its start closes on the first key frames, without GNSS, although odometry
+// ends 20 m away from the start.
 TEST(LoopCloser, ClosesASquareOnItsFirstKeyFrames) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}});
@@ -43,7 +43,7 @@ DriveOutcome square_off_by(double metres, bool appearance) {
   return drive(world, truth, odometry, config);
 }
 
-// Odometry so bad that what lies nearest in the estimate is another place.
+// With this odometry, the nearest key frames in the estimate are at another location.
 TEST(LoopCloser, AppearanceFindsWhatPositionMisses) {
   const DriveOutcome by_position = square_off_by(90.0, false);
   EXPECT_TRUE(by_position.loops.empty());
@@ -53,13 +53,13 @@ TEST(LoopCloser, AppearanceFindsWhatPositionMisses) {
   for (const Loop& loop : by_appearance.loops) EXPECT_EQ(loop.source, LoopSource::kAppearance);
 }
 
-/// There and back along x; the odometry is too short by a twentieth.
+/// Forward and back along x; the scale error of odometry is -5 %.
 DriveOutcome there_and_back(const ToyWorld& world) {
   const auto truth = along({{-60, 0}, {60, 0}, {60, 2}, {-60, 2}});
   return drive(world, truth, drifting(truth, 0.95, 0.0));
 }
 
-// In a smooth tunnel everything fits everywhere along the axis.
+// In a smooth tunnel a scan fits everywhere along the axis.
 TEST(LoopCloser, TakesNothingInATunnel) {
   ToyWorld tunnel;
   tunnel.boxes = {{{-300, -6, 0}, {300, -5, 7}}, {{-300, 5, 0}, {300, 6, 7}}};
@@ -68,7 +68,7 @@ TEST(LoopCloser, TakesNothingInATunnel) {
   EXPECT_FALSE(outcome.verdicts.empty());
 }
 
-// Where nothing stands there is nothing to decide by.
+// Without points above the ground there is no decision.
 TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
   const DriveOutcome outcome = there_and_back(ToyWorld());
   EXPECT_TRUE(outcome.loops.empty());
@@ -78,8 +78,8 @@ TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
   }
 }
 
-// The way back through the same street, without an absolute heading.
-// A loop at least every ten metres of it.
+// Driving back through the same street without an absolute heading: at least one loop every ten
+// metres.
 TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {100, 0}, {100, 3.5}, {0, 3.5}});
@@ -96,8 +96,8 @@ TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
   }
 }
 
-/// The most candidates that one search of a third pass through a street matched: both older passes
-/// are there to be met.
+/// The largest number of candidates that one search matched in a third pass through a street. Both
+/// older passes can be found.
 std::size_t most_matched(double horizontal_drift) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}, {0, 0}, {60, 0}});
@@ -121,7 +121,7 @@ TEST(LoopCloser, MatchesOneCandidateWhereTheEstimateKnowsThePlace) {
 
 TEST(LoopCloser, MatchesAllWhereTheEstimateLeavesADoubt) { EXPECT_EQ(most_matched(0.02), 2U); }
 
-// A crossing, where the headings differ by a quarter turn.
+// A crossing where the headings differ by 90 degrees.
 TEST(LoopCloser, ClosesACrossing) {
   const ToyWorld world = make_town(150.0, 100.0, 8);
   const auto truth = along({{-40, 0}, {40, 0}, {40, 40}, {0, 40}, {0, -20}});
@@ -136,7 +136,7 @@ TEST(LoopCloser, FindsNothingWhereNothingIsSeenAgain) {
   EXPECT_TRUE(drive(world, truth, truth).loops.empty());
 }
 
-// Nothing in the clouds tells twin streets apart; the estimate does.
+// The clouds of twin streets cannot be distinguished; the estimate distinguishes them.
 TEST(LoopCloser, NeverJoinsTwinStreets) {
   ToyWorld world = make_town(60.0, 100.0, 9);
   const std::size_t count = world.boxes.size();
@@ -172,7 +172,7 @@ ToyWorld make_car_park() {
   return world;
 }
 
-/// Up the ramps, twice around on each storey.
+/// Up the ramps, with two turns on each storey.
 std::vector<Pose> car_park_drive() {
   const auto round = along({{-30, 0}, {30, 0}, {30, 11}, {-30, 11}, {-30, 0}, {0, 0}}, 4.0);
   std::vector<Pose> truth;
@@ -188,7 +188,7 @@ std::vector<Pose> car_park_drive() {
   return truth;
 }
 
-// What repeats from storey to storey is not the same place.
+// Storeys that look alike are different locations.
 TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
@@ -197,7 +197,7 @@ TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
   EXPECT_GE(outcome.loops.size(), 6U);
 }
 
-// An odometry that falls back by a storey at the end of each ramp.
+// An odometry that loses the height of a storey at the end of each ramp.
 TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
@@ -210,7 +210,7 @@ TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
   EXPECT_GT(std::count_if(outcome.verdicts.begin(), outcome.verdicts.end(), is_undecided), 0);
 }
 
-// A height that drifted by 15 m hides nothing.
+// A drift of the height by 15 m does not hide the loop.
 TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}}, 3.0);
@@ -225,7 +225,7 @@ TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
   EXPECT_FALSE(outcome.loops.empty());
 }
 
-// Any window and any gap work, and scan and submap never share a cloud.
+// All sizes of submap and gap are possible, and scan and submap never share a cloud.
 TEST(LoopCloser, BearsEveryWindow) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {30, 0}, {30, 3.5}, {0, 3.5}});
@@ -256,7 +256,7 @@ TEST(LoopCloser, UnfilteredCloudsCloseToo) {
   EXPECT_FALSE(outcome.loops.empty());
 }
 
-// After a restart the bookkeeping is that of before.
+// After a restart the search continues as before.
 TEST(LoopCloser, ClosesSoonAfterARestart) {
   const ToyWorld world = make_town(80.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}});
@@ -278,7 +278,7 @@ TEST(LoopCloser, ClosesSoonAfterARestart) {
   }
 }
 
-// A front end that starts again begins a segment whose odometry says nothing about the one before.
+// A front end that restarts begins a segment that odometry does not connect to the one before.
 TEST(LoopCloser, JoinsASegmentToTheOneBefore) {
   const ToyWorld world = make_town(80.0, 100.0, 2);
   const auto truth = along({{-50, 0}, {50, 0}});
@@ -309,7 +309,7 @@ TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {
   }
 }
 
-// Whoever has a thread to spare prepares key frames ahead.
+// Key frames can be prepared in advance in another thread.
 TEST(LoopCloser, GivesTheSameBytesForKeyFramesPreparedAhead) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});

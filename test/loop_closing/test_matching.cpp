@@ -27,7 +27,7 @@ TEST(Matching, ARoofIsALevelSurfaceOverhead) {
   EXPECT_GT(share(world), 0.3);
 }
 
-/// A street with a submap around its middle and the scan of another place in it.
+/// A street with a submap around its middle and a scan from another pose in it.
 struct Street {
   explicit Street(const ToyWorld& world, const Pose& newest)
       : poses(along({{-30, 0}, {30, 0}})), clouds(world, with(poses, newest)), submaps({}, clouds) {
@@ -142,7 +142,7 @@ TEST(Matching, CovarianceIsThatOfTheErrors) {
   EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
 }
 
-// The fitness of a wrong place can be small; overlap and free space tell.
+// The fitness at a wrong location can be small; overlap and free space are not.
 TEST(Matching, AnotherPlaceIsRefused) {
   const ToyWorld here = make_town(100.0, 100.0, 6);
   const ToyWorld elsewhere = make_town(100.0, 100.0, 7);

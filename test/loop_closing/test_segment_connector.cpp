@@ -7,8 +7,8 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-/// A street in segment 0 and the same street again in segment 1, `gap` seconds later, in an
-/// odometry frame of its own.
+/// A street in segment 0 and the same street again in segment 1, `gap` seconds later and in another
+/// frame of odometry.
 struct Streets {
   explicit Streets(double gap) {
     const auto poses = along({{0, 0}, {300, 0}});
@@ -57,7 +57,7 @@ TEST(SegmentConnector, BelieveOneMatchWhereTheVehicleCannotHaveGoneFar) {
   EXPECT_EQ(joins.add(loop, streets.trajectory).size(), 1U);
 }
 
-// Two vehicles at the same time may be anywhere.
+// The distance of two vehicles at the same time is not limited.
 TEST(SegmentConnector, DoNotBelieveOneMatchBetweenSegmentsAtTheSameTime) {
   const Streets streets(-60.0);
   SegmentConnector joins(100.0);

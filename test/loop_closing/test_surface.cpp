@@ -32,7 +32,7 @@ TEST(SurfaceCloud, HasNormalsOnWallsAndNoneInFoliage) {
   EXPECT_LT(in_foliage, 300);
 }
 
-// Planes of all thicknesses, in all directions, against a solver for any matrix.
+// Planes of different thickness and direction, compared with a general eigenvalue solver.
 TEST(SurfaceCloud, NormalsAreTheSmallestAxisOfTheScatter) {
   std::mt19937 generator(2);
   std::normal_distribution<float> normal;

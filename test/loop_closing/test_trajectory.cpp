@@ -23,7 +23,7 @@ Trajectory straight(std::size_t count) {
   return trajectory;
 }
 
-// What is not optimised yet follows the newest pose that is.
+// Poses that are not optimised yet follow the newest optimised pose.
 TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
   Trajectory trajectory = straight(5);
   const auto moved = trajectory.update({1, true, {{2, 0, planar(4.0, 10.0, kPi / 2.0)}}});

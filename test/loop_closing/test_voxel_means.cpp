@@ -12,7 +12,7 @@
 namespace lidar_mapping::loop_closing {
 namespace {
 
-/// More voxels than the table holds at first, on both sides of the axes.
+/// More voxels than the initial table can hold, on both sides of the axes.
 PointCloud scattered() {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> place(-30.0F, 30.0F);
@@ -61,7 +61,7 @@ TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
   EXPECT_EQ(voxels.points(), std::vector<Eigen::Vector3f>(2, {1.0F, 2.0F, 3.0F}));
 }
 
-// The finest leaf, at the ends of the range.
+// The smallest leaf at the ends of the range.
 TEST(VoxelMeans, KeepsFarAwayCellsApart) {
   VoxelMeans voxels;
   voxels.reset(0.05);

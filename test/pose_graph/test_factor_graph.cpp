@@ -10,7 +10,8 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// Any number of rows: row i measures the coordinate i mod 3 of the state as `measured[i mod 3]`.
+/// A residual of any number of rows: row i measures coordinate i mod 3 of the state as `measured[i
+/// mod 3]`.
 class Rows : public ceres::CostFunction {
  public:
   Rows(int rows, int block, const Eigen::Vector3d& measured) : measured_(measured) {
@@ -55,7 +56,8 @@ TEST_P(RowCount, AllReachTheMinimum) {
   const MinimizerSummary summary = gauss_newton(graph, std::vector<bool>(2, true), none, {});
   EXPECT_TRUE(summary.usable) << summary.message;
   for (int i = 0; i < 3; ++i) {
-    const double count = (GetParam() + 2 - i) / 3;  // rows of the first that measure coordinate i
+    // Number of rows of the first constraint that measure coordinate i.
+    const double count = (GetParam() + 2 - i) / 3;
     const double mean = (count * here[i] + there[i]) / (count + 1.0);
     EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
   }
@@ -92,7 +94,7 @@ TEST(FactorGraph, RefusesWhatItCannotSolve) {
   elsewhere.first = 1;
   EXPECT_NE(refusal(graph, std::move(elsewhere)).find("add the nodes first"), std::string::npos);
   Constraint single = rows(3, kPoseBlockSize);
-  single.second = 0;  // of one block, between two nodes
+  single.second = 0;  // takes one parameter block, but is between two nodes
   EXPECT_NE(refusal(graph, std::move(single)).find("2 of 7 numbers"), std::string::npos);
   EXPECT_TRUE(graph.constraints.empty());
   EXPECT_THROW(chi2_limit(0), InputError);

@@ -64,7 +64,7 @@ TEST(G2oFile, KeepsPlanarGraphsPlanar) {
 }
 
 TEST(G2oFile, PlacesVerticesThatOnlyEdgesName) {
-  // The loop 2 -> 0 contradicts odometry; it must not place anything.
+  // The loop 2 -> 0 contradicts odometry and must not be used for start values.
   const G2oFile file = read(edge(0, 1) + edge(2, 0) + edge(1, 2) + edge(2, 3));
   ASSERT_EQ(file.graph.nodes.size(), 4U);
   EXPECT_NEAR(file.graph.nodes[3].pose.translation.x(), 3.0, 1e-12);

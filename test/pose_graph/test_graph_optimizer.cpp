@@ -16,7 +16,8 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// Two laps with a loop at every tenth key frame of the second; the file's poses are odometry's.
+/// Two laps with a loop at every tenth key frame of the second one; the file has the poses of
+/// odometry.
 PoseGraph lap_graph(bool planar, const test::SyntheticDrive& drive, int lap = 400) {
   std::mt19937 engine(3);
   PoseGraph graph;
@@ -96,7 +97,7 @@ TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesKept) {
   const std::size_t true_edges = clean.edges.size();
   std::mt19937 engine(4);
   std::uniform_int_distribution<int> pick(0, 150);
-  // Consistent groups of two places declared one, as many as true loops.
+  // Consistent groups of false loops between two locations, as many as true loops.
   for (int group = 0; group < 4; ++group) {
     const int from = pick(engine);
     const int to = from + 200 + 30 * group;
@@ -168,14 +169,16 @@ std::ptrdiff_t threads_of_this_process() {
                        std::filesystem::directory_iterator());
 }
 
-// Threads that spin between the parts of a factorisation cost a third more processor time.
+// OpenMP threads that wait actively between the parts of a factorisation cost a third more
+// processor time.
 TEST(Solving, StartsNoThreadsOfItsOwn) {
   const test::SyntheticDrive drive = test::make_drive({1});
   PoseGraph graph = lap_graph(false, drive);
   std::mt19937 engine(3);
   const int count = static_cast<int>(graph.nodes.size());
   for (int i = 0; i < count; ++i) {
-    const int other = (i * 37 + 11) % count;  // all over, so that the factor is thick
+    // Distributed over the graph, so that the factor is dense.
+    const int other = (i * 37 + 11) % count;
     if (std::abs(i - other) < 2) continue;
     const Pose T = test::make_loop(drive, i, other, engine).T_from_to;
     graph.edges.push_back({i, other, T, Matrix6d::Identity()});

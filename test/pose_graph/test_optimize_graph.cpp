@@ -16,7 +16,7 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// A recorded graph and the least cost that is known of it (g2o's chi2).
+/// A recorded graph and its best known cost (g2o's chi2).
 struct KnownGraph {
   const char* name;
   double best_cost;
@@ -46,10 +46,10 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-/// The command with its files in a folder of the test's own.
+/// Runs the command with files in a temporary folder.
 class OptimizeGraph : public ::testing::Test {
  protected:
-  /// Exit status; what the command says goes to said().
+  /// Returns the exit status; the output of the command is in said().
   int run(const std::string& arguments) const {
     const std::string command =
         std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" + file("said") + " 2>&1";
@@ -72,8 +72,8 @@ class OptimizeGraph : public ::testing::Test {
 };
 
 const std::string kOnes = " 1 0 0 1 0 1\n";
-/// A square of odometry with a scale error, closed by an edge that runs backwards and is there
-/// twice; no vertices.
+/// A square of odometry with a scale error, closed by an edge in backward direction that is given
+/// twice; without vertices.
 const std::string kSquare =
     "EDGE_SE2 0 1 1.1 0 1.5707963267948966" + kOnes + "EDGE_SE2 1 2 1 0 1.5707963267948966" +
     kOnes + "EDGE_SE2 2 3 1 0 1.5707963267948966" + kOnes + "EDGE_SE2 3 0 1 0 1.5707963267948966" +

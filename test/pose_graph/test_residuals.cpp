@@ -11,7 +11,7 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// Hand-made values with a fixed seed.
+/// Random values with a fixed seed.
 class Draw {
  public:
   explicit Draw(unsigned seed) : engine_(seed) {}
@@ -49,7 +49,8 @@ Eigen::VectorXd evaluate(const ceres::CostFunction& cost, const Blocks& blocks) 
   return residual;
 }
 
-/// Derivatives of the residual, the columns of one block's tangent (or of its planar state).
+/// Derivatives of the residual by the tangent of one block (or by its planar state), one per
+/// column.
 Eigen::MatrixXd analytic(const ceres::CostFunction& cost, const Blocks& blocks, std::size_t which) {
   std::vector<const double*> pointers;
   std::vector<std::vector<double>> storage;
@@ -102,7 +103,7 @@ void expect_exact_derivatives(const ceres::CostFunction& cost, const Blocks& blo
   for (std::size_t which = 0; which < blocks.size(); ++which) {
     const Eigen::MatrixXd a = analytic(cost, blocks, which);
     const Eigen::MatrixXd n = numerical(cost, blocks, which);
-    // Central differences of step 1e-6 leave about 1e-9 of the derivative.
+    // Central differences with a step of 1e-6 have relative errors of about 1e-9.
     EXPECT_LT((a - n).cwiseAbs().maxCoeff(), 1e-6 * (1.0 + a.cwiseAbs().maxCoeff()))
         << "block " << which << "\nanalytic\n"
         << a << "\nnumerical\n"
@@ -193,7 +194,7 @@ TEST(Residuals, PlanarRelativePoseHasExactDerivatives) {
   }
 }
 
-// A standard deviation is squared, and half angles are accounted for.
+// The standard deviation is squared, and half angles are taken into account.
 TEST(Residuals, OneStandardDeviationGivesOne) {
   const auto cost = relative_pose_residual(Pose(), g2o_information(diagonal_covariance(0.2, 0.01)));
   Vector6d d = Vector6d::Zero();

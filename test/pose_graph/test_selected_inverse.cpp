@@ -44,7 +44,7 @@ TEST(SelectedInverse, OfAChainIsTheLengthThatNodesShare) {
   }
 }
 
-// The entry (2, 1) of A is chosen such that the factor's is zero, but is part of its pattern.
+// The entry (2, 1) of A is chosen so that the entry of the factor is zero, but is in its pattern.
 TEST(SelectedInverse, KeepsEntriesOfTheFactorThatHappenToBeZero) {
   Eigen::MatrixXd A(4, 4);
   A << 4, 2, 2, 1,  //
@@ -66,7 +66,7 @@ TEST(SelectedInverse, RefusesWhatHasNone) {
   EXPECT_THROW(inverse.at(-1, 0), InputError);
 }
 
-/// A graph as drives have: a chain with loops, and something that each node knows by itself.
+/// A graph like that of a drive: a chain with loops, and a prior on each node.
 struct RandomSystem {
   RandomSystem(unsigned seed, int nodes, int loops) {
     std::mt19937 engine(seed);

@@ -84,7 +84,7 @@ TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
   }
 }
 
-// A missing or cut file is 'no cloud', never an empty one and never a crash.
+// A missing or truncated file gives no cloud. It never gives an empty cloud and never crashes.
 TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(3, example_cloud(100, 3));
@@ -97,7 +97,7 @@ TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
   }
 }
 
-// A temporary file that an interrupted writer left is no cloud and is in nobody's way.
+// A temporary file of an interrupted writer is not a cloud and does not disturb others.
 TEST(CloudStore, IgnoresTemporaryFilesOfAnInterruptedWriter) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / ".000003.pcd.part") << "half of a file";
@@ -138,7 +138,7 @@ TEST(PcdFile, ReadsOtherLayoutsThanItsOwn) {
   EXPECT_EQ(cloud.points[0].intensity, 4.0F);
 }
 
-/// A whole file of two points; `line` of its header gives way to `other`.
+/// A complete file of two points, with `line` of its header replaced by `other`.
 std::string pcd_with(const std::string& line, const std::string& other) {
   std::string text =
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
@@ -148,7 +148,8 @@ std::string pcd_with(const std::string& line, const std::string& other) {
   return text.replace(at, line.size(), other);
 }
 
-// PCL's reader would take them for a line that moves the fields, and read behind the end.
+// PCL's reader would take these points for a line of the header that changes the fields, and would
+// read beyond the end.
 TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.pcd";
@@ -163,7 +164,7 @@ TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
   EXPECT_EQ(cloud.points[0].intensity, intensity);
 }
 
-// PCL's reader writes beyond its memory for most of these.
+// PCL's reader writes outside of its memory for most of these.
 TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.pcd";
@@ -174,7 +175,7 @@ TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
   EXPECT_EQ(read_pcd(path).size(), 2U);
   const std::pair<const char*, const char*> damages[] = {
       {"POINTS 2\n", ""},
-      {"VERSION 0.7\n", "\r\nVERSION 0.7\n"},  // PCL takes that for the end of the header
+      {"VERSION 0.7\n", "\r\nVERSION 0.7\n"},  // PCL takes this for the end of the header
       {"HEIGHT 1\n", ""},
       {"WIDTH 2\n", ""},
       {"SIZE 4 4 4\n", ""},

@@ -159,7 +159,7 @@ TEST(LoopFiles, DecisionsOutliveTheLoopThatIsReplaced) {
   EXPECT_EQ(loops.back().decision, LoopDecision::kAccept);
 }
 
-// A session of the first version has no decisions; it can be read, and written after an upgrade.
+// A session of the first version has no decisions. It can be read, and written after an upgrade.
 TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
   const TemporaryFolder folder;
   session_with_loops(folder.path());

@@ -28,7 +28,7 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Every file below a folder with its content.
+/// All files below a folder with their content.
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -37,7 +37,7 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   return files;
 }
 
-// The saved state is complete.
+// The stored state is complete.
 TEST(Session, GivesKeyFramesBackBitForBit) {
   const TemporaryFolder folder;
   {
@@ -195,7 +195,7 @@ TEST(Session, RefusesAnIndexTwiceAndStaysAsItWas) {
   EXPECT_EQ(session.clouds().cloud(3)->size(), 100U);
 }
 
-// Starting twice leaves the first run untouched.
+// A second start does not change the first run.
 TEST(Session, TwoStartsDoNotTouchEachOther) {
   const TemporaryFolder root;
   fs::path first;
@@ -211,7 +211,7 @@ TEST(Session, TwoStartsDoNotTouchEachOther) {
   EXPECT_EQ(find_session(root.path()), fs::canonical(second.directory()));
 }
 
-// Foreign files survive, also one that is named as the link would be.
+// Files of other programs are kept, also one with the name of the link.
 TEST(Session, LeavesForeignFilesAlone) {
   const TemporaryFolder root;
   std::ofstream(root.path() / "latest") << "not a link";
@@ -223,7 +223,7 @@ TEST(Session, LeavesForeignFilesAlone) {
   EXPECT_THROW(Session::create_in(session.directory()), FileError);
 }
 
-// Parents that are missing are made, in whatever order things start.
+// Missing parent folders are created.
 TEST(Session, MakesMissingParents) {
   const TemporaryFolder root;
   const Session session = Session::create(root.path() / "a" / "b", kNow);
@@ -256,7 +256,7 @@ TEST(Session, BeginsWhereItsMakerWasKilledBeforeThereWereTables) {
   EXPECT_EQ(Session::open(folder.path(), Session::Access::kRead).key_frame_count(), 1U);
 }
 
-// Files with missing parts fail cleanly.
+// Incomplete sessions are refused with a message.
 TEST(Session, SaysWhatIsWrongWithAFolderThatIsNoSession) {
   const TemporaryFolder folder;
   EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
@@ -272,7 +272,7 @@ TEST(Session, RefusesAFolderThatCannotBeMade) {
   EXPECT_THROW(Session::create(folder.path() / "file" / "root", kNow), FileError);
 }
 
-/// Adds key frames until it is killed; the parent learns of each by a byte.
+/// Adds key frames until it is killed; the parent is informed of each by one byte.
 [[noreturn]] void write_until_killed(const fs::path& folder, int pipe_end) {
   Session session = Session::create_in(folder);
   for (KeyFrameIndex index = 0;; ++index) {
@@ -282,7 +282,7 @@ TEST(Session, RefusesAFolderThatCannotBeMade) {
   }
 }
 
-// What was said to be kept is kept whole, whenever the process is killed.
+// What was reported as stored is complete, whenever the process is killed.
 TEST(Session, SurvivesKillAtAnyMoment) {
   for (int round = 1; round <= 6; ++round) {
     const TemporaryFolder folder;
@@ -312,10 +312,11 @@ TEST(Session, SurvivesKillAtAnyMoment) {
   }
 }
 
-/// Exit status 0 if a session on a disk that fills up refuses what does not fit and keeps the rest.
+/// Exit status 0 if a session on a full disk refuses what does not fit and keeps the rest.
 int write_to_a_full_disk(const fs::path& folder) {
   ::signal(SIGXFSZ, SIG_IGN);
-  const rlimit limit{200'000, 200'000};  // bytes a file: the database gets full, the clouds do not
+  // Bytes per file: the database reaches the limit, the clouds do not.
+  const rlimit limit{200'000, 200'000};
   ::setrlimit(RLIMIT_FSIZE, &limit);
   Session session = Session::create_in(folder);
   std::size_t kept = 0;
@@ -330,7 +331,7 @@ int write_to_a_full_disk(const fs::path& folder) {
   return 1;
 }
 
-// A full disk is an error, and what was kept before stays whole.
+// A full disk gives an error, and the data stored before stay complete.
 TEST(Session, RefusesWhatDoesNotFitOnTheDisk) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
@@ -362,7 +363,7 @@ void read_whole(const fs::path& folder) {
   session.datum();
 }
 
-// SQLite keeps whatever it is given in any column, and pages have no checksums.
+// SQLite stores any type in any column, and its pages have no checksums.
 TEST(Session, NamesFileAndColumnOfACellThatCannotHoldWhatItHolds) {
   const std::pair<const char*, const char*> kDamages[] = {
       {"UPDATE key_frames SET x = 9e999", "as x"},

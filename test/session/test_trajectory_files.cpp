@@ -41,7 +41,7 @@ Session example_session(const std::filesystem::path& folder) {
   return session;
 }
 
-// All files come from the same key frames, with stamps, and lose nothing.
+// All files contain the same key frames with stamps and lose no digits.
 TEST(TrajectoryFiles, HoldTheSameKeyFramesToAMicrometre) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path());
@@ -90,7 +90,8 @@ TEST(TrajectoryFiles, AreTakenByEvoAsTheyAre) {
   }
 }
 
-// The GNSS track is there under its honest name, and lines correspond.
+// The GNSS track is also written with the name gnss, and its lines correspond to those of the
+// others.
 TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
   const TemporaryFolder folder;
   Session session = example_session(folder.path());
