@@ -11,15 +11,15 @@
 namespace lidar_mapping::back_end {
 
 std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluated_loops) {
-  std::vector<int> least(drive.in_enu.size());
-  std::iota(least.begin(), least.end(), 0);
+  std::vector<int> smallest(drive.in_enu.size());
+  std::iota(smallest.begin(), smallest.end(), 0);
   for (const DriveLoop& loop : drive.loops) {
     if (!loop.used && !(with_unevaluated_loops && !loop.evaluated)) continue;
-    const int a = least[static_cast<std::size_t>(drive.segment_of(loop.from))];
-    const int b = least[static_cast<std::size_t>(drive.segment_of(loop.to))];
-    std::replace(least.begin(), least.end(), std::max(a, b), std::min(a, b));
+    const int a = smallest[static_cast<std::size_t>(drive.segment_of(loop.from))];
+    const int b = smallest[static_cast<std::size_t>(drive.segment_of(loop.to))];
+    std::replace(smallest.begin(), smallest.end(), std::max(a, b), std::min(a, b));
   }
-  return least;
+  return smallest;
 }
 
 namespace {

@@ -76,15 +76,15 @@ double truncated_squared_error(const std::vector<LevelSample>& samples,
 /// The best of the motions from pairs of samples that are half the track apart.
 PlanarMotion best_pair_motion(const std::vector<LevelSample>& samples) {
   PlanarMotion best;
-  double least = std::numeric_limits<double>::infinity();
+  double smallest_error = std::numeric_limits<double>::infinity();
   const std::size_t gap = samples.size() / 2;
   const std::size_t step = std::max<std::size_t>(1, (samples.size() - gap) / kMaxPairs);
   for (std::size_t i = 0; i + gap < samples.size(); i += step) {
     const auto motion = motion_from_pair(samples[i], samples[i + gap]);
     if (!motion) continue;
     const double sum = truncated_squared_error(samples, *motion);
-    if (sum >= least) continue;
-    least = sum;
+    if (sum >= smallest_error) continue;
+    smallest_error = sum;
     best = *motion;
   }
   return best;

@@ -163,8 +163,9 @@ void estimate_gnss_delays(DriveGraph& drive, const BackEndConfig& config) {
   if (!config.estimate_gnss_time_offset || drive.gnss.empty()) return;
   const DelayFits fits = fit_delays(drive);
   for (std::size_t i = 0; i < fits.per_segment.size(); ++i) {
-    const AntennaFit::Result own = fits.per_segment[i].result();
-    drive.gnss_delays[i] = delay_of(own.delay_is_known() ? own : fits.all_segments.result());
+    const AntennaFit::Result segment_result = fits.per_segment[i].result();
+    drive.gnss_delays[i] =
+        delay_of(segment_result.delay_is_known() ? segment_result : fits.all_segments.result());
   }
 }
 

@@ -71,7 +71,7 @@ void GraphBuilder::attach_or_store(const Value& value, PendingMeasurements<Value
 template <typename Value>
 void GraphBuilder::attach_pending(Stamp stamp, PendingMeasurements<Value>& pending,
                                   DriveGraph& drive) {
-  if (const auto value = pending.take(stamp)) attach(*value, at_stamp_.at(stamp), drive);
+  if (const auto value = pending.extract(stamp)) attach(*value, at_stamp_.at(stamp), drive);
 }
 
 void GraphBuilder::attach(const GnssPosition& position, int node, DriveGraph& drive) {

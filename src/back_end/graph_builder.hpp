@@ -17,7 +17,7 @@ class PendingMeasurements {
     if (values_.size() > kLimit) values_.erase(values_.begin());
   }
 
-  std::optional<Value> take(Stamp stamp) {
+  std::optional<Value> extract(Stamp stamp) {
     const auto found = values_.find(stamp);
     if (found == values_.end()) return std::nullopt;
     std::optional<Value> value = found->second;

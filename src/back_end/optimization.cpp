@@ -175,16 +175,16 @@ void solve_window(const OptimizationProblem& problem, OptimizationSolution& resu
 
 /// Positions that only place the map are no constraints; the inliers of the alignment count as
 /// used.
-void report_placement(const DriveGraph& drive, const Georeference& placed,
+void report_placement(const DriveGraph& drive, const Georeference& alignment,
                       OptimizationReport& report) {
-  report.gnss_rms = placed.rms_horizontal;
-  report.gnss_used = placed.inliers;
-  report.gnss_refused = drive.unusable_gnss + drive.gnss.size() - placed.inliers;
+  report.gnss_rms = alignment.rms_horizontal;
+  report.gnss_used = alignment.inliers;
+  report.gnss_refused = drive.unusable_gnss + drive.gnss.size() - alignment.inliers;
   std::ostringstream text;
   text.precision(3);
-  if (placed.inliers > 0) {
-    text << "placed in East-North-Up without bending it, " << placed.rms_horizontal
-         << " m rms from " << placed.inliers << " positions";
+  if (alignment.inliers > 0) {
+    text << "placed in East-North-Up without bending it, " << alignment.rms_horizontal
+         << " m rms from " << alignment.inliers << " positions";
   } else {
     text << "not placed in East-North-Up, the positions do not show how the map lies";
   }
@@ -225,22 +225,22 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
     return result;
   }
   if (problem.config.use_loop_close) connect_segments(drive);
-  const Georeference placed = georeference(drive, problem.config, false);
-  result->report.gnss_rms = placed.rms_horizontal;
+  const Georeference alignment = georeference(drive, problem.config, false);
+  result->report.gnss_rms = alignment.rms_horizontal;
   if (problem.config.use_gnss) estimate_gnss_delays(drive, problem.config);
   drive.odometry_errors = {};
   DriveFactors factors = make_factors(drive, problem.config);
   pose_graph::RobustSolution solution =
-      solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_aligned);
+      solve_factors(drive, problem.config, factors, problem.thorough || alignment.newly_aligned);
   if (solution.success) store_solution(factors, solution, drive);
   if (solution.success && has_used(factors.horizontal_of, solution)) {
     solve_with_estimated_errors(problem.config, factors, solution, drive);
   }
   const bool georeference_only = problem.config.georeference_only;
-  const Georeference replaced =
-      georeference_only ? georeference(drive, problem.config, true) : placed;
+  const Georeference final_alignment =
+      georeference_only ? georeference(drive, problem.config, true) : alignment;
   fill_report(problem, drive, solution, result->report);
-  if (georeference_only) report_placement(drive, replaced, result->report);
+  if (georeference_only) report_placement(drive, final_alignment, result->report);
   if (problem.thorough && solution.success)
     report_least_eigenvalue(factors, solution, result->report);
   return result;

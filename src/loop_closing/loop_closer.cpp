@@ -153,7 +153,7 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
   add(key_frame, prepared);
   if (!is_due()) return {};
   std::vector<VerifiedCandidate> verified = verify_candidates();
-  keep_best(verified, trajectory());
+  refuse_all_but_best(verified, trajectory());
   LoopClosingResult result;
   for (const VerifiedCandidate& entry : verified) {
     if (entry.decision.verdict == Verdict::kAccepted) {

@@ -29,16 +29,16 @@ void PositionGrid::set_position(std::size_t node, const Eigen::Vector2d& positio
     const double none = std::numeric_limits<double>::quiet_NaN();
     positions_.resize(node + 1, Eigen::Vector2d::Constant(none));
   }
-  Eigen::Vector2d& kept = positions_[node];
-  const bool is_new = kept.hasNaN();
-  if (is_new || key_of(kept) != key_of(position)) {
+  Eigen::Vector2d& stored = positions_[node];
+  const bool is_new = stored.hasNaN();
+  if (is_new || key_of(stored) != key_of(position)) {
     if (!is_new) {
-      auto& old_cell = cells_[key_of(kept)];
+      auto& old_cell = cells_[key_of(stored)];
       old_cell.erase(std::find(old_cell.begin(), old_cell.end(), node));
     }
     cells_[key_of(position)].push_back(node);
   }
-  kept = position;
+  stored = position;
 }
 
 std::vector<std::size_t> PositionGrid::nodes_around(const Eigen::Vector2d& centre,

@@ -51,7 +51,7 @@ Points SubmapBuilder::thinned(const PointCloud& cloud, double leaf) {
 }
 
 PointsPtr SubmapBuilder::map_points(KeyFrameIndex index) {
-  if (const auto* kept = points_cache_.find(index)) return *kept;
+  if (const auto* cached = points_cache_.find(index)) return *cached;
   const PointCloudPtr cloud = clouds_.cloud(index);
   return cloud ? cache(index, preparation_.thinned(*cloud)) : nullptr;
 }
@@ -111,7 +111,7 @@ std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
 std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory,
                                                     Trajectory::NodeId node) {
   const KeyFrameIndex index = trajectory[node].index;
-  if (const auto* kept = submap_cache_.find(index)) return *kept;
+  if (const auto* cached = submap_cache_.find(index)) return *cached;
   const PointsPtr own_points = map_points(index);
   if (own_points == nullptr) return nullptr;
   const auto extent = static_cast<std::size_t>(config_.extend_frame_num);

@@ -26,7 +26,7 @@ bool is_conclusive(const VerifiedCandidate& verified) {
   return is_accepted(verified) && is_unambiguous(verified.match, verified.candidate.prior);
 }
 
-void keep_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory) {
+void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory) {
   const auto is_worse = [](const VerifiedCandidate& a, const VerifiedCandidate& b) {
     if (is_accepted(a) != is_accepted(b)) return is_accepted(b);
     return a.margin() < b.margin();

@@ -20,7 +20,7 @@ struct VerifiedCandidate {
 bool is_conclusive(const VerifiedCandidate& verified);
 /// Refuses all accepted candidates but the best: the others would constrain the same key frame
 /// again.
-void keep_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory);
+void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory);
 
 Loop to_loop(const VerifiedCandidate& verified, const Trajectory& trajectory,
              const LoopClosingConfig& config);

@@ -141,7 +141,7 @@ class Reader {
     if (file_.graph.edges.empty()) {
       throw FileError(name_ + " has no EDGE_SE3:QUAT or EDGE_SE2; nothing to optimise");
     }
-    place_nodes();
+    create_nodes();
     collect_notes();
     return std::move(file_);
   }
@@ -186,18 +186,18 @@ class Reader {
     ++repaired_;
   }
 
-  void place_nodes() {
+  void create_nodes() {
     std::set<std::int64_t> ids;
     for (const PoseEdge& edge : file_.graph.edges) ids.insert({edge.from, edge.to});
     for (const auto& [id, pose] : vertices_) ids.insert(id);
-    std::vector<bool> placed;
+    std::vector<bool> initialized;
     for (const std::int64_t id : ids) {
       const auto found = vertices_.find(id);
-      placed.push_back(found != vertices_.end());
-      file_.graph.nodes.push_back({id, placed.back() ? found->second : Pose::Identity()});
+      initialized.push_back(found != vertices_.end());
+      file_.graph.nodes.push_back({id, initialized.back() ? found->second : Pose::Identity()});
     }
     missing_ = ids.size() - vertices_.size();
-    if (missing_ > 0) place_along_edges(file_.graph, placed);
+    if (missing_ > 0) initialize_along_edges(file_.graph, initialized);
   }
 
   void collect_notes() {

@@ -183,7 +183,7 @@ class GaussNewtonSolver {
     bool can_continue = refactorize();
     while (can_continue && !summary.usable && summary.iterations < settings.max_iterations) {
       ++summary.iterations;
-      if (!take_step()) {
+      if (!apply_step()) {
         summary.usable = cost_increase_ < kCostRounding * cost_;
         can_continue = !summary.usable && !factor_is_current_ && refactorize();
         continue;
@@ -194,7 +194,7 @@ class GaussNewtonSolver {
       const double expected = equations_.expected_gain(step_);
       summary.usable = expected < settings.tolerance * cost_;
       if (summary.usable) {
-        take_step();  // the state is already near the minimum
+        apply_step();  // the state is already near the minimum
       } else if (expected > kRefactorizeGain * cost_) {
         can_continue = refactorize();
       }
@@ -214,7 +214,7 @@ class GaussNewtonSolver {
   }
 
   /// Applies the step. Returns false and restores the states if the cost does not decrease.
-  bool take_step() {
+  bool apply_step() {
     std::vector<StateBlock> states = states_after(graph_, equations_, step_);
     graph_.states.swap(states);
     const double cost = equations_.cost();

@@ -51,7 +51,7 @@ std::string start(PoseGraph& graph, const GraphOptions& options) {
   if (!options.graduated && options.kernel == RobustKernel::kNone) {
     return initialize_chordally(graph) ? "chordal" : "file";
   }
-  place_along_edges(graph, {std::vector<bool>(graph.nodes.size(), false)});
+  initialize_along_edges(graph, {std::vector<bool>(graph.nodes.size(), false)});
   return "odometry";
 }
 

@@ -15,6 +15,6 @@ bool is_odometry(const PoseEdge& edge);
 
 /// Computes the poses of the nodes that are not `placed` along the edges from those that are, or
 /// from the first node. Edges of odometry are followed as far as possible, others only across gaps.
-void place_along_edges(PoseGraph& graph, std::vector<bool> placed);
+void initialize_along_edges(PoseGraph& graph, std::vector<bool> initialized);
 
 }  // namespace lidar_mapping::pose_graph

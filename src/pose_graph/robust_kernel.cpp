@@ -106,10 +106,10 @@ class TukeyLoss : public ceres::LossFunction {
   explicit TukeyLoss(double squared_size) : c2_(squared_size) {}
 
   void Evaluate(double s, double rho[3]) const override {
-    const double rest = s <= c2_ ? 1.0 - s / c2_ : 0.0;
-    rho[0] = c2_ / 3.0 * (1.0 - rest * rest * rest);
-    rho[1] = rest * rest;
-    rho[2] = -2.0 / c2_ * rest;
+    const double complement = s <= c2_ ? 1.0 - s / c2_ : 0.0;
+    rho[0] = c2_ / 3.0 * (1.0 - complement * complement * complement);
+    rho[1] = complement * complement;
+    rho[2] = -2.0 / c2_ * complement;
   }
 
  private:
@@ -122,10 +122,10 @@ class WelschLoss : public ceres::LossFunction {
   explicit WelschLoss(double squared_size) : c2_(squared_size) {}
 
   void Evaluate(double s, double rho[3]) const override {
-    const double share = std::exp(-s / c2_);
-    rho[0] = c2_ * (1.0 - share);
-    rho[1] = share;
-    rho[2] = -share / c2_;
+    const double decay = std::exp(-s / c2_);
+    rho[0] = c2_ * (1.0 - decay);
+    rho[1] = decay;
+    rho[2] = -decay / c2_;
   }
 
  private:

@@ -84,7 +84,7 @@ bool Statement::next_is_null() const {
 }
 
 /// Checks such as for a text in a column of numbers. Only damaged files fail them.
-void Statement::require(bool is_sound, int column, const std::string& wanted) const {
+void Statement::require(bool is_sound, int column, const std::string& expected) const {
   if (is_sound) return;
   const auto* shown = sqlite3_column_text(statement_.get(), column);
   const std::string shown_text =
@@ -92,7 +92,7 @@ void Statement::require(bool is_sound, int column, const std::string& wanted) co
   const char* file = sqlite3_db_filename(database_, "main");
   throw FileError(std::string(file != nullptr ? file : "session database") + ": a row has '" +
                   shown_text.substr(0, kShownBytes) + "' as " +
-                  sqlite3_column_name(statement_.get(), column) + " instead of " + wanted +
+                  sqlite3_column_name(statement_.get(), column) + " instead of " + expected +
                   "; the session is damaged");
 }
 
@@ -101,8 +101,8 @@ int Statement::type_of(int column) const { return sqlite3_column_type(statement_
 std::int64_t Statement::read_integer(std::int64_t min_value, std::int64_t max_value) {
   const int column = column_++, type = type_of(column);
   const std::int64_t value = sqlite3_column_int64(statement_.get(), column);
-  const bool is_whole = type == SQLITE_INTEGER || type == SQLITE_NULL;
-  require(is_whole && value >= min_value && value <= max_value, column,
+  const bool is_integer = type == SQLITE_INTEGER || type == SQLITE_NULL;
+  require(is_integer && value >= min_value && value <= max_value, column,
           "a whole number that can be");
   return value;
 }
@@ -116,9 +116,9 @@ double Statement::read_real() {
 double Statement::read_coordinate() {
   constexpr double kMaxCoordinate = 1e9;  // m, as in common/number_words.hpp
   const int column = column_;
-  const bool is_there = !next_is_null();
+  const bool has_value = !next_is_null();
   const double value = read_real();
-  require(is_there && std::abs(value) <= kMaxCoordinate, column, "a coordinate");
+  require(has_value && std::abs(value) <= kMaxCoordinate, column, "a coordinate");
   return value;
 }
 

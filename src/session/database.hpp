@@ -46,7 +46,7 @@ class Statement {
   Pose read_pose();
   void skip(int cells) { column_ += cells; }
   /// Throws FileError with the file and the column unless `is_sound`.
-  void require(bool is_sound, int column, const std::string& wanted) const;
+  void require(bool is_sound, int column, const std::string& expected) const;
   int next_column() const { return column_; }
 
  private:

@@ -86,11 +86,11 @@ class Reader {
  private:
   template <typename Integer>
   void read_number(Integer& value) {
-    constexpr auto kMost = std::numeric_limits<Integer>::max();
+    constexpr auto kMaxValue = std::numeric_limits<Integer>::max();
     constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
     value = static_cast<Integer>(row_.read_integer(
         std::is_signed_v<Integer> ? std::int64_t{std::numeric_limits<int>::min()} : 0,
-        sizeof(Integer) < sizeof(std::int64_t) ? static_cast<std::int64_t>(kMost) : kLargest));
+        sizeof(Integer) < sizeof(std::int64_t) ? static_cast<std::int64_t>(kMaxValue) : kLargest));
   }
   template <typename Value, typename FromWord>
   void read_word(Value& value, const FromWord& from_word) {

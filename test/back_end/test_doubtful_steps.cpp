@@ -38,7 +38,7 @@ SyntheticDrive wrongly_turned_drive(bool doubtful) {
   return drive;
 }
 
-std::size_t believed_count(const BackEnd& back_end) {
+std::size_t used_count(const BackEnd& back_end) {
   std::size_t count = 0;
   for (const auto& [loop, used] : back_end.loops()) count += used ? 1 : 0;
   return count;
@@ -56,10 +56,10 @@ Outcome outcome_of(const SyntheticDrive& drive, int step) {
   feed(back_end, drive);
   add_lap_loops(back_end, drive, kLap, step, engine);
   optimize(back_end, true);
-  return {believed_count(back_end), aligned_rmse(back_end, drive)};
+  return {used_count(back_end), aligned_rmse(back_end, drive)};
 }
 
-TEST(DoubtfulStep, GivesWayToRightLoopsHoweverWrongItIs) {
+TEST(DoubtfulStep, DoesNotDistortTheMapBesideTrueLoops) {
   const Outcome clean = outcome_of(test::make_drive(), 5);
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), 5);
   EXPECT_EQ(doubted.consistent_constraints, 80U);
@@ -70,7 +70,7 @@ TEST(DoubtfulStep, GivesWayToRightLoopsHoweverWrongItIs) {
   EXPECT_GT(claimed.error, 5.0 * clean.error);
 }
 
-TEST(DoubtfulStep, GivesWayToASingleLoop) {
+TEST(DoubtfulStep, IsCorrectedByASingleLoop) {
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), kLap);
   EXPECT_EQ(doubted.consistent_constraints, 1U);
   EXPECT_LT(doubted.error, 2.0) << "what is left is drift";
@@ -79,7 +79,7 @@ TEST(DoubtfulStep, GivesWayToASingleLoop) {
   EXPECT_GT(claimed.error, 50.0);
 }
 
-TEST(DoubtfulStep, HoldsTheMapTogetherWhereNothingElseDoes) {
+TEST(DoubtfulStep, ConnectsTheMapIfNothingElseDoes) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -92,7 +92,7 @@ TEST(DoubtfulStep, HoldsTheMapTogetherWhereNothingElseDoes) {
 }
 
 // The loops that are consistent without the step stay used, and false ones are still refused.
-TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
+TEST(DoubtfulStep, DoesNotAdmitFalseLoopsThatOthersContradict) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
@@ -102,12 +102,12 @@ TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
   wrong.T_from_to = Pose();
   ASSERT_TRUE(back_end.add_loop(wrong));
   optimize(back_end, true);
-  EXPECT_EQ(believed_count(back_end), 80U);
+  EXPECT_EQ(used_count(back_end), 80U);
   EXPECT_FALSE(back_end.loops().back().second);
 }
 
 // A step that is contradicted by 90 degrees has almost no weight in the information matrix.
-TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
+TEST(DoubtfulStep, IsWeightedByItsKernelInTheInformationMatrix) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);

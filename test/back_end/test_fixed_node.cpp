@@ -27,7 +27,7 @@ double cost_of_half_a_metre(const BackEndConfig& config) {
   return pose_graph::chi2(factors.graph, factors.graph.constraints.front());
 }
 
-TEST(FirstNode, IsHeldAsFirmlyAsIsAsked) {
+TEST(FirstNode, HasTheConfiguredPrior) {
   BackEndConfig config;
   EXPECT_GT(cost_of_half_a_metre(config), 1e5);
   config.fix_first_node = true;
@@ -36,7 +36,7 @@ TEST(FirstNode, IsHeldAsFirmlyAsIsAsked) {
   EXPECT_NEAR(cost_of_half_a_metre(config), 25.0, 1e-6);
 }
 
-TEST(FirstNode, NeedsSixStandardDeviationsAboveZero) {
+TEST(FirstNode, NeedsSixPositiveStandardDeviations) {
   const auto load = [](const std::string& stddev) {
     return config::load<BackEndConfig>(
         {config::parse_yaml("fix_first_node_stddev: " + stddev + "\n", "back_end.yaml")});

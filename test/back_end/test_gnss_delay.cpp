@@ -31,9 +31,9 @@ double misfit(const std::vector<GnssPosition>& positions, const SyntheticDrive& 
               std::size_t first, std::size_t count) {
   double sum = 0.0;
   for (std::size_t i = first; i < first + count; ++i) {
-    const Eigen::Vector3d off =
+    const Eigen::Vector3d error =
         drive.truth[i] * positions[i].p_base_antenna - positions[i].p_enu_antenna;
-    sum += off.head<2>().squaredNorm();
+    sum += error.head<2>().squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(count));
 }
@@ -59,7 +59,7 @@ TEST(GnssDelay, IsCorrectedFromTheFirstFixOn) {
   }
 }
 
-TEST(GnssDelay, IsLeftAloneWhereItIsSwitchedOff) {
+TEST(GnssDelay, IsNotEstimatedIfSwitchedOff) {
   const SyntheticDrive drive = test::make_drive();
   BackEndConfig config;
   config.estimate_gnss_time_offset = false;
@@ -74,7 +74,7 @@ TEST(GnssDelay, IsLeftAloneWhereItIsSwitchedOff) {
   EXPECT_TRUE(back_end.positions()[0].covariance.isApprox(given.covariance, 1e-12));
 }
 
-TEST(GnssDelay, IsNoneWhereStampsAreRight) {
+TEST(GnssDelay, IsZeroForCorrectStamps) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -86,7 +86,7 @@ TEST(GnssDelay, IsNoneWhereStampsAreRight) {
   }
 }
 
-TEST(GnssDelay, IsAllowedForWhileItIsUnknown) {
+TEST(GnssDelay, IncreasesTheCovarianceWhileUnknown) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   for (std::size_t i = 0; i < 40; ++i) back_end.add_key_frame(drive.key_frames[i]);
@@ -105,7 +105,7 @@ Pose pose_in_traffic(double seconds) {
           20.0 * Eigen::Vector3d(std::sin(turned), 1.0 - std::cos(turned), 0.0)};
 }
 
-TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
+TEST(GnssDelay, UsesThePathOfTheAntennaAtChangingSpeed) {
   constexpr double kStep = 0.3;  // s
   const Eigen::Vector3d arm(-1.0, 0.4, 1.5);
   DriveGraph drive;
@@ -135,7 +135,7 @@ TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
   }
 }
 
-TEST(GnssDelay, LearnsWhileDrivingAndBelongsToASegment) {
+TEST(GnssDelay, IsEstimatedDuringTheDrivePerSegment) {
   SyntheticDrive drive = test::make_drive();
   for (std::size_t i = 400; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
   BackEnd back_end(BackEndConfig{});

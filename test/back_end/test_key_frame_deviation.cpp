@@ -24,11 +24,11 @@ PoseDeviation deviation_of(const Covariance6& covariance) {
           std::sqrt(covariance.bottomRightCorner<3, 3>().trace())};
 }
 
-TEST(KeyFrameDeviation, OfNoKeyFrameIsNone) {
+TEST(KeyFrameDeviation, IsEmptyWithoutKeyFrames) {
   EXPECT_TRUE(key_frame_deviations(*BackEnd(BackEndConfig{}).problem(true)).empty());
 }
 
-TEST(KeyFrameDeviation, OfAChainIsThatOfComposedMotions) {
+TEST(KeyFrameDeviation, OfAChainIsThatOfTheComposedMotions) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -68,7 +68,7 @@ Eigen::MatrixXd whole_inverse(const OptimizationProblem& problem) {
   return inverse;
 }
 
-TEST(KeyFrameDeviation, IsThatOfTheWholeInverseBesideLoops) {
+TEST(KeyFrameDeviation, AgreesWithTheFullInverseWithLoops) {
   test::DriveSettings settings;
   settings.spacing = 5.0;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -112,7 +112,7 @@ BackEndConfig without_drift() {
   return config;
 }
 
-TEST(KeyFrameDeviation, HasWhatADoubtfulStepAddsAndALoopTakesAway) {
+TEST(KeyFrameDeviation, GrowsByADoubtfulStepAndShrinksByALoop) {
   SyntheticDrive drive = exact_lap();
   drive.key_frames[200].doubtful = true;
   drive.key_frames[200].motion_covariance += diagonal_covariance(20.0, 0.01);
@@ -134,7 +134,7 @@ TEST(KeyFrameDeviation, HasWhatADoubtfulStepAddsAndALoopTakesAway) {
   EXPECT_LT(deviations[200].from_previous.position, 0.2 * expected);
 }
 
-TEST(KeyFrameDeviation, IsInfiniteBehindABreakThatNothingJoins) {
+TEST(KeyFrameDeviation, IsInfiniteInAnUnconnectedSegment) {
   SyntheticDrive drive = exact_lap();
   for (std::size_t i = 300; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
   BackEnd back_end(without_drift());

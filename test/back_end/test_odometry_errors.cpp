@@ -37,7 +37,7 @@ const OdometryErrors& estimated_errors(const OptimizationProblem& problem) {
   return problem.drive.odometry_errors;
 }
 
-TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
+TEST(OdometryErrors, AScaleErrorIsEstimatedAndCorrected) {
   const SyntheticDrive drive = good_drive(0.001, 2e-4);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -52,7 +52,7 @@ TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
 }
 
 // The error of three metres could be taken for a scale error of 0.2 % and for the full drift.
-TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
+TEST(OdometryErrors, AWrongDoubtfulStepDoesNotInfluenceThem) {
   SyntheticDrive drive = good_drive(0.0005, 2e-4);
   const Pose before = drive.key_frames[299].T_odom_base;
   const Pose ahead{Eigen::Quaterniond::Identity(), Eigen::Vector3d(3.0, 0.0, 0.0)};
@@ -71,7 +71,7 @@ TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
   EXPECT_LT(test::true_rmse(back_end, drive), 0.05);
 }
 
-TEST(OdometryErrors, LittleDriftIsToldFromMuch) {
+TEST(OdometryErrors, SmallAndLargeDriftAreDistinguished) {
   for (const double sigma : {0.02, 1.0}) {
     BackEnd good(BackEndConfig{});
     feed(good, good_drive(0.0005));
@@ -86,7 +86,7 @@ TEST(OdometryErrors, LittleDriftIsToldFromMuch) {
   EXPECT_GT(estimated_errors(*bad.problem()).drift_fraction.head<3>().minCoeff(), 0.85);
 }
 
-TEST(OdometryErrors, AreAsConfiguredWithoutPositionsOrWithFew) {
+TEST(OdometryErrors, AreAsConfiguredWithoutOrWithFewPositions) {
   const SyntheticDrive drive = good_drive(0.0005);
   for (const std::size_t count : {0, 60}) {
     BackEnd back_end(BackEndConfig{});
@@ -107,7 +107,7 @@ TEST(OdometryErrors, FixesOfAMetreHardlyDisturbGoodOdometry) {
 }
 
 // The delay of the drive is wrong by 4 ms, and the estimated lever arm by centimetres.
-TEST(SystematicErrors, TheRestOfACorrectedDelayIsFound) {
+TEST(SystematicErrors, TheErrorOfACorrectedDelayIsEstimated) {
   const SyntheticDrive drive = good_drive(0.001);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -115,35 +115,36 @@ TEST(SystematicErrors, TheRestOfACorrectedDelayIsFound) {
   optimize(back_end, true);
   const auto problem = back_end.problem();
   for (const double wrong : {-0.004, 0.004}) {
-    const Eigen::Vector2d beside(0.0, 5.0 * wrong);
-    DriveGraph off = problem->drive;
-    off.gnss_delays[0] = {wrong, 0.003, beside};
-    DriveFactors factors = make_factors(off, problem->config);
+    const Eigen::Vector2d lever_arm_error(0.0, 5.0 * wrong);
+    DriveGraph changed = problem->drive;
+    changed.gnss_delays[0] = {wrong, 0.003, lever_arm_error};
+    DriveFactors factors = make_factors(changed, problem->config);
     const pose_graph::RobustSolution solution =
         pose_graph::solve_selected(factors.graph, factors.selected);
     const double scatter = position_scatter(factors, solution.used);
-    const SystematicErrors found = estimate_systematic_errors(off, factors, solution.used, scatter);
+    const SystematicErrors found =
+        estimate_systematic_errors(changed, factors, solution.used, scatter);
     EXPECT_NEAR(found.delay, -wrong, 0.001);
-    EXPECT_LT((found.lever_arm + beside).norm(), 0.005) << found.lever_arm.transpose();
+    EXPECT_LT((found.lever_arm + lever_arm_error).norm(), 0.005) << found.lever_arm.transpose();
   }
 }
 
 // After a change of the weights the poses are no longer at the minimum.
-TEST(SystematicErrors, AreTheSameFromPosesOfOtherWeights) {
+TEST(SystematicErrors, AreTheSameFromPosesWithOtherWeights) {
   const SyntheticDrive drive = good_drive(0.001, 1e-4);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   add_positions(back_end, drive, 800, 0.02);
   optimize(back_end, true);
   const auto problem = back_end.problem();
-  DriveGraph off = problem->drive;
-  off.gnss_delays[0] = {0.004, 0.003, Eigen::Vector2d::Zero()};
-  off.odometry_errors.drift_fraction.setConstant(0.2);
-  DriveFactors factors = make_factors(off, problem->config);
+  DriveGraph changed = problem->drive;
+  changed.gnss_delays[0] = {0.004, 0.003, Eigen::Vector2d::Zero()};
+  changed.odometry_errors.drift_fraction.setConstant(0.2);
+  DriveFactors factors = make_factors(changed, problem->config);
   const std::vector<bool> used = factors.selected;
-  const SystematicErrors found = estimate_systematic_errors(off, factors, used, 0.2);
+  const SystematicErrors found = estimate_systematic_errors(changed, factors, used, 0.2);
   ASSERT_TRUE(pose_graph::solve_selected(factors.graph, used).success);
-  const SystematicErrors at_minimum = estimate_systematic_errors(off, factors, used, 0.2);
+  const SystematicErrors at_minimum = estimate_systematic_errors(changed, factors, used, 0.2);
   EXPECT_NEAR(found.delay, -0.004, 0.001);
   EXPECT_NEAR(found.delay, at_minimum.delay, 5e-5);
   EXPECT_NEAR(found.scale_error, at_minimum.scale_error, 1e-6);

@@ -83,7 +83,7 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
   EXPECT_LT(mean_tilt_error(back_end, drive), 0.3 * kDeg);
 }
 
-TEST(Imu, GravityOfEitherSignAndABrakingVehicle) {
+TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
   const SyntheticDrive drive = tilting_drive();
   for (const double sign : {1.0, -1.0}) {
     BackEndConfig config;
@@ -103,7 +103,7 @@ TEST(Imu, GravityOfEitherSignAndABrakingVehicle) {
   }
 }
 
-TEST(Imu, HeadingsWithPositionsTurnTheGraph) {
+TEST(Imu, HeadingsWithPositionsRotateTheGraph) {
   DriveSettings settings;
   settings.turn_bias_deg = 0.05;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -154,20 +154,20 @@ double height_error_with(FloorConstraint constraint, const SyntheticDrive& drive
 
 TEST(Floor, NeighboursRemoveTheDriftOfAFlatHall) {
   const SyntheticDrive drive = tilting_drive();
-  const double off = height_error_with(FloorConstraint::kNone, drive, 0.0);
-  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.0), 0.7 * off);
-  EXPECT_LT(height_error_with(FloorConstraint::kPlane, drive, 0.0), 0.1 * off);
+  const double without_floors = height_error_with(FloorConstraint::kNone, drive, 0.0);
+  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.0), 0.7 * without_floors);
+  EXPECT_LT(height_error_with(FloorConstraint::kPlane, drive, 0.0), 0.1 * without_floors);
 }
 
 TEST(Floor, ARampIsNotFlattened) {
   const SyntheticDrive drive = tilting_drive(0.08);
-  const double off = height_error_with(FloorConstraint::kNone, drive, 0.08);
-  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.08), 1.01 * off);
+  const double without_floors = height_error_with(FloorConstraint::kNone, drive, 0.08);
+  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.08), 1.01 * without_floors);
 }
 
 // Common errors of neighbouring floors, as at the beginning of a ramp, are not taken for drift of
 // an accurate odometry.
-TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
+TEST(Floor, NoisyFloorsHardlyDisturbGoodOdometry) {
   SyntheticDrive drive = tilting_drive();
   for (std::size_t i = 0; i < drive.truth.size(); ++i) {
     drive.key_frames[i].T_odom_base = drive.truth[i];
@@ -190,7 +190,7 @@ TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
 }
 
 // Two storeys with different floors, connected by a ramp.
-TEST(Floor, TwoStoreysStayApart) {
+TEST(Floor, TwoStoreysAreKeptApart) {
   DriveSettings settings;
   settings.hill = 3.0;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -214,7 +214,7 @@ TEST(Floor, TwoStoreysStayApart) {
             1.1 * error_with(FloorConstraint::kNone) + 0.05);
 }
 
-TEST(Floor, FloorsThatWereNotFoundCountForNothing) {
+TEST(Floor, FloorsThatWereNotFoundAreIgnored) {
   const SyntheticDrive drive = tilting_drive();
   BackEndConfig config;
   config.floor_constraint = FloorConstraint::kPlane;

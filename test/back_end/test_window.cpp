@@ -34,7 +34,7 @@ struct LongDrive {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
+TEST(Window, ANewLoopIsSolvedInAWindow) {
   LongDrive run;
   const auto before = run.back_end.poses().poses;
   run.back_end.add_loop(make_loop(run.drive, 2005, 2405, run.engine));
@@ -61,7 +61,7 @@ TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
   }
 }
 
-TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
+TEST(Window, AContradictingLoopIsSolvedInTheWholeGraph) {
   LongDrive run;
   Loop loop = make_loop(run.drive, 2005, 2405, run.engine);
   // Small enough for a window, but false.
@@ -82,7 +82,7 @@ TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
   EXPECT_FALSE(run.back_end.loops().back().second);
 }
 
-TEST(Window, AFarLoopCallsForTheWholeGraph) {
+TEST(Window, ALargeCorrectionIsSolvedInTheWholeGraph) {
   LongDrive run;
   Loop loop = make_loop(run.drive, 2005, 2405, run.engine);
   loop.T_from_to.translation.x() += 10.0;
@@ -90,7 +90,7 @@ TEST(Window, AFarLoopCallsForTheWholeGraph) {
   EXPECT_FALSE(run.back_end.problem()->window) << "ten metres are not absorbed in a window";
 }
 
-TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
+TEST(LeastEigenvalue, IsZeroForAFreeMotionAndGrowsWithConstraints) {
   pose_graph::FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
   for (int i = 1; i < 4; ++i) {
@@ -107,7 +107,7 @@ TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * eigenvalue);
 }
 
-TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {
+TEST(LeastEigenvalue, IsReportedByAThoroughOptimisation) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   test::feed(back_end, drive);

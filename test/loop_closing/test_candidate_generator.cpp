@@ -41,7 +41,7 @@ std::size_t first_possible(const std::vector<Pose>& poses, double step) {
 }
 
 // A street that is driven back is found in time, whatever the length of the drive.
-TEST(Candidates, AreTriedWithinTenKeyFramesOfTheFirstPossibility) {
+TEST(Candidates, AreMatchedWithinTenKeyFramesOfTheFirstPossibility) {
   for (double length = 200.0; length < 310.0; length += 9.0) {
     const auto poses =
         along({{0, 0}, {length, 0}, {length, 4}, {length - 140.0, 4}, {length - 140.0, 300}});
@@ -62,7 +62,7 @@ TEST(Candidates, DoNotDependOnTheSpacingOfKeyFrames) {
   }
 }
 
-TEST(Candidates, LoopStepAndMinEdgeIntervalSpaceTheSearches) {
+TEST(Candidates, LoopStepAndMinEdgeIntervalSetTheSpacingOfSearches) {
   const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
   LoopClosingConfig config;
   config.loop_step = 5;
@@ -71,7 +71,7 @@ TEST(Candidates, LoopStepAndMinEdgeIntervalSpaceTheSearches) {
   for (std::size_t i = 1; i < tried.size(); ++i) EXPECT_GE(tried[i] - tried[i - 1], 5U);
 }
 
-TEST(Candidates, DiffNumAndAccumDistanceThreshKeepNeighboursAway) {
+TEST(Candidates, DiffNumAndAccumDistanceThreshExcludeNeighbours) {
   const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
   LoopClosingConfig config;
   config.diff_num = 90;
@@ -125,7 +125,7 @@ TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
 std::vector<Pose> two_streets() { return along({{0, 0}, {200, 0}, {200, 60}, {0, 60}}); }
 
 // A correction of the map changes which key frames are near.
-TEST(Candidates, AreThoseOfTheCorrectedMap) {
+TEST(Candidates, FollowTheCorrectedMap) {
   LoopClosingConfig config;
   config.horizontal_drift = 0.0;
   CandidateGenerator places(config);
@@ -145,7 +145,7 @@ TEST(Candidates, AreThoseOfTheCorrectedMap) {
 }
 
 // Key frames on different storeys are not near each other.
-TEST(Candidates, AnotherStoreyIsNoCandidate) {
+TEST(Candidates, AreNotOnAnotherStorey) {
   LoopClosingConfig config;
   config.vertical_drift = 0.001;
   CandidateGenerator places(config);
@@ -166,7 +166,7 @@ GnssPosition position_at(std::size_t i, const Pose& T_enu_base) {
 }
 
 // With any height of the receiver, and before or after the key frame.
-TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
+TEST(Candidates, ComeFromGnssIfOdometryIsWrong) {
   LoopClosingConfig config;
   config.position_candidates = false;
   config.accum_distance_thresh = 100.0;
@@ -186,7 +186,7 @@ TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
   EXPECT_TRUE(CandidateGenerator(config).candidates().empty());
 }
 
-TEST(Candidates, LoopsThatTheMapFollowsMakeItCertain) {
+TEST(Candidates, AreMoreCertainByLoopsThatTheMapSatisfies) {
   LoopClosingConfig config;
   config.max_loop_distance = 30.0;
   CandidateGenerator places(config);

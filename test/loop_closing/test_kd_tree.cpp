@@ -26,7 +26,7 @@ std::vector<float> sorted_distances(const std::vector<Eigen::Vector3f>& points,
   return distances;
 }
 
-TEST(KdTree, FindsWhatAScanOverAllFinds) {
+TEST(KdTree, AgreesWithALinearSearch) {
   const KdTree tree(random_points(2000, 1));
   for (const auto& p : random_points(200, 2)) {
     const auto expected = sorted_distances(tree.points(), p);
@@ -39,7 +39,7 @@ TEST(KdTree, FindsWhatAScanOverAllFinds) {
   }
 }
 
-TEST(KdTree, TellsHowFarTheSecondIs) {
+TEST(KdTree, GivesTheDistanceOfTheSecondNearest) {
   const KdTree tree(random_points(2000, 1));
   for (const auto& p : random_points(200, 2)) {
     const auto expected = sorted_distances(tree.points(), p);
@@ -59,7 +59,7 @@ TEST(KdTree, FindsNothingBeyondTheLimit) {
   EXPECT_TRUE(tree.nearest(Eigen::Vector3f::Zero(), 1.1F));
 }
 
-TEST(KdTree, BearsEqualPointsAndEmptiness) {
+TEST(KdTree, AcceptsEqualPointsAndNoPoints) {
   const KdTree equal(std::vector<Eigen::Vector3f>(100, Eigen::Vector3f::Ones()));
   EXPECT_EQ(equal.nearest(Eigen::Vector3f::Zero(), std::size_t{7}).size(), 7U);
   EXPECT_FALSE(KdTree().nearest(Eigen::Vector3f::Zero(), 1.0F));

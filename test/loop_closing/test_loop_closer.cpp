@@ -29,7 +29,7 @@ TEST(LoopCloser, ClosesASquareOnItsFirstKeyFrames) {
 }
 
 /// A square whose odometry slips on the far side and ends `metres` beside the start.
-DriveOutcome square_off_by(double metres, bool appearance) {
+DriveOutcome square_with_end_error(double metres, bool appearance) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}});
   auto odometry = truth;
@@ -44,33 +44,33 @@ DriveOutcome square_off_by(double metres, bool appearance) {
 }
 
 // With this odometry, the nearest key frames in the estimate are at another location.
-TEST(LoopCloser, AppearanceFindsWhatPositionMisses) {
-  const DriveOutcome by_position = square_off_by(90.0, false);
+TEST(LoopCloser, AppearanceFindsLoopsThatPositionMisses) {
+  const DriveOutcome by_position = square_with_end_error(90.0, false);
   EXPECT_TRUE(by_position.loops.empty());
-  const DriveOutcome by_appearance = square_off_by(90.0, true);
+  const DriveOutcome by_appearance = square_with_end_error(90.0, true);
   EXPECT_EQ(by_appearance.false_loops, 0);
   ASSERT_FALSE(by_appearance.loops.empty());
   for (const Loop& loop : by_appearance.loops) EXPECT_EQ(loop.source, LoopSource::kAppearance);
 }
 
 /// Forward and back along x; the scale error of odometry is -5 %.
-DriveOutcome there_and_back(const ToyWorld& world) {
+DriveOutcome forward_and_back(const ToyWorld& world) {
   const auto truth = along({{-60, 0}, {60, 0}, {60, 2}, {-60, 2}});
   return drive(world, truth, drifting(truth, 0.95, 0.0));
 }
 
 // In a smooth tunnel a scan fits everywhere along the axis.
-TEST(LoopCloser, TakesNothingInATunnel) {
+TEST(LoopCloser, AcceptsNothingInATunnel) {
   ToyWorld tunnel;
   tunnel.boxes = {{{-300, -6, 0}, {300, -5, 7}}, {{-300, 5, 0}, {300, 6, 7}}};
-  const DriveOutcome outcome = there_and_back(tunnel);
+  const DriveOutcome outcome = forward_and_back(tunnel);
   EXPECT_TRUE(outcome.loops.empty());
   EXPECT_FALSE(outcome.verdicts.empty());
 }
 
 // Without points above the ground there is no decision.
 TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
-  const DriveOutcome outcome = there_and_back(ToyWorld());
+  const DriveOutcome outcome = forward_and_back(ToyWorld());
   EXPECT_TRUE(outcome.loops.empty());
   ASSERT_FALSE(outcome.verdicts.empty());
   for (const LoopVerdict& verdict : outcome.verdicts) {
@@ -80,7 +80,7 @@ TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
 
 // Driving back through the same street without an absolute heading: at least one loop every ten
 // metres.
-TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
+TEST(LoopCloser, ClosesAStreetDrivenInTheOppositeDirection) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {100, 0}, {100, 3.5}, {0, 3.5}});
   const DriveOutcome outcome = drive(world, truth, drifting(truth, 1.01, 2e-4));
@@ -98,7 +98,7 @@ TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
 
 /// The largest number of candidates that one search matched in a third pass through a street. Both
 /// older passes can be found.
-std::size_t most_matched(double horizontal_drift) {
+std::size_t max_matched(double horizontal_drift) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}, {0, 0}, {60, 0}});
   LoopClosingConfig config;
@@ -115,11 +115,9 @@ std::size_t most_matched(double horizontal_drift) {
   return most;
 }
 
-TEST(LoopCloser, MatchesOneCandidateWhereTheEstimateKnowsThePlace) {
-  EXPECT_EQ(most_matched(0.003), 1U);
-}
+TEST(LoopCloser, MatchesOneCandidateIfTheEstimateIsCertain) { EXPECT_EQ(max_matched(0.003), 1U); }
 
-TEST(LoopCloser, MatchesAllWhereTheEstimateLeavesADoubt) { EXPECT_EQ(most_matched(0.02), 2U); }
+TEST(LoopCloser, MatchesAllCandidatesIfTheEstimateIsUncertain) { EXPECT_EQ(max_matched(0.02), 2U); }
 
 // A crossing where the headings differ by 90 degrees.
 TEST(LoopCloser, ClosesACrossing) {
@@ -130,14 +128,14 @@ TEST(LoopCloser, ClosesACrossing) {
   EXPECT_GE(outcome.loops.size(), 1U);
 }
 
-TEST(LoopCloser, FindsNothingWhereNothingIsSeenAgain) {
+TEST(LoopCloser, FindsNothingWithoutRevisits) {
   const ToyWorld world = make_town(200.0, 100.0, 3);
   const auto truth = along({{-100, 0}, {100, 0}});
   EXPECT_TRUE(drive(world, truth, truth).loops.empty());
 }
 
 // The clouds of twin streets cannot be distinguished; the estimate distinguishes them.
-TEST(LoopCloser, NeverJoinsTwinStreets) {
+TEST(LoopCloser, NeverClosesBetweenTwinStreets) {
   ToyWorld world = make_town(60.0, 100.0, 9);
   const std::size_t count = world.boxes.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -181,15 +179,15 @@ std::vector<Pose> car_park_drive() {
       pose.translation.z() = height;
       truth.push_back(pose);
     }
-    for (const double share : {0.25, 0.5, 0.75}) {
-      truth.push_back(planar(30.0 - 60.0 * share, -11.0, kPi, height + 3.0 * share));
+    for (const double fraction : {0.25, 0.5, 0.75}) {
+      truth.push_back(planar(30.0 - 60.0 * fraction, -11.0, kPi, height + 3.0 * fraction));
     }
   }
   return truth;
 }
 
 // Storeys that look alike are different locations.
-TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
+TEST(LoopCloser, DistinguishesTheStoreysOfACarPark) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
   const DriveOutcome outcome = drive(world, truth, drifting(truth, 1.005, 1e-4, 1e-3));
@@ -198,7 +196,7 @@ TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
 }
 
 // An odometry that loses the height of a storey at the end of each ramp.
-TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
+TEST(LoopCloser, DistinguishesStoreysThatOdometryConfuses) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
   auto odometry = truth;
@@ -211,7 +209,7 @@ TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
 }
 
 // A drift of the height by 15 m does not hide the loop.
-TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
+TEST(LoopCloser, ClosesInSpiteOfADriftInHeight) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}}, 3.0);
   auto odometry = truth;
@@ -226,7 +224,7 @@ TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
 }
 
 // All sizes of submap and gap are possible, and scan and submap never share a cloud.
-TEST(LoopCloser, BearsEveryWindow) {
+TEST(LoopCloser, AcceptsAllSubmapSizes) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {30, 0}, {30, 3.5}, {0, 3.5}});
   for (const int extend : {0, 1, 20}) {
@@ -244,7 +242,7 @@ TEST(LoopCloser, BearsEveryWindow) {
   }
 }
 
-TEST(LoopCloser, UnfilteredCloudsCloseToo) {
+TEST(LoopCloser, ClosesWithUnfilteredClouds) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});
   LoopClosingConfig config;
@@ -279,7 +277,7 @@ TEST(LoopCloser, ClosesSoonAfterARestart) {
 }
 
 // A front end that restarts begins a segment that odometry does not connect to the one before.
-TEST(LoopCloser, JoinsASegmentToTheOneBefore) {
+TEST(LoopCloser, ConnectsASegmentToTheOneBefore) {
   const ToyWorld world = make_town(80.0, 100.0, 2);
   const auto truth = along({{-50, 0}, {50, 0}});
   DriveClouds clouds(world, truth);
@@ -310,7 +308,7 @@ TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {
 }
 
 // Key frames can be prepared in advance in another thread.
-TEST(LoopCloser, GivesTheSameBytesForKeyFramesPreparedAhead) {
+TEST(LoopCloser, GivesTheSameBytesForKeyFramesPreparedInAdvance) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});
   const DriveOutcome expected = drive(world, truth, truth);

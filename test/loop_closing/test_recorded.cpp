@@ -42,7 +42,7 @@ bool is_plausible(const Loop& loop, const std::vector<Pose>& truth) {
   return error.head<3>().norm() < 0.8 && error.tail<3>().norm() < 0.035;
 }
 
-TEST(Recorded, BothRevisitsOfADriveCloseAndNothingElse) {
+TEST(Recorded, OnlyTheTwoRevisitsOfADriveClose) {
   REQUIRE_RECORDED(folder, "kitti00_keyframes");
   const auto truth = lidar_mapping::test::recorded_poses(folder);
   const auto odometry = drifting(truth, 1.005, 5e-5, 0.002);

@@ -24,7 +24,7 @@ Trajectory straight(std::size_t count) {
 }
 
 // Poses that are not optimised yet follow the newest optimised pose.
-TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
+TEST(Trajectory, PredictsByOdometryFromTheNewestOptimisedPose) {
   Trajectory trajectory = straight(5);
   const auto moved = trajectory.update({1, true, {{2, 0, planar(4.0, 10.0, kPi / 2.0)}}});
   EXPECT_EQ(moved.size(), 3U);
@@ -35,7 +35,7 @@ TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
   EXPECT_NEAR(trajectory[1].T_map_base.translation.x(), 2.0, 1e-9);
 }
 
-TEST(Trajectory, TellsJumpsOfTheHeightFromRampsAndStairs) {
+TEST(Trajectory, DistinguishesJumpsInHeightFromRampsAndStairs) {
   for (const double slope : {0.0, 0.15, -0.15, 0.6}) {
     Trajectory trajectory;
     for (std::size_t i = 0; i < 20; ++i) {
@@ -49,7 +49,7 @@ TEST(Trajectory, TellsJumpsOfTheHeightFromRampsAndStairs) {
   }
 }
 
-TEST(Trajectory, KeepsPosesAndPositionsThatComeBeforeTheirKeyFrame) {
+TEST(Trajectory, StoresPosesAndPositionsBeforeTheirKeyFrame) {
   Trajectory trajectory = straight(2);
   trajectory.update({1, true, {{2, 0, planar(7.0, 0.0, 0.0)}}});
   GnssPosition position;
@@ -64,12 +64,12 @@ TEST(Trajectory, KeepsPosesAndPositionsThatComeBeforeTheirKeyFrame) {
   EXPECT_FALSE(trajectory.add_gnss(position));
 }
 
-TEST(Trajectory, RefusesIndicesThatGoBack) {
+TEST(Trajectory, RefusesIndicesThatDoNotIncrease) {
   Trajectory trajectory = straight(3);
   EXPECT_THROW(trajectory.append(key_frame(2, {})), InputError);
 }
 
-TEST(Trajectory, NoOdometryJoinsSegments) {
+TEST(Trajectory, DoesNotPredictAcrossSegments) {
   Trajectory trajectory = straight(2);
   KeyFrame next = key_frame(2, planar(500.0, 0.0, 0.0));
   next.segment = 1;
@@ -77,7 +77,7 @@ TEST(Trajectory, NoOdometryJoinsSegments) {
   EXPECT_EQ(trajectory[2].travelled, trajectory[1].travelled);
 }
 
-TEST(GraphDistance, IsTheShortestWayThroughLoops) {
+TEST(GraphDistance, IsTheShortestPathThroughLoops) {
   GraphDistance graph_distance;
   for (int i = 0; i <= 100; ++i) graph_distance.append(2.0);
   EXPECT_DOUBLE_EQ(graph_distance.to(0), 200.0);
@@ -90,7 +90,7 @@ TEST(GraphDistance, IsTheShortestWayThroughLoops) {
   EXPECT_DOUBLE_EQ(graph_distance.to(101), 0.0);
 }
 
-TEST(GraphDistance, IsInfiniteAcrossSegmentsUntilALoopJoinsThem) {
+TEST(GraphDistance, IsInfiniteBetweenSegmentsWithoutALoop) {
   const double none = std::numeric_limits<double>::infinity();
   GraphDistance graph_distance;
   for (const double step : {0.0, 2.0, 2.0, none, 2.0}) graph_distance.append(step);
@@ -100,7 +100,7 @@ TEST(GraphDistance, IsInfiniteAcrossSegmentsUntilALoopJoinsThem) {
   EXPECT_DOUBLE_EQ(graph_distance.to(2), 4.0);
 }
 
-TEST(PositionGrid, FindsWhatAScanOverAllFindsWhileNodesMove) {
+TEST(PositionGrid, AgreesWithALinearSearchWhileNodesMove) {
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> coordinate(-300.0, 300.0);
   const auto somewhere = [&] {

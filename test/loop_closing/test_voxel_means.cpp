@@ -15,15 +15,16 @@ namespace {
 /// More voxels than the initial table can hold, on both sides of the axes.
 PointCloud scattered() {
   std::mt19937 random(3);
-  std::uniform_real_distribution<float> place(-30.0F, 30.0F);
+  std::uniform_real_distribution<float> coordinate(-30.0F, 30.0F);
   PointCloud cloud;
   for (int i = 0; i < 60000; ++i) {
-    cloud.points.push_back({place(random), place(random), 0.1F * place(random), 0.0F});
+    cloud.points.push_back(
+        {coordinate(random), coordinate(random), 0.1F * coordinate(random), 0.0F});
   }
   return cloud;
 }
 
-TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
+TEST(VoxelMeans, AgreesWithTheVoxelFilter) {
   const PointCloud cloud = scattered();
   const PointCloud expected = voxel_filtered(cloud, 0.5);
   VoxelMeans voxels;
@@ -37,7 +38,7 @@ TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
   }
 }
 
-TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
+TEST(VoxelMeans, ResetRemovesAllPoints) {
   VoxelMeans voxels;
   for (int round = 0; round < 2; ++round) {
     voxels.reset(1.0);
@@ -50,7 +51,7 @@ TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
   }
 }
 
-TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
+TEST(VoxelMeans, ExcludesInvalidPointsAndKeepsAllWithoutALeaf) {
   VoxelMeans voxels;
   voxels.reset(0.0);
   voxels.add({1.0F, 2.0F, 3.0F});
@@ -62,7 +63,7 @@ TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
 }
 
 // The smallest leaf at the ends of the range.
-TEST(VoxelMeans, KeepsFarAwayCellsApart) {
+TEST(VoxelMeans, DistinguishesDistantCells) {
   VoxelMeans voxels;
   voxels.reset(0.05);
   std::vector<Eigen::Vector3f> corners;
@@ -79,7 +80,7 @@ TEST(VoxelMeans, KeepsFarAwayCellsApart) {
   }
 }
 
-TEST(LruCache, ForgetsWhatWasNotAskedForTheLongest) {
+TEST(LruCache, RemovesTheLeastRecentlyUsedValue) {
   LruCache<char> recent(10);
   recent.insert(1, 'a', 4);
   recent.insert(2, 'b', 4);

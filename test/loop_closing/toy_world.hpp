@@ -113,15 +113,15 @@ inline Pose planar(double x, double y, double heading, double z = 0.0) {
 /// Poses every `step` metres along the corners, heading forward.
 inline std::vector<Pose> along(const std::vector<Eigen::Vector2d>& corners, double step = 2.0) {
   std::vector<Pose> poses;
-  double rest = 0.0;
+  double remaining = 0.0;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Eigen::Vector2d side = corners[i + 1] - corners[i];
-    double s = rest;
+    double s = remaining;
     for (; s < side.norm(); s += step) {
       const Eigen::Vector2d p = corners[i] + side.normalized() * s;
       poses.push_back(planar(p.x(), p.y(), std::atan2(side.y(), side.x())));
     }
-    rest = s - side.norm();
+    remaining = s - side.norm();
   }
   return poses;
 }

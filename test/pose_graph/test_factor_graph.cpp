@@ -44,26 +44,26 @@ Constraint rows(int count, int block, const Eigen::Vector3d& measured = {1.0, 2.
 class RowCount : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMaxResidualRows + 1));
 
-TEST_P(RowCount, AllReachTheMinimum) {
+TEST_P(RowCount, AllNumbersOfRowsReachTheMinimum) {
   FactorGraph graph;
   graph.planar = true;
   graph.add_node(Pose());
-  const Eigen::Vector3d here(1.0, 2.0, 0.5);
-  const Eigen::Vector3d there(4.0, 3.0, 0.6);
-  graph.add(rows(GetParam(), kPlanarBlockSize, here));
-  graph.add(rows(3, kPlanarBlockSize, there));
+  const Eigen::Vector3d first_measurement(1.0, 2.0, 0.5);
+  const Eigen::Vector3d second_measurement(4.0, 3.0, 0.6);
+  graph.add(rows(GetParam(), kPlanarBlockSize, first_measurement));
+  graph.add(rows(3, kPlanarBlockSize, second_measurement));
   const LossOf none = [](const Constraint&) { return nullptr; };
   const MinimizerSummary summary = gauss_newton(graph, std::vector<bool>(2, true), none, {});
   EXPECT_TRUE(summary.usable) << summary.message;
   for (int i = 0; i < 3; ++i) {
     // Number of rows of the first constraint that measure coordinate i.
     const double count = (GetParam() + 2 - i) / 3;
-    const double mean = (count * here[i] + there[i]) / (count + 1.0);
+    const double mean = (count * first_measurement[i] + second_measurement[i]) / (count + 1.0);
     EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
   }
 }
 
-TEST_P(RowCount, AllAreLinearisedWhole) {
+TEST_P(RowCount, AllRowsAreLinearised) {
   FactorGraph graph;
   graph.add_node(Pose());
   graph.add(rows(GetParam(), kPoseBlockSize));
@@ -84,7 +84,7 @@ std::string refusal(FactorGraph& graph, Constraint constraint) {
   return "";
 }
 
-TEST(FactorGraph, RefusesWhatItCannotSolve) {
+TEST(FactorGraph, RefusesConstraintsThatItCannotSolve) {
   FactorGraph graph;
   graph.add_node(Pose());
   EXPECT_NE(refusal(graph, rows(7, kPoseBlockSize)).find("7 rows"), std::string::npos);

@@ -60,7 +60,7 @@ double largest_shift(const PoseGraph& a, const PoseGraph& b) {
 class BothKinds : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(PlanarOrNot, BothKinds, testing::Bool());
 
-TEST_P(BothKinds, LeastSquaresDoesNotDependOnTheFilesPoses) {
+TEST_P(BothKinds, LeastSquaresDoesNotDependOnThePosesOfTheFile) {
   PoseGraph graph = lap_graph(GetParam(), test::make_drive());
   PoseGraph scattered = graph;
   std::mt19937 engine(9);
@@ -78,7 +78,7 @@ TEST_P(BothKinds, LeastSquaresDoesNotDependOnTheFilesPoses) {
   EXPECT_LT(largest_shift(graph, scattered), 1e-3);
 }
 
-TEST_P(BothKinds, ExactMeasurementsAreMetByTheChordalStartAlone) {
+TEST_P(BothKinds, ChordalInitializationIsExactForExactMeasurements) {
   test::DriveSettings settings;
   settings.odometry_stddev_m = settings.odometry_stddev_deg = 1e-12;
   settings.scale_error = settings.turn_bias_deg = 0.0;
@@ -90,7 +90,7 @@ TEST_P(BothKinds, ExactMeasurementsAreMetByTheChordalStartAlone) {
   EXPECT_LT(largest_shift(graph, started), 1e-6);
 }
 
-TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesKept) {
+TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesUsed) {
   const test::SyntheticDrive drive = test::make_drive();
   PoseGraph clean = lap_graph(GetParam(), drive);
   PoseGraph spoiled = clean;
@@ -131,15 +131,15 @@ TEST(GraphOptimizer, ClosesALoopOfFourKeyFrames) {
   EXPECT_NEAR((graph.nodes[2].pose.translation - Eigen::Vector3d(1.0, 1.0, 0.0)).norm(), 0.0, 1e-5);
 }
 
-TEST(GraphOptimizer, ASolvedGraphStaysWhereItIs) {
+TEST(GraphOptimizer, ASolvedGraphDoesNotMove) {
   PoseGraph graph = lap_graph(false, test::make_drive());
   optimize(graph);
-  PoseGraph again = graph;
-  optimize(again);
-  EXPECT_LT(largest_shift(graph, again), 1e-4);
+  PoseGraph solved_again = graph;
+  optimize(solved_again);
+  EXPECT_LT(largest_shift(graph, solved_again), 1e-4);
 }
 
-TEST(BlockCholesky, SolvesWhatADenseSolverSolves) {
+TEST(BlockCholesky, AgreesWithADenseSolver) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
   const std::vector<std::pair<int, int>> pairs = {{0, 1}, {2, 1}, {3, 2}, {0, 3}, {4, 0}, {1, 0}};
@@ -171,7 +171,7 @@ std::ptrdiff_t threads_of_this_process() {
 
 // OpenMP threads that wait actively between the parts of a factorisation cost a third more
 // processor time.
-TEST(Solving, StartsNoThreadsOfItsOwn) {
+TEST(Solving, StartsNoThreads) {
   const test::SyntheticDrive drive = test::make_drive({1});
   PoseGraph graph = lap_graph(false, drive);
   std::mt19937 engine(3);

@@ -24,7 +24,7 @@ struct KnownGraph {
 
 class RecordedGraphs : public ::testing::TestWithParam<KnownGraph> {};
 
-TEST_P(RecordedGraphs, ReachTheirBestKnownCostFromTheFileAlone) {
+TEST_P(RecordedGraphs, ReachTheirBestKnownCost) {
   REQUIRE_RECORDED(folder, "pose_graphs");
   G2oFile file = read_g2o((folder / (GetParam().name + std::string(".g2o"))).string());
   const GraphReport report = optimize(file.graph);
@@ -94,7 +94,7 @@ TEST_F(OptimizeGraph, WritesPosesAndFigures) {
   EXPECT_GT(json.at("peak_memory_mb"), 1.0);
 }
 
-TEST_F(OptimizeGraph, WritesEnoughDigitsToReachTheSameCostAgain) {
+TEST_F(OptimizeGraph, WritesEnoughDigitsForTheSameCost) {
   write("in.g2o", kSquare);
   ASSERT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json")), 0);
   const double cost = figures().at("final_cost");
@@ -102,7 +102,7 @@ TEST_F(OptimizeGraph, WritesEnoughDigitsToReachTheSameCostAgain) {
   EXPECT_NEAR(figures().at("initial_cost"), cost, 1e-12 * cost);
 }
 
-TEST_F(OptimizeGraph, GoesOnForAsLongAsTheToleranceAsks) {
+TEST_F(OptimizeGraph, IteratesUntilTheToleranceIsReached) {
   write("in.g2o", kSquare);
   const std::string command =
       file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json");
@@ -115,7 +115,7 @@ TEST_F(OptimizeGraph, GoesOnForAsLongAsTheToleranceAsks) {
   EXPECT_NE(run(command + " --tolerance 0"), 0);
 }
 
-TEST_F(OptimizeGraph, NamesTheEdgesThatItRefuses) {
+TEST_F(OptimizeGraph, ReportsTheEdgesThatItRefuses) {
   std::string graph;
   for (int i = 0; i < 20; ++i) {
     graph += "EDGE_SE2 " + std::to_string(i) + " " + std::to_string(i + 1) +
@@ -133,7 +133,7 @@ TEST_F(OptimizeGraph, NamesTheEdgesThatItRefuses) {
   EXPECT_EQ(refused[0].at("to"), 19);
 }
 
-TEST_F(OptimizeGraph, TakesEveryKernelInAnyCase) {
+TEST_F(OptimizeGraph, AcceptsAllKernelNamesInUpperOrLowerCase) {
   write("in.g2o", kSquare);
   for (const char* kernel : {"NONE", "huber", "Cauchy", "DCS", "fair", "gemanmcclure",
                              "PseudoHuber", "saturated", "Tukey", "WELSCH", "Graduated"}) {
@@ -143,13 +143,13 @@ TEST_F(OptimizeGraph, TakesEveryKernelInAnyCase) {
   }
 }
 
-TEST_F(OptimizeGraph, SaysWhatItMended) {
+TEST_F(OptimizeGraph, ReportsRepairs) {
   write("in.g2o", "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 5 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
   EXPECT_EQ(run(file("in.g2o") + " " + file("out.g2o")), 0);
   EXPECT_NE(text("said").find("not positive definite"), std::string::npos) << text("said");
 }
 
-TEST_F(OptimizeGraph, RefusesWhatItCannotUse) {
+TEST_F(OptimizeGraph, RefusesInvalidInput) {
   EXPECT_NE(run(file("missing.g2o") + " " + file("out.g2o")), 0);
   EXPECT_NE(text("said").find("missing.g2o"), std::string::npos) << text("said");
   write("in.g2o", kSquare);

@@ -133,7 +133,7 @@ TEST(Residuals, RelativePoseIsContinuousForEitherSignOfTheQuaternion) {
   EXPECT_LT((a - evaluate(*cost, {to_block(first), negated})).norm(), 1e-12);
 }
 
-TEST(Residuals, RelativePoseIsG2osError) {
+TEST(Residuals, RelativePoseIsTheErrorOfG2o) {
   const Pose measured = {exp_so3({0.1, -0.2, 0.3}), {1.0, 2.0, 3.0}};
   const Pose actual = {exp_so3({0.15, -0.1, 0.35}), {1.1, 2.2, 2.9}};
   const auto cost = relative_pose_residual(measured, Matrix6d::Identity());
@@ -195,7 +195,7 @@ TEST(Residuals, PlanarRelativePoseHasExactDerivatives) {
 }
 
 // The standard deviation is squared, and half angles are taken into account.
-TEST(Residuals, OneStandardDeviationGivesOne) {
+TEST(Residuals, AnErrorOfOneStandardDeviationGivesOne) {
   const auto cost = relative_pose_residual(Pose(), g2o_information(diagonal_covariance(0.2, 0.01)));
   Vector6d d = Vector6d::Zero();
   d[0] = 0.2;
@@ -207,17 +207,17 @@ TEST(Residuals, OneStandardDeviationGivesOne) {
               1e-5);
 }
 
-TEST(Tangent, MovedAndBackIsWhereItWas) {
+TEST(Tangent, MinusInvertsRetract) {
   Draw draw(8);
   const StateBlock block = to_block(draw.pose(10.0, 2.0));
   const std::array<double, 6> d = {0.1, -0.2, 0.3, 0.2, -0.1, 0.3};
-  const StateBlock there = retract(block.data(), d.data());
+  const StateBlock updated = retract(block.data(), d.data());
 #if LIDAR_MAPPING_CERES_HAS_MANIFOLD
   std::array<double, 6> back{};
-  TangentUpdate().Minus(there.data(), block.data(), back.data());
+  TangentUpdate().Minus(updated.data(), block.data(), back.data());
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(back[i], d[i], 1e-12);
 #endif
-  EXPECT_NEAR(to_pose(there.data()).rotation.norm(), 1.0, 1e-12);
+  EXPECT_NEAR(to_pose(updated.data()).rotation.norm(), 1.0, 1e-12);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ using test::TemporaryFolder;
 
 constexpr std::size_t kBytesOfExample = 100 * sizeof(Point);
 
-TEST(CloudStore, ReadsWhatItWroteFromTheDisk) {
+TEST(CloudStore, ReadsTheCloudsThatItWrote) {
   const TemporaryFolder folder;
   CloudStore(folder.path() / "clouds").put(7, example_cloud(100, 7));
   CloudStore store(folder.path() / "clouds");
@@ -27,7 +27,7 @@ TEST(CloudStore, ReadsWhatItWroteFromTheDisk) {
   EXPECT_EQ(store.file(7).filename(), "000007.pcd");
 }
 
-TEST(CloudStore, KeepsEmptyCloudsToo) {
+TEST(CloudStore, StoresEmptyClouds) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(0, example_cloud(0, 0));
   CloudStore store(folder.path());
@@ -35,7 +35,7 @@ TEST(CloudStore, KeepsEmptyCloudsToo) {
   EXPECT_TRUE(store.cloud(0)->empty());
 }
 
-TEST(CloudStore, CacheStaysWithinItsBound) {
+TEST(CloudStore, CacheStaysWithinItsLimit) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 3 * kBytesOfExample);
   for (KeyFrameIndex index = 0; index < 20; ++index) {
@@ -48,7 +48,7 @@ TEST(CloudStore, CacheStaysWithinItsBound) {
   }
 }
 
-TEST(CloudStore, CacheShrinksWhenItIsTold) {
+TEST(CloudStore, CacheShrinksWithItsLimit) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 3 * kBytesOfExample);
   for (KeyFrameIndex index = 0; index < 3; ++index) store.put(index, example_cloud(100, 1));
@@ -59,7 +59,7 @@ TEST(CloudStore, CacheShrinksWhenItIsTold) {
   EXPECT_NE(store.cloud(0), nullptr);
 }
 
-TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
+TEST(CloudStore, RemovesTheLeastRecentlyUsedCloud) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 2 * kBytesOfExample);
   store.put(0, example_cloud(100, 0));
@@ -69,7 +69,7 @@ TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
   EXPECT_EQ(store.cloud(0), zero) << "still the same object: it was used last";
 }
 
-TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
+TEST(CloudStore, ReadsSeveralInOrderWithAnyNumberOfThreads) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(4, example_cloud(40, 4));
   CloudStore(folder.path()).put(7, example_cloud(70, 7));
@@ -85,7 +85,7 @@ TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
 }
 
 // A missing or truncated file gives no cloud. It never gives an empty cloud and never crashes.
-TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
+TEST(CloudStore, GivesNoCloudForMissingOrDamagedFiles) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(3, example_cloud(100, 3));
   CloudStore store(folder.path());
@@ -127,7 +127,7 @@ TEST(PcdFile, ReadsFilesWithoutIntensity) {
   EXPECT_EQ(cloud.points[0].intensity, 0.0F);
 }
 
-TEST(PcdFile, ReadsOtherLayoutsThanItsOwn) {
+TEST(PcdFile, ReadsOtherLayouts) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "turned.pcd")
       << "VERSION 0.7\nFIELDS intensity z y x\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
@@ -150,7 +150,7 @@ std::string pcd_with(const std::string& line, const std::string& other) {
 
 // PCL's reader would take these points for a line of the header that changes the fields, and would
 // read beyond the end.
-TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
+TEST(PcdFile, DoesNotReadPointsAsLinesOfTheHeader) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.pcd";
   std::ofstream(path, std::ios::binary)
@@ -165,7 +165,7 @@ TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
 }
 
 // PCL's reader writes outside of its memory for most of these.
-TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
+TEST(PcdFile, RefusesDamagedHeadersAndNamesTheLine) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.pcd";
   const auto write = [&](const std::string& line, const std::string& other) {
