@@ -47,8 +47,8 @@ struct OptimizationSolution;
 /// Builds the pose graph of a drive and holds its poses. The constraints come from odometry, loops,
 /// GNSS, IMU and floor; each kind can be switched off. The graph is solved outside of this object:
 ///
-///   auto solution = solve(back_end.problem());   // takes long, runs in a worker thread
-///   KeyFramePoses poses = back_end.apply(solution);
+///   auto solution = solve(*back_end.problem());   // takes long, runs in a worker thread
+///   KeyFramePoses poses = back_end.apply(*solution);
 ///
 /// Data that arrive between the two calls are kept, and their poses follow the correction. The
 /// class may be called from one thread at a time.
