@@ -102,7 +102,7 @@ config::Schema<Config> make_schema() {
             "Largest standard deviation of the heading with which the track is aligned to "
             "East-North-Up.")
       .boolean("estimate_gnss_time_offset", &Config::estimate_gnss_time_offset,
-               "Correct GNSS stamps that are late or early beside odometry.")
+               "Correct GNSS stamps that are late or early relative to odometry.")
       .boolean("enable_imu_orientation", &Config::enable_imu_orientation,
                "Whether the tilt of the IMU's orientation keeps the map level.")
       .boolean("enable_imu_heading", &Config::enable_imu_heading,

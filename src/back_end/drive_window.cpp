@@ -64,15 +64,14 @@ std::multimap<int, int> loop_partners(const DriveGraph& drive) {
 
 /// Number of steps from the nodes with new constraints to each node around them, up to one more
 /// than kWindowSteps at the border.
-std::map<int, int> steps_from(const DriveGraph& drive,
-                              const std::vector<int>& nodes_with_new_data) {
+std::map<int, int> steps_from(const DriveGraph& drive, const std::vector<int>& start_nodes) {
   const std::multimap<int, int> partners = loop_partners(drive);
   std::map<int, int> steps_to;
   std::deque<int> queue;
   const auto visit = [&](int node, int steps) {
     if (steps_to.emplace(node, steps).second) queue.push_back(node);
   };
-  for (const int seed : nodes_with_new_data) visit(seed, 0);
+  for (const int start : start_nodes) visit(start, 0);
   while (!queue.empty()) {
     const int node = queue.front();
     queue.pop_front();

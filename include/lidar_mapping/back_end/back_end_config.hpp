@@ -94,7 +94,7 @@ struct BackEndConfig {
   /// [deg] Largest standard deviation of the heading with which the track is aligned to East-North-
   /// Up.
   double gnss_alignment_stddev_deg = 3.0;
-  /// Correct GNSS stamps that are late or early beside odometry.
+  /// Correct GNSS stamps that are late or early relative to odometry.
   bool estimate_gnss_time_offset = true;
 
   /// Whether the tilt of the IMU's orientation keeps the map level.

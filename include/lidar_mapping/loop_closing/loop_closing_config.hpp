@@ -72,7 +72,7 @@ struct LoopClosingConfig {
   LoopMethod registration_method;
   /// Parameters of the other methods; its method and range of fitness are not used.
   registration::RegistrationConfig registration;
-  // What to believe.
+  // What to accept.
   /// [m] Key frames that are further apart have too little overlap for a loop.
   double max_loop_distance = 7.5;
   /// The overlap above ground minus twice the free-space violation of a loop must be larger than
