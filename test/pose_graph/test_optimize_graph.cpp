@@ -49,10 +49,10 @@ INSTANTIATE_TEST_SUITE_P(
 /// Runs the command with files in a temporary folder.
 class OptimizeGraph : public ::testing::Test {
  protected:
-  /// Returns the exit status; the output of the command is in said().
+  /// Returns the exit status; the output of the command is the file "output".
   int run(const std::string& arguments) const {
     const std::string command =
-        std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" + file("said") + " 2>&1";
+        std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" + file("output") + " 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -82,7 +82,7 @@ const std::string kSquare =
 TEST_F(OptimizeGraph, WritesPosesAndFigures) {
   write("in.g2o", kSquare);
   ASSERT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json")), 0)
-      << text("said");
+      << text("output");
   const nlohmann::json json = figures();
   for (const char* key : {"nodes", "edges", "initial_cost", "final_cost", "iterations", "seconds",
                           "peak_memory_mb"}) {
@@ -106,9 +106,9 @@ TEST_F(OptimizeGraph, IteratesUntilTheToleranceIsReached) {
   write("in.g2o", kSquare);
   const std::string command =
       file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json");
-  ASSERT_EQ(run(command + " --tolerance 0.5"), 0) << text("said");
+  ASSERT_EQ(run(command + " --tolerance 0.5"), 0) << text("output");
   const nlohmann::json early = figures();
-  ASSERT_EQ(run(command + " --tolerance 1e-12"), 0) << text("said");
+  ASSERT_EQ(run(command + " --tolerance 1e-12"), 0) << text("output");
   const nlohmann::json late = figures();
   EXPECT_LT(early.at("iterations"), late.at("iterations"));
   EXPECT_LT(late.at("final_cost"), early.at("final_cost"));
@@ -139,22 +139,22 @@ TEST_F(OptimizeGraph, AcceptsAllKernelNamesInUpperOrLowerCase) {
                              "PseudoHuber", "saturated", "Tukey", "WELSCH", "Graduated"}) {
     EXPECT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --kernel-size 3 --robust " + kernel),
               0)
-        << kernel << ": " << text("said");
+        << kernel << ": " << text("output");
   }
 }
 
 TEST_F(OptimizeGraph, ReportsRepairs) {
   write("in.g2o", "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 5 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
   EXPECT_EQ(run(file("in.g2o") + " " + file("out.g2o")), 0);
-  EXPECT_NE(text("said").find("not positive definite"), std::string::npos) << text("said");
+  EXPECT_NE(text("output").find("not positive definite"), std::string::npos) << text("output");
 }
 
 TEST_F(OptimizeGraph, RefusesInvalidInput) {
   EXPECT_NE(run(file("missing.g2o") + " " + file("out.g2o")), 0);
-  EXPECT_NE(text("said").find("missing.g2o"), std::string::npos) << text("said");
+  EXPECT_NE(text("output").find("missing.g2o"), std::string::npos) << text("output");
   write("in.g2o", kSquare);
   EXPECT_NE(run(file("in.g2o") + " " + file("out.g2o") + " --robust Tuckey"), 0);
-  EXPECT_NE(text("said").find("Cauchy"), std::string::npos) << text("said");
+  EXPECT_NE(text("output").find("Cauchy"), std::string::npos) << text("output");
   write("bad.g2o", "EDGE_SE2 0 1 1 0\n");
   EXPECT_NE(run(file("bad.g2o") + " " + file("out.g2o")), 0);
   EXPECT_FALSE(std::filesystem::exists(file("out.g2o")));
