@@ -51,8 +51,8 @@ class OptimizeGraph : public ::testing::Test {
  protected:
   /// Returns the exit status; the output of the command is the file "output".
   int run(const std::string& arguments) const {
-    const std::string command =
-        std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" + file("output") + " 2>&1";
+    const std::string command = std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" +
+                                file("output") + " 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
