@@ -105,7 +105,7 @@ def check_the_check(root, glossary):
     overlooked = [fault for fault in ('`fitness` of msg/', '`points` of src/nodes/', 'before zimuth')
                   if fault not in found]
     source = (root / 'src/back_end/optimization.cpp').read_text()
-    overlooked += [name for name in ('no_such_function', 'BackEnd::solve', 'join_segments', 'DriveGraph')
+    overlooked += [name for name in ('no_such_function', 'BackEnd::solve', 'connect_segments', 'DriveGraph')
                    if defines(source, name)]  # the last two are used there only
     if overlooked:
         sys.exit(f'check_names: overlooks {overlooked}; found:\n{found}')

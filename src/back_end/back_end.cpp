@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "drive_intake.hpp"
+#include "drive_results.hpp"
 #include "drive_update.hpp"
-#include "drive_views.hpp"
+#include "graph_builder.hpp"
 #include "optimization.hpp"
 #include "tilt_scatter.hpp"
 
@@ -13,23 +13,23 @@ namespace lidar_mapping::back_end {
 
 class BackEnd::Impl {
  public:
-  explicit Impl(const BackEndConfig& config) : config_(config), intake_(config) {}
+  explicit Impl(const BackEndConfig& config) : config_(config), builder_(config) {}
 
-  DriveIntake& intake() { return intake_; }
+  GraphBuilder& builder() { return builder_; }
   DriveGraph& drive() { return drive_; }
 
   bool optimization_due() const {
     if (drive_.nodes.empty()) return false;
     const double elapsed = to_seconds(drive_.nodes.back().stamp - last_optimization_);
     if (elapsed >= 0.0 && elapsed < config_.optimize_min_interval) return false;
-    if (whole_needed_) return true;
-    if (config_.use_loop_close && intake_.news.loops >= config_.optimize_step_with_loop)
+    if (full_solve_needed_) return true;
+    if (config_.use_loop_close && builder_.new_data.loops >= config_.optimize_step_with_loop)
       return true;
-    if (config_.use_gnss && intake_.news.gnss >= gnss_step()) return true;
-    // Odometry alone has nothing to distribute.
-    const bool anything = (config_.use_loop_close && !drive_.loops.empty()) ||
-                          (config_.use_gnss && !drive_.gnss.empty());
-    return anything && intake_.news.key_frames >= config_.optimize_step_with_key_frame;
+    if (config_.use_gnss && builder_.new_data.gnss >= gnss_optimization_step()) return true;
+    // With odometry alone there is no contradiction to distribute.
+    const bool has_corrections = (config_.use_loop_close && !drive_.loops.empty()) ||
+                                 (config_.use_gnss && !drive_.gnss.empty());
+    return has_corrections && builder_.new_data.key_frames >= config_.optimize_step_with_key_frame;
   }
 
   std::shared_ptr<const OptimizationProblem> problem(bool thorough) const {
@@ -37,10 +37,10 @@ class BackEnd::Impl {
     problem->config = config_;
     problem->key_frames = drive_.nodes.size();
     problem->thorough = thorough;
-    if (!thorough && !whole_due()) problem->window = window_of_news(drive_, config_);
-    problem->drive = problem->window ? cut(drive_, *problem->window) : drive_;
+    if (!thorough && !full_solve_due()) problem->window = window_around_new_data(drive_, config_);
+    problem->drive = problem->window ? extract_window(drive_, *problem->window) : drive_;
     problem->drive.tilt_stddev_deg = tilt_stddev_deg(drive_, config_);
-    problem->judged = count_judgements(drive_);
+    problem->usage = count_usage(drive_);
     return problem;
   }
 
@@ -51,7 +51,7 @@ class BackEnd::Impl {
     } else {
       apply_whole(solution.drive);
     }
-    intake_.news.key_frames = static_cast<int>(drive_.nodes.size() - solution.key_frames);
+    builder_.new_data.key_frames = static_cast<int>(drive_.nodes.size() - solution.key_frames);
     last_optimization_ = drive_.nodes[solution.key_frames - 1].stamp;
     ++revision_;
     return poses();
@@ -62,64 +62,65 @@ class BackEnd::Impl {
   pose_graph::PoseGraph graph() const { return pose_graph_of(drive_, config_); }
 
  private:
-  /// A map that is not in East-North-Up yet should be soon.
-  int gnss_step() const {
-    constexpr int kFirstStep = 5;
+  /// Until the map is aligned to East-North-Up, a solution is due after few positions.
+  int gnss_optimization_step() const {
+    constexpr int kStepBeforeAlignment = 5;
     return drive_.in_enu.back() ? config_.optimize_step_with_gnss
-                                : std::min(kFirstStep, config_.optimize_step_with_gnss);
+                                : std::min(kStepBeforeAlignment, config_.optimize_step_with_gnss);
   }
 
-  /// Small graphs are solved whole each time; large ones after each twentieth part that they have
-  /// grown, and when a window could not settle what is new.
-  bool whole_due() const {
+  /// Small graphs are always solved completely. Large ones are solved completely after each growth
+  /// by 5 %, and if a window was not sufficient for the new constraints.
+  bool full_solve_due() const {
     constexpr std::size_t kSmallGraph = 4000;
-    return whole_needed_ || drive_.nodes.size() < kSmallGraph ||
-           20 * (drive_.nodes.size() - last_whole_) > drive_.nodes.size();
+    return full_solve_needed_ || drive_.nodes.size() < kSmallGraph ||
+           20 * (drive_.nodes.size() - last_full_solve_) > drive_.nodes.size();
   }
 
   void apply_whole(const DriveGraph& solved) {
-    take_whole(solved, drive_);
-    intake_.news.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
-    intake_.news.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
-    last_whole_ = solved.nodes.size();
-    whole_needed_ = false;
+    apply_whole_solution(solved, drive_);
+    builder_.new_data.loops = static_cast<int>(drive_.loops.size() - solved.loops.size());
+    builder_.new_data.gnss = static_cast<int>(drive_.gnss.size() - solved.gnss.size());
+    last_full_solve_ = solved.nodes.size();
+    full_solve_needed_ = false;
   }
 
   void apply_window(const OptimizationSolution& solution) {
-    whole_needed_ = solution.whole_needed;
-    if (whole_needed_) return;
-    take_window(solution.drive, *solution.window, solution.key_frames, drive_);
-    const auto count_new = [](const auto& values) {
+    full_solve_needed_ = solution.full_solve_needed;
+    if (full_solve_needed_) return;
+    apply_window_solution(solution.drive, *solution.window, solution.key_frames, drive_);
+    const auto count_unevaluated = [](const auto& values) {
       return static_cast<int>(std::count_if(values.begin(), values.end(),
-                                            [](const auto& value) { return !value.weighed; }));
+                                            [](const auto& value) { return !value.evaluated; }));
     };
-    intake_.news.loops = count_new(drive_.loops);
-    intake_.news.gnss = config_.georeference_only ? 0 : count_new(drive_.gnss);
+    builder_.new_data.loops = count_unevaluated(drive_.loops);
+    builder_.new_data.gnss = config_.georeference_only ? 0 : count_unevaluated(drive_.gnss);
   }
 
   BackEndConfig config_;
-  DriveIntake intake_;
+  GraphBuilder builder_;
   DriveGraph drive_;
   std::uint32_t revision_ = 0;
   Stamp last_optimization_ = 0;
-  std::size_t last_whole_ = 0;  ///< key frames when the whole graph was solved last
-  bool whole_needed_ = false;
+  /// Number of key frames at the last solution of the whole graph.
+  std::size_t last_full_solve_ = 0;
+  bool full_solve_needed_ = false;
 };
 
 BackEnd::BackEnd(const BackEndConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 BackEnd::~BackEnd() = default;
 
 void BackEnd::add_key_frame(const KeyFrame& key_frame) {
-  impl_->intake().add_key_frame(key_frame, impl_->drive());
+  impl_->builder().add_key_frame(key_frame, impl_->drive());
 }
-bool BackEnd::add_loop(const Loop& loop) { return impl_->intake().add_loop(loop, impl_->drive()); }
+bool BackEnd::add_loop(const Loop& loop) { return impl_->builder().add_loop(loop, impl_->drive()); }
 void BackEnd::add_gnss(const GnssPosition& position) {
-  impl_->intake().add_gnss(position, impl_->drive());
+  impl_->builder().add_gnss(position, impl_->drive());
 }
 void BackEnd::add_imu(const ImuSample& sample_base) {
-  impl_->intake().add_imu(sample_base, impl_->drive());
+  impl_->builder().add_imu(sample_base, impl_->drive());
 }
-void BackEnd::add_floor(const Floor& floor) { impl_->intake().add_floor(floor, impl_->drive()); }
+void BackEnd::add_floor(const Floor& floor) { impl_->builder().add_floor(floor, impl_->drive()); }
 bool BackEnd::optimization_due() const { return impl_->optimization_due(); }
 std::shared_ptr<const OptimizationProblem> BackEnd::problem(bool thorough) const {
   return impl_->problem(thorough);

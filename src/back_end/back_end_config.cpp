@@ -13,7 +13,8 @@ using Config = BackEndConfig;
 constexpr config::Range kStddev = {1e-6, 1e3};
 constexpr config::Range kSteps = {1, 1e9};
 
-/// Also in capital and in small letters, which files of other programs have.
+/// The names of the kernels also in upper and in lower case, as configuration files of other
+/// programs have them.
 std::vector<std::pair<std::string, pose_graph::RobustKernel>> kernels_in_any_case() {
   std::vector<std::pair<std::string, pose_graph::RobustKernel>> choices =
       pose_graph::robust_kernel_names();
@@ -44,10 +45,10 @@ config::Schema<Config> make_schema() {
                "Optimise after so many new loops.")
       .real("optimize_min_interval", &Config::optimize_min_interval, {0.0, 1e4}, "s",
             "Least time between optimisations, by the key frames' stamps.")
-      .real("odometry_drift", &Config::odometry_drift, {0.0, 1.0}, "share of the distance",
-            "Standard deviation that drift adds to a motion's translation, at most: down to a "
-            "tenth of "
-            "it and of the next three where positions show less.")
+      .real(
+          "odometry_drift", &Config::odometry_drift, {0.0, 1.0}, "fraction of the distance",
+          "Upper limit of the standard deviation that drift adds to a motion's translation. Where "
+          "positions show less drift, this and the next three are reduced, but not below a tenth.")
       .real("odometry_drift_deg_per_m", &Config::odometry_drift_deg_per_m, {0.0, 10.0}, "deg/m",
             "Standard deviation that drift adds to a motion's rotation.")
       .real("odometry_min_stddev_m", &Config::odometry_min_stddev_m, kStddev, "m",
@@ -55,28 +56,28 @@ config::Schema<Config> make_schema() {
       .real("odometry_min_stddev_deg", &Config::odometry_min_stddev_deg, kStddev, "deg",
             "Added to the covariance of every motion.")
       .real("odometry_degenerate_drift", &Config::odometry_degenerate_drift, {0.0, 10.0},
-            "share of the distance",
+            "fraction of the distance",
             "Standard deviation added along directions that matching could not observe.")
       .real("loop_min_stddev_m", &Config::loop_min_stddev_m, kStddev, "m",
             "Added to the covariance of every loop.")
       .real("loop_min_stddev_deg", &Config::loop_min_stddev_deg, kStddev, "deg",
             "Added to the covariance of every loop.")
       .boolean("fix_first_node", &Config::fix_first_node,
-               "Hold the first key frame where it began, as firmly as fix_first_node_stddev says, "
-               "instead of as firmly as suits the other constraints.")
+               "Give the first key frame a prior with fix_first_node_stddev, instead of one that "
+               "depends on the other constraints.")
       .reals("fix_first_node_stddev", &Config::fix_first_node_stddev, 6,
              "m and rad: x y z roll pitch yaw",
              "With fix_first_node: standard deviations of its pose, in the axes of base_link.")
       .boolean("use_const_inf_matrix", &Config::use_const_inf_matrix,
-               "Weigh all motions and loops by const_stddev_x and const_stddev_q instead of their "
+               "Weight all motions and loops by const_stddev_x and const_stddev_q instead of their "
                "covariances.")
       .boolean("use_fitness_inf_matrix", &Config::use_fitness_inf_matrix,
-               "Weigh loops by their fitness (var_gain_a, min and max stddevs) instead of their "
+               "Weight loops by their fitness (var_gain_a, min and max stddevs) instead of their "
                "covariances.")
       .real("const_stddev_x", &Config::const_stddev_x, kStddev, "m",
-            "Translation, with use_const_inf_matrix.")
+            "Standard deviation of the translation, with use_const_inf_matrix.")
       .real("const_stddev_q", &Config::const_stddev_q, kStddev, "half rad",
-            "Vector part of the quaternion, with use_const_inf_matrix.")
+            "Standard deviation of the vector part of the quaternion, with use_const_inf_matrix.")
       .real("var_gain_a", &Config::var_gain_a, {1e-3, 1e3}, "1/m^2",
             "How fast variances grow with the fitness, with use_fitness_inf_matrix.")
       .real("min_stddev_x", &Config::min_stddev_x, kStddev, "m", "At fitness zero.")
@@ -93,36 +94,37 @@ config::Schema<Config> make_schema() {
       .real("gnss_max_stddev_m", &Config::gnss_max_stddev_m, kStddev, "m",
             "Positions with a larger horizontal standard deviation are refused.")
       .real("gnss_correlation_distance", &Config::gnss_correlation_distance, {0.0, 1e4}, "m",
-            "Fixes closer together share one error; their weights are reduced to that of one fix.")
+            "Fixes closer together have one error in common; their weights are reduced to that of "
+            "one fix.")
       .real("gnss_alignment_distance", &Config::gnss_alignment_distance, {1.0, 1e5}, "m",
-            "Least extent of the track before it is turned to East-North-Up.")
+            "Least extent of the track before it is aligned to East-North-Up.")
       .real("gnss_alignment_stddev_deg", &Config::gnss_alignment_stddev_deg, {0.01, 10.0}, "deg",
-            "The heading must be known this well before the track is turned to East-North-Up.")
+            "Largest standard deviation of the heading with which the track is aligned to "
+            "East-North-Up.")
       .boolean("estimate_gnss_time_offset", &Config::estimate_gnss_time_offset,
-               "Correct GNSS stamps that are late or early beside odometry.")
+               "Correct GNSS stamps that are late or early relative to odometry.")
       .boolean("enable_imu_orientation", &Config::enable_imu_orientation,
                "Whether the tilt of the IMU's orientation keeps the map level.")
-      .boolean(
-          "enable_imu_heading", &Config::enable_imu_heading,
-          "Whether headings that come with GNSS positions are used; only for an IMU with a true "
-          "heading.")
+      .boolean("enable_imu_heading", &Config::enable_imu_heading,
+               "Whether headings that come with GNSS positions are used; only for an IMU with a "
+               "true heading.")
       .boolean("enable_imu_acceleration", &Config::enable_imu_acceleration,
                "Whether the measured acceleration, as gravity, keeps the map level.")
       .real("imu_orientation_stddev_deg", &Config::imu_orientation_stddev_deg, kStddev, "deg",
-            "Of the tilt at one key frame, at most: down to a quarter of it where the tilt agrees "
-            "with odometry.")
+            "Upper limit of the standard deviation of the tilt at one key frame. It is reduced, "
+            "but not below a quarter, where the tilt agrees with odometry.")
       .real("imu_heading_stddev_deg", &Config::imu_heading_stddev_deg, kStddev, "deg",
-            "Of the heading at one key frame; larger than the IMU's, because neighbours share "
-            "errors.")
-      .real("imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev_deg, kStddev, "deg",
-            "Of the vertical by acceleration at one key frame; motion adds to it.")
-      .choice(
-          "floor_constraint", &Config::floor_constraint,
-          {{"none", FloorConstraint::kNone},
-           {"neighbours", FloorConstraint::kNeighbours},
-           {"plane", FloorConstraint::kPlane}},
-          "Floors of successive key frames as one plane each (safe on slopes), or all floors as "
-          "a single plane (flat halls).")
+            "Standard deviation of the heading at one key frame; larger than that of the IMU, "
+            "because neighbours have errors in common.")
+      .real(
+          "imu_acceleration_stddev_deg", &Config::imu_acceleration_stddev_deg, kStddev, "deg",
+          "Standard deviation of the vertical by acceleration at one key frame; motion adds to it.")
+      .choice("floor_constraint", &Config::floor_constraint,
+              {{"none", FloorConstraint::kNone},
+               {"neighbours", FloorConstraint::kNeighbours},
+               {"plane", FloorConstraint::kPlane}},
+              "Floors of successive key frames as one plane each (safe on slopes), or all floors "
+              "as a single plane (flat halls).")
       .real("floor_stddev_deg", &Config::floor_stddev_deg, kStddev, "deg",
             "How much the slope of the floor differs from the plane, added to its covariance.")
       .real("floor_stddev_m", &Config::floor_stddev_m, kStddev, "m",
@@ -130,9 +132,9 @@ config::Schema<Config> make_schema() {
       .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, kernels,
               "Kernel of odometry constraints.")
       .choice("loop_robust_kernel", &Config::loop_robust_kernel, kernels,
-              "Kernel of the loops that are believed.")
+              "Kernel of the loops that are used.")
       .choice("gnss_robust_kernel", &Config::gnss_robust_kernel, kernels,
-              "Kernel of the GNSS positions that are believed.")
+              "Kernel of the GNSS positions that are used.")
       .choice("imu_robust_kernel", &Config::imu_robust_kernel, kernels,
               "Kernel of orientations, headings and accelerations.")
       .choice("floor_robust_kernel", &Config::floor_robust_kernel, kernels, "Kernel of floors.")
@@ -144,12 +146,12 @@ config::Schema<Config> make_schema() {
       .alias("imu_orientation_edge_robust_kernel", "imu_robust_kernel")
       .alias("floor_edge_robust_kernel", "floor_robust_kernel")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
-            "Where the kernels begin to bend.")
+            "Scale of the kernels: larger residuals get less weight.")
       .check([](const Config& c) {
         return c.use_const_inf_matrix && c.use_fitness_inf_matrix
                    ? std::string(
-                         "use_const_inf_matrix and use_fitness_inf_matrix exclude each "
-                         "other; set one of them to false")
+                         "use_const_inf_matrix and use_fitness_inf_matrix exclude each other; set "
+                         "one of them to false")
                    : std::string();
       })
       .check([](const Config& c) {

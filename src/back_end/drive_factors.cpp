@@ -10,27 +10,29 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// The prior of the first node: where nothing else says where the map is it is the only say; beside
-// GNSS it only keeps the directions that positions cannot observe (the roll about a straight road).
-constexpr double kFirmStddev_m = 1e-3;
-constexpr double kFirmStddev_rad = 1e-4;
+// Prior of the first node of a segment. It determines the pose of the map if no other constraint
+// does. With GNSS it only determines the directions that positions cannot observe, such as the roll
+// on a straight road.
+constexpr double kStrongStddev_m = 1e-3;
+constexpr double kStrongStddev_rad = 1e-4;
 constexpr double kWeakStddev_m = 1e3;
 constexpr double kWeakHeadingStddev_rad = 10.0;
 constexpr double kWeakTiltStddev_rad = 0.05;
 
-/// Of place and heading, and of the tilt, each firm or weak.
-Covariance6 prior_covariance(const Pose& T_map_base, bool firm_place, bool firm_tilt) {
+/// Position and heading, and the tilt, each with a strong or a weak prior.
+Covariance6 prior_covariance(const Pose& T_map_base, bool strong_position, bool strong_tilt) {
   const Eigen::Vector3d up_base = T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  const double tilt = firm_tilt ? kFirmStddev_rad : kWeakTiltStddev_rad;
-  const double heading = firm_place ? kFirmStddev_rad : kWeakHeadingStddev_rad;
-  Covariance6 covariance = diagonal_covariance(firm_place ? kFirmStddev_m : kWeakStddev_m, tilt);
+  const double tilt = strong_tilt ? kStrongStddev_rad : kWeakTiltStddev_rad;
+  const double heading = strong_position ? kStrongStddev_rad : kWeakHeadingStddev_rad;
+  Covariance6 covariance =
+      diagonal_covariance(strong_position ? kStrongStddev_m : kWeakStddev_m, tilt);
   covariance.bottomRightCorner<3, 3>() +=
       (heading * heading - tilt * tilt) * up_base * up_base.transpose();
   return covariance;
 }
 
-/// As the parameters have it, the squares of x y z roll pitch yaw.
-Covariance6 asked_covariance(const BackEndConfig& config) {
+/// As configured: the squares of x y z roll pitch yaw.
+Covariance6 configured_covariance(const BackEndConfig& config) {
   return Eigen::Map<const Vector6d>(config.fix_first_node_stddev.data()).cwiseAbs2().asDiagonal();
 }
 
@@ -41,25 +43,25 @@ void add_priors(const DriveGraph& drive, const BackEndConfig& config, bool with_
     const int node = drive.segment_starts[segment];
     const Pose& pose =
         segment == 0 ? drive.T_map_first : drive.nodes[static_cast<std::size_t>(node)].T_map_base;
-    // A segment that hangs on another needs no prior; a weak one keeps it solvable should its
-    // loops be refused.
-    const bool alone = connected[segment] == static_cast<int>(segment);
-    const bool firm = alone && !(with_gnss && drive.in_enu[segment]);
+    // A segment that loops connect to another one needs no prior. A weak one keeps the system
+    // solvable if all its loops are refused.
+    const bool isolated = connected[segment] == static_cast<int>(segment);
+    const bool strong = isolated && !(with_gnss && drive.in_enu[segment]);
     const Covariance6 covariance = segment == 0 && config.fix_first_node
-                                       ? asked_covariance(config)
-                                       : prior_covariance(pose, firm, firm && !with_vertical);
+                                       ? configured_covariance(config)
+                                       : prior_covariance(pose, strong, strong && !with_vertical);
     graph.add({pose_graph::prior_residual(pose, pose_graph::g2o_information(covariance)), node});
   }
 }
 
-// A step that is probably wrong holds where nothing else does, and gives way to what contradicts it
-// by more than the error that is expected of it.
+// A doubtful step connects its key frames if nothing else does. Its kernel reduces its weight if
+// other constraints contradict it by more than the error that is expected of it.
 constexpr pose_graph::RobustKernel kDoubtfulKernel = pose_graph::RobustKernel::kCauchy;
-constexpr double kDoubtfulKernelSize = 1.0;  // standard deviations
+constexpr double kDoubtfulKernelSize = 1.0;  // of the expected error
 
 void add_odometry(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
-    if (!drive.nodes[i].joined) continue;
+    if (!drive.nodes[i].connected) continue;
     const int to = static_cast<int>(i);
     factors.motion_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information =
@@ -75,13 +77,13 @@ void add_loops(const DriveGraph& drive, const BackEndConfig& config, DriveFactor
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     const DriveLoop& loop = drive.loops[i];
     if (loop.loop.decision == LoopDecision::kRefuse) continue;
-    // What a person accepted stands as firm as odometry: no kernel, no refusal.
-    const bool open = loop.loop.decision == LoopDecision::kAuto;
+    // A loop that a person accepted has no kernel and is never refused, like odometry.
+    const bool is_switchable = loop.loop.decision == LoopDecision::kAuto;
     factors.loop_of[i] = static_cast<int>(factors.graph.constraints.size());
     const Matrix6d information = pose_graph::g2o_information(loop_covariance(loop.loop, config));
     factors.graph.add({pose_graph::relative_pose_residual(loop.loop.T_from_to, information),
-                       loop.from, loop.to, open,
-                       open ? config.loop_robust_kernel : pose_graph::RobustKernel::kNone,
+                       loop.from, loop.to, is_switchable,
+                       is_switchable ? config.loop_robust_kernel : pose_graph::RobustKernel::kNone,
                        config.robust_kernel_size});
   }
 }
@@ -94,20 +96,20 @@ void add_verticals(const DriveGraph& drive, const BackEndConfig& config,
   }
 }
 
-/// Believed so far, or not judged yet.
-std::vector<bool> marks(const DriveGraph& drive, const DriveFactors& factors) {
-  std::vector<bool> marked(factors.graph.constraints.size(), true);
-  const auto mark = [&](int constraint, bool used, bool weighed) {
-    if (constraint >= 0) marked[static_cast<std::size_t>(constraint)] = used || !weighed;
+/// Constraints that were used so far or were never evaluated.
+std::vector<bool> selected_constraints(const DriveGraph& drive, const DriveFactors& factors) {
+  std::vector<bool> selected(factors.graph.constraints.size(), true);
+  const auto select = [&](int constraint, bool used, bool evaluated) {
+    if (constraint >= 0) selected[static_cast<std::size_t>(constraint)] = used || !evaluated;
   };
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
-    mark(factors.loop_of[i], drive.loops[i].used, drive.loops[i].weighed);
+    select(factors.loop_of[i], drive.loops[i].used, drive.loops[i].evaluated);
   }
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
-    mark(factors.horizontal_of[i], drive.gnss[i].horizontal_used, drive.gnss[i].weighed);
-    mark(factors.altitude_of[i], drive.gnss[i].altitude_used, drive.gnss[i].weighed);
+    select(factors.horizontal_of[i], drive.gnss[i].horizontal_used, drive.gnss[i].evaluated);
+    select(factors.altitude_of[i], drive.gnss[i].altitude_used, drive.gnss[i].evaluated);
   }
-  return marked;
+  return selected;
 }
 
 }  // namespace
@@ -119,7 +121,7 @@ DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) 
   factors.horizontal_of.assign(drive.gnss.size(), -1);
   factors.altitude_of.assign(drive.gnss.size(), -1);
   for (const DriveNode& node : drive.nodes) {
-    factors.graph.add_node(node.T_map_base, node.held);
+    factors.graph.add_node(node.T_map_base, node.fixed);
   }
   const bool with_gnss = config.use_gnss && !config.georeference_only;
   const bool with_vertical =
@@ -131,7 +133,7 @@ DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config) 
   add_floors(drive, config, factors.graph);
   if (config.use_loop_close) add_loops(drive, config, factors);
   if (with_gnss) add_gnss(drive, config, factors);
-  factors.marked = marks(drive, factors);
+  factors.selected = selected_constraints(drive, factors);
   return factors;
 }
 

@@ -9,13 +9,13 @@
 
 namespace lidar_mapping::back_end {
 
-/// The factor graph of a drive, and what each of its constraints came from.
+/// The factor graph of a drive, with the constraint of each of its measurements.
 struct DriveFactors {
   pose_graph::FactorGraph graph;
-  std::vector<bool> marked;        ///< per constraint: believed so far, or not judged yet
-  std::vector<int> motion_of;      ///< constraint of each node with the one before; -1: none
+  std::vector<bool> selected;      ///< per constraint: used so far, or not evaluated yet
+  std::vector<int> motion_of;      ///< constraint between each node and the previous one; -1: none
   std::vector<int> loop_of;        ///< constraint of each loop; -1: none
-  std::vector<int> horizontal_of;  ///< constraint of each GNSS position; -1: none
+  std::vector<int> horizontal_of;  ///< horizontal constraint of each GNSS position; -1: none
   std::vector<int> altitude_of;
 };
 DriveFactors make_factors(const DriveGraph& drive, const BackEndConfig& config);

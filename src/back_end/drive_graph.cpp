@@ -10,16 +10,16 @@
 
 namespace lidar_mapping::back_end {
 
-std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops) {
-  std::vector<int> least(drive.in_enu.size());
-  std::iota(least.begin(), least.end(), 0);
+std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluated_loops) {
+  std::vector<int> smallest(drive.in_enu.size());
+  std::iota(smallest.begin(), smallest.end(), 0);
   for (const DriveLoop& loop : drive.loops) {
-    if (!loop.used && !(with_unweighed_loops && !loop.weighed)) continue;
-    const int a = least[static_cast<std::size_t>(drive.segment_of(loop.from))];
-    const int b = least[static_cast<std::size_t>(drive.segment_of(loop.to))];
-    std::replace(least.begin(), least.end(), std::max(a, b), std::min(a, b));
+    if (!loop.used && !(with_unevaluated_loops && !loop.evaluated)) continue;
+    const int a = smallest[static_cast<std::size_t>(drive.segment_of(loop.from))];
+    const int b = smallest[static_cast<std::size_t>(drive.segment_of(loop.to))];
+    std::replace(smallest.begin(), smallest.end(), std::max(a, b), std::min(a, b));
   }
-  return least;
+  return smallest;
 }
 
 namespace {
@@ -29,15 +29,16 @@ const Floor* floor_at(const DriveGraph& drive, std::size_t node) {
                                       [](const DriveFloor& floor, std::size_t at) {
                                         return static_cast<std::size_t>(floor.node) < at;
                                       });
-  const bool here = found != drive.floors.end() && static_cast<std::size_t>(found->node) == node;
-  return here ? &found->floor : nullptr;
+  const bool has_floor =
+      found != drive.floors.end() && static_cast<std::size_t>(found->node) == node;
+  return has_floor ? &found->floor : nullptr;
 }
 
-/// Share of the drift in height, roll and pitch that is left to a motion between two floors. Their
-/// scatter from one key frame to the next would pass for drift; of what is smaller than it floors
-/// tell nothing.
-double share_between_floors(const DriveGraph& drive, std::size_t node, const Vector6d& drift,
-                            const BackEndConfig& config) {
+/// Fraction of the drift in height, roll and pitch that remains for a motion between two floors.
+/// The noise of the floors from one key frame to the next must not be taken for drift: floors give
+/// no information on a drift that is smaller than their noise.
+double drift_fraction_between_floors(const DriveGraph& drive, std::size_t node,
+                                     const Vector6d& drift, const BackEndConfig& config) {
   if (config.floor_constraint != FloorConstraint::kNeighbours) return 1.0;
   const Floor* before = floor_at(drive, node - 1);
   const Floor* after = floor_at(drive, node);
@@ -51,24 +52,24 @@ double share_between_floors(const DriveGraph& drive, std::size_t node, const Vec
 
 Pose motion_to(const DriveGraph& drive, std::size_t node) {
   Pose motion = drive.nodes[node - 1].T_odom_base.inverse() * drive.nodes[node].T_odom_base;
-  motion.translation *= 1.0 + drive.odometry_errors.stretch;
+  motion.translation *= 1.0 + drive.odometry_errors.scale_error;
   return motion;
 }
 
 Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
                                  const BackEndConfig& config) {
   Vector6d drift = drift_stddev(motion_to(drive, node), config);
-  Vector6d share = drive.odometry_errors.drift_share;
-  const double beside_floors = share_between_floors(drive, node, drift, config);
-  share.segment<3>(2) = share.segment<3>(2).cwiseMin(beside_floors);
-  drift = drift.cwiseProduct(share);
+  Vector6d fraction = drive.odometry_errors.drift_fraction;
+  const double between_floors = drift_fraction_between_floors(drive, node, drift, config);
+  fraction.segment<3>(2) = fraction.segment<3>(2).cwiseMin(between_floors);
+  drift = drift.cwiseProduct(fraction);
   Covariance6 covariance = drive.nodes[node].step_covariance;
   covariance.diagonal() += drift.cwiseAbs2();
   return covariance;
 }
 
-Judgements count_judgements(const DriveGraph& drive) {
-  Judgements counts;
+UsageCounts count_usage(const DriveGraph& drive) {
+  UsageCounts counts;
   for (const DriveLoop& loop : drive.loops) {
     (loop.used ? counts.loops_used : counts.loops_refused) += 1;
   }
@@ -79,8 +80,8 @@ Judgements count_judgements(const DriveGraph& drive) {
   return counts;
 }
 
-Eigen::Quaterniond levelling(const DriveGraph& drive, const std::vector<bool>& segments,
-                             const BackEndConfig& config) {
+Eigen::Quaterniond gravity_alignment(const DriveGraph& drive, const std::vector<bool>& segments,
+                                     const BackEndConfig& config) {
   Eigen::Vector3d up_map = Eigen::Vector3d::Zero();
   for (const Vertical& vertical : verticals(drive, config)) {
     if (!segments[static_cast<std::size_t>(drive.segment_of(vertical.node))]) continue;

@@ -12,18 +12,18 @@
 
 namespace lidar_mapping::back_end {
 
-/// A key frame as the graph keeps it.
+/// A key frame in the graph.
 struct DriveNode {
   KeyFrameIndex index = 0;
-  int segment = 0;      ///< in order of appearance
-  bool joined = false;  ///< odometry joins it to the node before
-  bool held = false;    ///< at the border of a window
-  /// A step of the motion to it may be wrong: no reason to refuse a loop.
+  int segment = 0;         ///< number of the segment, in the order of their first key frames
+  bool connected = false;  ///< odometry connects it to the previous node
+  bool fixed = false;      ///< constant, at the border of a window
+  /// A step of the motion to it may be wrong, so that it is no evidence against a loop.
   bool doubtful = false;
   Stamp stamp = 0;
   Pose T_odom_base;
   Pose T_map_base;
-  Covariance6 step_covariance = Covariance6::Identity();  ///< of the motion to it, but for drift
+  Covariance6 step_covariance = Covariance6::Identity();  ///< of the motion to it, without drift
 };
 
 struct DriveLoop {
@@ -31,7 +31,7 @@ struct DriveLoop {
   int from = 0;  ///< position in DriveGraph::nodes
   int to = 0;
   bool used = false;
-  bool weighed = false;  ///< some solution, or a person, has judged it
+  bool evaluated = false;  ///< a solution or a person has decided about it
 };
 
 struct DriveGnss {
@@ -39,11 +39,11 @@ struct DriveGnss {
   int node = 0;
   bool horizontal_used = false;
   bool altitude_used = false;
-  bool weighed = false;
+  bool evaluated = false;
 };
 
 struct DriveImu {
-  ImuSample sample;  ///< in base_link
+  ImuSample sample;  ///< in the axes of base_link
   int node = 0;
 };
 
@@ -52,40 +52,44 @@ struct DriveFloor {
   int node = 0;
 };
 
-/// By how much the stamps of GNSS are late and how well that is known: at first not at all.
+/// Delay of the stamps of GNSS and its uncertainty. At the beginning the delay is not known.
 struct GnssDelay {
   double seconds = 0.0;
-  double sigma = 0.05;                                  ///< s
-  Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();  ///< m, in base_link, found with it
+  double sigma = 0.05;  ///< standard deviation of the delay, s
+  /// Correction of the lever arm that was estimated with the delay, m, in base_link.
+  Eigen::Vector2d arm_error = Eigen::Vector2d::Zero();
 
   bool is_corrected() const { return seconds != 0.0; }
 };
 
-/// How odometry errs, as far as positions show it.
+/// Errors of the odometry, as far as positions show them.
 struct OdometryErrors {
-  double stretch = 0.0;  ///< share by which its way has to be lengthened
-  /// Of the configured drift's standard deviations: translation and rotation in base_link.
-  Vector6d drift_share = Vector6d::Ones();
+  /// Relative scale error: the distance travelled is too short by this fraction.
+  double scale_error = 0.0;
+  /// Fraction of the configured standard deviations of the drift: translation and rotation in the
+  /// axes of base_link.
+  Vector6d drift_fraction = Vector6d::Ones();
 };
 
-/// All that the back end knows of a drive, as values.
+/// All data of a drive in the back end, as values.
 struct DriveGraph {
   std::vector<DriveNode> nodes;
   std::vector<DriveLoop> loops;
-  std::vector<DriveGnss> gnss;  ///< by node, as are the next two
+  std::vector<DriveGnss> gnss;  ///< ordered by node, as are the next two
   std::vector<DriveImu> imu;
   std::vector<DriveFloor> floors;
-  std::size_t unusable_gnss = 0;       ///< positions without a meaning or too uncertain
-  Pose T_map_first;                    ///< where the prior holds the first node
-  std::vector<bool> in_enu;            ///< per segment: lies in East-North-Up
-  std::vector<GnssDelay> gnss_delays;  ///< per segment
+  std::size_t unusable_gnss = 0;       ///< number of positions that are not finite or too uncertain
+  Pose T_map_first;                    ///< pose of the prior of the first node
+  std::vector<bool> in_enu;            ///< per segment: it is aligned to East-North-Up
+  std::vector<GnssDelay> gnss_delays;  ///< one per segment
   OdometryErrors odometry_errors;
-  /// Of the tilt by the IMU's orientation, deg, as the drive shows it (tilt_scatter.hpp); none: as
-  /// configured.
+  /// Standard deviation of the tilt by the IMU's orientation, deg, as estimated from the drive
+  /// (tilt_scatter.hpp). Empty: as configured.
   std::optional<double> tilt_stddev_deg;
-  std::vector<int> segment_starts;  ///< position of each segment's first node; none in a window
+  /// Position of the first node of each segment; empty in a window.
+  std::vector<int> segment_starts;
 
-  /// The correction between odometry and map at the newest node.
+  /// The correction from odometry to the map at the newest node.
   Pose T_map_odom() const {
     if (nodes.empty()) return Pose::Identity();
     return nodes.back().T_map_base * nodes.back().T_odom_base.inverse();
@@ -93,28 +97,28 @@ struct DriveGraph {
   int segment_of(int node) const { return nodes[static_cast<std::size_t>(node)].segment; }
 };
 
-/// For each segment the least segment that loops tie it to. Loops that no solution has judged yet
-/// count if `with_unweighed_loops`.
-std::vector<int> connected_segments(const DriveGraph& drive, bool with_unweighed_loops);
+/// For each segment the smallest number of a segment that loops connect it to. Loops that are not
+/// evaluated yet count if `with_unevaluated_loops` is true.
+std::vector<int> connected_segments(const DriveGraph& drive, bool with_unevaluated_loops);
 
-/// Odometry from the node before to this one, which it joins, and its covariance: what the drive
-/// shows of its errors is taken into account.
+/// The motion by odometry from the previous node to this one, which must be connected, and its
+/// covariance. Both include the estimated errors of the odometry.
 Pose motion_to(const DriveGraph& drive, std::size_t node);
 Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
                                  const BackEndConfig& config);
 
-/// How many loops and positions the graph believes and refuses.
-struct Judgements {
+/// Numbers of loops and positions that the graph uses and does not use.
+struct UsageCounts {
   std::size_t loops_used = 0;
   std::size_t loops_refused = 0;
   std::size_t gnss_used = 0;
   std::size_t gnss_refused = 0;
 };
-Judgements count_judgements(const DriveGraph& drive);
+UsageCounts count_usage(const DriveGraph& drive);
 
-/// The rotation that makes the map's z axis vertical, as the IMU saw it from all nodes of the
-/// marked segments; the identity where no IMU is in use.
-Eigen::Quaterniond levelling(const DriveGraph& drive, const std::vector<bool>& segments,
-                             const BackEndConfig& config);
+/// The rotation that makes the map's z axis vertical, from the IMU at all nodes of the selected
+/// segments. The identity if no IMU is used.
+Eigen::Quaterniond gravity_alignment(const DriveGraph& drive, const std::vector<bool>& segments,
+                                     const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end

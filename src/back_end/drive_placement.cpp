@@ -20,8 +20,9 @@ DriveNode& node_at(DriveGraph& drive, int position) {
   return drive.nodes[static_cast<std::size_t>(position)];
 }
 
-/// Moves the nodes of some segments rigidly.
-void move_segments(DriveGraph& drive, const std::vector<bool>& segments, const Pose& T_new_old) {
+/// Moves all nodes of the selected segments by one rigid motion.
+void transform_segments(DriveGraph& drive, const std::vector<bool>& segments,
+                        const Pose& T_new_old) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     if (!segments[static_cast<std::size_t>(drive.segment_of(static_cast<int>(i)))]) continue;
     drive.nodes[i].T_map_base = T_new_old * drive.nodes[i].T_map_base;
@@ -29,18 +30,18 @@ void move_segments(DriveGraph& drive, const std::vector<bool>& segments, const P
   if (segments.front()) drive.T_map_first = T_new_old * drive.T_map_first;
 }
 
-std::vector<bool> members(const std::vector<int>& connected, int group) {
+std::vector<bool> group_members(const std::vector<int>& connected, int group) {
   std::vector<bool> result;
   for (const int g : connected) result.push_back(g == group);
   return result;
 }
 
-/// Where a loop that is new says that the group of its newer end lies, relative to where it is.
-Pose correction_by(DriveGraph& drive, const DriveLoop& loop, bool move_to) {
+/// The motion of the group at one end of a new loop that makes the loop fit.
+Pose correction_by_loop(DriveGraph& drive, const DriveLoop& loop, bool correct_newer_end) {
   const Pose& from = node_at(drive, loop.from).T_map_base;
   const Pose& to = node_at(drive, loop.to).T_map_base;
   const Pose correction = from * loop.loop.T_from_to * to.inverse();
-  return move_to ? correction : correction.inverse();
+  return correct_newer_end ? correction : correction.inverse();
 }
 
 std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
@@ -49,7 +50,7 @@ std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
   std::vector<AlignmentSample> samples;
   for (const DriveGnss& gnss : drive.gnss) {
     if (!segments[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
-    const GnssPosition p = timed_position(drive, gnss);
+    const GnssPosition p = delay_corrected_position(drive, gnss);
     AlignmentSample sample;
     sample.p_enu = p.p_enu_antenna;
     if (!has_altitude(p)) sample.p_enu.z() = std::numeric_limits<double>::quiet_NaN();
@@ -65,103 +66,104 @@ AlignmentLimits alignment_limits(const BackEndConfig& config) {
   return {config.gnss_alignment_distance, config.gnss_alignment_stddev_deg * kRadPerDeg};
 }
 
-/// Over the whole track, or where that has drifted too far to fit, over its beginning.
+/// Aligns the whole track, or its beginning if the whole track has drifted too far.
 std::optional<Alignment> align_track(const std::vector<AlignmentSample>& samples,
                                      const Eigen::Quaterniond& R_level_map,
                                      const BackEndConfig& config) {
   const AlignmentLimits limits = alignment_limits(config);
   auto alignment = align_to_enu(samples, R_level_map, limits);
   for (std::size_t count = 16; !alignment && count < samples.size(); count *= 2) {
-    const std::vector<AlignmentSample> beginning(samples.begin(),
-                                                 samples.begin() + static_cast<long>(count));
-    alignment = align_to_enu(beginning, R_level_map, limits);
+    const std::vector<AlignmentSample> first_samples(samples.begin(),
+                                                     samples.begin() + static_cast<long>(count));
+    alignment = align_to_enu(first_samples, R_level_map, limits);
   }
   return alignment;
 }
 
 }  // namespace
 
-void join_segments(DriveGraph& drive) {
-  constexpr double kAgreement_m = 2.0;
+void connect_segments(DriveGraph& drive) {
+  constexpr double kAgreementDistance_m = 2.0;
   std::vector<int> connected = connected_segments(drive, false);
-  const std::vector<int> joined = connected_segments(drive, true);
+  const std::vector<int> connected_by_new_loops = connected_segments(drive, true);
   for (int group = static_cast<int>(connected.size()) - 1; group > 0; --group) {
     const auto slot = static_cast<std::size_t>(group);
-    if (connected[slot] != group || joined[slot] == group) continue;
-    const std::vector<bool> segments = members(connected, group);
+    if (connected[slot] != group || connected_by_new_loops[slot] == group) continue;
+    const std::vector<bool> segments = group_members(connected, group);
     std::vector<Pose> corrections;
     for (const DriveLoop& loop : drive.loops) {
-      if (loop.weighed) continue;
+      if (loop.evaluated) continue;
       const bool from = segments[static_cast<std::size_t>(drive.segment_of(loop.from))];
       const bool to = segments[static_cast<std::size_t>(drive.segment_of(loop.to))];
-      if (from != to) corrections.push_back(correction_by(drive, loop, to));
+      if (from != to) corrections.push_back(correction_by_loop(drive, loop, to));
     }
-    const Eigen::Vector3d anywhere =
+    const Eigen::Vector3d p_map_start =
         node_at(drive, drive.segment_starts[slot]).T_map_base.translation;
-    int most = -1;
+    int most_votes = -1;
     const Pose* best = nullptr;
     for (const Pose& a : corrections) {
-      const int votes = static_cast<int>(std::count_if(
-          corrections.begin(), corrections.end(),
-          [&](const Pose& b) { return (a * anywhere - b * anywhere).norm() < kAgreement_m; }));
-      if (votes <= most) continue;
-      most = votes;
+      const int votes = static_cast<int>(
+          std::count_if(corrections.begin(), corrections.end(), [&](const Pose& b) {
+            return (a * p_map_start - b * p_map_start).norm() < kAgreementDistance_m;
+          }));
+      if (votes <= most_votes) continue;
+      most_votes = votes;
       best = &a;
     }
-    if (best != nullptr) move_segments(drive, segments, *best);
+    if (best != nullptr) transform_segments(drive, segments, *best);
   }
 }
 
-Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool again) {
+Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool realign) {
   if (!config.use_gnss || drive.gnss.empty()) return {};
   Georeference result;
   const std::vector<int> connected = connected_segments(drive, true);
   for (int group = 0; group < static_cast<int>(connected.size()); ++group) {
-    const std::vector<bool> segments = members(connected, group);
-    bool already = false;
+    const std::vector<bool> segments = group_members(connected, group);
+    bool was_aligned = false;
     for (std::size_t s = 0; s < segments.size(); ++s) {
-      already = already || (segments[s] && drive.in_enu[s]);
+      was_aligned = was_aligned || (segments[s] && drive.in_enu[s]);
     }
-    if (already && !again) continue;
+    if (was_aligned && !realign) continue;
     const auto alignment = align_track(alignment_samples(drive, segments, config),
-                                       levelling(drive, segments, config), config);
+                                       gravity_alignment(drive, segments, config), config);
     if (!alignment) continue;
-    move_segments(drive, segments, alignment->T_enu_map);
+    transform_segments(drive, segments, alignment->T_enu_map);
     for (std::size_t s = 0; s < segments.size(); ++s) {
       if (segments[s]) drive.in_enu[s] = true;
     }
-    result.newly_turned = result.newly_turned || !already;
+    result.newly_aligned = result.newly_aligned || !was_aligned;
     result.rms_horizontal = alignment->rms_horizontal;
-    result.fitting += static_cast<std::size_t>(alignment->inliers);
+    result.inliers += static_cast<std::size_t>(alignment->inliers);
   }
   return result;
 }
 
-void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
-                  pose_graph::FactorGraph& graph) {
-  constexpr std::size_t kStretch = 100;
-  DriveGraph moved = drive;
-  for (std::size_t i = 0; i < moved.nodes.size(); ++i) {
-    moved.nodes[i].T_map_base = graph.pose(static_cast<int>(i));
+void shift_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
+                   pose_graph::FactorGraph& graph) {
+  constexpr std::size_t kSectionSamples = 100;
+  DriveGraph shifted = drive;
+  for (std::size_t i = 0; i < shifted.nodes.size(); ++i) {
+    shifted.nodes[i].T_map_base = graph.pose(static_cast<int>(i));
   }
-  const std::vector<bool> everywhere(drive.in_enu.size(), true);
-  const std::vector<AlignmentSample> samples = alignment_samples(moved, everywhere, config);
+  const std::vector<bool> all_segments(drive.in_enu.size(), true);
+  const std::vector<AlignmentSample> samples = alignment_samples(shifted, all_segments, config);
   Pose correction;
   std::size_t node = 0;
-  for (std::size_t begin = 0; begin < samples.size(); begin += kStretch / 2) {
-    const std::size_t end = std::min(begin + kStretch, samples.size());
+  for (std::size_t begin = 0; begin < samples.size(); begin += kSectionSamples / 2) {
+    const std::size_t end = std::min(begin + kSectionSamples, samples.size());
     const auto alignment = align_to_enu(
         {samples.begin() + static_cast<long>(begin), samples.begin() + static_cast<long>(end)},
         Eigen::Quaterniond::Identity(), alignment_limits(config));
     if (alignment) correction = alignment->T_enu_map;
-    const std::size_t middle = std::min(begin + 3 * kStretch / 4, samples.size() - 1);
-    const std::size_t until = end == samples.size()
-                                  ? moved.nodes.size()
-                                  : static_cast<std::size_t>(drive.gnss[middle].node);
-    for (; node < until; ++node) {
+    const std::size_t middle = std::min(begin + 3 * kSectionSamples / 4, samples.size() - 1);
+    const std::size_t end_node = end == samples.size()
+                                     ? shifted.nodes.size()
+                                     : static_cast<std::size_t>(drive.gnss[middle].node);
+    for (; node < end_node; ++node) {
       if (!drive.in_enu[static_cast<std::size_t>(drive.segment_of(static_cast<int>(node)))])
         continue;
-      graph.set_pose(static_cast<int>(node), correction * moved.nodes[node].T_map_base);
+      graph.set_pose(static_cast<int>(node), correction * shifted.nodes[node].T_map_base);
     }
   }
 }

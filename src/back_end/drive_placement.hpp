@@ -7,24 +7,25 @@
 
 namespace lidar_mapping::back_end {
 
-// Rough placement, from where the solver finds its way.
+// Approximate poses from which the solver converges.
 
-/// Puts segments that a new loop ties to an older one beside it. Of several loops the one counts
-/// with which the most others agree.
-void join_segments(DriveGraph& drive);
+/// Moves segments that a new loop connects to an older segment next to that segment. Of several
+/// loops, the one is used with which most others agree.
+void connect_segments(DriveGraph& drive);
 
 struct Georeference {
-  bool newly_turned = false;    ///< a part of the drive came to East-North-Up that was not there
-  double rms_horizontal = 0.0;  ///< m, of the newest alignment; 0: there was none
-  std::size_t fitting = 0;      ///< positions that the alignments rest on
+  bool newly_aligned = false;   ///< segments were aligned that were not in East-North-Up before
+  double rms_horizontal = 0.0;  ///< RMS error of the last alignment, m; 0: there was none
+  std::size_t inliers = 0;      ///< number of positions that agree with the alignments
 };
 
-/// Turns groups of segments to East-North-Up as soon as their tracks allow, or again if `again`.
-Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool again);
+/// Aligns groups of connected segments to East-North-Up as soon as their tracks are long enough.
+/// With `realign`, groups that are aligned already are aligned again.
+Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool realign);
 
-/// Moves stretches of the states onto the positions about them: drift over the whole track would
-/// make every far position look false.
-void pull_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
-                  pose_graph::FactorGraph& graph);
+/// Moves sections of the states onto the positions near them. Otherwise the drift over the whole
+/// track would make correct positions far away look like outliers.
+void shift_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
+                   pose_graph::FactorGraph& graph);
 
 }  // namespace lidar_mapping::back_end

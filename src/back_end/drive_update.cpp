@@ -7,8 +7,9 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Lets the nodes that came during a solution follow odometry from those before.
-void follow_from(std::size_t first, DriveGraph& drive) {
+/// Computes the poses of nodes that were added during a solution by odometry from the previous
+/// nodes.
+void propagate_odometry(std::size_t first, DriveGraph& drive) {
   for (std::size_t i = first; i < drive.nodes.size(); ++i) {
     const DriveNode& previous = drive.nodes[i - 1];
     drive.nodes[i].T_map_base =
@@ -16,18 +17,18 @@ void follow_from(std::size_t first, DriveGraph& drive) {
   }
 }
 
-void take_judgement(const DriveGnss& judged, int node, DriveGraph& drive) {
+void copy_usage(const DriveGnss& solved, int node, DriveGraph& drive) {
   const auto found =
       std::lower_bound(drive.gnss.begin(), drive.gnss.end(), node,
                        [](const DriveGnss& gnss, int wanted) { return gnss.node < wanted; });
-  found->horizontal_used = judged.horizontal_used;
-  found->altitude_used = judged.altitude_used;
-  found->weighed = judged.weighed;
+  found->horizontal_used = solved.horizontal_used;
+  found->altitude_used = solved.altitude_used;
+  found->evaluated = solved.evaluated;
 }
 
 }  // namespace
 
-void take_whole(const DriveGraph& solved, DriveGraph& drive) {
+void apply_whole_solution(const DriveGraph& solved, DriveGraph& drive) {
   drive.T_map_first = solved.T_map_first;
   std::copy(solved.in_enu.begin(), solved.in_enu.end(), drive.in_enu.begin());
   std::copy(solved.gnss_delays.begin(), solved.gnss_delays.end(), drive.gnss_delays.begin());
@@ -35,24 +36,24 @@ void take_whole(const DriveGraph& solved, DriveGraph& drive) {
   for (std::size_t i = 0; i < solved.nodes.size(); ++i) {
     drive.nodes[i].T_map_base = solved.nodes[i].T_map_base;
   }
-  follow_from(solved.nodes.size(), drive);
+  propagate_odometry(solved.nodes.size(), drive);
   std::copy(solved.loops.begin(), solved.loops.end(), drive.loops.begin());
-  for (const DriveGnss& gnss : solved.gnss) take_judgement(gnss, gnss.node, drive);
+  for (const DriveGnss& gnss : solved.gnss) copy_usage(gnss, gnss.node, drive);
 }
 
-void take_window(const DriveGraph& solved, const DriveWindow& window, std::size_t key_frames,
-                 DriveGraph& drive) {
+void apply_window_solution(const DriveGraph& solved, const DriveWindow& window,
+                           std::size_t key_frames, DriveGraph& drive) {
   for (std::size_t i = 0; i < window.nodes.size(); ++i) {
     drive.nodes[static_cast<std::size_t>(window.nodes[i])].T_map_base = solved.nodes[i].T_map_base;
   }
-  follow_from(key_frames, drive);
+  propagate_odometry(key_frames, drive);
   for (std::size_t i = 0; i < window.loops.size(); ++i) {
     DriveLoop& loop = drive.loops[static_cast<std::size_t>(window.loops[i])];
     loop.used = solved.loops[i].used;
-    loop.weighed = solved.loops[i].weighed;
+    loop.evaluated = solved.loops[i].evaluated;
   }
   for (const DriveGnss& gnss : solved.gnss) {
-    take_judgement(gnss, window.nodes[static_cast<std::size_t>(gnss.node)], drive);
+    copy_usage(gnss, window.nodes[static_cast<std::size_t>(gnss.node)], drive);
   }
 }
 

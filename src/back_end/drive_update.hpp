@@ -5,11 +5,11 @@
 
 namespace lidar_mapping::back_end {
 
-/// Takes the poses and judgements of a solved drive over. Nodes that came during the solution
-/// follow by odometry.
-void take_whole(const DriveGraph& solved, DriveGraph& drive);
-/// The same of a window; the drive had `key_frames` nodes when the solution began.
-void take_window(const DriveGraph& solved, const DriveWindow& window, std::size_t key_frames,
-                 DriveGraph& drive);
+/// Copies poses and decisions of a solved drive into the current drive. Nodes that were added
+/// during the solution follow by odometry.
+void apply_whole_solution(const DriveGraph& solved, DriveGraph& drive);
+/// The same for a window; the drive had `key_frames` nodes when the solution began.
+void apply_window_solution(const DriveGraph& solved, const DriveWindow& window,
+                           std::size_t key_frames, DriveGraph& drive);
 
 }  // namespace lidar_mapping::back_end

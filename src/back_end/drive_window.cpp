@@ -11,41 +11,42 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr int kHops = 50;
-// A window absorbs corrections that die out within it. Larger ones bend the whole drive.
-constexpr double kSmall_m = 0.3;
-constexpr double kSmall_rad = 0.02;
+constexpr int kWindowSteps = 50;
+// A window can absorb corrections that decay within it. Larger corrections change the whole drive.
+constexpr double kSmallCorrection_m = 0.3;
+constexpr double kSmallCorrection_rad = 0.02;
 
 const DriveNode& node_at(const DriveGraph& drive, int position) {
   return drive.nodes[static_cast<std::size_t>(position)];
 }
 
-bool is_small(const DriveGraph& drive, const DriveLoop& loop) {
+bool is_small_correction(const DriveGraph& drive, const DriveLoop& loop) {
   if (drive.segment_of(loop.from) != drive.segment_of(loop.to)) return false;
   const Pose there = node_at(drive, loop.from).T_map_base * loop.loop.T_from_to;
   const Vector6d gap = difference(node_at(drive, loop.to).T_map_base, there);
-  return gap.head<3>().norm() < kSmall_m && gap.tail<3>().norm() < kSmall_rad;
+  return gap.head<3>().norm() < kSmallCorrection_m && gap.tail<3>().norm() < kSmallCorrection_rad;
 }
 
-bool is_small(const DriveGraph& drive, const DriveGnss& gnss) {
-  const GnssPosition p = timed_position(drive, gnss);
+bool is_small_correction(const DriveGraph& drive, const DriveGnss& gnss) {
+  const GnssPosition p = delay_corrected_position(drive, gnss);
   const Eigen::Vector3d gap =
       node_at(drive, gnss.node).T_map_base * p.p_base_antenna - p.p_enu_antenna;
-  return gap.head<2>().norm() < kSmall_m;
+  return gap.head<2>().norm() < kSmallCorrection_m;
 }
 
-/// Nodes with something new; none if some of it is not small.
-std::optional<std::vector<int>> seeds(const DriveGraph& drive, const BackEndConfig& config) {
+/// Nodes with new constraints; empty if one of the corrections is not small.
+std::optional<std::vector<int>> nodes_with_new_data(const DriveGraph& drive,
+                                                    const BackEndConfig& config) {
   std::vector<int> result;
   for (const DriveLoop& loop : drive.loops) {
-    if (!config.use_loop_close || loop.weighed) continue;
-    if (!is_small(drive, loop)) return std::nullopt;
+    if (!config.use_loop_close || loop.evaluated) continue;
+    if (!is_small_correction(drive, loop)) return std::nullopt;
     result.insert(result.end(), {loop.from, loop.to});
   }
   for (const DriveGnss& gnss : drive.gnss) {
-    if (!config.use_gnss || config.georeference_only || gnss.weighed) continue;
+    if (!config.use_gnss || config.georeference_only || gnss.evaluated) continue;
     if (!drive.in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) return std::nullopt;
-    if (!is_small(drive, gnss)) return std::nullopt;
+    if (!is_small_correction(drive, gnss)) return std::nullopt;
     result.push_back(gnss.node);
   }
   return result;
@@ -54,46 +55,47 @@ std::optional<std::vector<int>> seeds(const DriveGraph& drive, const BackEndConf
 std::multimap<int, int> loop_partners(const DriveGraph& drive) {
   std::multimap<int, int> partners;
   for (const DriveLoop& loop : drive.loops) {
-    if (loop.weighed && !loop.used) continue;
+    if (loop.evaluated && !loop.used) continue;
     partners.emplace(loop.from, loop.to);
     partners.emplace(loop.to, loop.from);
   }
   return partners;
 }
 
-/// Steps from the seeds to each node about them, one more than kHops at the border.
-std::map<int, int> hops_from(const DriveGraph& drive, const std::vector<int>& seeds) {
+/// Number of steps from the nodes with new constraints to each node around them, up to one more
+/// than kWindowSteps at the border.
+std::map<int, int> steps_from(const DriveGraph& drive, const std::vector<int>& start_nodes) {
   const std::multimap<int, int> partners = loop_partners(drive);
-  std::map<int, int> hops;
+  std::map<int, int> steps_to;
   std::deque<int> queue;
-  const auto reach = [&](int node, int steps) {
-    if (hops.emplace(node, steps).second) queue.push_back(node);
+  const auto visit = [&](int node, int steps) {
+    if (steps_to.emplace(node, steps).second) queue.push_back(node);
   };
-  for (const int seed : seeds) reach(seed, 0);
+  for (const int start : start_nodes) visit(start, 0);
   while (!queue.empty()) {
     const int node = queue.front();
     queue.pop_front();
-    const int steps = hops.at(node) + 1;
-    if (steps > kHops + 1) continue;
-    if (node_at(drive, node).joined) reach(node - 1, steps);
+    const int steps = steps_to.at(node) + 1;
+    if (steps > kWindowSteps + 1) continue;
+    if (node_at(drive, node).connected) visit(node - 1, steps);
     const int next = node + 1;
-    if (next < static_cast<int>(drive.nodes.size()) && node_at(drive, next).joined) {
-      reach(next, steps);
+    if (next < static_cast<int>(drive.nodes.size()) && node_at(drive, next).connected) {
+      visit(next, steps);
     }
     const auto [begin, end] = partners.equal_range(node);
-    for (auto partner = begin; partner != end; ++partner) reach(partner->second, steps);
+    for (auto partner = begin; partner != end; ++partner) visit(partner->second, steps);
   }
-  return hops;
+  return steps_to;
 }
 
-/// Place of a node in the window, or -1.
-int place_of(const DriveWindow& window, int node) {
+/// Position of a node in the window; -1: it is not in it.
+int position_in_window(const DriveWindow& window, int node) {
   const auto found = std::lower_bound(window.nodes.begin(), window.nodes.end(), node);
   if (found == window.nodes.end() || *found != node) return -1;
   return static_cast<int>(found - window.nodes.begin());
 }
 
-/// The values that belong to nodes of the window, renumbered.
+/// The values that belong to nodes of the window, with the numbers of the window.
 template <typename Value>
 std::vector<Value> in_window(const std::vector<Value>& values, const DriveWindow& window) {
   std::vector<Value> result;
@@ -102,42 +104,44 @@ std::vector<Value> in_window(const std::vector<Value>& values, const DriveWindow
                                         [](const Value& v, int wanted) { return v.node < wanted; });
     if (found == values.end() || found->node != node) continue;
     result.push_back(*found);
-    result.back().node = place_of(window, node);
+    result.back().node = position_in_window(window, node);
   }
   return result;
 }
 
 }  // namespace
 
-std::optional<DriveWindow> window_of_news(const DriveGraph& drive, const BackEndConfig& config) {
-  const auto news = seeds(drive, config);
-  if (!news || news->empty()) return std::nullopt;
-  const std::map<int, int> hops = hops_from(drive, *news);
-  if (4 * hops.size() > drive.nodes.size()) return std::nullopt;
+std::optional<DriveWindow> window_around_new_data(const DriveGraph& drive,
+                                                  const BackEndConfig& config) {
+  const auto seed_nodes = nodes_with_new_data(drive, config);
+  if (!seed_nodes || seed_nodes->empty()) return std::nullopt;
+  const std::map<int, int> steps_to = steps_from(drive, *seed_nodes);
+  if (4 * steps_to.size() > drive.nodes.size()) return std::nullopt;
   DriveWindow window;
-  for (const auto& [node, steps] : hops) {
+  for (const auto& [node, steps] : steps_to) {
     window.nodes.push_back(node);
-    window.held.push_back(steps > kHops);
+    window.fixed.push_back(steps > kWindowSteps);
   }
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
-    const bool inside = hops.count(drive.loops[i].from) > 0 && hops.count(drive.loops[i].to) > 0;
+    const bool inside =
+        steps_to.count(drive.loops[i].from) > 0 && steps_to.count(drive.loops[i].to) > 0;
     if (inside) window.loops.push_back(static_cast<int>(i));
   }
   return window;
 }
 
-DriveGraph cut(const DriveGraph& drive, const DriveWindow& window) {
+DriveGraph extract_window(const DriveGraph& drive, const DriveWindow& window) {
   DriveGraph part;
   for (std::size_t i = 0; i < window.nodes.size(); ++i) {
     part.nodes.push_back(node_at(drive, window.nodes[i]));
     const bool next = i > 0 && window.nodes[i] == window.nodes[i - 1] + 1;
-    part.nodes.back().joined = part.nodes.back().joined && next;
-    part.nodes.back().held = window.held[i];
+    part.nodes.back().connected = part.nodes.back().connected && next;
+    part.nodes.back().fixed = window.fixed[i];
   }
   for (const int i : window.loops) {
     part.loops.push_back(drive.loops[static_cast<std::size_t>(i)]);
-    part.loops.back().from = place_of(window, part.loops.back().from);
-    part.loops.back().to = place_of(window, part.loops.back().to);
+    part.loops.back().from = position_in_window(window, part.loops.back().from);
+    part.loops.back().to = position_in_window(window, part.loops.back().to);
   }
   part.gnss = in_window(drive.gnss, window);
   part.imu = in_window(drive.imu, window);

@@ -8,19 +8,21 @@
 
 namespace lidar_mapping::back_end {
 
-/// The part of a drive that new constraints touch.
+/// The part of a drive that new constraints influence.
 struct DriveWindow {
-  std::vector<int> nodes;  ///< positions, increasing
-  std::vector<bool> held;  ///< those at the border, which do not move
-  std::vector<int> loops;  ///< positions of the loops with both ends in the window
+  std::vector<int> nodes;   ///< numbers of the nodes in the drive, increasing
+  std::vector<bool> fixed;  ///< per node: at the border and therefore constant
+  std::vector<int> loops;   ///< numbers of the loops with both ends in the window
 };
 
-/// The window around all loops and GNSS positions that no solution has judged yet: what lies within
-/// 50 steps along odometry and loops. None where they call for the whole graph: because they would
-/// move it by more than decimetres, join segments, or touch a good part of it anyway.
-std::optional<DriveWindow> window_of_news(const DriveGraph& drive, const BackEndConfig& config);
+/// The window around all loops and GNSS positions that are not evaluated yet: all nodes within 50
+/// steps along odometry and loops. Empty if the whole graph has to be solved, because a new
+/// constraint would move it by more than decimetres, connects segments, or because the window would
+/// be more than a quarter of the graph.
+std::optional<DriveWindow> window_around_new_data(const DriveGraph& drive,
+                                                  const BackEndConfig& config);
 
 /// The window as a drive of its own.
-DriveGraph cut(const DriveGraph& drive, const DriveWindow& window);
+DriveGraph extract_window(const DriveGraph& drive, const DriveWindow& window);
 
 }  // namespace lidar_mapping::back_end

@@ -10,25 +10,26 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// What the front end knows of its surroundings when a segment begins is a scan or two, so its first
-// steps are worse than it says. Loops hold both sides of the kink that they leave.
-constexpr double kBeginning = 20.0;             // m
-constexpr double kBeginningStddev_m = 0.01;     // of each step
-constexpr double kBeginningStddev_rad = 0.005;  // of each step
+// At the beginning of a segment, the local map of the front end holds only one or two scans. The
+// first steps are therefore worse than their covariances. This counts if loops constrain the poses
+// on both sides of the resulting error.
+constexpr double kInitialDistance = 20.0;     // m
+constexpr double kInitialStddev_m = 0.01;     // m, added to each step
+constexpr double kInitialStddev_rad = 0.005;  // rad, added to each step
 
-/// The standard deviation of the quaternion's vector part is that of half the angle.
+/// The vector part of a quaternion is half the rotation vector for small angles.
 Covariance6 constant_covariance(const BackEndConfig& config) {
   return diagonal_covariance(config.const_stddev_x, 2.0 * config.const_stddev_q);
 }
 
-/// Standard deviation between its extremes: variances approach the larger one exponentially.
-double saturating(double fitness, double min_stddev, double max_stddev,
-                  const BackEndConfig& config) {
+/// Standard deviation between two limits: the variance approaches the upper limit exponentially.
+double saturating_stddev(double fitness, double min_stddev, double max_stddev,
+                         const BackEndConfig& config) {
   const double s = std::min(fitness, config.inf_matrix_max_fitness);
-  const double share = std::expm1(-config.var_gain_a * s) /
-                       std::expm1(-config.var_gain_a * config.inf_matrix_max_fitness);
-  const double least = min_stddev * min_stddev;
-  return std::sqrt(least + (max_stddev * max_stddev - least) * share);
+  const double fraction = std::expm1(-config.var_gain_a * s) /
+                          std::expm1(-config.var_gain_a * config.inf_matrix_max_fitness);
+  const double min_variance = min_stddev * min_stddev;
+  return std::sqrt(min_variance + (max_stddev * max_stddev - min_variance) * fraction);
 }
 
 }  // namespace
@@ -36,25 +37,31 @@ double saturating(double fitness, double min_stddev, double max_stddev,
 Vector6d drift_stddev(const Pose& T_previous_current, const BackEndConfig& config) {
   if (config.use_const_inf_matrix) return Vector6d::Zero();
   const double distance = T_previous_current.translation.norm();
-  const double drift = std::hypot(config.odometry_min_stddev_m, config.odometry_drift * distance);
-  const double turn =
+  const double translation_stddev =
+      std::hypot(config.odometry_min_stddev_m, config.odometry_drift * distance);
+  const double rotation_stddev =
       std::hypot(config.odometry_min_stddev_deg, config.odometry_drift_deg_per_m * distance) *
       kRadPerDeg;
-  return (Vector6d() << drift, drift, drift, turn, turn, turn).finished();
+  return (Vector6d() << translation_stddev, translation_stddev, translation_stddev, rotation_stddev,
+          rotation_stddev, rotation_stddev)
+      .finished();
 }
 
-Covariance6 step_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
-                            double way, const std::vector<Eigen::Vector3d>& degenerate_directions,
+Covariance6 step_covariance(const Covariance6& registration_covariance,
+                            const Pose& T_previous_current, double distance_in_segment,
+                            const std::vector<Eigen::Vector3d>& degenerate_directions,
                             const BackEndConfig& config) {
   if (config.use_const_inf_matrix) return constant_covariance(config);
   Covariance6 covariance = Covariance6::Zero();
-  if (way < kBeginning) {
-    covariance += diagonal_covariance(kBeginningStddev_m, kBeginningStddev_rad);
+  if (distance_in_segment < kInitialDistance) {
+    covariance += diagonal_covariance(kInitialStddev_m, kInitialStddev_rad);
   }
-  if (is_valid_covariance(of_registration)) covariance += of_registration;
-  const double blind = config.odometry_degenerate_drift * T_previous_current.translation.norm();
+  if (is_valid_covariance(registration_covariance)) covariance += registration_covariance;
+  const double unobserved_stddev =
+      config.odometry_degenerate_drift * T_previous_current.translation.norm();
   for (const Eigen::Vector3d& direction : degenerate_directions) {
-    covariance.topLeftCorner<3, 3>() += blind * blind * direction * direction.transpose();
+    covariance.topLeftCorner<3, 3>() +=
+        unobserved_stddev * unobserved_stddev * direction * direction.transpose();
   }
   return covariance;
 }
@@ -63,8 +70,8 @@ Covariance6 loop_covariance(const Loop& loop, const BackEndConfig& config) {
   if (config.use_const_inf_matrix) return constant_covariance(config);
   if (config.use_fitness_inf_matrix) {
     return diagonal_covariance(
-        saturating(loop.fitness, config.min_stddev_x, config.max_stddev_x, config),
-        2.0 * saturating(loop.fitness, config.min_stddev_q, config.max_stddev_q, config));
+        saturating_stddev(loop.fitness, config.min_stddev_x, config.max_stddev_x, config),
+        2.0 * saturating_stddev(loop.fitness, config.min_stddev_q, config.max_stddev_q, config));
   }
   return loop.covariance +
          diagonal_covariance(config.loop_min_stddev_m, config.loop_min_stddev_deg * kRadPerDeg);

@@ -9,27 +9,28 @@
 
 namespace lidar_mapping::back_end {
 
-/// Standard deviations (m, rad) that the motion T_previous_current has on top of registration's
-/// covariance: a least error and drift that grows with the distance. None with
+/// Standard deviations (m, rad) that are added to the registration's covariance of the motion
+/// T_previous_current: a lower bound, and drift that grows with the distance. Zero with
 /// use_const_inf_matrix.
 Vector6d drift_stddev(const Pose& T_previous_current, const BackEndConfig& config);
 
-/// Covariance of the motion T_previous_current but for drift: that of registration, more in the
-/// first metres of a segment (`way` is what has been driven of it, m), and next to no knowledge
-/// along degenerate directions (unit vectors in the current base_link). Or constant, with
-/// use_const_inf_matrix.
-Covariance6 step_covariance(const Covariance6& of_registration, const Pose& T_previous_current,
-                            double way, const std::vector<Eigen::Vector3d>& degenerate_directions,
+/// Covariance of the motion T_previous_current without drift. It is the registration's covariance,
+/// larger in the first metres of a segment (`distance_in_segment` is the distance travelled in it,
+/// m), and very large along degenerate directions (unit vectors in the current base_link). With
+/// use_const_inf_matrix it is constant.
+Covariance6 step_covariance(const Covariance6& registration_covariance,
+                            const Pose& T_previous_current, double distance_in_segment,
+                            const std::vector<Eigen::Vector3d>& degenerate_directions,
                             const BackEndConfig& config);
 
-/// Covariance of a loop from registration with its least error; or by its fitness, saturating as
-/// in hdl_graph_slam; or constant.
+/// Covariance of a loop: by the registration with a lower bound, by the fitness as in
+/// hdl_graph_slam, or constant.
 Covariance6 loop_covariance(const Loop& loop, const BackEndConfig& config);
 
-/// By how much a floor differs from the plane of others, beyond its own covariance; rotation about
-/// x and y (rad) and height (m).
+/// Covariance of the difference between a floor and the plane of others, without its own
+/// covariance: rotation about x and y (rad) and height (m).
 Eigen::Matrix3d floor_covariance(const BackEndConfig& config);
-/// The same for two floors with their own covariances.
+/// The same for two floors, with their own covariances.
 Eigen::Matrix3d neighbours_covariance(const Floor& first, const Floor& second,
                                       const BackEndConfig& config);
 

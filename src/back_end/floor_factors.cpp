@@ -15,15 +15,15 @@ void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
   for (std::size_t i = 1; i < drive.floors.size(); ++i) {
     const DriveFloor& a = drive.floors[i - 1];
     const DriveFloor& b = drive.floors[i];
-    // Floors further apart need not lie in one plane.
-    if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].joined) continue;
+    // Floors that are further apart need not be in one plane.
+    if (b.node != a.node + 1 || !drive.nodes[static_cast<std::size_t>(b.node)].connected) continue;
     const Eigen::Matrix3d covariance = neighbours_covariance(a.floor, b.floor, config);
     graph.add({pose_graph::common_floor_residual(a.floor, b.floor, covariance), a.node, b.node,
                false, config.floor_robust_kernel, config.robust_kernel_size});
   }
 }
 
-/// Where the first floor lies: its z axis is the normal.
+/// A frame in the first floor whose z axis is the normal.
 Pose plane_pose(const DriveGraph& drive, const DriveFloor& first) {
   const Pose& T_map_base = drive.nodes[static_cast<std::size_t>(first.node)].T_map_base;
   const Eigen::Vector3d normal = T_map_base.rotation * first.floor.normal;
@@ -31,13 +31,13 @@ Pose plane_pose(const DriveGraph& drive, const DriveFloor& first) {
           T_map_base.translation - first.floor.offset * normal};
 }
 
-/// A node of its own stands for the plane, so that no single floor decides about it.
+/// A node of its own represents the plane, so that no single floor determines it.
 void add_floor_plane(const DriveGraph& drive, const BackEndConfig& config,
                      pose_graph::FactorGraph& graph) {
   if (drive.floors.empty()) return;
   const Pose pose = plane_pose(drive, drive.floors.front());
   const int plane = graph.add_node(pose);
-  Vector6d stddev;  // a plane is free in height and tilt; along itself it must be held
+  Vector6d stddev;  // the plane is free in height and tilt, and fixed within itself
   stddev << 1.0, 1.0, kWeakStddev_m, kWeakHeadingStddev_rad, kWeakHeadingStddev_rad, 1.0;
   graph.add({pose_graph::prior_residual(
                  pose, pose_graph::g2o_information(stddev.cwiseAbs2().asDiagonal())),

@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::back_end {
 
-/// Ties nodes by the floors below them, as `floor_constraint` says.
+/// Adds constraints between nodes by the floors below them, as `floor_constraint` says.
 void add_floors(const DriveGraph& drive, const BackEndConfig& config,
                 pose_graph::FactorGraph& graph);
 

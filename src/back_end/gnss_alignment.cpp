@@ -9,12 +9,13 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr int kReweightings = 10;
-constexpr std::size_t kPairs = 300;
-// Drift bends a long track by more than the fixes' noise; that must not count as a false fix.
-constexpr double kTrackBend = 0.01;
+constexpr int kIterations = 10;
+constexpr std::size_t kMaxPairs = 300;
+// Drift deforms a long track by more than the noise of the fixes; the fixes must not be taken for
+// outliers because of that. As a fraction of the track's extent.
+constexpr double kTrackDeformation = 0.01;
 
-/// Heading and horizontal shift: p_enu = R(yaw) p_level + shift.
+/// Rotation about the vertical and horizontal shift: p_enu = R(yaw) p_level + shift.
 struct PlanarMotion {
   double yaw = 0.0;
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -30,13 +31,13 @@ struct LevelSample {
   double stddev;
 };
 
-Eigen::Vector2d centre(const std::vector<LevelSample>& samples) {
+Eigen::Vector2d mean_position(const std::vector<LevelSample>& samples) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const LevelSample& s : samples) sum += s.level;
   return sum / static_cast<double>(samples.size());
 }
 
-double extent(const std::vector<LevelSample>& samples) {
+double track_extent(const std::vector<LevelSample>& samples) {
   Eigen::Array2d low = samples.front().level.array();
   Eigen::Array2d high = low;
   for (const LevelSample& s : samples) {
@@ -46,14 +47,14 @@ double extent(const std::vector<LevelSample>& samples) {
   return (high - low).matrix().norm();
 }
 
-double misfit(const LevelSample& sample, const PlanarMotion& motion) {
+double normalised_error(const LevelSample& sample, const PlanarMotion& motion) {
   return ((motion * sample.level) - sample.enu).norm() / sample.stddev;
 }
 
-std::optional<PlanarMotion> from_pair(const LevelSample& a, const LevelSample& b) {
+std::optional<PlanarMotion> motion_from_pair(const LevelSample& a, const LevelSample& b) {
   const Eigen::Vector2d along_level = b.level - a.level;
   const Eigen::Vector2d along_enu = b.enu - a.enu;
-  // Both must be about as far apart, or one of the fixes is false.
+  // Both distances must agree, or one of the fixes is an outlier.
   const double tolerance = 3.0 * (a.stddev + b.stddev);
   if (std::abs(along_level.norm() - along_enu.norm()) > tolerance) return std::nullopt;
   PlanarMotion motion;
@@ -64,37 +65,41 @@ std::optional<PlanarMotion> from_pair(const LevelSample& a, const LevelSample& b
   return motion;
 }
 
-double truncated_misfit(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
+double truncated_squared_error(const std::vector<LevelSample>& samples,
+                               const PlanarMotion& motion) {
   double sum = 0.0;
-  for (const LevelSample& s : samples) sum += std::min(9.0, std::pow(misfit(s, motion), 2));
+  for (const LevelSample& s : samples)
+    sum += std::min(9.0, std::pow(normalised_error(s, motion), 2));
   return sum;
 }
 
-/// The best of motions that two samples half the track apart give.
-PlanarMotion best_of_pairs(const std::vector<LevelSample>& samples) {
+/// The best of the motions from pairs of samples that are half the track apart.
+PlanarMotion best_pair_motion(const std::vector<LevelSample>& samples) {
   PlanarMotion best;
-  double least = std::numeric_limits<double>::infinity();
+  double smallest_error = std::numeric_limits<double>::infinity();
   const std::size_t gap = samples.size() / 2;
-  const std::size_t step = std::max<std::size_t>(1, (samples.size() - gap) / kPairs);
+  const std::size_t step = std::max<std::size_t>(1, (samples.size() - gap) / kMaxPairs);
   for (std::size_t i = 0; i + gap < samples.size(); i += step) {
-    const auto motion = from_pair(samples[i], samples[i + gap]);
+    const auto motion = motion_from_pair(samples[i], samples[i + gap]);
     if (!motion) continue;
-    const double sum = truncated_misfit(samples, *motion);
-    if (sum >= least) continue;
-    least = sum;
+    const double sum = truncated_squared_error(samples, *motion);
+    if (sum >= smallest_error) continue;
+    smallest_error = sum;
     best = *motion;
   }
   return best;
 }
 
-/// Weighted least squares for heading and shift (Umeyama 1991 in the plane), weights from Cauchy.
-PlanarMotion reweighted(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
+/// Weighted least squares for heading and shift (Umeyama 1991 in the plane) with weights of the
+/// Cauchy kernel.
+PlanarMotion refine_weighted(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
   double weights = 0.0;
   Eigen::Vector2d mean_level = Eigen::Vector2d::Zero();
   Eigen::Vector2d mean_enu = Eigen::Vector2d::Zero();
   std::vector<double> weight_of;
   for (const LevelSample& s : samples) {
-    const double weight = 1.0 / (s.stddev * s.stddev * (1.0 + std::pow(misfit(s, motion), 2)));
+    const double weight =
+        1.0 / (s.stddev * s.stddev * (1.0 + std::pow(normalised_error(s, motion), 2)));
     weight_of.push_back(weight);
     weights += weight;
     mean_level += weight * s.level;
@@ -117,16 +122,17 @@ PlanarMotion reweighted(const std::vector<LevelSample>& samples, const PlanarMot
 }
 
 double heading_stddev(const std::vector<LevelSample>& samples, const PlanarMotion& motion) {
-  const Eigen::Vector2d mean = centre(samples);
+  const Eigen::Vector2d mean = mean_position(samples);
   double information = 0.0;
   for (const LevelSample& s : samples) {
-    if (misfit(s, motion) > 3.0) continue;
+    if (normalised_error(s, motion) > 3.0) continue;
     information += (s.level - mean).squaredNorm() / (s.stddev * s.stddev);
   }
   return 1.0 / std::sqrt(std::max(information, 1e-12));
 }
 
-/// Weighted median of the altitude differences: half of the altitudes may be false.
+/// Weighted median of the altitude differences: it tolerates outliers in up to half of the
+/// altitudes.
 double altitude_shift(const std::vector<AlignmentSample>& samples,
                       const Eigen::Quaterniond& R_level_map) {
   std::vector<std::pair<double, double>> shifts;
@@ -156,16 +162,16 @@ std::optional<Alignment> align_to_enu(const std::vector<AlignmentSample>& sample
   for (const AlignmentSample& s : samples) {
     level.push_back({s.p_enu.head<2>(), (R_level_map * s.p_map).head<2>(), s.stddev_horizontal});
   }
-  const double size = extent(level);
+  const double size = track_extent(level);
   if (size < limits.min_extent) return std::nullopt;
-  for (LevelSample& s : level) s.stddev = std::hypot(s.stddev, kTrackBend * size);
-  PlanarMotion motion = best_of_pairs(level);
-  for (int i = 0; i < kReweightings; ++i) motion = reweighted(level, motion);
+  for (LevelSample& s : level) s.stddev = std::hypot(s.stddev, kTrackDeformation * size);
+  PlanarMotion motion = best_pair_motion(level);
+  for (int i = 0; i < kIterations; ++i) motion = refine_weighted(level, motion);
 
   Alignment alignment;
   double squares = 0.0;
   for (const LevelSample& s : level) {
-    if (misfit(s, motion) > 3.0) continue;
+    if (normalised_error(s, motion) > 3.0) continue;
     squares += (motion * s.level - s.enu).squaredNorm();
     ++alignment.inliers;
   }

@@ -5,18 +5,18 @@
 
 namespace lidar_mapping::back_end {
 
-/// Finds by how much the stamps of GNSS are late, from all positions beside odometry: for each
-/// segment by itself, or where it tells too little for all together (AntennaFit). At an even speed
-/// a delay looks like an antenna farther back, so what the fit makes of its place goes with it.
-void find_gnss_delays(DriveGraph& drive, const BackEndConfig& config);
+/// Estimates the delay of the stamps of GNSS by comparing all positions with odometry (AntennaFit):
+/// for each segment alone, or for all segments together if one does not determine it. At constant
+/// speed a delay looks like an antenna further back, so that the correction of the lever arm from
+/// the same fit belongs to the delay.
+void estimate_gnss_delays(DriveGraph& drive, const BackEndConfig& config);
 
-/// Velocity (m/s) of the antenna when a position was measured, in base_link at its key frame, as
-/// odometry has it.
+/// Velocity (m/s) of the antenna at the time of a position, by odometry, in the base_link of its
+/// key frame.
 Eigen::Vector3d antenna_velocity(const DriveGraph& drive, const DriveGnss& gnss);
 
-/// The position as it is known with the delay of its stamp: the lever arm leads to where the
-/// antenna was when the fix was measured, and the covariance has grown by what is not known of the
-/// delay.
-GnssPosition timed_position(const DriveGraph& drive, const DriveGnss& gnss);
+/// The position with the delay of its stamp: the lever arm is that at the time of the measurement,
+/// and the covariance includes the uncertainty of the delay.
+GnssPosition delay_corrected_position(const DriveGraph& drive, const DriveGnss& gnss);
 
 }  // namespace lidar_mapping::back_end

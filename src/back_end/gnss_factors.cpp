@@ -13,33 +13,35 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// By how much each position's covariance grows because its neighbours share its error.
-std::vector<double> shared_errors(const DriveGraph& drive, const BackEndConfig& config) {
+/// Factor by which the covariance of each position grows because neighbouring positions have common
+/// errors.
+std::vector<double> covariance_factors(const DriveGraph& drive, const BackEndConfig& config) {
   std::vector<double> factors(drive.gnss.size(), 1.0);
-  const auto place = [&](std::size_t i) {
+  const auto p_odom = [&](std::size_t i) {
     return drive.nodes[static_cast<std::size_t>(drive.gnss[i].node)].T_odom_base.translation;
   };
   for (std::size_t i = 0; i < factors.size(); ++i) {
     const std::size_t before = i == 0 ? i : i - 1;
     const std::size_t after = std::min(i + 1, factors.size() - 1);
     if (after == before) continue;
-    const double spacing = ((place(i) - place(before)).norm() + (place(after) - place(i)).norm()) /
-                           static_cast<double>(after - before);
+    const double spacing =
+        ((p_odom(i) - p_odom(before)).norm() + (p_odom(after) - p_odom(i)).norm()) /
+        static_cast<double>(after - before);
     factors[i] = std::max(1.0, config.gnss_correlation_distance / std::max(spacing, 0.1));
   }
   return factors;
 }
 
-/// The segments that hang together with one that lies in East-North-Up.
+/// The segments that are connected with a segment in East-North-Up.
 std::vector<bool> segments_in_enu(const DriveGraph& drive) {
   const std::vector<int> connected = connected_segments(drive, true);
-  std::vector<bool> group(connected.size(), false);
+  std::vector<bool> group_in_enu(connected.size(), false);
   for (std::size_t s = 0; s < connected.size(); ++s) {
-    if (drive.in_enu[s]) group[static_cast<std::size_t>(connected[s])] = true;
+    if (drive.in_enu[s]) group_in_enu[static_cast<std::size_t>(connected[s])] = true;
   }
   std::vector<bool> result(connected.size());
   for (std::size_t s = 0; s < connected.size(); ++s) {
-    result[s] = group[static_cast<std::size_t>(connected[s])];
+    result[s] = group_in_enu[static_cast<std::size_t>(connected[s])];
   }
   return result;
 }
@@ -48,22 +50,22 @@ std::vector<bool> segments_in_enu(const DriveGraph& drive) {
 
 void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   const std::vector<bool> in_enu = segments_in_enu(drive);
-  const std::vector<double> growth = shared_errors(drive, config);
+  const std::vector<double> covariance_factor = covariance_factors(drive, config);
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     const DriveGnss& gnss = drive.gnss[i];
     if (!in_enu[static_cast<std::size_t>(drive.segment_of(gnss.node))]) continue;
-    const GnssPosition p = timed_position(drive, gnss);
+    const GnssPosition p = delay_corrected_position(drive, gnss);
     factors.horizontal_of[i] = static_cast<int>(factors.graph.constraints.size());
-    factors.graph.add(
-        {pose_graph::antenna_horizontal_residual(p.p_enu_antenna, p.p_base_antenna,
-                                                 growth[i] * horizontal_covariance(p, config)),
-         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.graph.add({pose_graph::antenna_horizontal_residual(
+                           p.p_enu_antenna, p.p_base_antenna,
+                           covariance_factor[i] * horizontal_covariance(p, config)),
+                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
     if (!has_altitude(p)) continue;
     factors.altitude_of[i] = static_cast<int>(factors.graph.constraints.size());
-    factors.graph.add(
-        {pose_graph::antenna_altitude_residual(p.p_enu_antenna.z(), p.p_base_antenna,
-                                               std::sqrt(growth[i]) * altitude_stddev(p, config)),
-         gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
+    factors.graph.add({pose_graph::antenna_altitude_residual(
+                           p.p_enu_antenna.z(), p.p_base_antenna,
+                           std::sqrt(covariance_factor[i]) * altitude_stddev(p, config)),
+                       gnss.node, -1, true, config.gnss_robust_kernel, config.robust_kernel_size});
   }
 }
 

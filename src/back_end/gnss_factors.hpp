@@ -5,9 +5,10 @@
 
 namespace lidar_mapping::back_end {
 
-/// Positions of the segments that lie in East-North-Up, horizontal and altitude apart.
+/// Adds the positions of the segments in East-North-Up; horizontal position and altitude are
+/// separate constraints.
 void add_gnss(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors);
-/// Headings that came with positions.
+/// Adds the headings that were measured with positions.
 void add_headings(const DriveGraph& drive, const BackEndConfig& config,
                   pose_graph::FactorGraph& graph);
 

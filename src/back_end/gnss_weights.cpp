@@ -6,8 +6,9 @@
 namespace lidar_mapping::back_end {
 
 Eigen::Matrix2d horizontal_covariance(const GnssPosition& position, const BackEndConfig& config) {
-  const double least = config.gnss_min_stddev_m;
-  return position.covariance.topLeftCorner<2, 2>() + least * least * Eigen::Matrix2d::Identity();
+  const double min_stddev = config.gnss_min_stddev_m;
+  return position.covariance.topLeftCorner<2, 2>() +
+         min_stddev * min_stddev * Eigen::Matrix2d::Identity();
 }
 
 double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config) {

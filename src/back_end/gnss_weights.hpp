@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::back_end {
 
-/// Covariance and standard deviations of a position as the graph believes them.
+/// Covariance and standard deviations of a position as the graph uses them.
 Eigen::Matrix2d horizontal_covariance(const GnssPosition& position, const BackEndConfig& config);
 double horizontal_stddev(const GnssPosition& position, const BackEndConfig& config);
 double altitude_stddev(const GnssPosition& position, const BackEndConfig& config);

@@ -7,53 +7,54 @@
 #include "lidar_mapping/pose_graph/least_eigenvalue.hpp"
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
-#include "drift_share.hpp"
+#include "drift_fraction.hpp"
 #include "drive_factors.hpp"
 #include "drive_placement.hpp"
 #include "gnss_delay.hpp"
-#include "shared_errors.hpp"
+#include "systematic_errors.hpp"
 
 namespace lidar_mapping::back_end {
 
 namespace {
 
-// Poses are then within a fraction of a millimetre of the minimum.
-constexpr double kTolerance = 1e-5;
-// Below it some motion of the whole map by metres costs next to nothing.
-constexpr double kWeaklyHeld = 1e-8;
+// The poses are then within a fraction of a millimetre of the minimum.
+constexpr double kCostTolerance = 1e-5;
+// Below this eigenvalue, some motion of the map by metres hardly changes the cost.
+constexpr double kWeaklyConstrained = 1e-8;
 
-/// The states as odometry alone has them, from the first node of each segment.
-void follow_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
+/// Sets the states to odometry alone, from the first node of each segment.
+void chain_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
-    if (!drive.nodes[i].joined) continue;
+    if (!drive.nodes[i].connected) continue;
     const Pose motion = drive.nodes[i - 1].T_odom_base.inverse() * drive.nodes[i].T_odom_base;
     graph.set_pose(static_cast<int>(i), graph.pose(static_cast<int>(i) - 1) * motion);
   }
 }
 
-/// From the present poses, with everything that was believed and everything new. True if nothing
-/// contradicts the outcome.
-bool solve_from_present(DriveFactors& factors, pose_graph::RobustSolution& solution) {
-  solution = pose_graph::solve_as_marked(factors.graph, factors.marked, {50, 1e10, kTolerance});
+/// Solves from the current poses with all constraints that were used and all new ones. True if no
+/// constraint contradicts the result.
+bool solve_from_current(DriveFactors& factors, pose_graph::RobustSolution& solution) {
+  solution =
+      pose_graph::solve_selected(factors.graph, factors.selected, {50, 1e10, kCostTolerance});
   if (!solution.success) return false;
-  const std::vector<bool> agreed = pose_graph::believed(factors.graph);
-  for (std::size_t i = 0; i < agreed.size(); ++i) {
-    if (factors.marked[i] != agreed[i]) return false;
+  const std::vector<bool> consistent = pose_graph::consistent_constraints(factors.graph);
+  for (std::size_t i = 0; i < consistent.size(); ++i) {
+    if (factors.selected[i] != consistent[i]) return false;
   }
   return true;
 }
 
 pose_graph::RobustSolution solve_factors(const DriveGraph& drive, const BackEndConfig& config,
                                          DriveFactors& factors, bool thorough) {
-  const std::vector<pose_graph::StateBlock> present = factors.graph.states;
+  const std::vector<pose_graph::StateBlock> current = factors.graph.states;
   pose_graph::RobustSolution solution;
-  if (thorough) factors.marked.assign(factors.marked.size(), true);
-  if (solve_from_present(factors, solution)) return solution;
-  factors.graph.states = present;
-  follow_odometry(drive, factors.graph);
-  if (config.use_gnss && !config.georeference_only) pull_to_gnss(drive, config, factors.graph);
+  if (thorough) factors.selected.assign(factors.selected.size(), true);
+  if (solve_from_current(factors, solution)) return solution;
+  factors.graph.states = current;
+  chain_odometry(drive, factors.graph);
+  if (config.use_gnss && !config.georeference_only) shift_to_gnss(drive, config, factors.graph);
   solution = pose_graph::solve_graduated(factors.graph);
-  if (!solution.success) factors.graph.states = present;
+  if (!solution.success) factors.graph.states = current;
   return solution;
 }
 
@@ -61,25 +62,25 @@ bool used(const pose_graph::RobustSolution& solution, int constraint) {
   return constraint >= 0 && solution.used[static_cast<std::size_t>(constraint)];
 }
 
-void take_over(const DriveFactors& factors, const pose_graph::RobustSolution& solution,
-               DriveGraph& drive) {
+void store_solution(const DriveFactors& factors, const pose_graph::RobustSolution& solution,
+                    DriveGraph& drive) {
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     drive.nodes[i].T_map_base = factors.graph.pose(static_cast<int>(i));
   }
   for (std::size_t i = 0; i < drive.loops.size(); ++i) {
     drive.loops[i].used = used(solution, factors.loop_of[i]);
-    drive.loops[i].weighed =
+    drive.loops[i].evaluated =
         factors.loop_of[i] >= 0 || drive.loops[i].loop.decision == LoopDecision::kRefuse;
   }
   for (std::size_t i = 0; i < drive.gnss.size(); ++i) {
     drive.gnss[i].horizontal_used = used(solution, factors.horizontal_of[i]);
     drive.gnss[i].altitude_used = used(solution, factors.altitude_of[i]);
-    drive.gnss[i].weighed = factors.horizontal_of[i] >= 0;
+    drive.gnss[i].evaluated = factors.horizontal_of[i] >= 0;
   }
 }
 
-/// Lets the old ones go first: on a long drive two graphs at once are the peak of memory.
-void build_anew(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
+/// Frees the old factors first: two graphs at once would need most memory on a long drive.
+void rebuild_factors(const DriveGraph& drive, const BackEndConfig& config, DriveFactors& factors) {
   factors = {};
   factors = make_factors(drive, config);
 }
@@ -89,97 +90,101 @@ bool corrects_delays(const DriveGraph& drive) {
                      [](const GnssDelay& delay) { return delay.is_corrected(); });
 }
 
-void correct_delays(const SharedErrors& shared, DriveGraph& drive) {
+void correct_delays(const SystematicErrors& systematic, DriveGraph& drive) {
   for (GnssDelay& delay : drive.gnss_delays) {
     if (!delay.is_corrected()) continue;
-    delay.seconds += shared.delay;
-    delay.arm_error += shared.arm;
+    delay.seconds += systematic.delay;
+    delay.arm_error += systematic.lever_arm;
   }
 }
 
-/// What a solution with odometry as it is and with all of its drift shows of its errors, and of
-/// GNSS's delay. The factors are made anew with that.
-void learn_errors(const BackEndConfig& config, const pose_graph::RobustSolution& solution,
-                  DriveFactors& factors, DriveGraph& drive) {
+/// Estimates the errors of odometry and the delay of GNSS from a solution with the uncorrected
+/// odometry and its full drift. The factors are rebuilt with them.
+void estimate_errors(const BackEndConfig& config, const pose_graph::RobustSolution& solution,
+                     DriveFactors& factors, DriveGraph& drive) {
   const double scatter = position_scatter(factors, solution.used);
-  const SharedErrors shared = find_shared_errors(drive, factors, solution.used, scatter);
-  drive.odometry_errors.stretch = shared.stretch;
-  correct_delays(shared, drive);
-  drive.odometry_errors.drift_share = observed_drift_share(drive, config, factors, solution.used);
-  build_anew(drive, config, factors);
+  const SystematicErrors systematic =
+      estimate_systematic_errors(drive, factors, solution.used, scatter);
+  drive.odometry_errors.scale_error = systematic.scale_error;
+  correct_delays(systematic, drive);
+  drive.odometry_errors.drift_fraction =
+      observed_drift_fraction(drive, config, factors, solution.used);
+  rebuild_factors(drive, config, factors);
   if (!corrects_delays(drive)) return;
-  // Odometry that is believed more shows a delay by the course of whole streets, not of single
-  // bends, where its errors are alike from bend to bend.
-  const SharedErrors rest = find_shared_errors(drive, factors, solution.used, scatter);
-  correct_delays(rest, drive);
-  build_anew(drive, config, factors);
+  // With a smaller drift the delay is determined by whole streets instead of single bends. In
+  // single bends the errors of odometry are similar and look like a delay.
+  const SystematicErrors remaining =
+      estimate_systematic_errors(drive, factors, solution.used, scatter);
+  correct_delays(remaining, drive);
+  rebuild_factors(drive, config, factors);
 }
 
-/// Solves once more with what the positions show of odometry; everything stays as it is where that
-/// fails.
-void refine(const BackEndConfig& config, DriveFactors& factors,
-            pose_graph::RobustSolution& solution, DriveGraph& drive) {
+/// Solves again with the estimated errors of odometry. If that fails, everything stays as it is.
+void solve_with_estimated_errors(const BackEndConfig& config, DriveFactors& factors,
+                                 pose_graph::RobustSolution& solution, DriveGraph& drive) {
   const std::vector<GnssDelay> delays = drive.gnss_delays;
-  learn_errors(config, solution, factors, drive);
+  estimate_errors(config, solution, factors, drive);
   pose_graph::RobustSolution refined = solve_factors(drive, config, factors, false);
   if (!refined.success) {
     drive.gnss_delays = delays;
     drive.odometry_errors = {};
-    build_anew(drive, config, factors);
+    rebuild_factors(drive, config, factors);
     return;
   }
   refined.cost_before = solution.cost_before;
   refined.iterations += solution.iterations;
   solution = std::move(refined);
-  take_over(factors, solution, drive);
+  store_solution(factors, solution, drive);
 }
 
-bool any_used(const std::vector<int>& constraints, const pose_graph::RobustSolution& solution) {
+bool has_used(const std::vector<int>& constraints, const pose_graph::RobustSolution& solution) {
   return std::any_of(constraints.begin(), constraints.end(),
                      [&](int constraint) { return used(solution, constraint); });
 }
 
-/// Judgements on the whole drive: those so far, but for the part that was solved, and the new ones.
-void fill(const OptimizationProblem& problem, const DriveGraph& solved,
-          const pose_graph::RobustSolution& solution, OptimizationReport& report) {
-  const Judgements before = count_judgements(problem.drive);
-  const Judgements after = count_judgements(solved);
+/// Counts for the whole drive: those so far, without the solved part, plus the new ones.
+void fill_report(const OptimizationProblem& problem, const DriveGraph& solved,
+                 const pose_graph::RobustSolution& solution, OptimizationReport& report) {
+  const UsageCounts before = count_usage(problem.drive);
+  const UsageCounts after = count_usage(solved);
   report.success = solution.success;
   report.key_frames = problem.key_frames;
   report.cost_before = solution.cost_before;
   report.cost_after = solution.cost_after;
   report.iterations = solution.iterations;
-  report.loops_used = problem.judged.loops_used - before.loops_used + after.loops_used;
-  report.loops_refused = problem.judged.loops_refused - before.loops_refused + after.loops_refused;
-  report.gnss_used = problem.judged.gnss_used - before.gnss_used + after.gnss_used;
-  report.gnss_refused = problem.judged.gnss_refused - before.gnss_refused + after.gnss_refused;
+  report.loops_used = problem.usage.loops_used - before.loops_used + after.loops_used;
+  report.loops_refused = problem.usage.loops_refused - before.loops_refused + after.loops_refused;
+  report.gnss_used = problem.usage.gnss_used - before.gnss_used + after.gnss_used;
+  report.gnss_refused = problem.usage.gnss_refused - before.gnss_refused + after.gnss_refused;
   report.message = solution.success
                        ? "optimised " + std::to_string(solved.nodes.size()) + " key frames in " +
                              std::to_string(solution.iterations) + " iterations"
                        : "the solver failed, poses are as before: " + solution.message;
 }
 
-/// Only what is new and its surroundings; where that does not settle everything nothing moves.
+/// Solves only the new constraints and their surroundings. If that is not sufficient, no pose
+/// changes.
 void solve_window(const OptimizationProblem& problem, OptimizationSolution& result) {
   DriveFactors factors = make_factors(result.drive, problem.config);
   pose_graph::RobustSolution solution;
-  result.whole_needed = !solve_from_present(factors, solution);
-  solution.success = solution.success && !result.whole_needed;
-  if (solution.success) take_over(factors, solution, result.drive);
-  fill(problem, result.drive, solution, result.report);
+  result.full_solve_needed = !solve_from_current(factors, solution);
+  solution.success = solution.success && !result.full_solve_needed;
+  if (solution.success) store_solution(factors, solution, result.drive);
+  fill_report(problem, result.drive, solution, result.report);
 }
 
-/// Positions that only place the map are no constraints; used are those that the place rests on.
-void tell_placement(const DriveGraph& drive, const Georeference& placed,
-                    OptimizationReport& report) {
-  report.gnss_rms = placed.rms_horizontal;
-  report.gnss_used = placed.fitting;
-  report.gnss_refused = drive.unusable_gnss + drive.gnss.size() - placed.fitting;
+/// Positions that only place the map are no constraints; the inliers of the alignment count as
+/// used.
+void report_placement(const DriveGraph& drive, const Georeference& alignment,
+                      OptimizationReport& report) {
+  report.gnss_rms = alignment.rms_horizontal;
+  report.gnss_used = alignment.inliers;
+  report.gnss_refused = drive.unusable_gnss + drive.gnss.size() - alignment.inliers;
   std::ostringstream text;
   text.precision(3);
-  if (placed.fitting > 0) {
-    text << "placed in East-North-Up without bending it, " << placed.rms_horizontal
-         << " m rms from " << placed.fitting << " positions";
+  if (alignment.inliers > 0) {
+    text << "placed in East-North-Up without bending it, " << alignment.rms_horizontal
+         << " m rms from " << alignment.inliers << " positions";
   } else {
     text << "not placed in East-North-Up, the positions do not show how the map lies";
   }
@@ -187,15 +192,17 @@ void tell_placement(const DriveGraph& drive, const Georeference& placed,
   report.remarks.push_back("the map is " + text.str());
 }
 
-/// How firmly the least known motion is held: a map that nothing ties down shows here.
-void tell_firmness(const DriveFactors& factors, const pose_graph::RobustSolution& solution,
-                   OptimizationReport& report) {
+/// Reports how well the least constrained motion is determined, so that a map with too few
+/// constraints is noticed.
+void report_least_eigenvalue(const DriveFactors& factors,
+                             const pose_graph::RobustSolution& solution,
+                             OptimizationReport& report) {
   report.least_eigenvalue = pose_graph::least_eigenvalue(factors.graph, solution.used);
   std::ostringstream text;
   text.precision(3);
   text << "; smallest eigenvalue of the information matrix " << report.least_eigenvalue;
   report.message += text.str();
-  if (report.least_eigenvalue >= kWeaklyHeld) return;
+  if (report.least_eigenvalue >= kWeaklyConstrained) return;
   const std::string warning = "the constraints hardly hold the map";
   report.message += ": " + warning;
   report.remarks.push_back(warning + ", parts of it may lie metres away from where they are");
@@ -217,23 +224,25 @@ std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& pro
     solve_window(problem, *result);
     return result;
   }
-  if (problem.config.use_loop_close) join_segments(drive);
-  const Georeference placed = georeference(drive, problem.config, false);
-  result->report.gnss_rms = placed.rms_horizontal;
-  if (problem.config.use_gnss) find_gnss_delays(drive, problem.config);
+  if (problem.config.use_loop_close) connect_segments(drive);
+  const Georeference alignment = georeference(drive, problem.config, false);
+  result->report.gnss_rms = alignment.rms_horizontal;
+  if (problem.config.use_gnss) estimate_gnss_delays(drive, problem.config);
   drive.odometry_errors = {};
   DriveFactors factors = make_factors(drive, problem.config);
   pose_graph::RobustSolution solution =
-      solve_factors(drive, problem.config, factors, problem.thorough || placed.newly_turned);
-  if (solution.success) take_over(factors, solution, drive);
-  if (solution.success && any_used(factors.horizontal_of, solution)) {
-    refine(problem.config, factors, solution, drive);
+      solve_factors(drive, problem.config, factors, problem.thorough || alignment.newly_aligned);
+  if (solution.success) store_solution(factors, solution, drive);
+  if (solution.success && has_used(factors.horizontal_of, solution)) {
+    solve_with_estimated_errors(problem.config, factors, solution, drive);
   }
-  const bool place_only = problem.config.georeference_only;
-  const Georeference replaced = place_only ? georeference(drive, problem.config, true) : placed;
-  fill(problem, drive, solution, result->report);
-  if (place_only) tell_placement(drive, replaced, result->report);
-  if (problem.thorough && solution.success) tell_firmness(factors, solution, result->report);
+  const bool georeference_only = problem.config.georeference_only;
+  const Georeference final_alignment =
+      georeference_only ? georeference(drive, problem.config, true) : alignment;
+  fill_report(problem, drive, solution, result->report);
+  if (georeference_only) report_placement(drive, final_alignment, result->report);
+  if (problem.thorough && solution.success)
+    report_least_eigenvalue(factors, solution, result->report);
   return result;
 }
 

@@ -10,17 +10,17 @@ namespace lidar_mapping::back_end {
 struct OptimizationProblem {
   BackEndConfig config;
   DriveGraph drive;                   ///< the whole drive, or a window of it
-  std::optional<DriveWindow> window;  ///< where the drive is a window: of what
-  std::size_t key_frames = 0;         ///< of the whole drive
-  Judgements judged;                  ///< on the whole drive, so far
-  bool thorough = false;              ///< judge every loop and position anew
+  std::optional<DriveWindow> window;  ///< nodes and loops of the window; empty for the whole drive
+  std::size_t key_frames = 0;         ///< number in the whole drive
+  UsageCounts usage;                  ///< counts in the whole drive before the solution
+  bool thorough = false;              ///< evaluate every loop and position again
 };
 
 struct OptimizationSolution {
-  DriveGraph drive;  ///< with the new poses and judgements
+  DriveGraph drive;  ///< with the new poses and decisions
   std::optional<DriveWindow> window;
   std::size_t key_frames = 0;
-  bool whole_needed = false;  ///< the window could not settle what is new
+  bool full_solve_needed = false;  ///< the window was not sufficient for the new constraints
   OptimizationReport report;
 };
 

@@ -12,18 +12,19 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// Information of the key frame that is known: a micrometre and two microradians, which at the end
-// of ten kilometres are two centimetres.
-constexpr double kKnown = 1e12;
-constexpr double kUnknown = 1e-6;  // of each, so that none is free: a kilometre
+// Information of the known key frame: standard deviations of one micrometre and two microradians,
+// which are two centimetres after ten kilometres.
+constexpr double kKnownInformation = 1e12;
+// Of each key frame, so that all are determined: one kilometre.
+constexpr double kUnknownInformation = 1e-6;
 
-/// What odometry says, and nothing else.
-std::vector<bool> odometry_marks(const DriveFactors& factors) {
-  std::vector<bool> marked(factors.marked.size(), false);
+/// The constraints of odometry alone.
+std::vector<bool> odometry_constraints(const DriveFactors& factors) {
+  std::vector<bool> selected(factors.selected.size(), false);
   for (const int motion : factors.motion_of) {
-    if (motion >= 0) marked[static_cast<std::size_t>(motion)] = true;
+    if (motion >= 0) selected[static_cast<std::size_t>(motion)] = true;
   }
-  return marked;
+  return selected;
 }
 
 }  // namespace
@@ -35,11 +36,12 @@ class RelativeCovariance::Impl {
     const DriveFactors factors = make_factors(problem.drive, problem.config);
     states_ = static_cast<int>(factors.graph.states.size());
     system_ = pose_graph::information_matrix(
-        factors.graph, given == Given::kAll ? factors.marked : odometry_marks(factors));
+        factors.graph, given == Given::kAll ? factors.selected : odometry_constraints(factors));
     for (int i = 0; i < states_; ++i) {
-      system_->add_diagonal(i, kUnknown * Matrix6d::Identity());
+      system_->add_diagonal(i, kUnknownInformation * Matrix6d::Identity());
     }
-    if (const auto row = row_of(from)) system_->add_diagonal(*row, kKnown * Matrix6d::Identity());
+    if (const auto row = row_of(from))
+      system_->add_diagonal(*row, kKnownInformation * Matrix6d::Identity());
     is_solvable_ = system_->factorize();
   }
 
@@ -49,7 +51,7 @@ class RelativeCovariance::Impl {
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(Eigen::Index{6} * states_, 6);
     unit.middleRows<6>(Eigen::Index{6} * *row).setIdentity();
     const Matrix6d covariance = system_->solve(unit).middleRows<6>(Eigen::Index{6} * *row);
-    // The tangent has half angles.
+    // The tangent of the graph has half angles.
     const Vector6d angles = (Vector6d() << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0).finished();
     return Covariance6(angles.asDiagonal() * (0.5 * (covariance + covariance.transpose())) *
                        angles.asDiagonal());

@@ -10,19 +10,19 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// However well a few minutes agree, no sensor is believed more than this share allows.
-constexpr double kLeastShare = 0.25;
-/// Pairs of means that a variance takes, and key frames that the longest means have to cover to
-/// show what neighbours share.
-constexpr std::size_t kLeastPairs = 8;
-constexpr std::size_t kLeastLength = 16;
-/// Length of the mean heading, of one where the vehicle never turns: a slanting mount shows only
-/// where it does.
-constexpr double kLongestMeanHeading = 0.7;
+/// Lower bound: a few minutes of good agreement do not prove that a sensor is perfect.
+constexpr double kMinFraction = 0.25;
+/// Least number of pairs of means for a variance, and least length in key frames of the longest
+/// means, so that errors that neighbours have in common are seen.
+constexpr std::size_t kMinPairs = 8;
+constexpr std::size_t kMinLongestMean = 16;
+/// Length of the mean of the heading vectors above which the vehicle is taken to drive in one
+/// direction only. A mounting error of the IMU is visible only if the vehicle turns.
+constexpr double kMaxMeanHeadingLength = 0.7;
 
 using Directions = std::vector<Eigen::Vector3d>;
 
-/// Where the IMU has the sky in odometry's axes, by segment: the same everywhere but for errors.
+/// The vertical by the IMU in the axes of odometry, by segment. Without errors it is constant.
 std::vector<Directions> verticals_in_odometry(const DriveGraph& drive) {
   std::vector<Directions> result(drive.in_enu.size());
   for (const DriveImu& imu : drive.imu) {
@@ -36,7 +36,8 @@ std::vector<Directions> verticals_in_odometry(const DriveGraph& drive) {
   return result;
 }
 
-/// Half the mean square of the change from one mean of `length` values to the next, per component.
+/// Allan variance: half the mean square of the difference between successive means of `length`
+/// values, per component.
 struct AllanVariance {
   double sum = 0.0;
   std::size_t pairs = 0;
@@ -58,39 +59,41 @@ struct AllanVariance {
   double value() const { return sum / (2.0 * static_cast<double>(pairs)); }
 };
 
-/// Whether anything but odometry holds the height. Otherwise a firmer tilt's noise adds up along
-/// the way, where odometry that comes back to a place knows its height again.
-bool is_tied(const DriveGraph& drive, const BackEndConfig& config) {
+/// True if other constraints than odometry determine the height. Otherwise the noise of a tilt with
+/// a large weight would accumulate along the path, while odometry alone recovers its height when it
+/// returns to a location.
+bool is_height_constrained(const DriveGraph& drive, const BackEndConfig& config) {
   if (config.use_gnss && !config.georeference_only && !drive.gnss.empty()) return true;
   return config.use_loop_close &&
          std::any_of(drive.loops.begin(), drive.loops.end(),
-                     [](const DriveLoop& loop) { return loop.used || !loop.weighed; });
+                     [](const DriveLoop& loop) { return loop.used || !loop.evaluated; });
 }
 
-bool turns(const DriveGraph& drive) {
+bool vehicle_turns(const DriveGraph& drive) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const DriveNode& node : drive.nodes) {
     sum += node.T_odom_base.rotation * Eigen::Vector3d::UnitX();
   }
-  return sum.norm() < kLongestMeanHeading * static_cast<double>(drive.nodes.size());
+  return sum.norm() < kMaxMeanHeadingLength * static_cast<double>(drive.nodes.size());
 }
 
 }  // namespace
 
 double tilt_stddev_deg(const DriveGraph& drive, const BackEndConfig& config) {
-  const double most = config.imu_orientation_stddev_deg;
-  if (!is_tied(drive, config) || !turns(drive)) return most;
+  const double configured = config.imu_orientation_stddev_deg;
+  if (!is_height_constrained(drive, config) || !vehicle_turns(drive)) return configured;
   const std::vector<Directions> segments = verticals_in_odometry(drive);
-  double variance = 0.0;  // of one value, if as many independent ones had the means' variance
+  // Of one value, if as many independent values had the variance of the means.
+  double variance = 0.0;
   std::size_t length = 1;
   for (;; length *= 2) {
     AllanVariance of_means;
     for (const Directions& directions : segments) of_means.add(directions, length);
-    if (of_means.pairs < kLeastPairs) break;
+    if (of_means.pairs < kMinPairs) break;
     variance = std::max(variance, static_cast<double>(length) * of_means.value());
   }
-  if (length <= kLeastLength) return most;
-  return std::clamp(std::sqrt(variance) * kDegPerRad, kLeastShare * most, most);
+  if (length <= kMinLongestMean) return configured;
+  return std::clamp(std::sqrt(variance) * kDegPerRad, kMinFraction * configured, configured);
 }
 
 }  // namespace lidar_mapping::back_end

@@ -5,12 +5,12 @@
 
 namespace lidar_mapping::back_end {
 
-/// Standard deviation (deg) of the tilt that the IMU's orientation gives at one key frame, such
-/// that many may be weighed as if they were independent: from how the vertical wanders in
-/// odometry's frame, at most imu_orientation_stddev_deg and no less than a quarter of it. Errors
-/// that neighbours share count as often as they do, and odometry's own drift is counted as the
-/// IMU's. As configured where neither loops nor positions hold the map, or where the vehicle
-/// hardly turns.
+/// Standard deviation (deg) of the tilt by the IMU's orientation at one key frame, so that many of
+/// them can be weighted as if they were independent. It is estimated from the variation of the
+/// vertical in odometry's frame, between a quarter of imu_orientation_stddev_deg and the whole of
+/// it. Errors that neighbours have in common are included, and the drift of odometry counts as an
+/// error of the IMU. The configured value is used if neither loops nor positions constrain the map,
+/// or if the vehicle hardly turns.
 double tilt_stddev_deg(const DriveGraph& drive, const BackEndConfig& config);
 
 }  // namespace lidar_mapping::back_end

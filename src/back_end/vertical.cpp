@@ -12,19 +12,20 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// A vehicle stands on its wheels: most accelerations point to where odometry has the sky.
-double sign_of_gravity(const DriveGraph& drive) {
-  double votes = 0.0;
+/// Sign of the accelerations: most of them point upwards in base_link, because a vehicle is
+/// upright.
+double acceleration_sign(const DriveGraph& drive) {
+  double vote_sum = 0.0;
   for (const DriveImu& imu : drive.imu) {
     if (imu.sample.linear_acceleration.isZero(0.0)) continue;  // not measured
-    votes += imu.sample.linear_acceleration.z() > 0.0 ? 1.0 : -1.0;
+    vote_sum += imu.sample.linear_acceleration.z() > 0.0 ? 1.0 : -1.0;
   }
-  return votes < 0.0 ? -1.0 : 1.0;
+  return vote_sum < 0.0 ? -1.0 : 1.0;
 }
 
-/// Length of the acceleration at rest as this sensor measures it, m/s^2: gravity differs by 0.3 %
-/// between places and sensors by more, and vehicles mostly go evenly.
-double felt_gravity(const DriveGraph& drive) {
+/// Length of the acceleration at rest as this sensor measures it, m/s^2, as the median: vehicles
+/// rarely accelerate. Gravity differs by 0.3 % between places, and the scale of sensors by more.
+double measured_gravity(const DriveGraph& drive) {
   std::vector<double> lengths;
   for (const DriveImu& imu : drive.imu) {
     const double length = imu.sample.linear_acceleration.norm();
@@ -33,34 +34,34 @@ double felt_gravity(const DriveGraph& drive) {
   return median(std::move(lengths));
 }
 
-Vertical by_orientation(const DriveImu& imu, double stddev_deg) {
+Vertical vertical_by_orientation(const DriveImu& imu, double stddev_deg) {
   return {imu.node, imu.sample.orientation->conjugate() * Eigen::Vector3d::UnitZ(),
           stddev_deg * kRadPerDeg};
 }
 
-Vertical by_acceleration(const DriveImu& imu, double sign, double gravity,
-                         const BackEndConfig& config) {
+Vertical vertical_by_acceleration(const DriveImu& imu, double sign, double gravity,
+                                  const BackEndConfig& config) {
   const Eigen::Vector3d& acceleration = imu.sample.linear_acceleration;
   const double excess = std::abs(acceleration.norm() - gravity) / gravity;
-  // Braking by a changes the length by a^2 / 2g but turns the vertical by a / g.
-  const double turned = std::sqrt(2.0 * excess);
+  // Braking by a changes the length by a^2 / 2g, but the direction by a / g.
+  const double tilt_error = std::sqrt(2.0 * excess);
   return {imu.node, sign * acceleration.normalized(),
-          std::hypot(config.imu_acceleration_stddev_deg * kRadPerDeg, turned)};
+          std::hypot(config.imu_acceleration_stddev_deg * kRadPerDeg, tilt_error)};
 }
 
 }  // namespace
 
 std::vector<Vertical> verticals(const DriveGraph& drive, const BackEndConfig& config) {
   std::vector<Vertical> result;
-  const double sign = sign_of_gravity(drive);
-  const double gravity = felt_gravity(drive);
+  const double sign = acceleration_sign(drive);
+  const double gravity = measured_gravity(drive);
   const double stddev_deg = drive.tilt_stddev_deg.value_or(config.imu_orientation_stddev_deg);
   for (const DriveImu& imu : drive.imu) {
     if (config.enable_imu_orientation && imu.sample.orientation) {
-      result.push_back(by_orientation(imu, stddev_deg));
+      result.push_back(vertical_by_orientation(imu, stddev_deg));
     }
     if (config.enable_imu_acceleration && imu.sample.linear_acceleration.norm() > 0.0) {
-      result.push_back(by_acceleration(imu, sign, gravity, config));
+      result.push_back(vertical_by_acceleration(imu, sign, gravity, config));
     }
   }
   return result;

@@ -12,10 +12,10 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kNearestKeys = 25;
-constexpr std::size_t kMostSimilar = 10;
+constexpr std::size_t kMaxSimilar = 10;
 using Key = SpectrumDescriptor::Key;
 
-/// As it lies in the file: plain values, the same in memory and outside.
+/// A record of the file: plain values with the same layout in memory and in the file.
 struct Stored {
   Key key;
   Appearance appearance;
@@ -43,24 +43,24 @@ std::vector<std::size_t> best_of(std::vector<Ranked> ranked, std::size_t count) 
 
 Appearance appearance_of(const std::vector<Eigen::Vector3f>& points) {
   Appearance appearance;
-  appearance.view = BirdsEye(points, above_ground(points));
+  appearance.view = BirdsEyeView(points, above_ground(points));
   appearance.descriptor = SpectrumDescriptor(appearance.view.cells());
   return appearance;
 }
 
 void AppearanceIndex::append(const std::optional<Appearance>& appearance) {
   if (!appearance) {
-    coarse_.emplace_back();
+    coarse_keys_.emplace_back();
     return;
   }
   if (!file_) file_ = std::make_unique<NamelessFile>(directory_);
   const Stored stored{appearance->descriptor.key(), *appearance};
-  file_->write(coarse_.size() * sizeof(Stored), &stored, sizeof(Stored));
-  coarse_.emplace_back(stored.key);
+  file_->write(coarse_keys_.size() * sizeof(Stored), &stored, sizeof(Stored));
+  coarse_keys_.emplace_back(stored.key);
 }
 
 std::optional<Appearance> AppearanceIndex::operator[](std::size_t node) const {
-  if (!coarse_[node]) return std::nullopt;
+  if (!coarse_keys_[node]) return std::nullopt;
   Appearance appearance;
   file_->read(node * sizeof(Stored) + offsetof(Stored, appearance), &appearance,
               sizeof(Appearance));
@@ -73,13 +73,13 @@ Key AppearanceIndex::key_of(std::size_t node) const {
   return key;
 }
 
-/// All that the coarse keys cannot tell to be further than the nearest.
-std::vector<std::size_t> AppearanceIndex::perhaps_nearest(
-    const std::function<bool(std::size_t)>& admits) const {
+/// All nodes whose keys may be among the nearest, as far as the bounds of the coarse keys tell.
+std::vector<std::size_t> AppearanceIndex::possible_nearest(
+    const std::function<bool(std::size_t)>& is_admissible) const {
   std::vector<std::pair<std::size_t, CoarseKey::Bounds>> bounds;
-  for (std::size_t node = 0; node + 1 < coarse_.size(); ++node) {
-    if (!coarse_[node] || !admits(node)) continue;
-    bounds.emplace_back(node, coarse_[node]->distance_to(*coarse_.back()));
+  for (std::size_t node = 0; node + 1 < coarse_keys_.size(); ++node) {
+    if (!coarse_keys_[node] || !is_admissible(node)) continue;
+    bounds.emplace_back(node, coarse_keys_[node]->distance_to(*coarse_keys_.back()));
   }
   std::vector<float> upper;
   for (const auto& [node, bound] : bounds) upper.push_back(bound.upper);
@@ -96,25 +96,25 @@ std::vector<std::size_t> AppearanceIndex::perhaps_nearest(
 }
 
 std::vector<std::size_t> AppearanceIndex::nearest_keys(
-    const std::function<bool(std::size_t)>& admits) const {
-  const Key newest = key_of(coarse_.size() - 1);
+    const std::function<bool(std::size_t)>& is_admissible) const {
+  const Key newest = key_of(coarse_keys_.size() - 1);
   std::vector<Ranked> ranked;
-  for (const std::size_t node : perhaps_nearest(admits)) {
+  for (const std::size_t node : possible_nearest(is_admissible)) {
     ranked.push_back({(key_of(node) - newest).squaredNorm(), node});
   }
   return best_of(std::move(ranked), kNearestKeys);
 }
 
 std::vector<std::size_t> AppearanceIndex::similar_to_newest(
-    const std::function<bool(std::size_t)>& admits) const {
-  if (coarse_.empty() || !coarse_.back()) return {};
-  const Appearance newest = *(*this)[coarse_.size() - 1];
+    const std::function<bool(std::size_t)>& is_admissible) const {
+  if (coarse_keys_.empty() || !coarse_keys_.back()) return {};
+  const Appearance newest = *(*this)[coarse_keys_.size() - 1];
   std::vector<Ranked> ranked;
-  for (const std::size_t node : nearest_keys(admits)) {
+  for (const std::size_t node : nearest_keys(is_admissible)) {
     const auto comparison = (*this)[node]->descriptor.compare(newest.descriptor);
     ranked.push_back({-comparison.similarity, node});
   }
-  return best_of(std::move(ranked), kMostSimilar);
+  return best_of(std::move(ranked), kMaxSimilar);
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -13,18 +13,20 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kMaxPerSource = 10;
-constexpr double kSpread = 8.0;      // m of way between candidates of one pass
-constexpr double kFollowed = 1.0;    // m; the map follows a loop that it meets that well
-constexpr double kGnssReach = 30.0;  // m that a fix may be off and still find its place
-constexpr double kPassReach = 25.0;  // m of way from a candidate to its neighbours
-constexpr double kStartError = 3.0;  // m that a start may be wrong
+constexpr double kMinSpacing = 8.0;      // m of path length between candidates of one pass
+constexpr double kSatisfiedError = 1.0;  // m; a loop with a smaller error is satisfied by the map
+// M; a fix may have this error and still give its candidates.
+constexpr double kMaxGnssError = 30.0;
+// M of path length from a candidate to the key frames that may replace it.
+constexpr double kMaxShiftAlongPass = 25.0;
+constexpr double kMaxStartError = 3.0;  // m; expected error of a starting pose
 
 Eigen::Vector2d horizontal(const Pose& pose) { return pose.translation.head<2>(); }
 
-bool is_followed(const Loop& loop, const TrajectoryNode& from, const TrajectoryNode& to) {
+bool is_satisfied(const Loop& loop, const TrajectoryNode& from, const TrajectoryNode& to) {
   if (!from.optimised || !to.optimised) return false;
   const Vector6d error = difference(loop.T_from_to, from.T_map_base.inverse() * to.T_map_base);
-  return error.head<3>().norm() < kFollowed;
+  return error.head<3>().norm() < kSatisfiedError;
 }
 
 }  // namespace
@@ -39,72 +41,71 @@ void CandidateGenerator::append(const KeyFrame& key_frame,
   const bool continues = node > 0 && trajectory_[node - 1].segment == trajectory_[node].segment;
   const double step = continues ? trajectory_[node].travelled - trajectory_[node - 1].travelled
                                 : std::numeric_limits<double>::infinity();
-  separation_.append(step);
+  graph_distance_.append(step);
   appearances_.append(appearance);
-  put_on_grids(node);
+  update_grids(node);
 }
 
-void CandidateGenerator::put_on_grids(NodeId node) {
-  map_grid_.place(node, horizontal(trajectory_[node].T_map_base));
+void CandidateGenerator::update_grids(NodeId node) {
+  map_grid_.set_position(node, horizontal(trajectory_[node].T_map_base));
   if (const auto& gnss = trajectory_[node].gnss) {
-    gnss_grid_.place(node, gnss->p_enu_antenna.head<2>());
+    gnss_grid_.set_position(node, gnss->p_enu_antenna.head<2>());
   }
 }
 
 void CandidateGenerator::update_poses(const KeyFramePoses& poses) {
-  for (const NodeId node : trajectory_.update(poses)) put_on_grids(node);
-  relink();
+  for (const NodeId node : trajectory_.update(poses)) update_grids(node);
+  update_loops();
 }
 
 void CandidateGenerator::add_gnss(const GnssPosition& position) {
-  if (const auto node = trajectory_.add_gnss(position)) put_on_grids(*node);
+  if (const auto node = trajectory_.add_gnss(position)) update_grids(*node);
 }
 
 void CandidateGenerator::add_loop(const Loop& loop) { loops_.push_back(loop); }
 
-/// Only loops that the newest estimate follows make it more certain: the back end may not have
-/// solved since, or may not believe a loop.
-void CandidateGenerator::relink() {
-  std::vector<Separation::Link> links;
+/// Only loops that the newest estimate satisfies reduce its uncertainty: the back end may not have
+/// solved since, or may not use a loop.
+void CandidateGenerator::update_loops() {
+  std::vector<GraphDistance::LoopEdge> links;
   for (const Loop& loop : loops_) {
     const auto from = trajectory_.find(loop.from);
     const auto to = trajectory_.find(loop.to);
     if (!from || !to) continue;
-    if (is_followed(loop, trajectory_[*from], trajectory_[*to])) links.emplace_back(*from, *to);
+    if (is_satisfied(loop, trajectory_[*from], trajectory_[*to])) links.emplace_back(*from, *to);
   }
-  separation_.relink(links);
+  graph_distance_.update_loops(links);
 }
 
-/// Neighbours along the way see the same place trivially, and scan and submap must not share
+/// Neighbouring key frames always observe the same location, and scan and submap must not share
 /// clouds.
-bool CandidateGenerator::is_apart(NodeId older) const {
+bool CandidateGenerator::is_far_along_path(NodeId older) const {
   const NodeId newest = trajectory_.size() - 1;
-  if (!std::isfinite(separation_.to(older))) return true;
+  if (!std::isfinite(graph_distance_.to(older))) return true;
   const auto gap = static_cast<int>(trajectory_[newest].index - trajectory_[older].index);
-  const double way = trajectory_[newest].travelled - trajectory_[older].travelled;
+  const double path_length = trajectory_[newest].travelled - trajectory_[older].travelled;
   return gap >= std::max(config_.diff_num, config_.extend_frame_num + kQueryKeyFrames) &&
-         way >= config_.accum_distance_thresh;
+         path_length >= config_.accum_distance_thresh;
 }
 
-bool CandidateGenerator::admits(NodeId older) const {
-  return is_apart(older) && may_meet(prior_to(older), config_);
+bool CandidateGenerator::is_admissible(NodeId older) const {
+  return is_far_along_path(older) && may_overlap(prior_to(older), config_);
 }
 
 Prior CandidateGenerator::prior_to(NodeId older) const {
-  return prior_between(trajectory_, separation_, older, trajectory_.size() - 1, config_);
+  return prior_between(trajectory_, graph_distance_, older, trajectory_.size() - 1, config_);
 }
 
-/// Nearest first, not more than one per some metres of one pass.
-std::vector<CandidateGenerator::NodeId> CandidateGenerator::spread(std::vector<NodeId> nodes,
-                                                                   const Eigen::Vector2d& centre,
-                                                                   const PlaceGrid& grid) const {
+/// Non-maximum suppression: the nearest nodes first, at most one per kMinSpacing of one pass.
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::suppress_neighbours(
+    std::vector<NodeId> nodes, const Eigen::Vector2d& centre, const PositionGrid& grid) const {
   std::stable_sort(nodes.begin(), nodes.end(), [&](NodeId a, NodeId b) {
     return (grid.position(a) - centre).squaredNorm() < (grid.position(b) - centre).squaredNorm();
   });
   std::vector<NodeId> chosen;
   for (const NodeId node : nodes) {
     const auto is_near = [&](NodeId other) {
-      return std::abs(trajectory_[node].travelled - trajectory_[other].travelled) < kSpread &&
+      return std::abs(trajectory_[node].travelled - trajectory_[other].travelled) < kMinSpacing &&
              trajectory_[node].segment == trajectory_[other].segment;
     };
     if (std::any_of(chosen.begin(), chosen.end(), is_near)) continue;
@@ -114,52 +115,54 @@ std::vector<CandidateGenerator::NodeId> CandidateGenerator::spread(std::vector<N
   return chosen;
 }
 
-std::vector<CandidateGenerator::NodeId> CandidateGenerator::near(
-    const PlaceGrid& grid, double radius, const std::function<bool(NodeId)>& qualifies) const {
+std::vector<CandidateGenerator::NodeId> CandidateGenerator::admissible_within(
+    const PositionGrid& grid, double radius, const std::function<bool(NodeId)>& qualifies) const {
   const NodeId newest = trajectory_.size() - 1;
   if (!grid.has(newest)) return {};
   std::vector<NodeId> nodes;
   for (const NodeId node : grid.within(grid.position(newest), radius)) {
-    if (node != newest && qualifies(node) && admits(node)) nodes.push_back(node);
+    if (node != newest && qualifies(node) && is_admissible(node)) nodes.push_back(node);
   }
-  return spread(std::move(nodes), grid.position(newest), grid);
+  return suppress_neighbours(std::move(nodes), grid.position(newest), grid);
 }
 
 std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_position() const {
   if (!config_.position_candidates) return {};
   const double radius = largest_radius(trajectory_[trajectory_.size() - 1].travelled, config_);
-  return near(map_grid_, radius,
-              [this](NodeId node) { return std::isfinite(separation_.to(node)); });
+  return admissible_within(map_grid_, radius,
+                           [this](NodeId node) { return std::isfinite(graph_distance_.to(node)); });
 }
 
 std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_gnss() const {
   if (!config_.gnss_candidates) return {};
-  const double radius = config_.detect_area + kGnssReach;
-  return near(gnss_grid_, radius, [this](NodeId node) { return gnss_decides(prior_to(node)); });
+  const double radius = config_.detect_area + kMaxGnssError;
+  return admissible_within(gnss_grid_, radius,
+                           [this](NodeId node) { return gnss_is_more_certain(prior_to(node)); });
 }
 
 std::vector<CandidateGenerator::NodeId> CandidateGenerator::by_appearance() const {
   if (!config_.appearance_candidates) return {};
-  return appearances_.similar_to_newest([this](NodeId node) { return admits(node); });
+  return appearances_.similar_to_newest([this](NodeId node) { return is_admissible(node); });
 }
 
-/// The key frame of the same pass that is nearest to the start, instead of the candidate's own: the
-/// nearer, the more the scans share.
-void CandidateGenerator::move_to_nearest(Candidate& candidate) const {
-  const TrajectoryNode own = trajectory_[candidate.node];
-  const Pose T_odom_newest = own.T_odom_base * candidate.T_from_to;
+/// Replaces the candidate by the key frame of the same pass that is nearest to the starting pose:
+/// the nearer it is, the more the scans overlap.
+void CandidateGenerator::move_to_nearest_key_frame(Candidate& candidate) const {
+  const TrajectoryNode original = trajectory_[candidate.node];
+  const Pose T_odom_newest = original.T_odom_base * candidate.T_from_to;
   const auto distance = [&](NodeId node) {
     return (trajectory_[node].T_odom_base.translation - T_odom_newest.translation).norm();
   };
-  const auto is_beside = [&](NodeId node) {
-    return trajectory_[node].segment == own.segment && admits(node) &&
-           std::abs(trajectory_[node].travelled - own.travelled) < kPassReach;
+  const auto is_on_same_pass = [&](NodeId node) {
+    return trajectory_[node].segment == original.segment && is_admissible(node) &&
+           std::abs(trajectory_[node].travelled - original.travelled) < kMaxShiftAlongPass;
   };
   NodeId best = candidate.node;
-  for (NodeId node = candidate.node; node-- > 0 && is_beside(node);) {
+  for (NodeId node = candidate.node; node-- > 0 && is_on_same_pass(node);) {
     if (distance(node) < distance(best)) best = node;
   }
-  for (NodeId node = candidate.node + 1; node < trajectory_.size() && is_beside(node); ++node) {
+  for (NodeId node = candidate.node + 1; node < trajectory_.size() && is_on_same_pass(node);
+       ++node) {
     if (distance(node) < distance(best)) best = node;
   }
   candidate.node = best;
@@ -167,7 +170,7 @@ void CandidateGenerator::move_to_nearest(Candidate& candidate) const {
   candidate.T_from_to = trajectory_[best].T_odom_base.inverse() * T_odom_newest;
 }
 
-/// From all sources; a key frame that several name belongs to the first.
+/// Candidates from all sources. A key frame that several sources give belongs to the first of them.
 std::vector<Candidate> CandidateGenerator::unscored_candidates() const {
   std::vector<Candidate> result;
   const auto collect = [&](LoopSource source, const std::vector<NodeId>& nodes) {
@@ -189,13 +192,13 @@ std::vector<Candidate> CandidateGenerator::candidates() const {
   const auto cells = appearance ? appearance->view.cells() : std::vector<Eigen::Vector2f>();
   std::vector<Candidate> result;
   for (Candidate& candidate : unscored_candidates()) {
-    const Start start =
-        start_by_views(candidate.prior, appearances_[candidate.node], appearance, cells);
+    const StartingPose start =
+        starting_pose_by_views(candidate.prior, appearances_[candidate.node], appearance, cells);
     candidate.T_from_to = start.T_from_to;
     candidate.score = start.score;
-    move_to_nearest(candidate);
+    move_to_nearest_key_frame(candidate);
     const double distance = candidate.T_from_to.translation.norm();
-    if (distance <= config_.max_loop_distance + kStartError) result.push_back(candidate);
+    if (distance <= config_.max_loop_distance + kMaxStartError) result.push_back(candidate);
   }
   std::stable_sort(result.begin(), result.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });

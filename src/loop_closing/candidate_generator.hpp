@@ -6,64 +6,64 @@
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
-#include "place_grid.hpp"
+#include "position_grid.hpp"
 #include "prior.hpp"
 
 namespace lidar_mapping::loop_closing {
 
-/// An older key frame that may see what the newest one sees.
+/// An older key frame that may observe the same location as the newest one.
 struct Candidate {
   Trajectory::NodeId node = 0;
   LoopSource source = LoopSource::kPosition;
   Prior prior;
-  Pose T_from_to;      ///< where to start the registration
-  double score = 0.0;  ///< how well the two views from above agree there, 0 to 1
+  Pose T_from_to;      ///< starting pose of the registration
+  double score = 0.0;  ///< agreement of the two bird's-eye views at that pose, 0 to 1
 };
 
-/// The memory of a drive, without its clouds: where key frames are and how they look. Answers which
-/// of them the newest one may see again (doc/loop_closing.md).
+/// Holds the poses and appearances of all key frames of a drive, without clouds, and finds older
+/// key frames that may observe the same location as the newest one (doc/loop_closing.md).
 class CandidateGenerator {
  public:
-  /// Appearances are kept in a file in that folder.
+  /// Appearances are stored in a temporary file in `directory`.
   explicit CandidateGenerator(
       const LoopClosingConfig& config,
       const std::filesystem::path& directory = std::filesystem::temp_directory_path());
 
-  /// Takes in the next key frame; without an appearance if its cloud is not to be had.
+  /// Appends the next key frame; without an appearance if its cloud is not available.
   void append(const KeyFrame& key_frame, const std::optional<Appearance>& appearance);
   void update_poses(const KeyFramePoses& poses);
   void add_gnss(const GnssPosition& position);
-  /// A loop that may shorten the way between key frames once the map follows it.
+  /// Adds a loop. It reduces the uncertainty between key frames as soon as the map satisfies it.
   void add_loop(const Loop& loop);
 
   const Trajectory& trajectory() const { return trajectory_; }
-  /// Candidates for the newest key frame with their starting poses, the most promising first.
+  /// Candidates for the newest key frame with their starting poses, best first.
   std::vector<Candidate> candidates() const;
 
  private:
   using NodeId = Trajectory::NodeId;
 
-  bool is_apart(NodeId older) const;
-  bool admits(NodeId older) const;
+  bool is_far_along_path(NodeId older) const;
+  bool is_admissible(NodeId older) const;
   Prior prior_to(NodeId older) const;
-  void put_on_grids(NodeId node);
-  void relink();
-  std::vector<NodeId> near(const PlaceGrid& grid, double radius,
-                           const std::function<bool(NodeId)>& qualifies) const;
-  std::vector<NodeId> spread(std::vector<NodeId> nodes, const Eigen::Vector2d& centre,
-                             const PlaceGrid& grid) const;
+  void update_grids(NodeId node);
+  void update_loops();
+  std::vector<NodeId> admissible_within(const PositionGrid& grid, double radius,
+                                        const std::function<bool(NodeId)>& qualifies) const;
+  std::vector<NodeId> suppress_neighbours(std::vector<NodeId> nodes, const Eigen::Vector2d& centre,
+                                          const PositionGrid& grid) const;
   std::vector<NodeId> by_position() const;
   std::vector<NodeId> by_gnss() const;
   std::vector<NodeId> by_appearance() const;
   std::vector<Candidate> unscored_candidates() const;
-  void move_to_nearest(Candidate& candidate) const;
+  void move_to_nearest_key_frame(Candidate& candidate) const;
 
   LoopClosingConfig config_;
   Trajectory trajectory_;
-  Separation separation_;
+  GraphDistance graph_distance_;
   AppearanceIndex appearances_;
-  PlaceGrid map_grid_;
-  PlaceGrid gnss_grid_;
+  PositionGrid map_grid_;
+  PositionGrid gnss_grid_;
   std::vector<Loop> loops_;
 };
 

@@ -8,9 +8,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kStep = 1.0F / 128.0F;  // harmonics of a descriptor of norm 1 are mostly below 1
-constexpr float kLargest = 255.0F;      // steps; what is beyond counts as error
-constexpr float kRounding = 1e-4F;      // share of a distance that its sum may be off
+constexpr float kStepSize =
+    1.0F / 128.0F;                  // harmonics of a descriptor of norm 1 are mostly below 1
+constexpr float kMaxStep = 255.0F;  // steps; a larger value adds to the rounding error
+constexpr float kRounding = 1e-4F;  // relative rounding error of a distance in single precision
 
 }  // namespace
 
@@ -18,9 +19,9 @@ CoarseKey::CoarseKey(const SpectrumDescriptor::Key& key) : steps_{}, error_(0.0F
   float squared_error = 0.0F;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const float value = key[static_cast<Eigen::Index>(i)];
-    const float rounded = std::min(kLargest, std::floor(value / kStep + 0.5F));
+    const float rounded = std::min(kMaxStep, std::floor(value / kStepSize + 0.5F));
     steps_[i] = static_cast<std::uint8_t>(rounded);
-    squared_error += std::pow(value - rounded * kStep, 2.0F);
+    squared_error += std::pow(value - rounded * kStepSize, 2.0F);
   }
   error_ = std::sqrt(squared_error);
 }
@@ -31,7 +32,7 @@ CoarseKey::Bounds CoarseKey::distance_to(const CoarseKey& other) const {
     const auto difference = static_cast<std::int16_t>(steps_[i] - other.steps_[i]);
     sum += difference * difference;
   }
-  const float distance = kStep * std::sqrt(static_cast<float>(sum));
+  const float distance = kStepSize * std::sqrt(static_cast<float>(sum));
   const float error = (1.0F + kRounding) * (error_ + other.error_) + kRounding * distance;
   return {distance - error, distance + error};
 }

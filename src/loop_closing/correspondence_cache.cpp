@@ -7,36 +7,40 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kRounding = 1e-3F;  // m; what single precision may be off some hundred metres away
+constexpr float kRounding = 1e-3F;  // m; error of single precision at some hundred metres
 
 }  // namespace
 
-/// The nearest may have come nearer, or gone away, by what the point moved, and so may all others.
-bool CorrespondenceCache::still_holds(const Known& known, const Eigen::Vector3f& p, float limit) {
-  const float room = known.found ? 0.5F * known.lead : known.lead - limit;
-  if (room <= kRounding) return false;
-  return (p - known.p).squaredNorm() < (room - kRounding) * (room - kRounding);
+/// The distances to the nearest point and to all others have changed by at most the motion of the
+/// point.
+bool CorrespondenceCache::is_still_valid(const CachedResult& cached, const Eigen::Vector3f& p,
+                                         float limit) {
+  const float allowed_motion = cached.found ? 0.5F * cached.margin : cached.margin - limit;
+  if (allowed_motion <= kRounding) return false;
+  return (p - cached.p).squaredNorm() < (allowed_motion - kRounding) * (allowed_motion - kRounding);
 }
 
-void CorrespondenceCache::search(Known& known, const Eigen::Vector3f& p, float limit) const {
-  const auto result = tree_.nearest_with_lead(p, limit);
-  known.p = p;
-  known.found = result.has_value();
-  known.lead = limit;
+void CorrespondenceCache::search(CachedResult& cached, const Eigen::Vector3f& p,
+                                 float limit) const {
+  const auto result = tree_.nearest_with_second(p, limit);
+  cached.p = p;
+  cached.found = result.has_value();
+  cached.margin = limit;
   if (!result) return;
-  known.index = result->nearest.index;
-  known.lead = std::sqrt(result->next_squared) - std::sqrt(result->nearest.squared_distance);
+  cached.index = result->nearest.index;
+  cached.margin =
+      std::sqrt(result->second_squared_distance) - std::sqrt(result->nearest.squared_distance);
 }
 
 std::optional<KdTree::Neighbour> CorrespondenceCache::nearest(std::size_t i,
                                                               const Eigen::Vector3f& p,
                                                               float limit) {
-  Known& known = known_[i];
-  if (!still_holds(known, p, limit)) search(known, p, limit);
-  if (!known.found) return std::nullopt;
-  const float squared_distance = (tree_.points()[known.index] - p).squaredNorm();
+  CachedResult& cached = cached_[i];
+  if (!is_still_valid(cached, p, limit)) search(cached, p, limit);
+  if (!cached.found) return std::nullopt;
+  const float squared_distance = (tree_.points()[cached.index] - p).squaredNorm();
   if (squared_distance >= limit * limit) return std::nullopt;
-  return KdTree::Neighbour{known.index, squared_distance};
+  return KdTree::Neighbour{cached.index, squared_distance};
 }
 
 }  // namespace lidar_mapping::loop_closing

@@ -8,30 +8,31 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// The nearest points to points that move little from one search to the next, as those of a cloud
-/// do that is being matched. A search is only made where the move was large enough that another
-/// point may have become the nearest; the result is that of a search each time.
+/// Nearest points of points that move little between two searches, like those of a cloud during
+/// registration. A new search is made only if the motion was large enough that another point may
+/// have become the nearest one. The results are the same as with a search each time.
 class CorrespondenceCache {
  public:
   /// For `count` moving points. The tree must outlive this object.
-  CorrespondenceCache(const KdTree& tree, std::size_t count) : tree_(tree), known_(count) {}
+  CorrespondenceCache(const KdTree& tree, std::size_t count) : tree_(tree), cached_(count) {}
 
-  /// The nearest point to moving point `i`, now at `p`, that is closer than `limit` (m).
+  /// The nearest point to moving point `i`, now at `p`, if it is closer than `limit` (m).
   std::optional<KdTree::Neighbour> nearest(std::size_t i, const Eigen::Vector3f& p, float limit);
 
  private:
-  struct Known {
-    Eigen::Vector3f p = Eigen::Vector3f::Zero();  ///< where the point was at the last search
-    /// What all others were further away than the nearest, m; without any, how far the search went.
-    float lead = -1.0F;
+  struct CachedResult {
+    Eigen::Vector3f p = Eigen::Vector3f::Zero();  ///< position at the last search
+    /// Difference of the distances to the second nearest and to the nearest point, m. If none was
+    /// found, the radius of the search.
+    float margin = -1.0F;
     std::uint32_t index = 0;
     bool found = false;
   };
-  void search(Known& known, const Eigen::Vector3f& p, float limit) const;
-  static bool still_holds(const Known& known, const Eigen::Vector3f& p, float limit);
+  void search(CachedResult& cached, const Eigen::Vector3f& p, float limit) const;
+  static bool is_still_valid(const CachedResult& cached, const Eigen::Vector3f& p, float limit);
 
   const KdTree& tree_;
-  std::vector<Known> known_;
+  std::vector<CachedResult> cached_;
 };
 
 }  // namespace lidar_mapping::loop_closing

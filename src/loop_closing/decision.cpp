@@ -10,42 +10,42 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kHeightQuantile = 10.8;  // 99.9 %, one degree of freedom
-constexpr double kRoofed = 0.2;           // share; less is a tree or a sign
-constexpr double kGnssQuantile = 3.3;     // standard deviations, the same
+constexpr double kHeightQuantile = 10.8;    // 99.9 % of chi-square, one degree of freedom
+constexpr double kMaxRoofedFraction = 0.2;  // fraction of cells; trees and signs give less
+constexpr double kGnssQuantile = 3.3;       // standard deviations, 99.9 %
 
-// Within these standard deviations there is room for one place only.
-constexpr double kKnownHorizontal = 1.0;      // m
-constexpr double kKnownVertical = 0.5;        // m; storeys are 3 m apart
-constexpr double kKnownRotation = 0.35;       // rad
-constexpr double kInnovationExpected = 12.6;  // 95 %, six degrees of freedom
+// Within these standard deviations only one location is possible.
+constexpr double kCertainHorizontal = 1.0;    // m
+constexpr double kCertainVertical = 0.5;      // m; storeys are 3 m apart
+constexpr double kCertainRotation = 0.35;     // rad
+constexpr double kExpectedInnovation = 12.6;  // 95 % of chi-square, six degrees of freedom
 
-using Objection = std::optional<Decision>;
+using FailedCheck = std::optional<Decision>;
 using Config = LoopClosingConfig;
 
 Decision refused(const std::string& reason) { return {Verdict::kRefused, reason}; }
 
-Objection object_to_convergence(const Match& match) {
+FailedCheck check_convergence(const Match& match) {
   if (match.alignment.converged) return std::nullopt;
   return refused("the registration did not converge in " +
                  std::to_string(match.alignment.iterations) + " iterations");
 }
 
-Objection object_to_evidence(const MatchFigures& figures, const Config& config) {
+FailedCheck check_tested_points(const MatchFigures& figures, const Config& config) {
   if (figures.tested_points >= config.min_tested_points) return std::nullopt;
   return Decision{Verdict::kUndecided,
                   figure_sentence("points above ground", figures.tested_points, "below",
                                   config.min_tested_points, "min_tested_points")};
 }
 
-Objection object_to_distance(const Match& match, const Config& config) {
+FailedCheck check_distance(const Match& match, const Config& config) {
   const double distance = match.alignment.T_target_source.translation.norm();
   if (distance <= config.max_loop_distance) return std::nullopt;
   return refused(figure_sentence("distance of the key frames in m", distance, "above",
                                  config.max_loop_distance, "max_loop_distance"));
 }
 
-Objection object_to_figures(const MatchFigures& figures, const Config& config) {
+FailedCheck check_figures(const MatchFigures& figures, const Config& config) {
   if (margin_of(figures) <= config.overlap_margin_limit) {
     return refused(figure_sentence("overlap minus twice the free-space violation",
                                    margin_of(figures), "not above", config.overlap_margin_limit,
@@ -62,7 +62,7 @@ Objection object_to_figures(const MatchFigures& figures, const Config& config) {
   return std::nullopt;
 }
 
-Objection object_to_estimate(const Match& match, const Prior& prior, const Config& config) {
+FailedCheck check_estimate(const Match& match, const Prior& prior, const Config& config) {
   if (!prior.anchored) return std::nullopt;
   const Innovation innovation = innovation_of(prior, match.alignment.T_target_source);
   if (innovation.height > kHeightQuantile) {
@@ -76,19 +76,20 @@ Objection object_to_estimate(const Match& match, const Prior& prior, const Confi
   return std::nullopt;
 }
 
-/// Storeys of one house look alike, and an odometry that jumped in height may be on either.
-Objection object_to_storey(const MatchFigures& figures, const Prior& prior) {
-  if (!prior.anchored || prior.jumped == 0.0 || figures.roofed <= kRoofed) return std::nullopt;
-  std::ostringstream between;
-  between << "odometry jumped " << std::setprecision(3) << prior.jumped
-          << " m in height between the two: the storey is unknown";
+/// Storeys of one building look alike. After a jump in height the odometry may be on the wrong one.
+FailedCheck check_storey(const MatchFigures& figures, const Prior& prior) {
+  if (!prior.anchored || prior.height_jumps == 0.0 || figures.roofed <= kMaxRoofedFraction)
+    return std::nullopt;
+  std::ostringstream condition;
+  condition << "odometry jumped " << std::setprecision(3) << prior.height_jumps
+            << " m in height between the two: the storey is unknown";
   return Decision{Verdict::kUndecided,
                   figure_sentence("share of the place under a roof", figures.roofed, "above",
-                                  kRoofed, between.str())};
+                                  kMaxRoofedFraction, condition.str())};
 }
 
-Objection object_to_gnss(const Match& match, const Prior& prior) {
-  if (!gnss_decides(prior)) return std::nullopt;
+FailedCheck check_gnss(const Match& match, const Prior& prior) {
+  if (!gnss_is_more_certain(prior)) return std::nullopt;
   const double distance = match.alignment.T_target_source.translation.head<2>().norm();
   const double limit = kGnssQuantile * prior.gnss->sigma;
   const double deviation = std::abs(distance - prior.gnss->value);
@@ -113,23 +114,23 @@ std::string figure_sentence(const std::string& figure, double value, const std::
 }
 
 Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config) {
-  if (const auto objection = object_to_convergence(match)) return *objection;
-  if (const auto objection = object_to_evidence(match.figures, config)) return *objection;
-  if (const auto objection = object_to_figures(match.figures, config)) return *objection;
-  if (const auto objection = object_to_distance(match, config)) return *objection;
-  if (const auto objection = object_to_estimate(match, prior, config)) return *objection;
-  if (const auto objection = object_to_storey(match.figures, prior)) return *objection;
-  if (const auto objection = object_to_gnss(match, prior)) return *objection;
+  if (const auto failed = check_convergence(match)) return *failed;
+  if (const auto failed = check_tested_points(match.figures, config)) return *failed;
+  if (const auto failed = check_figures(match.figures, config)) return *failed;
+  if (const auto failed = check_distance(match, config)) return *failed;
+  if (const auto failed = check_estimate(match, prior, config)) return *failed;
+  if (const auto failed = check_storey(match.figures, prior)) return *failed;
+  if (const auto failed = check_gnss(match, prior)) return *failed;
   return {Verdict::kAccepted,
           figure_sentence("overlap minus twice the free-space violation", margin_of(match.figures),
                           "above", config.overlap_margin_limit, "overlap_margin_limit")};
 }
 
-bool is_beyond_doubt(const Match& match, const Prior& prior) {
-  if (!prior.anchored || prior.jumped > 0.0) return false;
-  return prior.sigma_horizontal <= kKnownHorizontal && prior.sigma_vertical <= kKnownVertical &&
-         prior.sigma_rotation <= kKnownRotation &&
-         innovation_of(prior, match.alignment.T_target_source).whole <= kInnovationExpected;
+bool is_unambiguous(const Match& match, const Prior& prior) {
+  if (!prior.anchored || prior.height_jumps > 0.0) return false;
+  return prior.sigma_horizontal <= kCertainHorizontal && prior.sigma_vertical <= kCertainVertical &&
+         prior.sigma_rotation <= kCertainRotation &&
+         innovation_of(prior, match.alignment.T_target_source).whole <= kExpectedInnovation;
 }
 
 }  // namespace lidar_mapping::loop_closing

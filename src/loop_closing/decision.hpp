@@ -10,30 +10,30 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// A candidate after matching.
+/// The result of matching a candidate.
 struct Match {
   Alignment alignment;
   MatchFigures figures;
 };
 
-/// Overlap minus twice the free-space violation: what separates true places from false ones.
+/// Overlap minus twice the free-space violation: this figure separates true from false loops best.
 double margin_of(const MatchFigures& figures);
 
-/// A verdict and why: one sentence that names figure, limit and parameter.
+/// A verdict with its reason: one sentence with figure, limit and parameter.
 struct Decision {
   Verdict verdict = Verdict::kUndecided;
   std::string reason;
 };
 
-/// Holds a match against every rule, one after the other (doc/loop_closing.md); accepted only if
-/// none objects.
+/// Applies all checks to a match, one after the other (doc/loop_closing.md). The match is accepted
+/// if none of them fails.
 Decision decide(const Match& match, const Prior& prior, const LoopClosingConfig& config);
 
-/// True if the estimate knew within about a metre where an accepted match has to lie, and there it
-/// lies: whatever else looks like the place can only be the same place.
-bool is_beyond_doubt(const Match& match, const Prior& prior);
+/// True if the estimate was known to about a metre and an accepted match agrees with it: then all
+/// other candidates can only show the same location.
+bool is_unambiguous(const Match& match, const Prior& prior);
 
-/// "overlap 0.43 below the limit 0.50 (parameter)".
+/// A sentence such as "overlap 0.43 below the limit 0.50 (parameter)".
 std::string figure_sentence(const std::string& figure, double value, const std::string& relation,
                             double limit, const std::string& parameter);
 

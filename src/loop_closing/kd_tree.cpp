@@ -11,7 +11,7 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 16;
-constexpr std::uint32_t kLanes = 4;  // what every processor computes with at once
+constexpr std::uint32_t kLanes = 4;  // vector width that every processor has
 constexpr int kAxes = 3;
 
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
@@ -36,52 +36,53 @@ int widest_axis(Iterator begin, Iterator end) {
   return axis;
 }
 
-// These are told of points that are closer than their bound only.
+// The visitors below are called only for points that are closer than their limit.
 
-/// Keeps the one nearest point.
+/// Keeps the nearest point.
 struct NearestOne {
-  float bound;
+  float squared_limit;
   std::uint32_t index = 0;
   bool found = false;
 
   void operator()(std::uint32_t candidate, float squared_distance) {
-    bound = squared_distance;
+    squared_limit = squared_distance;
     index = candidate;
     found = true;
   }
 };
 
-/// Keeps the one nearest point and the distance of the second.
+/// Keeps the nearest point and the distance of the second one.
 struct NearestTwo {
-  float bound;  // of the second
-  float nearest = bound;
+  float squared_limit;  // of the second
+  float nearest = squared_limit;
   std::uint32_t index = 0;
   bool found = false;
 
   void operator()(std::uint32_t candidate, float squared_distance) {
-    bound = squared_distance;
+    squared_limit = squared_distance;
     if (squared_distance >= nearest) return;
-    bound = nearest;
+    squared_limit = nearest;
     nearest = squared_distance;
     index = candidate;
     found = true;
   }
 };
 
-/// Keeps the nearest few points, sorted.
+/// Keeps several nearest points, sorted by distance.
 struct NearestSeveral {
   std::size_t count;
-  float bound = std::numeric_limits<float>::infinity();
+  float squared_limit = std::numeric_limits<float>::infinity();
   std::vector<KdTree::Neighbour> kept = {};
 
   void operator()(std::uint32_t candidate, float squared_distance) {
     if (kept.size() < count) kept.emplace_back();
-    auto place = kept.end() - 1;
-    for (; place != kept.begin() && squared_distance < (place - 1)->squared_distance; --place) {
-      *place = *(place - 1);
+    auto position = kept.end() - 1;
+    for (; position != kept.begin() && squared_distance < (position - 1)->squared_distance;
+         --position) {
+      *position = *(position - 1);
     }
-    *place = {candidate, squared_distance};
-    if (kept.size() == count) bound = kept.back().squared_distance;
+    *position = {candidate, squared_distance};
+    if (kept.size() == count) squared_limit = kept.back().squared_distance;
   }
 };
 
@@ -115,9 +116,9 @@ std::uint32_t KdTree::build(std::uint32_t begin, std::uint32_t end) {
   return self;
 }
 
-// The last lanes may belong to the next leaf; they are left out.
+// The last lanes may belong to the next leaf and are ignored.
 template <typename Visit>
-inline void KdTree::scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const {
+inline void KdTree::scan_leaf(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const {
   const std::uint32_t count = leaf.end - leaf.begin;
   std::array<float, kLeafSize> squared;
   for (std::uint32_t i = 0; i < count; i += kLanes) {
@@ -128,24 +129,24 @@ inline void KdTree::scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visi
     std::memcpy(&squared[i], &lanes, sizeof(lanes));
   }
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (squared[i] < visit.bound) visit(leaf.begin + i, squared[i]);
+    if (squared[i] < visit.squared_limit) visit(leaf.begin + i, squared[i]);
   }
 }
 
-// `offset` is the vector from p to the cell of the node, so that its length bounds the distance of
-// all points in that cell (Arya and Mount 1993).
+// `offset` is the vector from p to the cell of the node. Its length is a lower bound for the
+// distances of all points in the cell (Arya and Mount 1993).
 template <typename Visit>
 void KdTree::search(std::uint32_t index, const Eigen::Vector3f& p, Eigen::Vector3f& offset,
                     Visit& visit) const {
   const Node& node = nodes_[index];
-  if (node.right == 0) return scan(node, p, visit);
+  if (node.right == 0) return scan_leaf(node, p, visit);
   const float side = p[node.axis] - node.split;
   const std::uint32_t near = side < 0.0F ? index + 1 : node.right;
   const std::uint32_t far = side < 0.0F ? node.right : index + 1;
   search(near, p, offset, visit);
   const float kept = offset[node.axis];
   offset[node.axis] = side;
-  if (offset.squaredNorm() < visit.bound) search(far, p, offset, visit);
+  if (offset.squaredNorm() < visit.squared_limit) search(far, p, offset, visit);
   offset[node.axis] = kept;
 }
 
@@ -159,14 +160,15 @@ std::optional<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, float
   NearestOne visit{limit * limit};
   search(p, visit);
   if (!visit.found) return std::nullopt;
-  return Neighbour{visit.index, visit.bound};
+  return Neighbour{visit.index, visit.squared_limit};
 }
 
-std::optional<KdTree::Lead> KdTree::nearest_with_lead(const Eigen::Vector3f& p, float limit) const {
+std::optional<KdTree::NearestWithSecond> KdTree::nearest_with_second(const Eigen::Vector3f& p,
+                                                                     float limit) const {
   NearestTwo visit{limit * limit};
   search(p, visit);
   if (!visit.found) return std::nullopt;
-  return Lead{{visit.index, visit.nearest}, visit.bound};
+  return NearestWithSecond{{visit.index, visit.nearest}, visit.squared_limit};
 }
 
 std::vector<KdTree::Neighbour> KdTree::nearest(const Eigen::Vector3f& p, std::size_t count) const {

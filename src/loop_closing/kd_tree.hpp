@@ -10,9 +10,9 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Nearest neighbours among fixed points; built once, O(n log n). The points are put into the
-/// tree's own order, and all indices refer to that order, so that neighbours lie side by side in
-/// memory. Any number of threads may search.
+/// Kd-tree of points that do not change. It is built once in O(n log n). The points are reordered
+/// so that neighbours are close in memory; all indices refer to this order. Searches are
+/// thread-safe.
 class KdTree {
  public:
   struct Neighbour {
@@ -20,21 +20,21 @@ class KdTree {
     float squared_distance = 0.0F;
   };
 
-  /// The nearest point, and how far the one after it is.
-  struct Lead {
+  /// The nearest point, and the distance of the second nearest one.
+  struct NearestWithSecond {
     Neighbour nearest;
-    float next_squared = 0.0F;  ///< of the limit if there is none within it
+    float second_squared_distance = 0.0F;  ///< square of the limit if there is none within it
   };
 
   KdTree() = default;
   explicit KdTree(std::vector<Eigen::Vector3f> points);
 
   const std::vector<Eigen::Vector3f>& points() const { return points_; }
-  /// The nearest point that is closer than `limit` (m).
+  /// The nearest point, if it is closer than `limit` (m).
   std::optional<Neighbour> nearest(const Eigen::Vector3f& p, float limit) const;
-  /// The same with the lead of the nearest one before all others.
-  std::optional<Lead> nearest_with_lead(const Eigen::Vector3f& p, float limit) const;
-  /// The `count` nearest points, nearest first; fewer if there are not as many.
+  /// The same, together with the distance of the second nearest point.
+  std::optional<NearestWithSecond> nearest_with_second(const Eigen::Vector3f& p, float limit) const;
+  /// The `count` nearest points, nearest first; fewer if there are not so many.
   std::vector<Neighbour> nearest(const Eigen::Vector3f& p, std::size_t count) const;
 
  private:
@@ -48,7 +48,7 @@ class KdTree {
 
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
   template <typename Visit>
-  void scan(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const;
+  void scan_leaf(const Node& leaf, const Eigen::Vector3f& p, Visit& visit) const;
   template <typename Visit>
   void search(const Eigen::Vector3f& p, Visit& visit) const;
   template <typename Visit>
@@ -56,7 +56,8 @@ class KdTree {
               Visit& visit) const;
 
   std::vector<Eigen::Vector3f> points_;
-  std::array<std::vector<float>, 3> coordinates_;  ///< the same by axis, and some room behind
+  /// The points by axis, padded for the last lanes.
+  std::array<std::vector<float>, 3> coordinates_;
   std::vector<Node> nodes_;
 };
 

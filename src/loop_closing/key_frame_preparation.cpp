@@ -12,7 +12,7 @@ PreparedKeyFrame KeyFramePreparation::prepare(const PointCloud& cloud) {
 }
 
 PointsPtr KeyFramePreparation::thinned(const PointCloud& cloud) {
-  voxels_.restart(leaf_);
+  voxels_.reset(leaf_);
   for (const Point& point : cloud.points) voxels_.add(point.position());
   return std::make_shared<const Points>(voxels_.points());
 }

@@ -14,7 +14,8 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kDistinct = 10.0;  // m of way between two candidates that are both matched
+constexpr double kMinCandidateSpacing =
+    10.0;  // m of path length between two candidates that are both matched
 
 }  // namespace
 
@@ -45,7 +46,7 @@ class LoopCloser::Impl {
   std::vector<Candidate> selected_candidates() const;
   VerifiedCandidate verify(const Candidate& candidate, const std::optional<QueryScan>& query);
   std::vector<VerifiedCandidate> verify_candidates();
-  void accept(const VerifiedCandidate& verified, LoopClosingResult& result);
+  void add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result);
 
   LoopClosingConfig config_;
   ScanAlignment alignment_;
@@ -78,14 +79,14 @@ bool LoopCloser::Impl::is_due() const {
   return travelled - *last_loop_travelled_ >= config_.min_edge_interval;
 }
 
-/// The best candidates, from different places where possible: neighbours would succeed or fail
+/// The best candidates, at different locations if possible: neighbouring ones would succeed or fail
 /// together.
 std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
   std::vector<Candidate> result;
   for (const Candidate& candidate : generator_.candidates()) {
     const auto is_near = [&](const Candidate& other) {
       return std::abs(trajectory()[candidate.node].travelled - trajectory()[other.node].travelled) <
-             kDistinct;
+             kMinCandidateSpacing;
     };
     if (std::any_of(result.begin(), result.end(), is_near)) continue;
     result.push_back(candidate);
@@ -104,13 +105,13 @@ VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
   result.match.alignment = alignment_.align(query->points, submap->surface, candidate.T_from_to);
   result.match.figures = measure_match(*query, *submap, result.match.alignment.T_target_source,
                                        config_.fitness_score_max_range);
-  if (candidate.prior.jumped > 0.0) result.match.figures.roofed = roofed_fraction(*submap);
+  if (candidate.prior.height_jumps > 0.0) result.match.figures.roofed = roofed_fraction(*submap);
   result.decision = decide(result.match, candidate.prior, config_);
   return result;
 }
 
-/// The most promising first. Where the estimate leaves no room for another place, the others would
-/// only say the same again; where places may be mistaken for each other all have their say.
+/// Verifies the best candidates in turn. If the estimate allows only one location, the search ends
+/// with the first accepted one; if locations may be confused, all are matched.
 std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   const std::vector<Candidate> candidates = selected_candidates();
   if (candidates.empty()) return {};
@@ -124,12 +125,12 @@ std::vector<VerifiedCandidate> LoopCloser::Impl::verify_candidates() {
   return verified;
 }
 
-/// What an accepted match leads to. Between segments that nothing joins yet it has to wait for
-/// others that agree with it, and these are accepted with it.
-void LoopCloser::Impl::accept(const VerifiedCandidate& verified, LoopClosingResult& result) {
+/// Adds an accepted match to the result. Between segments that are not connected yet, it has to
+/// wait until other matches agree with it; these are then accepted, too.
+void LoopCloser::Impl::add_accepted(const VerifiedCandidate& verified, LoopClosingResult& result) {
   const Loop loop = to_loop(verified, trajectory(), config_);
   result.verdicts.push_back(to_verdict(verified, trajectory()));
-  if (verified.candidate.prior.anchored || gnss_decides(verified.candidate.prior)) {
+  if (verified.candidate.prior.anchored || gnss_is_more_certain(verified.candidate.prior)) {
     result.loops.push_back(loop);
     return;
   }
@@ -152,11 +153,11 @@ LoopClosingResult LoopCloser::Impl::process(const KeyFrame& key_frame,
   add(key_frame, prepared);
   if (!is_due()) return {};
   std::vector<VerifiedCandidate> verified = verify_candidates();
-  keep_best(verified, trajectory());
+  refuse_all_but_best(verified, trajectory());
   LoopClosingResult result;
   for (const VerifiedCandidate& entry : verified) {
     if (entry.decision.verdict == Verdict::kAccepted) {
-      accept(entry, result);
+      add_accepted(entry, result);
     } else {
       result.verdicts.push_back(to_verdict(entry, trajectory()));
     }

@@ -12,29 +12,30 @@ void describe_search(config::Schema<Config>& schema) {
       .integer("loop_step", &Config::loop_step, {1, 1000}, "key frames",
                "Search at most every so many key frames.")
       .real("min_edge_interval", &Config::min_edge_interval, {0.0, 1e4}, "m",
-            "Way to drive after an accepted loop before the next search.")
+            "Distance to travel after an accepted loop before the next search.")
       .boolean("position_candidates", &Config::position_candidates,
                "Candidates from the newest estimate of the trajectory.")
       .boolean("gnss_candidates", &Config::gnss_candidates, "Candidates from GNSS positions.")
       .boolean("appearance_candidates", &Config::appearance_candidates,
-               "Candidates from what the surroundings look like from above.")
+               "Candidates from the appearance of the surroundings from above.")
       .integer("diff_num", &Config::diff_num, {0, 100000}, "key frames",
                "Least gap between the indices of two key frames of a loop.")
       .real("accum_distance_thresh", &Config::accum_distance_thresh, {0.0, 1e5}, "m",
-            "Least way driven between two key frames of a loop.")
+            "Least distance travelled between two key frames of a loop.")
       .real("detect_area", &Config::detect_area, {0.1, 100.0}, "m",
             "Radius of the search where positions are certain; it grows with the uncertainty.")
       .real("distance_thresh", &Config::distance_thresh, {0.1, 1e5}, "m",
             "Limit of the radius of the search, however uncertain the positions are.")
       .real("horizontal_drift", &Config::horizontal_drift, {0.0, 0.2}, "m/m",
-            "Standard deviation of the estimate's horizontal drift per way driven.")
+            "Standard deviation of the estimate's horizontal drift per distance travelled.")
       .real("vertical_drift", &Config::vertical_drift, {0.0, 0.2}, "m/m",
-            "Standard deviation of the height after 1 km; it grows with the power 1.5 of the way.")
+            "Standard deviation of the height after 1 km; it grows with the power 1.5 of the "
+            "distance.")
       .real("rotation_drift_deg", &Config::rotation_drift_deg, {0.0, 90.0}, "deg per 100 m",
-            "Standard deviation of the estimate's rotation drift per way driven.")
+            "Standard deviation of the estimate's rotation drift per distance travelled.")
       .integer("max_registrations", &Config::max_registrations, {1, 50}, "",
-               "How many of the best candidates of one search are matched at most; where the "
-               "estimate knows the place to a metre, the first that is accepted ends the search.");
+               "How many of the best candidates of one search are matched at most; if the estimate "
+               "is certain to about a metre, the first accepted one ends the search.");
 }
 
 std::vector<std::pair<std::string, LoopMethod>> methods() {
@@ -58,7 +59,7 @@ void describe_matching(config::Schema<Config>& schema) {
       .real("voxel_filter/scan/leaf_size", &Config::scan_leaf_size, {0.05, 5.0}, "m",
             "Edge of the scan's voxels.")
       .choice("registration_method", &Config::registration_method, methods(),
-              "How a scan is aligned with a submap: POINT_TO_PLANE is the package's own way for "
+              "How a scan is aligned with a submap: POINT_TO_PLANE is the package's own method for "
               "loops, from coarse to fine; the reg_ parameters are for the others.")
       .include(&Config::registration, registration::RegistrationConfig::parameters());
 }
@@ -66,11 +67,13 @@ void describe_matching(config::Schema<Config>& schema) {
 void describe_verification(config::Schema<Config>& schema) {
   schema
       .real("max_loop_distance", &Config::max_loop_distance, {0.1, 100.0}, "m",
-            "Key frames that lie further apart share too little to be worth a loop.")
+            "Key frames that are further apart have too little overlap for a loop.")
       .real("overlap_margin_limit", &Config::overlap_margin_limit, {-2.0, 1.0}, "",
-            "A loop needs more overlap above ground minus twice the free-space violation.")
+            "The overlap above ground minus twice the free-space violation of a loop must be "
+            "larger than this.")
       .real("eigenvalue_limit", &Config::eigenvalue_limit, {0.0, 0.5}, "",
-            "A loop needs walls that pin it in every horizontal direction better than this.")
+            "The horizontal eigenvalue of a loop must be larger than this: walls determine it in "
+            "all directions.")
       .integer("min_tested_points", &Config::min_tested_points, {1, 100000}, "points",
                "With fewer points above ground a candidate stays undecided.")
       .real("innovation_limit", &Config::innovation_limit, {1.0, 1e6}, "",
@@ -80,11 +83,11 @@ void describe_verification(config::Schema<Config>& schema) {
       .real("fitness_score_max_range", &Config::fitness_score_max_range, {0.1, 1e6}, "m",
             "Points without a partner within this range do not count in the fitness.")
       .real("unanchored_stretch", &Config::unanchored_stretch, {0.0, 1e5}, "m",
-            "Two segments without a known relation join once loops agree over such a way.")
+            "Two unconnected segments are connected once loops agree over such a path length.")
       .real("min_stddev_x", &Config::min_stddev_x, {1e-3, 10.0}, "m",
-            "A loop's standard deviation in translation is never stated smaller.")
+            "Lower limit of a loop's standard deviation in translation.")
       .real("min_stddev_q", &Config::min_stddev_q, {1e-4, 1.0}, "rad",
-            "A loop's standard deviation in rotation is never stated smaller.")
+            "Lower limit of a loop's standard deviation in rotation.")
       .alias("fitness_score_thresh", "fitness_score_limit");
 }
 

@@ -10,13 +10,13 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// A least-recently-used cache of what belongs to key frames, bounded by its total weight.
+/// A least-recently-used cache of data of key frames, limited by their total weight.
 template <typename Value>
 class LruCache {
  public:
   explicit LruCache(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Null if it is not kept (any more).
+  /// The value of a key frame; null if it is not in the cache.
   const Value* find(KeyFrameIndex index) {
     const auto found = at_index_.find(index);
     if (found == at_index_.end()) return nullptr;
@@ -24,8 +24,8 @@ class LruCache {
     return &found->second->value;
   }
 
-  /// Adds the value of a key frame that find() does not know; what was asked for least recently
-  /// goes as soon as the total weight is above the capacity.
+  /// Adds the value of a key frame that is not in the cache. Values that were not used for the
+  /// longest time are removed while the total weight is above the capacity.
   const Value& insert(KeyFrameIndex index, Value value, std::size_t weight) {
     newest_first_.push_front({index, std::move(value), weight});
     at_index_[index] = newest_first_.begin();

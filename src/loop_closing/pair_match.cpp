@@ -16,7 +16,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-/// The drive up to `to`, so that its scan is the newest.
+/// The trajectory up to `to`, so that `to` is the newest node.
 Trajectory drive_until(const std::vector<KeyFrame>& key_frames, KeyFrameIndex to) {
   Trajectory trajectory;
   for (const KeyFrame& key_frame : key_frames) {
@@ -31,35 +31,37 @@ Trajectory::NodeId node_of(const Trajectory& trajectory, KeyFrameIndex index) {
   throw InputError("there is no key frame " + std::to_string(index));
 }
 
-/// Where the two views from above agree best, for both headings that the descriptors allow.
-std::vector<Pose> starts_by_views(CloudSource& clouds, KeyFrameIndex from, KeyFrameIndex to) {
+/// The poses where the two bird's-eye views agree best, one for each of the two headings that the
+/// descriptors allow.
+std::vector<Pose> starting_poses_by_views(CloudSource& clouds, KeyFrameIndex from,
+                                          KeyFrameIndex to) {
   const PointCloudPtr older = clouds.cloud(from);
   const PointCloudPtr newer = clouds.cloud(to);
   if (!older || !newer) return {};
   const Appearance a = appearance_of(positions(*older));
   const Appearance b = appearance_of(positions(*newer));
-  const double turn = a.descriptor.compare(b.descriptor).yaw;
+  const double yaw = a.descriptor.compare(b.descriptor).yaw;
   const ViewCorrelator correlator(a.view);
-  std::vector<Pose> starts;
-  for (const double heading : {turn, turn + kPi}) {
+  std::vector<Pose> poses;
+  for (const double candidate_yaw : {yaw, yaw + kPi}) {
     Pose start;
-    start.translation.head<2>() = correlator.match(b.view.cells(), heading).translation;
-    start.rotation = Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ());
-    starts.push_back(start);
+    start.translation.head<2>() = correlator.match(b.view.cells(), candidate_yaw).translation;
+    start.rotation = Eigen::AngleAxisd(candidate_yaw, Eigen::Vector3d::UnitZ());
+    poses.push_back(start);
   }
-  return starts;
+  return poses;
 }
 
-std::vector<Pose> starts_for(CloudSource& clouds, KeyFrameIndex from, KeyFrameIndex to,
-                             const std::optional<Pose>& guess) {
+std::vector<Pose> starting_poses(CloudSource& clouds, KeyFrameIndex from, KeyFrameIndex to,
+                                 const std::optional<Pose>& guess) {
   if (guess) return {*guess};
-  std::vector<Pose> starts = starts_by_views(clouds, from, to);
-  starts.push_back(Pose::Identity());
-  return starts;
+  std::vector<Pose> poses = starting_poses_by_views(clouds, from, to);
+  poses.push_back(Pose::Identity());
+  return poses;
 }
 
-/// Only what the clouds say counts.
-LoopClosingConfig trusting(LoopClosingConfig config) {
+/// Switches off the check of the distance, so that only the clouds count.
+LoopClosingConfig without_distance_limit(LoopClosingConfig config) {
   config.max_loop_distance = std::numeric_limits<double>::infinity();
   return config;
 }
@@ -93,11 +95,11 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
   const Trajectory trajectory = drive_until(key_frames, to);
   const Trajectory::NodeId older = node_of(trajectory, from);
   const Trajectory::NodeId newer = node_of(trajectory, to);
-  const auto least = static_cast<Trajectory::NodeId>(config.extend_frame_num + kQueryKeyFrames);
-  if (older + least > newer) {
+  const auto min_gap = static_cast<Trajectory::NodeId>(config.extend_frame_num + kQueryKeyFrames);
+  if (older + min_gap > newer) {
     throw InputError("key frames " + std::to_string(from) + " and " + std::to_string(to) +
                      " are too near in the drive to be matched; the second must come at least " +
-                     std::to_string(least) + " key frames later");
+                     std::to_string(min_gap) + " key frames later");
   }
   SubmapBuilder submaps(config, clouds);
   submaps.set_sensor_origin(p_base_lidar);
@@ -114,11 +116,11 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
                       "the cloud of one of the two is not available"};
     return result;
   }
-  const LoopClosingConfig rules = trusting(config);
+  const LoopClosingConfig limits = without_distance_limit(config);
   ScanAlignment alignment(config);
   std::optional<VerifiedCandidate> best;
-  for (const Pose& start : starts_for(clouds, from, to, guess)) {
-    const VerifiedCandidate verified = verify(*query, *submap, older, start, rules, alignment);
+  for (const Pose& start : starting_poses(clouds, from, to, guess)) {
+    const VerifiedCandidate verified = verify(*query, *submap, older, start, limits, alignment);
     if (!best || is_better(verified, *best)) best = verified;
   }
   result.verdict = to_verdict(*best, trajectory);

@@ -20,10 +20,10 @@ struct Level {
 constexpr std::array<Level, 4> kLevels = {
     {{5.0F, 1000, 15}, {2.5F, 1000, 12}, {1.2F, 2000, 10}, {0.6F, 3000, 10}}};
 
-constexpr double kStepTranslation = 5e-3;  // m; a level ends below these
+constexpr double kStepTranslation = 5e-3;  // m; a level ends after a step below these
 constexpr double kStepRotation = 5e-4;     // rad
 constexpr int kMinPairs = 30;
-constexpr double kMinSigma = 0.02;  // m, of a point about its plane
+constexpr double kMinSigma = 0.02;  // m, standard deviation of a point about its plane
 
 /// Normal equations of one iteration.
 struct Equations {
@@ -34,7 +34,7 @@ struct Equations {
   int pairs = 0;
 };
 
-/// Weight of a residual after Geman and McClure with scale c.
+/// Weight of a residual by the kernel of Geman and McClure with scale c.
 double robust_weight(double residual, double c) {
   const double ratio = c * c / (c * c + residual * residual);
   return ratio * ratio;
@@ -67,7 +67,7 @@ Equations linearise(const std::vector<Eigen::Vector3f>& source, const SurfaceClo
   return equations;
 }
 
-/// Gauss-Newton step; a small damping keeps directions that nothing pins where they are.
+/// Gauss-Newton step. A small damping keeps directions that no plane determines unchanged.
 Vector6d step_of(const Equations& equations) {
   Matrix6d damped = equations.hessian;
   damped.diagonal() += Vector6d::Constant(1e-3 * equations.weight);
@@ -80,7 +80,8 @@ bool is_small(const Vector6d& step) {
 
 Covariance6 covariance_of(const Equations& equations) {
   const double variance = std::max(equations.cost / equations.weight, kMinSigma * kMinSigma);
-  // A direction that nothing pins is worth a kilometre, not infinity.
+  // A direction that no plane determines gets a standard deviation of one kilometre instead of
+  // infinity.
   const Matrix6d information = equations.hessian / variance + 1e-6 * Matrix6d::Identity();
   return information.ldlt().solve(Matrix6d::Identity());
 }

@@ -6,7 +6,7 @@
 
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
-#include "separation.hpp"
+#include "graph_distance.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing {
@@ -14,34 +14,38 @@ namespace lidar_mapping::loop_closing {
 /// A measured horizontal distance.
 struct Distance {
   double value = 0.0;  ///< m
-  double sigma = 0.0;  ///< m
+  double sigma = 0.0;  ///< standard deviation, m
 };
 
-/// What is known of the relative pose of two key frames before they are matched.
+/// What is known about the relative pose of two key frames before they are matched.
 struct Prior {
-  bool anchored = false;  ///< constraints join the two; if not, the estimate says nothing
-  Pose T_from_to;         ///< from the newest estimate
-  double sigma_horizontal = std::numeric_limits<double>::infinity();  ///< m
-  double sigma_vertical = std::numeric_limits<double>::infinity();    ///< m
-  double sigma_rotation = std::numeric_limits<double>::infinity();    ///< rad
-  double jumped = 0.0;           ///< heights that odometry jumped between the two, m
-  std::optional<Distance> gnss;  ///< where both have a position
+  /// Constraints connect the two; otherwise the estimate gives no information.
+  bool anchored = false;
+  Pose T_from_to;  ///< relative pose by the newest estimate
+  /// Standard deviation of the horizontal position, m.
+  double sigma_horizontal = std::numeric_limits<double>::infinity();
+  /// Standard deviation of the height, m.
+  double sigma_vertical = std::numeric_limits<double>::infinity();
+  /// Standard deviation of the rotation, rad.
+  double sigma_rotation = std::numeric_limits<double>::infinity();
+  double height_jumps = 0.0;     ///< sum of the jumps in height of odometry between the two, m
+  std::optional<Distance> gnss;  ///< distance by GNSS, if both have a position
 };
 
-Prior prior_between(const Trajectory& trajectory, const Separation& separation,
+Prior prior_between(const Trajectory& trajectory, const GraphDistance& graph_distance,
                     Trajectory::NodeId from, Trajectory::NodeId to,
                     const LoopClosingConfig& config);
 
-/// True if GNSS is there and knows the horizontal distance better than the estimate does.
-bool gnss_decides(const Prior& prior);
-/// True if the two may see the same place: within detect_area, widened to 99 % by the uncertainty.
-/// An unanchored pair without GNSS may be anywhere.
-bool may_meet(const Prior& prior, const LoopClosingConfig& config);
-/// Upper bound of the radius that may_meet() allows after driving `way` (m).
-double largest_radius(double way, const LoopClosingConfig& config);
+/// True if there is GNSS and the horizontal distance by GNSS is more certain than by the estimate.
+bool gnss_is_more_certain(const Prior& prior);
+/// True if the two may observe the same location: they are within detect_area, enlarged to 99 % by
+/// the uncertainty. A pair that is neither anchored nor has GNSS is always possible.
+bool may_overlap(const Prior& prior, const LoopClosingConfig& config);
+/// Upper bound of the radius of may_overlap() after a distance of `path_length` (m).
+double largest_radius(double path_length, const LoopClosingConfig& config);
 
-/// Squared distance of a measured relative pose from the prior in units of its covariance (six
-/// degrees of freedom), and the part of the height alone (one).
+/// Squared Mahalanobis distance of a measured relative pose from the prior: of the whole pose (six
+/// degrees of freedom) and of the height alone (one degree of freedom).
 struct Innovation {
   double whole = 0.0;
   double height = 0.0;

@@ -15,7 +15,8 @@ constexpr int kColumns = 240;  // of 1.5 degrees
 constexpr int kRows = 90;      // of 2 degrees
 constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
-constexpr float kMargin = 1.5F;  // m behind a point that its block must be to contradict it
+constexpr float kViolationMargin =
+    1.5F;  // m; a block has to be this much behind a point to contradict it
 constexpr int kMinReturns = 4;
 
 }  // namespace
@@ -41,10 +42,10 @@ RangeImage::Cell RangeImage::cell_of(const Eigen::Vector3f& p) const {
   return cell;
 }
 
-RangeImage::Sight RangeImage::sight(const Eigen::Vector3f& p) const {
-  if (ranges_.empty()) return Sight::kUntested;
+RangeImage::FreeSpaceTest RangeImage::test_free_space(const Eigen::Vector3f& p) const {
+  if (ranges_.empty()) return FreeSpaceTest::kUntested;
   const Cell cell = cell_of(p);
-  if (ranges_[cell.row * kColumns + cell.column] == kEmpty) return Sight::kUntested;
+  if (ranges_[cell.row * kColumns + cell.column] == kEmpty) return FreeSpaceTest::kUntested;
   float nearest = kEmpty;
   int returns = 0;
   for (int row = std::max(cell.row - 1, 0); row <= std::min(cell.row + 1, kRows - 1); ++row) {
@@ -55,8 +56,9 @@ RangeImage::Sight RangeImage::sight(const Eigen::Vector3f& p) const {
       ++returns;
     }
   }
-  if (returns < kMinReturns) return Sight::kUntested;
-  return nearest > cell.range + kMargin ? Sight::kViolates : Sight::kAgrees;
+  if (returns < kMinReturns) return FreeSpaceTest::kUntested;
+  return nearest > cell.range + kViolationMargin ? FreeSpaceTest::kViolation
+                                                 : FreeSpaceTest::kConsistent;
 }
 
 }  // namespace lidar_mapping::loop_closing

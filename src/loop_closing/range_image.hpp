@@ -7,18 +7,18 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// What a LiDAR saw from one place: the nearest range per direction (1.5 by 2 degrees). Points that
-/// lie clearly in front of everything seen there contradict the scan.
+/// Range image of one scan: the nearest range per direction (1.5 by 2 degrees). A point contradicts
+/// the scan if it is clearly nearer than all ranges around its direction: the space there was free.
 class RangeImage {
  public:
   RangeImage() = default;
-  /// Points and the sensor's position in the same frame.
+  /// Points and position of the sensor in the same frame, m.
   RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor);
 
-  enum class Sight { kUntested, kAgrees, kViolates };
-  /// What the scan says about a point (same frame): untested unless its own cell holds a return and
-  /// the 3 x 3 block around at least four.
-  Sight sight(const Eigen::Vector3f& p) const;
+  enum class FreeSpaceTest { kUntested, kConsistent, kViolation };
+  /// Tests a point in the same frame. The point is untested unless its own cell has a return and
+  /// the 3 x 3 block around it at least four.
+  FreeSpaceTest test_free_space(const Eigen::Vector3f& p) const;
 
  private:
   struct Cell {
@@ -29,7 +29,7 @@ class RangeImage {
   Cell cell_of(const Eigen::Vector3f& p) const;
 
   Eigen::Vector3f sensor_ = Eigen::Vector3f::Zero();
-  std::vector<float> ranges_;  ///< row by row; infinity where nothing returned
+  std::vector<float> ranges_;  ///< row by row; infinity without a return
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -30,13 +30,13 @@ Alignment ScanAlignment::align(const std::vector<Eigen::Vector3f>& source,
                                const SurfaceCloud& target, const Pose& T_target_source_guess) {
   if (registration_ == nullptr) return align_point_to_plane(source, target, T_target_source_guess);
   registration_->set_target(cloud_of(target.tree().points()));
-  const registration::RegistrationResult found =
+  const registration::RegistrationResult registered =
       registration_->align(cloud_of(source), T_target_source_guess);
   Alignment result;
-  result.T_target_source = found.T_target_source;
-  result.iterations = found.iterations;
-  const auto covariance = point_to_plane_covariance(source, target, found.T_target_source);
-  result.converged = found.converged && covariance.has_value();
+  result.T_target_source = registered.T_target_source;
+  result.iterations = registered.iterations;
+  const auto covariance = point_to_plane_covariance(source, target, registered.T_target_source);
+  result.converged = registered.converged && covariance.has_value();
   if (covariance) result.covariance = *covariance;
   return result;
 }

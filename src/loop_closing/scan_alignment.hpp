@@ -14,20 +14,21 @@ class Registration;
 
 namespace lidar_mapping::loop_closing {
 
-/// Aligns scans with submaps by the method that the configuration names. Whatever the method, the
-/// covariance is that of the point-to-plane residuals where the scan came to lie, so that loops are
-/// weighed alike. One thread calls it.
+/// Aligns scans with submaps by the configured method. For all methods, the covariance is computed
+/// from the point-to-plane residuals at the result, so that the loops of all methods are weighted
+/// alike. The class must be called from one thread.
 class ScanAlignment {
  public:
   explicit ScanAlignment(const LoopClosingConfig& config);
   ~ScanAlignment();
 
-  /// Points of `source` and `target` in m, each in the frame of its own key frame.
+  /// Registers `source` to `target`; the points are in m, each in the frame of its key frame.
   Alignment align(const std::vector<Eigen::Vector3f>& source, const SurfaceCloud& target,
                   const Pose& T_target_source_guess);
 
  private:
-  std::unique_ptr<registration::Registration> registration_;  ///< null for the own way
+  /// Null for the point-to-plane method of this stage.
+  std::unique_ptr<registration::Registration> registration_;
 };
 
 }  // namespace lidar_mapping::loop_closing

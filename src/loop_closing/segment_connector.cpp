@@ -9,9 +9,9 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kMaxKnown = 100;
+constexpr std::size_t kMaxKnownMatches = 100;
 constexpr double kMaxSpeed = 40.0;             // m/s, of the vehicle while nothing was recorded
-constexpr double kTranslationTolerance = 0.5;  // m, and 2 % of the way between the matches
+constexpr double kTranslationTolerance = 0.5;  // m, plus 2 % of the path length between the matches
 constexpr double kDriftTolerance = 0.02;
 constexpr double kRotationTolerance = 0.1;  // rad
 
@@ -28,12 +28,13 @@ Pose odometry_between(const Trajectory& trajectory, Trajectory::NodeId a, Trajec
   return trajectory[a].T_odom_base.inverse() * trajectory[b].T_odom_base;
 }
 
-double way_between(const Trajectory& trajectory, Trajectory::NodeId a, Trajectory::NodeId b) {
+double path_length_between(const Trajectory& trajectory, Trajectory::NodeId a,
+                           Trajectory::NodeId b) {
   return std::abs(trajectory[a].travelled - trajectory[b].travelled);
 }
 
-/// True if odometry leads from one match to the other.
-bool agree(const Loop& a, const Loop& b, const Trajectory& trajectory) {
+/// True if odometry between two matches agrees with both.
+bool are_consistent(const Loop& a, const Loop& b, const Trajectory& trajectory) {
   const Ends ends_a = ends_of(a, trajectory);
   const Ends ends_b = ends_of(b, trajectory);
   if (trajectory[ends_a.from].segment != trajectory[ends_b.from].segment) return false;
@@ -41,46 +42,48 @@ bool agree(const Loop& a, const Loop& b, const Trajectory& trajectory) {
   const Pose predicted = odometry_between(trajectory, ends_b.from, ends_a.from) * a.T_from_to *
                          odometry_between(trajectory, ends_a.to, ends_b.to);
   const Vector6d error = difference(predicted, b.T_from_to);
-  const double way = way_between(trajectory, ends_a.from, ends_b.from) +
-                     way_between(trajectory, ends_a.to, ends_b.to);
-  return error.head<3>().norm() < kTranslationTolerance + kDriftTolerance * way &&
+  const double path_length = path_length_between(trajectory, ends_a.from, ends_b.from) +
+                             path_length_between(trajectory, ends_a.to, ends_b.to);
+  return error.head<3>().norm() < kTranslationTolerance + kDriftTolerance * path_length &&
          error.tail<3>().norm() < kRotationTolerance;
 }
 
-/// How far apart the two key frames can be at most: the ways to the ends of their segments and what
-/// the vehicle can have driven between. Segments that overlap in time are of two vehicles.
-double farthest_apart(const Ends& ends, const Trajectory& trajectory) {
+/// Largest possible distance of the two key frames: the path lengths to the ends of their segments
+/// and the distance that the vehicle may have travelled between these. Infinite for segments that
+/// overlap in time, which come from two vehicles.
+double max_distance_apart(const Ends& ends, const Trajectory& trajectory) {
   Trajectory::NodeId last = ends.from;
   while (trajectory[last + 1].segment == trajectory[ends.from].segment) ++last;
   Trajectory::NodeId first = ends.to;
   while (trajectory[first - 1].segment == trajectory[ends.to].segment) --first;
   const double gap = to_seconds(trajectory[first].stamp - trajectory[last].stamp);
   if (gap < 0.0) return std::numeric_limits<double>::infinity();
-  return way_between(trajectory, ends.from, last) + kMaxSpeed * gap +
-         way_between(trajectory, first, ends.to);
+  return path_length_between(trajectory, ends.from, last) + kMaxSpeed * gap +
+         path_length_between(trajectory, first, ends.to);
 }
 
 }  // namespace
 
 std::vector<Loop> SegmentConnector::add(const Loop& loop, const Trajectory& trajectory) {
   const Ends ends = ends_of(loop, trajectory);
-  bool believed = farthest_apart(ends, trajectory) <= stretch_;
-  std::vector<Known*> agreeing;
-  for (Known& known : known_) {
-    if (!agree(known.loop, loop, trajectory)) continue;
-    agreeing.push_back(&known);
-    const double way = way_between(trajectory, ends_of(known.loop, trajectory).to, ends.to);
-    believed = believed || known.believed || way >= stretch_;
+  bool accepted = max_distance_apart(ends, trajectory) <= min_path_length_;
+  std::vector<KnownMatch*> consistent;
+  for (KnownMatch& match : matches_) {
+    if (!are_consistent(match.loop, loop, trajectory)) continue;
+    consistent.push_back(&match);
+    const double path_length =
+        path_length_between(trajectory, ends_of(match.loop, trajectory).to, ends.to);
+    accepted = accepted || match.accepted || path_length >= min_path_length_;
   }
   std::vector<Loop> result;
-  if (believed) result.push_back(loop);
-  for (Known* known : agreeing) {
-    if (!believed || known->believed) continue;
-    result.push_back(known->loop);
-    known->believed = true;
+  if (accepted) result.push_back(loop);
+  for (KnownMatch* match : consistent) {
+    if (!accepted || match->accepted) continue;
+    result.push_back(match->loop);
+    match->accepted = true;
   }
-  known_.push_back({loop, believed});
-  if (known_.size() > kMaxKnown) known_.erase(known_.begin());
+  matches_.push_back({loop, accepted});
+  if (matches_.size() > kMaxKnownMatches) matches_.erase(matches_.begin());
   return result;
 }
 

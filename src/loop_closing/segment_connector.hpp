@@ -9,23 +9,24 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Matches between segments of the trajectory that nothing joins yet. Two streets can look alike,
-/// so one match is not believed without a prior; matches that agree over a long way are.
+/// Collects matches between segments of the trajectory that are not connected yet. Two streets may
+/// look alike, so that a single match without a prior is not accepted. Matches that agree over a
+/// long path are accepted.
 class SegmentConnector {
  public:
-  /// `stretch`: the way (m) that no two places look alike over.
-  explicit SegmentConnector(double stretch) : stretch_(stretch) {}
+  /// `min_path_length`: path length (m) over which no two locations look alike.
+  explicit SegmentConnector(double min_path_length) : min_path_length_(min_path_length) {}
 
-  /// Takes in a match; returns all that are to be believed now, this one included, or none.
+  /// Adds a match. Returns all matches that are accepted now, including this one, or none.
   std::vector<Loop> add(const Loop& loop, const Trajectory& trajectory);
 
  private:
-  struct Known {
+  struct KnownMatch {
     Loop loop;
-    bool believed = false;
+    bool accepted = false;
   };
-  double stretch_;
-  std::vector<Known> known_;  // bounded; the oldest is given up
+  double min_path_length_;
+  std::vector<KnownMatch> matches_;  // limited; the oldest is dropped
 };
 
 }  // namespace lidar_mapping::loop_closing

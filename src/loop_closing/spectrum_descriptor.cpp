@@ -17,17 +17,18 @@ constexpr int kDirections = SpectrumDescriptor::kDirections;
 constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;
 using Spectra = Eigen::Matrix<float, kFrequencies, kDirections>;
 
-/// How many cells lie at which distance along a direction; shared between the two nearest bins.
-std::vector<float> projected(const std::vector<Eigen::Vector2f>& cells, double angle) {
+/// Histogram of the cells' distances along a direction; each cell is shared between the two nearest
+/// bins.
+std::vector<float> projected_histogram(const std::vector<Eigen::Vector2f>& cells, double angle) {
   const Eigen::Vector2f direction(static_cast<float>(std::cos(angle)),
                                   static_cast<float>(std::sin(angle)));
   std::vector<float> histogram(kBins, 0.0F);
   for (const auto& cell : cells) {
-    const float place = cell.dot(direction) + static_cast<float>(kBins) / 2.0F;
-    const int bin = static_cast<int>(place);
-    const float share = place - static_cast<float>(bin);
-    histogram[bin] += 1.0F - share;
-    histogram[bin + 1] += share;
+    const float position = cell.dot(direction) + static_cast<float>(kBins) / 2.0F;
+    const int bin = static_cast<int>(position);
+    const float fraction = position - static_cast<float>(bin);
+    histogram[bin] += 1.0F - fraction;
+    histogram[bin + 1] += fraction;
   }
   return histogram;
 }
@@ -37,13 +38,14 @@ Spectra magnitude_spectra(const std::vector<Eigen::Vector2f>& cells) {
   std::vector<std::complex<float>> spectrum;
   Spectra spectra;
   for (int d = 0; d < kDirections; ++d) {
-    fft.fwd(spectrum, projected(cells, kPi * d / kDirections));
+    fft.fwd(spectrum, projected_histogram(cells, kPi * d / kDirections));
     for (int f = 0; f < kFrequencies; ++f) spectra(f, d) = std::sqrt(std::abs(spectrum[f + 1]));
   }
   return spectra;
 }
 
-/// Place of the peak of a parabola through three equidistant values, in steps from the middle one.
+/// Position of the peak of a parabola through three equidistant values, in steps from the middle
+/// one.
 double parabola_peak(double left, double middle, double right) {
   const double curvature = left - 2.0 * middle + right;
   return curvature < 0.0 ? 0.5 * (left - right) / curvature : 0.0;
@@ -73,14 +75,15 @@ SpectrumDescriptor::Key SpectrumDescriptor::key() const {
 }
 
 SpectrumDescriptor::Comparison SpectrumDescriptor::compare(const SpectrumDescriptor& other) const {
-  const Spectra mine = values_.cast<float>();
-  // Twice side by side, so that every circular shift is one block.
-  Eigen::Matrix<float, kFrequencies, 2 * kDirections> twice;
-  twice << mine, mine;
-  const Spectra theirs = other.values_.cast<float>();
+  const Spectra own = values_.cast<float>();
+  // Twice side by side, so that each circular shift is one block.
+  Eigen::Matrix<float, kFrequencies, 2 * kDirections> own_twice;
+  own_twice << own, own;
+  const Spectra of_other = other.values_.cast<float>();
   Eigen::Matrix<float, kDirections, 1> similarity;
   for (int shift = 0; shift < kDirections; ++shift) {
-    similarity[shift] = twice.block<kFrequencies, kDirections>(0, shift).cwiseProduct(theirs).sum();
+    similarity[shift] =
+        own_twice.block<kFrequencies, kDirections>(0, shift).cwiseProduct(of_other).sum();
   }
   int best = 0;
   similarity.maxCoeff(&best);

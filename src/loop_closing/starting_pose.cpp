@@ -9,11 +9,12 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kTrusted = 0.7;       // m; the estimate is a better start than the views
-constexpr double kYawTrusted = 0.35;   // rad
-constexpr std::size_t kMinCells = 30;  // occupied cells for a view to say anything
+// M; below it the estimate is a better starting pose than the views.
+constexpr double kTrustedHorizontal = 0.7;
+constexpr double kTrustedRotation = 0.35;  // rad
+constexpr std::size_t kMinCells = 30;      // least number of occupied cells for a view to be used
 
-/// A start on the same ground plane: roll, pitch and height differences are left to the matching.
+/// A starting pose on the same ground plane: roll, pitch and height are left to the registration.
 Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
   Pose pose;
   pose.translation << translation, 0.0;
@@ -23,24 +24,24 @@ Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
 
 }  // namespace
 
-Start start_by_views(const Prior& prior, const std::optional<Appearance>& older,
-                     const std::optional<Appearance>& newer,
-                     const std::vector<Eigen::Vector2f>& cells) {
-  Start start{planar_pose(prior.T_from_to.translation.head<2>(), yaw_of(prior.T_from_to.rotation)),
-              0.0};
+StartingPose starting_pose_by_views(const Prior& prior, const std::optional<Appearance>& older,
+                                    const std::optional<Appearance>& newer,
+                                    const std::vector<Eigen::Vector2f>& cells) {
+  StartingPose start{
+      planar_pose(prior.T_from_to.translation.head<2>(), yaw_of(prior.T_from_to.rotation)), 0.0};
   if (!older || !newer || std::min(older->view.count(), cells.size()) < kMinCells) return start;
-  const double turn = older->descriptor.compare(newer->descriptor).yaw;
-  std::vector<double> headings = {turn, turn + kPi};
-  if (prior.anchored && prior.sigma_rotation < kYawTrusted) {
-    headings.push_back(yaw_of(prior.T_from_to.rotation));
+  const double yaw = older->descriptor.compare(newer->descriptor).yaw;
+  std::vector<double> candidate_yaws = {yaw, yaw + kPi};
+  if (prior.anchored && prior.sigma_rotation < kTrustedRotation) {
+    candidate_yaws.push_back(yaw_of(prior.T_from_to.rotation));
   }
   const ViewCorrelator correlator(older->view);
-  for (const double heading : headings) {
-    const ViewMatch match = correlator.match(cells, heading);
+  for (const double candidate_yaw : candidate_yaws) {
+    const ViewMatch match = correlator.match(cells, candidate_yaw);
     if (match.score <= start.score) continue;
     start.score = match.score;
-    if (prior.anchored && prior.sigma_horizontal < kTrusted) continue;
-    start.T_from_to = planar_pose(match.translation, heading);
+    if (prior.anchored && prior.sigma_horizontal < kTrustedHorizontal) continue;
+    start.T_from_to = planar_pose(match.translation, candidate_yaw);
   }
   return start;
 }

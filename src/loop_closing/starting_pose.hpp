@@ -10,16 +10,16 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Where to start the registration of two key frames.
-struct Start {
+/// Starting pose for the registration of two key frames.
+struct StartingPose {
   Pose T_from_to;
-  double score = 0.0;  ///< how well the two views from above agree there, 0 to 1
+  double score = 0.0;  ///< agreement of the two bird's-eye views at this pose, 0 to 1
 };
 
-/// Tries the headings that the estimate and the descriptors suggest and keeps the one from which
-/// the two views agree best. `cells` are those of the newer view.
-Start start_by_views(const Prior& prior, const std::optional<Appearance>& older,
-                     const std::optional<Appearance>& newer,
-                     const std::vector<Eigen::Vector2f>& cells);
+/// Tries the headings of the estimate and of the descriptors, and returns the pose with the best
+/// agreement of the two views. `cells` are those of the newer view.
+StartingPose starting_pose_by_views(const Prior& prior, const std::optional<Appearance>& older,
+                                    const std::optional<Appearance>& newer,
+                                    const std::vector<Eigen::Vector2f>& cells);
 
 }  // namespace lidar_mapping::loop_closing

@@ -9,9 +9,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kMostPoints = 4'000'000;  // 48 MB: some 300 key frames of 64 beams
-constexpr std::size_t kMostSubmaps = 8;
-constexpr double kSubmapWay = 30.0;  // m, further ones see other things
+constexpr std::size_t kMaxCachedPoints = 4'000'000;  // 48 MB: about 300 key frames of 64 beams
+constexpr std::size_t kMaxCachedSubmaps = 8;
+// M; key frames further along the path observe other surroundings.
+constexpr double kMaxPathLength = 30.0;
 
 Eigen::Isometry3f isometry(const Pose& pose) {
   Eigen::Isometry3f T = Eigen::Isometry3f::Identity();
@@ -26,8 +27,8 @@ SubmapBuilder::SubmapBuilder(const LoopClosingConfig& config, CloudSource& cloud
     : config_(config),
       clouds_(clouds),
       preparation_(config),
-      points_cache_(kMostPoints),
-      submap_cache_(kMostSubmaps) {}
+      points_cache_(kMaxCachedPoints),
+      submap_cache_(kMaxCachedSubmaps) {}
 
 double SubmapBuilder::map_leaf() const {
   return config_.map_filter == FilterMethod::kVoxel ? config_.map_leaf_size : 0.0;
@@ -44,13 +45,13 @@ void SubmapBuilder::set_sensor_origin(const Eigen::Vector3d& p_base_lidar) {
 }
 
 Points SubmapBuilder::thinned(const PointCloud& cloud, double leaf) {
-  voxels_.restart(leaf);
+  voxels_.reset(leaf);
   for (const Point& point : cloud.points) voxels_.add(point.position());
   return voxels_.points();
 }
 
 PointsPtr SubmapBuilder::map_points(KeyFrameIndex index) {
-  if (const auto* kept = points_cache_.find(index)) return *kept;
+  if (const auto* cached = points_cache_.find(index)) return *cached;
   const PointCloudPtr cloud = clouds_.cloud(index);
   return cloud ? cache(index, preparation_.thinned(*cloud)) : nullptr;
 }
@@ -65,17 +66,18 @@ PointsPtr SubmapBuilder::add_newest(const KeyFrame& key_frame, const PointsPtr& 
   return cache(key_frame.index, prepared ? prepared : preparation_.thinned(*newest_));
 }
 
-/// The newest cloud, thinned as a scan.
+/// The newest cloud, thinned like a scan.
 Points SubmapBuilder::newest_scan(KeyFrameIndex index) {
   if (scan_leaf() == map_leaf()) return *map_points(index);
   return thinned(*newest_, scan_leaf());
 }
 
-/// The points of `middle`, `own`, and of the key frames around it, placed by odometry, which over
-/// some metres is better than any estimate that still moves; thinned, in the base_link of `middle`.
-Points SubmapBuilder::joined(const Trajectory& trajectory, Trajectory::NodeId middle,
-                             const Points& own, std::size_t before, std::size_t after,
-                             double leaf) {
+/// Merges `own_points` of node `middle` with the points of the key frames around it, thinned and in
+/// the base_link of `middle`. The poses come from odometry, which over some metres is better than
+/// an estimate that is still changing.
+Points SubmapBuilder::merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
+                                    const Points& own_points, std::size_t before, std::size_t after,
+                                    double leaf) {
   std::vector<std::pair<PointsPtr, Eigen::Isometry3f>> others;
   const Pose T_middle_odom = trajectory[middle].T_odom_base.inverse();
   const std::size_t first = middle - std::min(before, middle);
@@ -83,12 +85,12 @@ Points SubmapBuilder::joined(const Trajectory& trajectory, Trajectory::NodeId mi
   for (std::size_t id = first; id <= last; ++id) {
     const TrajectoryNode& node = trajectory[id];
     if (id == middle || node.segment != trajectory[middle].segment) continue;
-    if (std::abs(node.travelled - trajectory[middle].travelled) > kSubmapWay) continue;
+    if (std::abs(node.travelled - trajectory[middle].travelled) > kMaxPathLength) continue;
     const PointsPtr points = map_points(node.index);
     if (points) others.emplace_back(points, isometry(T_middle_odom * node.T_odom_base));
   }
-  voxels_.restart(leaf);
-  for (const auto& p : own) voxels_.add(p);
+  voxels_.reset(leaf);
+  for (const auto& p : own_points) voxels_.add(p);
   for (const auto& [points, T_middle_other] : others) {
     for (const auto& p : *points) voxels_.add(T_middle_other * p);
   }
@@ -98,10 +100,10 @@ Points SubmapBuilder::joined(const Trajectory& trajectory, Trajectory::NodeId mi
 std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
   if (newest_ == nullptr) return std::nullopt;
   const Trajectory::NodeId node = trajectory.size() - 1;
-  const Points own = newest_scan(trajectory[node].index);
+  const Points own_points = newest_scan(trajectory[node].index);
   QueryScan query;
-  query.image = RangeImage(own, p_base_lidar_);
-  query.points = joined(trajectory, node, own, kQueryKeyFrames - 1, 0, scan_leaf());
+  query.image = RangeImage(own_points, p_base_lidar_);
+  query.points = merged_points(trajectory, node, own_points, kQueryKeyFrames - 1, 0, scan_leaf());
   query.above_ground = above_ground(query.points);
   return query;
 }
@@ -109,14 +111,15 @@ std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
 std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory,
                                                     Trajectory::NodeId node) {
   const KeyFrameIndex index = trajectory[node].index;
-  if (const auto* kept = submap_cache_.find(index)) return *kept;
-  const PointsPtr own = map_points(index);
-  if (own == nullptr) return nullptr;
+  if (const auto* cached = submap_cache_.find(index)) return *cached;
+  const PointsPtr own_points = map_points(index);
+  if (own_points == nullptr) return nullptr;
   const auto extent = static_cast<std::size_t>(config_.extend_frame_num);
   auto submap = std::make_shared<Submap>();
-  submap->surface = SurfaceCloud(joined(trajectory, node, *own, extent, extent, map_leaf()));
+  submap->surface =
+      SurfaceCloud(merged_points(trajectory, node, *own_points, extent, extent, map_leaf()));
   submap->above_ground = above_ground(submap->surface.tree().points());
-  submap->image = RangeImage(*own, p_base_lidar_);
+  submap->image = RangeImage(*own_points, p_base_lidar_);
   submap->p_base_lidar = p_base_lidar_;
   return submap_cache_.insert(index, std::move(submap), 1);
 }

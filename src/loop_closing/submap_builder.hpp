@@ -15,24 +15,25 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Key frames that the scan to be matched is made of.
+/// Number of key frames in the scan that is matched.
 constexpr int kQueryKeyFrames = 3;
 
-/// Makes what is matched: the scan of a key frame and the submap around another. Keeps a few
-/// thinned clouds and submaps, so that memory does not grow with the drive.
+/// Creates the clouds that are matched: the scan of the newest key frame, and the submap around
+/// another one. It caches some thinned clouds and submaps; its memory does not grow with the drive.
 class SubmapBuilder {
  public:
   /// Both must outlive this object.
   SubmapBuilder(const LoopClosingConfig& config, CloudSource& clouds);
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
 
-  /// Keeps the cloud of a new key frame and returns it thinned, in base_link; null if it is not to
-  /// be had. If it was thinned ahead, `prepared` are its points.
+  /// Stores the cloud of a new key frame and returns it thinned, in base_link; null if the cloud is
+  /// not available. `prepared` are its points if it was thinned in advance.
   PointsPtr add_newest(const KeyFrame& key_frame, const PointsPtr& prepared = nullptr);
-  /// The newest scan with those of the two nodes before, which a sensor of few beams needs.
+  /// The newest scan together with those of the two previous nodes: the scan of a sensor with few
+  /// beams is too sparse alone.
   std::optional<QueryScan> query(const Trajectory& trajectory);
-  /// The key frames within extend_frame_num of the node, as far as there are any on either side;
-  /// null if the node's own cloud is not to be had.
+  /// The key frames within extend_frame_num of the node on both sides, as far as they exist; null
+  /// if the cloud of the node itself is not available.
   std::shared_ptr<const Submap> around(const Trajectory& trajectory, Trajectory::NodeId node);
 
  private:
@@ -42,8 +43,9 @@ class SubmapBuilder {
   PointsPtr map_points(KeyFrameIndex index);
   PointsPtr cache(KeyFrameIndex index, const PointsPtr& points);
   Points newest_scan(KeyFrameIndex index);
-  Points joined(const Trajectory& trajectory, Trajectory::NodeId middle, const Points& own,
-                std::size_t before, std::size_t after, double leaf);
+  Points merged_points(const Trajectory& trajectory, Trajectory::NodeId middle,
+                       const Points& own_points, std::size_t before, std::size_t after,
+                       double leaf);
 
   LoopClosingConfig config_;
   CloudSource& clouds_;

@@ -12,10 +12,10 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
-constexpr float kPlanarity = 0.08F;      // smallest to middle eigenvalue
+constexpr float kPlanarity = 0.08F;      // largest ratio of smallest to middle eigenvalue
 constexpr float kClearance = 0.6F;       // m above the ground
-constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its middle
-constexpr double kGroundExtent = 250.0;  // m; what is further away counts as ground
+constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its centre
+constexpr double kGroundExtent = 250.0;  // m; points further away count as ground
 
 Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
                               const std::vector<KdTree::Neighbour>& neighbours) {
@@ -34,7 +34,7 @@ Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
   return solver.eigenvectors().col(0);
 }
 
-/// Square cells around the origin; the outermost ones are never given out.
+/// Square cells around the origin. The outermost cells are not used.
 class GroundCells {
  public:
   static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
@@ -42,7 +42,7 @@ class GroundCells {
 
   /// Number of the cell; -1 outside of the grid.
   static int of(const Eigen::Vector3f& p) {
-    constexpr double kMiddle = kWidth / 2;  // added first, so that casting rounds down
+    constexpr double kMiddle = kWidth / 2;  // added before the cast, so that the cast rounds down
     const double x = p.x() / kGroundCell + kMiddle;
     const double y = p.y() / kGroundCell + kMiddle;
     if (!(x >= 1.0 && y >= 1.0 && x < kWidth - 1 && y < kWidth - 1)) return -1;
@@ -50,12 +50,12 @@ class GroundCells {
   }
 };
 
-/// Lowers each value to the least of itself and those `step` before and behind.
-void spread_lowest(std::vector<float>& heights, int step) {
-  const std::vector<float> own = heights;
-  const auto count = static_cast<int>(own.size());
+/// Replaces each value by the minimum of itself and of the values `step` before and after it.
+void spread_minimum(std::vector<float>& heights, int step) {
+  const std::vector<float> original = heights;
+  const auto count = static_cast<int>(original.size());
   for (int i = step; i < count - step; ++i) {
-    heights[i] = std::min(own[i], std::min(own[i - step], own[i + step]));
+    heights[i] = std::min(original[i], std::min(original[i - step], original[i + step]));
   }
 }
 
@@ -90,9 +90,9 @@ std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points) {
     cells[i] = GroundCells::of(points[i]);
     if (cells[i] >= 0) lowest[cells[i]] = std::min(lowest[cells[i]], points[i].z());
   }
-  // To 3 x 3 blocks of cells.
-  spread_lowest(lowest, 1);
-  spread_lowest(lowest, GroundCells::kWidth);
+  // The minimum over blocks of 3 x 3 cells.
+  spread_minimum(lowest, 1);
+  spread_minimum(lowest, GroundCells::kWidth);
   std::vector<bool> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     result[i] = cells[i] >= 0 && points[i].z() > lowest[cells[i]] + kClearance;

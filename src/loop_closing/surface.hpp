@@ -12,16 +12,16 @@ namespace lidar_mapping::loop_closing {
 /// The finite positions of a cloud.
 std::vector<Eigen::Vector3f> positions(const PointCloud& cloud);
 
-/// Points with a search tree and the normals of its planes.
+/// Points with a search tree and with normals.
 class SurfaceCloud {
  public:
   SurfaceCloud() = default;
   explicit SurfaceCloud(std::vector<Eigen::Vector3f> points);
 
   const KdTree& tree() const { return tree_; }
-  /// Unit normal of a point of the tree from its ten nearest neighbours; zero where they are no
-  /// plane. It is computed when it is asked for first, as a match meets some of the points only;
-  /// so one thread at a time may ask.
+  /// Unit normal of a point of the tree by its ten nearest neighbours; zero if these are not in a
+  /// plane. It is computed at the first call, because a match needs only some of the normals.
+  /// Therefore it must be called from one thread at a time.
   const Eigen::Vector3f& normal(std::size_t index) const;
 
  private:
@@ -30,8 +30,8 @@ class SurfaceCloud {
   mutable std::vector<bool> is_known_;
 };
 
-/// For each point: true if it is more than 0.6 m higher than the lowest point within about 3.75 m,
-/// so that slopes count as ground too.
+/// For each point: true if it is more than 0.6 m above the lowest point within about 3.75 m, so
+/// that slopes also count as ground.
 std::vector<bool> above_ground(const std::vector<Eigen::Vector3f>& points);
 
 }  // namespace lidar_mapping::loop_closing

@@ -10,19 +10,21 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-/// Fixes wait for their key frame; most scans are none, so the oldest are given up.
+/// Limit for fixes without a key frame, of which the oldest are dropped: most scans are no key
+/// frames.
 constexpr std::size_t kMaxEarlyPositions = 2000;
 
-constexpr double kJump = 1.5;  // m that the height changes at once, as no ramp or stair does
+constexpr double kMinHeightJump =
+    1.5;  // m; a larger change of the height at once is neither a ramp nor stairs
 
-/// How far the height of a step is from that which the direction of the step before leads to, if
-/// that is no motion but an error: a match on another storey, say.
+/// Difference of the height of a step from the slope of the previous step, if it is too large for a
+/// motion. Such a jump is an error, for instance a match on another storey.
 double height_jump(const Pose& T_odom_first, const Pose& T_odom_second, const Pose& T_odom_third) {
   const Eigen::Vector3d before = (T_odom_first.inverse() * T_odom_second).translation;
   const Eigen::Vector3d step = (T_odom_second.inverse() * T_odom_third).translation;
   const double slope = before.norm() > 0.1 ? before.z() / before.norm() : 0.0;
   const double jump = std::abs(step.z() - slope * step.head<2>().norm());
-  return jump > kJump ? jump : 0.0;
+  return jump > kMinHeightJump ? jump : 0.0;
 }
 
 }  // namespace
@@ -41,12 +43,12 @@ Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
     const TrajectoryNode& last = nodes_.back();
     const bool continues = last.segment == node.segment;
     node.travelled = last.travelled;
-    node.jumped = last.jumped;
+    node.height_jumps = last.height_jumps;
     if (continues) {
       node.travelled += (node.T_odom_base.translation - last.T_odom_base.translation).norm();
     }
     if (continues && nodes_.size() > 1 && nodes_[nodes_.size() - 2].segment == node.segment) {
-      node.jumped +=
+      node.height_jumps +=
           height_jump(nodes_[nodes_.size() - 2].T_odom_base, last.T_odom_base, node.T_odom_base);
     }
   }
@@ -64,7 +66,7 @@ Trajectory::NodeId Trajectory::append(const KeyFrame& key_frame) {
   return id;
 }
 
-/// From the node before, by odometry.
+/// The pose of a node by odometry from the previous node.
 Pose Trajectory::predicted(NodeId id) const {
   const TrajectoryNode& node = nodes_[id];
   if (id == 0 || nodes_[id - 1].segment != node.segment) return node.T_odom_base;

@@ -15,18 +15,18 @@ bool is_accepted(const VerifiedCandidate& verified) {
   return verified.decision.verdict == Verdict::kAccepted;
 }
 
-/// The Hessian knows of noise alone; a loop is never stiffer than what it is measured against.
-Covariance6 floored(const Covariance6& covariance, const LoopClosingConfig& config) {
+/// The Hessian includes only noise. The lower bound is the accuracy of the submap itself.
+Covariance6 with_lower_bound(const Covariance6& covariance, const LoopClosingConfig& config) {
   return covariance + diagonal_covariance(config.min_stddev_x, config.min_stddev_q);
 }
 
 }  // namespace
 
 bool is_conclusive(const VerifiedCandidate& verified) {
-  return is_accepted(verified) && is_beyond_doubt(verified.match, verified.candidate.prior);
+  return is_accepted(verified) && is_unambiguous(verified.match, verified.candidate.prior);
 }
 
-void keep_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory) {
+void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory) {
   const auto is_worse = [](const VerifiedCandidate& a, const VerifiedCandidate& b) {
     if (is_accepted(a) != is_accepted(b)) return is_accepted(b);
     return a.margin() < b.margin();
@@ -49,7 +49,7 @@ Loop to_loop(const VerifiedCandidate& verified, const Trajectory& trajectory,
   loop.to = newest(trajectory).index;
   loop.stamp = newest(trajectory).stamp;
   loop.T_from_to = verified.match.alignment.T_target_source;
-  loop.covariance = floored(verified.match.alignment.covariance, config);
+  loop.covariance = with_lower_bound(verified.match.alignment.covariance, config);
   loop.fitness = verified.match.figures.fitness;
   loop.overlap = verified.match.figures.overlap;
   loop.source = verified.candidate.source;

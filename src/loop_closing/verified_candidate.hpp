@@ -6,25 +6,26 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// A candidate for the newest key frame, what matching made of it and what became of it.
+/// A candidate for the newest key frame with its match and the decision on it.
 struct VerifiedCandidate {
   Candidate candidate;
   Match match;
   Decision decision;
 
-  /// The figure that decides: overlap minus twice the free-space violation.
+  /// The deciding figure: overlap minus twice the free-space violation.
   double margin() const { return margin_of(match.figures); }
 };
 
-/// True if no other candidate need be matched: accepted beyond doubt.
+/// True if no other candidate has to be matched: this one is accepted and unambiguous.
 bool is_conclusive(const VerifiedCandidate& verified);
-/// Of several accepted verified only the best stays accepted; the others would say the same again.
-void keep_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory);
+/// Refuses all accepted candidates but the best: the others would constrain the same key frame
+/// again.
+void refuse_all_but_best(std::vector<VerifiedCandidate>& verified, const Trajectory& trajectory);
 
 Loop to_loop(const VerifiedCandidate& verified, const Trajectory& trajectory,
              const LoopClosingConfig& config);
 LoopVerdict to_verdict(const VerifiedCandidate& verified, const Trajectory& trajectory);
-/// Of a match that waited until another confirmed it.
+/// The verdict for a match that was accepted later, because another match agrees with it.
 LoopVerdict confirmed_verdict(const Loop& loop, const Loop& by);
 
 }  // namespace lidar_mapping::loop_closing

@@ -8,38 +8,38 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::uint32_t kFree = 0xFFFFFFFFU;
-constexpr std::size_t kLeastSlots = 1 << 14;
-constexpr float kFarthest = 5e4F;  // m; cells of any leaf that the parameters allow fit a key
+constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;
+constexpr std::size_t kMinSlots = 1 << 14;
+constexpr float kMaxCoordinate = 5e4F;  // m; with all permitted leaf sizes the cells fit into a key
 
 }  // namespace
 
-VoxelMeans::VoxelMeans() : slots_(kLeastSlots, kFree) {}
+VoxelMeans::VoxelMeans() : slots_(kMinSlots, kEmptySlot) {}
 
-void VoxelMeans::restart(double leaf) {
+void VoxelMeans::reset(double leaf) {
   leaf_ = static_cast<float>(leaf);
-  per_leaf_ = leaf > 0.0 ? static_cast<float>(1.0 / leaf) : 0.0F;
-  waiting_count_ = 0;
+  inverse_leaf_ = leaf > 0.0 ? static_cast<float>(1.0 / leaf) : 0.0F;
+  pending_count_ = 0;
   voxels_.clear();
-  std::fill(slots_.begin(), slots_.end(), kFree);
+  std::fill(slots_.begin(), slots_.end(), kEmptySlot);
 }
 
-/// Where the number of the cell's voxel stands, or has to be put.
+/// The slot with the number of the cell's voxel, or the empty slot for it.
 inline std::uint32_t& VoxelMeans::slot_of(VoxelKey key) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = VoxelKeyHash()(key) & mask;
-  while (slots_[slot] != kFree && voxels_[slots_[slot]].key != key) slot = (slot + 1) & mask;
+  while (slots_[slot] != kEmptySlot && voxels_[slots_[slot]].key != key) slot = (slot + 1) & mask;
   return slots_[slot];
 }
 
 void VoxelMeans::grow() {
-  slots_.assign(2 * slots_.size(), kFree);
+  slots_.assign(2 * slots_.size(), kEmptySlot);
   for (std::uint32_t i = 0; i < voxels_.size(); ++i) slot_of(voxels_[i].key) = i;
 }
 
 inline std::uint32_t VoxelMeans::find_or_add(VoxelKey key) {
   std::uint32_t& slot = slot_of(key);
-  if (slot != kFree) return slot;
+  if (slot != kEmptySlot) return slot;
   const auto added = static_cast<std::uint32_t>(voxels_.size());
   slot = added;
   voxels_.push_back({key, 0.0F, Eigen::Vector3f::Zero()});
@@ -47,33 +47,33 @@ inline std::uint32_t VoxelMeans::find_or_add(VoxelKey key) {
   return added;
 }
 
-void VoxelMeans::flush() {
-  for (std::size_t i = 0; i < waiting_count_; ++i) {
-    Voxel& voxel = voxels_[find_or_add(waiting_[i].key)];
-    voxel.sum += waiting_[i].offset;
+void VoxelMeans::process_pending() {
+  for (std::size_t i = 0; i < pending_count_; ++i) {
+    Voxel& voxel = voxels_[find_or_add(pending_[i].key)];
+    voxel.sum += pending_[i].offset;
     voxel.count += 1.0F;
   }
-  waiting_count_ = 0;
+  pending_count_ = 0;
 }
 
 void VoxelMeans::add(const Eigen::Vector3f& p) {
-  if (!(std::abs(p.x()) < kFarthest && std::abs(p.y()) < kFarthest &&
-        std::abs(p.z()) < kFarthest)) {
+  if (!(std::abs(p.x()) < kMaxCoordinate && std::abs(p.y()) < kMaxCoordinate &&
+        std::abs(p.z()) < kMaxCoordinate)) {
     return;
   }
   if (leaf_ <= 0.0F) {
     voxels_.push_back({0, 1.0F, p});
     return;
   }
-  const VoxelIndex cell = voxel_index(p * per_leaf_);
-  Waiting& waiting = waiting_[waiting_count_++];
-  waiting.key = voxel_key(cell);
-  waiting.offset = p - leaf_ * cell.cast<float>();
-  if (waiting_count_ == kWaiting) flush();
+  const VoxelIndex cell = voxel_index(p * inverse_leaf_);
+  PendingPoint& pending_point = pending_[pending_count_++];
+  pending_point.key = voxel_key(cell);
+  pending_point.offset = p - leaf_ * cell.cast<float>();
+  if (pending_count_ == kMaxPending) process_pending();
 }
 
 std::vector<Eigen::Vector3f> VoxelMeans::points() {
-  flush();
+  process_pending();
   std::vector<Eigen::Vector3f> result;
   result.reserve(voxels_.size());
   for (const Voxel& voxel : voxels_) {

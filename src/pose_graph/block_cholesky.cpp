@@ -5,23 +5,25 @@
 
 #include <Eigen/OrderingMethods>
 
-#include "openmp_silence.hpp"
+#include "single_threaded_openmp.hpp"
 
 namespace lidar_mapping::pose_graph {
 
 template <int size>
 BlockCholesky<size>::BlockCholesky(int nodes, const std::vector<std::pair<int, int>>& pairs) {
-  order(nodes, pairs);
-  lay_out(nodes, pairs);
+  compute_ordering(nodes, pairs);
+  build_pattern(nodes, pairs);
   cholmod_.setMode(Eigen::CholmodAuto);
   cholmod_.cholmod().print = 0;
   cholmod_.cholmod().nmethods = 1;
   cholmod_.cholmod().method[0].ordering = CHOLMOD_NATURAL;
-  cholmod_.cholmod().postorder = 0;  // AMD ends with it; so no step has to permute the matrix
+  // AMD has postordered already, so that no step has to permute the matrix.
+  cholmod_.cholmod().postorder = 0;
 }
 
 template <int size>
-void BlockCholesky<size>::order(int nodes, const std::vector<std::pair<int, int>>& pairs) {
+void BlockCholesky<size>::compute_ordering(int nodes,
+                                           const std::vector<std::pair<int, int>>& pairs) {
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1.0);
   for (const auto& [a, b] : pairs) entries.emplace_back(std::max(a, b), std::min(a, b), 1.0);
@@ -30,13 +32,13 @@ void BlockCholesky<size>::order(int nodes, const std::vector<std::pair<int, int>
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(pattern.selfadjointView<Eigen::Lower>(), permutation);
   row_of_.resize(static_cast<std::size_t>(nodes));
-  for (int place = 0; place < nodes; ++place) {
-    row_of_[static_cast<std::size_t>(permutation.indices()[place])] = place;
+  for (int position = 0; position < nodes; ++position) {
+    row_of_[static_cast<std::size_t>(permutation.indices()[position])] = position;
   }
 }
 
 template <int size>
-void BlockCholesky<size>::lay_out(int nodes, const std::vector<std::pair<int, int>>& pairs) {
+void BlockCholesky<size>::build_pattern(int nodes, const std::vector<std::pair<int, int>>& pairs) {
   const auto row_of = [this](int node) { return row_of_[static_cast<std::size_t>(node)]; };
   std::vector<std::vector<int>> rows(static_cast<std::size_t>(nodes));
   for (int i = 0; i < nodes; ++i) rows[static_cast<std::size_t>(i)].push_back(i);
@@ -58,7 +60,7 @@ void BlockCholesky<size>::lay_out(int nodes, const std::vector<std::pair<int, in
     for (int k = 0; k < size; ++k) {
       *outer++ = static_cast<int>(inner - lower_.innerIndexPtr());
       for (const int row : list) {
-        // The diagonal block is stored whole: CHOLMOD skips what lies above the diagonal.
+        // The diagonal block is stored completely; CHOLMOD ignores entries above the diagonal.
         for (int r = 0; r < size; ++r) *inner++ = row * size + r;
       }
     }
@@ -95,7 +97,7 @@ void BlockCholesky<size>::add_pair(std::size_t pair, const Block& block) {
     double* values =
         lower_.valuePtr() + lower_.outerIndexPtr()[slot.column * size + k] + slot.offset;
     Eigen::Map<Eigen::Matrix<double, size, 1>> target(values);
-    if (slot.turned) {
+    if (slot.transposed) {
       target += block.row(k).transpose();
     } else {
       target += block.col(k);
@@ -105,7 +107,7 @@ void BlockCholesky<size>::add_pair(std::size_t pair, const Block& block) {
 
 template <int size>
 bool BlockCholesky<size>::factorize() {
-  const OpenMpSilence silence;
+  const SingleThreadedOpenMp single_threaded;
   if (!analysed_) cholmod_.analyzePattern(lower_);
   analysed_ = true;
   cholmod_.factorize(lower_);

@@ -12,13 +12,13 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "gauss_newton.hpp"
-#include "openmp_silence.hpp"
+#include "single_threaded_openmp.hpp"
 
 namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// SuiteSparse is the faster one wherever the factor is thick, and no slower elsewhere.
+/// SuiteSparse is faster for dense factors and not slower for others.
 ceres::SparseLinearAlgebraLibraryType sparse_library() {
   return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE)
              ? ceres::SUITE_SPARSE
@@ -31,31 +31,32 @@ ceres::Solver::Options solver_options(const MinimizerSettings& settings) {
   options.sparse_linear_algebra_library_type = sparse_library();
   options.initial_trust_region_radius = settings.initial_radius;
   options.max_trust_region_radius = 1e32;
-  // Ceres throws the step away on which this test ends; the callback above keeps it.
+  // Ceres discards the step with which this test ends; ConvergenceCallback ends one step earlier.
   options.function_tolerance = 1e-3 * settings.tolerance;
   options.gradient_tolerance = 0.0;
   options.parameter_tolerance = 1e-12;
   options.max_num_iterations = settings.max_iterations;
-  // One thread: sums over several have an order that changes from run to run.
+  // One thread: with several, the order of summation changes from run to run.
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   return options;
 }
 
-constexpr double kUndamped = 1e10;  // radius of the trust region from which on it does not bind
+// Radius of the trust region from which on it does not limit steps.
+constexpr double kUndamped = 1e10;
 
-/// Ends a minimisation one step before Ceres' own test would: near the minimum each gain is to the
-/// one before as the next one will be to it, at most.
-class EnoughGained : public ceres::IterationCallback {
+/// Ends a minimisation one step before the test of Ceres. Near the minimum the ratio of the next
+/// gain to the last one is at most that of the last gain to the one before.
+class ConvergenceCallback : public ceres::IterationCallback {
  public:
-  explicit EnoughGained(double tolerance) : tolerance_(tolerance) {}
+  explicit ConvergenceCallback(double tolerance) : tolerance_(tolerance) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
     if (step.iteration == 0 || !step.step_is_successful) return ceres::SOLVER_CONTINUE;
     const double rate = last_gain_ > 0.0 ? std::min(1.0, step.cost_change / last_gain_) : 1.0;
     last_gain_ = step.cost_change;
-    const bool enough = step.cost_change * rate < tolerance_ * step.cost;
-    return enough ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    const bool is_converged = step.cost_change * rate < tolerance_ * step.cost;
+    return is_converged ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
@@ -63,11 +64,11 @@ class EnoughGained : public ceres::IterationCallback {
   double last_gain_ = 0.0;
 };
 
-/// The Ceres problem of a graph; built and solved once.
+/// The Ceres problem of a graph; it is built and solved once.
 class GraphProblem {
  public:
   explicit GraphProblem(FactorGraph& graph)
-      : graph_(graph), problem_(borrowing_problem_options()), added_(graph.states.size(), false) {}
+      : graph_(graph), problem_(non_owning_problem_options()), added_(graph.states.size(), false) {}
 
   void add(const Constraint& constraint, ceres::LossFunction* loss) {
     double* first = block(constraint.first);
@@ -80,11 +81,11 @@ class GraphProblem {
   }
 
   MinimizerSummary solve(const MinimizerSettings& settings) {
-    EnoughGained enough(settings.tolerance);
+    ConvergenceCallback is_converged(settings.tolerance);
     ceres::Solver::Options options = solver_options(settings);
-    options.callbacks.push_back(&enough);
+    options.callbacks.push_back(&is_converged);
     ceres::Solver::Summary summary;
-    const OpenMpSilence silence;
+    const SingleThreadedOpenMp single_threaded;
     ceres::Solve(options, &problem_, &summary);
     MinimizerSummary result;
     result.initial_cost = 2.0 * summary.initial_cost;
@@ -106,7 +107,7 @@ class GraphProblem {
     } else {
       add_pose_block(problem_, state, update_);
     }
-    if (graph_.held[slot]) problem_.SetParameterBlockConstant(state);
+    if (graph_.fixed[slot]) problem_.SetParameterBlockConstant(state);
     return state;
   }
 
@@ -116,13 +117,13 @@ class GraphProblem {
   std::vector<bool> added_;
 };
 
-/// What keeps a constraint from being solved with the graph; empty if nothing does.
-std::string problem_of(const Constraint& constraint, const FactorGraph& graph) {
+/// The reason why a constraint cannot be solved with the graph; empty if there is none.
+std::string validation_error(const Constraint& constraint, const FactorGraph& graph) {
   if (constraint.residual == nullptr) return "has no residual; give it a ceres::CostFunction";
   const int rows = constraint.degrees_of_freedom();
-  if (rows < 1 || rows > kMostRows) {
+  if (rows < 1 || rows > kMaxResidualRows) {
     return "has a residual of " + std::to_string(rows) + " rows; 1 to " +
-           std::to_string(kMostRows) + " are solved, so split it into several constraints";
+           std::to_string(kMaxResidualRows) + " are solved, so split it into several constraints";
   }
   const std::vector<std::int32_t> expected(constraint.second < 0 ? 1 : 2,
                                            graph.planar ? kPlanarBlockSize : kPoseBlockSize);
@@ -142,16 +143,16 @@ std::string problem_of(const Constraint& constraint, const FactorGraph& graph) {
 }  // namespace
 
 void FactorGraph::add(Constraint constraint) {
-  const std::string problem = problem_of(constraint, *this);
+  const std::string problem = validation_error(constraint, *this);
   if (!problem.empty()) {
     throw InputError("constraint " + std::to_string(constraints.size()) + " " + problem);
   }
   constraints.push_back(std::move(constraint));
 }
 
-int FactorGraph::add_node(const Pose& pose, bool hold) {
+int FactorGraph::add_node(const Pose& pose, bool is_fixed) {
   states.push_back(planar ? to_planar_block(pose) : to_block(pose));
-  held.push_back(hold);
+  fixed.push_back(is_fixed);
   return static_cast<int>(states.size()) - 1;
 }
 
@@ -169,7 +170,7 @@ double chi2(const FactorGraph& graph, const Constraint& constraint) {
       static_cast<std::size_t>(constraint.second < 0 ? constraint.first : constraint.second);
   const std::array<const double*, 2> blocks = {
       graph.states[static_cast<std::size_t>(constraint.first)].data(), graph.states[second].data()};
-  std::array<double, kMostRows> residual{};
+  std::array<double, kMaxResidualRows> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), nullptr);
   double sum = 0.0;
   for (int i = 0; i < constraint.degrees_of_freedom(); ++i) {

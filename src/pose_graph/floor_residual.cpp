@@ -9,13 +9,13 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// The plane of the first floor, moved to the second node, against the floor seen there: two angles
-/// and the height.
+/// The plane of the first floor, transformed to the second node, compared with the floor measured
+/// there: two angles and the height.
 class CommonFloor : public ceres::SizedCostFunction<3, kPoseBlockSize, kPoseBlockSize> {
  public:
   CommonFloor(const Floor& first, const Floor& second, const Eigen::Matrix3d& covariance)
       : first_(first),
-        across_(across(second.normal)),
+        orthogonal_basis_(orthogonal_basis(second.normal)),
         offset_(second.offset),
         S_(whitening<3>(covariance)) {}
 
@@ -26,19 +26,20 @@ class CommonFloor : public ceres::SizedCostFunction<3, kPoseBlockSize, kPoseBloc
         R_i.transpose() * (translation_of(blocks[1]) - translation_of(blocks[0]));
     const Eigen::Vector3d normal = R_b.transpose() * first_.normal;
     Eigen::Vector3d error;
-    error << across_ * normal, first_.offset + first_.normal.dot(t_b) - offset_;
+    error << orthogonal_basis_ * normal, first_.offset + first_.normal.dot(t_b) - offset_;
     vector_at<3>(residual) = S_ * error;
     if (jacobians == nullptr) return true;
     if (jacobians[0] != nullptr) {
       TangentMatrix<3> derivative = TangentMatrix<3>::Zero();
-      derivative.block<2, 3>(0, 3) = across_ * R_b.transpose() * (-2.0 * skew(first_.normal));
+      derivative.block<2, 3>(0, 3) =
+          orthogonal_basis_ * R_b.transpose() * (-2.0 * skew(first_.normal));
       derivative.block<1, 3>(2, 0) = -first_.normal.transpose();
       derivative.block<1, 3>(2, 3) = 2.0 * first_.normal.transpose() * skew(t_b);
       write_jacobian<3>(jacobians[0], S_ * derivative);
     }
     if (jacobians[1] != nullptr) {
       TangentMatrix<3> derivative = TangentMatrix<3>::Zero();
-      derivative.block<2, 3>(0, 3) = across_ * (2.0 * skew(normal));
+      derivative.block<2, 3>(0, 3) = orthogonal_basis_ * (2.0 * skew(normal));
       derivative.block<1, 3>(2, 0) = first_.normal.transpose() * R_b;
       write_jacobian<3>(jacobians[1], S_ * derivative);
     }
@@ -47,7 +48,7 @@ class CommonFloor : public ceres::SizedCostFunction<3, kPoseBlockSize, kPoseBloc
 
  private:
   Floor first_;
-  Eigen::Matrix<double, 2, 3> across_;
+  Eigen::Matrix<double, 2, 3> orthogonal_basis_;
   double offset_;
   Eigen::Matrix3d S_;
 };

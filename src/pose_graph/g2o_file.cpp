@@ -25,7 +25,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// The words and numbers of one line.
+/// Reads the words and numbers of one line.
 class Line {
  public:
   Line(const std::string& text, const std::string& file, int number)
@@ -48,7 +48,7 @@ class Line {
     return value;
   }
 
-  /// Of a pose: m, rad or of a quaternion.
+  /// A coordinate of a pose: m, rad, or an element of a quaternion.
   double coordinate() {
     constexpr double kFarthest = 1e9;
     const double value = number();
@@ -118,20 +118,20 @@ Matrix6d read_planar_information(Line& line) {
   return information;
 }
 
-/// Collects the lines of a file.
+/// Reads a file line by line.
 class Reader {
  public:
   explicit Reader(const std::string& name) : name_(name) {}
 
-  void take(const std::string& text) {
+  void add_line(const std::string& text) {
     ++number_;
     Line line(text, name_, number_);
     const std::string tag = line.word();
     if (tag.empty() || tag[0] == '#') return;
     if (tag == "VERTEX_SE3:QUAT" || tag == "VERTEX_SE2") {
-      take_vertex(line, tag == "VERTEX_SE2");
+      add_vertex(line, tag == "VERTEX_SE2");
     } else if (tag == "EDGE_SE3:QUAT" || tag == "EDGE_SE2") {
-      take_edge(line, tag == "EDGE_SE2");
+      add_edge(line, tag == "EDGE_SE2");
     } else {
       ++unknown_[tag];
     }
@@ -141,8 +141,8 @@ class Reader {
     if (file_.graph.edges.empty()) {
       throw FileError(name_ + " has no EDGE_SE3:QUAT or EDGE_SE2; nothing to optimise");
     }
-    place_nodes();
-    describe();
+    create_nodes();
+    collect_notes();
     return std::move(file_);
   }
 
@@ -153,7 +153,7 @@ class Reader {
     if (file_.graph.planar != planar) line.fail("SE2 and SE3 lines are mixed; keep one kind");
   }
 
-  void take_vertex(Line& line, bool planar) {
+  void add_vertex(Line& line, bool planar) {
     require_kind(line, planar);
     const std::int64_t id = line.id();
     const Pose pose = planar ? read_planar_pose(line) : read_pose(line);
@@ -162,7 +162,7 @@ class Reader {
     }
   }
 
-  void take_edge(Line& line, bool planar) {
+  void add_edge(Line& line, bool planar) {
     require_kind(line, planar);
     PoseEdge edge;
     edge.from = line.id();
@@ -174,7 +174,7 @@ class Reader {
     file_.graph.edges.push_back(edge);
   }
 
-  /// Cross terms that stand in wrong places are the usual cause; both diagonal blocks are sound.
+  /// The usual cause is cross terms in wrong positions; both diagonal blocks are correct then.
   void repair(const Line& line, Matrix6d& information) {
     information.topRightCorner<3, 3>().setZero();
     information.bottomLeftCorner<3, 3>().setZero();
@@ -186,21 +186,21 @@ class Reader {
     ++repaired_;
   }
 
-  void place_nodes() {
+  void create_nodes() {
     std::set<std::int64_t> ids;
     for (const PoseEdge& edge : file_.graph.edges) ids.insert({edge.from, edge.to});
     for (const auto& [id, pose] : vertices_) ids.insert(id);
-    std::vector<bool> placed;
+    std::vector<bool> initialized;
     for (const std::int64_t id : ids) {
       const auto found = vertices_.find(id);
-      placed.push_back(found != vertices_.end());
-      file_.graph.nodes.push_back({id, placed.back() ? found->second : Pose::Identity()});
+      initialized.push_back(found != vertices_.end());
+      file_.graph.nodes.push_back({id, initialized.back() ? found->second : Pose::Identity()});
     }
     missing_ = ids.size() - vertices_.size();
-    if (missing_ > 0) place_along_edges(file_.graph, placed);
+    if (missing_ > 0) initialize_along_edges(file_.graph, initialized);
   }
 
-  void describe() {
+  void collect_notes() {
     if (missing_ > 0) {
       file_.notes.push_back(
           std::to_string(missing_) + " of " + std::to_string(file_.graph.nodes.size()) +
@@ -251,7 +251,7 @@ void write_information(std::ostream& out, const Matrix6d& information, bool plan
 G2oFile read_g2o(std::istream& stream, const std::string& name) {
   Reader reader(name);
   std::string line;
-  while (std::getline(stream, line)) reader.take(line);
+  while (std::getline(stream, line)) reader.add_line(line);
   return reader.result();
 }
 

@@ -13,19 +13,21 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-// Directions that rounding alone decides about stay where they are.
-constexpr double kDamping = 1e-10;
-constexpr double kFarStep = 1e-3;   // share of the cost from which on an old factor is not used
-constexpr double kRounding = 1e-9;  // by which the cost may seem to rise at the minimum
+// A minimal damping, so that directions that are determined by rounding errors alone do not move.
+constexpr double kDiagonalScaling = 1e-10;
+constexpr double kRefactorizeGain =
+    1e-3;  // fraction of the cost: after a larger expected gain the factor is computed again
+// Fraction of the cost by which it may seem to rise at the minimum.
+constexpr double kCostRounding = 1e-9;
 
-/// A constraint of the problem with its loss.
+/// A constraint with its loss.
 struct Term {
   const Constraint* constraint;
   ceres::LossFunction* loss;
-  int pair;  ///< its block off the diagonal; -1: none, one of its nodes does not move
+  int pair;  ///< number of its block off the diagonal; -1: none, because a node is fixed
 };
 
-/// Value and slope of a loss at a squared norm.
+/// Value and derivative of a loss at a squared norm.
 std::pair<double, double> loss_at(const ceres::LossFunction* loss, double squared_norm) {
   if (loss == nullptr) return {squared_norm, 1.0};
   std::array<double, 3> rho{};
@@ -41,14 +43,14 @@ class NormalEquations {
   using Block = Eigen::Matrix<double, size, size>;
 
   NormalEquations(const FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
-      : graph_(graph), touched_(graph.states.size(), false) {
+      : graph_(graph), constrained_(graph.states.size(), false) {
     std::vector<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
       if (!used[i]) continue;
       const Constraint& constraint = graph.constraints[i];
       Term term{&constraint, loss_of(constraint), -1};
-      touch(constraint.first);
-      if (constraint.second >= 0) touch(constraint.second);
+      mark_constrained(constraint.first);
+      if (constraint.second >= 0) mark_constrained(constraint.second);
       if (constraint.second >= 0 && moves(constraint.first) && moves(constraint.second)) {
         term.pair = static_cast<int>(pairs.size());
         pairs.emplace_back(constraint.first, constraint.second);
@@ -64,7 +66,7 @@ class NormalEquations {
     return sum;
   }
 
-  /// Matrix and gradient at the present states; the factor stays that of before.
+  /// Computes matrix and gradient at the current states; the factor stays that of an earlier state.
   void linearise() {
     cholesky_->set_zero();
     gradient_ = Eigen::VectorXd::Zero(size * static_cast<Eigen::Index>(graph_.states.size()));
@@ -73,20 +75,20 @@ class NormalEquations {
     }
     for (const Term& term : terms_) add(term);
   }
-  /// False if the matrix is not positive definite.
+  /// Factorises the matrix. Returns false if it is not positive definite.
   bool factorize() { return cholesky_->factorize(); }
-  /// To the minimum of the linearised cost, a segment per node.
+  /// The step to the minimum of the linearised cost, one segment per node.
   Eigen::VectorXd step() { return -cholesky_->solve(gradient_); }
-  /// By how much the linearised cost falls over a step.
+  /// The decrease of the linearised cost over a step.
   double expected_gain(const Eigen::VectorXd& step) const { return -gradient_.dot(step); }
 
   bool moves(int node) const {
     const auto slot = static_cast<std::size_t>(node);
-    return touched_[slot] && !graph_.held[slot];
+    return constrained_[slot] && !graph_.fixed[slot];
   }
 
  private:
-  void touch(int node) { touched_[static_cast<std::size_t>(node)] = true; }
+  void mark_constrained(int node) { constrained_[static_cast<std::size_t>(node)] = true; }
 
   const double* state(int node) const {
     return graph_.states[static_cast<std::size_t>(node)].data();
@@ -104,8 +106,8 @@ class NormalEquations {
         return add_rows<4>(term);
       case 5:
         return add_rows<5>(term);
-      default:  // FactorGraph::add() takes no more than these
-        return add_rows<kMostRows>(term);
+      default:  // FactorGraph::add() accepts no more rows
+        return add_rows<kMaxResidualRows>(term);
     }
   }
 
@@ -113,17 +115,17 @@ class NormalEquations {
   void add_rows(const Term& term) {
     using Jacobian = Eigen::Matrix<double, rows, kBlock, Eigen::RowMajor>;
     const Constraint& constraint = *term.constraint;
-    const bool two = constraint.second >= 0;
+    const bool has_second = constraint.second >= 0;
     std::array<Jacobian, 2> jacobians;
     Eigen::Matrix<double, rows, 1> residual;
-    const std::array<const double*, 2> blocks = {state(constraint.first),
-                                                 state(two ? constraint.second : constraint.first)};
+    const std::array<const double*, 2> blocks = {
+        state(constraint.first), state(has_second ? constraint.second : constraint.first)};
     std::array<double*, 2> targets = {jacobians[0].data(), jacobians[1].data()};
     constraint.residual->Evaluate(blocks.data(), residual.data(), targets.data());
     const double weight = loss_at(term.loss, residual.squaredNorm()).second;
     const Eigen::Matrix<double, rows, size> first = jacobians[0].template leftCols<size>();
     add_node(constraint.first, first, residual, weight);
-    if (!two) return;
+    if (!has_second) return;
     const Eigen::Matrix<double, rows, size> second = jacobians[1].template leftCols<size>();
     add_node(constraint.second, second, residual, weight);
     if (term.pair < 0) return;
@@ -136,64 +138,65 @@ class NormalEquations {
                 const Eigen::Matrix<double, rows, 1>& residual, double weight) {
     if (!moves(node)) return;
     Block block = weight * (jacobian.transpose() * jacobian);
-    block.diagonal() *= 1.0 + kDamping;
+    block.diagonal() *= 1.0 + kDiagonalScaling;
     cholesky_->add_diagonal(node, block);
     gradient_.segment<size>(size * static_cast<Eigen::Index>(node)).noalias() +=
         weight * (jacobian.transpose() * residual);
   }
 
   const FactorGraph& graph_;
-  std::vector<bool> touched_;
+  std::vector<bool> constrained_;
   std::vector<Term> terms_;
   std::unique_ptr<BlockCholesky<size>> cholesky_;
   Eigen::VectorXd gradient_;
 };
 
-StateBlock planar_moved(const StateBlock& state, const double* d) {
+StateBlock planar_retract(const StateBlock& state, const double* d) {
   return {state[0] + d[0], state[1] + d[1], state[2] + d[2], 0.0, 0.0, 0.0, 0.0};
 }
 
 template <int size>
-std::vector<StateBlock> after(const FactorGraph& graph, const NormalEquations<size>& equations,
-                              const Eigen::VectorXd& step) {
+std::vector<StateBlock> states_after(const FactorGraph& graph,
+                                     const NormalEquations<size>& equations,
+                                     const Eigen::VectorXd& step) {
   std::vector<StateBlock> states = graph.states;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!equations.moves(static_cast<int>(i))) continue;
     const double* d = step.data() + size * i;
-    states[i] = size == 6 ? moved(states[i].data(), d) : planar_moved(states[i], d);
+    states[i] = size == 6 ? retract(states[i].data(), d) : planar_retract(states[i], d);
   }
   return states;
 }
 
-/// Steps of one graph. The factor of an earlier state serves as long as the steps that it gives are
-/// small: they cost a fraction of a new one.
+/// The Gauss-Newton steps of one graph. The factor of an earlier state is reused while its steps
+/// are small: such a step costs a fraction of one with a new factor.
 template <int size>
-class Descent {
+class GaussNewtonSolver {
  public:
-  Descent(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
+  GaussNewtonSolver(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of)
       : graph_(graph), equations_(graph, used, loss_of), cost_(equations_.cost()) {}
 
   MinimizerSummary run(const MinimizerSettings& settings) {
     MinimizerSummary summary;
     summary.initial_cost = cost_;
     equations_.linearise();
-    bool going = renew();
-    while (going && !summary.usable && summary.iterations < settings.max_iterations) {
+    bool can_continue = refactorize();
+    while (can_continue && !summary.usable && summary.iterations < settings.max_iterations) {
       ++summary.iterations;
-      if (!take_step()) {
-        summary.usable = rose_ < kRounding * cost_;
-        going = !summary.usable && !fresh_ && renew();
+      if (!apply_step()) {
+        summary.usable = cost_increase_ < kCostRounding * cost_;
+        can_continue = !summary.usable && !factor_is_current_ && refactorize();
         continue;
       }
       equations_.linearise();
-      fresh_ = false;
+      factor_is_current_ = false;
       step_ = equations_.step();
       const double expected = equations_.expected_gain(step_);
       summary.usable = expected < settings.tolerance * cost_;
       if (summary.usable) {
-        take_step();  // it is there already
-      } else if (expected > kFarStep * cost_) {
-        going = renew();
+        apply_step();  // the state is already near the minimum
+      } else if (expected > kRefactorizeGain * cost_) {
+        can_continue = refactorize();
       }
     }
     summary.final_cost = cost_;
@@ -202,24 +205,24 @@ class Descent {
   }
 
  private:
-  /// Factorises the equations as they are and solves them.
-  bool renew() {
-    fresh_ = true;
+  /// Factorises the current equations and solves them.
+  bool refactorize() {
+    factor_is_current_ = true;
     if (!equations_.factorize()) return false;
     step_ = equations_.step();
     return step_.allFinite();
   }
 
-  /// False, and the states as they were, if the cost does not fall.
-  bool take_step() {
-    std::vector<StateBlock> states = after(graph_, equations_, step_);
+  /// Applies the step. Returns false and restores the states if the cost does not decrease.
+  bool apply_step() {
+    std::vector<StateBlock> states = states_after(graph_, equations_, step_);
     graph_.states.swap(states);
     const double cost = equations_.cost();
     if (cost <= cost_) {
       cost_ = cost;
       return true;
     }
-    rose_ = std::isfinite(cost) ? cost - cost_ : std::numeric_limits<double>::infinity();
+    cost_increase_ = std::isfinite(cost) ? cost - cost_ : std::numeric_limits<double>::infinity();
     graph_.states.swap(states);
     return false;
   }
@@ -228,16 +231,16 @@ class Descent {
   NormalEquations<size> equations_;
   Eigen::VectorXd step_;
   double cost_;
-  double rose_ = 0.0;   ///< by how much the cost would have risen over the last refused step
-  bool fresh_ = false;  ///< the factor is that of the present states
+  double cost_increase_ = 0.0;      ///< increase of the cost by the last rejected step
+  bool factor_is_current_ = false;  ///< the factor belongs to the current states
 };
 
 }  // namespace
 
 MinimizerSummary gauss_newton(FactorGraph& graph, const std::vector<bool>& used,
                               const LossOf& loss_of, const MinimizerSettings& settings) {
-  return graph.planar ? Descent<3>(graph, used, loss_of).run(settings)
-                      : Descent<6>(graph, used, loss_of).run(settings);
+  return graph.planar ? GaussNewtonSolver<3>(graph, used, loss_of).run(settings)
+                      : GaussNewtonSolver<6>(graph, used, loss_of).run(settings);
 }
 
 }  // namespace lidar_mapping::pose_graph

@@ -5,10 +5,10 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// Undamped steps on a graph whose pattern is analysed once. A constraint under a kernel counts
-/// with the kernel's slope at the present residual (iteratively reweighted least squares). Keeps
-/// the states from before a step that does not lower the cost; `usable` is true if the minimum was
-/// reached, false if something better has to go on from there.
+/// Minimises by undamped Gauss-Newton steps; the pattern of the graph is analysed once. A
+/// constraint with a kernel is weighted by the derivative of its loss (iteratively reweighted least
+/// squares). A step that does not decrease the cost is undone. `usable` is true if the minimum was
+/// reached, and false if another method has to continue from these states.
 MinimizerSummary gauss_newton(FactorGraph& graph, const std::vector<bool>& used,
                               const LossOf& loss_of, const MinimizerSettings& settings);
 

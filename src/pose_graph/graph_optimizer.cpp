@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
-#include "chordal_start.hpp"
+#include "chordal_initialization.hpp"
 #include "odometry_chain.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -22,7 +22,7 @@ CostPtr residual_of(const PoseEdge& edge, bool planar) {
                                        information);
 }
 
-FactorGraph factors_of(const PoseGraph& graph, const GraphOptions& options) {
+FactorGraph make_factors(const PoseGraph& graph, const GraphOptions& options) {
   FactorGraph factors;
   factors.planar = graph.planar;
   factors.states.reserve(graph.nodes.size());
@@ -46,28 +46,28 @@ void set_states(const PoseGraph& graph, FactorGraph& factors) {
   }
 }
 
-/// Gives the graph its start values; returns their name.
+/// Sets the start values of the graph and returns the name of their source.
 std::string start(PoseGraph& graph, const GraphOptions& options) {
   if (!options.graduated && options.kernel == RobustKernel::kNone) {
-    return start_chordally(graph) ? "chordal" : "file";
+    return initialize_chordally(graph) ? "chordal" : "file";
   }
-  place_along_edges(graph, {std::vector<bool>(graph.nodes.size(), false)});
+  initialize_along_edges(graph, {std::vector<bool>(graph.nodes.size(), false)});
   return "odometry";
 }
 
 RobustSolution solve(FactorGraph& factors, const GraphOptions& options) {
   if (options.graduated) return solve_graduated(factors);
   const std::vector<bool> all(factors.constraints.size(), true);
-  // A bending kernel has far minima that undamped steps jump over.
+  // With a robust kernel, undamped steps may jump to distant minima.
   const double radius = options.kernel == RobustKernel::kNone ? 1e10 : 1e4;
-  return solve_as_marked(factors, all, {100, radius, options.tolerance});
+  return solve_selected(factors, all, {100, radius, options.tolerance});
 }
 
 }  // namespace
 
 GraphReport optimize(PoseGraph& graph, const GraphOptions& options) {
   GraphReport report;
-  FactorGraph factors = factors_of(graph, options);
+  FactorGraph factors = make_factors(graph, options);
   const std::vector<bool> all(factors.constraints.size(), true);
   report.initial_cost = total_chi2(factors, all);
   report.start = start(graph, options);

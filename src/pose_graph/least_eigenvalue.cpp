@@ -7,12 +7,12 @@
 
 namespace lidar_mapping::pose_graph {
 
-double least_eigenvalue(const FactorGraph& graph, const std::vector<bool>& marked) {
+double least_eigenvalue(const FactorGraph& graph, const std::vector<bool>& selected) {
   constexpr int kIterations = 30;
-  const std::unique_ptr<BlockCholesky<6>> system = information_matrix(graph, marked);
+  const std::unique_ptr<BlockCholesky<6>> system = information_matrix(graph, selected);
   if (!system->factorize()) return 0.0;
   const auto size = 6 * static_cast<Eigen::Index>(graph.states.size());
-  // Any start will do that is not across the wanted vector.
+  // Any start vector that is not orthogonal to the eigenvector will do.
   Eigen::VectorXd vector = Eigen::VectorXd::LinSpaced(size, 1.0, 2.0).normalized();
   double largest_of_inverse = 0.0;
   for (int i = 0; i < kIterations; ++i) {

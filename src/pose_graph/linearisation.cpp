@@ -5,8 +5,9 @@
 
 namespace lidar_mapping::pose_graph {
 
-Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMostRows>;
+LinearisedConstraint linearise(const FactorGraph& graph, const Constraint& constraint) {
+  using Rows =
+      Eigen::Matrix<double, Eigen::Dynamic, kPoseBlockSize, Eigen::RowMajor, kMaxResidualRows>;
   const bool pair = constraint.second >= 0;
   const auto block = [&](int node) { return graph.states[static_cast<std::size_t>(node)].data(); };
   const std::array<const double*, 2> blocks = {block(constraint.first),
@@ -15,13 +16,13 @@ Linearised linearised(const FactorGraph& graph, const Constraint& constraint) {
   std::array<Rows, 2> jacobians = {Rows::Zero(count, kPoseBlockSize),
                                    Rows::Zero(count, kPoseBlockSize)};
   std::array<double*, 2> pointers = {jacobians[0].data(), jacobians[1].data()};
-  std::array<double, kMostRows> residual{};
+  std::array<double, kMaxResidualRows> residual{};
   constraint.residual->Evaluate(blocks.data(), residual.data(), pointers.data());
   return {Eigen::Map<const Eigen::VectorXd>(residual.data(), count), jacobians[0].leftCols<6>(),
           jacobians[1].leftCols<6>()};
 }
 
-double kernel_slope(const Constraint& constraint, const Eigen::VectorXd& residual) {
+double kernel_weight(const Constraint& constraint, const Eigen::VectorXd& residual) {
   const auto kernel = make_kernel(constraint.kernel, constraint.kernel_size);
   if (!kernel) return 1.0;
   std::array<double, 3> value{};
@@ -30,12 +31,12 @@ double kernel_slope(const Constraint& constraint, const Eigen::VectorXd& residua
 }
 
 std::unique_ptr<BlockCholesky<6>> information_matrix(
-    const FactorGraph& graph, const std::vector<bool>& marked,
+    const FactorGraph& graph, const std::vector<bool>& selected,
     const std::vector<std::pair<int, int>>& more_pairs) {
   std::vector<std::pair<int, int>> pairs;
-  for (std::size_t i = 0; i < marked.size(); ++i) {
+  for (std::size_t i = 0; i < selected.size(); ++i) {
     const Constraint& constraint = graph.constraints[i];
-    if (marked[i] && constraint.second >= 0) {
+    if (selected[i] && constraint.second >= 0) {
       pairs.emplace_back(constraint.first, constraint.second);
     }
   }
@@ -43,15 +44,15 @@ std::unique_ptr<BlockCholesky<6>> information_matrix(
   auto system = std::make_unique<BlockCholesky<6>>(static_cast<int>(graph.states.size()), pairs);
   system->set_zero();
   std::size_t pair = 0;
-  for (std::size_t i = 0; i < marked.size(); ++i) {
-    if (!marked[i]) continue;
+  for (std::size_t i = 0; i < selected.size(); ++i) {
+    if (!selected[i]) continue;
     const Constraint& constraint = graph.constraints[i];
-    const auto [residual, first, second] = linearised(graph, constraint);
-    const double share = constraint.doubtful ? kernel_slope(constraint, residual) : 1.0;
-    system->add_diagonal(constraint.first, share * first.transpose() * first);
+    const auto [residual, first, second] = linearise(graph, constraint);
+    const double weight = constraint.doubtful ? kernel_weight(constraint, residual) : 1.0;
+    system->add_diagonal(constraint.first, weight * first.transpose() * first);
     if (constraint.second < 0) continue;
-    system->add_diagonal(constraint.second, share * second.transpose() * second);
-    system->add_pair(pair++, share * first.transpose() * second);
+    system->add_diagonal(constraint.second, weight * second.transpose() * second);
+    system->add_pair(pair++, weight * first.transpose() * second);
   }
   return system;
 }

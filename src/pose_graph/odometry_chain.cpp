@@ -25,58 +25,59 @@ std::vector<std::vector<Neighbour>> neighbours(const PoseGraph& graph) {
   return result;
 }
 
-/// A way from a placed node to a neighbour.
+/// A step along an edge from a placed node to a neighbour.
 struct Step {
   int from = 0;
   Neighbour to;
 };
 
-/// Placed nodes grow over their neighbours; odometry goes first, other edges wait behind it.
-class Growth {
+/// Grows a spanning tree from the placed nodes. Edges of odometry are used first, others only if
+/// there is no edge of odometry left.
+class SpanningTree {
  public:
-  Growth(PoseGraph& graph, std::vector<bool> placed)
-      : graph_(graph), neighbours_(neighbours(graph)), placed_(std::move(placed)) {}
+  SpanningTree(PoseGraph& graph, std::vector<bool> initialized)
+      : graph_(graph), neighbours_(neighbours(graph)), initialized_(std::move(initialized)) {}
 
   void run() {
-    for (std::size_t i = 0; i < placed_.size(); ++i) {
-      if (placed_[i]) offer(static_cast<int>(i));
+    for (std::size_t i = 0; i < initialized_.size(); ++i) {
+      if (initialized_[i]) enqueue_edges(static_cast<int>(i));
     }
-    spread();
-    // Parts that hang on nothing begin where they stand.
-    for (std::size_t i = 0; i < placed_.size(); ++i) {
-      if (placed_[i]) continue;
-      placed_[i] = true;
-      offer(static_cast<int>(i));
-      spread();
+    expand();
+    // Other components of the graph start at the current pose of their first node.
+    for (std::size_t i = 0; i < initialized_.size(); ++i) {
+      if (initialized_[i]) continue;
+      initialized_[i] = true;
+      enqueue_edges(static_cast<int>(i));
+      expand();
     }
   }
 
  private:
-  void offer(int node) {
+  void enqueue_edges(int node) {
     for (const Neighbour& to : neighbours_[static_cast<std::size_t>(node)]) {
-      if (placed_[static_cast<std::size_t>(to.node)]) continue;
+      if (initialized_[static_cast<std::size_t>(to.node)]) continue;
       (is_odometry(graph_.edges[to.edge]) ? odometry_ : others_).push_back({node, to});
     }
   }
 
-  void spread() {
+  void expand() {
     while (!odometry_.empty() || !others_.empty()) {
       auto& queue = odometry_.empty() ? others_ : odometry_;
       const Step step = queue.front();
       queue.pop_front();
       const auto slot = static_cast<std::size_t>(step.to.node);
-      if (placed_[slot]) continue;
+      if (initialized_[slot]) continue;
       const Pose& motion = graph_.edges[step.to.edge].T_from_to;
       graph_.nodes[slot].pose = graph_.nodes[static_cast<std::size_t>(step.from)].pose *
                                 (step.to.forward ? motion : motion.inverse());
-      placed_[slot] = true;
-      offer(step.to.node);
+      initialized_[slot] = true;
+      enqueue_edges(step.to.node);
     }
   }
 
   PoseGraph& graph_;
   std::vector<std::vector<Neighbour>> neighbours_;
-  std::vector<bool> placed_;
+  std::vector<bool> initialized_;
   std::deque<Step> odometry_;
   std::deque<Step> others_;
 };
@@ -100,8 +101,8 @@ std::vector<std::pair<int, int>> edge_positions(const PoseGraph& graph) {
 
 bool is_odometry(const PoseEdge& edge) { return std::abs(edge.from - edge.to) == 1; }
 
-void place_along_edges(PoseGraph& graph, std::vector<bool> placed) {
-  Growth(graph, std::move(placed)).run();
+void initialize_along_edges(PoseGraph& graph, std::vector<bool> initialized) {
+  SpanningTree(graph, std::move(initialized)).run();
 }
 
 }  // namespace lidar_mapping::pose_graph

@@ -7,14 +7,14 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// Where each edge's ends stand in graph.nodes (which are ordered by id).
+/// Positions of the two ends of each edge in graph.nodes, which are ordered by id.
 std::vector<std::pair<int, int>> edge_positions(const PoseGraph& graph);
 
-/// True for the edges between neighbouring ids: a drive's odometry, as opposed to its loops.
+/// True for an edge between neighbouring ids: odometry, as opposed to loops.
 bool is_odometry(const PoseEdge& edge);
 
-/// Places the nodes that are not `placed` along the edges from those that are (or from the first
-/// node): along odometry as far as it goes, over other edges only across its gaps.
-void place_along_edges(PoseGraph& graph, std::vector<bool> placed);
+/// Computes the poses of the nodes that are not `placed` along the edges from those that are, or
+/// from the first node. Edges of odometry are followed as far as possible, others only across gaps.
+void initialize_along_edges(PoseGraph& graph, std::vector<bool> initialized);
 
 }  // namespace lidar_mapping::pose_graph

@@ -12,7 +12,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// The vector part of q with w made positive, and its derivative W for q * (1, v).
+/// The vector part of q with positive w, and its derivative W for q * (1, v).
 struct HalfAngle {
   Eigen::Vector3d vector;
   Eigen::Matrix3d derivative;
@@ -36,17 +36,17 @@ class RelativePose : public ceres::SizedCostFunction<6, kPoseBlockSize, kPoseBlo
     const Eigen::Quaterniond q_i = rotation_of(blocks[0]).conjugate();
     const Eigen::Quaterniond q_b = q_i * rotation_of(blocks[1]);
     const Eigen::Vector3d t_b = q_i * (translation_of(blocks[1]) - translation_of(blocks[0]));
-    const HalfAngle turn(q_z_ * q_b);
+    const HalfAngle rotation(q_z_ * q_b);
     Vector6d error;
-    error << R_z_ * (t_b - t_z_), turn.vector;
+    error << R_z_ * (t_b - t_z_), rotation.vector;
     vector_at<6>(residual) = S_ * error;
     if (jacobians == nullptr) return true;
     const Eigen::Matrix3d R_b = q_b.toRotationMatrix();
     if (jacobians[0] != nullptr) {
-      write(jacobians[0], -R_z_, 2.0 * R_z_ * skew(t_b), -turn.derivative * R_b.transpose());
+      write(jacobians[0], -R_z_, 2.0 * R_z_ * skew(t_b), -rotation.derivative * R_b.transpose());
     }
     if (jacobians[1] != nullptr) {
-      write(jacobians[1], R_z_ * R_b, Eigen::Matrix3d::Zero(), turn.derivative);
+      write(jacobians[1], R_z_ * R_b, Eigen::Matrix3d::Zero(), rotation.derivative);
     }
     return true;
   }
@@ -78,14 +78,14 @@ class Prior : public ceres::SizedCostFunction<6, kPoseBlockSize> {
 
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
     const Eigen::Quaterniond q = T_base_map_.rotation * rotation_of(blocks[0]);
-    const HalfAngle turn(q);
+    const HalfAngle rotation(q);
     Vector6d error;
-    error << T_base_map_ * translation_of(blocks[0]), turn.vector;
+    error << T_base_map_ * translation_of(blocks[0]), rotation.vector;
     vector_at<6>(residual) = S_ * error;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     Matrix6d derivative = Matrix6d::Zero();
     derivative.topLeftCorner<3, 3>() = q.toRotationMatrix();
-    derivative.bottomRightCorner<3, 3>() = turn.derivative;
+    derivative.bottomRightCorner<3, 3>() = rotation.derivative;
     write_jacobian<6>(jacobians[0], S_ * derivative);
     return true;
   }

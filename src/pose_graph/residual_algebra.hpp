@@ -5,7 +5,7 @@
 
 #include "lidar_mapping/pose_graph/tangent.hpp"
 
-// What the residuals of poses, positions and directions have in common.
+// Functions that several residuals use.
 
 namespace lidar_mapping::pose_graph {
 
@@ -46,8 +46,8 @@ void write_jacobian(double* target, const TangentMatrix<rows>& derivative) {
   jacobian.col(6).setZero();
 }
 
-/// Two unit vectors across `direction`, as rows.
-inline Eigen::Matrix<double, 2, 3> across(const Eigen::Vector3d& direction) {
+/// Two unit vectors orthogonal to `direction` and to each other, as rows.
+inline Eigen::Matrix<double, 2, 3> orthogonal_basis(const Eigen::Vector3d& direction) {
   Eigen::Matrix<double, 2, 3> rows;
   rows.row(0) = direction.unitOrthogonal();
   rows.row(1) = direction.cross(Eigen::Vector3d(rows.row(0)));

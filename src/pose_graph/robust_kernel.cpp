@@ -59,7 +59,7 @@ class FairLoss : public ceres::LossFunction {
     const double sum = c_ + r;
     rho[0] = 2.0 * c_ * (r - c_ * std::log1p(r / c_));
     rho[1] = c_ / sum;
-    // The second derivative has a pole at zero, where the first one is what counts.
+    // The second derivative has a pole at zero; only the first one is needed there.
     rho[2] = r > 0.0 ? -0.5 * c_ / (r * sum * sum) : 0.0;
   }
 
@@ -99,17 +99,17 @@ class SaturatedLoss : public ceres::LossFunction {
   double c2_;
 };
 
-/// Tukey's biweight, c^2 / 3 (1 - (1 - s / c^2)^3) up to c and constant beyond. That of older Ceres
-/// has half the slope.
+/// Tukey's biweight, c^2 / 3 (1 - (1 - s / c^2)^3) up to c and constant beyond. The class of older
+/// versions of Ceres has half of this derivative.
 class TukeyLoss : public ceres::LossFunction {
  public:
   explicit TukeyLoss(double squared_size) : c2_(squared_size) {}
 
   void Evaluate(double s, double rho[3]) const override {
-    const double rest = s <= c2_ ? 1.0 - s / c2_ : 0.0;
-    rho[0] = c2_ / 3.0 * (1.0 - rest * rest * rest);
-    rho[1] = rest * rest;
-    rho[2] = -2.0 / c2_ * rest;
+    const double complement = s <= c2_ ? 1.0 - s / c2_ : 0.0;
+    rho[0] = c2_ / 3.0 * (1.0 - complement * complement * complement);
+    rho[1] = complement * complement;
+    rho[2] = -2.0 / c2_ * complement;
   }
 
  private:
@@ -122,10 +122,10 @@ class WelschLoss : public ceres::LossFunction {
   explicit WelschLoss(double squared_size) : c2_(squared_size) {}
 
   void Evaluate(double s, double rho[3]) const override {
-    const double share = std::exp(-s / c2_);
-    rho[0] = c2_ * (1.0 - share);
-    rho[1] = share;
-    rho[2] = -share / c2_;
+    const double decay = std::exp(-s / c2_);
+    rho[0] = c2_ * (1.0 - decay);
+    rho[1] = decay;
+    rho[2] = -decay / c2_;
   }
 
  private:
@@ -189,7 +189,7 @@ std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double siz
   return nullptr;
 }
 
-double contradiction_limit(int degrees_of_freedom) {
+double chi2_limit(int degrees_of_freedom) {
   constexpr std::array<double, 6> kQuantiles = {6.635, 9.210, 11.345, 13.277, 15.086, 16.812};
   if (degrees_of_freedom < 1 || degrees_of_freedom > static_cast<int>(kQuantiles.size())) {
     throw InputError("there is no limit for " + std::to_string(degrees_of_freedom) +

@@ -10,14 +10,16 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-constexpr int kRounds = 5;
-// Real errors have heavier tails than Gauss' while false loops lie far out: refusal begins at twice
-// the quantile, or a hundredth and more of the true ones would go.
-constexpr double kRefusal = 2.0;
-// Tried in turn until half of the switchable constraints are believed.
-constexpr std::array<double, 3> kWeightsOfOthers = {1.0, 0.04, 0.0016};
+constexpr int kMaxRounds = 5;
+// Real errors have heavier tails than a Gaussian, and false loops have much larger residuals. A
+// constraint is therefore refused only above twice the quantile; otherwise one per cent or more of
+// the true ones would be refused.
+constexpr double kRefusalFactor = 2.0;
+// Weights of the constraints that are not switchable. They are tried in turn until half of the
+// switchable constraints are used.
+constexpr std::array<double, 3> kFixedConstraintWeights = {1.0, 0.04, 0.0016};
 
-/// Losses by kernel and size, made once and kept while a problem uses them.
+/// Losses by kernel and size, created once and kept while a problem uses them.
 class Kernels {
  public:
   using Losses = std::map<std::pair<RobustKernel, double>, std::unique_ptr<ceres::LossFunction>>;
@@ -28,11 +30,11 @@ class Kernels {
     return loss.get();
   }
 
-  /// With the least weight.
-  ceres::LossFunction* get_light(RobustKernel kernel, double size) {
-    auto& loss = light_[{kernel, size}];
+  /// The same loss with the least weight.
+  ceres::LossFunction* get_downweighted(RobustKernel kernel, double size) {
+    auto& loss = downweighted_[{kernel, size}];
     if (!loss) {
-      loss = std::make_unique<ceres::ScaledLoss>(get(kernel, size), kWeightsOfOthers.back(),
+      loss = std::make_unique<ceres::ScaledLoss>(get(kernel, size), kFixedConstraintWeights.back(),
                                                  ceres::DO_NOT_TAKE_OWNERSHIP);
     }
     return loss.get();
@@ -40,52 +42,53 @@ class Kernels {
 
  private:
   Losses losses_;
-  Losses light_;
+  Losses downweighted_;
 };
 
-/// All constraints under their own kernels.
-LossOf own_kernels(Kernels& kernels) {
+/// Each constraint under its own kernel.
+LossOf own_kernel_losses(Kernels& kernels) {
   return [&kernels](const Constraint& c) { return kernels.get(c.kernel, c.kernel_size); };
 }
 
-/// Switchable constraints under Cauchy with one standard deviation: it still pulls from far away.
-/// The others with a share of their weight, so that they give way to drift that their covariances
-/// do not know of. Doubtful ones have the least: they are no evidence against any.
-LossOf pulling(Kernels& kernels, ceres::LossFunction* others) {
-  return [&kernels, others](const Constraint& c) {
-    if (c.doubtful) return kernels.get_light(c.kernel, c.kernel_size);
-    return c.switchable ? kernels.get(RobustKernel::kCauchy, 1.0) : others;
+/// First stage: switchable constraints under Cauchy kernels of one standard deviation, which
+/// attract from far away. The other constraints have a reduced weight, so that they give way to a
+/// drift that their covariances do not include. Doubtful constraints have the least weight, because
+/// they are no evidence against others.
+LossOf cauchy_stage_losses(Kernels& kernels, ceres::LossFunction* other_loss) {
+  return [&kernels, other_loss](const Constraint& c) {
+    if (c.doubtful) return kernels.get_downweighted(c.kernel, c.kernel_size);
+    return c.switchable ? kernels.get(RobustKernel::kCauchy, 1.0) : other_loss;
   };
 }
 
-/// Switchable constraints under DCS that bends at the limit of contradiction.
-LossOf deciding(Kernels& kernels) {
+/// Second stage: switchable constraints under DCS with chi2_limit() as scale.
+LossOf dcs_stage_losses(Kernels& kernels) {
   return [&kernels](const Constraint& c) {
-    if (c.doubtful) return kernels.get_light(c.kernel, c.kernel_size);
-    return c.switchable ? kernels.get(RobustKernel::kDcs,
-                                      std::sqrt(contradiction_limit(c.degrees_of_freedom())))
-                        : kernels.get(c.kernel, c.kernel_size);
+    if (c.doubtful) return kernels.get_downweighted(c.kernel, c.kernel_size);
+    return c.switchable
+               ? kernels.get(RobustKernel::kDcs, std::sqrt(chi2_limit(c.degrees_of_freedom())))
+               : kernels.get(c.kernel, c.kernel_size);
   };
 }
 
 }  // namespace
 
-std::vector<bool> believed(const FactorGraph& graph) {
+std::vector<bool> consistent_constraints(const FactorGraph& graph) {
   std::vector<bool> used;
   used.reserve(graph.constraints.size());
   for (const Constraint& c : graph.constraints) {
     used.push_back(!c.switchable ||
-                   chi2(graph, c) < kRefusal * contradiction_limit(c.degrees_of_freedom()));
+                   chi2(graph, c) < kRefusalFactor * chi2_limit(c.degrees_of_freedom()));
   }
   return used;
 }
 
-RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
-                               const MinimizerSettings& settings) {
+RobustSolution solve_selected(FactorGraph& graph, std::vector<bool> used,
+                              const MinimizerSettings& settings) {
   Kernels kernels;
   RobustSolution solution;
   solution.cost_before = total_chi2(graph, used);
-  const MinimizerSummary summary = minimize(graph, used, own_kernels(kernels), settings);
+  const MinimizerSummary summary = minimize(graph, used, own_kernel_losses(kernels), settings);
   solution.cost_after = total_chi2(graph, used);
   solution.iterations = summary.iterations;
   solution.success = summary.usable;
@@ -96,19 +99,20 @@ RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
 
 namespace {
 
-/// One run of the scheme from the present states.
-RobustSolution graduate(FactorGraph& graph, double weight_of_others) {
+/// One run of both stages and of the rounds after them, from the current states.
+RobustSolution run_graduated(FactorGraph& graph, double other_weight) {
   Kernels kernels;
-  ceres::ScaledLoss others(nullptr, weight_of_others, ceres::TAKE_OWNERSHIP);
+  ceres::ScaledLoss other_loss(nullptr, other_weight, ceres::TAKE_OWNERSHIP);
   const std::vector<bool> all(graph.constraints.size(), true);
-  int iterations = minimize(graph, all, pulling(kernels, &others), {60, 1e4, 1e-5}).iterations;
-  iterations += minimize(graph, all, deciding(kernels), {60, 1e6, 1e-5}).iterations;
+  int iterations =
+      minimize(graph, all, cauchy_stage_losses(kernels, &other_loss), {60, 1e4, 1e-5}).iterations;
+  iterations += minimize(graph, all, dcs_stage_losses(kernels), {60, 1e6, 1e-5}).iterations;
   RobustSolution solution;
-  std::vector<bool> used = believed(graph);
-  for (int round = 0; round < kRounds; ++round) {
-    solution = solve_as_marked(graph, used);
+  std::vector<bool> used = consistent_constraints(graph);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    solution = solve_selected(graph, used);
     iterations += solution.iterations;
-    used = believed(graph);
+    used = consistent_constraints(graph);
     if (used == solution.used) break;
   }
   solution.iterations = iterations;
@@ -130,9 +134,9 @@ RobustSolution solve_graduated(FactorGraph& graph) {
   const std::vector<StateBlock> start = graph.states;
   std::vector<StateBlock> best_states = start;
   RobustSolution best;
-  for (const double weight : kWeightsOfOthers) {
+  for (const double weight : kFixedConstraintWeights) {
     graph.states = start;
-    RobustSolution solution = graduate(graph, weight);
+    RobustSolution solution = run_graduated(graph, weight);
     if (!best.success || (solution.success && refused_count(solution) < refused_count(best))) {
       best = std::move(solution);
       best_states = graph.states;

@@ -12,57 +12,59 @@
 namespace lidar_mapping::pose_graph {
 
 std::optional<SelectedInverse> SelectedInverse::of(const Matrix& lower) {
-  // It keeps all entries of the pattern, rows in order, also those that happen to be zero: Z needs
-  // them.
+  // SimplicialLLT keeps all entries of the pattern in order of the rows, also those that happen to
+  // be zero. They are needed for Z.
   const Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(lower);
   if (factor.info() != Eigen::Success) return std::nullopt;
   return SelectedInverse(factor.matrixL().nestedExpression());
 }
 
 SelectedInverse::SelectedInverse(Matrix factor)
-    : inverse_(std::move(factor)), place_(static_cast<std::size_t>(inverse_.cols()), -1) {
+    : inverse_(std::move(factor)),
+      position_in_column_(static_cast<std::size_t>(inverse_.cols()), -1) {
   inverse_.makeCompressed();
   for (int column = static_cast<int>(inverse_.cols()) - 1; column >= 0; --column) {
-    fill_column(column);
+    compute_column(column);
   }
 }
 
-/// From Z L = L^-T, whose lower triangle is zero but for 1 / L_jj on the diagonal.
-void SelectedInverse::fill_column(int column) {
-  multiply_below(column);
+/// By Z L = L^-T, whose lower triangle is zero except for 1 / L_jj on the diagonal.
+void SelectedInverse::compute_column(int column) {
+  multiply_column(column);
   const int begin = inverse_.outerIndexPtr()[column];
   const int end = inverse_.outerIndexPtr()[column + 1];
   double* values = inverse_.valuePtr();
   const double diagonal = values[begin];
-  double of_diagonal = 1.0 / diagonal;
+  double diagonal_sum = 1.0 / diagonal;
   for (int k = begin + 1; k < end; ++k) {
-    const double entry = -below_[static_cast<std::size_t>(k - begin)] / diagonal;
-    of_diagonal -= entry * values[k];
+    const double entry = -product_[static_cast<std::size_t>(k - begin)] / diagonal;
+    diagonal_sum -= entry * values[k];
     values[k] = entry;
   }
-  values[begin] = of_diagonal / diagonal;
+  values[begin] = diagonal_sum / diagonal;
 }
 
-/// Rows below the diagonal of Z times this column of L. The columns of Z that it needs are behind
-/// it, and have all rows that this column has: so the factor fills in.
-void SelectedInverse::multiply_below(int column) {
+/// Multiplies the rows of Z below the diagonal with this column of L. The columns of Z that are
+/// needed come after it, and have all rows of this column by the fill-in of the factor.
+void SelectedInverse::multiply_column(int column) {
   const int* outer = inverse_.outerIndexPtr();
   const int* rows = inverse_.innerIndexPtr();
   const double* values = inverse_.valuePtr();
   const int begin = outer[column];
   const int end = outer[column + 1];
-  below_.assign(static_cast<std::size_t>(end - begin), 0.0);
-  for (int k = begin + 1; k < end; ++k) place_[static_cast<std::size_t>(rows[k])] = k - begin;
+  product_.assign(static_cast<std::size_t>(end - begin), 0.0);
+  for (int k = begin + 1; k < end; ++k)
+    position_in_column_[static_cast<std::size_t>(rows[k])] = k - begin;
   for (int k = begin + 1; k < end; ++k) {
     for (int entry = outer[rows[k]]; entry < outer[rows[k] + 1]; ++entry) {
-      const int place = place_[static_cast<std::size_t>(rows[entry])];
-      if (place < 0) continue;
-      below_[static_cast<std::size_t>(place)] += values[entry] * values[k];
-      if (place == k - begin) continue;
-      below_[static_cast<std::size_t>(k - begin)] += values[entry] * values[begin + place];
+      const int position = position_in_column_[static_cast<std::size_t>(rows[entry])];
+      if (position < 0) continue;
+      product_[static_cast<std::size_t>(position)] += values[entry] * values[k];
+      if (position == k - begin) continue;
+      product_[static_cast<std::size_t>(k - begin)] += values[entry] * values[begin + position];
     }
   }
-  for (int k = begin + 1; k < end; ++k) place_[static_cast<std::size_t>(rows[k])] = -1;
+  for (int k = begin + 1; k < end; ++k) position_in_column_[static_cast<std::size_t>(rows[k])] = -1;
 }
 
 double SelectedInverse::at(int row, int column) const {

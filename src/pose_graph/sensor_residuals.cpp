@@ -40,7 +40,7 @@ class Antenna : public ceres::SizedCostFunction<rows, kPoseBlockSize> {
 class Tilt : public ceres::SizedCostFunction<2, kPoseBlockSize> {
  public:
   Tilt(const Eigen::Vector3d& up_base, double stddev)
-      : weights_(across(up_base.normalized()) / stddev) {}
+      : weights_(orthogonal_basis(up_base.normalized()) / stddev) {}
 
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
     const Eigen::Vector3d up = rotation_of(blocks[0]).conjugate() * Eigen::Vector3d::UnitZ();
@@ -85,7 +85,7 @@ CostPtr antenna_horizontal_residual(const Eigen::Vector3d& p_map_antenna,
                                     const Eigen::Matrix2d& covariance) {
   Eigen::Matrix<double, 2, 3> weights = Eigen::Matrix<double, 2, 3>::Zero();
   weights.leftCols<2>() = whitening<2>(covariance);
-  // The altitude may be missing; a weight of zero does not make that finite.
+  // The altitude may be NaN, and a weight of zero would not remove that.
   const Eigen::Vector3d p_map(p_map_antenna.x(), p_map_antenna.y(), 0.0);
   return std::make_unique<Antenna<2>>(p_map, p_base_antenna, weights);
 }

@@ -10,7 +10,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-/// 7 x 6, row-major: the identity over a row of zeros.
+/// Writes the identity above a row of zeros, 7 x 6, row-major.
 void write_identity(double* jacobian) {
   std::fill_n(jacobian, kPoseBlockSize * 6, 0.0);
   for (int i = 0; i < 6; ++i) jacobian[i * 6 + i] = 1.0;
@@ -38,17 +38,17 @@ Pose to_planar_pose(const double* block) {
           Eigen::Vector3d(block[0], block[1], 0.0)};
 }
 
-StateBlock moved(const double* block, const double* d) {
+StateBlock retract(const double* block, const double* d) {
   const Eigen::Vector3d v(d[3], d[4], d[5]);
-  // Beyond a half turn there is no unit quaternion with this vector part: take the half turn.
+  // If |v| > 1 there is no unit quaternion with this vector part; half a turn is the nearest.
   const double squared = v.squaredNorm();
   const double w = squared < 1.0 ? std::sqrt(1.0 - squared) : 0.0;
-  const Eigen::Quaterniond turn(w, v.x(), v.y(), v.z());
-  return to_block(to_pose(block) * Pose{turn.normalized(), Eigen::Vector3d(d[0], d[1], d[2])});
+  const Eigen::Quaterniond rotation(w, v.x(), v.y(), v.z());
+  return to_block(to_pose(block) * Pose{rotation.normalized(), Eigen::Vector3d(d[0], d[1], d[2])});
 }
 
 bool TangentUpdate::Plus(const double* x, const double* d, double* x_plus_d) const {
-  const StateBlock result = moved(x, d);
+  const StateBlock result = retract(x, d);
   std::copy(result.begin(), result.end(), x_plus_d);
   return true;
 }
@@ -91,7 +91,7 @@ void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& updat
 
 #endif
 
-ceres::Problem::Options borrowing_problem_options() {
+ceres::Problem::Options non_owning_problem_options() {
   ceres::Problem::Options options;
   options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

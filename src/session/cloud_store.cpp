@@ -51,7 +51,7 @@ bool CloudStore::contains(KeyFrameIndex index) const {
   return std::filesystem::is_regular_file(file(index));
 }
 
-bool CloudStore::holds(KeyFrameIndex index, const PointCloudPtr& cloud) const {
+bool CloudStore::is_cached(KeyFrameIndex index, const PointCloudPtr& cloud) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = entries_.find(index);
   return found != entries_.end() && found->second->cloud == cloud;

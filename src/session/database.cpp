@@ -14,11 +14,11 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr int kBusyTimeoutMs = 5000;
-constexpr std::size_t kShown = 40;  // bytes of a cell that are repeated
-/// Information and covariances stay far from the end of the numbers when they are multiplied.
-constexpr double kLargest = 1e100;
+constexpr std::size_t kShownBytes = 40;  // bytes of a damaged cell that a message shows
+/// Limit for stored numbers, so that products of information and covariances do not overflow.
+constexpr double kMaxNumber = 1e100;
 
-bool is_number(double value) { return std::abs(value) <= kLargest; }
+bool is_number(double value) { return std::abs(value) <= kMaxNumber; }
 
 [[noreturn]] void fail(sqlite3* database) {
   const char* file = sqlite3_db_filename(database, "main");
@@ -83,43 +83,46 @@ bool Statement::next_is_null() const {
   return sqlite3_column_type(statement_.get(), column_) == SQLITE_NULL;
 }
 
-/// Numbers of another kind, texts where numbers belong and the like: nobody but damage writes them.
-void Statement::require(bool is_sound, int column, const std::string& wanted) const {
+/// Checks such as for a text in a column of numbers. Only damaged files fail them.
+void Statement::require(bool is_sound, int column, const std::string& expected) const {
   if (is_sound) return;
   const auto* shown = sqlite3_column_text(statement_.get(), column);
-  const std::string held = shown == nullptr ? "nothing" : reinterpret_cast<const char*>(shown);
+  const std::string shown_text =
+      shown == nullptr ? "nothing" : reinterpret_cast<const char*>(shown);
   const char* file = sqlite3_db_filename(database_, "main");
   throw FileError(std::string(file != nullptr ? file : "session database") + ": a row has '" +
-                  held.substr(0, kShown) + "' as " + sqlite3_column_name(statement_.get(), column) +
-                  " instead of " + wanted + "; the session is damaged");
+                  shown_text.substr(0, kShownBytes) + "' as " +
+                  sqlite3_column_name(statement_.get(), column) + " instead of " + expected +
+                  "; the session is damaged");
 }
 
 int Statement::type_of(int column) const { return sqlite3_column_type(statement_.get(), column); }
 
-std::int64_t Statement::take_integer(std::int64_t least, std::int64_t most) {
+std::int64_t Statement::read_integer(std::int64_t min_value, std::int64_t max_value) {
   const int column = column_++, type = type_of(column);
   const std::int64_t value = sqlite3_column_int64(statement_.get(), column);
-  const bool is_whole = type == SQLITE_INTEGER || type == SQLITE_NULL;
-  require(is_whole && value >= least && value <= most, column, "a whole number that can be");
+  const bool is_integer = type == SQLITE_INTEGER || type == SQLITE_NULL;
+  require(is_integer && value >= min_value && value <= max_value, column,
+          "a whole number that can be");
   return value;
 }
 
-double Statement::take_real() {
+double Statement::read_real() {
   const int column = column_++, type = type_of(column);
   require(type != SQLITE_TEXT && type != SQLITE_BLOB, column, "a number");
   return sqlite3_column_double(statement_.get(), column);
 }
 
-double Statement::take_coordinate() {
-  constexpr double kFarthest = 1e9;  // m, as in common/number_words.hpp
+double Statement::read_coordinate() {
+  constexpr double kMaxCoordinate = 1e9;  // m, as in common/number_words.hpp
   const int column = column_;
-  const bool is_there = !next_is_null();
-  const double value = take_real();
-  require(is_there && std::abs(value) <= kFarthest, column, "a coordinate");
+  const bool has_value = !next_is_null();
+  const double value = read_real();
+  require(has_value && std::abs(value) <= kMaxCoordinate, column, "a coordinate");
   return value;
 }
 
-std::string Statement::take_text() {
+std::string Statement::read_text() {
   const int column = column_++;
   const auto* text = sqlite3_column_text(statement_.get(), column);
   if (text == nullptr) return {};
@@ -127,7 +130,7 @@ std::string Statement::take_text() {
           static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
 }
 
-Blob Statement::take_blob() {
+Blob Statement::read_blob() {
   const int column = column_++, type = type_of(column);
   const void* data = sqlite3_column_blob(statement_.get(), column);
   const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
@@ -140,34 +143,34 @@ Blob Statement::take_blob() {
   return blob;
 }
 
-Blob Statement::take_blob(std::size_t size) {
+Blob Statement::read_blob(std::size_t size) {
   const int column = column_;
-  Blob blob = take_blob();
+  Blob blob = read_blob();
   require(blob.empty() || blob.size() == size, column, std::to_string(size) + " numbers");
   blob.resize(size, 0.0);
   return blob;
 }
 
-Eigen::Vector3d Statement::take_vector() {
-  const double x = take_coordinate();
-  const double y = take_coordinate();
-  const double z = take_coordinate();
+Eigen::Vector3d Statement::read_vector() {
+  const double x = read_coordinate();
+  const double y = read_coordinate();
+  const double z = read_coordinate();
   return {x, y, z};
 }
 
-Eigen::Quaterniond Statement::take_quaternion() {
+Eigen::Quaterniond Statement::read_quaternion() {
   const int column = column_;
-  const Eigen::Vector3d xyz = take_vector();
-  const Eigen::Quaterniond rotation(take_coordinate(), xyz.x(), xyz.y(), xyz.z());
-  constexpr double kOffUnit = 0.5;
-  require(std::abs(rotation.norm() - 1.0) < kOffUnit, column, "a quaternion of unit length");
+  const Eigen::Vector3d xyz = read_vector();
+  const Eigen::Quaterniond rotation(read_coordinate(), xyz.x(), xyz.y(), xyz.z());
+  constexpr double kNormTolerance = 0.5;
+  require(std::abs(rotation.norm() - 1.0) < kNormTolerance, column, "a quaternion of unit length");
   return rotation;
 }
 
-Pose Statement::take_pose() {
+Pose Statement::read_pose() {
   Pose pose;
-  pose.translation = take_vector();
-  pose.rotation = take_quaternion();
+  pose.translation = read_vector();
+  pose.rotation = read_quaternion();
   return pose;
 }
 
@@ -209,7 +212,7 @@ Transaction::~Transaction() {
   try {
     database_.execute("ROLLBACK");
   } catch (const std::exception&) {
-    // SQLite has rolled back by itself, as it does when the disk is full.
+    // SQLite has rolled back already, as it does if the disk is full.
   }
 }
 

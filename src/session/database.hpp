@@ -18,34 +18,35 @@ struct sqlite3_stmt;
 
 namespace lidar_mapping::session {
 
-/// What a cell of a table holds; matrices are blobs of doubles, row by row.
+/// The content of a cell of a table; matrices are blobs of doubles, row by row.
 using Blob = std::vector<double>;
 using Cell = std::variant<std::nullptr_t, std::int64_t, double, std::string, Blob>;
 using Cells = std::vector<Cell>;
 
-/// A prepared statement. After step() returned true, the take_ functions read the row's cells from
-/// left to right. All functions throw FileError, also for a cell that cannot hold what it holds.
+/// A prepared statement. After step() has returned true, the read_ functions read the cells of the
+/// row from left to right. All functions throw FileError, also if a cell does not hold what its
+/// column requires.
 class Statement {
  public:
   Statement(sqlite3* database, const std::string& sql, const Cells& values);
 
   bool step();
   bool next_is_null() const;
-  std::int64_t take_integer(std::int64_t least = std::numeric_limits<std::int64_t>::min(),
-                            std::int64_t most = std::numeric_limits<std::int64_t>::max());
-  double take_real();
-  /// At most 1e9.
-  double take_coordinate();
-  std::string take_text();
-  Blob take_blob();
-  /// So many numbers; zeros for an empty cell.
-  Blob take_blob(std::size_t size);
-  Eigen::Vector3d take_vector();
-  Eigen::Quaterniond take_quaternion();
-  Pose take_pose();
+  std::int64_t read_integer(std::int64_t min_value = std::numeric_limits<std::int64_t>::min(),
+                            std::int64_t max_value = std::numeric_limits<std::int64_t>::max());
+  double read_real();
+  /// A number between -1e9 and 1e9.
+  double read_coordinate();
+  std::string read_text();
+  Blob read_blob();
+  /// A blob of `size` numbers; zeros for an empty cell.
+  Blob read_blob(std::size_t size);
+  Eigen::Vector3d read_vector();
+  Eigen::Quaterniond read_quaternion();
+  Pose read_pose();
   void skip(int cells) { column_ += cells; }
-  /// Throws FileError, naming the file and the column, unless it is sound.
-  void require(bool is_sound, int column, const std::string& wanted) const;
+  /// Throws FileError with the file and the column unless `is_sound`.
+  void require(bool is_sound, int column, const std::string& expected) const;
   int next_column() const { return column_; }
 
  private:
@@ -60,7 +61,8 @@ class Statement {
   int column_ = 0;
 };
 
-/// A SQLite file. Writers use WAL mode, so readers never wait for them. Throws FileError.
+/// A SQLite file. Writers use WAL mode, so that readers need not wait for them. All functions throw
+/// FileError.
 class Database {
  public:
   enum class Mode { kCreate, kWrite, kRead };
@@ -77,7 +79,7 @@ class Database {
   std::unique_ptr<sqlite3, Close> database_;
 };
 
-/// All or nothing: undone at the end of its scope unless committed.
+/// A transaction: it is rolled back at the end of its scope unless it was committed.
 class Transaction {
  public:
   explicit Transaction(Database& database);
@@ -92,9 +94,9 @@ class Transaction {
 };
 
 void append(Cells& cells, const Eigen::Vector3d& vector);
-/// qx qy qz qw.
+/// Appends qx qy qz qw.
 void append(Cells& cells, const Eigen::Quaterniond& rotation);
-/// x y z qx qy qz qw.
+/// Appends x y z qx qy qz qw.
 void append(Cells& cells, const Pose& pose);
 
 template <typename Matrix>
@@ -108,7 +110,7 @@ Blob to_blob(const Matrix& matrix) {
   return blob;
 }
 
-/// Fixed-size matrix of a blob of its size.
+/// A matrix of fixed size from a blob of the same size.
 template <typename Matrix>
 Matrix to_matrix(const Blob& blob) {
   Matrix matrix;

@@ -6,28 +6,29 @@
 
 #include "session_folder.hpp"
 
-// Sessions that appear whole or not at all.
+// Sessions that appear only when they are complete.
 namespace lidar_mapping::session {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Fills a session in `growing` and moves it to where place() says, which is asked when it is full.
-Session moved_when_full(const fs::path& growing, const std::function<void(Session&)>& fill,
-                        const std::function<fs::path()>& place) {
+/// Fills a session in the folder `temporary` and then moves it to the folder that destination()
+/// returns.
+Session create_aside(const fs::path& temporary, const std::function<void(Session&)>& fill,
+                     const std::function<fs::path()>& destination) {
   fs::path target;
   try {
-    fs::remove_all(growing);
+    fs::remove_all(temporary);
     {
-      Session session = Session::create_in(growing);
+      Session session = Session::create_in(temporary);
       fill(session);
     }
-    target = place();
-    fs::rename(growing, target);
+    target = destination();
+    fs::rename(temporary, target);
   } catch (...) {
     std::error_code ignored;
-    fs::remove_all(growing, ignored);
+    fs::remove_all(temporary, ignored);
     throw;
   }
   return Session::open(target, Session::Access::kWrite);
@@ -40,15 +41,16 @@ Session create_filled(const fs::path& directory, const std::function<void(Sessio
   if (fs::exists(target) && !(fs::is_directory(target) && fs::is_empty(target))) {
     throw FileError(directory.string() + " exists and is no empty folder; name a new one");
   }
-  const fs::path place = target.has_filename() ? target : target.parent_path();
-  const fs::path growing = place.parent_path() / ("." + place.filename().string() + ".part");
-  return moved_when_full(growing, fill, [&] { return place; });
+  const fs::path destination = target.has_filename() ? target : target.parent_path();
+  const fs::path temporary =
+      destination.parent_path() / ("." + destination.filename().string() + ".part");
+  return create_aside(temporary, fill, [&] { return destination; });
 }
 
 Session create_filled(const fs::path& root, std::time_t now,
                       const std::function<void(Session&)>& fill) {
-  return moved_when_full(root / (".loaded." + std::to_string(::getpid()) + ".part"), fill,
-                         [&] { return make_run_folder(root, now); });
+  return create_aside(root / (".loaded." + std::to_string(::getpid()) + ".part"), fill,
+                      [&] { return make_run_folder(root, now); });
 }
 
 }  // namespace lidar_mapping::session

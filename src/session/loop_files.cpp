@@ -39,21 +39,21 @@ Verdicts newest_verdicts(const Session& session) {
   return verdicts;
 }
 
-/// What the graph says of a loop later has no figures of matching.
+/// False for a later verdict of the graph, which has no figures of a match.
 bool has_figures(const LoopVerdict& verdict) {
   return verdict.horizontal_eigenvalue > 0.0 || verdict.innovation > 0.0;
 }
 
-/// Every candidate once, in the order in which they came: the figures of its matching and what
-/// became of it in the end.
+/// Every candidate once in the order of storage, with the figures of its match and its final
+/// verdict.
 std::vector<LoopVerdict> candidates(const Session& session) {
   std::vector<LoopVerdict> result;
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, std::size_t> known;
   for (const LoopVerdict& verdict : session.verdicts()) {
-    const auto [place, is_new] = known.try_emplace({verdict.from, verdict.to}, result.size());
+    const auto [entry, is_new] = known.try_emplace({verdict.from, verdict.to}, result.size());
     if (is_new) {
       result.push_back(verdict);
-    } else if (LoopVerdict& earlier = result[place->second]; has_figures(verdict)) {
+    } else if (LoopVerdict& earlier = result[entry->second]; has_figures(verdict)) {
       earlier = verdict;
     } else {
       earlier.verdict = verdict.verdict;
@@ -78,8 +78,8 @@ Pose pose_of(const std::vector<double>& numbers) {
   return pose;
 }
 
-/// The numbers up to the end of the line, of which the first two are indices and the others places
-/// and angles; false if there is anything else.
+/// Reads all numbers to the end of the line: two indices, then coordinates and angles. Returns
+/// false if there is anything else.
 bool read_numbers(std::istream& stream, std::vector<double>& numbers) {
   try {
     for (std::string word; stream >> word;) {
@@ -95,7 +95,7 @@ bool is_index(double number) {
   return number >= 0.0 && number <= 4294967295.0 && number == std::floor(number);
 }
 
-[[noreturn]] void refuse_line(const std::string& where, const std::string& line) {
+[[noreturn]] void throw_malformed_line(const std::string& where, const std::string& line) {
   throw InputError(where + ": cannot understand '" + line +
                    "'; wanted auto, accept or refuse FROM TO, or add FROM TO [X Y Z [ROLL PITCH "
                    "YAW]]");
@@ -106,22 +106,22 @@ LoopEdit parse_edit(const std::string& line, const std::string& where) {
   std::string word;
   std::vector<double> numbers;
   stream >> word;
-  if (!read_numbers(stream, numbers) || numbers.size() < 2) refuse_line(where, line);
-  if (!is_index(numbers[0]) || !is_index(numbers[1])) refuse_line(where, line);
+  if (!read_numbers(stream, numbers) || numbers.size() < 2) throw_malformed_line(where, line);
+  if (!is_index(numbers[0]) || !is_index(numbers[1])) throw_malformed_line(where, line);
   LoopEdit edit;
   edit.where = where;
   edit.add = word == "add";
   if (edit.add) {
     edit.decision = LoopDecision::kAccept;
     const std::vector<double> guess(numbers.begin() + 2, numbers.end());
-    if (!guess.empty() && guess.size() != 3 && guess.size() != 6) refuse_line(where, line);
+    if (!guess.empty() && guess.size() != 3 && guess.size() != 6) throw_malformed_line(where, line);
     if (!guess.empty()) edit.guess = pose_of(guess);
   } else {
-    if (numbers.size() != 2) refuse_line(where, line);
+    if (numbers.size() != 2) throw_malformed_line(where, line);
     try {
       edit.decision = loop_decision_from(word);
     } catch (const InputError&) {
-      refuse_line(where, line);
+      throw_malformed_line(where, line);
     }
   }
   edit.from = static_cast<KeyFrameIndex>(std::min(numbers[0], numbers[1]));

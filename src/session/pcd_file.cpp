@@ -14,8 +14,8 @@ namespace lidar_mapping::session {
 
 namespace {
 
-/// PCL warns on the console about fields that a type has and the file lacks, so the type follows
-/// the file.
+/// PCL prints a warning for each field of the point type that the file does not have, so the point
+/// type is chosen by the file.
 template <typename PclPoint>
 PointCloud from_pcl(const pcl::PCLPointCloud2& raw) {
   pcl::PointCloud<PclPoint> cloud;
@@ -37,7 +37,7 @@ bool has_intensity(const pcl::PCLPointCloud2& cloud) {
   return false;
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem) {
+[[noreturn]] void throw_unreadable(const std::filesystem::path& path, const std::string& problem) {
   throw FileError("cannot read " + path.string() + ": " + problem +
                   "; it is no PCD file or a damaged one");
 }
@@ -46,7 +46,8 @@ bool has_intensity(const pcl::PCLPointCloud2& cloud) {
 
 PointCloud read_pcd(const std::filesystem::path& path) {
   const PcdHeader header = read_pcd_header(path);
-  if (!header.has_float_coordinates()) refuse(path, "it has no fields x y z of 4-byte floats");
+  if (!header.has_float_coordinates())
+    throw_unreadable(path, "it has no fields x y z of 4-byte floats");
   if (header.points == 0) return {};
   if (header.text == pcd_header(header.points)) {
     std::ifstream file(path, std::ios::binary);
@@ -55,7 +56,7 @@ PointCloud read_pcd(const std::filesystem::path& path) {
     cloud.points.resize(header.points);
     file.read(reinterpret_cast<char*>(cloud.points.data()),
               static_cast<std::streamsize>(header.points * sizeof(Point)));
-    if (!file) refuse(path, "its end is missing");
+    if (!file) throw_unreadable(path, "its end is missing");
     return cloud;
   }
   const pcl::PCLPointCloud2 raw = read_pcd_points(path, header);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& path, const std::string& problem) {
+[[noreturn]] void throw_unreadable(const fs::path& path, const std::string& problem) {
   throw FileError("cannot read " + path.string() + ": its points cannot be read" + problem +
                   "; it is a damaged PCD file");
 }
@@ -43,7 +43,7 @@ pcl::PCLPointCloud2 layout_of(const PcdHeader& header) {
 
 void read_bytes(std::istream& file, const fs::path& path, void* to, std::size_t size) {
   file.read(static_cast<char*>(to), static_cast<std::streamsize>(size));
-  if (!file) refuse(path, ": the end is missing");
+  if (!file) throw_unreadable(path, ": the end is missing");
 }
 
 int read_compressed(std::istream& file, const fs::path& path, std::size_t size,
@@ -78,10 +78,11 @@ pcl::PCLPointCloud2 read_pcd_points(const fs::path& path, const PcdHeader& heade
     status = read_body(file, path, header, cloud);
   } catch (const FileError&) {
     throw;
-  } catch (const std::exception& error) {  // of PCL, such as std::out_of_range of a short line
+    // Thrown by PCL, such as std::out_of_range for a short line.
+  } catch (const std::exception& error) {
     problem = std::string(" (") + error.what() + ")";
   }
-  if (status < 0) refuse(path, problem);
+  if (status < 0) throw_unreadable(path, problem);
   return cloud;
 }
 

@@ -10,93 +10,93 @@ namespace lidar_mapping::session {
 
 namespace {
 
-/// Takes the fields of a value, one after the other, as the cells of a row.
+/// Writes the fields of a value one after the other as the cells of a row.
 class Writer {
  public:
-  void take(std::int64_t value) { cells.emplace_back(value); }
-  void take(std::uint32_t value) { cells.emplace_back(std::int64_t{value}); }
-  void take(std::size_t value) { cells.emplace_back(static_cast<std::int64_t>(value)); }
-  void take(int value) { cells.emplace_back(std::int64_t{value}); }
-  void take(bool value) { cells.emplace_back(std::int64_t{value ? 1 : 0}); }
-  void take(double value) { cells.emplace_back(value); }
-  void take(const std::string& value) { cells.emplace_back(value); }
-  void take(LoopSource value) { cells.emplace_back(std::string(to_string(value))); }
-  void take(Verdict value) { cells.emplace_back(std::string(to_string(value))); }
-  void take(const Eigen::Vector3d& value) { append(cells, value); }
-  void take(const Pose& value) { append(cells, value); }
-  void take(const Covariance6& value) { cells.emplace_back(to_blob(value)); }
-  void take(const Eigen::Matrix3d& value) { cells.emplace_back(to_blob(value)); }
-  void take(const std::optional<Eigen::Quaterniond>& value) {
+  void process(std::int64_t value) { cells.emplace_back(value); }
+  void process(std::uint32_t value) { cells.emplace_back(std::int64_t{value}); }
+  void process(std::size_t value) { cells.emplace_back(static_cast<std::int64_t>(value)); }
+  void process(int value) { cells.emplace_back(std::int64_t{value}); }
+  void process(bool value) { cells.emplace_back(std::int64_t{value ? 1 : 0}); }
+  void process(double value) { cells.emplace_back(value); }
+  void process(const std::string& value) { cells.emplace_back(value); }
+  void process(LoopSource value) { cells.emplace_back(std::string(to_string(value))); }
+  void process(Verdict value) { cells.emplace_back(std::string(to_string(value))); }
+  void process(const Eigen::Vector3d& value) { append(cells, value); }
+  void process(const Pose& value) { append(cells, value); }
+  void process(const Covariance6& value) { cells.emplace_back(to_blob(value)); }
+  void process(const Eigen::Matrix3d& value) { cells.emplace_back(to_blob(value)); }
+  void process(const std::optional<Eigen::Quaterniond>& value) {
     if (value) {
       append(cells, *value);
     } else {
       cells.insert(cells.end(), 4, nullptr);
     }
   }
-  void take(const std::vector<Eigen::Vector3d>& values) {
+  void process(const std::vector<Eigen::Vector3d>& values) {
     Blob blob;
     for (const Eigen::Vector3d& value : values) {
       blob.insert(blob.end(), value.data(), value.data() + 3);
     }
     cells.emplace_back(blob);
   }
-  /// Of a cloud only its size.
-  void take(const PointCloudPtr& cloud) { take(cloud ? cloud->size() : std::size_t{0}); }
+  /// Only the number of points of a cloud.
+  void process(const PointCloudPtr& cloud) { process(cloud ? cloud->size() : std::size_t{0}); }
 
   Cells cells;
 };
 
-/// Fills the fields of a value from the cells of a row.
+/// Reads the fields of a value from the cells of a row.
 class Reader {
  public:
   explicit Reader(Statement& row) : row_(row) {}
 
-  /// All of them are stamps, whose differences are to stay within their type.
-  void take(std::int64_t& value) {
+  /// All integers of this type are stamps; the limit keeps their differences within the type.
+  void process(std::int64_t& value) {
     constexpr std::int64_t kLatest = 4'500'000'000'000'000'000;
-    value = row_.take_integer(-kLatest, kLatest);
+    value = row_.read_integer(-kLatest, kLatest);
   }
-  void take(std::uint32_t& value) { take_number(value); }
-  void take(std::size_t& value) { take_number(value); }
-  void take(int& value) { take_number(value); }
-  void take(bool& value) { value = row_.take_integer() != 0; }
-  void take(double& value) { value = row_.take_real(); }
-  void take(std::string& value) { value = row_.take_text(); }
-  void take(LoopSource& value) { take_word(value, loop_source_from); }
-  void take(Verdict& value) { take_word(value, verdict_from); }
-  void take(LoopDecision& value) { take_word(value, loop_decision_from); }
-  void take(Eigen::Vector3d& value) { value = row_.take_vector(); }
-  void take(Pose& value) { value = row_.take_pose(); }
-  void take(Covariance6& value) { value = to_matrix<Covariance6>(row_.take_blob(36)); }
-  void take(Eigen::Matrix3d& value) { value = to_matrix<Eigen::Matrix3d>(row_.take_blob(9)); }
-  void take(std::optional<Eigen::Quaterniond>& value) {
+  void process(std::uint32_t& value) { read_number(value); }
+  void process(std::size_t& value) { read_number(value); }
+  void process(int& value) { read_number(value); }
+  void process(bool& value) { value = row_.read_integer() != 0; }
+  void process(double& value) { value = row_.read_real(); }
+  void process(std::string& value) { value = row_.read_text(); }
+  void process(LoopSource& value) { read_word(value, loop_source_from); }
+  void process(Verdict& value) { read_word(value, verdict_from); }
+  void process(LoopDecision& value) { read_word(value, loop_decision_from); }
+  void process(Eigen::Vector3d& value) { value = row_.read_vector(); }
+  void process(Pose& value) { value = row_.read_pose(); }
+  void process(Covariance6& value) { value = to_matrix<Covariance6>(row_.read_blob(36)); }
+  void process(Eigen::Matrix3d& value) { value = to_matrix<Eigen::Matrix3d>(row_.read_blob(9)); }
+  void process(std::optional<Eigen::Quaterniond>& value) {
     value.reset();
     if (row_.next_is_null()) return row_.skip(4);
-    value = row_.take_quaternion();
+    value = row_.read_quaternion();
   }
-  void take(std::vector<Eigen::Vector3d>& values) {
-    const Blob blob = row_.take_blob();
+  void process(std::vector<Eigen::Vector3d>& values) {
+    const Blob blob = row_.read_blob();
     values.clear();
     for (std::size_t i = 0; i + 3 <= blob.size(); i += 3) {
       values.emplace_back(blob[i], blob[i + 1], blob[i + 2]);
     }
   }
-  void take(PointCloudPtr&) { row_.skip(1); }
+  void process(PointCloudPtr&) { row_.skip(1); }
 
  private:
   template <typename Integer>
-  void take_number(Integer& value) {
-    constexpr auto kMost = std::numeric_limits<Integer>::max();
+  void read_number(Integer& value) {
+    constexpr auto kMaxValue = std::numeric_limits<Integer>::max();
     constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
-    value = static_cast<Integer>(row_.take_integer(
+    value = static_cast<Integer>(row_.read_integer(
         std::is_signed_v<Integer> ? std::int64_t{std::numeric_limits<int>::min()} : 0,
-        sizeof(Integer) < sizeof(std::int64_t) ? static_cast<std::int64_t>(kMost) : kLargest));
+        sizeof(Integer) < sizeof(std::int64_t) ? static_cast<std::int64_t>(kMaxValue) : kLargest));
   }
   template <typename Value, typename FromWord>
-  void take_word(Value& value, const FromWord& from_word) {
+  void read_word(Value& value, const FromWord& from_word) {
     const int column = row_.next_column();
     try {
-      value = from_word(row_.take_text());
+      value = from_word(row_.read_text());
     } catch (const InputError& error) {
       row_.require(false, column, std::string("a word that is known (") + error.what() + ")");
     }
@@ -105,20 +105,20 @@ class Reader {
   Statement& row_;
 };
 
-/// Hands fields to a writer or a reader from left to right.
-template <typename Taker>
+/// Passes fields to a writer or a reader from left to right.
+template <typename Archive>
 struct Each {
-  Taker& taker;
+  Archive& archive;
   template <typename... Fields>
   void operator()(Fields&... fields) {
-    (taker.take(fields), ...);
+    (archive.process(fields), ...);
   }
 };
 
 template <typename Value>
 struct Row {};
 
-// The columns of each table, once for both directions: V is const for writing.
+// The columns of each table, defined once for writing (V is const) and reading.
 
 template <typename V, typename Each>
 void visit(Row<KeyFrame>, V& v, Each each) {
@@ -170,14 +170,14 @@ void visit(Row<RevisionRecord>, V& v, Each each) {
 }
 
 template <typename Value>
-Cells written(const Value& value) {
+Cells to_row(const Value& value) {
   Writer writer;
   visit(Row<Value>(), value, Each<Writer>{writer});
   return writer.cells;
 }
 
 template <typename Value>
-Value read(Statement& row) {
+Value from_row(Statement& row) {
   Reader reader(row);
   Value value;
   visit(Row<Value>(), value, Each<Reader>{reader});
@@ -186,39 +186,39 @@ Value read(Statement& row) {
 
 }  // namespace
 
-Cells to_cells(const KeyFrame& value) { return written(value); }
-Cells to_cells(const Loop& value) { return written(value); }
-Cells to_cells(const LoopVerdict& value) { return written(value); }
-Cells to_cells(const GnssPosition& value) { return written(value); }
-Cells to_cells(const ImuSample& value) { return written(value); }
-Cells to_cells(const Floor& value) { return written(value); }
-Cells to_cells(const ScanRecord& value) { return written(value); }
-Cells to_cells(const RevisionRecord& value) { return written(value); }
+Cells to_cells(const KeyFrame& value) { return to_row(value); }
+Cells to_cells(const Loop& value) { return to_row(value); }
+Cells to_cells(const LoopVerdict& value) { return to_row(value); }
+Cells to_cells(const GnssPosition& value) { return to_row(value); }
+Cells to_cells(const ImuSample& value) { return to_row(value); }
+Cells to_cells(const Floor& value) { return to_row(value); }
+Cells to_cells(const ScanRecord& value) { return to_row(value); }
+Cells to_cells(const RevisionRecord& value) { return to_row(value); }
 
-KeyFrame read_key_frame(Statement& row) { return read<KeyFrame>(row); }
-GnssPosition read_gnss(Statement& row) { return read<GnssPosition>(row); }
-ImuSample read_imu(Statement& row) { return read<ImuSample>(row); }
-Floor read_floor(Statement& row) { return read<Floor>(row); }
-ScanRecord read_scan(Statement& row) { return read<ScanRecord>(row); }
-KeyFramePose read_pose(Statement& row) { return read<KeyFramePose>(row); }
-RevisionRecord read_revision(Statement& row) { return read<RevisionRecord>(row); }
+KeyFrame read_key_frame(Statement& row) { return from_row<KeyFrame>(row); }
+GnssPosition read_gnss(Statement& row) { return from_row<GnssPosition>(row); }
+ImuSample read_imu(Statement& row) { return from_row<ImuSample>(row); }
+Floor read_floor(Statement& row) { return from_row<Floor>(row); }
+ScanRecord read_scan(Statement& row) { return from_row<ScanRecord>(row); }
+KeyFramePose read_pose(Statement& row) { return from_row<KeyFramePose>(row); }
+RevisionRecord read_revision(Statement& row) { return from_row<RevisionRecord>(row); }
 
 Loop read_loop(Statement& row) {
   row.skip(1);
-  Loop loop = read<Loop>(row);
-  Reader(row).take(loop.decision);
+  Loop loop = from_row<Loop>(row);
+  Reader(row).process(loop.decision);
   return loop;
 }
 
 LoopVerdict read_verdict(Statement& row) {
   row.skip(1);
-  return read<LoopVerdict>(row);
+  return from_row<LoopVerdict>(row);
 }
 
 std::pair<Stamp, Pose> read_odometry(Statement& row) {
   Stamp stamp = 0;
-  Reader(row).take(stamp);
-  return {stamp, row.take_pose()};
+  Reader(row).process(stamp);
+  return {stamp, row.read_pose()};
 }
 
 }  // namespace lidar_mapping::session

@@ -7,8 +7,9 @@
 
 namespace lidar_mapping::session {
 
-// Values to the cells of a row of their table and back, in the order of the columns. Loops and
-// verdicts have an id before these cells, which reading skips; a person's decision follows a loop.
+// Conversions between values and the cells of a row, in the order of the columns of the table. Rows
+// of loops and verdicts begin with an id, which reading skips. The decision of a person follows a
+// loop.
 Cells to_cells(const KeyFrame& key_frame);
 Cells to_cells(const Loop& loop);
 Cells to_cells(const LoopVerdict& verdict);

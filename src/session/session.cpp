@@ -81,7 +81,7 @@ void Session::add_key_frame(const KeyFrame& key_frame) {
     throw InputError("key frame " + std::to_string(key_frame.index) +
                      " is in the session already; one run must not use an index twice");
   }
-  if (key_frame.cloud && !impl_->clouds.holds(key_frame.index, key_frame.cloud)) {
+  if (key_frame.cloud && !impl_->clouds.is_cached(key_frame.index, key_frame.cloud)) {
     impl_->clouds.put(key_frame.index, key_frame.cloud);
   }
   impl_->insert("INSERT", "key_frames", to_cells(key_frame));

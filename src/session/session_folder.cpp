@@ -25,8 +25,9 @@ std::string dated_name(std::time_t now) {
   return name;
 }
 
-/// True if the folder did not exist; the system decides, so two processes cannot both get it.
-bool make_new(const fs::path& folder) {
+/// Creates a folder. Returns false if it existed; this is atomic, so that two processes cannot both
+/// create it.
+bool create_new(const fs::path& folder) {
   std::error_code error;
   const bool made = fs::create_directory(folder, error);
   if (error && error != std::errc::file_exists) {
@@ -36,8 +37,9 @@ bool make_new(const fs::path& folder) {
   return made;
 }
 
-/// Replaces the link in one step. A file or folder named `latest` that is no link is left alone.
-void point_latest_to(const fs::path& folder) {
+/// Replaces the link atomically. A file or folder with the name `latest` that is not a link is not
+/// touched.
+void link_latest_to(const fs::path& folder) {
   const fs::path link = folder.parent_path() / "latest";
   if (fs::exists(fs::symlink_status(link)) && !fs::is_symlink(link)) return;
   const fs::path temporary =
@@ -59,10 +61,10 @@ fs::path make_run_folder(const fs::path& root, std::time_t now) {
   }
   const std::string name = dated_name(now);
   fs::path folder = root / name;
-  for (int number = 2; !make_new(folder); ++number) {
+  for (int number = 2; !create_new(folder); ++number) {
     folder = root / (name + "-" + std::to_string(number));
   }
-  point_latest_to(folder);
+  link_latest_to(folder);
   return folder;
 }
 

@@ -6,15 +6,15 @@
 
 namespace lidar_mapping::session {
 
-/// Makes a folder that did not exist, named by the instant (local time), and points the link
-/// root/latest to it. Two processes never get the same one.
+/// Creates a new folder in `root` with a name by the instant `now` (local time), and sets the link
+/// root/latest to it. Two processes never get the same folder.
 std::filesystem::path make_run_folder(const std::filesystem::path& root, std::time_t now);
 
-/// The right to write in a folder; held by one process at a time and given back by the system when
-/// the process ends, however it ends.
+/// A lock for writing in a folder. Only one process at a time can hold it; the system releases it
+/// when the process ends for any reason.
 class WriteLock {
  public:
-  /// Throws FileError if another process has it.
+  /// Throws FileError if another process holds the lock.
   explicit WriteLock(const std::filesystem::path& folder);
   ~WriteLock();
   WriteLock(const WriteLock&) = delete;

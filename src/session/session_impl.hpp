@@ -16,7 +16,7 @@ class Session::Impl {
         database(directory / "session.db", mode),
         clouds(directory / "key_frames") {}
 
-  /// `verb` is INSERT, perhaps with what to do about a row that is there.
+  /// `verb` is INSERT, optionally with a rule for existing rows such as OR REPLACE.
   void insert(const std::string& verb, const std::string& table, const Cells& cells) {
     std::string places = "?";
     for (std::size_t i = 1; i < cells.size(); ++i) places += ", ?";

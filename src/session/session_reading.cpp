@@ -17,7 +17,7 @@ constexpr double kHighest = 1e6;  // m above the ellipsoid
 std::optional<Eigen::Vector3d> vector_property(const Database& database, const std::string& name) {
   Statement row = database.query("SELECT value FROM properties WHERE name = ?", {name});
   if (!row.step()) return std::nullopt;
-  const Blob values = row.take_blob(3);
+  const Blob values = row.read_blob(3);
   return Eigen::Vector3d(values[0], values[1], values[2]);
 }
 
@@ -39,7 +39,7 @@ std::optional<KeyFrame> Session::key_frame(KeyFrameIndex index) const {
 
 std::size_t Session::key_frame_count() const {
   Statement row = impl_->database.query("SELECT COUNT(*) FROM key_frames");
-  return row.step() ? static_cast<std::size_t>(row.take_integer()) : 0;
+  return row.step() ? static_cast<std::size_t>(row.read_integer()) : 0;
 }
 
 std::vector<Loop> Session::loops() const {
@@ -86,7 +86,7 @@ KeyFramePoses Session::poses() const {
   Statement row = impl_->database.query("SELECT MAX(revision) FROM revisions");
   if (row.step())
     poses.revision =
-        static_cast<std::uint32_t>(row.take_integer(0, std::numeric_limits<std::uint32_t>::max()));
+        static_cast<std::uint32_t>(row.read_integer(0, std::numeric_limits<std::uint32_t>::max()));
   return poses;
 }
 
@@ -96,7 +96,7 @@ std::vector<RevisionRecord> Session::revisions() const {
 
 std::string Session::run_id() const {
   Statement row = impl_->database.query("SELECT value FROM properties WHERE name = 'run_id'");
-  return row.step() ? row.take_text() : std::string();
+  return row.step() ? row.read_text() : std::string();
 }
 
 std::optional<GeodeticDatum> Session::datum() const {
@@ -119,8 +119,8 @@ std::map<std::string, std::string> Session::configurations() const {
   std::map<std::string, std::string> result;
   Statement row = impl_->database.query("SELECT stage, yaml FROM configurations");
   while (row.step()) {
-    const std::string stage = row.take_text();
-    result[stage] = row.take_text();
+    const std::string stage = row.read_text();
+    result[stage] = row.read_text();
   }
   return result;
 }

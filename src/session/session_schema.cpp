@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
 constexpr std::int64_t kVersion = 6;
-// Older ones can be read, and are brought up to date to be written.
+// Older versions can be read. They are upgraded when they are opened for writing.
 constexpr std::int64_t kWithoutDecisions = 1;
 constexpr std::int64_t kWithoutUnobserved = 2;
 constexpr std::int64_t kWithoutElevation = 3;
@@ -66,7 +66,7 @@ CREATE TABLE loop_decisions (
 
 std::int64_t pragma(const Database& database, const std::string& name) {
   Statement row = database.query("PRAGMA " + name);
-  return row.step() ? row.take_integer() : 0;
+  return row.step() ? row.read_integer() : 0;
 }
 
 /// From version 2 to 3.
@@ -82,8 +82,8 @@ constexpr const char* kProbability = "ALTER TABLE scans ADD COLUMN probability R
 /// From version 5 to 6.
 constexpr const char* kDoubt = "ALTER TABLE key_frames ADD COLUMN doubtful INTEGER DEFAULT 0";
 
-/// From a version on to the newest.
-void bring_up_to_date(Database& database, std::int64_t version) {
+/// Upgrades the tables from a version to the newest one.
+void migrate(Database& database, std::int64_t version) {
   if (version <= kWithoutDecisions) database.execute(kDecisions);
   if (version <= kWithoutUnobserved) database.execute(kUnobserved);
   if (version <= kWithoutElevation) database.execute(kElevation);
@@ -98,7 +98,7 @@ void create_tables(Database& database) {
   Transaction transaction(database);
   database.execute(kTables);
   database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
-  bring_up_to_date(database, kWithoutDecisions);
+  migrate(database, kWithoutDecisions);
   transaction.commit();
 }
 
@@ -110,7 +110,7 @@ void upgrade_tables(Database& database) {
   const std::int64_t version = pragma(database, "user_version");
   if (version == kVersion) return;
   Transaction transaction(database);
-  bring_up_to_date(database, version);
+  migrate(database, version);
   transaction.commit();
 }
 

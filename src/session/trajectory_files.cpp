@@ -22,7 +22,7 @@ std::set<Stamp> stamps_of(const Trajectory& trajectory) {
   return stamps;
 }
 
-Trajectory restricted(const Trajectory& trajectory, const std::set<Stamp>& stamps) {
+Trajectory restricted_to(const Trajectory& trajectory, const std::set<Stamp>& stamps) {
   Trajectory result;
   for (const StampedPose& entry : trajectory.poses) {
     if (stamps.count(entry.stamp) > 0) result.poses.push_back(entry);
@@ -30,7 +30,7 @@ Trajectory restricted(const Trajectory& trajectory, const std::set<Stamp>& stamp
   return result;
 }
 
-/// Drives that were joined can overlap in time.
+/// Merged drives may overlap in time.
 void sort_by_stamp(Trajectory& trajectory) {
   std::stable_sort(trajectory.poses.begin(), trajectory.poses.end(),
                    [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
@@ -67,7 +67,7 @@ void write_trajectories(const Session& session, const KeyFramePoses& poses,
   const std::set<Stamp> common = stamps_of(has_gnss ? all.gnss : all.optimized);
   const auto write = [&](const std::string& name, const Trajectory& trajectory) {
     write_text_atomically(directory / (name + ".tum"), to_tum(trajectory));
-    write_text_atomically(directory / (name + ".txt"), to_kitti(restricted(trajectory, common)));
+    write_text_atomically(directory / (name + ".txt"), to_kitti(restricted_to(trajectory, common)));
   };
   write("laser_odom", all.laser_odom);
   write("optimized", all.optimized);

@@ -15,7 +15,7 @@ inline void feed(back_end::BackEnd& back_end, const SyntheticDrive& drive) {
   for (const KeyFrame& key_frame : drive.key_frames) back_end.add_key_frame(key_frame);
 }
 
-/// Ties each `step`th key frame to the one a lap before.
+/// Adds a loop from each `step`th key frame to the one a lap before.
 inline void add_lap_loops(back_end::BackEnd& back_end, const SyntheticDrive& drive, int lap,
                           int step, std::mt19937& engine) {
   const int count = static_cast<int>(drive.truth.size());
@@ -30,7 +30,7 @@ inline back_end::OptimizationReport optimize(back_end::BackEnd& back_end, bool t
   return back_end::report_of(*solution);
 }
 
-/// Of the estimate as it is, without alignment.
+/// Error of the estimate without alignment.
 inline double true_rmse(const back_end::BackEnd& back_end, const SyntheticDrive& drive) {
   return position_rmse(back_end.poses().poses, drive.truth, false);
 }

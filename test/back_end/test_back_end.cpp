@@ -19,7 +19,7 @@ using test::add_lap_loops;
 using test::feed;
 using test::optimize;
 
-TEST(BackEnd, FollowsOdometryBeforeAnythingElse) {
+TEST(BackEnd, FollowsOdometryWithoutOtherConstraints) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -50,8 +50,8 @@ TEST(BackEnd, LoopsRemoveDriftWithoutAnyOtherSensor) {
   EXPECT_GT(optimize(back_end, true).least_eigenvalue, 0.0);
 }
 
-/// The first half of a drive, a solution of it, the second half, and the solution taken in: with
-/// the solver in a thread of its own while the graph grows, or one after the other.
+/// Adds the first half of a drive, solves it, adds the second half and applies the solution. The
+/// solver runs either in a thread of its own while the graph grows, or before.
 KeyFramePoses solved_while_growing(const SyntheticDrive& drive, std::launch policy) {
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
@@ -73,8 +73,8 @@ KeyFramePoses solved_while_growing(const SyntheticDrive& drive, std::launch poli
   return back_end.apply(*solution.get());
 }
 
-// A solver in another thread and sensor data share nothing that changes.
-TEST(BackEnd, SolvesInAnotherThreadWhileTheGraphGrows) {
+// A solver in another thread shares no data that change with the graph.
+TEST(BackEnd, SolvesInAnotherThreadWhileDataArrive) {
   const SyntheticDrive drive = test::make_drive();
   const KeyFramePoses one_after_the_other = solved_while_growing(drive, std::launch::deferred);
   const KeyFramePoses at_once = solved_while_growing(drive, std::launch::async);
@@ -85,7 +85,7 @@ TEST(BackEnd, SolvesInAnotherThreadWhileTheGraphGrows) {
   }
 }
 
-TEST(BackEnd, GnssGivesTheMapItsPlaceAndHeading) {
+TEST(BackEnd, GnssGivesTheMapPositionAndHeading) {
   DriveSettings settings;
   settings.start_yaw = 2.0;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -101,7 +101,7 @@ TEST(BackEnd, GnssGivesTheMapItsPlaceAndHeading) {
   EXPECT_LT(test::position_rmse(back_end.poses().poses, drive.truth, false), 0.1);
 }
 
-TEST(BackEnd, SwitchesLeaveConstraintsOut) {
+TEST(BackEnd, ParametersSwitchConstraintsOff) {
   const SyntheticDrive drive = test::make_drive();
   BackEndConfig config;
   config.use_gnss = false;
@@ -121,7 +121,7 @@ TEST(BackEnd, SwitchesLeaveConstraintsOut) {
             1e-6);
 }
 
-TEST(BackEnd, RefusesLoopsWithIndicesThatMeanNothing) {
+TEST(BackEnd, RefusesLoopsWithInvalidIndices) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -135,7 +135,7 @@ TEST(BackEnd, RefusesLoopsWithIndicesThatMeanNothing) {
   EXPECT_TRUE(back_end.add_loop(loop)) << "a loop that runs backwards is still a loop";
 }
 
-TEST(BackEnd, KeepsWhatArrivedWhileItSolved) {
+TEST(BackEnd, KeepsDataThatArriveDuringASolution) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   for (int i = 0; i < 700; ++i)
@@ -154,7 +154,7 @@ TEST(BackEnd, KeepsWhatArrivedWhileItSolved) {
   EXPECT_LT((expected.translation - moved.poses[799].T_map_base.translation).norm(), 1e-9);
 }
 
-TEST(BackEnd, ThrowsForIndicesThatGoBack) {
+TEST(BackEnd, ThrowsForIndicesThatDoNotIncrease) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});
   back_end.add_key_frame(drive.key_frames[1]);

@@ -18,13 +18,13 @@ using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
 
-constexpr std::size_t kWrong = 300;  // the key frame whose step is wrong
-constexpr int kLap = 400;            // key frames
+constexpr std::size_t kWrong = 300;  // key frame with the wrong step
+constexpr int kLap = 400;            // key frames per lap
 
-/// What the front end expects of such steps.
+/// Error that the front end expects of such steps.
 Covariance6 expected_error() { return diagonal_covariance(0.1, 0.01); }
 
-/// Odometry turns by 90 degrees too much on the way to kWrong.
+/// Odometry turns by 90 degrees too much in the step to kWrong.
 SyntheticDrive wrongly_turned_drive(bool doubtful) {
   SyntheticDrive drive = test::make_drive();
   const Pose before = drive.key_frames[kWrong - 1].T_odom_base;
@@ -38,48 +38,48 @@ SyntheticDrive wrongly_turned_drive(bool doubtful) {
   return drive;
 }
 
-std::size_t believed_count(const BackEnd& back_end) {
+std::size_t used_count(const BackEnd& back_end) {
   std::size_t count = 0;
   for (const auto& [loop, used] : back_end.loops()) count += used ? 1 : 0;
   return count;
 }
 
 struct Outcome {
-  std::size_t believed = 0;  ///< of the loops, all of them right
-  double error = 0.0;        ///< m
+  std::size_t consistent_constraints = 0;  ///< number of used loops; all loops are true
+  double error = 0.0;                      ///< m
 };
 
-/// With a loop at every so many key frames of the second lap.
+/// Adds a loop at every `step`th key frame of the second lap.
 Outcome outcome_of(const SyntheticDrive& drive, int step) {
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
   feed(back_end, drive);
   add_lap_loops(back_end, drive, kLap, step, engine);
   optimize(back_end, true);
-  return {believed_count(back_end), aligned_rmse(back_end, drive)};
+  return {used_count(back_end), aligned_rmse(back_end, drive)};
 }
 
-TEST(DoubtfulStep, GivesWayToRightLoopsHoweverWrongItIs) {
+TEST(DoubtfulStep, DoesNotDistortTheMapBesideTrueLoops) {
   const Outcome clean = outcome_of(test::make_drive(), 5);
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), 5);
-  EXPECT_EQ(doubted.believed, 80U);
+  EXPECT_EQ(doubted.consistent_constraints, 80U);
   EXPECT_LT(doubted.error, 1.1 * clean.error);
-  // With the same covariance, but taken for what it claims.
+  // The same covariance, but the step is not marked as doubtful.
   const Outcome claimed = outcome_of(wrongly_turned_drive(false), 5);
-  EXPECT_LT(claimed.believed, 80U);
+  EXPECT_LT(claimed.consistent_constraints, 80U);
   EXPECT_GT(claimed.error, 5.0 * clean.error);
 }
 
-TEST(DoubtfulStep, GivesWayToASingleLoop) {
+TEST(DoubtfulStep, IsCorrectedByASingleLoop) {
   const Outcome doubted = outcome_of(wrongly_turned_drive(true), kLap);
-  EXPECT_EQ(doubted.believed, 1U);
+  EXPECT_EQ(doubted.consistent_constraints, 1U);
   EXPECT_LT(doubted.error, 2.0) << "what is left is drift";
   const Outcome claimed = outcome_of(wrongly_turned_drive(false), kLap);
-  EXPECT_EQ(claimed.believed, 0U);
+  EXPECT_EQ(claimed.consistent_constraints, 0U);
   EXPECT_GT(claimed.error, 50.0);
 }
 
-TEST(DoubtfulStep, HoldsTheMapTogetherWhereNothingElseDoes) {
+TEST(DoubtfulStep, ConnectsTheMapIfNothingElseDoes) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -91,8 +91,8 @@ TEST(DoubtfulStep, HoldsTheMapTogetherWhereNothingElseDoes) {
   EXPECT_LT(difference(motion, odometry).norm(), 1e-6);
 }
 
-// The loops that stand without the step do not fall with it: false ones are refused as ever.
-TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
+// The loops that are consistent without the step stay used, and false ones are still refused.
+TEST(DoubtfulStep, DoesNotAdmitFalseLoopsThatOthersContradict) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
@@ -102,12 +102,12 @@ TEST(DoubtfulStep, LetsNoFalseLoopInThatOthersContradict) {
   wrong.T_from_to = Pose();
   ASSERT_TRUE(back_end.add_loop(wrong));
   optimize(back_end, true);
-  EXPECT_EQ(believed_count(back_end), 80U);
+  EXPECT_EQ(used_count(back_end), 80U);
   EXPECT_FALSE(back_end.loops().back().second);
 }
 
-// Contradicted by 90 degrees, it tells next to nothing of how its ends lie to each other.
-TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
+// A step that is contradicted by 90 degrees has almost no weight in the information matrix.
+TEST(DoubtfulStep, IsWeightedByItsKernelInTheInformationMatrix) {
   const SyntheticDrive drive = wrongly_turned_drive(true);
   BackEnd back_end(BackEndConfig{});
   std::mt19937 engine(5);
@@ -125,7 +125,7 @@ TEST(DoubtfulStep, TellsAsLittleAsItsKernelHasLeftOfIt) {
   const pose_graph::Constraint& step =
       factors.graph.constraints[static_cast<std::size_t>(factors.motion_of[kWrong])];
   EXPECT_TRUE(step.doubtful);
-  EXPECT_LT(pose_graph::kernel_slope(step, pose_graph::linearised(factors.graph, step).residual),
+  EXPECT_LT(pose_graph::kernel_weight(step, pose_graph::linearise(factors.graph, step).residual),
             0.01);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How firmly the first key frame is held.
+// The prior of the first key frame.
 
 #include <string>
 
@@ -13,11 +13,11 @@
 namespace lidar_mapping::back_end {
 namespace {
 
-/// chi2 of the first key frame's prior with the map moved by half a metre along x.
+/// chi2 of the first key frame's prior if the map is moved by half a metre along x.
 double cost_of_half_a_metre(const BackEndConfig& config) {
   DriveGraph drive;
   drive.nodes.resize(2);
-  drive.nodes[1].joined = true;
+  drive.nodes[1].connected = true;
   drive.in_enu = {false};
   drive.segment_starts = {0};
   DriveFactors factors = make_factors(drive, config);
@@ -27,7 +27,7 @@ double cost_of_half_a_metre(const BackEndConfig& config) {
   return pose_graph::chi2(factors.graph, factors.graph.constraints.front());
 }
 
-TEST(FirstNode, IsHeldAsFirmlyAsIsAsked) {
+TEST(FirstNode, HasTheConfiguredPrior) {
   BackEndConfig config;
   EXPECT_GT(cost_of_half_a_metre(config), 1e5);
   config.fix_first_node = true;
@@ -36,7 +36,7 @@ TEST(FirstNode, IsHeldAsFirmlyAsIsAsked) {
   EXPECT_NEAR(cost_of_half_a_metre(config), 25.0, 1e-6);
 }
 
-TEST(FirstNode, NeedsSixStandardDeviationsAboveZero) {
+TEST(FirstNode, NeedsSixPositiveStandardDeviations) {
   const auto load = [](const std::string& stddev) {
     return config::load<BackEndConfig>(
         {config::parse_yaml("fix_first_node_stddev: " + stddev + "\n", "back_end.yaml")});

@@ -33,7 +33,7 @@ struct MappedDrive {
   }
 };
 
-TEST(Gnss, ThirtyMetresGiveTheHeadingWithoutAnImu) {
+TEST(Gnss, ThirtyMetresDetermineTheHeadingWithoutAnImu) {
   for (const double yaw : {0.0, 1.0, 2.5, -3.0}) {
     DriveSettings settings;
     settings.start_yaw = yaw;
@@ -50,7 +50,7 @@ TEST(Gnss, ThirtyMetresGiveTheHeadingWithoutAnImu) {
   }
 }
 
-/// Feeds the first `metres` with fixes of that quality, and optimises.
+/// Adds the first `metres` of a drive with fixes of this quality, and optimises.
 void drive_shortly(MappedDrive& run, int metres, double sigma_m, BackEnd& back_end) {
   for (int i = 0; i <= metres; ++i) {
     back_end.add_key_frame(run.drive.key_frames[static_cast<std::size_t>(i)]);
@@ -59,8 +59,8 @@ void drive_shortly(MappedDrive& run, int metres, double sigma_m, BackEnd& back_e
   EXPECT_TRUE(optimize(back_end).success);
 }
 
-// Until the heading is known the map is odometry's.
-TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsTooShortForItsFixes) {
+// Until the heading is known, the poses of the map are those of odometry.
+TEST(Gnss, TheMapFollowsOdometryWhileTheTrackIsTooShort) {
   DriveSettings settings;
   settings.start_yaw = 2.0;
   MappedDrive run(settings);
@@ -72,8 +72,8 @@ TEST(Gnss, TheMapIsOdometrysWhileTheTrackIsTooShortForItsFixes) {
   EXPECT_LT(rough_fixes.T_map_odom().translation.norm(), 1e-6);
 }
 
-// Good fixes need no long track.
-TEST(Gnss, TenMetresDoForGoodFixes) {
+// Accurate fixes need only a short track.
+TEST(Gnss, TenMetresSufficeForAccurateFixes) {
   for (const double yaw : {0.0, 2.0, -3.0}) {
     DriveSettings settings;
     settings.start_yaw = yaw;
@@ -87,7 +87,7 @@ TEST(Gnss, TenMetresDoForGoodFixes) {
   }
 }
 
-TEST(Gnss, AKeyFrameTakesItsFirstPositionOnly) {
+TEST(Gnss, AKeyFrameUsesItsFirstPositionOnly) {
   MappedDrive run;
   BackEnd back_end(BackEndConfig{});
   drive_shortly(run, 40, 0.02, back_end);
@@ -97,7 +97,7 @@ TEST(Gnss, AKeyFrameTakesItsFirstPositionOnly) {
   EXPECT_EQ(optimize(back_end).gnss_used, once);
 }
 
-// It does not wait for a hundred fixes.
+// The first alignment does not wait for a hundred fixes.
 TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   MappedDrive run;
   BackEnd back_end(BackEndConfig{});
@@ -110,7 +110,7 @@ TEST(Gnss, TheFirstAlignmentIsDueEarly) {
   EXPECT_FALSE(back_end.optimization_due());
 }
 
-TEST(Gnss, AnyStartHeadingEndsInTheSameMap) {
+TEST(Gnss, TheMapDoesNotDependOnTheStartHeading) {
   double reference = 0.0;
   for (const double yaw_deg : {0.0, 170.0}) {
     DriveSettings settings;
@@ -142,7 +142,7 @@ TEST(Gnss, TheLeverArmIsPartOfTheModel) {
 }
 
 // No fix, NaN and jumps of 30 m, 5 s each.
-TEST(Gnss, BadFixesChangeNextToNothing) {
+TEST(Gnss, BadFixesHardlyChangeTheMap) {
   MappedDrive good;
   MappedDrive spoiled;
   for (int i = 0; i < good.size(); ++i) {
@@ -161,7 +161,7 @@ TEST(Gnss, BadFixesChangeNextToNothing) {
             true_rmse(good.back_end, good.drive) + 0.05);
 }
 
-TEST(Gnss, CovariancesThatMeanNothingAreRefused) {
+TEST(Gnss, InvalidCovariancesAreRefused) {
   MappedDrive run;
   GnssPosition position = run.gnss(0);
   position.covariance.setZero();
@@ -174,7 +174,7 @@ TEST(Gnss, CovariancesThatMeanNothingAreRefused) {
   EXPECT_EQ(report.gnss_refused, 2U);
 }
 
-TEST(Gnss, AltitudesThatAreMissingOrFalseLeaveTheHorizontalUsable) {
+TEST(Gnss, HorizontalPositionsAreUsedWithoutValidAltitudes) {
   MappedDrive run;
   for (int i = 0; i < run.size(); ++i) {
     GnssPosition position = run.gnss(i);
@@ -187,7 +187,7 @@ TEST(Gnss, AltitudesThatAreMissingOrFalseLeaveTheHorizontalUsable) {
   EXPECT_LT(true_rmse(run.back_end, run.drive), 0.15);
 }
 
-TEST(Gnss, ADeniedFirstHalfIsJoinedWithoutAKink) {
+TEST(Gnss, AFirstHalfWithoutGnssIsConnectedSmoothly) {
   MappedDrive run;
   for (int i = 400; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i));
   add_lap_loops(run.back_end, run.drive, 400, 10, run.engine);
@@ -224,15 +224,15 @@ TEST(Gnss, AStraightRoadDoesNotRoll) {
   }
 }
 
-TEST(Gnss, GeoreferencingMovesTheMapAndDoesNotBendIt) {
+TEST(Gnss, GeoreferencingMovesTheMapWithoutBendingIt) {
   BackEndConfig config;
   config.georeference_only = true;
   DriveSettings settings;
   settings.start_yaw = 1.0;
   MappedDrive run(settings, config);
-  BackEndConfig off;
-  off.use_gnss = false;
-  BackEnd without(off);
+  BackEndConfig without_gnss;
+  without_gnss.use_gnss = false;
+  BackEnd without(without_gnss);
   feed(without, run.drive);
   for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i, i == 300 ? 50.0 : 0.5));
   add_lap_loops(run.back_end, run.drive, 400, 10, run.engine);
@@ -253,7 +253,7 @@ TEST(Gnss, GeoreferencingMovesTheMapAndDoesNotBendIt) {
   }
 }
 
-TEST(Gnss, TooShortATrackIsSaidNotToBePlaced) {
+TEST(Gnss, ReportsThatATrackIsTooShortForGeoreferencing) {
   BackEndConfig config;
   config.georeference_only = true;
   MappedDrive run;
@@ -268,8 +268,8 @@ TEST(Gnss, TooShortATrackIsSaidNotToBePlaced) {
   EXPECT_EQ(report.gnss_refused, 3U);
 }
 
-TEST(Gnss, IsNeverWorseThanWithoutIt) {
-  // Fixes of 3 m whose error wanders slowly, under a drift that loops have removed.
+TEST(Gnss, DoesNotMakeTheMapWorse) {
+  // Fixes of 3 m whose error changes slowly, and a drift that loops have removed.
   MappedDrive with;
   std::normal_distribution<double> normal(0.0, 0.3);
   Eigen::Vector3d wander = Eigen::Vector3d::Zero();
@@ -290,13 +290,13 @@ TEST(Gnss, IsNeverWorseThanWithoutIt) {
             aligned_rmse(without.back_end, without.drive) + 0.3);
 }
 
-// A street driven twice with independent errors of 12 cm stays one street.
-TEST(Gnss, LoopsWinLocallyOverFixes) {
+// A street that is driven twice with independent errors of 12 cm stays one street.
+TEST(Gnss, LoopsHaveMoreWeightThanFixesLocally) {
   MappedDrive run;
   std::normal_distribution<double> normal(0.0, 0.12);
   Eigen::Vector3d error = Eigen::Vector3d::Zero();
   for (int i = 0; i < run.size(); ++i) {
-    // Errors last for some 30 m.
+    // The errors are correlated over about 30 m.
     if (i % 30 == 0)
       error = Eigen::Vector3d(normal(run.engine), normal(run.engine), normal(run.engine));
     GnssPosition position = run.gnss(i, 0.01);
@@ -318,13 +318,13 @@ TEST(Gnss, LoopsWinLocallyOverFixes) {
   const double error_before = true_rmse(run.back_end, run.drive);
   add_lap_loops(run.back_end, run.drive, 400, 3, run.engine);
   optimize(run.back_end);
-  // Matching itself leaves 2 cm in each direction.
+  // The registration itself has errors of 2 cm in each direction.
   EXPECT_LT(ghosting(), 0.035);
   EXPECT_LT(ghosting(), 0.3 * before);
   EXPECT_LT(true_rmse(run.back_end, run.drive), error_before + 0.02);
 }
 
-// The default configuration is a usable one.
+// The default configuration can be used as it is.
 TEST(Gnss, DefaultsReachTwoDecimetresWithRtk) {
   MappedDrive run;
   for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i, 0.02));
@@ -332,7 +332,7 @@ TEST(Gnss, DefaultsReachTwoDecimetresWithRtk) {
   EXPECT_LT(true_rmse(run.back_end, run.drive), 0.2);
 }
 
-TEST(Alignment, HalfOfTheFixesMayNearlyBeFalse) {
+TEST(Alignment, ToleratesNearlyHalfOfTheFixesAsOutliers) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 0.05);
   const Pose T_enu_map = {exp_so3({0.0, 0.0, 2.0}), {100.0, -50.0, 7.0}};
@@ -352,7 +352,7 @@ TEST(Alignment, HalfOfTheFixesMayNearlyBeFalse) {
   EXPECT_EQ(alignment->inliers, 60);
 }
 
-TEST(Alignment, NeedsATrackLongEnoughForItsFixes) {
+TEST(Alignment, NeedsATrackThatIsLongForTheErrorsOfTheFixes) {
   std::vector<AlignmentSample> samples;
   for (int i = 0; i < 30; ++i) {
     AlignmentSample sample;

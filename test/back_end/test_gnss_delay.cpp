@@ -10,7 +10,7 @@ using test::feed;
 using test::optimize;
 using test::SyntheticDrive;
 
-constexpr double kPeriod = 0.1;  // s from one key frame to the next
+constexpr double kPeriod = 0.1;  // s between key frames
 
 /// The fix at key frame `at` of a receiver whose stamps are `delay` seconds late.
 GnssPosition late_fix(const SyntheticDrive& drive, int at, double delay, std::mt19937& engine) {
@@ -26,14 +26,14 @@ GnssPosition late_fix(const SyntheticDrive& drive, int at, double delay, std::mt
   return fix;
 }
 
-/// Root mean square by which positions miss the true antenna with their delay in the lever arm, m.
+/// RMS error of the positions with their delay in the lever arm, relative to the true antenna, m.
 double misfit(const std::vector<GnssPosition>& positions, const SyntheticDrive& drive,
               std::size_t first, std::size_t count) {
   double sum = 0.0;
   for (std::size_t i = first; i < first + count; ++i) {
-    const Eigen::Vector3d off =
+    const Eigen::Vector3d error =
         drive.truth[i] * positions[i].p_base_antenna - positions[i].p_enu_antenna;
-    sum += off.head<2>().squaredNorm();
+    sum += error.head<2>().squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(count));
 }
@@ -52,14 +52,14 @@ TEST(GnssDelay, IsCorrectedFromTheFirstFixOn) {
     add_fixes(back_end, drive, delay, 0, size - 1);
     EXPECT_GT(misfit(back_end.positions(), drive, 1, 50), 0.4);
     optimize(back_end, true);
-    // The fixes' noise is 3 cm.
+    // The noise of the fixes is 3 cm.
     EXPECT_LT(misfit(back_end.positions(), drive, 1, 50), 0.06) << delay;
     EXPECT_LT(misfit(back_end.positions(), drive, 400, 350), 0.06) << delay;
     EXPECT_LT(test::true_rmse(back_end, drive), 0.06) << delay;
   }
 }
 
-TEST(GnssDelay, IsLeftAloneWhereItIsSwitchedOff) {
+TEST(GnssDelay, IsNotEstimatedIfSwitchedOff) {
   const SyntheticDrive drive = test::make_drive();
   BackEndConfig config;
   config.estimate_gnss_time_offset = false;
@@ -74,7 +74,7 @@ TEST(GnssDelay, IsLeftAloneWhereItIsSwitchedOff) {
   EXPECT_TRUE(back_end.positions()[0].covariance.isApprox(given.covariance, 1e-12));
 }
 
-TEST(GnssDelay, IsNoneWhereStampsAreRight) {
+TEST(GnssDelay, IsZeroForCorrectStamps) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -86,26 +86,26 @@ TEST(GnssDelay, IsNoneWhereStampsAreRight) {
   }
 }
 
-TEST(GnssDelay, IsAllowedForWhileItIsUnknown) {
+TEST(GnssDelay, IncreasesTheCovarianceWhileUnknown) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   for (std::size_t i = 0; i < 40; ++i) back_end.add_key_frame(drive.key_frames[i]);
   add_fixes(back_end, drive, 0.0, 0, 40);
   optimize(back_end);
-  // The street leads East: 50 ms at 10 m/s along the way, nothing across.
+  // The street leads east: 50 ms at 10 m/s along the street, no effect across it.
   const Eigen::Matrix3d covariance = back_end.positions()[20].covariance;
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.5, 0.05);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }
 
-/// Round bends of 20 m at 3 to 11 m/s.
+/// A round course with bends of 20 m radius at 3 to 11 m/s.
 Pose pose_in_traffic(double seconds) {
   const double turned = (7.0 * seconds - 4.0 / 1.1 * std::cos(1.1 * seconds)) / 20.0;
   return {Eigen::Quaterniond(Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ())),
           20.0 * Eigen::Vector3d(std::sin(turned), 1.0 - std::cos(turned), 0.0)};
 }
 
-TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
+TEST(GnssDelay, UsesThePathOfTheAntennaAtChangingSpeed) {
   constexpr double kStep = 0.3;  // s
   const Eigen::Vector3d arm(-1.0, 0.4, 1.5);
   DriveGraph drive;
@@ -113,7 +113,7 @@ TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
   for (int i = 0; i < 100; ++i) {
     DriveNode node;
     node.stamp = from_seconds(kStep * i);
-    node.joined = i > 0;
+    node.connected = i > 0;
     node.T_odom_base = pose_in_traffic(kStep * i);
     drive.nodes.push_back(node);
   }
@@ -125,7 +125,8 @@ TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
       gnss.position.p_base_antenna = arm;
       const Eigen::Vector3d then =
           pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay) * arm);
-      ASSERT_LT((timed_position(drive, gnss).p_base_antenna - then).norm(), 0.004) << delay;
+      ASSERT_LT((delay_corrected_position(drive, gnss).p_base_antenna - then).norm(), 0.004)
+          << delay;
       const Eigen::Vector3d velocity = antenna_velocity(drive, gnss);
       const Eigen::Vector3d soon =
           pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay + 1e-4) * arm);
@@ -134,7 +135,7 @@ TEST(GnssDelay, TheAntennaIsFollowedThroughChangesOfSpeed) {
   }
 }
 
-TEST(GnssDelay, LearnsWhileDrivingAndBelongsToASegment) {
+TEST(GnssDelay, IsEstimatedDuringTheDrivePerSegment) {
   SyntheticDrive drive = test::make_drive();
   for (std::size_t i = 400; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
   BackEnd back_end(BackEndConfig{});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well the graph knows its key frames.
+// The uncertainty of key frames in the graph.
 
 #include <cmath>
 
@@ -24,11 +24,11 @@ PoseDeviation deviation_of(const Covariance6& covariance) {
           std::sqrt(covariance.bottomRightCorner<3, 3>().trace())};
 }
 
-TEST(KeyFrameDeviation, OfNoKeyFrameIsNone) {
+TEST(KeyFrameDeviation, IsEmptyWithoutKeyFrames) {
   EXPECT_TRUE(key_frame_deviations(*BackEnd(BackEndConfig{}).problem(true)).empty());
 }
 
-TEST(KeyFrameDeviation, OfAChainIsThatOfComposedMotions) {
+TEST(KeyFrameDeviation, OfAChainIsThatOfTheComposedMotions) {
   const SyntheticDrive drive = test::make_drive({1});
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -51,15 +51,15 @@ TEST(KeyFrameDeviation, OfAChainIsThatOfComposedMotions) {
   }
 }
 
-/// The inverse of all that the graph knows, the first key frame known: rows and columns of 6.
+/// The whole covariance matrix with the first key frame known, in blocks of 6 rows and columns.
 Eigen::MatrixXd whole_inverse(const OptimizationProblem& problem) {
   const DriveFactors factors = make_factors(problem.drive, problem.config);
-  const auto system = pose_graph::information_matrix(factors.graph, factors.marked);
+  const auto system = pose_graph::information_matrix(factors.graph, factors.selected);
   system->add_diagonal(0, 1e12 * Matrix6d::Identity());
   EXPECT_TRUE(system->factorize());
   const auto size = 6 * static_cast<Eigen::Index>(factors.graph.states.size());
   Eigen::MatrixXd inverse = system->solve(Eigen::MatrixXd::Identity(size, size));
-  // The tangent has half angles.
+  // The tangent of the graph has half angles.
   for (Eigen::Index i = 0; i < size; ++i) {
     if (i % 6 < 3) continue;
     inverse.row(i) *= 2.0;
@@ -68,7 +68,7 @@ Eigen::MatrixXd whole_inverse(const OptimizationProblem& problem) {
   return inverse;
 }
 
-TEST(KeyFrameDeviation, IsThatOfTheWholeInverseBesideLoops) {
+TEST(KeyFrameDeviation, AgreesWithTheFullInverseWithLoops) {
   test::DriveSettings settings;
   settings.spacing = 5.0;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -96,7 +96,7 @@ TEST(KeyFrameDeviation, IsThatOfTheWholeInverseBesideLoops) {
   }
 }
 
-/// A lap of odometry that is as good as its covariances, and those without drift.
+/// A lap of odometry whose errors match its covariances, without drift.
 SyntheticDrive exact_lap() {
   test::DriveSettings settings;
   settings.laps = 1;
@@ -112,7 +112,7 @@ BackEndConfig without_drift() {
   return config;
 }
 
-TEST(KeyFrameDeviation, HasWhatADoubtfulStepAddsAndALoopTakesAway) {
+TEST(KeyFrameDeviation, GrowsByADoubtfulStepAndShrinksByALoop) {
   SyntheticDrive drive = exact_lap();
   drive.key_frames[200].doubtful = true;
   drive.key_frames[200].motion_covariance += diagonal_covariance(20.0, 0.01);
@@ -134,7 +134,7 @@ TEST(KeyFrameDeviation, HasWhatADoubtfulStepAddsAndALoopTakesAway) {
   EXPECT_LT(deviations[200].from_previous.position, 0.2 * expected);
 }
 
-TEST(KeyFrameDeviation, IsInfiniteBehindABreakThatNothingJoins) {
+TEST(KeyFrameDeviation, IsInfiniteInAnUnconnectedSegment) {
   SyntheticDrive drive = exact_lap();
   for (std::size_t i = 300; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
   BackEnd back_end(without_drift());
@@ -153,7 +153,7 @@ TEST(KeyFrameDeviation, IsInfiniteBehindABreakThatNothingJoins) {
   EXPECT_EQ(deviations[300].part, deviations[0].part);
   EXPECT_LT(deviations[310].from_first.position, 0.1) << "it is what the loop says";
   EXPECT_LT(deviations[310].from_first.position, deviations[300].from_first.position);
-  // By way of the loop, as no odometry joins it to the key frame before.
+  // Through the loop, because odometry does not connect it with the previous key frame.
   EXPECT_GT(deviations[300].from_previous.position, deviations[299].from_first.position);
   EXPECT_TRUE(std::isfinite(deviations[300].from_previous.position));
 }

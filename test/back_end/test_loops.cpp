@@ -12,14 +12,14 @@ using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
 
-std::size_t believed_count(const BackEnd& back_end, std::size_t first, std::size_t end) {
+std::size_t used_count(const BackEnd& back_end, std::size_t first, std::size_t end) {
   std::size_t count = 0;
   const auto loops = back_end.loops();
   for (std::size_t i = first; i < end; ++i) count += loops[i].second ? 1 : 0;
   return count;
 }
 
-/// Places declared one that lie apart, in consistent groups of ten.
+/// False loops between locations that are far apart, in consistent groups of ten.
 void add_false_loops(BackEnd& back_end, const SyntheticDrive& drive, int groups,
                      std::mt19937& engine) {
   std::uniform_int_distribution<int> pick(0, 150);
@@ -34,7 +34,7 @@ void add_false_loops(BackEnd& back_end, const SyntheticDrive& drive, int groups,
   }
 }
 
-TEST(Loops, FalseOnesChangeNextToNothing) {
+TEST(Loops, FalseLoopsHardlyChangeTheMap) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd clean(BackEndConfig{});
   BackEnd spoiled(BackEndConfig{});
@@ -52,12 +52,12 @@ TEST(Loops, FalseOnesChangeNextToNothing) {
   EXPECT_LT(aligned_rmse(spoiled, drive), 1.1 * aligned_rmse(clean, drive));
 }
 
-TEST(Loops, OneOnceTakenIsDroppedWhenOthersContradictItAndTheOtherWayRound) {
+TEST(Loops, AUsedLoopIsRefusedWhenOthersContradictIt) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   std::mt19937 engine(5);
-  // Alone, a loop a few metres wrong cannot be told from drift.
+  // A single loop with an error of a few metres cannot be distinguished from drift.
   Loop wrong = make_loop(drive, 0, 400, engine);
   wrong.T_from_to.translation.y() += 1.5;
   back_end.add_loop(wrong);
@@ -66,10 +66,10 @@ TEST(Loops, OneOnceTakenIsDroppedWhenOthersContradictItAndTheOtherWayRound) {
   add_lap_loops(back_end, drive, 400, 5, engine);
   optimize(back_end);
   EXPECT_FALSE(back_end.loops().front().second);
-  EXPECT_EQ(believed_count(back_end, 1, 81), 80U);
+  EXPECT_EQ(used_count(back_end, 1, 81), 80U);
 }
 
-TEST(Loops, ARefusedOneIsTakenWhenOthersConfirmIt) {
+TEST(Loops, ARefusedLoopIsUsedWhenOthersConfirmIt) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -81,10 +81,10 @@ TEST(Loops, ARefusedOneIsTakenWhenOthersConfirmIt) {
   add_lap_loops(back_end, drive, 400, 5, engine);
   optimize(back_end, true);
   EXPECT_TRUE(back_end.loops()[20].second);
-  EXPECT_EQ(believed_count(back_end, 0, 20), 0U);
+  EXPECT_EQ(used_count(back_end, 0, 20), 0U);
 }
 
-TEST(Loops, FourKeyFramesAndOneLoopClose) {
+TEST(Loops, FourKeyFramesAndOneLoopAreSolved) {
   DriveSettings settings;
   settings.side = 100.0;
   settings.spacing = 100.0;
@@ -103,7 +103,7 @@ TEST(Loops, FourKeyFramesAndOneLoopClose) {
             0.2);
 }
 
-TEST(Loops, AnOptimisationWithoutNewsMovesNothing) {
+TEST(Loops, AnOptimisationWithoutNewDataMovesNothing) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -118,7 +118,7 @@ TEST(Loops, AnOptimisationWithoutNewsMovesNothing) {
   }
 }
 
-// The first loop is due at once, the next when the least interval has passed.
+// The first loop is optimised at once, the next one after the least interval.
 TEST(Loops, AreOptimisedSoonAndNotTooOften) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
@@ -134,7 +134,7 @@ TEST(Loops, AreOptimisedSoonAndNotTooOften) {
   EXPECT_TRUE(back_end.optimization_due());
 }
 
-TEST(Loops, AnEmptyGraphSaysSo) {
+TEST(Loops, ReportsAnEmptyGraph) {
   BackEnd back_end(BackEndConfig{});
   const auto solution = solve(*back_end.problem(true));
   EXPECT_FALSE(report_of(*solution).success);
@@ -161,7 +161,7 @@ TEST(Loops, PosesKeepIndexAndStampBitForBit) {
   }
 }
 
-// What a session keeps is enough to go on: the same inputs again give the same poses.
+// The data in a session are sufficient to continue: the same inputs give the same poses.
 TEST(Loops, ReplayingTheInputsGivesTheSameBytes) {
   const SyntheticDrive drive = test::make_drive();
   const auto run = [&] {
@@ -180,9 +180,9 @@ TEST(Loops, ReplayingTheInputsGivesTheSameBytes) {
   }
 }
 
-TEST(Segments, AreNotTiedByOdometryAndJoinedByLoops) {
+TEST(Segments, AreConnectedByLoopsAndNotByOdometry) {
   SyntheticDrive drive = test::make_drive();
-  // Tracking was lost at 500; the front end begins anew, elsewhere.
+  // Tracking was lost at 500; the front end starts a new segment at another pose.
   const Pose jump = {exp_so3({0.0, 0.0, 1.0}), {70.0, -30.0, 5.0}};
   for (std::size_t i = 500; i < 800; ++i) {
     drive.key_frames[i].segment = 1;
@@ -202,7 +202,7 @@ TEST(Segments, AreNotTiedByOdometryAndJoinedByLoops) {
   EXPECT_LT(aligned_rmse(back_end, drive), 0.3);
 }
 
-TEST(Segments, EachFindsEastNorthUpByItself) {
+TEST(Segments, AreAlignedToEastNorthUpSeparately) {
   SyntheticDrive drive = test::make_drive();
   const Pose jump = {exp_so3({0.0, 0.0, 1.0}), {70.0, -30.0, 5.0}};
   for (std::size_t i = 500; i < 800; ++i) {
@@ -217,7 +217,7 @@ TEST(Segments, EachFindsEastNorthUpByItself) {
   EXPECT_LT(test::true_rmse(back_end, drive), 0.15);
 }
 
-TEST(Loops, OfManyDrivesNoFalseOneIsBelieved) {
+TEST(Loops, NoFalseLoopIsUsedInSeveralDrives) {
   for (const unsigned seed : {1U, 3U, 5U}) {
     DriveSettings settings;
     settings.seed = seed;
@@ -229,8 +229,8 @@ TEST(Loops, OfManyDrivesNoFalseOneIsBelieved) {
     add_lap_loops(back_end, drive, 400, 10, engine);
     add_false_loops(back_end, drive, 4, engine);
     optimize(back_end, true);
-    EXPECT_EQ(believed_count(back_end, 0, 40), 40U) << "seed " << seed;
-    EXPECT_EQ(believed_count(back_end, 40, 80), 0U) << "seed " << seed;
+    EXPECT_EQ(used_count(back_end, 0, 40), 40U) << "seed " << seed;
+    EXPECT_EQ(used_count(back_end, 40, 80), 0U) << "seed " << seed;
   }
 }
 

@@ -3,9 +3,9 @@
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
 #include "back_end_fixture.hpp"
-#include "drift_share.hpp"
+#include "drift_fraction.hpp"
 #include "optimization.hpp"
-#include "shared_errors.hpp"
+#include "systematic_errors.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -14,7 +14,7 @@ using test::feed;
 using test::optimize;
 using test::SyntheticDrive;
 
-/// A drive of 1.6 km whose odometry errs only as said.
+/// A drive of 1.6 km whose odometry has only the given errors.
 SyntheticDrive good_drive(double stddev_m, double scale_error = 0.0) {
   test::DriveSettings settings;
   settings.laps = 4;
@@ -33,27 +33,26 @@ void add_positions(BackEnd& back_end, const SyntheticDrive& drive, std::size_t e
   }
 }
 
-const OdometryErrors& learnt(const OptimizationProblem& problem) {
+const OdometryErrors& estimated_errors(const OptimizationProblem& problem) {
   return problem.drive.odometry_errors;
 }
 
-TEST(OdometryErrors, AStretchedWayIsFoundAndCorrected) {
+TEST(OdometryErrors, AScaleErrorIsEstimatedAndCorrected) {
   const SyntheticDrive drive = good_drive(0.001, 2e-4);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   add_positions(back_end, drive, 600, 0.02);
   optimize(back_end, true);
-  EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
+  EXPECT_NEAR(estimated_errors(*back_end.problem()).scale_error, -2e-4, 8e-5);
   const Pose by_odometry = drive.key_frames[698].T_odom_base.inverse() *  //
                            drive.key_frames[699].T_odom_base;
-  const pose_graph::PoseGraph graph =
-      back_end.graph();  // positions had nothing to say about this motion
+  const pose_graph::PoseGraph graph = back_end.graph();  // no position is near this motion
   EXPECT_NEAR(graph.edges[698].T_from_to.translation.norm() / by_odometry.translation.norm(),
               1.0 - 2e-4, 8e-5);
 }
 
-// Its three metres would pass for a stretch of the way of 0.2 %, and for all of the drift.
-TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
+// The error of three metres could be taken for a scale error of 0.2 % and for the full drift.
+TEST(OdometryErrors, AWrongDoubtfulStepDoesNotInfluenceThem) {
   SyntheticDrive drive = good_drive(0.0005, 2e-4);
   const Pose before = drive.key_frames[299].T_odom_base;
   const Pose ahead{Eigen::Quaterniond::Identity(), Eigen::Vector3d(3.0, 0.0, 0.0)};
@@ -67,34 +66,34 @@ TEST(OdometryErrors, ADoubtfulStepThatIsWrongTellsNothingOfThem) {
   feed(back_end, drive);
   add_positions(back_end, drive, 800, 0.02);
   optimize(back_end, true);
-  EXPECT_NEAR(learnt(*back_end.problem()).stretch, -2e-4, 8e-5);
-  EXPECT_LT(learnt(*back_end.problem()).drift_share.maxCoeff(), 0.75);
+  EXPECT_NEAR(estimated_errors(*back_end.problem()).scale_error, -2e-4, 8e-5);
+  EXPECT_LT(estimated_errors(*back_end.problem()).drift_fraction.maxCoeff(), 0.75);
   EXPECT_LT(test::true_rmse(back_end, drive), 0.05);
 }
 
-TEST(OdometryErrors, LittleDriftIsToldFromMuch) {
+TEST(OdometryErrors, SmallAndLargeDriftAreDistinguished) {
   for (const double sigma : {0.02, 1.0}) {
     BackEnd good(BackEndConfig{});
     feed(good, good_drive(0.0005));
     add_positions(good, good_drive(0.0005), 800, sigma);
     optimize(good, true);
-    EXPECT_LT(learnt(*good.problem()).drift_share.maxCoeff(), 0.75) << sigma;
+    EXPECT_LT(estimated_errors(*good.problem()).drift_fraction.maxCoeff(), 0.75) << sigma;
   }
   BackEnd bad(BackEndConfig{});
   feed(bad, good_drive(0.02));
   add_positions(bad, good_drive(0.02), 800, 0.02);
   optimize(bad, true);
-  EXPECT_GT(learnt(*bad.problem()).drift_share.head<3>().minCoeff(), 0.85);
+  EXPECT_GT(estimated_errors(*bad.problem()).drift_fraction.head<3>().minCoeff(), 0.85);
 }
 
-TEST(OdometryErrors, AreAsConfiguredWithoutPositionsOrWithFew) {
+TEST(OdometryErrors, AreAsConfiguredWithoutOrWithFewPositions) {
   const SyntheticDrive drive = good_drive(0.0005);
   for (const std::size_t count : {0, 60}) {
     BackEnd back_end(BackEndConfig{});
     feed(back_end, drive);
     add_positions(back_end, drive, count, 0.02);
     optimize(back_end, true);
-    EXPECT_TRUE(learnt(*back_end.problem()).drift_share.isOnes(0.0)) << count;
+    EXPECT_TRUE(estimated_errors(*back_end.problem()).drift_fraction.isOnes(0.0)) << count;
   }
 }
 
@@ -107,8 +106,8 @@ TEST(OdometryErrors, FixesOfAMetreHardlyDisturbGoodOdometry) {
   EXPECT_LT(test::aligned_rmse(back_end, drive), 0.095);
 }
 
-// The drive's delay is off by 4 ms, and what was made of the antenna's place by centimetres.
-TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
+// The delay of the drive is wrong by 4 ms, and the estimated lever arm by centimetres.
+TEST(SystematicErrors, TheErrorOfACorrectedDelayIsEstimated) {
   const SyntheticDrive drive = good_drive(0.001);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
@@ -116,39 +115,40 @@ TEST(SharedErrors, TheRestOfACorrectedDelayIsFound) {
   optimize(back_end, true);
   const auto problem = back_end.problem();
   for (const double wrong : {-0.004, 0.004}) {
-    const Eigen::Vector2d beside(0.0, 5.0 * wrong);
-    DriveGraph off = problem->drive;
-    off.gnss_delays[0] = {wrong, 0.003, beside};
-    DriveFactors factors = make_factors(off, problem->config);
+    const Eigen::Vector2d lever_arm_error(0.0, 5.0 * wrong);
+    DriveGraph changed = problem->drive;
+    changed.gnss_delays[0] = {wrong, 0.003, lever_arm_error};
+    DriveFactors factors = make_factors(changed, problem->config);
     const pose_graph::RobustSolution solution =
-        pose_graph::solve_as_marked(factors.graph, factors.marked);
+        pose_graph::solve_selected(factors.graph, factors.selected);
     const double scatter = position_scatter(factors, solution.used);
-    const SharedErrors found = find_shared_errors(off, factors, solution.used, scatter);
+    const SystematicErrors found =
+        estimate_systematic_errors(changed, factors, solution.used, scatter);
     EXPECT_NEAR(found.delay, -wrong, 0.001);
-    EXPECT_LT((found.arm + beside).norm(), 0.005) << found.arm.transpose();
+    EXPECT_LT((found.lever_arm + lever_arm_error).norm(), 0.005) << found.lever_arm.transpose();
   }
 }
 
-// After the weights have changed the poses are no longer at the minimum.
-TEST(SharedErrors, AreTheSameFromPosesOfOtherWeights) {
+// After a change of the weights the poses are no longer at the minimum.
+TEST(SystematicErrors, AreTheSameFromPosesWithOtherWeights) {
   const SyntheticDrive drive = good_drive(0.001, 1e-4);
   BackEnd back_end(BackEndConfig{});
   feed(back_end, drive);
   add_positions(back_end, drive, 800, 0.02);
   optimize(back_end, true);
   const auto problem = back_end.problem();
-  DriveGraph off = problem->drive;
-  off.gnss_delays[0] = {0.004, 0.003, Eigen::Vector2d::Zero()};
-  off.odometry_errors.drift_share.setConstant(0.2);
-  DriveFactors factors = make_factors(off, problem->config);
-  const std::vector<bool> used = factors.marked;
-  const SharedErrors found = find_shared_errors(off, factors, used, 0.2);
-  ASSERT_TRUE(pose_graph::solve_as_marked(factors.graph, used).success);
-  const SharedErrors at_minimum = find_shared_errors(off, factors, used, 0.2);
+  DriveGraph changed = problem->drive;
+  changed.gnss_delays[0] = {0.004, 0.003, Eigen::Vector2d::Zero()};
+  changed.odometry_errors.drift_fraction.setConstant(0.2);
+  DriveFactors factors = make_factors(changed, problem->config);
+  const std::vector<bool> used = factors.selected;
+  const SystematicErrors found = estimate_systematic_errors(changed, factors, used, 0.2);
+  ASSERT_TRUE(pose_graph::solve_selected(factors.graph, used).success);
+  const SystematicErrors at_minimum = estimate_systematic_errors(changed, factors, used, 0.2);
   EXPECT_NEAR(found.delay, -0.004, 0.001);
   EXPECT_NEAR(found.delay, at_minimum.delay, 5e-5);
-  EXPECT_NEAR(found.stretch, at_minimum.stretch, 1e-6);
-  EXPECT_LT((found.arm - at_minimum.arm).norm(), 5e-4);
+  EXPECT_NEAR(found.scale_error, at_minimum.scale_error, 1e-6);
+  EXPECT_LT((found.lever_arm - at_minimum.lever_arm).norm(), 5e-4);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ KeyFramePoses moved(KeyFrameIndex first, const std::vector<double>& shifts) {
   return poses;
 }
 
-TEST(PoseChange, IsThatOfTheKeyFramesInBoth) {
+TEST(PoseChange, ComparesTheKeyFramesInBothStates) {
   const PoseChange change =
       change_between(moved(0, {9.0, 0.0, 0.0, 0.0}), moved(1, {0.5, -2.0, 0.5, 7.0}));
   EXPECT_EQ(change.key_frames, 3U);
@@ -28,7 +28,7 @@ TEST(PoseChange, IsThatOfTheKeyFramesInBoth) {
   EXPECT_EQ(change.stamp, 200);
 }
 
-TEST(PoseChange, IsNoneWhereNothingMovedOrNothingWasThere) {
+TEST(PoseChange, IsZeroWithoutMotionOrKeyFrames) {
   const KeyFramePoses poses = moved(3, {1.0, 2.0});
   EXPECT_EQ(change_between(poses, poses).largest, 0.0);
   EXPECT_EQ(change_between(poses, poses).farthest, 3U);

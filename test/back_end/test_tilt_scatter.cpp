@@ -19,10 +19,10 @@ constexpr double kDeg = M_PI / 180.0;
 /// Error of the IMU's orientation at a key frame, about the axes of the map (deg).
 using TiltError = std::function<Eigen::Vector3d(std::size_t)>;
 
-/// The vehicle turns round once in 100 key frames.
+/// The vehicle makes a full turn in 100 key frames.
 double heading(std::size_t i) { return 0.02 * M_PI * static_cast<double>(i); }
 
-/// Such a vehicle with a loop, and with perfect odometry in a frame of its own for each segment.
+/// A drive of this vehicle with one loop and perfect odometry, with a frame of its own per segment.
 DriveGraph round_drive(std::size_t count, const TiltError& error, std::size_t segments = 1) {
   DriveGraph drive;
   drive.in_enu.assign(segments, false);
@@ -41,38 +41,39 @@ DriveGraph round_drive(std::size_t count, const TiltError& error, std::size_t se
   return drive;
 }
 
-/// Errors of `sigma` about x and y that fade within `length` key frames; 0 for those that do not
-/// last.
+/// Errors of `sigma` about x and y with a correlation length of `length` key frames; 0:
+/// independent.
 TiltError noise(double sigma, double length) {
   auto engine = std::make_shared<std::mt19937>(4);
   auto state = std::make_shared<Eigen::Vector3d>(Eigen::Vector3d::Zero());
-  const double kept = length == 0.0 ? 0.0 : std::exp(-1.0 / length);
+  const double correlation = length == 0.0 ? 0.0 : std::exp(-1.0 / length);
   return [=](std::size_t) {
-    std::normal_distribution<double> normal(0.0, sigma * std::sqrt(1.0 - kept * kept));
+    std::normal_distribution<double> normal(0.0,
+                                            sigma * std::sqrt(1.0 - correlation * correlation));
     const double x = normal(*engine), y = normal(*engine);
-    *state = kept * *state + Eigen::Vector3d(x, y, 0.0);
+    *state = correlation * *state + Eigen::Vector3d(x, y, 0.0);
     return *state;
   };
 }
 
-TEST(TiltScatter, OfIndependentErrorsIsTheirOwn) {
+TEST(TiltScatter, OfIndependentErrorsIsTheirStandardDeviation) {
   const double stddev = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0)), {});
   EXPECT_GT(stddev, 0.75);
-  EXPECT_LT(stddev, 1.2);  // the greatest of several estimates
+  EXPECT_LT(stddev, 1.2);  // the largest of several estimates
   const double in_segments = tilt_stddev_deg(round_drive(1000, noise(0.8, 0.0), 3), {});
   EXPECT_NEAR(in_segments, stddev, 0.2);
 }
 
-TEST(TiltScatter, CountsErrorsThatNeighboursShare) {
-  // The mean of n key frames has the variance 40 / n times 0.3^2; means of finite length show a
-  // part.
+TEST(TiltScatter, IncludesErrorsThatNeighboursHaveInCommon) {
+  // The mean of n key frames has the variance 40 / n times 0.3^2; means of finite length show only
+  // a part of it.
   const double honest = 0.3 * std::sqrt(2.0 * 20.0);
   const double stddev = tilt_stddev_deg(round_drive(2000, noise(0.3, 20.0)), {});
   EXPECT_GT(stddev, 0.7 * honest);
   EXPECT_LT(stddev, 1.3 * honest);
 }
 
-TEST(TiltScatter, SeesAnImuThatIsMountedAslant) {
+TEST(TiltScatter, IncludesAMountingErrorOfTheImu) {
   const BackEndConfig config;
   const auto aslant = [](std::size_t i) {
     return Eigen::Vector3d(std::cos(heading(i)), std::sin(heading(i)), 0.0);
@@ -80,17 +81,17 @@ TEST(TiltScatter, SeesAnImuThatIsMountedAslant) {
   EXPECT_EQ(tilt_stddev_deg(round_drive(1000, aslant), config), config.imu_orientation_stddev_deg);
 }
 
-TEST(TiltScatter, BelievesNoSensorEntirely) {
+TEST(TiltScatter, HasALowerBound) {
   const BackEndConfig config;
   const auto nothing = [](std::size_t) { return Eigen::Vector3d(0.0, 0.0, 0.0); };
   EXPECT_EQ(tilt_stddev_deg(round_drive(1000, nothing), config),
             0.25 * config.imu_orientation_stddev_deg);
 }
 
-TEST(TiltScatter, IsAsConfiguredWhereOnlyOdometryHoldsTheHeight) {
+TEST(TiltScatter, IsAsConfiguredIfOnlyOdometryDeterminesTheHeight) {
   BackEndConfig config;
   DriveGraph drive = round_drive(1000, noise(0.8, 0.0));
-  drive.loops.front().weighed = true;  // and refused
+  drive.loops.front().evaluated = true;  // evaluated and not used
   EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
   drive.gnss.emplace_back();
   EXPECT_LT(tilt_stddev_deg(drive, config), 1.2);
@@ -98,7 +99,7 @@ TEST(TiltScatter, IsAsConfiguredWhereOnlyOdometryHoldsTheHeight) {
   EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
 }
 
-TEST(TiltScatter, WeighsTheTiltAndLeavesTheParameterAlone) {
+TEST(TiltScatter, WeightsTheTiltWithoutChangingTheParameter) {
   const BackEndConfig config;
   DriveGraph drive = round_drive(1, noise(0.8, 0.0));
   EXPECT_NEAR(verticals(drive, config).front().stddev, 2.0 * kDeg, 1e-12);
@@ -133,7 +134,7 @@ TEST(TiltScatter, IsAsConfiguredOnAStraightRoad) {
   EXPECT_EQ(tilt_stddev_deg(drive, config), config.imu_orientation_stddev_deg);
 }
 
-TEST(TiltScatter, IsAsConfiguredWhereLittleIsKnown) {
+TEST(TiltScatter, IsAsConfiguredForShortDrives) {
   const BackEndConfig config;
   EXPECT_EQ(tilt_stddev_deg(round_drive(100, noise(0.1, 0.0)), config),
             config.imu_orientation_stddev_deg);

@@ -13,7 +13,7 @@ using test::SyntheticDrive;
 
 constexpr double kDeg = M_PI / 180.0;
 
-/// Odometry that slowly rolls and pitches.
+/// Odometry with a slow drift in roll and pitch.
 SyntheticDrive tilting_drive(double slope = 0.0) {
   DriveSettings settings;
   settings.hill = 0.0;
@@ -47,7 +47,7 @@ double mean_tilt_error(const BackEnd& back_end, const SyntheticDrive& drive) {
 
 double height_error(const BackEnd& back_end, const SyntheticDrive& drive) {
   const auto poses = back_end.poses().poses;
-  // Heights relative to the first pose, in its own frame: the map may lie as it likes.
+  // Heights relative to the first pose in its own frame, independent of the pose of the map.
   double worst = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Pose a = poses.front().T_map_base.inverse() * poses[i].T_map_base;
@@ -64,7 +64,7 @@ ImuSample imu_at(const SyntheticDrive& drive, std::size_t i) {
 }
 
 TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
-  // The heading of such an orientation may be anything.
+  // The heading of such an orientation is arbitrary.
   const SyntheticDrive drive = tilting_drive();
   BackEndConfig config;
   config.imu_orientation_stddev_deg = 0.5;
@@ -83,7 +83,7 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
   EXPECT_LT(mean_tilt_error(back_end, drive), 0.3 * kDeg);
 }
 
-TEST(Imu, GravityOfEitherSignAndABrakingVehicle) {
+TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
   const SyntheticDrive drive = tilting_drive();
   for (const double sign : {1.0, -1.0}) {
     BackEndConfig config;
@@ -94,7 +94,7 @@ TEST(Imu, GravityOfEitherSignAndABrakingVehicle) {
     for (std::size_t i = 0; i < drive.truth.size(); ++i) {
       ImuSample sample = imu_at(drive, i);
       Eigen::Vector3d force = drive.truth[i].rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, 9.81);
-      if (i % 50 >= 40) force.x() -= 4.0;  // brakes for 10 m of every 50
+      if (i % 50 >= 40) force.x() -= 4.0;  // braking for 10 m of every 50
       sample.linear_acceleration = sign * force;
       back_end.add_imu(sample);
     }
@@ -103,7 +103,7 @@ TEST(Imu, GravityOfEitherSignAndABrakingVehicle) {
   }
 }
 
-TEST(Imu, HeadingsWithPositionsTurnTheGraph) {
+TEST(Imu, HeadingsWithPositionsRotateTheGraph) {
   DriveSettings settings;
   settings.turn_bias_deg = 0.05;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -140,7 +140,7 @@ Floor floor_at(const SyntheticDrive& drive, std::size_t i, const Eigen::Vector3d
 
 double height_error_with(FloorConstraint constraint, const SyntheticDrive& drive, double slope) {
   BackEndConfig config;
-  config.floor_stddev_deg = 0.02;  // as even as a hall's
+  config.floor_stddev_deg = 0.02;  // as even as the floor of a hall
   config.floor_constraint = constraint;
   BackEnd back_end(config);
   feed(back_end, drive);
@@ -154,20 +154,20 @@ double height_error_with(FloorConstraint constraint, const SyntheticDrive& drive
 
 TEST(Floor, NeighboursRemoveTheDriftOfAFlatHall) {
   const SyntheticDrive drive = tilting_drive();
-  const double off = height_error_with(FloorConstraint::kNone, drive, 0.0);
-  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.0), 0.7 * off);
-  EXPECT_LT(height_error_with(FloorConstraint::kPlane, drive, 0.0), 0.1 * off);
+  const double without_floors = height_error_with(FloorConstraint::kNone, drive, 0.0);
+  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.0), 0.7 * without_floors);
+  EXPECT_LT(height_error_with(FloorConstraint::kPlane, drive, 0.0), 0.1 * without_floors);
 }
 
 TEST(Floor, ARampIsNotFlattened) {
   const SyntheticDrive drive = tilting_drive(0.08);
-  const double off = height_error_with(FloorConstraint::kNone, drive, 0.08);
-  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.08), 1.01 * off);
+  const double without_floors = height_error_with(FloorConstraint::kNone, drive, 0.08);
+  EXPECT_LT(height_error_with(FloorConstraint::kNeighbours, drive, 0.08), 1.01 * without_floors);
 }
 
-// What neighbours see alike, as where a ramp begins, does not pass for drift of an odometry that is
-// good to millimetres.
-TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
+// Common errors of neighbouring floors, as at the beginning of a ramp, are not taken for drift of
+// an accurate odometry.
+TEST(Floor, NoisyFloorsHardlyDisturbGoodOdometry) {
   SyntheticDrive drive = tilting_drive();
   for (std::size_t i = 0; i < drive.truth.size(); ++i) {
     drive.key_frames[i].T_odom_base = drive.truth[i];
@@ -189,8 +189,8 @@ TEST(Floor, WaveringFloorsHardlyDisturbGoodOdometry) {
   EXPECT_LT(test::aligned_rmse(back_end, drive), 0.0095);
 }
 
-// Two storeys with floors of their own, joined by a ramp.
-TEST(Floor, TwoStoreysStayApart) {
+// Two storeys with different floors, connected by a ramp.
+TEST(Floor, TwoStoreysAreKeptApart) {
   DriveSettings settings;
   settings.hill = 3.0;
   const SyntheticDrive drive = test::make_drive(settings);
@@ -214,7 +214,7 @@ TEST(Floor, TwoStoreysStayApart) {
             1.1 * error_with(FloorConstraint::kNone) + 0.05);
 }
 
-TEST(Floor, FloorsThatWereNotFoundCountForNothing) {
+TEST(Floor, FloorsThatWereNotFoundAreIgnored) {
   const SyntheticDrive drive = tilting_drive();
   BackEndConfig config;
   config.floor_constraint = FloorConstraint::kPlane;

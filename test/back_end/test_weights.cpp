@@ -13,7 +13,7 @@ namespace lidar_mapping::back_end {
 namespace {
 
 constexpr double kDeg = M_PI / 180.0;
-constexpr double kFarOn = 100.0;  // m, since the segment began
+constexpr double kDistanceInSegment = 100.0;  // m since the beginning of the segment
 
 Pose forward(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0.0, 0.0}}; }
 
@@ -25,8 +25,8 @@ TEST(Weights, DriftGrowsWithTheDistance) {
   EXPECT_GT(far(5), 3.0 * near(5));
 }
 
-// Of a drive of 60 m in two segments.
-TEST(Weights, TheFirstMetresOfEverySegmentAreHeldLessFirmly) {
+// Edges of a drive of 60 m in two segments.
+TEST(Weights, TheFirstMetresOfASegmentHaveLessWeight) {
   test::SyntheticDrive drive = test::make_drive({1, 60.0});
   const std::size_t second = drive.key_frames.size() / 2;
   for (std::size_t i = second; i < drive.key_frames.size(); ++i) drive.key_frames[i].segment = 1;
@@ -41,16 +41,17 @@ TEST(Weights, TheFirstMetresOfEverySegmentAreHeldLessFirmly) {
   EXPECT_GT(stddev(second - 1), 1.2 * stddev(edges.size() - 1));
 }
 
-TEST(Weights, DegenerateDirectionsAreHardlyHeld) {
+TEST(Weights, DegenerateDirectionsHaveLittleWeight) {
   const BackEndConfig config;
-  const Covariance6 covariance = step_covariance(diagonal_covariance(0.001, 0.0001), forward(2.0),
-                                                 kFarOn, {Eigen::Vector3d::UnitX()}, config);
+  const Covariance6 covariance =
+      step_covariance(diagonal_covariance(0.001, 0.0001), forward(2.0), kDistanceInSegment,
+                      {Eigen::Vector3d::UnitX()}, config);
   EXPECT_GT(std::sqrt(covariance(0, 0)), 0.3);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }
 
-// In a corridor a loop that knows nothing along it corrects nothing along it.
-TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
+// In a corridor, a loop without information along the corridor does not correct along it.
+TEST(Weights, ALoopInACorridorDoesNotCorrectAlongTheCorridor) {
   const test::SyntheticDrive drive = test::make_drive({1, 300.0});
   std::mt19937 engine(1);
   Loop loop = test::make_loop(drive, 0, 200, engine);
@@ -69,8 +70,8 @@ TEST(Weights, ACorridorLoopDoesNotPullAlongTheCorridor) {
   EXPECT_GT(moved.y(), 0.15);
 }
 
-// Constant and by fitness, as hdl_graph_slam has them but with squares.
-TEST(Weights, OtherRulesAreThereByName) {
+// Constant and by fitness, as in hdl_graph_slam but with variances.
+TEST(Weights, ConstantAndFitnessWeightsCanBeConfigured) {
   BackEndConfig config;
   config.use_const_inf_matrix = true;
   Loop loop;
@@ -88,8 +89,8 @@ TEST(Weights, OtherRulesAreThereByName) {
   EXPECT_NEAR(std::sqrt(loop_covariance(loop, config)(0, 0)), 2.131, 0.001);
 }
 
-// Where noise is as the parameters say, chi2 per degree of freedom is about one.
-TEST(Weights, ChiSquareIsHonest) {
+// If the noise is as configured, chi2 per degree of freedom is about one.
+TEST(Weights, ChiSquareMatchesTheDegreesOfFreedom) {
   BackEndConfig config;
   config.odometry_min_stddev_m = config.loop_min_stddev_m = 1e-6;
   config.odometry_min_stddev_deg = config.loop_min_stddev_deg = 1e-6;
@@ -102,11 +103,11 @@ TEST(Weights, ChiSquareIsHonest) {
   std::mt19937 engine(7);
   test::add_lap_loops(back_end, drive, 400, 2, engine);
   const OptimizationReport report = test::optimize(back_end);
-  // 200 loops of six dimensions close the graph: so many degrees of freedom are left.
+  // 200 loops of six dimensions close the graph, which is the number of degrees of freedom.
   EXPECT_NEAR(report.cost_after / (6.0 * 200.0), 1.0, 0.15);
 }
 
-TEST(Weights, KernelsBendWhereTheyShould) {
+TEST(Weights, KernelsAreQuadraticUpToTheirSize) {
   double rho[3];
   const auto huber = pose_graph::make_kernel(pose_graph::RobustKernel::kHuber, 2.0);
   huber->Evaluate(1.0, rho);
@@ -122,7 +123,7 @@ TEST(Weights, KernelsBendWhereTheyShould) {
   EXPECT_EQ(pose_graph::make_kernel(pose_graph::RobustKernel::kNone, 1.0), nullptr);
 }
 
-TEST(Weights, KernelsEndWhereTheirNamesSay) {
+TEST(Weights, KernelsHaveTheirDefinedLimits) {
   const auto pull = [](pose_graph::RobustKernel kernel, double s) {
     double rho[3];
     pose_graph::make_kernel(kernel, 2.0)->Evaluate(s, rho);
@@ -140,7 +141,7 @@ TEST(Weights, KernelsEndWhereTheirNamesSay) {
   EXPECT_NEAR(pull(pose_graph::RobustKernel::kWelsch, 4.0), std::exp(-1.0), 1e-12);
 }
 
-TEST(Weights, KernelsAreKnownByTheNamesOfG2oInAnyCase) {
+TEST(Weights, KernelNamesAreThoseOfG2oInUpperOrLowerCase) {
   for (const char* name : {"NONE", "Huber", "Cauchy", "DCS", "Fair", "GemanMcClure", "PseudoHuber",
                            "Saturated", "Tukey", "Welsch", "tukey", "PSEUDOHUBER", "dcs"}) {
     EXPECT_NO_THROW(pose_graph::robust_kernel_of(name)) << name;
@@ -151,7 +152,7 @@ TEST(Weights, KernelsAreKnownByTheNamesOfG2oInAnyCase) {
   EXPECT_THROW(pose_graph::robust_kernel_of("Tuckey"), InputError);
 }
 
-TEST(BackEndConfig, KnowsTheNamesOfHdlGraphSlam) {
+TEST(BackEndConfig, AcceptsTheNamesOfHdlGraphSlam) {
   const auto config = config::load<BackEndConfig>({config::parse_yaml(
       "enable_gps: false\ngraph_update_interval: 3.0\nodometry_edge_robust_kernel: NONE\n"
       "loop_closure_edge_robust_kernel: Huber\ngps_edge_robust_kernel: Cauchy\n"
@@ -182,7 +183,7 @@ TEST(Weights, KernelsHaveExactDerivatives) {
   }
 }
 
-TEST(Config, RefusesRulesThatExcludeEachOther) {
+TEST(Config, RefusesContradictingParameters) {
   const auto load = [](const std::string& text) {
     return config::load<BackEndConfig>({config::parse_yaml(text, "back_end.yaml")});
   };

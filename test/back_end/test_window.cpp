@@ -15,7 +15,7 @@ using test::make_loop;
 using test::optimize;
 using test::SyntheticDrive;
 
-/// 4400 key frames on a street block, well tied by loops, solved.
+/// 4400 key frames around a street block, connected by many loops and solved.
 struct LongDrive {
   SyntheticDrive drive;
   BackEnd back_end{BackEndConfig{}};
@@ -34,7 +34,7 @@ struct LongDrive {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
+TEST(Window, ANewLoopIsSolvedInAWindow) {
   LongDrive run;
   const auto before = run.back_end.poses().poses;
   run.back_end.add_loop(make_loop(run.drive, 2005, 2405, run.engine));
@@ -51,7 +51,7 @@ TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
   EXPECT_TRUE(run.back_end.loops().back().second);
   const auto after = run.back_end.poses().poses;
   EXPECT_EQ(after.size(), before.size());
-  // The whole graph agrees to a centimetre, and takes much longer.
+  // The solution of the whole graph agrees within a centimetre and takes much longer.
   const double middle = cpu_seconds();
   optimize(run.back_end, true);
   EXPECT_LT(in_window, 0.5 * (cpu_seconds() - middle));
@@ -61,7 +61,7 @@ TEST(Window, OneMoreLoopIsAbsorbedWhereItActs) {
   }
 }
 
-TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
+TEST(Window, AContradictingLoopIsSolvedInTheWholeGraph) {
   LongDrive run;
   Loop loop = make_loop(run.drive, 2005, 2405, run.engine);
   // Small enough for a window, but false.
@@ -73,7 +73,7 @@ TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
   ASSERT_TRUE(problem->window);
   const auto before = run.back_end.poses().poses;
   const auto solution = solve(*problem);
-  ASSERT_TRUE(solution->whole_needed);
+  ASSERT_TRUE(solution->full_solve_needed);
   run.back_end.apply(*solution);
   EXPECT_EQ(before[2405].T_map_base.translation,
             run.back_end.poses().poses[2405].T_map_base.translation);
@@ -82,7 +82,7 @@ TEST(Window, WhatItCannotSettleGoesToTheWholeGraph) {
   EXPECT_FALSE(run.back_end.loops().back().second);
 }
 
-TEST(Window, AFarLoopCallsForTheWholeGraph) {
+TEST(Window, ALargeCorrectionIsSolvedInTheWholeGraph) {
   LongDrive run;
   Loop loop = make_loop(run.drive, 2005, 2405, run.engine);
   loop.T_from_to.translation.x() += 10.0;
@@ -90,7 +90,7 @@ TEST(Window, AFarLoopCallsForTheWholeGraph) {
   EXPECT_FALSE(run.back_end.problem()->window) << "ten metres are not absorbed in a window";
 }
 
-TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
+TEST(LeastEigenvalue, IsZeroForAFreeMotionAndGrowsWithConstraints) {
   pose_graph::FactorGraph graph;
   for (int i = 0; i < 4; ++i) graph.add_node({exp_so3({0.0, 0.0, 0.3 * i}), {1.0 * i, 0.0, 0.0}});
   for (int i = 1; i < 4; ++i) {
@@ -99,15 +99,15 @@ TEST(LeastEigenvalue, IsNoughtWhereAMotionIsFreeAndGrowsWithTies) {
   }
   EXPECT_LT(pose_graph::least_eigenvalue(graph, {true, true, true}), 1e-9);
   graph.add({pose_graph::prior_residual(graph.pose(0), 4.0 * Matrix6d::Identity()), 0});
-  const double held = pose_graph::least_eigenvalue(graph, {true, true, true, true});
-  EXPECT_GT(held, 0.01);
-  EXPECT_LT(held, 4.0);
-  // A tie at the other end makes it firmer.
+  const double eigenvalue = pose_graph::least_eigenvalue(graph, {true, true, true, true});
+  EXPECT_GT(eigenvalue, 0.01);
+  EXPECT_LT(eigenvalue, 4.0);
+  // A second connection at the other end increases the eigenvalue.
   graph.add({pose_graph::prior_residual(graph.pose(3), 400.0 * Matrix6d::Identity()), 3});
-  EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * held);
+  EXPECT_GT(pose_graph::least_eigenvalue(graph, {true, true, true, true, true}), 2.0 * eigenvalue);
 }
 
-TEST(LeastEigenvalue, AThoroughOptimisationTellsIt) {
+TEST(LeastEigenvalue, IsReportedByAThoroughOptimisation) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});
   test::feed(back_end, drive);

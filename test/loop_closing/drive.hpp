@@ -17,7 +17,7 @@ inline KeyFrame key_frame(std::size_t i, const Pose& T_odom_base) {
   return result;
 }
 
-/// What a drive gave, and how it compares with the truth.
+/// The results of a drive, and how they compare with the truth.
 struct DriveOutcome {
   std::vector<Loop> loops;
   std::vector<LoopVerdict> verdicts;
@@ -38,7 +38,7 @@ inline void append(DriveOutcome& outcome, const LoopClosingResult& result,
   outcome.verdicts.insert(outcome.verdicts.end(), result.verdicts.begin(), result.verdicts.end());
 }
 
-/// Drives through the world with that odometry; no back end answers.
+/// Drives through the world with this odometry, without a back end.
 inline DriveOutcome drive(const ToyWorld& world, const std::vector<Pose>& truth,
                           const std::vector<Pose>& odometry, const LoopClosingConfig& config = {}) {
   DriveClouds clouds(world, truth);

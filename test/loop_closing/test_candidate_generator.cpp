@@ -17,7 +17,7 @@ class NoClouds : public CloudSource {
 };
 
 /// Indices of the key frames at which a search was made. There are no clouds: each attempt ends
-/// undecided, which leaves the policy alone.
+/// undecided and does not influence the next searches.
 std::vector<std::size_t> attempts(const std::vector<Pose>& poses,
                                   const LoopClosingConfig& config = {}) {
   NoClouds clouds;
@@ -29,7 +29,7 @@ std::vector<std::size_t> attempts(const std::vector<Pose>& poses,
   return result;
 }
 
-/// The first key frame with an older one within 7 m of it and 50 m of way.
+/// The first key frame with an older one within 7 m and at least 50 m of path length before it.
 std::size_t first_possible(const std::vector<Pose>& poses, double step) {
   const auto gap = static_cast<std::size_t>(std::ceil(50.0 / step));
   for (std::size_t i = gap; i < poses.size(); ++i) {
@@ -40,8 +40,8 @@ std::size_t first_possible(const std::vector<Pose>& poses, double step) {
   return poses.size();
 }
 
-// Waiting never oversleeps a street that is driven back, whatever the length of the drive.
-TEST(Candidates, AreTriedWithinTenKeyFramesOfTheFirstPossibility) {
+// A street that is driven back is found in time, whatever the length of the drive.
+TEST(Candidates, AreMatchedWithinTenKeyFramesOfTheFirstPossibility) {
   for (double length = 200.0; length < 310.0; length += 9.0) {
     const auto poses =
         along({{0, 0}, {length, 0}, {length, 4}, {length - 140.0, 4}, {length - 140.0, 300}});
@@ -51,7 +51,7 @@ TEST(Candidates, AreTriedWithinTenKeyFramesOfTheFirstPossibility) {
   }
 }
 
-// No spacing of key frames is assumed.
+// The spacing of key frames is arbitrary.
 TEST(Candidates, DoNotDependOnTheSpacingOfKeyFrames) {
   for (const double step : {0.5, 2.0, 5.0}) {
     const auto poses = along({{0, 0}, {150, 0}, {150, 150}, {0, 150}, {0, 0}, {100, 0}}, step);
@@ -62,7 +62,7 @@ TEST(Candidates, DoNotDependOnTheSpacingOfKeyFrames) {
   }
 }
 
-TEST(Candidates, LoopStepAndMinEdgeIntervalSpaceTheSearches) {
+TEST(Candidates, LoopStepAndMinEdgeIntervalSetTheSpacingOfSearches) {
   const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
   LoopClosingConfig config;
   config.loop_step = 5;
@@ -71,7 +71,7 @@ TEST(Candidates, LoopStepAndMinEdgeIntervalSpaceTheSearches) {
   for (std::size_t i = 1; i < tried.size(); ++i) EXPECT_GE(tried[i] - tried[i - 1], 5U);
 }
 
-TEST(Candidates, DiffNumAndAccumDistanceThreshKeepNeighboursAway) {
+TEST(Candidates, DiffNumAndAccumDistanceThreshExcludeNeighbours) {
   const auto poses = along({{0, 0}, {100, 0}, {100, 4}, {0, 4}});
   LoopClosingConfig config;
   config.diff_num = 90;
@@ -98,7 +98,7 @@ TEST(Candidates, EverySourceCanBeSwitchedOff) {
   EXPECT_TRUE(attempts(poses, config).empty());
 }
 
-// The search does not slow down with the drive.
+// The duration of a search does not grow with the drive.
 TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
   CandidateGenerator places{LoopClosingConfig()};
   std::vector<Eigen::Vector2d> corners;
@@ -111,7 +111,7 @@ TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     places.append(key_frame(i, poses[i]), std::nullopt);
   }
-  // The shortest: what else the machine does only adds to it.
+  // The shortest of several durations, because other load only adds to it.
   double seconds = 1.0;
   for (int i = 0; i < 50; ++i) {
     const std::clock_t begin = std::clock();
@@ -121,11 +121,11 @@ TEST(Candidates, AreFoundInLessThanAMillisecondAmongTenThousandKeyFrames) {
   EXPECT_LT(seconds, 1e-3);
 }
 
-/// Two streets 60 m apart; by odometry the second is a new one.
+/// Two streets 60 m apart; by odometry the second one is a new street.
 std::vector<Pose> two_streets() { return along({{0, 0}, {200, 0}, {200, 60}, {0, 60}}); }
 
-// A correction of the map changes what is near.
-TEST(Candidates, AreThoseOfTheCorrectedMap) {
+// A correction of the map changes which key frames are near.
+TEST(Candidates, FollowTheCorrectedMap) {
   LoopClosingConfig config;
   config.horizontal_drift = 0.0;
   CandidateGenerator places(config);
@@ -144,8 +144,8 @@ TEST(Candidates, AreThoseOfTheCorrectedMap) {
   EXPECT_LE(candidates.front().node, 3U);
 }
 
-// What lies above each other is not near each other.
-TEST(Candidates, AnotherStoreyIsNoCandidate) {
+// Key frames on different storeys are not near each other.
+TEST(Candidates, AreNotOnAnotherStorey) {
   LoopClosingConfig config;
   config.vertical_drift = 0.001;
   CandidateGenerator places(config);
@@ -165,8 +165,8 @@ GnssPosition position_at(std::size_t i, const Pose& T_enu_base) {
   return position;
 }
 
-// Whatever the heights of the receiver are, and before or after the key frame.
-TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
+// With any height of the receiver, and before or after the key frame.
+TEST(Candidates, ComeFromGnssIfOdometryIsWrong) {
   LoopClosingConfig config;
   config.position_candidates = false;
   config.accum_distance_thresh = 100.0;
@@ -186,7 +186,7 @@ TEST(Candidates, ComeFromGnssWhereOdometryWentAstray) {
   EXPECT_TRUE(CandidateGenerator(config).candidates().empty());
 }
 
-TEST(Candidates, LoopsThatTheMapFollowsMakeItCertain) {
+TEST(Candidates, AreMoreCertainByLoopsThatTheMapSatisfies) {
   LoopClosingConfig config;
   config.max_loop_distance = 30.0;
   CandidateGenerator places(config);

@@ -15,8 +15,8 @@ std::vector<Eigen::Vector3f> random_points(std::size_t count, std::mt19937& gene
   return points;
 }
 
-// As in a matching: steps that become smaller, and limits too.
-TEST(CorrespondenceCache, GivesWhatASearchEachTimeGives) {
+// As in a registration: steps and limits decrease.
+TEST(CorrespondenceCache, AgreesWithASearchEachTime) {
   std::mt19937 generator(1);
   const KdTree tree(random_points(3000, generator));
   std::vector<Eigen::Vector3f> moving = random_points(500, generator);
@@ -43,7 +43,7 @@ TEST(CorrespondenceCache, GivesWhatASearchEachTimeGives) {
   EXPECT_GT(missed, 1000);
 }
 
-TEST(CorrespondenceCache, BearsATreeOfOnePointOrNone) {
+TEST(CorrespondenceCache, AcceptsATreeOfOnePointOrNone) {
   const KdTree one({{1.0F, 0.0F, 0.0F}});
   CorrespondenceCache memory(one, 1);
   EXPECT_TRUE(memory.nearest(0, Eigen::Vector3f::Zero(), 2.0F));

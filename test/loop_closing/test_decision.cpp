@@ -27,115 +27,115 @@ Prior certain_prior() {
   return prior;
 }
 
-Decision judged(const Match& match, const Prior& prior = certain_prior(),
-                const LoopClosingConfig& config = {}) {
+Decision decision_on(const Match& match, const Prior& prior = certain_prior(),
+                     const LoopClosingConfig& config = {}) {
   return decide(match, prior, config);
 }
 
-/// The verdict is `verdict` and the reason names `parameter`.
+/// Expects this verdict, and that the reason names `parameter`.
 void expect(const Decision& decision, Verdict verdict, const std::string& parameter) {
   EXPECT_EQ(decision.verdict, verdict) << decision.reason;
   EXPECT_NE(decision.reason.find(parameter), std::string::npos) << decision.reason;
 }
 
-TEST(Judge, AcceptsWhatNothingSpeaksAgainst) {
-  expect(judged(good_match()), Verdict::kAccepted, "overlap_margin_limit");
+TEST(Decide, AcceptsAMatchThatPassesAllChecks) {
+  expect(decision_on(good_match()), Verdict::kAccepted, "overlap_margin_limit");
 }
 
-// Storeys look alike, and the estimate does not know on which of them the vehicle is.
-TEST(Judge, AfterAJumpOfTheHeightARoofLeavesItUndecided) {
+// Storeys look alike, and the estimate does not determine the storey of the vehicle.
+TEST(Decide, IsUndecidedUnderARoofAfterAJumpInHeight) {
   Match match = good_match();
   match.figures.roofed = 0.6;
   Prior prior = certain_prior();
-  EXPECT_EQ(judged(match, prior).verdict, Verdict::kAccepted);
-  prior.jumped = 2.5;
-  expect(judged(match, prior), Verdict::kUndecided, "storey");
+  EXPECT_EQ(decision_on(match, prior).verdict, Verdict::kAccepted);
+  prior.height_jumps = 2.5;
+  expect(decision_on(match, prior), Verdict::kUndecided, "storey");
   match.figures.roofed = 0.05;
-  EXPECT_EQ(judged(match, prior).verdict, Verdict::kAccepted) << "under the open sky";
+  EXPECT_EQ(decision_on(match, prior).verdict, Verdict::kAccepted) << "under the open sky";
 }
 
-TEST(Judge, NothingIsLeftToAskWhereTheEstimateKnowsThePlace) {
-  EXPECT_TRUE(is_beyond_doubt(good_match(), certain_prior()));
+TEST(Decide, IsUnambiguousIfTheEstimateIsCertain) {
+  EXPECT_TRUE(is_unambiguous(good_match(), certain_prior()));
   Match astray = good_match();
   astray.alignment.T_target_source = planar(4.0, 0.0, 0.1);
-  EXPECT_FALSE(is_beyond_doubt(astray, certain_prior()));
+  EXPECT_FALSE(is_unambiguous(astray, certain_prior()));
 }
 
-TEST(Judge, DoubtStaysWhereTwoPlacesFit) {
+TEST(Decide, IsAmbiguousIfTwoLocationsArePossible) {
   const std::vector<std::pair<std::string, void (*)(Prior&)>> doubts = {
       {"segments that nothing joins", [](Prior& prior) { prior.anchored = false; }},
-      {"storeys after a jump", [](Prior& prior) { prior.jumped = 2.5; }},
+      {"storeys after a jump", [](Prior& prior) { prior.height_jumps = 2.5; }},
       {"neighbouring streets", [](Prior& prior) { prior.sigma_horizontal = 1.5; }},
       {"storeys after a long way", [](Prior& prior) { prior.sigma_vertical = 1.0; }},
       {"opposite headings", [](Prior& prior) { prior.sigma_rotation = 1.0; }}};
   for (const auto& [what, worsen] : doubts) {
     Prior prior = certain_prior();
     worsen(prior);
-    EXPECT_FALSE(is_beyond_doubt(good_match(), prior)) << what;
+    EXPECT_FALSE(is_unambiguous(good_match(), prior)) << what;
   }
 }
 
-// Every figure has its say, none alone decides.
-TEST(Judge, EachFigureCanRefuseAndNamesItsParameter) {
+// Each figure can refuse a match.
+TEST(Decide, EachCheckCanRefuseAndNamesItsParameter) {
   Match match = good_match();
   match.alignment.converged = false;
-  expect(judged(match), Verdict::kRefused, "converge");
+  expect(decision_on(match), Verdict::kRefused, "converge");
   match = good_match();
   match.figures.tested_points = 299;
-  expect(judged(match), Verdict::kUndecided, "min_tested_points");
+  expect(decision_on(match), Verdict::kUndecided, "min_tested_points");
   match = good_match();
   match.figures.overlap = 0.5;
-  expect(judged(match), Verdict::kRefused, "overlap_margin_limit");
+  expect(decision_on(match), Verdict::kRefused, "overlap_margin_limit");
   match = good_match();
   match.figures.free_space_violation = 0.25;
-  expect(judged(match), Verdict::kRefused, "overlap_margin_limit");
+  expect(decision_on(match), Verdict::kRefused, "overlap_margin_limit");
   match = good_match();
   match.figures.horizontal_eigenvalue = 0.019;
-  expect(judged(match), Verdict::kRefused, "eigenvalue_limit");
+  expect(decision_on(match), Verdict::kRefused, "eigenvalue_limit");
   match = good_match();
   match.alignment.T_target_source = planar(1.0, 7.5, 0.1);
-  expect(judged(match), Verdict::kRefused, "max_loop_distance");
+  expect(decision_on(match), Verdict::kRefused, "max_loop_distance");
   match = good_match();
   match.alignment.T_target_source = planar(1.0, 5.0, 0.1);
-  expect(judged(match), Verdict::kRefused, "innovation_limit");
+  expect(decision_on(match), Verdict::kRefused, "innovation_limit");
   match = good_match();
   match.alignment.T_target_source = planar(1.0, 0.0, 0.1, 1.2);
-  expect(judged(match), Verdict::kRefused, "vertical_drift");
+  expect(decision_on(match), Verdict::kRefused, "vertical_drift");
 }
 
-TEST(Judge, TheFitnessHasAFarLimitUnlessAnotherOneOrNoneIsAskedFor) {
+TEST(Decide, TheLimitOfTheFitnessIsConfigurable) {
   const auto config_of = [](const std::string& limit) {
     return config::load<LoopClosingConfig>(
         {config::parse_yaml("fitness_score_thresh: " + limit + "\n", "hdl")});
   };
   Match match = good_match();
-  match.figures.fitness = 0.4;  // more than any true loop of the simulated drives has
-  expect(judged(match), Verdict::kAccepted, "");
+  match.figures.fitness = 0.4;  // larger than in any true loop of the simulated drives
+  expect(decision_on(match), Verdict::kAccepted, "");
   match.figures.fitness = 2.0;
-  expect(judged(match), Verdict::kRefused, "fitness_score_limit");
-  expect(judged(match, certain_prior(), config_of("2.5")), Verdict::kAccepted, "");
-  expect(judged(match, certain_prior(), config_of("0.0")), Verdict::kAccepted, "");
+  expect(decision_on(match), Verdict::kRefused, "fitness_score_limit");
+  expect(decision_on(match, certain_prior(), config_of("2.5")), Verdict::kAccepted, "");
+  expect(decision_on(match, certain_prior(), config_of("0.0")), Verdict::kAccepted, "");
 }
 
-TEST(Judge, GnssContradicts) {
+TEST(Decide, GnssCanContradict) {
   Prior prior = certain_prior();
   prior.sigma_horizontal = 100.0;
   prior.gnss = Distance{30.0, 2.0};
-  expect(judged(good_match(), prior), Verdict::kRefused, "GNSS");
+  expect(decision_on(good_match(), prior), Verdict::kRefused, "GNSS");
   prior.gnss = Distance{4.0, 2.0};
-  expect(judged(good_match(), prior), Verdict::kAccepted, "");
+  expect(decision_on(good_match(), prior), Verdict::kAccepted, "");
 }
 
-TEST(Judge, AMatchFarFromAnUncertainEstimateIsFine) {
+TEST(Decide, AcceptsAMatchFarFromAnUncertainEstimate) {
   Prior prior = certain_prior();
   prior.T_from_to = planar(25.0, -10.0, 0.5, 6.0);
   prior.sigma_horizontal = 12.0;
   prior.sigma_vertical = 6.0;
   prior.sigma_rotation = 0.3;
-  expect(judged(good_match(), prior), Verdict::kAccepted, "");
+  expect(decision_on(good_match(), prior), Verdict::kAccepted, "");
 }
 
-TEST(LoopClosingConfig, LoadsBothAncestorsNames) {
+TEST(LoopClosingConfig, AcceptsTheNamesOfBothPredecessors) {
   const auto config = config::load<LoopClosingConfig>({config::parse_yaml(
       "loop_step: 5\ndiff_num: 100\ndetect_area: 10.0\nextend_frame_num: 5\n"
       "fitness_score_limit: 0.2\nmap_filter: voxel_filter\nscan_filter: no_filter\n"

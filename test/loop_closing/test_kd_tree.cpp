@@ -26,7 +26,7 @@ std::vector<float> sorted_distances(const std::vector<Eigen::Vector3f>& points,
   return distances;
 }
 
-TEST(KdTree, FindsWhatAScanOverAllFinds) {
+TEST(KdTree, AgreesWithALinearSearch) {
   const KdTree tree(random_points(2000, 1));
   for (const auto& p : random_points(200, 2)) {
     const auto expected = sorted_distances(tree.points(), p);
@@ -39,17 +39,17 @@ TEST(KdTree, FindsWhatAScanOverAllFinds) {
   }
 }
 
-TEST(KdTree, TellsHowFarTheSecondIs) {
+TEST(KdTree, GivesTheDistanceOfTheSecondNearest) {
   const KdTree tree(random_points(2000, 1));
   for (const auto& p : random_points(200, 2)) {
     const auto expected = sorted_distances(tree.points(), p);
-    const auto lead = tree.nearest_with_lead(p, 100.0F);
+    const auto lead = tree.nearest_with_second(p, 100.0F);
     ASSERT_TRUE(lead);
     EXPECT_EQ(lead->nearest.squared_distance, expected[0]);
-    EXPECT_EQ(lead->next_squared, expected[1]);
+    EXPECT_EQ(lead->second_squared_distance, expected[1]);
     const float limit = 0.5F * (std::sqrt(expected[0]) + std::sqrt(expected[1]));
-    EXPECT_EQ(tree.nearest_with_lead(p, limit)->next_squared, limit * limit);
-    EXPECT_FALSE(tree.nearest_with_lead(p, 0.5F * std::sqrt(expected[0])));
+    EXPECT_EQ(tree.nearest_with_second(p, limit)->second_squared_distance, limit * limit);
+    EXPECT_FALSE(tree.nearest_with_second(p, 0.5F * std::sqrt(expected[0])));
   }
 }
 
@@ -59,7 +59,7 @@ TEST(KdTree, FindsNothingBeyondTheLimit) {
   EXPECT_TRUE(tree.nearest(Eigen::Vector3f::Zero(), 1.1F));
 }
 
-TEST(KdTree, BearsEqualPointsAndEmptiness) {
+TEST(KdTree, AcceptsEqualPointsAndNoPoints) {
   const KdTree equal(std::vector<Eigen::Vector3f>(100, Eigen::Vector3f::Ones()));
   EXPECT_EQ(equal.nearest(Eigen::Vector3f::Zero(), std::size_t{7}).size(), 7U);
   EXPECT_FALSE(KdTree().nearest(Eigen::Vector3f::Zero(), 1.0F));

@@ -10,8 +10,8 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-// A square that ends where it began closes on the first key frames.
-// Without GNSS, although odometry ends 20 m away from the start.
+// A square that ends at its start closes on the first key frames, without GNSS, although odometry
+// ends 20 m away from the start.
 TEST(LoopCloser, ClosesASquareOnItsFirstKeyFrames) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}});
@@ -29,7 +29,7 @@ TEST(LoopCloser, ClosesASquareOnItsFirstKeyFrames) {
 }
 
 /// A square whose odometry slips on the far side and ends `metres` beside the start.
-DriveOutcome square_off_by(double metres, bool appearance) {
+DriveOutcome square_with_end_error(double metres, bool appearance) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}});
   auto odometry = truth;
@@ -43,34 +43,34 @@ DriveOutcome square_off_by(double metres, bool appearance) {
   return drive(world, truth, odometry, config);
 }
 
-// Odometry so bad that what lies nearest in the estimate is another place.
-TEST(LoopCloser, AppearanceFindsWhatPositionMisses) {
-  const DriveOutcome by_position = square_off_by(90.0, false);
+// With this odometry, the nearest key frames in the estimate are at another location.
+TEST(LoopCloser, AppearanceFindsLoopsThatPositionMisses) {
+  const DriveOutcome by_position = square_with_end_error(90.0, false);
   EXPECT_TRUE(by_position.loops.empty());
-  const DriveOutcome by_appearance = square_off_by(90.0, true);
+  const DriveOutcome by_appearance = square_with_end_error(90.0, true);
   EXPECT_EQ(by_appearance.false_loops, 0);
   ASSERT_FALSE(by_appearance.loops.empty());
   for (const Loop& loop : by_appearance.loops) EXPECT_EQ(loop.source, LoopSource::kAppearance);
 }
 
-/// There and back along x; the odometry is too short by a twentieth.
-DriveOutcome there_and_back(const ToyWorld& world) {
+/// Forward and back along x; the scale error of odometry is -5 %.
+DriveOutcome forward_and_back(const ToyWorld& world) {
   const auto truth = along({{-60, 0}, {60, 0}, {60, 2}, {-60, 2}});
   return drive(world, truth, drifting(truth, 0.95, 0.0));
 }
 
-// In a smooth tunnel everything fits everywhere along the axis.
-TEST(LoopCloser, TakesNothingInATunnel) {
+// In a smooth tunnel a scan fits everywhere along the axis.
+TEST(LoopCloser, AcceptsNothingInATunnel) {
   ToyWorld tunnel;
   tunnel.boxes = {{{-300, -6, 0}, {300, -5, 7}}, {{-300, 5, 0}, {300, 6, 7}}};
-  const DriveOutcome outcome = there_and_back(tunnel);
+  const DriveOutcome outcome = forward_and_back(tunnel);
   EXPECT_TRUE(outcome.loops.empty());
   EXPECT_FALSE(outcome.verdicts.empty());
 }
 
-// Where nothing stands there is nothing to decide by.
+// Without points above the ground there is no decision.
 TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
-  const DriveOutcome outcome = there_and_back(ToyWorld());
+  const DriveOutcome outcome = forward_and_back(ToyWorld());
   EXPECT_TRUE(outcome.loops.empty());
   ASSERT_FALSE(outcome.verdicts.empty());
   for (const LoopVerdict& verdict : outcome.verdicts) {
@@ -78,9 +78,9 @@ TEST(LoopCloser, LeavesAnOpenFieldUndecided) {
   }
 }
 
-// The way back through the same street, without an absolute heading.
-// A loop at least every ten metres of it.
-TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
+// Driving back through the same street without an absolute heading: at least one loop every ten
+// metres.
+TEST(LoopCloser, ClosesAStreetDrivenInTheOppositeDirection) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {100, 0}, {100, 3.5}, {0, 3.5}});
   const DriveOutcome outcome = drive(world, truth, drifting(truth, 1.01, 2e-4));
@@ -96,9 +96,9 @@ TEST(LoopCloser, ClosesAStreetDrivenTheOtherWay) {
   }
 }
 
-/// The most candidates that one search of a third pass through a street matched: both older passes
-/// are there to be met.
-std::size_t most_matched(double horizontal_drift) {
+/// The largest number of candidates that one search matched in a third pass through a street. Both
+/// older passes can be found.
+std::size_t max_matched(double horizontal_drift) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}, {0, 0}, {60, 0}});
   LoopClosingConfig config;
@@ -115,13 +115,11 @@ std::size_t most_matched(double horizontal_drift) {
   return most;
 }
 
-TEST(LoopCloser, MatchesOneCandidateWhereTheEstimateKnowsThePlace) {
-  EXPECT_EQ(most_matched(0.003), 1U);
-}
+TEST(LoopCloser, MatchesOneCandidateIfTheEstimateIsCertain) { EXPECT_EQ(max_matched(0.003), 1U); }
 
-TEST(LoopCloser, MatchesAllWhereTheEstimateLeavesADoubt) { EXPECT_EQ(most_matched(0.02), 2U); }
+TEST(LoopCloser, MatchesAllCandidatesIfTheEstimateIsUncertain) { EXPECT_EQ(max_matched(0.02), 2U); }
 
-// A crossing, where the headings differ by a quarter turn.
+// A crossing where the headings differ by 90 degrees.
 TEST(LoopCloser, ClosesACrossing) {
   const ToyWorld world = make_town(150.0, 100.0, 8);
   const auto truth = along({{-40, 0}, {40, 0}, {40, 40}, {0, 40}, {0, -20}});
@@ -130,14 +128,14 @@ TEST(LoopCloser, ClosesACrossing) {
   EXPECT_GE(outcome.loops.size(), 1U);
 }
 
-TEST(LoopCloser, FindsNothingWhereNothingIsSeenAgain) {
+TEST(LoopCloser, FindsNothingWithoutRevisits) {
   const ToyWorld world = make_town(200.0, 100.0, 3);
   const auto truth = along({{-100, 0}, {100, 0}});
   EXPECT_TRUE(drive(world, truth, truth).loops.empty());
 }
 
-// Nothing in the clouds tells twin streets apart; the estimate does.
-TEST(LoopCloser, NeverJoinsTwinStreets) {
+// The clouds of twin streets cannot be distinguished; the estimate distinguishes them.
+TEST(LoopCloser, NeverClosesBetweenTwinStreets) {
   ToyWorld world = make_town(60.0, 100.0, 9);
   const std::size_t count = world.boxes.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -172,7 +170,7 @@ ToyWorld make_car_park() {
   return world;
 }
 
-/// Up the ramps, twice around on each storey.
+/// Up the ramps, with two turns on each storey.
 std::vector<Pose> car_park_drive() {
   const auto round = along({{-30, 0}, {30, 0}, {30, 11}, {-30, 11}, {-30, 0}, {0, 0}}, 4.0);
   std::vector<Pose> truth;
@@ -181,15 +179,15 @@ std::vector<Pose> car_park_drive() {
       pose.translation.z() = height;
       truth.push_back(pose);
     }
-    for (const double share : {0.25, 0.5, 0.75}) {
-      truth.push_back(planar(30.0 - 60.0 * share, -11.0, kPi, height + 3.0 * share));
+    for (const double fraction : {0.25, 0.5, 0.75}) {
+      truth.push_back(planar(30.0 - 60.0 * fraction, -11.0, kPi, height + 3.0 * fraction));
     }
   }
   return truth;
 }
 
-// What repeats from storey to storey is not the same place.
-TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
+// Storeys that look alike are different locations.
+TEST(LoopCloser, DistinguishesTheStoreysOfACarPark) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
   const DriveOutcome outcome = drive(world, truth, drifting(truth, 1.005, 1e-4, 1e-3));
@@ -197,8 +195,8 @@ TEST(LoopCloser, KeepsTheStoreysOfACarParkApart) {
   EXPECT_GE(outcome.loops.size(), 6U);
 }
 
-// An odometry that falls back by a storey at the end of each ramp.
-TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
+// An odometry that loses the height of a storey at the end of each ramp.
+TEST(LoopCloser, DistinguishesStoreysThatOdometryConfuses) {
   const ToyWorld world = make_car_park();
   const auto truth = car_park_drive();
   auto odometry = truth;
@@ -210,8 +208,8 @@ TEST(LoopCloser, KeepsStoreysApartThatOdometryTakesForOne) {
   EXPECT_GT(std::count_if(outcome.verdicts.begin(), outcome.verdicts.end(), is_undecided), 0);
 }
 
-// A height that drifted by 15 m hides nothing.
-TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
+// A drift of the height by 15 m does not hide the loop.
+TEST(LoopCloser, ClosesInSpiteOfADriftInHeight) {
   const ToyWorld world = make_town(120.0, 60.0, 1);
   const auto truth = along({{0, 0}, {60, 0}, {60, 60}, {0, 60}, {0, 0}, {16, 0}}, 3.0);
   auto odometry = truth;
@@ -225,8 +223,8 @@ TEST(LoopCloser, ClosesInSpiteOfADriftOfTheHeight) {
   EXPECT_FALSE(outcome.loops.empty());
 }
 
-// Any window and any gap work, and scan and submap never share a cloud.
-TEST(LoopCloser, BearsEveryWindow) {
+// All sizes of submap and gap are possible, and scan and submap never share a cloud.
+TEST(LoopCloser, AcceptsAllSubmapSizes) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {30, 0}, {30, 3.5}, {0, 3.5}});
   for (const int extend : {0, 1, 20}) {
@@ -244,7 +242,7 @@ TEST(LoopCloser, BearsEveryWindow) {
   }
 }
 
-TEST(LoopCloser, UnfilteredCloudsCloseToo) {
+TEST(LoopCloser, ClosesWithUnfilteredClouds) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});
   LoopClosingConfig config;
@@ -256,7 +254,7 @@ TEST(LoopCloser, UnfilteredCloudsCloseToo) {
   EXPECT_FALSE(outcome.loops.empty());
 }
 
-// After a restart the bookkeeping is that of before.
+// After a restart the search continues as before.
 TEST(LoopCloser, ClosesSoonAfterARestart) {
   const ToyWorld world = make_town(80.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}});
@@ -278,23 +276,23 @@ TEST(LoopCloser, ClosesSoonAfterARestart) {
   }
 }
 
-// A front end that starts again begins a segment whose odometry says nothing about the one before.
-TEST(LoopCloser, JoinsASegmentToTheOneBefore) {
+// A front end that restarts begins a segment that odometry does not connect to the one before.
+TEST(LoopCloser, ConnectsASegmentToTheOneBefore) {
   const ToyWorld world = make_town(80.0, 100.0, 2);
   const auto truth = along({{-50, 0}, {50, 0}});
   DriveClouds clouds(world, truth);
   LoopCloser closer({}, clouds);
   DriveOutcome outcome;
-  const std::size_t restart = 30;
+  const std::size_t reset = 30;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    KeyFrame key = key_frame(i, i < restart ? truth[i] : truth[restart].inverse() * truth[i]);
-    key.segment = i < restart ? 0 : 1;
+    KeyFrame key = key_frame(i, i < reset ? truth[i] : truth[reset].inverse() * truth[i]);
+    key.segment = i < reset ? 0 : 1;
     append(outcome, closer.process(key), truth);
   }
   EXPECT_EQ(outcome.false_loops, 0);
   ASSERT_FALSE(outcome.loops.empty());
-  EXPECT_LT(outcome.loops.front().from, restart);
-  EXPECT_GE(outcome.loops.front().to, restart);
+  EXPECT_LT(outcome.loops.front().from, reset);
+  EXPECT_GE(outcome.loops.front().to, reset);
 }
 
 TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {
@@ -309,8 +307,8 @@ TEST(LoopCloser, MissingCloudsLeaveCandidatesUndecided) {
   }
 }
 
-// Whoever has a thread to spare prepares key frames ahead.
-TEST(LoopCloser, GivesTheSameBytesForKeyFramesPreparedAhead) {
+// Key frames can be prepared in advance in another thread.
+TEST(LoopCloser, GivesTheSameBytesForKeyFramesPreparedInAdvance) {
   const ToyWorld world = make_town(60.0, 100.0, 4);
   const auto truth = along({{0, 0}, {40, 0}, {40, 3.5}, {0, 3.5}});
   const DriveOutcome expected = drive(world, truth, truth);

@@ -12,7 +12,7 @@ namespace lidar_mapping::loop_closing::test {
 namespace {
 
 TEST(Matching, ARoofIsALevelSurfaceOverhead) {
-  const auto share = [](const ToyWorld& world) {
+  const auto roofed = [](const ToyWorld& world) {
     const auto truth = along({{-20, 0}, {20, 0}});
     DriveClouds clouds(world, truth);
     Trajectory trajectory;
@@ -22,12 +22,12 @@ TEST(Matching, ARoofIsALevelSurfaceOverhead) {
     return roofed_fraction(*submaps.around(trajectory, truth.size() / 2));
   };
   ToyWorld world = make_town(60.0, 100.0, 3);
-  EXPECT_LT(share(world), 0.1);
+  EXPECT_LT(roofed(world), 0.1);
   world.floors.push_back(3.5);
-  EXPECT_GT(share(world), 0.3);
+  EXPECT_GT(roofed(world), 0.3);
 }
 
-/// A street with a submap around its middle and the scan of another place in it.
+/// A street with a submap around its middle and a scan from another pose in it.
 struct Street {
   explicit Street(const ToyWorld& world, const Pose& newest)
       : poses(along({{-30, 0}, {30, 0}})), clouds(world, with(poses, newest)), submaps({}, clouds) {
@@ -64,7 +64,7 @@ struct Street {
 
 Prior anything() { return {}; }
 
-TEST(Matching, ConvergesFromWhatTheAppearanceGives) {
+TEST(Matching, ConvergesFromTheStartingPoseByAppearance) {
   const Street street(make_town(100.0, 100.0, 6), planar(2.0, 3.0, kPi));
   for (const double x : {-1.5, 0.0, 1.5}) {
     for (const double turn : {-0.08, 0.08}) {
@@ -80,7 +80,7 @@ TEST(Matching, ConvergesFromWhatTheAppearanceGives) {
 
 class MatchingBy : public testing::TestWithParam<LoopMethod> {};
 
-TEST_P(MatchingBy, FindsTheTruePlaceAndStatesTheSameCovariance) {
+TEST_P(MatchingBy, FindsTheTruePoseWithTheSameCovariance) {
   const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
   const Pose guess = street.T_true * planar(0.2, -0.15, 0.02);
   LoopClosingConfig config;
@@ -99,13 +99,13 @@ TEST_P(MatchingBy, FindsTheTruePlaceAndStatesTheSameCovariance) {
   EXPECT_EQ(decide(match, anything(), config).verdict, Verdict::kAccepted);
 }
 
-TEST_P(MatchingBy, IsNotConvergedWhereNothingIsNear) {
+TEST_P(MatchingBy, DoesNotConvergeWithoutNearPoints) {
   const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
   LoopClosingConfig config;
   config.registration_method = GetParam();
   ScanAlignment alignment(config);
-  const Pose far = street.T_true * planar(500.0, 0.0, 0.0);
-  EXPECT_FALSE(alignment.align(street.query->points, street.submap->surface, far).converged);
+  const Pose far_start = street.T_true * planar(500.0, 0.0, 0.0);
+  EXPECT_FALSE(alignment.align(street.query->points, street.submap->surface, far_start).converged);
 }
 
 using registration::Method;
@@ -121,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(All, MatchingBy,
                                       : registration::to_string(instance.param.other);
                          });
 
-TEST(Matching, IsDoneByTheMethodThatTheConfigurationNames) {
+TEST(Matching, UsesTheConfiguredMethod) {
   const auto load = [](const std::string& text) {
     return config::load<LoopClosingConfig>({config::parse_yaml(text, "loop_closing.yaml")});
   };
@@ -135,15 +135,15 @@ TEST(Matching, IsDoneByTheMethodThatTheConfigurationNames) {
   EXPECT_THROW(load("registration_method: FOO\n"), ConfigError);
 }
 
-TEST(Matching, CovarianceIsThatOfTheErrors) {
+TEST(Matching, CovarianceMatchesTheErrors) {
   const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
   const Match match = street.matched(street.T_true);
   EXPECT_TRUE(is_valid_covariance(match.alignment.covariance));
   EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
 }
 
-// The fitness of a wrong place can be small; overlap and free space tell.
-TEST(Matching, AnotherPlaceIsRefused) {
+// The fitness at a wrong location can be small; overlap and free space are not.
+TEST(Matching, AnotherLocationIsRefused) {
   const ToyWorld here = make_town(100.0, 100.0, 6);
   const ToyWorld elsewhere = make_town(100.0, 100.0, 7);
   Street street(here, planar(0.0, 0.0, 0.0));
@@ -171,7 +171,7 @@ ToyWorld make_tunnel() {
 }
 
 // A tunnel looks the same everywhere along its axis.
-TEST(Matching, ATunnelDoesNotPinThePosition) {
+TEST(Matching, ATunnelDoesNotDetermineThePosition) {
   const Street street(make_tunnel(), planar(0.5, 0.0, 0.0));
   for (const double slip : {-6.0, -3.0, 3.0, 6.0}) {
     const Match match = street.matched(street.T_true * planar(slip, 0.3, 0.02));
@@ -187,7 +187,7 @@ TEST(Matching, AnOpenFieldStaysUndecided) {
   EXPECT_NE(decision.verdict, Verdict::kAccepted);
 }
 
-TEST(Matching, ObjectsWhereOneLookedThroughViolateFreeSpace) {
+TEST(Matching, ObjectsInObservedFreeSpaceViolateIt) {
   ToyWorld before = make_town(100.0, 100.0, 6);
   ToyWorld after = before;
   for (double x = -20.0; x < 20.0; x += 6.0) after.boxes.push_back({{x, 4, 0}, {x + 4, 5.5, 2.5}});

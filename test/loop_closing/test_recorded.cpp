@@ -10,7 +10,7 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-/// Recorded key frames in the form of the KITTI benchmark.
+/// Recorded key frames in the format of the KITTI benchmark.
 class RecordedClouds : public CloudSource {
  public:
   explicit RecordedClouds(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -22,7 +22,7 @@ class RecordedClouds : public CloudSource {
   std::filesystem::path folder_;
 };
 
-/// Feeds the key frames [first, last] of all poses, with an odometry that drifts.
+/// Processes the key frames [first, last] with an odometry that drifts.
 void drive_part(LoopCloser& closer, const std::vector<Pose>& truth,
                 const std::vector<Pose>& odometry, std::size_t first, std::size_t last,
                 DriveOutcome& outcome) {
@@ -36,13 +36,13 @@ bool any_between(const std::vector<Loop>& loops, KeyFrameIndex first, KeyFrameIn
                      [&](const Loop& loop) { return loop.to >= first && loop.to <= last; });
 }
 
-// The published poses are themselves off by some decimetres at crossings.
+// The published poses have errors of some decimetres at crossings.
 bool is_plausible(const Loop& loop, const std::vector<Pose>& truth) {
   const Vector6d error = difference(truth[loop.from].inverse() * truth[loop.to], loop.T_from_to);
   return error.head<3>().norm() < 0.8 && error.tail<3>().norm() < 0.035;
 }
 
-TEST(Recorded, BothRevisitsOfADriveCloseAndNothingElse) {
+TEST(Recorded, OnlyTheTwoRevisitsOfADriveClose) {
   REQUIRE_RECORDED(folder, "kitti00_keyframes");
   const auto truth = lidar_mapping::test::recorded_poses(folder);
   const auto odometry = drifting(truth, 1.005, 5e-5, 0.002);

@@ -7,8 +7,8 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-/// A street in segment 0 and the same street again in segment 1, `gap` seconds later, in an
-/// odometry frame of its own.
+/// A street in segment 0 and the same street again in segment 1, `gap` seconds later and in another
+/// frame of odometry.
 struct Streets {
   explicit Streets(double gap) {
     const auto poses = along({{0, 0}, {300, 0}});
@@ -21,10 +21,10 @@ struct Streets {
       trajectory.append(key);
     }
   }
-  Loop match(std::size_t place, const Pose& T_from_to) const {
+  Loop match(std::size_t index, const Pose& T_from_to) const {
     Loop loop;
-    loop.from = static_cast<KeyFrameIndex>(place);
-    loop.to = static_cast<KeyFrameIndex>(place + count);
+    loop.from = static_cast<KeyFrameIndex>(index);
+    loop.to = static_cast<KeyFrameIndex>(index + count);
     loop.T_from_to = T_from_to;
     return loop;
   }
@@ -32,38 +32,38 @@ struct Streets {
   Trajectory trajectory;
 };
 
-TEST(SegmentConnector, BelieveMatchesThatAgreeOverALongWay) {
+TEST(SegmentConnector, AcceptsMatchesThatAgreeOverALongPath) {
   const Streets streets(1000.0);
-  SegmentConnector joins(100.0);
-  EXPECT_TRUE(joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
-  EXPECT_TRUE(joins.add(streets.match(40, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
-  EXPECT_EQ(joins.add(streets.match(61, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 3U);
-  EXPECT_EQ(joins.add(streets.match(64, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 1U);
+  SegmentConnector connector(100.0);
+  EXPECT_TRUE(connector.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
+  EXPECT_TRUE(connector.add(streets.match(40, planar(0.2, 1.0, 0.0)), streets.trajectory).empty());
+  EXPECT_EQ(connector.add(streets.match(61, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 3U);
+  EXPECT_EQ(connector.add(streets.match(64, planar(0.2, 1.0, 0.0)), streets.trajectory).size(), 1U);
 }
 
-TEST(SegmentConnector, DoNotBelieveMatchesThatContradictEachOther) {
+TEST(SegmentConnector, DoesNotAcceptContradictingMatches) {
   const Streets streets(1000.0);
-  SegmentConnector joins(100.0);
-  joins.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory);
-  EXPECT_TRUE(joins.add(streets.match(61, planar(9.0, 1.0, 0.0)), streets.trajectory).empty());
-  EXPECT_TRUE(joins.add(streets.match(90, planar(0.2, 1.0, 0.5)), streets.trajectory).empty());
+  SegmentConnector connector(100.0);
+  connector.add(streets.match(10, planar(0.2, 1.0, 0.0)), streets.trajectory);
+  EXPECT_TRUE(connector.add(streets.match(61, planar(9.0, 1.0, 0.0)), streets.trajectory).empty());
+  EXPECT_TRUE(connector.add(streets.match(90, planar(0.2, 1.0, 0.5)), streets.trajectory).empty());
 }
 
-TEST(SegmentConnector, BelieveOneMatchWhereTheVehicleCannotHaveGoneFar) {
+TEST(SegmentConnector, AcceptsOneMatchAfterAShortGap) {
   const Streets streets(1.0);
-  SegmentConnector joins(100.0);
+  SegmentConnector connector(100.0);
   Loop loop = streets.match(0, planar(1.0, 0.0, 0.0));
   loop.from = static_cast<KeyFrameIndex>(streets.count - 3);
-  EXPECT_EQ(joins.add(loop, streets.trajectory).size(), 1U);
+  EXPECT_EQ(connector.add(loop, streets.trajectory).size(), 1U);
 }
 
-// Two vehicles at the same time may be anywhere.
-TEST(SegmentConnector, DoNotBelieveOneMatchBetweenSegmentsAtTheSameTime) {
+// The distance of two vehicles at the same time is not limited.
+TEST(SegmentConnector, DoesNotAcceptOneMatchBetweenSimultaneousSegments) {
   const Streets streets(-60.0);
-  SegmentConnector joins(100.0);
+  SegmentConnector connector(100.0);
   Loop loop = streets.match(0, planar(1.0, 0.0, 0.0));
   loop.from = static_cast<KeyFrameIndex>(streets.count - 3);
-  EXPECT_TRUE(joins.add(loop, streets.trajectory).empty());
+  EXPECT_TRUE(connector.add(loop, streets.trajectory).empty());
 }
 
 }  // namespace

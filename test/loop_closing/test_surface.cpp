@@ -10,7 +10,7 @@
 namespace lidar_mapping::loop_closing::test {
 namespace {
 
-TEST(SurfaceCloud, HasNormalsOnWallsAndNoneInFoliage) {
+TEST(SurfaceCloud, HasNormalsOnWallsAndNotInFoliage) {
   std::vector<Eigen::Vector3f> points;
   std::mt19937 generator(1);
   std::uniform_real_distribution<float> coordinate(0.0F, 5.0F);
@@ -32,8 +32,8 @@ TEST(SurfaceCloud, HasNormalsOnWallsAndNoneInFoliage) {
   EXPECT_LT(in_foliage, 300);
 }
 
-// Planes of all thicknesses, in all directions, against a solver for any matrix.
-TEST(SurfaceCloud, NormalsAreTheSmallestAxisOfTheScatter) {
+// Planes of different thickness and direction, compared with a general eigenvalue solver.
+TEST(SurfaceCloud, NormalsAreTheSmallestPrincipalAxes) {
   std::mt19937 generator(2);
   std::normal_distribution<float> normal;
   int planes = 0;
@@ -66,12 +66,12 @@ TEST(SurfaceCloud, NormalsAreTheSmallestAxisOfTheScatter) {
   EXPECT_GT(planes, 50);
 }
 
-TEST(SurfaceCloud, PointsOnALineOrInOnePlaceDoNoHarm) {
+TEST(SurfaceCloud, AcceptsPointsOnALineAndEqualPoints) {
   std::vector<Eigen::Vector3f> line;
   for (int i = 0; i < 10; ++i) line.emplace_back(0.3F * static_cast<float>(i), 5.0F, 1.0F);
   EXPECT_TRUE(SurfaceCloud(line).normal(0).allFinite());
-  const std::vector<Eigen::Vector3f> place(10, Eigen::Vector3f(3.0F, 2.0F, 1.0F));
-  EXPECT_TRUE(SurfaceCloud(place).normal(0).isZero());
+  const std::vector<Eigen::Vector3f> equal_points(10, Eigen::Vector3f(3.0F, 2.0F, 1.0F));
+  EXPECT_TRUE(SurfaceCloud(equal_points).normal(0).isZero());
 }
 
 TEST(AboveGround, FollowsASlope) {
@@ -84,7 +84,7 @@ TEST(AboveGround, FollowsASlope) {
   for (std::size_t i = 0; i < ground; ++i) EXPECT_FALSE(above[i]) << i;
 }
 
-TEST(Positions, LeaveOutWhatIsNotFinite) {
+TEST(Positions, ExcludePointsThatAreNotFinite) {
   PointCloud cloud;
   cloud.points = {{1.0F, 2.0F, 3.0F, 0.0F}, {std::nanf(""), 0.0F, 0.0F, 0.0F}};
   EXPECT_EQ(positions(cloud).size(), 1U);

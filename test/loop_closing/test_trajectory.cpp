@@ -8,8 +8,8 @@
 #include "lidar_mapping/common/errors.hpp"
 
 #include "drive.hpp"
-#include "place_grid.hpp"
-#include "separation.hpp"
+#include "graph_distance.hpp"
+#include "position_grid.hpp"
 #include "trajectory.hpp"
 
 namespace lidar_mapping::loop_closing::test {
@@ -23,8 +23,8 @@ Trajectory straight(std::size_t count) {
   return trajectory;
 }
 
-// What is not optimised yet follows the newest pose that is.
-TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
+// Poses that are not optimised yet follow the newest optimised pose.
+TEST(Trajectory, PredictsByOdometryFromTheNewestOptimisedPose) {
   Trajectory trajectory = straight(5);
   const auto moved = trajectory.update({1, true, {{2, 0, planar(4.0, 10.0, kPi / 2.0)}}});
   EXPECT_EQ(moved.size(), 3U);
@@ -35,7 +35,7 @@ TEST(Trajectory, ChainsOdometryToTheNewestOptimisedPose) {
   EXPECT_NEAR(trajectory[1].T_map_base.translation.x(), 2.0, 1e-9);
 }
 
-TEST(Trajectory, TellsJumpsOfTheHeightFromRampsAndStairs) {
+TEST(Trajectory, DistinguishesJumpsInHeightFromRampsAndStairs) {
   for (const double slope : {0.0, 0.15, -0.15, 0.6}) {
     Trajectory trajectory;
     for (std::size_t i = 0; i < 20; ++i) {
@@ -43,13 +43,13 @@ TEST(Trajectory, TellsJumpsOfTheHeightFromRampsAndStairs) {
       Pose pose = planar(2.0 * static_cast<double>(i), 0.0, 0.0, climbed);
       trajectory.append(key_frame(i, pose));
     }
-    EXPECT_EQ(trajectory[19].jumped, 0.0) << slope;
+    EXPECT_EQ(trajectory[19].height_jumps, 0.0) << slope;
     trajectory.append(key_frame(20, planar(40.0, 0.0, 0.0, 10.0 * slope - 2.6)));
-    EXPECT_NEAR(trajectory[20].jumped, 2.6, 1e-9) << slope;
+    EXPECT_NEAR(trajectory[20].height_jumps, 2.6, 1e-9) << slope;
   }
 }
 
-TEST(Trajectory, KeepsPosesAndPositionsThatComeBeforeTheirKeyFrame) {
+TEST(Trajectory, StoresPosesAndPositionsBeforeTheirKeyFrame) {
   Trajectory trajectory = straight(2);
   trajectory.update({1, true, {{2, 0, planar(7.0, 0.0, 0.0)}}});
   GnssPosition position;
@@ -64,12 +64,12 @@ TEST(Trajectory, KeepsPosesAndPositionsThatComeBeforeTheirKeyFrame) {
   EXPECT_FALSE(trajectory.add_gnss(position));
 }
 
-TEST(Trajectory, RefusesIndicesThatGoBack) {
+TEST(Trajectory, RefusesIndicesThatDoNotIncrease) {
   Trajectory trajectory = straight(3);
   EXPECT_THROW(trajectory.append(key_frame(2, {})), InputError);
 }
 
-TEST(Trajectory, NoOdometryJoinsSegments) {
+TEST(Trajectory, DoesNotPredictAcrossSegments) {
   Trajectory trajectory = straight(2);
   KeyFrame next = key_frame(2, planar(500.0, 0.0, 0.0));
   next.segment = 1;
@@ -77,41 +77,41 @@ TEST(Trajectory, NoOdometryJoinsSegments) {
   EXPECT_EQ(trajectory[2].travelled, trajectory[1].travelled);
 }
 
-TEST(Separation, IsTheShortestWayThroughLoops) {
-  Separation separation;
-  for (int i = 0; i <= 100; ++i) separation.append(2.0);
-  EXPECT_DOUBLE_EQ(separation.to(0), 200.0);
-  separation.relink({{10, 90}});
-  EXPECT_DOUBLE_EQ(separation.to(10), 20.0);
-  EXPECT_DOUBLE_EQ(separation.to(0), 40.0);
-  EXPECT_DOUBLE_EQ(separation.to(50), 100.0);
-  separation.append(3.0);
-  EXPECT_DOUBLE_EQ(separation.to(0), 43.0);
-  EXPECT_DOUBLE_EQ(separation.to(101), 0.0);
+TEST(GraphDistance, IsTheShortestPathThroughLoops) {
+  GraphDistance graph_distance;
+  for (int i = 0; i <= 100; ++i) graph_distance.append(2.0);
+  EXPECT_DOUBLE_EQ(graph_distance.to(0), 200.0);
+  graph_distance.update_loops({{10, 90}});
+  EXPECT_DOUBLE_EQ(graph_distance.to(10), 20.0);
+  EXPECT_DOUBLE_EQ(graph_distance.to(0), 40.0);
+  EXPECT_DOUBLE_EQ(graph_distance.to(50), 100.0);
+  graph_distance.append(3.0);
+  EXPECT_DOUBLE_EQ(graph_distance.to(0), 43.0);
+  EXPECT_DOUBLE_EQ(graph_distance.to(101), 0.0);
 }
 
-TEST(Separation, IsInfiniteAcrossSegmentsUntilALoopJoinsThem) {
+TEST(GraphDistance, IsInfiniteBetweenSegmentsWithoutALoop) {
   const double none = std::numeric_limits<double>::infinity();
-  Separation separation;
-  for (const double step : {0.0, 2.0, 2.0, none, 2.0}) separation.append(step);
-  EXPECT_EQ(separation.to(1), none);
-  EXPECT_DOUBLE_EQ(separation.to(3), 2.0);
-  separation.relink({{0, 4}});
-  EXPECT_DOUBLE_EQ(separation.to(2), 4.0);
+  GraphDistance graph_distance;
+  for (const double step : {0.0, 2.0, 2.0, none, 2.0}) graph_distance.append(step);
+  EXPECT_EQ(graph_distance.to(1), none);
+  EXPECT_DOUBLE_EQ(graph_distance.to(3), 2.0);
+  graph_distance.update_loops({{0, 4}});
+  EXPECT_DOUBLE_EQ(graph_distance.to(2), 4.0);
 }
 
-TEST(PlaceGrid, FindsWhatAScanOverAllFindsWhileNodesMove) {
+TEST(PositionGrid, AgreesWithALinearSearchWhileNodesMove) {
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> coordinate(-300.0, 300.0);
   const auto somewhere = [&] {
     return Eigen::Vector2d(coordinate(generator), coordinate(generator));
   };
-  PlaceGrid grid;
+  PositionGrid grid;
   std::vector<Eigen::Vector2d> places(1000);
   for (int round = 0; round < 3; ++round) {
     for (std::size_t i = 0; i < places.size(); ++i) {
       places[i] = somewhere();
-      grid.place(i, places[i]);
+      grid.set_position(i, places[i]);
     }
     for (const double radius : {5.0, 40.0, 700.0}) {
       const Eigen::Vector2d centre = somewhere();

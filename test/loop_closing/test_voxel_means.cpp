@@ -12,22 +12,23 @@
 namespace lidar_mapping::loop_closing {
 namespace {
 
-/// More voxels than the table holds at first, on both sides of the axes.
+/// More voxels than the initial table can hold, on both sides of the axes.
 PointCloud scattered() {
   std::mt19937 random(3);
-  std::uniform_real_distribution<float> place(-30.0F, 30.0F);
+  std::uniform_real_distribution<float> coordinate(-30.0F, 30.0F);
   PointCloud cloud;
   for (int i = 0; i < 60000; ++i) {
-    cloud.points.push_back({place(random), place(random), 0.1F * place(random), 0.0F});
+    cloud.points.push_back(
+        {coordinate(random), coordinate(random), 0.1F * coordinate(random), 0.0F});
   }
   return cloud;
 }
 
-TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
+TEST(VoxelMeans, AgreesWithTheVoxelFilter) {
   const PointCloud cloud = scattered();
   const PointCloud expected = voxel_filtered(cloud, 0.5);
   VoxelMeans voxels;
-  voxels.restart(0.5);
+  voxels.reset(0.5);
   for (const Point& point : cloud.points) voxels.add(point.position());
   const auto points = voxels.points();
   ASSERT_GT(points.size(), 20000U);
@@ -37,10 +38,10 @@ TEST(VoxelMeans, AgreesWithTheFilterOfClouds) {
   }
 }
 
-TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
+TEST(VoxelMeans, ResetRemovesAllPoints) {
   VoxelMeans voxels;
   for (int round = 0; round < 2; ++round) {
-    voxels.restart(1.0);
+    voxels.reset(1.0);
     voxels.add({0.1F, 0.1F, 0.1F});
     voxels.add({-0.1F, 0.1F, 0.1F});
     voxels.add({0.3F, 0.3F, 0.3F});
@@ -50,9 +51,9 @@ TEST(VoxelMeans, StartsAnewWithoutWhatWasThereBefore) {
   }
 }
 
-TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
+TEST(VoxelMeans, ExcludesInvalidPointsAndKeepsAllWithoutALeaf) {
   VoxelMeans voxels;
-  voxels.restart(0.0);
+  voxels.reset(0.0);
   voxels.add({1.0F, 2.0F, 3.0F});
   voxels.add({1.0F, 2.0F, 3.0F});
   voxels.add({std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F});
@@ -61,10 +62,10 @@ TEST(VoxelMeans, LeavesOutWhatIsNoPlaceAndKeepsAllWithoutALeaf) {
   EXPECT_EQ(voxels.points(), std::vector<Eigen::Vector3f>(2, {1.0F, 2.0F, 3.0F}));
 }
 
-// The finest leaf, at the ends of the range.
-TEST(VoxelMeans, KeepsFarAwayCellsApart) {
+// The smallest leaf at the ends of the range.
+TEST(VoxelMeans, DistinguishesDistantCells) {
   VoxelMeans voxels;
-  voxels.restart(0.05);
+  voxels.reset(0.05);
   std::vector<Eigen::Vector3f> corners;
   for (const float x : {-49'999.0F, 49'999.0F}) {
     for (const float y : {-49'999.0F, 49'999.0F}) {
@@ -79,7 +80,7 @@ TEST(VoxelMeans, KeepsFarAwayCellsApart) {
   }
 }
 
-TEST(LruCache, ForgetsWhatWasNotAskedForTheLongest) {
+TEST(LruCache, RemovesTheLeastRecentlyUsedValue) {
   LruCache<char> recent(10);
   recent.insert(1, 'a', 4);
   recent.insert(2, 'b', 4);

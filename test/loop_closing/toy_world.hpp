@@ -17,17 +17,17 @@ struct Box {
   Eigen::Vector3d high;
 };
 
-/// Boxes on flat floors, seen by a spinning LiDAR 1.8 m above base_link.
+/// Boxes on flat floors, scanned by a spinning LiDAR 1.8 m above base_link.
 class ToyWorld {
  public:
   std::vector<Box> boxes;
-  std::vector<double> floors = {0.0};  ///< heights
-  int beams = 16;                      ///< from -15 to +15 degrees
+  std::vector<double> floors = {0.0};  ///< heights, m
+  int beams = 16;                      ///< elevations from -15 to +15 degrees
   double range = 60.0;
 
   static Eigen::Vector3d sensor() { return {0.0, 0.0, 1.8}; }
 
-  /// What the sensor sees, in base_link; noise of 2 cm from `seed`.
+  /// A scan in base_link, with noise of 2 cm from `seed`.
   PointCloud scan(const Pose& T_world_base, std::uint32_t seed) const {
     std::mt19937 generator(seed);
     std::normal_distribution<double> noise(0.0, 0.02);
@@ -79,7 +79,7 @@ class ToyWorld {
   }
 };
 
-/// Streets along x and y every `block` metres, with houses of all sizes between.
+/// Streets along x and y every `block` metres, with houses of different sizes between them.
 inline ToyWorld make_town(double extent, double block, std::uint32_t seed) {
   std::mt19937 generator(seed);
   const auto uniform = [&](double low, double high) {
@@ -110,23 +110,23 @@ inline Pose planar(double x, double y, double heading, double z = 0.0) {
   return pose;
 }
 
-/// Poses every `step` metres along the corners, looking ahead.
+/// Poses every `step` metres along the corners, heading forward.
 inline std::vector<Pose> along(const std::vector<Eigen::Vector2d>& corners, double step = 2.0) {
   std::vector<Pose> poses;
-  double rest = 0.0;
+  double remaining = 0.0;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const Eigen::Vector2d way = corners[i + 1] - corners[i];
-    double s = rest;
-    for (; s < way.norm(); s += step) {
-      const Eigen::Vector2d p = corners[i] + way.normalized() * s;
-      poses.push_back(planar(p.x(), p.y(), std::atan2(way.y(), way.x())));
+    const Eigen::Vector2d side = corners[i + 1] - corners[i];
+    double s = remaining;
+    for (; s < side.norm(); s += step) {
+      const Eigen::Vector2d p = corners[i] + side.normalized() * s;
+      poses.push_back(planar(p.x(), p.y(), std::atan2(side.y(), side.x())));
     }
-    rest = s - way.norm();
+    remaining = s - side.norm();
   }
   return poses;
 }
 
-/// The true poses with a scale error and a heading error per metre, as odometry would give them.
+/// The true poses with a scale error and a heading error per metre, like those of odometry.
 inline std::vector<Pose> drifting(const std::vector<Pose>& truth, double scale,
                                   double rad_per_metre, double climb_per_metre = 0.0) {
   std::vector<Pose> odometry = {truth.front()};
@@ -142,7 +142,7 @@ inline std::vector<Pose> drifting(const std::vector<Pose>& truth, double scale,
   return odometry;
 }
 
-/// Scans a drive when they are asked for; key frame i is at poses[i].
+/// Simulates the scans of a drive on demand; key frame i is at poses[i].
 class DriveClouds : public CloudSource {
  public:
   DriveClouds(const ToyWorld& world, std::vector<Pose> poses)

@@ -10,7 +10,8 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// Any number of rows: row i measures the coordinate i mod 3 of the state as `measured[i mod 3]`.
+/// A residual of any number of rows: row i measures coordinate i mod 3 of the state as `measured[i
+/// mod 3]`.
 class Rows : public ceres::CostFunction {
  public:
   Rows(int rows, int block, const Eigen::Vector3d& measured) : measured_(measured) {
@@ -41,36 +42,37 @@ Constraint rows(int count, int block, const Eigen::Vector3d& measured = {1.0, 2.
 }
 
 class RowCount : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMostRows + 1));
+INSTANTIATE_TEST_SUITE_P(OneToSix, RowCount, testing::Range(1, kMaxResidualRows + 1));
 
-TEST_P(RowCount, AllReachTheMinimum) {
+TEST_P(RowCount, AllNumbersOfRowsReachTheMinimum) {
   FactorGraph graph;
   graph.planar = true;
   graph.add_node(Pose());
-  const Eigen::Vector3d here(1.0, 2.0, 0.5);
-  const Eigen::Vector3d there(4.0, 3.0, 0.6);
-  graph.add(rows(GetParam(), kPlanarBlockSize, here));
-  graph.add(rows(3, kPlanarBlockSize, there));
+  const Eigen::Vector3d first_measurement(1.0, 2.0, 0.5);
+  const Eigen::Vector3d second_measurement(4.0, 3.0, 0.6);
+  graph.add(rows(GetParam(), kPlanarBlockSize, first_measurement));
+  graph.add(rows(3, kPlanarBlockSize, second_measurement));
   const LossOf none = [](const Constraint&) { return nullptr; };
   const MinimizerSummary summary = gauss_newton(graph, std::vector<bool>(2, true), none, {});
   EXPECT_TRUE(summary.usable) << summary.message;
   for (int i = 0; i < 3; ++i) {
-    const double count = (GetParam() + 2 - i) / 3;  // rows of the first that measure coordinate i
-    const double mean = (count * here[i] + there[i]) / (count + 1.0);
+    // Number of rows of the first constraint that measure coordinate i.
+    const double count = (GetParam() + 2 - i) / 3;
+    const double mean = (count * first_measurement[i] + second_measurement[i]) / (count + 1.0);
     EXPECT_NEAR(graph.states[0][static_cast<std::size_t>(i)], mean, 1e-9);
   }
 }
 
-TEST_P(RowCount, AllAreLinearisedWhole) {
+TEST_P(RowCount, AllRowsAreLinearised) {
   FactorGraph graph;
   graph.add_node(Pose());
   graph.add(rows(GetParam(), kPoseBlockSize));
-  const Linearised linear = linearised(graph, graph.constraints.front());
+  const LinearisedConstraint linear = linearise(graph, graph.constraints.front());
   ASSERT_EQ(linear.residual.size(), GetParam());
   EXPECT_EQ(linear.first.rows(), GetParam());
   EXPECT_DOUBLE_EQ(linear.residual.squaredNorm(), chi2(graph, graph.constraints.front()));
   EXPECT_EQ(linear.first.sum(), GetParam());
-  EXPECT_GT(contradiction_limit(GetParam()), 6.0);
+  EXPECT_GT(chi2_limit(GetParam()), 6.0);
 }
 
 std::string refusal(FactorGraph& graph, Constraint constraint) {
@@ -82,7 +84,7 @@ std::string refusal(FactorGraph& graph, Constraint constraint) {
   return "";
 }
 
-TEST(FactorGraph, RefusesWhatItCannotSolve) {
+TEST(FactorGraph, RefusesConstraintsThatItCannotSolve) {
   FactorGraph graph;
   graph.add_node(Pose());
   EXPECT_NE(refusal(graph, rows(7, kPoseBlockSize)).find("7 rows"), std::string::npos);
@@ -92,11 +94,11 @@ TEST(FactorGraph, RefusesWhatItCannotSolve) {
   elsewhere.first = 1;
   EXPECT_NE(refusal(graph, std::move(elsewhere)).find("add the nodes first"), std::string::npos);
   Constraint single = rows(3, kPoseBlockSize);
-  single.second = 0;  // of one block, between two nodes
+  single.second = 0;  // takes one parameter block, but is between two nodes
   EXPECT_NE(refusal(graph, std::move(single)).find("2 of 7 numbers"), std::string::npos);
   EXPECT_TRUE(graph.constraints.empty());
-  EXPECT_THROW(contradiction_limit(0), InputError);
-  EXPECT_THROW(contradiction_limit(7), InputError);
+  EXPECT_THROW(chi2_limit(0), InputError);
+  EXPECT_THROW(chi2_limit(7), InputError);
 }
 
 }  // namespace

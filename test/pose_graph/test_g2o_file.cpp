@@ -30,7 +30,7 @@ std::string edge(int from, int to, const std::string& information = kIdentity6) 
          information + "\n";
 }
 
-TEST(G2oFile, WrittenAndReadAgainHasTheSameBits) {
+TEST(G2oFile, ReadsTheBitsThatItWrote) {
   PoseGraph graph;
   for (int i = 0; i < 3; ++i) {
     graph.nodes.push_back(
@@ -58,13 +58,13 @@ TEST(G2oFile, KeepsPlanarGraphsPlanar) {
   EXPECT_EQ(information(5, 5), 30.0);
   std::ostringstream out;
   write_g2o(file.graph, out);
-  const G2oFile again = read(out.str());
-  EXPECT_NEAR(yaw_of(again.graph.nodes[1].pose.rotation), 0.25, 1e-15);
-  EXPECT_EQ(again.graph.edges[0].information, information);
+  const G2oFile reread = read(out.str());
+  EXPECT_NEAR(yaw_of(reread.graph.nodes[1].pose.rotation), 0.25, 1e-15);
+  EXPECT_EQ(reread.graph.edges[0].information, information);
 }
 
-TEST(G2oFile, PlacesVerticesThatOnlyEdgesName) {
-  // The loop 2 -> 0 contradicts odometry; it must not place anything.
+TEST(G2oFile, ComputesPosesOfVerticesThatAppearOnlyInEdges) {
+  // The loop 2 -> 0 contradicts odometry and must not be used for start values.
   const G2oFile file = read(edge(0, 1) + edge(2, 0) + edge(1, 2) + edge(2, 3));
   ASSERT_EQ(file.graph.nodes.size(), 4U);
   EXPECT_NEAR(file.graph.nodes[3].pose.translation.x(), 3.0, 1e-12);
@@ -72,7 +72,7 @@ TEST(G2oFile, PlacesVerticesThatOnlyEdgesName) {
   EXPECT_NE(file.notes[0].find("4 of 4 vertices"), std::string::npos);
 }
 
-TEST(G2oFile, BridgesGapsOfTheChainOverBackwardEdges) {
+TEST(G2oFile, CrossesGapsOfTheChainByBackwardEdges) {
   const G2oFile file = read(edge(0, 1) + edge(5, 1) + edge(5, 6));
   EXPECT_NEAR(file.graph.nodes[2].pose.translation.x(), 0.0, 1e-12);
   EXPECT_NEAR(file.graph.nodes[3].pose.translation.x(), 1.0, 1e-12);
@@ -84,19 +84,19 @@ TEST(G2oFile, NormalisesQuaternions) {
   EXPECT_NEAR(file.graph.nodes[0].pose.rotation.norm(), 1.0, 1e-15);
 }
 
-TEST(G2oFile, MendsIndefiniteInformationAndSaysSo) {
+TEST(G2oFile, RepairsIndefiniteInformationAndReportsIt) {
   const G2oFile file = read(edge(0, 1, "1 0 0 5 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1"));
   EXPECT_EQ(file.graph.edges[0].information(0, 3), 0.0);
   EXPECT_NE(file.notes.back().find("not positive definite"), std::string::npos);
 }
 
-TEST(G2oFile, RefusesInformationThatCannotBeMended) {
+TEST(G2oFile, RefusesInformationThatCannotBeRepaired) {
   EXPECT_NE(problem_of(edge(0, 1, "-1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1"))
                 .find("test.g2o:1: the information matrix"),
             std::string::npos);
 }
 
-TEST(G2oFile, SaysWhatIsWrongAndWhere) {
+TEST(G2oFile, ReportsErrorsWithTheirLine) {
   EXPECT_NE(problem_of(edge(0, 1) + "EDGE_SE3:QUAT 1 2 1 0").find("test.g2o:2:"),
             std::string::npos);
   EXPECT_NE(problem_of(edge(0, 0)).find("joins a vertex with itself"), std::string::npos);
@@ -109,7 +109,7 @@ TEST(G2oFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THROW(read_g2o("/nonexistent.g2o"), FileError);
 }
 
-TEST(G2oFile, LeavesUnknownLinesOutAndSaysSo) {
+TEST(G2oFile, IgnoresUnknownLinesAndReportsThem) {
   const G2oFile file = read("# comment\n\nFIX 0\n" + edge(0, 1));
   EXPECT_NE(file.notes.back().find("'FIX'"), std::string::npos);
 }

@@ -9,19 +9,20 @@
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 
-#include "chordal_start.hpp"
+#include "chordal_initialization.hpp"
 #include "odometry_chain.hpp"
 #include "synthetic_drive.hpp"
 
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// Two laps with a loop at every tenth key frame of the second; the file's poses are odometry's.
+/// Two laps with a loop at every tenth key frame of the second one; the file has the poses of
+/// odometry.
 PoseGraph lap_graph(bool planar, const test::SyntheticDrive& drive, int lap = 400) {
   std::mt19937 engine(3);
   PoseGraph graph;
   graph.planar = planar;
-  const auto flat = [&](Pose pose) {
+  const auto chordal_edge = [&](Pose pose) {
     if (!planar) return pose;
     pose.translation.z() = 0.0;
     pose.rotation = exp_so3({0.0, 0.0, yaw_of(pose.rotation)});
@@ -32,17 +33,17 @@ PoseGraph lap_graph(bool planar, const test::SyntheticDrive& drive, int lap = 40
   const int count = static_cast<int>(drive.key_frames.size());
   for (int i = 0; i < count; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    graph.nodes.push_back({i, flat(drive.key_frames[slot].T_odom_base)});
+    graph.nodes.push_back({i, chordal_edge(drive.key_frames[slot].T_odom_base)});
     if (i == 0) continue;
     graph.edges.push_back({i - 1, i,
-                           flat(drive.key_frames[slot - 1].T_odom_base.inverse() *
-                                drive.key_frames[slot].T_odom_base),
+                           chordal_edge(drive.key_frames[slot - 1].T_odom_base.inverse() *
+                                        drive.key_frames[slot].T_odom_base),
                            odometry});
   }
   for (int i = lap; i < count; i += 10) {
-    graph.edges.push_back({i - lap, i,
-                           flat(test::make_loop(drive, i - lap, i, engine, 0.05, 0.003).T_from_to),
-                           loop});
+    graph.edges.push_back(
+        {i - lap, i,
+         chordal_edge(test::make_loop(drive, i - lap, i, engine, 0.05, 0.003).T_from_to), loop});
   }
   return graph;
 }
@@ -59,7 +60,7 @@ double largest_shift(const PoseGraph& a, const PoseGraph& b) {
 class BothKinds : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(PlanarOrNot, BothKinds, testing::Bool());
 
-TEST_P(BothKinds, LeastSquaresDoesNotDependOnTheFilesPoses) {
+TEST_P(BothKinds, LeastSquaresDoesNotDependOnThePosesOfTheFile) {
   PoseGraph graph = lap_graph(GetParam(), test::make_drive());
   PoseGraph scattered = graph;
   std::mt19937 engine(9);
@@ -77,7 +78,7 @@ TEST_P(BothKinds, LeastSquaresDoesNotDependOnTheFilesPoses) {
   EXPECT_LT(largest_shift(graph, scattered), 1e-3);
 }
 
-TEST_P(BothKinds, ExactMeasurementsAreMetByTheChordalStartAlone) {
+TEST_P(BothKinds, ChordalInitializationIsExactForExactMeasurements) {
   test::DriveSettings settings;
   settings.odometry_stddev_m = settings.odometry_stddev_deg = 1e-12;
   settings.scale_error = settings.turn_bias_deg = 0.0;
@@ -85,18 +86,18 @@ TEST_P(BothKinds, ExactMeasurementsAreMetByTheChordalStartAlone) {
   graph.edges.resize(graph.nodes.size() - 1);
   PoseGraph started = graph;
   for (PoseNode& node : started.nodes) node.pose = graph.nodes.front().pose;
-  ASSERT_TRUE(start_chordally(started));
+  ASSERT_TRUE(initialize_chordally(started));
   EXPECT_LT(largest_shift(graph, started), 1e-6);
 }
 
-TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesKept) {
+TEST_P(BothKinds, FalseLoopsAreRefusedAndTrueOnesUsed) {
   const test::SyntheticDrive drive = test::make_drive();
   PoseGraph clean = lap_graph(GetParam(), drive);
   PoseGraph spoiled = clean;
   const std::size_t true_edges = clean.edges.size();
   std::mt19937 engine(4);
   std::uniform_int_distribution<int> pick(0, 150);
-  // Consistent groups of two places declared one, as many as true loops.
+  // Consistent groups of false loops between two locations, as many as true loops.
   for (int group = 0; group < 4; ++group) {
     const int from = pick(engine);
     const int to = from + 200 + 30 * group;
@@ -130,15 +131,15 @@ TEST(GraphOptimizer, ClosesALoopOfFourKeyFrames) {
   EXPECT_NEAR((graph.nodes[2].pose.translation - Eigen::Vector3d(1.0, 1.0, 0.0)).norm(), 0.0, 1e-5);
 }
 
-TEST(GraphOptimizer, ASolvedGraphStaysWhereItIs) {
+TEST(GraphOptimizer, ASolvedGraphDoesNotMove) {
   PoseGraph graph = lap_graph(false, test::make_drive());
   optimize(graph);
-  PoseGraph again = graph;
-  optimize(again);
-  EXPECT_LT(largest_shift(graph, again), 1e-4);
+  PoseGraph solved_again = graph;
+  optimize(solved_again);
+  EXPECT_LT(largest_shift(graph, solved_again), 1e-4);
 }
 
-TEST(BlockCholesky, SolvesWhatADenseSolverSolves) {
+TEST(BlockCholesky, AgreesWithADenseSolver) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
   const std::vector<std::pair<int, int>> pairs = {{0, 1}, {2, 1}, {3, 2}, {0, 3}, {4, 0}, {1, 0}};
@@ -168,14 +169,16 @@ std::ptrdiff_t threads_of_this_process() {
                        std::filesystem::directory_iterator());
 }
 
-// Threads that spin between the parts of a factorisation cost a third more processor time.
-TEST(Solving, StartsNoThreadsOfItsOwn) {
+// OpenMP threads that wait actively between the parts of a factorisation cost a third more
+// processor time.
+TEST(Solving, StartsNoThreads) {
   const test::SyntheticDrive drive = test::make_drive({1});
   PoseGraph graph = lap_graph(false, drive);
   std::mt19937 engine(3);
   const int count = static_cast<int>(graph.nodes.size());
   for (int i = 0; i < count; ++i) {
-    const int other = (i * 37 + 11) % count;  // all over, so that the factor is thick
+    // Distributed over the graph, so that the factor is dense.
+    const int other = (i * 37 + 11) % count;
     if (std::abs(i - other) < 2) continue;
     const Pose T = test::make_loop(drive, i, other, engine).T_from_to;
     graph.edges.push_back({i, other, T, Matrix6d::Identity()});

@@ -16,7 +16,7 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// A recorded graph and the least cost that is known of it (g2o's chi2).
+/// A recorded graph and its best known cost (g2o's chi2).
 struct KnownGraph {
   const char* name;
   double best_cost;
@@ -24,7 +24,7 @@ struct KnownGraph {
 
 class RecordedGraphs : public ::testing::TestWithParam<KnownGraph> {};
 
-TEST_P(RecordedGraphs, ReachTheirBestKnownCostFromTheFileAlone) {
+TEST_P(RecordedGraphs, ReachTheirBestKnownCost) {
   REQUIRE_RECORDED(folder, "pose_graphs");
   G2oFile file = read_g2o((folder / (GetParam().name + std::string(".g2o"))).string());
   const GraphReport report = optimize(file.graph);
@@ -46,13 +46,13 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-/// The command with its files in a folder of the test's own.
+/// Runs the command with files in a temporary folder.
 class OptimizeGraph : public ::testing::Test {
  protected:
-  /// Exit status; what the command says goes to said().
+  /// Returns the exit status; the output of the command is the file "output".
   int run(const std::string& arguments) const {
-    const std::string command =
-        std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" + file("said") + " 2>&1";
+    const std::string command = std::string(LIDAR_MAPPING_OPTIMIZE_GRAPH) + " " + arguments + " >" +
+                                file("output") + " 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -72,8 +72,8 @@ class OptimizeGraph : public ::testing::Test {
 };
 
 const std::string kOnes = " 1 0 0 1 0 1\n";
-/// A square of odometry with a scale error, closed by an edge that runs backwards and is there
-/// twice; no vertices.
+/// A square of odometry with a scale error, closed by an edge in backward direction that is given
+/// twice; without vertices.
 const std::string kSquare =
     "EDGE_SE2 0 1 1.1 0 1.5707963267948966" + kOnes + "EDGE_SE2 1 2 1 0 1.5707963267948966" +
     kOnes + "EDGE_SE2 2 3 1 0 1.5707963267948966" + kOnes + "EDGE_SE2 3 0 1 0 1.5707963267948966" +
@@ -82,7 +82,7 @@ const std::string kSquare =
 TEST_F(OptimizeGraph, WritesPosesAndFigures) {
   write("in.g2o", kSquare);
   ASSERT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json")), 0)
-      << text("said");
+      << text("output");
   const nlohmann::json json = figures();
   for (const char* key : {"nodes", "edges", "initial_cost", "final_cost", "iterations", "seconds",
                           "peak_memory_mb"}) {
@@ -94,7 +94,7 @@ TEST_F(OptimizeGraph, WritesPosesAndFigures) {
   EXPECT_GT(json.at("peak_memory_mb"), 1.0);
 }
 
-TEST_F(OptimizeGraph, WritesEnoughDigitsToReachTheSameCostAgain) {
+TEST_F(OptimizeGraph, WritesEnoughDigitsForTheSameCost) {
   write("in.g2o", kSquare);
   ASSERT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json")), 0);
   const double cost = figures().at("final_cost");
@@ -102,20 +102,20 @@ TEST_F(OptimizeGraph, WritesEnoughDigitsToReachTheSameCostAgain) {
   EXPECT_NEAR(figures().at("initial_cost"), cost, 1e-12 * cost);
 }
 
-TEST_F(OptimizeGraph, GoesOnForAsLongAsTheToleranceAsks) {
+TEST_F(OptimizeGraph, IteratesUntilTheToleranceIsReached) {
   write("in.g2o", kSquare);
   const std::string command =
       file("in.g2o") + " " + file("out.g2o") + " --json " + file("figures.json");
-  ASSERT_EQ(run(command + " --tolerance 0.5"), 0) << text("said");
+  ASSERT_EQ(run(command + " --tolerance 0.5"), 0) << text("output");
   const nlohmann::json early = figures();
-  ASSERT_EQ(run(command + " --tolerance 1e-12"), 0) << text("said");
+  ASSERT_EQ(run(command + " --tolerance 1e-12"), 0) << text("output");
   const nlohmann::json late = figures();
   EXPECT_LT(early.at("iterations"), late.at("iterations"));
   EXPECT_LT(late.at("final_cost"), early.at("final_cost"));
   EXPECT_NE(run(command + " --tolerance 0"), 0);
 }
 
-TEST_F(OptimizeGraph, NamesTheEdgesThatItRefuses) {
+TEST_F(OptimizeGraph, ReportsTheEdgesThatItRefuses) {
   std::string graph;
   for (int i = 0; i < 20; ++i) {
     graph += "EDGE_SE2 " + std::to_string(i) + " " + std::to_string(i + 1) +
@@ -133,28 +133,28 @@ TEST_F(OptimizeGraph, NamesTheEdgesThatItRefuses) {
   EXPECT_EQ(refused[0].at("to"), 19);
 }
 
-TEST_F(OptimizeGraph, TakesEveryKernelInAnyCase) {
+TEST_F(OptimizeGraph, AcceptsAllKernelNamesInUpperOrLowerCase) {
   write("in.g2o", kSquare);
   for (const char* kernel : {"NONE", "huber", "Cauchy", "DCS", "fair", "gemanmcclure",
                              "PseudoHuber", "saturated", "Tukey", "WELSCH", "Graduated"}) {
     EXPECT_EQ(run(file("in.g2o") + " " + file("out.g2o") + " --kernel-size 3 --robust " + kernel),
               0)
-        << kernel << ": " << text("said");
+        << kernel << ": " << text("output");
   }
 }
 
-TEST_F(OptimizeGraph, SaysWhatItMended) {
+TEST_F(OptimizeGraph, ReportsRepairs) {
   write("in.g2o", "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 5 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
   EXPECT_EQ(run(file("in.g2o") + " " + file("out.g2o")), 0);
-  EXPECT_NE(text("said").find("not positive definite"), std::string::npos) << text("said");
+  EXPECT_NE(text("output").find("not positive definite"), std::string::npos) << text("output");
 }
 
-TEST_F(OptimizeGraph, RefusesWhatItCannotUse) {
+TEST_F(OptimizeGraph, RefusesInvalidInput) {
   EXPECT_NE(run(file("missing.g2o") + " " + file("out.g2o")), 0);
-  EXPECT_NE(text("said").find("missing.g2o"), std::string::npos) << text("said");
+  EXPECT_NE(text("output").find("missing.g2o"), std::string::npos) << text("output");
   write("in.g2o", kSquare);
   EXPECT_NE(run(file("in.g2o") + " " + file("out.g2o") + " --robust Tuckey"), 0);
-  EXPECT_NE(text("said").find("Cauchy"), std::string::npos) << text("said");
+  EXPECT_NE(text("output").find("Cauchy"), std::string::npos) << text("output");
   write("bad.g2o", "EDGE_SE2 0 1 1 0\n");
   EXPECT_NE(run(file("bad.g2o") + " " + file("out.g2o")), 0);
   EXPECT_FALSE(std::filesystem::exists(file("out.g2o")));

@@ -11,7 +11,7 @@
 namespace lidar_mapping::pose_graph {
 namespace {
 
-/// Hand-made values with a fixed seed.
+/// Random values with a fixed seed.
 class Draw {
  public:
   explicit Draw(unsigned seed) : engine_(seed) {}
@@ -49,7 +49,8 @@ Eigen::VectorXd evaluate(const ceres::CostFunction& cost, const Blocks& blocks) 
   return residual;
 }
 
-/// Derivatives of the residual, the columns of one block's tangent (or of its planar state).
+/// Derivatives of the residual by the tangent of one block (or by its planar state), one per
+/// column.
 Eigen::MatrixXd analytic(const ceres::CostFunction& cost, const Blocks& blocks, std::size_t which) {
   std::vector<const double*> pointers;
   std::vector<std::vector<double>> storage;
@@ -79,7 +80,7 @@ StateBlock stepped(const StateBlock& block, bool planar, int axis, double step) 
   }
   std::array<double, 6> d{};
   d[static_cast<std::size_t>(axis)] = step;
-  return moved(block.data(), d.data());
+  return retract(block.data(), d.data());
 }
 
 Eigen::MatrixXd numerical(const ceres::CostFunction& cost, const Blocks& blocks,
@@ -102,7 +103,7 @@ void expect_exact_derivatives(const ceres::CostFunction& cost, const Blocks& blo
   for (std::size_t which = 0; which < blocks.size(); ++which) {
     const Eigen::MatrixXd a = analytic(cost, blocks, which);
     const Eigen::MatrixXd n = numerical(cost, blocks, which);
-    // Central differences of step 1e-6 leave about 1e-9 of the derivative.
+    // Central differences with a step of 1e-6 have relative errors of about 1e-9.
     EXPECT_LT((a - n).cwiseAbs().maxCoeff(), 1e-6 * (1.0 + a.cwiseAbs().maxCoeff()))
         << "block " << which << "\nanalytic\n"
         << a << "\nnumerical\n"
@@ -132,7 +133,7 @@ TEST(Residuals, RelativePoseIsContinuousForEitherSignOfTheQuaternion) {
   EXPECT_LT((a - evaluate(*cost, {to_block(first), negated})).norm(), 1e-12);
 }
 
-TEST(Residuals, RelativePoseIsG2osError) {
+TEST(Residuals, RelativePoseIsTheErrorOfG2o) {
   const Pose measured = {exp_so3({0.1, -0.2, 0.3}), {1.0, 2.0, 3.0}};
   const Pose actual = {exp_so3({0.15, -0.1, 0.35}), {1.1, 2.2, 2.9}};
   const auto cost = relative_pose_residual(measured, Matrix6d::Identity());
@@ -193,8 +194,8 @@ TEST(Residuals, PlanarRelativePoseHasExactDerivatives) {
   }
 }
 
-// A standard deviation is squared, and half angles are accounted for.
-TEST(Residuals, OneStandardDeviationGivesOne) {
+// The standard deviation is squared, and half angles are taken into account.
+TEST(Residuals, AnErrorOfOneStandardDeviationGivesOne) {
   const auto cost = relative_pose_residual(Pose(), g2o_information(diagonal_covariance(0.2, 0.01)));
   Vector6d d = Vector6d::Zero();
   d[0] = 0.2;
@@ -206,17 +207,17 @@ TEST(Residuals, OneStandardDeviationGivesOne) {
               1e-5);
 }
 
-TEST(Tangent, MovedAndBackIsWhereItWas) {
+TEST(Tangent, MinusInvertsRetract) {
   Draw draw(8);
   const StateBlock block = to_block(draw.pose(10.0, 2.0));
   const std::array<double, 6> d = {0.1, -0.2, 0.3, 0.2, -0.1, 0.3};
-  const StateBlock there = moved(block.data(), d.data());
+  const StateBlock updated = retract(block.data(), d.data());
 #if LIDAR_MAPPING_CERES_HAS_MANIFOLD
   std::array<double, 6> back{};
-  TangentUpdate().Minus(there.data(), block.data(), back.data());
+  TangentUpdate().Minus(updated.data(), block.data(), back.data());
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(back[i], d[i], 1e-12);
 #endif
-  EXPECT_NEAR(to_pose(there.data()).rotation.norm(), 1.0, 1e-12);
+  EXPECT_NEAR(to_pose(updated.data()).rotation.norm(), 1.0, 1e-12);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(SelectedInverse, OfOneNumberIsItsInverse) {
 }
 
 // A chain of unit springs on a wall: the inverse is min(i, j) + 1.
-TEST(SelectedInverse, OfAChainIsTheLengthThatNodesShare) {
+TEST(SelectedInverse, OfAChainIsTheCommonLength) {
   constexpr int kNodes = 6;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(kNodes, kNodes);
   for (int i = 0; i < kNodes; ++i) {
@@ -44,8 +44,8 @@ TEST(SelectedInverse, OfAChainIsTheLengthThatNodesShare) {
   }
 }
 
-// The entry (2, 1) of A is chosen such that the factor's is zero, but is part of its pattern.
-TEST(SelectedInverse, KeepsEntriesOfTheFactorThatHappenToBeZero) {
+// The entry (2, 1) of A is chosen so that the entry of the factor is zero, but is in its pattern.
+TEST(SelectedInverse, KeepsZeroEntriesOfTheFactor) {
   Eigen::MatrixXd A(4, 4);
   A << 4, 2, 2, 1,  //
       2, 5, 1, 0,   //
@@ -58,7 +58,7 @@ TEST(SelectedInverse, KeepsEntriesOfTheFactorThatHappenToBeZero) {
   }
 }
 
-TEST(SelectedInverse, RefusesWhatHasNone) {
+TEST(SelectedInverse, RefusesSingularMatricesAndMissingEntries) {
   EXPECT_FALSE(SelectedInverse::of(sparse(-Eigen::MatrixXd::Identity(2, 2))));
   const SelectedInverse inverse = inverse_of(Eigen::MatrixXd::Identity(3, 3));
   EXPECT_THROW(inverse.at(0, 1), InputError) << "the factor has no such entry";
@@ -66,7 +66,7 @@ TEST(SelectedInverse, RefusesWhatHasNone) {
   EXPECT_THROW(inverse.at(-1, 0), InputError);
 }
 
-/// A graph as drives have: a chain with loops, and something that each node knows by itself.
+/// A graph like that of a drive: a chain with loops, and a prior on each node.
 struct RandomSystem {
   RandomSystem(unsigned seed, int nodes, int loops) {
     std::mt19937 engine(seed);
@@ -107,21 +107,21 @@ struct RandomSystem {
   Eigen::MatrixXd dense;
 };
 
-TEST(SelectedInverse, IsThatOfTheDenseMatrixForRandomGraphs) {
+TEST(SelectedInverse, AgreesWithTheDenseInverseForRandomGraphs) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const int nodes = 3 + 2 * static_cast<int>(seed);
     const RandomSystem random(seed, nodes, 3 * static_cast<int>(seed % 5));
     const Eigen::MatrixXd dense = random.dense.inverse();
     const SelectedInverse inverse = random.system->selected_inverse().value();
     const double limit = 1e-9 * dense.cwiseAbs().maxCoeff();
-    const auto off = [&](int a, int b) {
+    const auto error = [&](int a, int b) {
       const Matrix6d block = random.system->block(inverse, a, b);
       return (block - dense.block<6, 6>(6 * a, 6 * b)).cwiseAbs().maxCoeff();
     };
-    for (int i = 0; i < nodes; ++i) EXPECT_LT(off(i, i), limit) << "seed " << seed;
+    for (int i = 0; i < nodes; ++i) EXPECT_LT(error(i, i), limit) << "seed " << seed;
     for (const auto& [a, b] : random.pairs) {
-      EXPECT_LT(off(a, b), limit) << "seed " << seed;
-      EXPECT_LT(off(b, a), limit) << "seed " << seed;
+      EXPECT_LT(error(a, b), limit) << "seed " << seed;
+      EXPECT_LT(error(b, a), limit) << "seed " << seed;
     }
   }
 }

@@ -18,7 +18,7 @@ using test::TemporaryFolder;
 
 constexpr std::size_t kBytesOfExample = 100 * sizeof(Point);
 
-TEST(CloudStore, ReadsWhatItWroteFromTheDisk) {
+TEST(CloudStore, ReadsTheCloudsThatItWrote) {
   const TemporaryFolder folder;
   CloudStore(folder.path() / "clouds").put(7, example_cloud(100, 7));
   CloudStore store(folder.path() / "clouds");
@@ -27,7 +27,7 @@ TEST(CloudStore, ReadsWhatItWroteFromTheDisk) {
   EXPECT_EQ(store.file(7).filename(), "000007.pcd");
 }
 
-TEST(CloudStore, KeepsEmptyCloudsToo) {
+TEST(CloudStore, StoresEmptyClouds) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(0, example_cloud(0, 0));
   CloudStore store(folder.path());
@@ -35,7 +35,7 @@ TEST(CloudStore, KeepsEmptyCloudsToo) {
   EXPECT_TRUE(store.cloud(0)->empty());
 }
 
-TEST(CloudStore, CacheStaysWithinItsBound) {
+TEST(CloudStore, CacheStaysWithinItsLimit) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 3 * kBytesOfExample);
   for (KeyFrameIndex index = 0; index < 20; ++index) {
@@ -48,18 +48,18 @@ TEST(CloudStore, CacheStaysWithinItsBound) {
   }
 }
 
-TEST(CloudStore, CacheShrinksWhenItIsTold) {
+TEST(CloudStore, CacheShrinksWithItsLimit) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 3 * kBytesOfExample);
   for (KeyFrameIndex index = 0; index < 3; ++index) store.put(index, example_cloud(100, 1));
   const PointCloudPtr newest = store.cloud(2);
   store.set_cache_bytes(kBytesOfExample);
   EXPECT_EQ(store.cached_bytes(), kBytesOfExample);
-  EXPECT_TRUE(store.holds(2, newest));
+  EXPECT_TRUE(store.is_cached(2, newest));
   EXPECT_NE(store.cloud(0), nullptr);
 }
 
-TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
+TEST(CloudStore, RemovesTheLeastRecentlyUsedCloud) {
   const TemporaryFolder folder;
   CloudStore store(folder.path(), 2 * kBytesOfExample);
   store.put(0, example_cloud(100, 0));
@@ -69,7 +69,7 @@ TEST(CloudStore, ForgetsTheCloudThatWasUsedLongestAgo) {
   EXPECT_EQ(store.cloud(0), zero) << "still the same object: it was used last";
 }
 
-TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
+TEST(CloudStore, ReadsSeveralInOrderWithAnyNumberOfThreads) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(4, example_cloud(40, 4));
   CloudStore(folder.path()).put(7, example_cloud(70, 7));
@@ -84,8 +84,8 @@ TEST(CloudStore, GivesSeveralInTheirOrderForAnyNumberOfThreads) {
   }
 }
 
-// A missing or cut file is 'no cloud', never an empty one and never a crash.
-TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
+// A missing or truncated file gives no cloud. It never gives an empty cloud and never crashes.
+TEST(CloudStore, GivesNoCloudForMissingOrDamagedFiles) {
   const TemporaryFolder folder;
   CloudStore(folder.path()).put(3, example_cloud(100, 3));
   CloudStore store(folder.path());
@@ -97,7 +97,7 @@ TEST(CloudStore, GivesNothingForMissingOrDamagedFiles) {
   }
 }
 
-// A temporary file that an interrupted writer left is no cloud and is in nobody's way.
+// A temporary file of an interrupted writer is not a cloud and does not disturb others.
 TEST(CloudStore, IgnoresTemporaryFilesOfAnInterruptedWriter) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / ".000003.pcd.part") << "half of a file";
@@ -127,7 +127,7 @@ TEST(PcdFile, ReadsFilesWithoutIntensity) {
   EXPECT_EQ(cloud.points[0].intensity, 0.0F);
 }
 
-TEST(PcdFile, ReadsOtherLayoutsThanItsOwn) {
+TEST(PcdFile, ReadsOtherLayouts) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "turned.pcd")
       << "VERSION 0.7\nFIELDS intensity z y x\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
@@ -138,7 +138,7 @@ TEST(PcdFile, ReadsOtherLayoutsThanItsOwn) {
   EXPECT_EQ(cloud.points[0].intensity, 4.0F);
 }
 
-/// A whole file of two points; `line` of its header gives way to `other`.
+/// A complete file of two points, with `line` of its header replaced by `other`.
 std::string pcd_with(const std::string& line, const std::string& other) {
   std::string text =
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
@@ -148,8 +148,9 @@ std::string pcd_with(const std::string& line, const std::string& other) {
   return text.replace(at, line.size(), other);
 }
 
-// PCL's reader would take them for a line that moves the fields, and read behind the end.
-TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
+// PCL's reader would take these points for a line of the header that changes the fields, and would
+// read beyond the end.
+TEST(PcdFile, DoesNotReadPointsAsLinesOfTheHeader) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.pcd";
   std::ofstream(path, std::ios::binary)
@@ -163,8 +164,8 @@ TEST(PcdFile, TakesPointsForNoLineOfTheHeader) {
   EXPECT_EQ(cloud.points[0].intensity, intensity);
 }
 
-// PCL's reader writes beyond its memory for most of these.
-TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
+// PCL's reader writes outside of its memory for most of these.
+TEST(PcdFile, RefusesDamagedHeadersAndNamesTheLine) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "a.pcd";
   const auto write = [&](const std::string& line, const std::string& other) {
@@ -174,7 +175,7 @@ TEST(PcdFile, RefusesDamagedHeadersWithTheLine) {
   EXPECT_EQ(read_pcd(path).size(), 2U);
   const std::pair<const char*, const char*> damages[] = {
       {"POINTS 2\n", ""},
-      {"VERSION 0.7\n", "\r\nVERSION 0.7\n"},  // PCL takes that for the end of the header
+      {"VERSION 0.7\n", "\r\nVERSION 0.7\n"},  // PCL takes this for the end of the header
       {"HEIGHT 1\n", ""},
       {"WIDTH 2\n", ""},
       {"SIZE 4 4 4\n", ""},

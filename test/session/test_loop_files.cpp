@@ -60,7 +60,7 @@ TEST(LoopFiles, TableHasTheNewestVerdictAndTheDecision) {
       << line;
 }
 
-TEST(LoopFiles, EveryCandidateIsExplainedOnceByItsFiguresAndItsFate) {
+TEST(LoopFiles, EachCandidateHasItsFiguresAndFinalVerdict) {
   const TemporaryFolder folder;
   Session session = session_with_loops(folder.path());
   LoopVerdict refused;
@@ -75,10 +75,10 @@ TEST(LoopFiles, EveryCandidateIsExplainedOnceByItsFiguresAndItsFate) {
   refused.fitness = 1.5;
   refused.reason = "overlap 0.25, \"too little\"";
   session.add_verdict(refused);
-  LoopVerdict taken = refused;
-  taken.to = 5;
-  taken.verdict = Verdict::kAccepted;
-  session.add_verdict(taken);
+  LoopVerdict accepted = refused;
+  accepted.to = 5;
+  accepted.verdict = Verdict::kAccepted;
+  session.add_verdict(accepted);
   LoopVerdict by_graph;
   by_graph.to = 5;
   by_graph.verdict = Verdict::kRefused;
@@ -100,7 +100,7 @@ TEST(LoopFiles, EveryCandidateIsExplainedOnceByItsFiguresAndItsFate) {
   EXPECT_FALSE(std::getline(file, more)) << more;
 }
 
-TEST(LoopFiles, ListComesBackAsItWasWritten) {
+TEST(LoopFiles, ReadsTheListThatItWrote) {
   const TemporaryFolder folder;
   Session session = session_with_loops(folder.path());
   session.set_loop_decision(0, 6, LoopDecision::kAccept);
@@ -149,7 +149,7 @@ TEST(LoopFiles, MalformedLinesAreRefusedByFileAndLine) {
   EXPECT_THROW(read_loop_list(folder.path() / "none.txt"), FileError);
 }
 
-TEST(LoopFiles, DecisionsOutliveTheLoopThatIsReplaced) {
+TEST(LoopFiles, DecisionsAreKeptWhenALoopIsReplaced) {
   const TemporaryFolder folder;
   Session session = session_with_loops(folder.path());
   session.set_loop_decision(0, 5, LoopDecision::kAccept);
@@ -159,8 +159,8 @@ TEST(LoopFiles, DecisionsOutliveTheLoopThatIsReplaced) {
   EXPECT_EQ(loops.back().decision, LoopDecision::kAccept);
 }
 
-// A session of the first version has no decisions; it can be read, and written after an upgrade.
-TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndBroughtUpToDate) {
+// A session of the first version has no decisions. It can be read, and written after an upgrade.
+TEST(LoopFiles, SessionsOfTheFirstVersionAreReadAndUpgraded) {
   const TemporaryFolder folder;
   session_with_loops(folder.path());
   execute(folder.path(),

@@ -28,7 +28,7 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Every file below a folder with its content.
+/// All files below a folder with their content.
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -37,8 +37,8 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   return files;
 }
 
-// The saved state is complete.
-TEST(Session, GivesKeyFramesBackBitForBit) {
+// The stored state is complete.
+TEST(Session, ReturnsKeyFramesBitForBit) {
   const TemporaryFolder folder;
   {
     Session session = Session::create_in(folder.path());
@@ -68,7 +68,7 @@ TEST(Session, GivesKeyFramesBackBitForBit) {
   EXPECT_FALSE(session.key_frame(11).has_value());
 }
 
-TEST(Session, GivesLoopsAndVerdictsBack) {
+TEST(Session, ReturnsLoopsAndVerdicts) {
   const TemporaryFolder folder;
   Session session = Session::create_in(folder.path());
   session.add_loop(example_loop(3, 200));
@@ -96,7 +96,7 @@ TEST(Session, GivesLoopsAndVerdictsBack) {
   EXPECT_EQ(session.verdicts()[0].innovation, 7.5);
 }
 
-TEST(Session, GivesMeasurementsBackAndKeepsUnknownOrientationsUnknown) {
+TEST(Session, ReturnsMeasurementsAlsoWithoutOrientation) {
   const TemporaryFolder folder;
   Session session = Session::create_in(folder.path());
   GnssPosition position;
@@ -135,7 +135,7 @@ TEST(Session, GivesMeasurementsBackAndKeepsUnknownOrientationsUnknown) {
   EXPECT_EQ(session.floors()[0].inliers, 2000);
 }
 
-TEST(Session, GivesScansOdometryAndPropertiesBack) {
+TEST(Session, ReturnsScansOdometryAndProperties) {
   const TemporaryFolder folder;
   Session session = Session::create_in(folder.path());
   EXPECT_FALSE(session.datum());
@@ -185,7 +185,7 @@ TEST(Session, KeepsTheNewestTenRevisionsOfPoses) {
   EXPECT_EQ(session.revisions().size(), 15U);
 }
 
-TEST(Session, RefusesAnIndexTwiceAndStaysAsItWas) {
+TEST(Session, RefusesAnIndexTwiceWithoutChange) {
   const TemporaryFolder folder;
   Session session = Session::create_in(folder.path());
   session.add_key_frame(example_key_frame(3));
@@ -195,8 +195,8 @@ TEST(Session, RefusesAnIndexTwiceAndStaysAsItWas) {
   EXPECT_EQ(session.clouds().cloud(3)->size(), 100U);
 }
 
-// Starting twice leaves the first run untouched.
-TEST(Session, TwoStartsDoNotTouchEachOther) {
+// A second start does not change the first run.
+TEST(Session, TwoStartsUseSeparateFolders) {
   const TemporaryFolder root;
   fs::path first;
   {
@@ -211,8 +211,8 @@ TEST(Session, TwoStartsDoNotTouchEachOther) {
   EXPECT_EQ(find_session(root.path()), fs::canonical(second.directory()));
 }
 
-// Foreign files survive, also one that is named as the link would be.
-TEST(Session, LeavesForeignFilesAlone) {
+// Files of other programs are kept, also one with the name of the link.
+TEST(Session, DoesNotTouchOtherFiles) {
   const TemporaryFolder root;
   std::ofstream(root.path() / "latest") << "not a link";
   fs::create_directories(root.path() / "key_frames");
@@ -223,8 +223,8 @@ TEST(Session, LeavesForeignFilesAlone) {
   EXPECT_THROW(Session::create_in(session.directory()), FileError);
 }
 
-// Parents that are missing are made, in whatever order things start.
-TEST(Session, MakesMissingParents) {
+// Missing parent folders are created.
+TEST(Session, CreatesMissingParents) {
   const TemporaryFolder root;
   const Session session = Session::create(root.path() / "a" / "b", kNow);
   EXPECT_TRUE(fs::exists(session.directory() / "session.db"));
@@ -241,7 +241,7 @@ TEST(Session, RefusesASecondWriterAndAllowsReaders) {
   EXPECT_EQ(reader.key_frame_count(), 2U);
 }
 
-TEST(Session, GoesOnAfterItWasOpenedAgain) {
+TEST(Session, ContinuesAfterItWasReopened) {
   const TemporaryFolder folder;
   Session::create_in(folder.path()).add_key_frame(example_key_frame(0));
   Session::open(folder.path(), Session::Access::kWrite).add_key_frame(example_key_frame(1));
@@ -249,15 +249,15 @@ TEST(Session, GoesOnAfterItWasOpenedAgain) {
 }
 
 // A process that is killed in its first milliseconds leaves a database without tables.
-TEST(Session, BeginsWhereItsMakerWasKilledBeforeThereWereTables) {
+TEST(Session, ContinuesAfterAKillBeforeTheTablesWereCreated) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "session.db").close();
   Session::open(folder.path(), Session::Access::kWrite).add_key_frame(example_key_frame(0));
   EXPECT_EQ(Session::open(folder.path(), Session::Access::kRead).key_frame_count(), 1U);
 }
 
-// Files with missing parts fail cleanly.
-TEST(Session, SaysWhatIsWrongWithAFolderThatIsNoSession) {
+// Incomplete sessions are refused with a message.
+TEST(Session, ReportsWhyAFolderIsNotASession) {
   const TemporaryFolder folder;
   EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
   std::ofstream(folder.path() / "session.db") << std::string(5000, 'x');
@@ -266,13 +266,13 @@ TEST(Session, SaysWhatIsWrongWithAFolderThatIsNoSession) {
   EXPECT_THROW(Session::open(folder.path(), Session::Access::kRead), FileError);
 }
 
-TEST(Session, RefusesAFolderThatCannotBeMade) {
+TEST(Session, RefusesAFolderThatCannotBeCreated) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "x";
   EXPECT_THROW(Session::create(folder.path() / "file" / "root", kNow), FileError);
 }
 
-/// Adds key frames until it is killed; the parent learns of each by a byte.
+/// Adds key frames until it is killed; the parent is informed of each by one byte.
 [[noreturn]] void write_until_killed(const fs::path& folder, int pipe_end) {
   Session session = Session::create_in(folder);
   for (KeyFrameIndex index = 0;; ++index) {
@@ -282,7 +282,7 @@ TEST(Session, RefusesAFolderThatCannotBeMade) {
   }
 }
 
-// What was said to be kept is kept whole, whenever the process is killed.
+// What was reported as stored is complete, whenever the process is killed.
 TEST(Session, SurvivesKillAtAnyMoment) {
   for (int round = 1; round <= 6; ++round) {
     const TemporaryFolder folder;
@@ -293,7 +293,7 @@ TEST(Session, SurvivesKillAtAnyMoment) {
     if (child == 0) write_until_killed(folder.path(), ends[1]);
     char byte;
     const int wanted = 3 * round;
-    for (int seen = 0; seen < wanted; ++seen) ASSERT_EQ(::read(ends[0], &byte, 1), 1);
+    for (int received = 0; received < wanted; ++received) ASSERT_EQ(::read(ends[0], &byte, 1), 1);
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     ::close(ends[0]);
@@ -312,26 +312,27 @@ TEST(Session, SurvivesKillAtAnyMoment) {
   }
 }
 
-/// Exit status 0 if a session on a disk that fills up refuses what does not fit and keeps the rest.
+/// Exit status 0 if a session on a full disk refuses what does not fit and keeps the rest.
 int write_to_a_full_disk(const fs::path& folder) {
   ::signal(SIGXFSZ, SIG_IGN);
-  const rlimit limit{200'000, 200'000};  // bytes a file: the database gets full, the clouds do not
+  // Bytes per file: the database reaches the limit, the clouds do not.
+  const rlimit limit{200'000, 200'000};
   ::setrlimit(RLIMIT_FSIZE, &limit);
   Session session = Session::create_in(folder);
-  std::size_t kept = 0;
+  std::size_t stored = 0;
   for (KeyFrameIndex index = 0; index < 500; ++index) {
     try {
       session.add_key_frame(example_key_frame(index));
-      ++kept;
+      ++stored;
     } catch (const FileError&) {
-      return kept > 10 && session.key_frame_count() == kept ? 0 : 2;
+      return stored > 10 && session.key_frame_count() == stored ? 0 : 2;
     }
   }
   return 1;
 }
 
-// A full disk is an error, and what was kept before stays whole.
-TEST(Session, RefusesWhatDoesNotFitOnTheDisk) {
+// A full disk gives an error, and the data stored before stay complete.
+TEST(Session, RefusesDataThatDoNotFitOnTheDisk) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
@@ -362,8 +363,8 @@ void read_whole(const fs::path& folder) {
   session.datum();
 }
 
-// SQLite keeps whatever it is given in any column, and pages have no checksums.
-TEST(Session, NamesFileAndColumnOfACellThatCannotHoldWhatItHolds) {
+// SQLite stores any type in any column, and its pages have no checksums.
+TEST(Session, ReportsFileAndColumnOfADamagedCell) {
   const std::pair<const char*, const char*> kDamages[] = {
       {"UPDATE key_frames SET x = 9e999", "as x"},
       {"UPDATE key_frames SET x = NULL", "as x"},

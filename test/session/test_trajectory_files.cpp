@@ -41,8 +41,8 @@ Session example_session(const std::filesystem::path& folder) {
   return session;
 }
 
-// All files come from the same key frames, with stamps, and lose nothing.
-TEST(TrajectoryFiles, HoldTheSameKeyFramesToAMicrometre) {
+// All files contain the same key frames with stamps and lose no digits.
+TEST(TrajectoryFiles, ContainTheSameKeyFramesToAMicrometre) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path());
   const KeyFramePoses poses = example_poses();
@@ -77,7 +77,7 @@ TEST(TrajectoryFiles, AreReadByAnIndependentReader) {
   EXPECT_EQ(std::system(("python3 session/read_trajectory_files.py " + files).c_str()), 0);
 }
 
-TEST(TrajectoryFiles, AreTakenByEvoAsTheyAre) {
+TEST(TrajectoryFiles, AreReadByEvo) {
   if (std::system("command -v evo_ape >/dev/null 2>&1") != 0) GTEST_SKIP() << "evo is not here";
   const TemporaryFolder folder;
   Session session = example_session(folder.path() / "session");
@@ -90,8 +90,9 @@ TEST(TrajectoryFiles, AreTakenByEvoAsTheyAre) {
   }
 }
 
-// The GNSS track is there under its honest name, and lines correspond.
-TEST(TrajectoryFiles, KittiFilesHoldTheKeyFramesThatHaveAGnssPosition) {
+// The GNSS track is also written with the name gnss, and its lines correspond to those of the
+// others.
+TEST(TrajectoryFiles, KittiFilesContainTheKeyFramesWithAGnssPosition) {
   const TemporaryFolder folder;
   Session session = example_session(folder.path());
   for (const KeyFrameIndex index : {1U, 2U, 5U}) session.add_gnss(example_gnss(index));

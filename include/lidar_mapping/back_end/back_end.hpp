@@ -15,79 +15,90 @@
 
 namespace lidar_mapping::back_end {
 
-/// What an optimisation did; the answer of /optimize_map.
+/// The result of an optimisation in figures; the answer of /optimize_map.
 struct OptimizationReport {
-  bool success = false;
-  std::string message;
-  std::size_t key_frames = 0;
-  std::size_t loops_used = 0;
-  std::size_t loops_refused = 0;
-  std::size_t gnss_used = 0;
+  bool success = false;           ///< false if the solver failed; the poses are then unchanged
+  std::string message;            ///< summary for the user, or why the optimisation failed
+  std::size_t key_frames = 0;     ///< number of key frames in the whole graph
+  std::size_t loops_used = 0;     ///< number of loops that the graph uses
+  std::size_t loops_refused = 0;  ///< number of loops that contradict the graph or were refused
+  std::size_t gnss_used = 0;      ///< number of GNSS positions that the graph uses
+  /// Number of GNSS positions that contradict the graph, are too uncertain or are not finite.
   std::size_t gnss_refused = 0;
-  double cost_before = 0.0;
-  double cost_after = 0.0;
-  int iterations = 0;
-  double gnss_rms = 0.0;  ///< m, horizontally, of the newest alignment to East-North-Up
-  /// Of the information matrix, after a thorough solution (least_eigenvalue.hpp): how firmly the
-  /// least known motion of the map is held; 0: not computed, or not held at all.
+  double cost_before = 0.0;  ///< chi2 of the used constraints at the start poses, without unit
+  double cost_after = 0.0;   ///< chi2 of the used constraints at the solution, without unit
+  int iterations = 0;        ///< solver steps, summed over all rounds
+  double gnss_rms = 0.0;     ///< horizontal RMS error of the last alignment to East-North-Up, m
+  /// Smallest eigenvalue of the information matrix after a thorough solution
+  /// (least_eigenvalue.hpp): it shows how well the least constrained motion of the map is
+  /// determined. 0 if it was not computed, or if a motion is not constrained at all.
   double least_eigenvalue = 0.0;
-  double seconds = 0.0;  ///< filled in by the caller of solve(); the core owns no clock
-  /// What a person has to know of the map beside the figures; no full stop at the end.
+  double seconds = 0.0;  ///< computing time, set by the caller of solve(): the core has no clock
+  /// Warnings that the user has to know besides the figures, without a full stop at the end.
   std::vector<std::string> remarks;
 };
 
-/// Everything that solve() needs, as a value: a worker thread solves it while sensor data go on.
+/// All inputs of solve() as a value, so that a worker thread can solve it while new sensor data
+/// arrive.
 struct OptimizationProblem;
-/// What solve() found.
+/// The result of solve().
 struct OptimizationSolution;
 
-/// Builds the pose graph of a drive and keeps its poses. Constraints come from odometry, loops,
-/// GNSS, IMU and floor; each can be switched off. The graph is solved outside of this object:
+/// Builds the pose graph of a drive and holds its poses. The constraints come from odometry, loops,
+/// GNSS, IMU and floor; each kind can be switched off. The graph is solved outside of this object:
 ///
-///   auto solution = solve(back_end.problem());   // long, in a worker thread
-///   KeyFramePoses moved = back_end.apply(solution);
+///   auto solution = solve(*back_end.problem());   // takes long, runs in a worker thread
+///   KeyFramePoses poses = back_end.apply(*solution);
 ///
-/// What arrived between the two calls is kept and moved along. One thread at a time calls it.
+/// Data that arrive between the two calls are kept, and their poses follow the correction. The
+/// class may be called from one thread at a time.
 class BackEnd {
  public:
+  /// An empty graph; `config` is copied.
   explicit BackEnd(const BackEndConfig& config);
   ~BackEnd();
 
-  /// Indices must increase; throws InputError otherwise. Its pose follows odometry from the newest
-  /// optimised pose.
+  /// Adds a node. Its pose follows by odometry from the newest optimised pose. Throws InputError
+  /// unless the indices increase and the pose is finite.
   void add_key_frame(const KeyFrame& key_frame);
-  /// False (and nothing is changed) if an index is unknown or both are the same.
+  /// Adds a loop. Returns false and changes nothing if an index is unknown, if both indices are the
+  /// same, or if the pose or its covariance has no meaning.
   bool add_loop(const Loop& loop);
-  /// Measurements at the stamp of a key frame, before or after the key frame itself; others are
-  /// kept for a while and then forgotten.
+  /// Adds a position whose stamp is that of a key frame; it may come before the key frame. The
+  /// newest 1000 positions without a key frame are stored, older ones are dropped. A key frame
+  /// that has a position already keeps it.
   void add_gnss(const GnssPosition& position);
+  /// Adds an IMU sample in the axes of base_link; stamps are treated as in add_gnss().
   void add_imu(const ImuSample& sample_base);
+  /// Adds the floor below the vehicle in base_link; stamps are treated as in add_gnss().
   void add_floor(const Floor& floor);
 
-  /// True when one of the optimise steps of the configuration is reached.
+  /// True if one of the optimize_step parameters of the configuration is reached.
   bool optimization_due() const;
-  /// What there is to solve. `thorough` judges every loop and position anew instead of starting
-  /// from the last judgement (for /optimize_map and the end of a drive).
+  /// A copy of the data to solve. With `thorough` each loop and each position is evaluated again;
+  /// otherwise the solver starts from the last decisions. Used for /optimize_map and at the end of
+  /// a drive.
   std::shared_ptr<const OptimizationProblem> problem(bool thorough = false) const;
-  /// Takes the solution in and returns all poses with a new revision.
+  /// Applies a solution to the graph and returns all poses with a new revision.
   KeyFramePoses apply(const OptimizationSolution& solution);
 
+  /// The newest poses T_map_base of all key frames with their revision.
   KeyFramePoses poses() const;
-  /// Odometry alone, laid so that the first key frame is where it is in poses().
+  /// Poses from odometry alone, placed so that the first key frame has the same pose as in poses().
   KeyFramePoses odometry() const;
-  /// The correction between odometry and map: T_map_odom of the newest key frame.
+  /// The correction from odometry to the map, T_map_odom at the newest key frame.
   Pose T_map_odom() const;
-  /// All loops with the graph's present opinion of them; those that no solution has judged yet
-  /// count as believed.
+  /// All loops, each with true if the graph uses it. A loop that no solution has evaluated yet
+  /// counts as used.
   std::vector<std::pair<Loop, bool>> loops() const;
-  /// The positions as the graph takes them: with the delay of their stamps in lever arm and
+  /// The positions as the graph uses them: the delay of their stamps is included in lever arm and
   /// covariance.
   std::vector<GnssPosition> positions() const;
-  /// For each key frame the part of the map that it belongs to, from 0: what odometry, believed
-  /// loops or a place in East-North-Up tie together. More than one part: how they lie to each other
-  /// is unknown.
+  /// The connected part of the map, from 0, for each key frame: key frames of one part are
+  /// connected by odometry, by used loops, or by positions in East-North-Up. The relative pose of
+  /// two parts is unknown.
   std::vector<int> parts() const;
-  /// The graph with its present poses, for files.
+  /// The graph with its newest poses and the used relative poses, for export to a file.
   pose_graph::PoseGraph graph() const;
 
  private:
@@ -95,8 +106,10 @@ class BackEnd {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Solves the graph; see doc/back_end.md. Never throws for what the data did: see the report.
+/// Solves the graph; the method is described in doc/back_end.md. The function does not throw for
+/// any content of the data: failures are reported.
 std::shared_ptr<const OptimizationSolution> solve(const OptimizationProblem& problem);
+/// The report of a solution; valid as long as the solution.
 const OptimizationReport& report_of(const OptimizationSolution& solution);
 
 }  // namespace lidar_mapping::back_end

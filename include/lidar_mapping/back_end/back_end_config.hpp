@@ -8,10 +8,14 @@
 
 namespace lidar_mapping::back_end {
 
-/// What the floor below the vehicle ties together.
-enum class FloorConstraint { kNone, kNeighbours, kPlane };
+/// Which key frames the floor below the vehicle connects.
+enum class FloorConstraint {
+  kNone,        ///< floors are not used
+  kNeighbours,  ///< two successive key frames stand on one plane
+  kPlane        ///< all key frames stand on one plane
+};
 
-/// Parameters of the stage; each is described once, in schema().
+/// Parameters of the back end. schema() describes each of them once; the comments here repeat it.
 struct BackEndConfig {
   /// Whether GNSS positions are used at all.
   bool use_gnss = true;
@@ -29,8 +33,9 @@ struct BackEndConfig {
   /// [s] Least time between optimisations, by the key frames' stamps.
   double optimize_min_interval = 1.0;
 
-  /// [share of the distance] Standard deviation that drift adds to a motion's translation, at most:
-  /// down to a tenth of it and of the next three where positions show less.
+  /// [fraction of the distance] Upper limit of the standard deviation that drift adds to a motion's
+  /// translation. Where positions show less drift, this and the next three are reduced, but not
+  /// below a tenth.
   double odometry_drift = 0.005;
   /// [deg/m] Standard deviation that drift adds to a motion's rotation.
   double odometry_drift_deg_per_m = 0.02;
@@ -38,7 +43,7 @@ struct BackEndConfig {
   double odometry_min_stddev_m = 0.0025;
   /// [deg] Added to the covariance of every motion.
   double odometry_min_stddev_deg = 0.02;
-  /// [share of the distance] Standard deviation added along directions that matching could not
+  /// [fraction of the distance] Standard deviation added along directions that matching could not
   /// observe.
   double odometry_degenerate_drift = 0.2;
   /// [m] Added to the covariance of every loop.
@@ -46,20 +51,21 @@ struct BackEndConfig {
   /// [deg] Added to the covariance of every loop.
   double loop_min_stddev_deg = 0.1;
 
-  /// Hold the first key frame where it began, as firmly as fix_first_node_stddev says, instead of
-  /// as firmly as suits the other constraints.
+  /// Give the first key frame a prior with fix_first_node_stddev, instead of one that depends on
+  /// the other constraints.
   bool fix_first_node = false;
   /// [m and rad: x y z roll pitch yaw] With fix_first_node: standard deviations of its pose, in the
   /// axes of base_link.
   std::vector<double> fix_first_node_stddev = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 
-  /// Weigh all motions and loops by const_stddev_x and const_stddev_q instead of their covariances.
+  /// Weight all motions and loops by const_stddev_x and const_stddev_q instead of their
+  /// covariances.
   bool use_const_inf_matrix = false;
-  /// Weigh loops by their fitness (var_gain_a, min and max stddevs) instead of their covariances.
+  /// Weight loops by their fitness (var_gain_a, min and max stddevs) instead of their covariances.
   bool use_fitness_inf_matrix = false;
-  /// [m] Translation, with use_const_inf_matrix.
+  /// [m] Standard deviation of the translation, with use_const_inf_matrix.
   double const_stddev_x = 0.5;
-  /// [half rad] Vector part of the quaternion, with use_const_inf_matrix.
+  /// [half rad] Standard deviation of the vector part of the quaternion, with use_const_inf_matrix.
   double const_stddev_q = 0.1;
   /// [1/m^2] How fast variances grow with the fitness, with use_fitness_inf_matrix.
   double var_gain_a = 20.0;
@@ -80,13 +86,15 @@ struct BackEndConfig {
   double gnss_min_stddev_altitude_m = 0.1;
   /// [m] Positions with a larger horizontal standard deviation are refused.
   double gnss_max_stddev_m = 10.0;
-  /// [m] Fixes closer together share one error; their weights are reduced to that of one fix.
+  /// [m] Fixes closer together have one error in common; their weights are reduced to that of one
+  /// fix.
   double gnss_correlation_distance = 10.0;
-  /// [m] Least extent of the track before it is turned to East-North-Up.
+  /// [m] Least extent of the track before it is aligned to East-North-Up.
   double gnss_alignment_distance = 5.0;
-  /// [deg] The heading must be known this well before the track is turned to East-North-Up.
+  /// [deg] Largest standard deviation of the heading with which the track is aligned to East-North-
+  /// Up.
   double gnss_alignment_stddev_deg = 3.0;
-  /// Correct GNSS stamps that are late or early beside odometry.
+  /// Correct GNSS stamps that are late or early relative to odometry.
   bool estimate_gnss_time_offset = true;
 
   /// Whether the tilt of the IMU's orientation keeps the map level.
@@ -95,12 +103,13 @@ struct BackEndConfig {
   bool enable_imu_heading = false;
   /// Whether the measured acceleration, as gravity, keeps the map level.
   bool enable_imu_acceleration = false;
-  /// [deg] Of the tilt at one key frame, at most: down to a quarter of it where the tilt agrees
-  /// with odometry.
+  /// [deg] Upper limit of the standard deviation of the tilt at one key frame. It is reduced, but
+  /// not below a quarter, where the tilt agrees with odometry.
   double imu_orientation_stddev_deg = 2.0;
-  /// [deg] Of the heading at one key frame; larger than the IMU's, because neighbours share errors.
+  /// [deg] Standard deviation of the heading at one key frame; larger than that of the IMU, because
+  /// neighbours have errors in common.
   double imu_heading_stddev_deg = 2.0;
-  /// [deg] Of the vertical by acceleration at one key frame; motion adds to it.
+  /// [deg] Standard deviation of the vertical by acceleration at one key frame; motion adds to it.
   double imu_acceleration_stddev_deg = 5.0;
 
   /// Floors of successive key frames as one plane each (safe on slopes), or all floors as a single
@@ -113,17 +122,18 @@ struct BackEndConfig {
 
   /// Kernel of odometry constraints.
   pose_graph::RobustKernel odometry_robust_kernel = pose_graph::RobustKernel::kNone;
-  /// Kernel of the loops that are believed.
+  /// Kernel of the loops that are used.
   pose_graph::RobustKernel loop_robust_kernel = pose_graph::RobustKernel::kHuber;
-  /// Kernel of the GNSS positions that are believed.
+  /// Kernel of the GNSS positions that are used.
   pose_graph::RobustKernel gnss_robust_kernel = pose_graph::RobustKernel::kHuber;
   /// Kernel of orientations, headings and accelerations.
   pose_graph::RobustKernel imu_robust_kernel = pose_graph::RobustKernel::kHuber;
   /// Kernel of floors.
   pose_graph::RobustKernel floor_robust_kernel = pose_graph::RobustKernel::kCauchy;
-  /// [standard deviations] Where the kernels begin to bend.
+  /// [standard deviations] Scale of the kernels: larger residuals get less weight.
   double robust_kernel_size = 3.0;
 
+  /// Names, ranges, units and descriptions of all parameters.
   static const config::Schema<BackEndConfig>& schema();
 };
 

@@ -7,16 +7,17 @@
 
 namespace lidar_mapping::back_end {
 
-/// How far the same key frames lie from each other in two states of a map.
+/// Distances between the positions of the same key frames in two states of a map.
 struct PoseChange {
-  std::size_t key_frames = 0;  ///< that are in both
-  double mean = 0.0;           ///< m
-  double largest = 0.0;        ///< m
-  KeyFrameIndex farthest = 0;  ///< the key frame that moved by `largest`
-  Stamp stamp = 0;             ///< of that key frame
+  std::size_t key_frames = 0;  ///< number of key frames that are in both states
+  double mean = 0.0;           ///< mean distance, m
+  double largest = 0.0;        ///< largest distance, m
+  KeyFrameIndex farthest = 0;  ///< key frame with the largest distance
+  Stamp stamp = 0;             ///< stamp of that key frame
 };
 
-/// Joined by index; both ordered by it, as KeyFramePoses are.
+/// Compares two states of a map. The key frames are paired by index; both inputs must be ordered by
+/// index, as KeyFramePoses are.
 PoseChange change_between(const KeyFramePoses& before, const KeyFramePoses& after);
 
 }  // namespace lidar_mapping::back_end

@@ -8,18 +8,23 @@
 
 namespace lidar_mapping::back_end {
 
-/// How well the graph knows key frames if one of them were known exactly: by odometry alone, or by
-/// all that it believes (loops, GNSS, floors). Being made takes about as long as one step of the
-/// solver, each question much less. What no constraint ties to that key frame has a standard
-/// deviation of a kilometre.
+/// Covariances of key frames relative to one key frame, which is taken as known exactly. The
+/// constructor takes about as long as one step of the solver, each query much less. A key frame
+/// that no constraint connects with the known one has a standard deviation of one kilometre.
 class RelativeCovariance {
  public:
-  enum class Given { kOdometry, kAll };
+  /// Constraints that are taken into account.
+  enum class Given {
+    kOdometry,  ///< odometry alone
+    kAll        ///< all constraints that the graph uses: odometry, loops, GNSS, IMU, floors
+  };
 
+  /// Factorises the information matrix with key frame `from` known.
   RelativeCovariance(const OptimizationProblem& problem, KeyFrameIndex from, Given given);
   ~RelativeCovariance();
 
-  /// In the axes of `to`. None for an unknown key frame.
+  /// Covariance of key frame `to` in its own axes, m and rad. Empty for an unknown key frame, or if
+  /// the graph cannot be solved.
   std::optional<Covariance6> of(KeyFrameIndex to) const;
 
  private:

@@ -8,44 +8,50 @@
 #include <vector>
 
 #include "lidar_mapping/common/nameless_file.hpp"
-#include "lidar_mapping/loop_closing/birds_eye.hpp"
+#include "lidar_mapping/loop_closing/birds_eye_view.hpp"
 #include "lidar_mapping/loop_closing/coarse_key.hpp"
 #include "lidar_mapping/loop_closing/spectrum_descriptor.hpp"
 
 namespace lidar_mapping::loop_closing {
 
-/// How a key frame's surroundings look: about 8 kB.
+/// The appearance of the surroundings of a key frame, about 8 kB.
 struct Appearance {
-  BirdsEye view;
-  SpectrumDescriptor descriptor;
+  BirdsEyeView view;              ///< occupied cells, seen from above
+  SpectrumDescriptor descriptor;  ///< descriptor computed from these cells
 };
 
-/// Of the points of a key frame in base_link.
+/// Computes the appearance from the points of a key frame in base_link, m.
 Appearance appearance_of(const std::vector<Eigen::Vector3f>& points);
 
-/// All appearances of a drive. Grows by one per key frame, is never rebuilt, and is searched by a
-/// linear scan over coarse keys: some hundred bytes of memory for each. The rest is in a nameless
-/// file. Throws FileError.
+/// The appearances of all key frames of a drive. One is appended per key frame; the index is never
+/// rebuilt. A search goes linearly over coarse keys of some hundred bytes each, which are held in
+/// memory. The full appearances are in a temporary file without a name. All functions throw
+/// FileError.
 class AppearanceIndex {
  public:
-  /// The file is made in that folder with the first appearance.
+  /// The file is created in `directory` with the first appearance.
   explicit AppearanceIndex(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// The next node's; empty if it has no cloud.
+  /// Appends the appearance of the next node; empty if the node has no cloud.
   void append(const std::optional<Appearance>& appearance);
+  /// The appearance of a node, read from the file; empty if there is none.
   std::optional<Appearance> operator[](std::size_t node) const;
 
-  /// The nodes that look most like the newest one among those that `admits`, best first.
-  std::vector<std::size_t> similar_to_newest(const std::function<bool(std::size_t)>& admits) const;
+  /// The nodes most similar to the newest one, best first. Only nodes for which `is_admissible`
+  /// returns true are considered.
+  std::vector<std::size_t> similar_to_newest(
+      const std::function<bool(std::size_t)>& is_admissible) const;
 
  private:
   SpectrumDescriptor::Key key_of(std::size_t node) const;
-  std::vector<std::size_t> perhaps_nearest(const std::function<bool(std::size_t)>& admits) const;
-  std::vector<std::size_t> nearest_keys(const std::function<bool(std::size_t)>& admits) const;
+  std::vector<std::size_t> possible_nearest(
+      const std::function<bool(std::size_t)>& is_admissible) const;
+  std::vector<std::size_t> nearest_keys(
+      const std::function<bool(std::size_t)>& is_admissible) const;
 
   std::filesystem::path directory_;
   std::unique_ptr<NamelessFile> file_;
-  std::vector<std::optional<CoarseKey>> coarse_;
+  std::vector<std::optional<CoarseKey>> coarse_keys_;
 };
 
 }  // namespace lidar_mapping::loop_closing

@@ -12,22 +12,27 @@
 
 namespace lidar_mapping::loop_closing {
 
+/// Points in base_link, m.
 using Points = std::vector<Eigen::Vector3f>;
+/// Shared points that do not change.
 using PointsPtr = std::shared_ptr<const Points>;
 
-/// What the search makes of a key frame's cloud alone, whatever else it knows.
+/// The data that the loop search computes from the cloud of a key frame alone.
 struct PreparedKeyFrame {
-  PointsPtr points;  ///< thinned as those of a submap, in base_link
-  std::optional<Appearance> appearance;
+  PointsPtr points;                      ///< thinned as for a submap, in base_link; may be null
+  std::optional<Appearance> appearance;  ///< appearance of these points
 };
 
-/// Makes it, so that it can be done ahead, beside the search for the key frame before. One thread
-/// calls it.
+/// Computes PreparedKeyFrame. It can run in another thread while the previous key frame is
+/// searched. Each object must be called from one thread.
 class KeyFramePreparation {
  public:
+  /// Uses map_filter and map_leaf_size of the configuration.
   explicit KeyFramePreparation(const LoopClosingConfig& config);
 
+  /// Thins a cloud in base_link and describes its appearance.
   PreparedKeyFrame prepare(const PointCloud& cloud);
+  /// Only thins the cloud.
   PointsPtr thinned(const PointCloud& cloud);
 
  private:

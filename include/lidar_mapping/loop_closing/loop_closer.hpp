@@ -13,39 +13,44 @@
 
 namespace lidar_mapping::loop_closing {
 
+/// The result for one key frame.
 struct LoopClosingResult {
-  std::vector<Loop> loops;            ///< accepted ones
-  std::vector<LoopVerdict> verdicts;  ///< of every candidate, accepted or not
+  std::vector<Loop> loops;            ///< accepted loops
+  std::vector<LoopVerdict> verdicts;  ///< one per matched candidate, accepted or not
 };
 
-/// Finds key frames that see a place again: candidates from the optimised positions, from GNSS and
-/// from appearance, each verified by matching the key frame against a submap
-/// (doc/loop_closing.md). It alone decides whether two key frames see the same place; whether the
-/// graph believes it is the back end's business. One thread calls it; clouds come from the source.
+/// Finds loops: pairs of key frames that observe the same location (doc/loop_closing.md).
+/// Candidates come from optimised positions, from GNSS and from appearance. Each candidate is
+/// verified by matching the key frame with a submap. This class decides whether two key frames
+/// observe the same location; the back end decides whether the graph uses the loop. The class must
+/// be called from one thread. It reads clouds from a CloudSource.
 class LoopCloser {
  public:
-  /// `clouds` must outlive this object. What is not needed all the time is put aside in a nameless
-  /// file in that folder. Throws FileError where that fails, also later.
+  /// `clouds` must outlive this object. Appearances are stored in a temporary file without a name
+  /// in `directory`. The constructor and process() throw FileError if the file cannot be used.
   LoopCloser(const LoopClosingConfig& config, CloudSource& clouds,
              const std::filesystem::path& directory = std::filesystem::temp_directory_path());
   ~LoopCloser();
 
-  /// Where the LiDAR sits in base_link (m), for the free-space check; the origin if never told.
+  /// Sets the position of the LiDAR in base_link (m) for the free-space check. The default is the
+  /// origin.
   void set_sensor_origin(const Eigen::Vector3d& p_base_lidar);
-  /// After a restart: the key frames of before, in their order, and then what was known of them.
-  /// Like process(), but without a search.
+  /// Adds a key frame of an earlier run without searching for loops. After a restart, first all key
+  /// frames are restored by increasing index, then the loops, positions and poses.
   void restore(const KeyFrame& key_frame);
+  /// Adds the loops, positions and poses of the restored key frames.
   void restore(const std::vector<Loop>& loops, const std::vector<GnssPosition>& gnss,
                const KeyFramePoses& poses);
-  /// A loop that the map holds and that this search did not find.
+  /// Adds a loop of the map that this search did not find, such as a manual one.
   void add_loop(const Loop& loop);
 
-  /// The newest poses from the back end. They replace what odometry said of these key frames.
+  /// Updates the poses of key frames to those of the back end. They replace the poses predicted by
+  /// odometry.
   void update_poses(const KeyFramePoses& poses);
-  /// A position at the stamp of a key frame (before or after the key frame itself).
+  /// Adds a position whose stamp is that of a key frame; it may come before or after the key frame.
   void add_gnss(const GnssPosition& position);
-  /// Takes a key frame in (indices increase) and searches for a loop when it is due. What was not
-  /// prepared of its cloud is made now.
+  /// Adds a key frame and searches for loops if a search is due. `prepared` may hold data that were
+  /// computed in advance; the rest is computed now. Throws InputError unless indices increase.
   LoopClosingResult process(const KeyFrame& key_frame, const PreparedKeyFrame& prepared = {});
 
  private:

@@ -7,49 +7,54 @@
 namespace lidar_mapping::loop_closing {
 
 /// How the points of a cloud are thinned before matching.
-enum class FilterMethod { kVoxel, kNone };
+enum class FilterMethod {
+  kVoxel,  ///< mean of the points in each voxel
+  kNone    ///< all points
+};
 
-/// How a scan is aligned with a submap: this package's own point-to-plane registration, or one of
-/// the methods of the stage registration.
+/// The registration method that aligns a scan with a submap: the point-to-plane method of this
+/// stage, or a method of the stage registration.
 struct LoopMethod {
-  bool point_to_plane = true;
-  registration::Method other = registration::Method::kNdt;
+  bool point_to_plane = true;  ///< use the point-to-plane method of this stage
+  registration::Method other = registration::Method::kNdt;  ///< method used otherwise
 
+  /// True if both name the same method.
   friend bool operator==(const LoopMethod& a, const LoopMethod& b) {
     return a.point_to_plane == b.point_to_plane && (a.point_to_plane || a.other == b.other);
   }
 };
 
-/// Parameters of the stage; each is described once, in schema().
+/// Parameters of loop closing. schema() describes each of them once; the comments here repeat it.
 struct LoopClosingConfig {
   // When to search.
   /// [key frames] Search at most every so many key frames.
   int loop_step = 2;
-  /// [m] Way to drive after an accepted loop before the next search.
+  /// [m] Distance to travel after an accepted loop before the next search.
   double min_edge_interval = 5.0;
   // Where to search.
   /// Candidates from the newest estimate of the trajectory.
   bool position_candidates = true;
   /// Candidates from GNSS positions.
   bool gnss_candidates = true;
-  /// Candidates from what the surroundings look like from above.
+  /// Candidates from the appearance of the surroundings from above.
   bool appearance_candidates = true;
   /// [key frames] Least gap between the indices of two key frames of a loop.
   int diff_num = 15;
-  /// [m] Least way driven between two key frames of a loop.
+  /// [m] Least distance travelled between two key frames of a loop.
   double accum_distance_thresh = 50.0;
   /// [m] Radius of the search where positions are certain; it grows with the uncertainty.
   double detect_area = 10.0;
   /// [m] Limit of the radius of the search, however uncertain the positions are.
   double distance_thresh = 1000.0;
-  /// [m/m] Standard deviation of the estimate's horizontal drift per way driven.
+  /// [m/m] Standard deviation of the estimate's horizontal drift per distance travelled.
   double horizontal_drift = 0.01;
-  /// [m/m] Standard deviation of the height after 1 km; it grows with the power 1.5 of the way.
+  /// [m/m] Standard deviation of the height after 1 km; it grows with the power 1.5 of the
+  /// distance.
   double vertical_drift = 0.003;
-  /// [deg per 100 m] Standard deviation of the estimate's rotation drift per way driven.
+  /// [deg per 100 m] Standard deviation of the estimate's rotation drift per distance travelled.
   double rotation_drift_deg = 1.0;
-  /// How many of the best candidates of one search are matched at most; where the estimate knows
-  /// the place to a metre, the first that is accepted ends the search.
+  /// How many of the best candidates of one search are matched at most; if the estimate is certain
+  /// to about a metre, the first accepted one ends the search.
   int max_registrations = 2;
   // What to match.
   /// [key frames] The submap of an old key frame reaches so many key frames to either side.
@@ -62,17 +67,19 @@ struct LoopClosingConfig {
   double map_leaf_size = 0.4;
   /// [m] Edge of the scan's voxels.
   double scan_leaf_size = 0.4;
-  /// How a scan is aligned with a submap: POINT_TO_PLANE is the package's own way for loops, from
-  /// coarse to fine; the reg_ parameters are for the others.
+  /// How a scan is aligned with a submap: POINT_TO_PLANE is the package's own method for loops,
+  /// from coarse to fine; the reg_ parameters are for the others.
   LoopMethod registration_method;
   /// Parameters of the other methods; its method and range of fitness are not used.
   registration::RegistrationConfig registration;
-  // What to believe.
-  /// [m] Key frames that lie further apart share too little to be worth a loop.
+  // What to accept.
+  /// [m] Key frames that are further apart have too little overlap for a loop.
   double max_loop_distance = 7.5;
-  /// A loop needs more overlap above ground minus twice the free-space violation.
+  /// The overlap above ground minus twice the free-space violation of a loop must be larger than
+  /// this.
   double overlap_margin_limit = 0.5;
-  /// A loop needs walls that pin it in every horizontal direction better than this.
+  /// The horizontal eigenvalue of a loop must be larger than this: walls determine it in all
+  /// directions.
   double eigenvalue_limit = 0.02;
   /// [points] With fewer points above ground a candidate stays undecided.
   int min_tested_points = 300;
@@ -82,13 +89,14 @@ struct LoopClosingConfig {
   double fitness_score_limit = 1.0;
   /// [m] Points without a partner within this range do not count in the fitness.
   double fitness_score_max_range = 2.0;
-  /// [m] Two segments without a known relation join once loops agree over such a way.
+  /// [m] Two unconnected segments are connected once loops agree over such a path length.
   double unanchored_stretch = 100.0;
-  /// [m] A loop's standard deviation in translation is never stated smaller.
+  /// [m] Lower limit of a loop's standard deviation in translation.
   double min_stddev_x = 0.05;
-  /// [rad] A loop's standard deviation in rotation is never stated smaller.
+  /// [rad] Lower limit of a loop's standard deviation in rotation.
   double min_stddev_q = 0.002;
 
+  /// Names, ranges, units and descriptions of all parameters.
   static const config::Schema<LoopClosingConfig>& schema();
 };
 

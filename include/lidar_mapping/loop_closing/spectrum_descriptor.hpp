@@ -7,30 +7,35 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// What a place looks like from above, whatever the position within it and the heading: magnitude
-/// spectra of the occupancy, projected on 60 directions (Radon transform; doc/loop_closing.md).
+/// Descriptor of a location in a bird's-eye view that hardly depends on the position within the
+/// location: magnitude spectra of the occupied cells projected onto 60 directions (Radon transform;
+/// doc/loop_closing.md). A rotation of the vehicle shifts the directions circularly.
 class SpectrumDescriptor {
  public:
-  static constexpr int kFrequencies = 40;
-  static constexpr int kDirections = 60;
-  static constexpr int kHarmonics = 8;
+  static constexpr int kFrequencies = 40;  ///< spatial frequencies, 1/128 to 40/128 per m
+  static constexpr int kDirections = 60;   ///< directions over half a turn, 3 degrees apart
+  static constexpr int kHarmonics = 8;     ///< harmonics over the directions in a key
+  /// Feature vector for a fast search.
   using Key = Eigen::Matrix<float, kFrequencies * kHarmonics, 1>;
 
   SpectrumDescriptor() = default;
-  /// Of the centres of occupied cells of 1 m (m, within 60 m of the origin).
+  /// Computes the descriptor from the centres of occupied cells of 1 m, in m, within 60 m of the
+  /// origin.
   explicit SpectrumDescriptor(const std::vector<Eigen::Vector2f>& cells);
 
-  /// Does not change when the vehicle is turned, and little when it is shifted.
+  /// The key does not change if the vehicle is rotated, and changes little if it is shifted.
   Key key() const;
 
+  /// The result of comparing two descriptors.
   struct Comparison {
-    double similarity = 0.0;  ///< at most 1
-    double yaw = 0.0;         ///< of the other in this, modulo pi, rad in [0, pi)
+    double similarity = 0.0;  ///< largest correlation over all rotations, at most 1
+    double yaw = 0.0;         ///< heading of the other in this one, known modulo pi, in [0, pi) rad
   };
+  /// Finds the rotation for which both descriptors agree best.
   Comparison compare(const SpectrumDescriptor& other) const;
 
  private:
-  /// Half precision: 4.8 kB. A column per direction.
+  /// One column per direction, in half precision: 4.8 kB.
   Eigen::Matrix<Eigen::half, kFrequencies, kDirections> values_ =
       Eigen::Matrix<Eigen::half, kFrequencies, kDirections>::Zero();
 };

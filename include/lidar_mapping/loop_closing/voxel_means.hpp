@@ -11,43 +11,49 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Thins points while they come: the mean of those in each voxel, in the order of the voxels' first
-/// points. Positions alone, in single precision, and memory that serves again and again.
+/// Voxel filter that takes points one by one. The result is the mean of the points in each voxel,
+/// in the order of the voxels' first points. It filters positions only, in single precision, and
+/// reuses its memory.
 class VoxelMeans {
  public:
+  /// Keeps every point until reset() sets an edge length.
   VoxelMeans();
 
-  /// Forgets all points. `leaf`: edge of a voxel, m; with 0 every point stays.
-  void restart(double leaf);
-  /// Points that are not finite, or further from the origin than any LiDAR sees, are left out.
+  /// Removes all points. `leaf` is the edge length of a voxel, m; with 0 every point is kept.
+  void reset(double leaf);
+  /// Adds a point. Points that are not finite, or that are further than 50 km from the origin along
+  /// an axis, are ignored.
   void add(const Eigen::Vector3f& p);
+  /// The mean of each voxel, m.
   std::vector<Eigen::Vector3f> points();
 
  private:
   struct Voxel {
     VoxelKey key;
     float count;
-    Eigen::Vector3f sum;  // of the offsets from the corner of the cell: small, so float will do
+    Eigen::Vector3f
+        sum;  // of the offsets from the corner of the cell: small, so that float is precise enough
   };
-  /// A point on its way to its voxel. A few wait for each other: the processor often guesses wrong
-  /// where one of them goes, and then it should not have begun with the numbers of the next ones.
-  struct Waiting {
+  /// A point that is not added to its voxel yet. Points are added in small batches: the processor
+  /// often mispredicts the branches of the hash table, and the computation of the next keys should
+  /// not be lost with each misprediction.
+  struct PendingPoint {
     VoxelKey key;
     Eigen::Vector3f offset;
   };
-  static constexpr std::size_t kWaiting = 32;
+  static constexpr std::size_t kMaxPending = 32;
 
-  void flush();
+  void process_pending();
   std::uint32_t find_or_add(VoxelKey key);
   std::uint32_t& slot_of(VoxelKey key);
   void grow();
 
   float leaf_ = 0.0F;
-  float per_leaf_ = 0.0F;
-  std::array<Waiting, kWaiting> waiting_;
-  std::size_t waiting_count_ = 0;
+  float inverse_leaf_ = 0.0F;
+  std::array<PendingPoint, kMaxPending> pending_;
+  std::size_t pending_count_ = 0;
   std::vector<Voxel> voxels_;
-  std::vector<std::uint32_t> slots_;  // a hash table with linear probing, at most half full
+  std::vector<std::uint32_t> slots_;  // hash table with linear probing, at most half full
 };
 
 }  // namespace lidar_mapping::loop_closing

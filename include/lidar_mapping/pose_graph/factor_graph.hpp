@@ -12,68 +12,79 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// Rows that a residual may have: as many as a pose has degrees of freedom.
-constexpr int kMostRows = 6;
+/// Largest number of rows of a residual: the degrees of freedom of a pose.
+constexpr int kMaxResidualRows = 6;
 
-/// A whitened residual of 1 to kMostRows rows on one or two nodes.
+/// A constraint (factor) of the graph: a whitened residual of 1 to kMaxResidualRows rows on one or
+/// two nodes.
 struct Constraint {
-  CostPtr residual;
-  int first = 0;
-  int second = -1;                            ///< -1: a constraint on one node
-  bool switchable = false;                    ///< may be refused when the others contradict it
-  RobustKernel kernel = RobustKernel::kNone;  ///< where it is believed
-  double kernel_size = 1.0;                   ///< standard deviations
-  /// May be wrong by far more than it says: has the least weight while others are judged.
+  CostPtr residual;                           ///< residual with its derivatives, residuals.hpp
+  int first = 0;                              ///< number of the first node
+  int second = -1;                            ///< number of the second node; -1: none
+  bool switchable = false;                    ///< may be refused if the others contradict it
+  RobustKernel kernel = RobustKernel::kNone;  ///< kernel while it is used
+  double kernel_size = 1.0;                   ///< scale of the kernel, standard deviations
+  /// Its error may be much larger than its covariance allows. It has the least weight while the
+  /// switchable constraints are evaluated.
   bool doubtful = false;
 
+  /// Number of rows of the residual.
   int degrees_of_freedom() const { return residual->num_residuals(); }
 };
 
-/// Nodes with their present states and what ties them. The core of the back end: it knows nothing
-/// of odometry, loops or GNSS.
+/// Factor graph (Dellaert & Kaess 2017): nodes with their current states, and the constraints
+/// between them. It is independent of where the constraints come from.
 struct FactorGraph {
-  bool planar = false;
-  std::vector<StateBlock> states;
-  std::vector<bool> held;  ///< nodes that do not move
-  std::vector<Constraint> constraints;
+  bool planar = false;                  ///< the states are x y yaw instead of 3D poses
+  std::vector<StateBlock> states;       ///< current state of each node
+  std::vector<bool> fixed;              ///< nodes whose states are constant
+  std::vector<Constraint> constraints;  ///< all constraints, used or not
 
-  int add_node(const Pose& pose, bool hold = false);
-  /// Throws InputError unless the constraint has 1 to kMostRows rows, a block for each of its nodes
-  /// in the size of this graph's states, and nodes that are there already.
+  /// Adds a node with a start pose and returns its number. A fixed node keeps its state.
+  int add_node(const Pose& pose, bool is_fixed = false);
+  /// Adds a constraint. Throws InputError unless its residual has 1 to kMaxResidualRows rows and
+  /// one parameter block per node in the size of this graph's states, and the nodes exist already.
   void add(Constraint constraint);
+  /// Current pose of a node.
   Pose pose(int node) const;
+  /// Replaces the state of a node; planar graphs take x, y and yaw of the pose.
   void set_pose(int node, const Pose& pose);
 };
 
-/// Squared whitened norm of a constraint at the present states.
+/// Squared norm of a whitened residual at the current states, without kernel.
 double chi2(const FactorGraph& graph, const Constraint& constraint);
-/// Sum over the constraints that `used` marks: g2o's chi2, without kernels.
+/// Sum of chi2() over the constraints with `used` true, as g2o reports it.
 double total_chi2(const FactorGraph& graph, const std::vector<bool>& used);
 
-/// How a minimisation is run; the defaults are a Gauss-Newton that falls back on damping.
+/// Settings of a minimisation. With the defaults, Gauss-Newton steps are tried first and damped
+/// steps only if these fail.
 struct MinimizerSettings {
-  int max_iterations = 50;
-  /// Of the trust region. From 1e10 on it does not bind, and undamped steps are tried first.
+  int max_iterations = 50;  ///< limit for the number of steps
+  /// Initial radius of the trust region, in the units of the states. From 1e10 on the steps are not
+  /// limited, and undamped steps are tried first.
   double initial_radius = 1e10;
-  /// Relative to the cost: ends when further steps can be expected to gain less than this.
+  /// The minimisation ends if the next steps are expected to lower the cost by less than this
+  /// fraction.
   double tolerance = 1e-7;
 };
 
+/// Result of a minimisation.
 struct MinimizerSummary {
-  double initial_cost = 0.0;  ///< chi2, with kernels where there are
-  double final_cost = 0.0;
-  int iterations = 0;
-  bool usable = false;  ///< false where the solver failed; the states are then as before
-  std::string message;
+  double initial_cost = 0.0;  ///< chi2 at the start, with the losses
+  double final_cost = 0.0;    ///< chi2 at the end, with the losses
+  int iterations = 0;         ///< number of steps, also of refused ones
+  bool usable = false;        ///< false if the solver failed; the states are then unchanged
+  std::string message;        ///< why the minimisation ended
 };
 
-/// The loss of a constraint during one minimisation; null for least squares. The caller owns it.
+/// Gives the loss function of a constraint during one minimisation; null for least squares. The
+/// caller keeps the ownership.
 using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
 
-/// Moves the nodes to the least sum over the `used` constraints: by the package's own Gauss-Newton
-/// (gauss_newton.hpp) where the trust region does not bind; where that fails to lower the cost, or
-/// where damping is asked for, by Levenberg-Marquardt in Ceres. Both factorise by a sparse
-/// Cholesky.
+/// Minimises the cost of the constraints with `used` true and updates the states. Gauss-Newton
+/// steps (gauss_newton.hpp) are used if the trust region does not limit them. If these fail, or if
+/// the settings ask for damping, Ceres solves by Levenberg-Marquardt (Nocedal & Wright 2006). Both
+/// use a sparse Cholesky factorisation.
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings);
 

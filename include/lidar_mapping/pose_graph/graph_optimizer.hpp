@@ -9,32 +9,34 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// What a pose graph from a file is solved under.
+/// How a pose graph from a file is solved.
 struct GraphOptions {
-  /// On loops (edges between ids that are not neighbours); kNone is plain least squares.
+  /// Kernel of the loops, which are the edges between ids that do not differ by 1. kNone is least
+  /// squares.
   RobustKernel kernel = RobustKernel::kNone;
-  double kernel_size = 1.0;  ///< standard deviations
-  /// Decide which loops to believe (solve_graduated); the kernel then has no effect.
+  double kernel_size = 1.0;  ///< scale of the kernel, standard deviations
+  /// Decide which loops to use (solve_graduated()). The loops that are used keep their kernel.
   bool graduated = false;
-  /// Relative to the cost: ends with the step that is expected to gain less. Without effect on
-  /// `graduated`, whose rounds have tolerances of their own.
+  /// The solver ends if the next steps are expected to lower the cost by less than this fraction.
+  /// It has no effect with `graduated`, which has fixed tolerances.
   double tolerance = 5e-4;
 };
 
+/// The result of optimize() in figures.
 struct GraphReport {
-  double initial_cost = 0.0;  ///< g2o's chi2 of all edges, at the file's poses
-  double start_cost = 0.0;    ///< at the start values
-  double final_cost = 0.0;    ///< of the edges that are believed
-  int iterations = 0;
-  bool success = false;
-  std::string start;                 ///< chordal, file or odometry
-  std::vector<std::size_t> refused;  ///< edges that the others contradict
-  std::string message;
+  double initial_cost = 0.0;         ///< chi2 of all edges at the poses of the file
+  double start_cost = 0.0;           ///< chi2 of all edges at the start values
+  double final_cost = 0.0;           ///< chi2 of the used edges at the solution
+  int iterations = 0;                ///< number of steps
+  bool success = false;              ///< false if the solver failed
+  std::string start;                 ///< source of the start values: chordal, file or odometry
+  std::vector<std::size_t> refused;  ///< numbers of the edges that the others contradict
+  std::string message;               ///< why the solver ended
 };
 
-/// Moves the nodes to the least cost; the first one is held. Least squares starts from the chordal
-/// relaxation, robust solving from the odometry chain, because a single false loop spoils the
-/// former.
+/// Minimises the cost of the graph and updates its poses; the first node is fixed. Least squares
+/// starts from the chordal relaxation. Robust solving starts from the odometry chain, because a
+/// single false loop distorts the chordal relaxation.
 GraphReport optimize(PoseGraph& graph, const GraphOptions& options = {});
 
 }  // namespace lidar_mapping::pose_graph

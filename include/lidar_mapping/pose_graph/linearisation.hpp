@@ -9,23 +9,25 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// A constraint at the present states: its whitened residual and the derivatives with respect to
-/// its nodes' tangents (those of a second node are zero where there is none).
-struct Linearised {
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd first;
-  Eigen::MatrixXd second;
+/// A constraint at the current states. The derivatives are with respect to the updates of
+/// tangent.hpp.
+struct LinearisedConstraint {
+  Eigen::VectorXd residual;  ///< whitened residual
+  Eigen::MatrixXd first;     ///< derivative by the first node, 6 columns
+  Eigen::MatrixXd second;    ///< derivative by the second node, 6 columns; 0 if there is none
 };
-Linearised linearised(const FactorGraph& graph, const Constraint& constraint);
+/// Linearises one constraint of a graph of 3D poses, without kernel.
+LinearisedConstraint linearise(const FactorGraph& graph, const Constraint& constraint);
 
-/// By what its kernel multiplies the pull of a constraint with this whitened residual.
-double kernel_slope(const Constraint& constraint, const Eigen::VectorXd& residual);
+/// Weight of a constraint under its kernel, 0 to 1: the derivative of the loss by the squared norm
+/// of the whitened residual.
+double kernel_weight(const Constraint& constraint, const Eigen::VectorXd& residual);
 
-/// The information matrix of all marked constraints at the present states, without kernels; but a
-/// doubtful constraint tells as little as its kernel has left of it. There is room in it for
-/// `more_pairs` of nodes, too.
+/// The information matrix of all selected constraints at the current states. Kernels are ignored,
+/// except that a doubtful constraint is weighted by kernel_weight(). The pattern also contains
+/// `more_pairs` of nodes.
 std::unique_ptr<BlockCholesky<6>> information_matrix(
-    const FactorGraph& graph, const std::vector<bool>& marked,
+    const FactorGraph& graph, const std::vector<bool>& selected,
     const std::vector<std::pair<int, int>>& more_pairs = {});
 
 }  // namespace lidar_mapping::pose_graph

@@ -10,34 +10,37 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// How a residual's pull ends when it grows. The size is in standard deviations.
+/// Robust kernels: how the influence of a residual is limited when it grows. Their sizes are in
+/// standard deviations; the formulas are in doc/back_end.md.
 enum class RobustKernel {
-  kNone,
-  kHuber,
-  kPseudoHuber,
-  kCauchy,
-  kDcs,
-  kFair,
-  kGemanMcClure,
-  kSaturated,
-  kTukey,
-  kWelsch
+  kNone,          ///< least squares
+  kHuber,         ///< quadratic up to the size, linear beyond (Huber 1964)
+  kPseudoHuber,   ///< smooth approximation of Huber's kernel
+  kCauchy,        ///< grows with the logarithm
+  kDcs,           ///< dynamic covariance scaling (Agarwal et al. 2013)
+  kFair,          ///< grows linearly, with continuous derivatives
+  kGemanMcClure,  ///< bounded, the influence falls to zero
+  kSaturated,     ///< quadratic up to the size, constant beyond
+  kTukey,         ///< biweight: bounded, no influence beyond the size
+  kWelsch         ///< bounded, the influence falls exponentially
 };
 
-/// The names in configuration files and on command lines, with their kernels: those of g2o and
-/// hdl_graph_slam. Case does not matter where they are read.
+/// The names of all kernels in configuration files and on command lines. They are those of g2o and
+/// hdl_graph_slam. Upper and lower case are not distinguished when a name is read.
 const std::vector<std::pair<std::string, RobustKernel>>& robust_kernel_names();
 
-/// The kernel of a name, in any case. Throws InputError with all names for another one.
+/// The kernel with this name in upper or lower case. Throws InputError with a list of all names if
+/// there is none.
 RobustKernel robust_kernel_of(const std::string& name);
 
-/// The kernel as a loss on the squared whitened norm; null for kNone. `size` is where it starts to
-/// bend: the scale c of doc/back_end.md; for DCS (Agarwal 2013) and Geman-McClure its square is the
-/// constant Phi and c^2 there. All have slope 1 at zero.
+/// The kernel as a loss function of the squared whitened norm; null for kNone. `size` is the scale
+/// c of doc/back_end.md in standard deviations; its square is the constant Phi of DCS. The
+/// derivative of all losses is 1 at zero.
 std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double size);
 
-/// The 99 % quantile of chi-square with 1 to 6 degrees of freedom: above it a constraint counts as
-/// contradicted by the others. Throws InputError for another number.
-double contradiction_limit(int degrees_of_freedom);
+/// The 99 % quantile of the chi-square distribution with 1 to 6 degrees of freedom. The limits
+/// above which other constraints contradict a constraint are derived from it. Throws InputError for
+/// other degrees of freedom.
+double chi2_limit(int degrees_of_freedom);
 
 }  // namespace lidar_mapping::pose_graph

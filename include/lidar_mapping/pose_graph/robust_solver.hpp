@@ -5,29 +5,31 @@
 
 namespace lidar_mapping::pose_graph {
 
+/// The result of a robust solution; the states are in the graph.
 struct RobustSolution {
-  std::vector<bool> used;    ///< per constraint; false: refused, the others contradict it
+  std::vector<bool> used;    ///< per constraint; false: not used, or refused
   double cost_before = 0.0;  ///< chi2 of the used constraints at the start
-  double cost_after = 0.0;
-  int iterations = 0;
-  bool success = false;
-  std::string message;
+  double cost_after = 0.0;   ///< chi2 of the used constraints at the end
+  int iterations = 0;        ///< number of steps in all rounds
+  bool success = false;      ///< false if the minimisation failed
+  std::string message;       ///< why the last minimisation ended
 };
 
-/// The graph with every constraint that `used` marks, each under its own kernel, from the present
-/// states.
-RobustSolution solve_as_marked(FactorGraph& graph, std::vector<bool> used,
-                               const MinimizerSettings& settings = {});
+/// Solves with all constraints whose entry in `used` is true, each under its own kernel, starting
+/// from the current states.
+RobustSolution solve_selected(FactorGraph& graph, std::vector<bool> used,
+                              const MinimizerSettings& settings = {});
 
-/// Decides which switchable constraints to believe and solves with them: Cauchy, then dynamic
-/// covariance scaling, then refusal above twice the 99 % quantile and least squares, in rounds in
-/// which refused ones may return. Starts from the present states, which should follow the
-/// constraints that are not switchable (the odometry chain): those are what the others are judged
-/// by.
+/// Decides which switchable constraints to use, and solves with them (graduated solving, after Yang
+/// et al. 2020). The switchable constraints are first under Cauchy kernels, then under dynamic
+/// covariance scaling. Then those above twice chi2_limit() are refused and the others are solved
+/// under their own kernels; this is repeated, and a refused constraint may be used again. The start
+/// states must follow the constraints that are not switchable (the odometry chain), because the
+/// switchable ones are compared with these.
 RobustSolution solve_graduated(FactorGraph& graph);
 
-/// Marks of all constraints that are not switchable, and of switchable ones that agree with the
-/// present states.
-std::vector<bool> believed(const FactorGraph& graph);
+/// For each constraint: true if it is not switchable, or if its chi2() at the current states is
+/// below twice chi2_limit().
+std::vector<bool> consistent_constraints(const FactorGraph& graph);
 
 }  // namespace lidar_mapping::pose_graph

@@ -8,29 +8,32 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// The inverse Z of a sparse symmetric positive definite matrix A = L L^T where L has entries,
-/// which is where A has them and more: by the equations of Takahashi et al. (1973), in which Z L =
-/// L^-T gives column after column of Z from those behind it. It takes about as long as the factor,
-/// while the whole inverse would be dense. See doc/back_end.md.
+/// Selected entries of the inverse Z of a sparse symmetric positive definite matrix A = L L^T:
+/// those where the factor L has entries, which includes all entries of A. The equations of
+/// Takahashi et al. (1973), Z L = L^-T, give the columns of Z from the last to the first. This
+/// takes about as long as the factorisation, while the whole inverse would be dense. See
+/// doc/back_end.md.
 class SelectedInverse {
  public:
+  /// A sparse matrix in compressed columns.
   using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
-  /// `lower` is A in the order in which it is to be eliminated; what it has above the diagonal is
-  /// not looked at. None if A is not positive definite.
+  /// Computes the entries for the matrix A, given in elimination order. Entries of `lower` above
+  /// the diagonal are ignored. Empty if A is not positive definite.
   static std::optional<SelectedInverse> of(const Matrix& lower);
 
-  /// An entry, from either side of the diagonal. Throws InputError where the factor has none.
+  /// One entry of Z, above or below the diagonal. Throws InputError if the factor has no entry
+  /// there.
   double at(int row, int column) const;
 
  private:
   explicit SelectedInverse(Matrix factor);
-  void fill_column(int column);
-  void multiply_below(int column);
+  void compute_column(int column);
+  void multiply_column(int column);
 
-  Matrix inverse_;             ///< lower triangle, at first the factor
-  std::vector<int> place_;     ///< of each row in the column that is being filled; -1: none
-  std::vector<double> below_;  ///< of that column: the product with what stands behind it
+  Matrix inverse_;                       ///< lower triangle; the factor at the beginning
+  std::vector<int> position_in_column_;  ///< of each row in the current column; -1: none
+  std::vector<double> product_;  ///< of the current column of L with the columns of Z after it
 };
 
 }  // namespace lidar_mapping::pose_graph

@@ -19,46 +19,64 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// The state of a node as Ceres sees it: x y z qx qy qz qw, or x y yaw in a planar graph.
+/// The state of a node as a parameter block of Ceres: x y z qx qy qz qw, or x y yaw in a planar
+/// graph.
 using StateBlock = std::array<double, 7>;
-constexpr int kPoseBlockSize = 7;
-constexpr int kPlanarBlockSize = 3;
+constexpr int kPoseBlockSize = 7;    ///< numbers in the state of a 3D node
+constexpr int kPlanarBlockSize = 3;  ///< numbers in the state of a planar node
 
+/// The state of a 3D node with this pose.
 StateBlock to_block(const Pose& pose);
+/// The pose of a 3D state; the quaternion is normalised.
 Pose to_pose(const double* block);
+/// The state of a planar node with x, y and yaw of this pose.
 StateBlock to_planar_block(const Pose& pose);
+/// The pose of a planar state, with z, roll and pitch zero.
 Pose to_planar_pose(const double* block);
 
-/// T * (dt, (sqrt(1 - v^2), v)) with d = (dt, v): the update of all 3D states; v is half a rotation
-/// vector for small angles, as in g2o (doc/back_end.md).
-StateBlock moved(const double* block, const double* d);
+/// The 3D state after the update d = (dt, v): T * (dt, (sqrt(1 - v^2), v)). For small angles v is
+/// half a rotation vector, as in g2o (doc/back_end.md).
+StateBlock retract(const double* block, const double* d);
 
-/// The update for Ceres. Residuals write their derivatives with respect to d into the first six
-/// columns of a seven-column Jacobian and zero into the last; the derivative of the update is
-/// therefore declared as the identity over a row of zeros, and costs nothing.
 #if LIDAR_MAPPING_CERES_HAS_MANIFOLD
+/// retract() as a manifold of Ceres. Residuals write their derivatives by d into the first six
+/// columns of a Jacobian of seven columns, and zero into the last column. The derivative of the
+/// update is therefore the identity above a row of zeros, which needs no computation.
 class TangentUpdate : public ceres::Manifold {
  public:
+  /// Numbers of a state.
   int AmbientSize() const override { return kPoseBlockSize; }
+  /// Numbers of an update.
   int TangentSize() const override { return 6; }
+  /// The state after the update d, see retract().
   bool Plus(const double* x, const double* d, double* x_plus_d) const override;
+  /// The identity above a row of zeros, 7 x 6.
   bool PlusJacobian(const double* x, double* jacobian) const override;
+  /// The update that leads from x to y.
   bool Minus(const double* y, const double* x, double* y_minus_x) const override;
+  /// The identity beside a column of zeros, 6 x 7.
   bool MinusJacobian(const double* x, double* jacobian) const override;
 };
 #else
+/// retract() as a local parameterization of Ceres. Residuals write their derivatives by d into the
+/// first six columns of a Jacobian of seven columns, and zero into the last column. The derivative
+/// of the update is therefore the identity above a row of zeros, which needs no computation.
 class TangentUpdate : public ceres::LocalParameterization {
  public:
+  /// Numbers of a state.
   int GlobalSize() const override { return kPoseBlockSize; }
+  /// Numbers of an update.
   int LocalSize() const override { return 6; }
+  /// The state after the update d, see retract().
   bool Plus(const double* x, const double* d, double* x_plus_d) const override;
+  /// The identity above a row of zeros, 7 x 6.
   bool ComputeJacobian(const double* x, double* jacobian) const override;
 };
 #endif
 
-/// Options under which the caller keeps costs, losses and updates.
-ceres::Problem::Options borrowing_problem_options();
-/// Adds a 3D state with its update.
+/// Options of a problem that does not own its cost functions, losses and manifolds.
+ceres::Problem::Options non_owning_problem_options();
+/// Adds a 3D state to a problem, with its update.
 void add_pose_block(ceres::Problem& problem, double* block, TangentUpdate& update);
 
 }  // namespace lidar_mapping::pose_graph

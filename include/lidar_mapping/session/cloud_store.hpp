@@ -11,28 +11,33 @@
 
 namespace lidar_mapping::session {
 
-/// Clouds of key frames as files 000123.pcd in a folder, with a cache of bounded size: the clouds
-/// used last stay in memory. Files appear whole or not at all. Any thread may call it.
+/// Clouds of key frames in a folder, one file such as 000123.pcd for each. A cache of bounded size
+/// holds the clouds used last in memory. A file appears only when it is complete. Thread-safe.
 class CloudStore : public CloudSource {
  public:
+  /// Default limit of the cache: 128 MiB, which are about 8 million points.
   static constexpr std::size_t kDefaultCacheBytes = std::size_t{128} << 20U;
 
-  /// The folder is made with the first cloud.
+  /// Uses `folder`, which is created with the first cloud. `cache_bytes` limits the cache.
   explicit CloudStore(std::filesystem::path folder, std::size_t cache_bytes = kDefaultCacheBytes);
 
-  /// Writes the cloud (x y z intensity; binary PCD). Throws FileError.
+  /// Writes a cloud as binary PCD file with x y z intensity, and caches it. Throws FileError.
   void put(KeyFrameIndex index, const PointCloudPtr& cloud);
-  /// Null if there is no such file or it is damaged.
+  /// The cloud of a key frame; null if its file is missing or damaged.
   PointCloudPtr cloud(KeyFrameIndex index) override;
+  /// The clouds of several key frames in the order of `indices`, read by `threads` threads.
   std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
                                     int threads) override;
 
+  /// Path of the file of a key frame, whether it exists or not.
   std::filesystem::path file(KeyFrameIndex index) const;
+  /// True if the file of the key frame exists.
   bool contains(KeyFrameIndex index) const;
-  /// True if this very cloud was put or given out lately: it need not be written again.
-  bool holds(KeyFrameIndex index, const PointCloudPtr& cloud) const;
+  /// True if this same cloud object is in the cache; then it need not be written again.
+  bool is_cached(KeyFrameIndex index, const PointCloudPtr& cloud) const;
+  /// Memory of the points in the cache.
   std::size_t cached_bytes() const;
-  /// From now on.
+  /// Changes the limit of the cache and removes the oldest clouds above it.
   void set_cache_bytes(std::size_t bytes);
 
  private:
@@ -45,16 +50,18 @@ class CloudStore : public CloudSource {
   void evict_oldest();
 
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::size_t cache_bytes_;
   std::list<Entry> newest_first_;
   std::unordered_map<KeyFrameIndex, std::list<Entry>::iterator> entries_;
   std::size_t bytes_ = 0;
 };
 
-/// Reads a PCD file with fields x y z and, if there is one, intensity. Throws FileError.
+/// Reads x y z and intensity of a PCD file; the intensity is 0 if the file has none. Throws
+/// FileError.
 PointCloud read_pcd(const std::filesystem::path& path);
-/// Writes a binary PCD file with fields x y z intensity, atomically. Throws FileError.
+/// Writes a binary PCD file with x y z intensity. The file appears only when it is complete. Throws
+/// FileError.
 void write_pcd(const std::filesystem::path& path, const PointCloud& cloud);
 
 }  // namespace lidar_mapping::session

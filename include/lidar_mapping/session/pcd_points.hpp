@@ -9,9 +9,9 @@
 
 namespace lidar_mapping::session {
 
-/// All fields of the points of a PCD file, in PCL's layout; none where the header says so. PCL
-/// decodes texts and compressed points, but gets to see no header: it would take what stands behind
-/// DATA for more of it if it looks so. Throws FileError.
+/// Reads all fields of the points of a PCD file in PCL's layout; the result is empty if the header
+/// announces no points. PCL decodes ASCII and compressed points, but does not read the header: it
+/// could take points after the line DATA for further lines of the header. Throws FileError.
 pcl::PCLPointCloud2 read_pcd_points(const std::filesystem::path& path, const PcdHeader& header);
 
 }  // namespace lidar_mapping::session

@@ -18,50 +18,62 @@
 
 namespace lidar_mapping::session {
 
-/// What the front end said of one scan.
+/// The front end's status of one scan.
 struct ScanRecord {
-  Stamp stamp = 0;
-  std::string state;  ///< tracking, degenerate, doubtful, degraded, lost or repeated
-  double fitness = 0.0;
-  double overlap = 0.0;
-  double seconds = 0.0;
-  std::int64_t scans_dropped = 0;  ///< since the start of the run
-  /// Of the way since the start, from directions that nothing observed, m; 0: not known.
+  Stamp stamp = 0;                 ///< stamp of the scan
+  std::string state;               ///< tracking, degenerate, doubtful, degraded, lost or repeated
+  double fitness = 0.0;            ///< mean squared distance of the paired points, m^2
+  double overlap = 0.0;            ///< fraction of the points with a partner, 0 to 1
+  double seconds = 0.0;            ///< computing time of the scan
+  std::int64_t scans_dropped = 0;  ///< number of scans not matched since the start
+  /// Standard deviation of the distance travelled since the start, as far as it comes from
+  /// directions that were not observed, m; 0: not known.
   double unobserved_stddev = 0.0;
-  /// What the sensor's elevations lack, as far as it was known then, rad (ElevationShift).
+  /// Error of the sensor's elevation angles as estimated at this scan, rad
+  /// (FrontEndStatus::elevation_shift).
   double elevation_shift = 0.0;
-  /// That its step is right (FrontEndStatus::probability); negative: not known.
+  /// Probability that the step to this scan is correct (FrontEndStatus::probability); negative: not
+  /// known.
   double probability = -1.0;
 };
 
-/// What one optimisation did.
+/// The result of one optimisation in figures, as in OptimizationReport.
 struct RevisionRecord {
-  std::uint32_t revision = 0;
-  std::size_t key_frames = 0;
-  std::size_t loops_used = 0;
-  std::size_t loops_refused = 0;
-  std::size_t gnss_used = 0;
-  std::size_t gnss_refused = 0;
-  double cost_before = 0.0;
-  double cost_after = 0.0;
-  double seconds = 0.0;
+  std::uint32_t revision = 0;     ///< number of the optimisation, increasing
+  std::size_t key_frames = 0;     ///< number of key frames in the graph
+  std::size_t loops_used = 0;     ///< number of loops that the graph uses
+  std::size_t loops_refused = 0;  ///< number of loops that it does not use
+  std::size_t gnss_used = 0;      ///< number of GNSS positions that the graph uses
+  std::size_t gnss_refused = 0;   ///< number of GNSS positions that it does not use
+  double cost_before = 0.0;       ///< chi2 before the optimisation, without unit
+  double cost_after = 0.0;        ///< chi2 after the optimisation, without unit
+  double seconds = 0.0;           ///< computing time
 };
 
-/// Everything that is kept of a drive, in a folder of its own: session.db (SQLite) and
-/// key_frames/000123.pcd (doc/session.md describes both). What an add_ function returned from is on
-/// the disk whole; a killed process leaves nothing half written. Nothing is ever overwritten.
-/// One thread at a time calls it, except clouds(), which any thread may use. All functions throw
-/// FileError where the disk or the database says no; the session stays as it was.
+/// All stored data of a drive, in a folder of its own: session.db (SQLite) and files such as
+/// key_frames/000123.pcd (doc/session.md describes both). When an add_ or set_ function returns,
+/// its data are stored completely; a process that is killed leaves no partial data. Existing data
+/// of sensors are never overwritten. The class may be called from one thread at a time, except
+/// clouds(), which is thread-safe. All functions throw FileError if disk or database fail; the
+/// session is then unchanged.
 class Session {
  public:
-  enum class Access { kRead, kWrite };
+  /// How a session is opened.
+  enum class Access {
+    kRead,  ///< only reading; another process may write at the same time
+    kWrite  ///< reading and writing; only one process at a time
+  };
 
-  /// Makes one event of what is added while it lives: after commit() all of it is kept, without it
-  /// nothing. Not for set_poses(), which is an event of its own.
+  /// A transaction: the data added during the lifetime of this object are stored together by
+  /// commit(), or not at all without it. set_poses() must not be called meanwhile: it is a
+  /// transaction of its own.
   class Batch {
    public:
+    /// Begins the transaction. The session must outlive it.
     explicit Batch(Session& session);
+    /// Discards the data unless commit() was called.
     ~Batch();
+    /// Stores the data.
     void commit();
 
    private:
@@ -69,63 +81,93 @@ class Session {
     std::unique_ptr<Impl> impl_;
   };
 
-  /// A new folder root/2011-10-03_12-55-34 (with -2, -3 ... where that exists), and a link
-  /// root/latest to it. Missing parents are made.
+  /// Creates a session in a new folder such as root/2011-10-03_12-55-34 (with -2, -3 ... if that
+  /// exists), and a link root/latest to it. Missing parent folders are created.
   static Session create(const std::filesystem::path& root, std::time_t now);
-  /// A session in `directory`, which must not hold one already; other files in it are left alone.
+  /// Creates a session in `directory`, which must not contain one. Other files in the folder are
+  /// not touched.
   static Session create_in(const std::filesystem::path& directory);
-  /// An existing one. With kWrite it goes on; only one process at a time may write.
+  /// Opens an existing session. A session of an older version is read as it is, and upgraded if it
+  /// is opened for writing.
   static Session open(const std::filesystem::path& directory, Access access);
 
+  /// Takes over the session of another object, which must not be used afterwards.
   Session(Session&&) noexcept;
+  /// Closes this session and takes over the other one.
   Session& operator=(Session&&) noexcept;
+  /// Closes the session.
   ~Session();
 
+  /// Folder of the session.
   const std::filesystem::path& directory() const;
+  /// The clouds of the key frames.
   CloudStore& clouds() const;
 
-  /// Writes the cloud (if it has one that clouds() does not hold) and then the row. Throws
-  /// InputError if the index is known.
+  /// Stores a key frame and its cloud. The cloud is not written if it is empty (null) or in the
+  /// cache of clouds() already. Throws InputError if the index is stored already.
   void add_key_frame(const KeyFrame& key_frame);
-  /// A loop between the same two key frames takes the place of the older one.
+  /// Stores a loop. It replaces an older loop between the same two key frames.
   void add_loop(const Loop& loop);
-  /// What a person said of the loop between the two; it stays when the loop is replaced.
+  /// Stores the decision of a person on the loop between two key frames. It is kept if the loop is
+  /// replaced.
   void set_loop_decision(KeyFrameIndex from, KeyFrameIndex to, LoopDecision decision);
+  /// Stores the verdict on a candidate or loop; earlier verdicts are kept.
   void add_verdict(const LoopVerdict& verdict);
-  // Of two data with the same stamp the first stays.
+  /// Stores a GNSS position, unless there is one with the same stamp.
   void add_gnss(const GnssPosition& position);
+  /// Stores an IMU sample in the axes of base_link, unless there is one with the same stamp.
   void add_imu(const ImuSample& sample_base);
+  /// Stores a floor in base_link, unless there is one with the same stamp.
   void add_floor(const Floor& floor);
+  /// Stores the status of a scan, unless there is one with the same stamp.
   void add_scan(const ScanRecord& scan);
-  /// T_odom_base of a scan.
+  /// Stores the pose of a scan by odometry, unless there is one with the same stamp.
   void add_odometry(Stamp stamp, const Pose& T_odom_base);
-  /// All poses of a revision. The last ten revisions are kept.
+  /// Stores all poses of a revision and the figures of its optimisation. The poses of the last ten
+  /// revisions are kept. Throws InputError if `poses` are not those of the whole map.
   void set_poses(const KeyFramePoses& poses, const RevisionRecord& record);
 
-  /// Name of the run as it stands in messages; empty if unknown.
+  /// Stores the name of the run as in messages.
   void set_run_id(const std::string& run_id);
+  /// Stores the geodetic origin of the map.
   void set_datum(const GeodeticDatum& datum);
-  /// Where the LiDAR is in base_link, m: rays start there.
+  /// Stores the position of the LiDAR in base_link (m), where the rays of the points start.
   void set_sensor_origin(const Eigen::Vector3d& p_base_sensor);
-  /// The fields of one stage as YAML. Also written to config.yaml.
+  /// Stores the parameters of one stage as YAML. All stages are also written to config.yaml.
   void set_configuration(const std::string& stage, const std::string& yaml);
 
-  std::vector<KeyFrame> key_frames() const;  ///< by index, without clouds
-  /// Without its cloud; none if the index is not known. Costs a look-up, however long the drive is.
+  /// All key frames by increasing index, without clouds.
+  std::vector<KeyFrame> key_frames() const;
+  /// One key frame without its cloud; empty if the index is unknown. The time does not depend on
+  /// the length of the drive.
   std::optional<KeyFrame> key_frame(KeyFrameIndex index) const;
+  /// Number of key frames.
   std::size_t key_frame_count() const;
-  std::vector<Loop> loops() const;  ///< in the order in which they came
+  /// All loops with the decisions on them, in the order in which they were stored.
+  std::vector<Loop> loops() const;
+  /// All verdicts in the order in which they were stored.
   std::vector<LoopVerdict> verdicts() const;
+  /// All GNSS positions by stamp.
   std::vector<GnssPosition> gnss() const;
+  /// All IMU samples by stamp.
   std::vector<ImuSample> imu() const;
+  /// All floors by stamp.
   std::vector<Floor> floors() const;
+  /// The status of all scans by stamp.
   std::vector<ScanRecord> scans() const;
+  /// T_odom_base of all scans by stamp.
   std::vector<std::pair<Stamp, Pose>> odometry() const;
-  KeyFramePoses poses() const;  ///< of the newest revision; revision 0 and empty if there is none
+  /// The poses T_map_base of the newest revision; empty with revision 0 if there is none.
+  KeyFramePoses poses() const;
+  /// The figures of all optimisations by revision.
   std::vector<RevisionRecord> revisions() const;
+  /// Name of the run; empty if unknown.
   std::string run_id() const;
+  /// Geodetic origin of the map; empty if unknown.
   std::optional<GeodeticDatum> datum() const;
+  /// Position of the LiDAR in base_link, m; empty if unknown.
   std::optional<Eigen::Vector3d> sensor_origin() const;
+  /// Parameters as YAML by the name of the stage.
   std::map<std::string, std::string> configurations() const;
 
  private:
@@ -134,16 +176,16 @@ class Session {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A session in `directory`, which must be empty or not be there: it appears when `fill` has
-/// returned, and nothing is left where that threw.
+/// Creates a session in `directory`, which must be empty or not exist, and stores data in it by
+/// `fill`. The session appears when `fill` has returned; if it throws, nothing is left.
 Session create_filled(const std::filesystem::path& directory,
                       const std::function<void(Session&)>& fill);
-/// The same in a new folder as Session::create() names them.
+/// The same in a new folder with a name as by Session::create().
 Session create_filled(const std::filesystem::path& root, std::time_t now,
                       const std::function<void(Session&)>& fill);
 
-/// Finds the session that `path` means: a session's folder, or a root with a link `latest`. Throws
-/// FileError if there is none.
+/// The folder of the session at `path`: the path itself, or the link `latest` in it. Throws
+/// FileError if there is no session.
 std::filesystem::path find_session(const std::filesystem::path& path);
 
 }  // namespace lidar_mapping::session

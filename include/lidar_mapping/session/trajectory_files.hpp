@@ -8,22 +8,23 @@
 
 namespace lidar_mapping::session {
 
-/// The trajectories of the key frames.
+/// Trajectories of the key frames, ordered by stamp.
 struct KeyFrameTrajectories {
-  Trajectory laser_odom;  ///< T_odom_base
-  Trajectory optimized;   ///< T_map_base of the newest revision
-  Trajectory gnss;        ///< T_map_base as GNSS gives it, where it does
+  Trajectory laser_odom;  ///< T_odom_base by odometry
+  Trajectory optimized;   ///< T_map_base after optimisation
+  Trajectory gnss;        ///< T_map_base by GNSS, for key frames with a position
 };
 
-/// `poses` are those to take as optimised. `gnss` gives the position; the orientation is that which
-/// came with it, or else the optimised one.
+/// Collects the trajectories. `poses` are the optimised poses. A pose by GNSS has the position of
+/// `gnss` and the orientation that was measured with it, otherwise the optimised orientation.
 KeyFrameTrajectories key_frame_trajectories(const Session& session, const KeyFramePoses& poses,
                                             const std::vector<GnssPosition>& gnss);
 
-/// Writes laser_odom, optimized and, where there is GNSS, ground_truth and gnss (the same twice:
-/// the articles' name and the honest one) to `directory`. The .tum files hold all key frames that
-/// have such a pose; the .txt files (KITTI, without stamps, compared line by line) hold the key
-/// frames that are in all of them. laser_odom_scans.tum has every scan. Throws FileError.
+/// Writes the files laser_odom, optimized, ground_truth and gnss to `directory`, the last two only
+/// with GNSS. Both have the same content: ground_truth is the name that the lidar_localization
+/// project uses. The .tum files hold all key frames with such a pose. The .txt files (KITTI,
+/// without stamps, compared line by line) hold only the key frames that all files have in common.
+/// laser_odom_scans.tum holds all scans. Throws FileError.
 void write_trajectories(const Session& session, const KeyFramePoses& poses,
                         const std::vector<GnssPosition>& gnss,
                         const std::filesystem::path& directory);

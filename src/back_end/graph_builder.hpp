@@ -8,16 +8,16 @@
 
 namespace lidar_mapping::back_end {
 
-/// Measurements whose key frame has not come yet, bounded.
+/// Measurements that arrived before their key frame. The oldest is dropped above a limit.
 template <typename Value>
-class Waiting {
+class PendingMeasurements {
  public:
   void add(Stamp stamp, const Value& value) {
     values_[stamp] = value;
     if (values_.size() > kLimit) values_.erase(values_.begin());
   }
 
-  std::optional<Value> take(Stamp stamp) {
+  std::optional<Value> extract(Stamp stamp) {
     const auto found = values_.find(stamp);
     if (found == values_.end()) return std::nullopt;
     std::optional<Value> value = found->second;
@@ -31,18 +31,18 @@ class Waiting {
   std::map<Stamp, Value> values_;
 };
 
-/// What came since the last solution.
-struct News {
+/// Number of data that arrived since the last solution.
+struct NewDataCounts {
   int key_frames = 0;
   int loops = 0;
   int gnss = 0;
 };
 
-/// Takes key frames, loops and measurements into a drive: checks them, and brings measurements
-/// together with the key frame of their stamp, whichever comes first.
-class DriveIntake {
+/// Adds key frames, loops and measurements to a drive. It checks them and assigns measurements to
+/// the key frame with the same stamp, in either order of arrival.
+class GraphBuilder {
  public:
-  explicit DriveIntake(const BackEndConfig& config) : config_(config) {}
+  explicit GraphBuilder(const BackEndConfig& config) : config_(config) {}
 
   void add_key_frame(const KeyFrame& key_frame, DriveGraph& drive);
   bool add_loop(const Loop& loop, DriveGraph& drive);
@@ -50,24 +50,24 @@ class DriveIntake {
   void add_imu(const ImuSample& sample, DriveGraph& drive);
   void add_floor(const Floor& floor, DriveGraph& drive);
 
-  News news;
+  NewDataCounts new_data;
 
  private:
   template <typename Value>
-  void attach_or_wait(const Value& value, Waiting<Value>& waiting, DriveGraph& drive);
+  void attach_or_store(const Value& value, PendingMeasurements<Value>& pending, DriveGraph& drive);
   template <typename Value>
-  void attach_waiting(Stamp stamp, Waiting<Value>& waiting, DriveGraph& drive);
+  void attach_pending(Stamp stamp, PendingMeasurements<Value>& pending, DriveGraph& drive);
   void attach(const GnssPosition& position, int node, DriveGraph& drive);
   void attach(const ImuSample& sample, int node, DriveGraph& drive);
   void attach(const Floor& floor, int node, DriveGraph& drive);
 
   BackEndConfig config_;
   std::map<Stamp, int> at_stamp_;
-  Waiting<GnssPosition> waiting_gnss_;
-  Waiting<ImuSample> waiting_imu_;
-  Waiting<Floor> waiting_floors_;
-  std::uint32_t newest_segment_ = 0;  ///< as the front end numbers them
-  double way_ = 0.0;                  ///< m, driven in it
+  PendingMeasurements<GnssPosition> pending_gnss_;
+  PendingMeasurements<ImuSample> pending_imu_;
+  PendingMeasurements<Floor> pending_floors_;
+  std::uint32_t newest_segment_ = 0;  ///< number that the front end gave to the segment
+  double distance_in_segment_ = 0.0;  ///< distance travelled in the newest segment, m
 };
 
 }  // namespace lidar_mapping::back_end

@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::back_end {
 
-/// A drive as others want to see it; see BackEnd.
+/// The results of BackEnd in the forms of its public functions.
 KeyFramePoses poses_of(const DriveGraph& drive, std::uint32_t revision);
 KeyFramePoses odometry_of(const DriveGraph& drive, std::uint32_t revision);
 std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive);

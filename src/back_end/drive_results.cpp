@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drive_views.hpp"
+#include "drive_results.hpp"
 
 #include <algorithm>
 
@@ -34,14 +34,14 @@ KeyFramePoses odometry_of(const DriveGraph& drive, std::uint32_t revision) {
 std::vector<std::pair<Loop, bool>> loops_of(const DriveGraph& drive) {
   std::vector<std::pair<Loop, bool>> result;
   for (const DriveLoop& loop : drive.loops) {
-    result.emplace_back(loop.loop, loop.used || !loop.weighed);
+    result.emplace_back(loop.loop, loop.used || !loop.evaluated);
   }
   return result;
 }
 
 std::vector<GnssPosition> positions_of(const DriveGraph& drive) {
   std::vector<GnssPosition> result;
-  for (const DriveGnss& gnss : drive.gnss) result.push_back(timed_position(drive, gnss));
+  for (const DriveGnss& gnss : drive.gnss) result.push_back(delay_corrected_position(drive, gnss));
   return result;
 }
 
@@ -68,7 +68,7 @@ pose_graph::PoseGraph pose_graph_of(const DriveGraph& drive, const BackEndConfig
   for (std::size_t i = 1; i < drive.nodes.size(); ++i) {
     const DriveNode& a = drive.nodes[i - 1];
     const DriveNode& b = drive.nodes[i];
-    if (!b.joined) continue;
+    if (!b.connected) continue;
     graph.edges.push_back({a.index, b.index, motion_to(drive, i),
                            pose_graph::g2o_information(motion_covariance_to(drive, i, config))});
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drive_intake.hpp"
+#include "graph_builder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Keeps `list` ordered by node; false if the node has its value already.
+/// Inserts a value into a list that is ordered by node. Returns false if the node has a value
+/// already.
 template <typename Value>
 bool insert_by_node(const Value& value, std::vector<Value>& list) {
   const auto after =
@@ -25,7 +26,7 @@ bool insert_by_node(const Value& value, std::vector<Value>& list) {
   return true;
 }
 
-bool usable(const GnssPosition& position, const BackEndConfig& config) {
+bool is_usable(const GnssPosition& position, const BackEndConfig& config) {
   const Eigen::Matrix2d covariance = position.covariance.topLeftCorner<2, 2>();
   if (!position.p_enu_antenna.head<2>().allFinite() || !position.p_base_antenna.allFinite()) {
     return false;
@@ -36,7 +37,7 @@ bool usable(const GnssPosition& position, const BackEndConfig& config) {
   return horizontal_stddev(position, config) <= config.gnss_max_stddev_m;
 }
 
-void check(const KeyFrame& key_frame, const DriveGraph& drive) {
+void check_key_frame(const KeyFrame& key_frame, const DriveGraph& drive) {
   if (!is_finite(key_frame.T_odom_base)) {
     throw InputError("key frame " + std::to_string(key_frame.index) +
                      " has a pose that is not finite; the front end must not send it");
@@ -57,32 +58,34 @@ int position_of(KeyFrameIndex index, const DriveGraph& drive) {
 }  // namespace
 
 template <typename Value>
-void DriveIntake::attach_or_wait(const Value& value, Waiting<Value>& waiting, DriveGraph& drive) {
+void GraphBuilder::attach_or_store(const Value& value, PendingMeasurements<Value>& pending,
+                                   DriveGraph& drive) {
   const auto found = at_stamp_.find(value.stamp);
   if (found == at_stamp_.end()) {
-    waiting.add(value.stamp, value);
+    pending.add(value.stamp, value);
   } else {
     attach(value, found->second, drive);
   }
 }
 
 template <typename Value>
-void DriveIntake::attach_waiting(Stamp stamp, Waiting<Value>& waiting, DriveGraph& drive) {
-  if (const auto value = waiting.take(stamp)) attach(*value, at_stamp_.at(stamp), drive);
+void GraphBuilder::attach_pending(Stamp stamp, PendingMeasurements<Value>& pending,
+                                  DriveGraph& drive) {
+  if (const auto value = pending.extract(stamp)) attach(*value, at_stamp_.at(stamp), drive);
 }
 
-void DriveIntake::attach(const GnssPosition& position, int node, DriveGraph& drive) {
-  if (insert_by_node(DriveGnss{position, node, false, false, false}, drive.gnss)) ++news.gnss;
+void GraphBuilder::attach(const GnssPosition& position, int node, DriveGraph& drive) {
+  if (insert_by_node(DriveGnss{position, node, false, false, false}, drive.gnss)) ++new_data.gnss;
 }
-void DriveIntake::attach(const ImuSample& sample, int node, DriveGraph& drive) {
+void GraphBuilder::attach(const ImuSample& sample, int node, DriveGraph& drive) {
   insert_by_node(DriveImu{sample, node}, drive.imu);
 }
-void DriveIntake::attach(const Floor& floor, int node, DriveGraph& drive) {
+void GraphBuilder::attach(const Floor& floor, int node, DriveGraph& drive) {
   insert_by_node(DriveFloor{floor, node}, drive.floors);
 }
 
-void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
-  check(key_frame, drive);
+void GraphBuilder::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
+  check_key_frame(key_frame, drive);
   const int position = static_cast<int>(drive.nodes.size());
   DriveNode node;
   node.index = key_frame.index;
@@ -91,16 +94,17 @@ void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   node.T_map_base =
       drive.nodes.empty() ? key_frame.T_odom_base : drive.T_map_odom() * key_frame.T_odom_base;
   if (drive.nodes.empty()) drive.T_map_first = node.T_map_base;
-  node.joined = !drive.nodes.empty() && key_frame.segment == newest_segment_;
-  if (!node.joined) way_ = 0.0;
-  if (node.joined) {
+  node.connected = !drive.nodes.empty() && key_frame.segment == newest_segment_;
+  if (!node.connected) distance_in_segment_ = 0.0;
+  if (node.connected) {
     const Pose motion = drive.nodes.back().T_odom_base.inverse() * node.T_odom_base;
-    way_ += motion.translation.norm();
+    distance_in_segment_ += motion.translation.norm();
     node.doubtful = key_frame.doubtful;
-    node.step_covariance = step_covariance(key_frame.motion_covariance, motion, way_,
-                                           key_frame.degenerate_directions, config_);
+    node.step_covariance =
+        step_covariance(key_frame.motion_covariance, motion, distance_in_segment_,
+                        key_frame.degenerate_directions, config_);
   }
-  if (!node.joined) {
+  if (!node.connected) {
     drive.segment_starts.push_back(position);
     drive.in_enu.push_back(false);
     drive.gnss_delays.push_back(config_.estimate_gnss_time_offset ? GnssDelay{}
@@ -110,41 +114,41 @@ void DriveIntake::add_key_frame(const KeyFrame& key_frame, DriveGraph& drive) {
   newest_segment_ = key_frame.segment;
   drive.nodes.push_back(node);
   at_stamp_[node.stamp] = position;
-  attach_waiting(node.stamp, waiting_gnss_, drive);
-  attach_waiting(node.stamp, waiting_imu_, drive);
-  attach_waiting(node.stamp, waiting_floors_, drive);
-  ++news.key_frames;
+  attach_pending(node.stamp, pending_gnss_, drive);
+  attach_pending(node.stamp, pending_imu_, drive);
+  attach_pending(node.stamp, pending_floors_, drive);
+  ++new_data.key_frames;
 }
 
-bool DriveIntake::add_loop(const Loop& loop, DriveGraph& drive) {
+bool GraphBuilder::add_loop(const Loop& loop, DriveGraph& drive) {
   const int from = position_of(loop.from, drive);
   const int to = position_of(loop.to, drive);
   if (from < 0 || to < 0 || from == to) return false;
   if (!is_finite(loop.T_from_to) || !is_valid_covariance(loop.covariance)) return false;
-  const bool judged = loop.decision == LoopDecision::kRefuse;
-  drive.loops.push_back({loop, from, to, false, judged});
-  ++news.loops;
+  const bool evaluated = loop.decision == LoopDecision::kRefuse;
+  drive.loops.push_back({loop, from, to, false, evaluated});
+  ++new_data.loops;
   return true;
 }
 
-void DriveIntake::add_gnss(const GnssPosition& position, DriveGraph& drive) {
-  if (!usable(position, config_)) {
+void GraphBuilder::add_gnss(const GnssPosition& position, DriveGraph& drive) {
+  if (!is_usable(position, config_)) {
     ++drive.unusable_gnss;
     return;
   }
-  attach_or_wait(position, waiting_gnss_, drive);
+  attach_or_store(position, pending_gnss_, drive);
 }
 
-void DriveIntake::add_imu(const ImuSample& sample, DriveGraph& drive) {
+void GraphBuilder::add_imu(const ImuSample& sample, DriveGraph& drive) {
   const bool known = sample.linear_acceleration.allFinite() &&
                      (!sample.orientation || sample.orientation->coeffs().allFinite());
-  if (known) attach_or_wait(sample, waiting_imu_, drive);
+  if (known) attach_or_store(sample, pending_imu_, drive);
 }
 
-void DriveIntake::add_floor(const Floor& floor, DriveGraph& drive) {
+void GraphBuilder::add_floor(const Floor& floor, DriveGraph& drive) {
   const bool known =
       floor.normal.allFinite() && std::isfinite(floor.offset) && floor.covariance.allFinite();
-  if (floor.found && known) attach_or_wait(floor, waiting_floors_, drive);
+  if (floor.found && known) attach_or_store(floor, pending_floors_, drive);
 }
 
 }  // namespace lidar_mapping::back_end

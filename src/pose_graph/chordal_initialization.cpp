@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "chordal_start.hpp"
+#include "chordal_initialization.hpp"
 
 #include <memory>
 
@@ -17,8 +17,8 @@ namespace {
 
 /// An edge in d dimensions.
 template <int d>
-struct FlatEdge {
-  int from = 0;  ///< unknown of the node, -1 for the first node, which is held
+struct ChordalEdge {
+  int from = 0;  ///< number of the node among the unknowns; -1 for the first node, which is fixed
   int to = 0;
   Eigen::Matrix<double, d, d> R;
   Eigen::Matrix<double, d, 1> t;
@@ -27,8 +27,8 @@ struct FlatEdge {
 };
 
 template <int d>
-FlatEdge<d> flat(const PoseEdge& edge, const std::pair<int, int>& ends) {
-  FlatEdge<d> result;
+ChordalEdge<d> chordal_edge(const PoseEdge& edge, const std::pair<int, int>& ends) {
+  ChordalEdge<d> result;
   result.from = ends.first - 1;
   result.to = ends.second - 1;
   result.R = edge.T_from_to.rotation_matrix().template topLeftCorner<d, d>();
@@ -53,16 +53,16 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& M) {
 }
 
 template <int d>
-class ChordalStart {
+class ChordalInitialization {
  public:
   using Block = Eigen::Matrix<double, d, d>;
 
-  explicit ChordalStart(PoseGraph& graph)
+  explicit ChordalInitialization(PoseGraph& graph)
       : graph_(graph), nodes_(static_cast<int>(graph.nodes.size()) - 1) {
     const auto ends = edge_positions(graph);
     std::vector<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i < ends.size(); ++i) {
-      edges_.push_back(flat<d>(graph.edges[i], ends[i]));
+      edges_.push_back(chordal_edge<d>(graph.edges[i], ends[i]));
       pair_of_.push_back(-1);
       if (edges_[i].from < 0 || edges_[i].to < 0) continue;
       pair_of_.back() = static_cast<int>(pairs.size());
@@ -86,7 +86,7 @@ class ChordalStart {
     Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(nodes_ * d, d);
     system_->set_zero();
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      const FlatEdge<d>& e = edges_[i];
+      const ChordalEdge<d>& e = edges_[i];
       const Block diagonal = e.rotation_weight * Block::Identity();
       const Block cross = -e.rotation_weight * e.R;
       add(i, diagonal, diagonal, cross);
@@ -103,12 +103,12 @@ class ChordalStart {
     return true;
   }
 
-  /// With the rotations fixed the cost is quadratic in the translations.
+  /// With fixed rotations the cost is quadratic in the translations.
   bool solve_translations() {
     Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(nodes_ * d, 1);
     system_->set_zero();
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      const FlatEdge<d>& e = edges_[i];
+      const ChordalEdge<d>& e = edges_[i];
       const Block R_from = rotation(e.from);
       const Block C = R_from * e.R;
       const Block A = C * e.translation_information * C.transpose();
@@ -123,7 +123,7 @@ class ChordalStart {
   }
 
   void add(std::size_t edge, const Block& at_from, const Block& at_to, const Block& between) {
-    const FlatEdge<d>& e = edges_[edge];
+    const ChordalEdge<d>& e = edges_[edge];
     if (e.from >= 0) system_->add_diagonal(e.from, at_from);
     if (e.to >= 0) system_->add_diagonal(e.to, at_to);
     if (pair_of_[edge] >= 0) system_->add_pair(static_cast<std::size_t>(pair_of_[edge]), between);
@@ -145,7 +145,7 @@ class ChordalStart {
 
   PoseGraph& graph_;
   int nodes_;
-  std::vector<FlatEdge<d>> edges_;
+  std::vector<ChordalEdge<d>> edges_;
   std::vector<int> pair_of_;
   std::unique_ptr<BlockCholesky<d>> system_;
   std::vector<Block> rotations_;
@@ -154,9 +154,10 @@ class ChordalStart {
 
 }  // namespace
 
-bool start_chordally(PoseGraph& graph) {
+bool initialize_chordally(PoseGraph& graph) {
   if (graph.nodes.size() < 2) return true;
-  return graph.planar ? ChordalStart<2>(graph).run() : ChordalStart<3>(graph).run();
+  return graph.planar ? ChordalInitialization<2>(graph).run()
+                      : ChordalInitialization<3>(graph).run();
 }
 
 }  // namespace lidar_mapping::pose_graph

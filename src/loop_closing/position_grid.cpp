@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "place_grid.hpp"
+#include "position_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,41 +10,41 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kCell = 20.0;  // m
+constexpr double kCellSize = 20.0;  // m
 
 std::int64_t cell_of(double coordinate) {
-  return static_cast<std::int64_t>(std::floor(coordinate / kCell));
+  return static_cast<std::int64_t>(std::floor(coordinate / kCellSize));
 }
 
-std::int64_t join(std::int64_t x, std::int64_t y) { return x * (std::int64_t{1} << 32) + y; }
+std::int64_t cell_key(std::int64_t x, std::int64_t y) { return x * (std::int64_t{1} << 32) + y; }
 
 }  // namespace
 
-PlaceGrid::Key PlaceGrid::key_of(const Eigen::Vector2d& position) {
-  return join(cell_of(position.x()), cell_of(position.y()));
+PositionGrid::Key PositionGrid::key_of(const Eigen::Vector2d& position) {
+  return cell_key(cell_of(position.x()), cell_of(position.y()));
 }
 
-void PlaceGrid::place(std::size_t node, const Eigen::Vector2d& position) {
+void PositionGrid::set_position(std::size_t node, const Eigen::Vector2d& position) {
   if (node >= positions_.size()) {
     const double none = std::numeric_limits<double>::quiet_NaN();
     positions_.resize(node + 1, Eigen::Vector2d::Constant(none));
   }
-  Eigen::Vector2d& kept = positions_[node];
-  const bool is_new = kept.hasNaN();
-  if (is_new || key_of(kept) != key_of(position)) {
+  Eigen::Vector2d& stored = positions_[node];
+  const bool is_new = stored.hasNaN();
+  if (is_new || key_of(stored) != key_of(position)) {
     if (!is_new) {
-      auto& old_cell = cells_[key_of(kept)];
+      auto& old_cell = cells_[key_of(stored)];
       old_cell.erase(std::find(old_cell.begin(), old_cell.end(), node));
     }
     cells_[key_of(position)].push_back(node);
   }
-  kept = position;
+  stored = position;
 }
 
-std::vector<std::size_t> PlaceGrid::nodes_around(const Eigen::Vector2d& centre,
-                                                 double radius) const {
+std::vector<std::size_t> PositionGrid::nodes_around(const Eigen::Vector2d& centre,
+                                                    double radius) const {
   std::vector<std::size_t> result;
-  const double cells = std::pow(2.0 * radius / kCell + 2.0, 2);
+  const double cells = std::pow(2.0 * radius / kCellSize + 2.0, 2);
   if (cells > static_cast<double>(positions_.size())) {
     result.resize(positions_.size());
     std::iota(result.begin(), result.end(), std::size_t{0});
@@ -52,7 +52,7 @@ std::vector<std::size_t> PlaceGrid::nodes_around(const Eigen::Vector2d& centre,
   }
   for (auto x = cell_of(centre.x() - radius); x <= cell_of(centre.x() + radius); ++x) {
     for (auto y = cell_of(centre.y() - radius); y <= cell_of(centre.y() + radius); ++y) {
-      const auto cell = cells_.find(join(x, y));
+      const auto cell = cells_.find(cell_key(x, y));
       if (cell == cells_.end()) continue;
       result.insert(result.end(), cell->second.begin(), cell->second.end());
     }
@@ -61,7 +61,7 @@ std::vector<std::size_t> PlaceGrid::nodes_around(const Eigen::Vector2d& centre,
   return result;
 }
 
-std::vector<std::size_t> PlaceGrid::within(const Eigen::Vector2d& centre, double radius) const {
+std::vector<std::size_t> PositionGrid::within(const Eigen::Vector2d& centre, double radius) const {
   std::vector<std::size_t> result = nodes_around(centre, radius);
   const auto outside = [&](std::size_t node) {
     return !((positions_[node] - centre).norm() <= radius);
