@@ -12,20 +12,24 @@
 
 namespace lidar_mapping::moving_objects {
 
-constexpr float kFarthest = 300.0F;  // m; points of a key frame further away than this are ignored
+/// Points of a key frame that are further away than this are ignored, m.
+constexpr float kFarthest = 300.0F;
 
-/// A square of a grid over the map's x-y plane.
+/// Cell of a grid over the x-y plane of the map, counted from the map's origin.
 struct CellIndex {
-  int x = 0;
-  int y = 0;
+  int x = 0;  ///< Number along x.
+  int y = 0;  ///< Number along y.
 };
 
-/// Points in axes parallel to the map's, relative to an origin that is a corner of every grid used
-/// here, so that floats hold them and cells are the same for all clouds. An array for each
-/// coordinate, as vectors are made of what is alike.
+/// Points of a cloud in axes parallel to those of the map. They are relative to an origin near the
+/// vehicle, so that floats hold them; the origin is a corner of every grid used here, so that cells
+/// are the same for all clouds. Each coordinate has an array of its own, as vector instructions
+/// need it.
 struct PlacedPoints {
-  static constexpr double kOriginGrid = 6.0;  // m, a multiple of 0.3, 0.4, 0.5 and 0.6
+  /// Spacing of possible origins, m; a multiple of the cells of 0.3, 0.4, 0.5 and 0.6 m.
+  static constexpr double kOriginGrid = 6.0;
 
+  /// Transforms the points of a cloud in base_link.
   PlacedPoints(const PointCloud& cloud, const Pose& T_map_base)
       : origin(((T_map_base.translation / kOriginGrid).array().floor() * kOriginGrid)),
         x(cloud.size()),
@@ -41,18 +45,22 @@ struct PlacedPoints {
     }
   }
 
+  /// Number of points.
   std::size_t size() const { return x.size(); }
 
-  Eigen::Vector3d origin;
-  std::vector<float> x, y, z;
+  Eigen::Vector3d origin;  ///< Origin of the coordinates in the map frame, m.
+  std::vector<float> x;    ///< Relative to the origin, m.
+  std::vector<float> y;    ///< Relative to the origin, m.
+  std::vector<float> z;    ///< Relative to the origin, m.
 };
 
-/// The cells of the map's grid in which points lie, an array for each coordinate.
+/// Cells of a grid over the map in which points lie, with an array for each coordinate.
 class PointCells {
  public:
+  /// Number of a point that has no cell.
   static constexpr int kNone = std::numeric_limits<int>::min() / 2;
 
-  /// Points further than `farthest` from the origin have no cell, m.
+  /// Cells of edge `cell` (m). Points further than `farthest` (m) from their origin have no cell.
   PointCells(const PlacedPoints& points, double cell, float farthest)
       : x_(points.size()), y_(points.size()) {
     const auto scale = static_cast<float>(1.0 / cell);
@@ -68,22 +76,25 @@ class PointCells {
     }
   }
 
+  /// Number of points.
   std::size_t size() const { return x_.size(); }
-  /// Of the i-th point; x is kNone if it is out of reach.
+  /// Cell of the i-th point; its x is kNone if the point has none.
   CellIndex at(std::size_t i) const { return {x_[i], y_[i]}; }
 
  private:
   std::vector<int> x_, y_;
 };
 
-/// The rectangle of cells in which some points lie, numbered row by row.
+/// Smallest rectangle of cells that holds some points; its cells are numbered row by row.
 class CellArea {
  public:
+  /// Number of all cells outside of the rectangle.
   static constexpr std::uint32_t kOutside = std::numeric_limits<std::uint32_t>::max();
 
+  /// Rectangle around all points that have a cell.
   explicit CellArea(const PointCells& cells) : CellArea(cells, [](std::size_t) { return true; }) {}
 
-  /// Of those points that are `taken`, by their number.
+  /// Rectangle around those points for whose numbers `taken` returns true.
   template <typename Taken>
   CellArea(const PointCells& cells, const Taken& taken) {
     constexpr int kLowest = std::numeric_limits<int>::min();
@@ -104,7 +115,7 @@ class CellArea {
     height_ = last.y - first.y + 1;
   }
 
-  /// kOutside where none of the points is in reach.
+  /// Number of a cell of the rectangle, or kOutside.
   std::uint32_t number_of(const CellIndex& cell) const {
     const auto column = static_cast<std::uint32_t>(cell.x) - static_cast<std::uint32_t>(first_.x);
     const auto row = static_cast<std::uint32_t>(cell.y) - static_cast<std::uint32_t>(first_.y);
@@ -112,18 +123,19 @@ class CellArea {
         column < static_cast<std::uint32_t>(width_) && row < static_cast<std::uint32_t>(height_);
     return is_inside ? row * static_cast<std::uint32_t>(width_) + column : kOutside;
   }
-  /// Those of the cells of points.
+  /// Numbers of the cells in which the points lie, or kOutside.
   std::vector<std::uint32_t> numbers_of(const PointCells& cells) const {
     std::vector<std::uint32_t> numbers(cells.size());
     const CellArea area = *this;
     for (std::size_t i = 0; i < cells.size(); ++i) numbers[i] = area.number_of(cells.at(i));
     return numbers;
   }
+  /// Cell of this number.
   CellIndex cell_at(std::size_t number) const {
     return {first_.x + static_cast<int>(number % width()),
             first_.y + static_cast<int>(number / width())};
   }
-  /// With so many cells more on each side.
+  /// The rectangle with `cells` more cells on each side; an empty one stays empty.
   CellArea widened(int cells) const {
     CellArea wide = *this;
     if (size() == 0) return wide;
@@ -132,7 +144,9 @@ class CellArea {
     wide.height_ += 2 * cells;
     return wide;
   }
+  /// Number of cells along x.
   std::size_t width() const { return static_cast<std::size_t>(width_); }
+  /// Number of cells.
   std::size_t size() const {
     return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   }

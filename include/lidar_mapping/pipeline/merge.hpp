@@ -9,33 +9,35 @@
 
 namespace lidar_mapping::pipeline {
 
-/// What became of one of the sessions that were joined.
+/// Result for one of the sessions that were merged.
 struct MergedPart {
-  KeyFrameIndex first = 0;  ///< of its key frames in the joined session
-  std::size_t key_frames = 0;
-  std::size_t new_loops = 0;  ///< found to what was there before, or within it
-  Stamp shift = 0;            ///< ns that its stamps were moved by, so that none occurs twice
-  bool joined = false;        ///< loops or GNSS tie it to the first session
-  std::vector<std::string> notices;  ///< what could not be taken over, a line each
+  KeyFrameIndex first = 0;     ///< Index of its first key frame in the merged session.
+  std::size_t key_frames = 0;  ///< Number of its key frames.
+  std::size_t new_loops = 0;   ///< Loops that were found to earlier sessions or within this one.
+  Stamp shift = 0;             ///< Offset that was added to its stamps so that they are unique, ns.
+  bool joined = false;         ///< Loops or GNSS connect it to the first session.
+  std::vector<std::string> notices;  ///< What could not be copied, a line each.
 };
 
-/// Adds one session after the other to a new one: key frames are numbered on, each drive begins a
-/// segment of its own, GNSS is turned to the datum of the first session that has one, and loop
-/// closing searches between the drives as it does in a drive that goes on (doc/session.md).
+/// Merges sessions into a new one, one after the other: key frames are renumbered consecutively,
+/// each drive begins a new segment, GNSS positions are transformed to the datum of the first
+/// session that has one, and loop closing searches between the drives as it does within a drive
+/// (doc/session.md).
 class Merge {
  public:
-  /// `out` is a new session. Its sensor origin and stored configuration become those of the first
-  /// part.
+  /// `out` is a new session. It gets the sensor origin and the stored configuration of the first
+  /// session that is added.
   Merge(session::Session out, const back_end::BackEndConfig& back_end,
         const loop_closing::LoopClosingConfig& loop_closing);
   ~Merge();
 
-  /// Throws FileError where the disk says no.
+  /// Adds all of a session and optimises the graph. Throws FileError if the disk fails.
   void add(const session::Session& part);
-  /// Solves everything together and writes the session's files. `joined` of the parts is valid
+  /// Optimises the whole graph and writes the files of the session. `joined` of the parts is valid
   /// from here on.
   void finish();
 
+  /// Results for the sessions in the order in which they were added.
   const std::vector<MergedPart>& parts() const;
 
  private:
