@@ -18,16 +18,16 @@ class CloudParts {
   /// Receives one part after the other; the part is valid during the call only.
   using Sink = std::function<void(const PointCloud& part)>;
 
-  /// `each` has to pass all parts of the map to the sink, in the same order at every call.
-  explicit CloudParts(std::function<void(const Sink&)> each) : each_(std::move(each)) {}
+  /// `for_each` has to pass all parts of the map to the sink, in the same order at every call.
+  explicit CloudParts(std::function<void(const Sink&)> for_each) : for_each_(std::move(for_each)) {}
   /// A map of one part.
-  CloudParts(const PointCloud& whole) : each_([&whole](const Sink& sink) { sink(whole); }) {}
+  CloudParts(const PointCloud& whole) : for_each_([&whole](const Sink& sink) { sink(whole); }) {}
 
   /// Passes all parts to `sink`, in order.
-  void each(const Sink& sink) const { each_(sink); }
+  void for_each(const Sink& sink) const { for_each_(sink); }
 
  private:
-  std::function<void(const Sink&)> each_;
+  std::function<void(const Sink&)> for_each_;
 };
 
 /// Builds the tiles once and stores their points in an unnamed temporary file in `directory`, which

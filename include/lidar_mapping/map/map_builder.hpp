@@ -53,6 +53,6 @@ void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfi
                  const std::filesystem::path& directory, const TileSink& sink);
 
 /// Edge of the tiles in m: the multiple of the voxel edge that is nearest to the configured size.
-double true_tile_size(const MapConfig& config);
+double effective_tile_size(const MapConfig& config);
 
 }  // namespace lidar_mapping::map

@@ -28,7 +28,7 @@ using Files = std::vector<std::filesystem::path>;
 
 /// Work that another thread does while files are written, because compression takes long and uses
 /// one thread.
-struct Meanwhile {
+struct ConcurrentTask {
   /// Nothing to do if empty.
   std::function<void()> work;
   int threads = 1;  ///< With 1 the work is done after writing; 0: all cores.
@@ -40,10 +40,10 @@ struct Meanwhile {
 /// the points, because floats would lose precision. A file appears completely or not at all. Throws
 /// InputError for another format or an empty map, and FileError if the disk fails or if the folder
 /// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it); in
-/// these cases the work of `meanwhile` has not started.
+/// these cases `concurrent_task` has not started.
 Files save_map(const CloudParts& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats,
-               const Meanwhile& meanwhile = {});
+               const ConcurrentTask& concurrent_task = {});
 
 /// Throws InputError if a point lies more than 100 km from the origin, where the floats of the
 /// files would be off by centimetres.

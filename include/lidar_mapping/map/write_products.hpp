@@ -19,7 +19,7 @@ const std::vector<std::string>& product_formats();
 /// The same names in one line with explanations: "pcd, ply, png (view from above), ...".
 std::string product_format_help();
 /// Formats that put the map into one file, whose extension is the name of the format.
-std::vector<std::string> one_file_formats();
+std::vector<std::string> single_file_formats();
 
 /// The box of the corners x0 y0 z0 x1 y1 z1 in m; none if `corners` is empty. Throws InputError for
 /// any other number of values, and for an empty box.
