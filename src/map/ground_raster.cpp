@@ -13,19 +13,19 @@ namespace {
 
 constexpr int kFillSteps = 5;  // columns by which known ground is extended
 
-moving_objects::PointCells cells_of(const moving_objects::PlacedPoints& points) {
-  return {points, moving_objects::GroundArea::kColumn, std::numeric_limits<float>::infinity()};
+moving_objects::PointCells cells_of(const moving_objects::TransformedPoints& points) {
+  return {points, moving_objects::GroundArea::kColumnSize, std::numeric_limits<float>::infinity()};
 }
 
 }  // namespace
 
-GroundRaster::GroundRaster(const moving_objects::PlacedPoints& points,
+GroundRaster::GroundRaster(const moving_objects::TransformedPoints& points,
                            const moving_objects::GroundArea& area,
                            moving_objects::LocalGround& ground)
     // With one more column on each side, so that every column that is filled has eight neighbours.
-    : rectangle_(moving_objects::CellArea(cells_of(points)).widened(kFillSteps + 1)),
+    : rectangle_(moving_objects::CellRectangle(cells_of(points)).expanded(kFillSteps + 1)),
       heights_(rectangle_.size(), kUnknown) {
-  const std::vector<std::uint32_t> indices = rectangle_.numbers_of(cells_of(points));
+  const std::vector<std::uint32_t> indices = rectangle_.indices_of(cells_of(points));
   for (std::size_t i = 0; i < indices.size(); ++i) {
     float& height = heights_[indices[i]];
     if (height == kUnknown) height = -ground.height_above(0.0F, area.column_of(i));
@@ -36,7 +36,7 @@ GroundRaster::GroundRaster(const moving_objects::PlacedPoints& points,
 }
 
 int GroundRaster::cell_of(double coordinate) {
-  return static_cast<int>(std::floor(coordinate / moving_objects::GroundArea::kColumn));
+  return static_cast<int>(std::floor(coordinate / moving_objects::GroundArea::kColumnSize));
 }
 
 void GroundRaster::fill_holes() {

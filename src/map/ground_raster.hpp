@@ -16,16 +16,16 @@ class GroundRaster {
   static constexpr float kSupportRadius = 6.0F;
 
   /// Builds the raster from points and their ground, both in the map frame.
-  GroundRaster(const moving_objects::PlacedPoints& points, const moving_objects::GroundArea& area,
-               moving_objects::LocalGround& ground);
+  GroundRaster(const moving_objects::TransformedPoints& points,
+               const moving_objects::GroundArea& area, moving_objects::LocalGround& ground);
 
   /// Column or row of a coordinate of the map frame (m).
   static int cell_of(double coordinate);
   /// Height of the ground, m in the map frame; column and row are cell_of() of x and y. kUnknown
   /// where no ground is known.
   float at(int column, int row) const {
-    const std::uint32_t index = rectangle_.number_of({column, row});
-    return index == moving_objects::CellArea::kOutside ? kUnknown : heights_[index];
+    const std::uint32_t index = rectangle_.index_of({column, row});
+    return index == moving_objects::CellRectangle::kOutside ? kUnknown : heights_[index];
   }
   /// Lowest known height, m; above highest() if none is known.
   float lowest() const { return lowest_; }
@@ -38,7 +38,7 @@ class GroundRaster {
   float extrapolated_height(std::size_t index) const;
   void update_height_range();
 
-  moving_objects::CellArea rectangle_;
+  moving_objects::CellRectangle rectangle_;
   std::vector<float> heights_;
   float lowest_ = kUnknown;
   float highest_ = -kUnknown;

@@ -33,7 +33,7 @@ class PointEvidence {
       : block_(block), obstacles_(block.size()), ground_(block.size()) {}
 
   void add_points(const GridFrame& frame, const PointCloud& cloud,
-                  const moving_objects::PlacedPoints& points,
+                  const moving_objects::TransformedPoints& points,
                   const moving_objects::GroundArea& area, moving_objects::LocalGround& ground,
                   const GridOptions& options) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -95,7 +95,7 @@ std::vector<std::uint8_t> cell_values(const CloudParts& map, const GridFrame& fr
                                       const std::optional<GridRays>& rays) {
   constexpr float kUnlimited = std::numeric_limits<float>::infinity();
   const PointCloud cloud = points_around(map, frame, block);
-  const moving_objects::PlacedPoints points(cloud, Pose());
+  const moving_objects::TransformedPoints points(cloud, Pose());
   const moving_objects::GroundArea area(points, kUnlimited);
   moving_objects::LocalGround ground(area);
   ground.add(moving_objects::ground_columns(points, kUnlimited));

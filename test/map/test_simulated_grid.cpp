@@ -83,12 +83,12 @@ class StaticClouds : public CloudSource {
  public:
   explicit StaticClouds(test::SimulatedKeyFrames& frames) : frames_(frames) {}
   PointCloudPtr cloud(KeyFrameIndex index) override {
-    auto static_grid = std::make_shared<PointCloud>();
+    auto static_cloud = std::make_shared<PointCloud>();
     const PointCloudPtr all = frames_.cloud(index);
     for (std::size_t i = 0; i < all->size(); ++i) {
-      if (frames_.moving(index)[i] == 0) static_grid->points.push_back(all->points[i]);
+      if (frames_.moving(index)[i] == 0) static_cloud->points.push_back(all->points[i]);
     }
-    return static_grid;
+    return static_cloud;
   }
 
  private:
@@ -124,8 +124,8 @@ class DriveWithGrid {
 
   Grid grid(int threads = 0) { return build_grid(frames_, false, threads); }
   Grid grid_of_static_objects() {
-    StaticClouds static_grid(frames_);
-    return build_grid(static_grid, true, 0);
+    StaticClouds static_clouds(frames_);
+    return build_grid(static_clouds, true, 0);
   }
 
   /// Fraction of free cells among those within a metre of the path.

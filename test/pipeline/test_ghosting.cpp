@@ -73,7 +73,7 @@ class StreetTwice {
   /// Spread that 90 % of the walls of the street stay below.
   double wall_thickness(const KeyFramePoses& poses, bool second_pass) {
     return map_quality::local_thickness(in_street(poses, second_pass), frames_, config())
-        .walls.high;
+        .walls.percentile_90;
   }
 
   double error(const KeyFramePoses& poses) const {
@@ -125,10 +125,11 @@ class StreetTwice {
   }
 
   /// How the second pass lies where it is moved like this in its own axes, place by place.
-  std::vector<map_quality::GhostVector> ghosts_of(const Pose& displacement) {
+  std::vector<map_quality::PassMisalignment> ghosts_of(const Pose& displacement) {
     return ghosts_of(displacement, frames_);
   }
-  std::vector<map_quality::GhostVector> ghosts_of(const Pose& displacement, CloudSource& clouds) {
+  std::vector<map_quality::PassMisalignment> ghosts_of(const Pose& displacement,
+                                                       CloudSource& clouds) {
     KeyFramePoses poses = frames_.poses;
     for (KeyFramePose& pose : poses.poses) {
       if (seconds(pose) < kSecond) continue;
@@ -136,9 +137,9 @@ class StreetTwice {
       pose.T_map_base.translation += heading * displacement.translation;
       pose.T_map_base.rotation = displacement.rotation * pose.T_map_base.rotation;
     }
-    std::vector<map_quality::GhostVector> in_second_pass;
-    for (const map_quality::GhostVector& ghost :
-         map_quality::ghost_vectors(poses, clouds, config())) {
+    std::vector<map_quality::PassMisalignment> in_second_pass;
+    for (const map_quality::PassMisalignment& ghost :
+         map_quality::pass_misalignments(poses, clouds, config())) {
       if (seconds(truth()[ghost.key_frame]) > kSecond + 1.0) in_second_pass.push_back(ghost);
     }
     return in_second_pass;
@@ -228,7 +229,7 @@ TEST(Ghosting, ADisplacedPassIsFoundWithItsSize) {
   const auto expect = [&](const Pose& displacement, double yaw_deg) {
     const auto ghosts = street().ghosts_of(displacement);
     ASSERT_GE(ghosts.size(), 3U);
-    for (const map_quality::GhostVector& ghost : ghosts) {
+    for (const map_quality::PassMisalignment& ghost : ghosts) {
       EXPECT_NEAR(ghost.left, displacement.translation.y(), 0.01) << ghost.key_frame;
       EXPECT_NEAR(ghost.up, displacement.translation.z(), 0.01) << ghost.key_frame;
       EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, yaw_deg, 0.05) << ghost.key_frame;
@@ -249,7 +250,7 @@ TEST(Ghosting, AParkedCarThatLeftIsNoDisplacedPass) {
   StreetTwice::WithParkedCar clouds(street());
   const auto ghosts = street().ghosts_of({}, clouds);
   ASSERT_GE(ghosts.size(), 3U);
-  for (const map_quality::GhostVector& ghost : ghosts) {
+  for (const map_quality::PassMisalignment& ghost : ghosts) {
     EXPECT_NEAR(ghost.left, 0.0, 0.01) << ghost.key_frame;
     EXPECT_NEAR(ghost.up, 0.0, 0.01) << ghost.key_frame;
     EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, 0.0, 0.05) << ghost.key_frame;

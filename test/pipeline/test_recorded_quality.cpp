@@ -40,8 +40,9 @@ KeyFramePoses street(const std::filesystem::path& file) {
 
 double median_distance(const KeyFramePoses& poses, CloudSource& clouds) {
   std::vector<double> sizes;
-  for (const map_quality::GhostVector& ghost : map_quality::ghost_vectors(poses, clouds, {})) {
-    sizes.push_back(ghost.size());
+  for (const map_quality::PassMisalignment& ghost :
+       map_quality::pass_misalignments(poses, clouds, {})) {
+    sizes.push_back(ghost.distance());
   }
   EXPECT_GE(sizes.size(), 3U);
   std::sort(sizes.begin(), sizes.end());

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/moving_objects/ground_area.hpp"
-#include "lidar_mapping/moving_objects/placed_points.hpp"
+#include "lidar_mapping/moving_objects/transformed_points.hpp"
 
 namespace lidar_mapping::moving_objects {
 
@@ -17,9 +17,9 @@ struct LowestPoints {
   static constexpr float kNone = std::numeric_limits<float>::infinity();
 
   /// Adds a point of this height.
-  void take(float z) { join({z, kNone}); }
+  void add(float z) { merge({z, kNone}); }
   /// Adds all points of `other`. Written without branches, which would be mispredicted.
-  void join(LowestPoints other) {
+  void merge(LowestPoints other) {
     const float higher = lowest > other.lowest ? lowest : other.lowest;
     const float next = second < other.second ? second : other.second;
     lowest = lowest < other.lowest ? lowest : other.lowest;
@@ -37,7 +37,8 @@ struct GroundColumn {
 };
 
 /// Columns of the points that are no further than `farthest` (m) from their origin.
-std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest = kFarthest);
+std::vector<GroundColumn> ground_columns(const TransformedPoints& points,
+                                         float max_range = kMaxRange);
 
 /// Height of the ground below points. A column that holds nothing but the roof of a car takes the
 /// height of the ground from the columns around it. One thread uses it.
@@ -53,7 +54,7 @@ class LocalGround {
   float height_above(float z, std::uint32_t column);
 
  private:
-  using Heights = std::array<float, GroundArea::kSide * GroundArea::kSide>;
+  using Heights = std::array<float, GroundArea::kWindow * GroundArea::kWindow>;
 
   float ground_at(std::uint32_t column) const;
   /// Heights of the second lowest points of the 5x5 columns around; kNone for the column itself.

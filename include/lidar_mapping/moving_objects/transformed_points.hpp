@@ -13,7 +13,7 @@
 namespace lidar_mapping::moving_objects {
 
 /// Points of a key frame that are further away than this are ignored, m.
-constexpr float kFarthest = 300.0F;
+constexpr float kMaxRange = 300.0F;
 
 /// Cell of a grid over the x-y plane of the map, counted from the map's origin.
 struct CellIndex {
@@ -25,12 +25,12 @@ struct CellIndex {
 /// vehicle, so that floats hold them; the origin is a corner of every grid used here, so that cells
 /// are the same for all clouds. Each coordinate has an array of its own, as vector instructions
 /// need it.
-struct PlacedPoints {
+struct TransformedPoints {
   /// Spacing of possible origins, m; a multiple of the cells of 0.3, 0.4, 0.5 and 0.6 m.
   static constexpr double kOriginGrid = 6.0;
 
   /// Transforms the points of a cloud in base_link.
-  PlacedPoints(const PointCloud& cloud, const Pose& T_map_base)
+  TransformedPoints(const PointCloud& cloud, const Pose& T_map_base)
       : origin(((T_map_base.translation / kOriginGrid).array().floor() * kOriginGrid)),
         x(cloud.size()),
         y(cloud.size()),
@@ -61,14 +61,14 @@ class PointCells {
   static constexpr int kNone = std::numeric_limits<int>::min() / 2;
 
   /// Cells of edge `cell` (m). Points further than `farthest` (m) from their origin have no cell.
-  PointCells(const PlacedPoints& points, double cell, float farthest)
+  PointCells(const TransformedPoints& points, double cell, float max_range)
       : x_(points.size()), y_(points.size()) {
     const auto scale = static_cast<float>(1.0 / cell);
     const auto origin_x = static_cast<int>(std::lround(points.origin.x() / cell));
     const auto origin_y = static_cast<int>(std::lround(points.origin.y() / cell));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const int is_near =
-          (std::abs(points.x[i]) < farthest ? 1 : 0) & (std::abs(points.y[i]) < farthest ? 1 : 0);
+          (std::abs(points.x[i]) < max_range ? 1 : 0) & (std::abs(points.y[i]) < max_range ? 1 : 0);
       const float x = is_near != 0 ? points.x[i] : 0.0F;
       const float y = is_near != 0 ? points.y[i] : 0.0F;
       x_[i] = is_near != 0 ? floor_to_int(x * scale) + origin_x : kNone;
@@ -86,28 +86,29 @@ class PointCells {
 };
 
 /// Smallest rectangle of cells that holds some points; its cells are numbered row by row.
-class CellArea {
+class CellRectangle {
  public:
   /// Number of all cells outside of the rectangle.
   static constexpr std::uint32_t kOutside = std::numeric_limits<std::uint32_t>::max();
 
   /// Rectangle around all points that have a cell.
-  explicit CellArea(const PointCells& cells) : CellArea(cells, [](std::size_t) { return true; }) {}
+  explicit CellRectangle(const PointCells& cells)
+      : CellRectangle(cells, [](std::size_t) { return true; }) {}
 
   /// Rectangle around those points for whose numbers `taken` returns true.
-  template <typename Taken>
-  CellArea(const PointCells& cells, const Taken& taken) {
+  template <typename Predicate>
+  CellRectangle(const PointCells& cells, const Predicate& is_selected) {
     constexpr int kLowest = std::numeric_limits<int>::min();
     constexpr int kHighest = std::numeric_limits<int>::max();
     CellIndex first = {kHighest, kHighest};
     CellIndex last = {kLowest, kLowest};
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const CellIndex cell = cells.at(i);
-      const bool counts = cell.x != PointCells::kNone && taken(i);
-      first = {std::min(first.x, counts ? cell.x : kHighest),
-               std::min(first.y, counts ? cell.y : kHighest)};
-      last = {std::max(last.x, counts ? cell.x : kLowest),
-              std::max(last.y, counts ? cell.y : kLowest)};
+      const bool is_used = cell.x != PointCells::kNone && is_selected(i);
+      first = {std::min(first.x, is_used ? cell.x : kHighest),
+               std::min(first.y, is_used ? cell.y : kHighest)};
+      last = {std::max(last.x, is_used ? cell.x : kLowest),
+              std::max(last.y, is_used ? cell.y : kLowest)};
     }
     if (last.x == kLowest) return;
     first_ = first;
@@ -116,7 +117,7 @@ class CellArea {
   }
 
   /// Number of a cell of the rectangle, or kOutside.
-  std::uint32_t number_of(const CellIndex& cell) const {
+  std::uint32_t index_of(const CellIndex& cell) const {
     const auto column = static_cast<std::uint32_t>(cell.x) - static_cast<std::uint32_t>(first_.x);
     const auto row = static_cast<std::uint32_t>(cell.y) - static_cast<std::uint32_t>(first_.y);
     const bool is_inside =
@@ -124,10 +125,10 @@ class CellArea {
     return is_inside ? row * static_cast<std::uint32_t>(width_) + column : kOutside;
   }
   /// Numbers of the cells in which the points lie, or kOutside.
-  std::vector<std::uint32_t> numbers_of(const PointCells& cells) const {
+  std::vector<std::uint32_t> indices_of(const PointCells& cells) const {
     std::vector<std::uint32_t> numbers(cells.size());
-    const CellArea area = *this;
-    for (std::size_t i = 0; i < cells.size(); ++i) numbers[i] = area.number_of(cells.at(i));
+    const CellRectangle rectangle = *this;
+    for (std::size_t i = 0; i < cells.size(); ++i) numbers[i] = rectangle.index_of(cells.at(i));
     return numbers;
   }
   /// Cell of this number.
@@ -136,13 +137,13 @@ class CellArea {
             first_.y + static_cast<int>(number / width())};
   }
   /// The rectangle with `cells` more cells on each side; an empty one stays empty.
-  CellArea widened(int cells) const {
-    CellArea wide = *this;
-    if (size() == 0) return wide;
-    wide.first_ = {first_.x - cells, first_.y - cells};
-    wide.width_ += 2 * cells;
-    wide.height_ += 2 * cells;
-    return wide;
+  CellRectangle expanded(int cells) const {
+    CellRectangle expanded_rectangle = *this;
+    if (size() == 0) return expanded_rectangle;
+    expanded_rectangle.first_ = {first_.x - cells, first_.y - cells};
+    expanded_rectangle.width_ += 2 * cells;
+    expanded_rectangle.height_ += 2 * cells;
+    return expanded_rectangle;
   }
   /// Number of cells along x.
   std::size_t width() const { return static_cast<std::size_t>(width_); }
