@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Columns of a line of oxts/data, as its dataformat.txt names them.
+/// Columns of a file of oxts/data, as its dataformat.txt names them.
 enum Column {
   kLat = 0,
   kLon = 1,
@@ -35,7 +35,7 @@ enum Column {
 
 constexpr int kMinSatellites = 4;
 
-/// Whether the numbers are those of a day and time between 1970 and 2200.
+/// Whether the numbers are a date and time between 1970 and 2200.
 bool is_plausible(const std::tm& date) {
   const auto within = [](int value, int least, int most) {
     return value >= least && value <= most;

@@ -13,10 +13,10 @@ namespace lidar_mapping::pipeline {
 
 /// The sections of a drive where its map is doubtful, and how large the error may be there.
 struct DriveDoubt {
-  Stamp begin = 0;   ///< Stamp of the first scan of the drive.
-  double way = 0.0;  ///< Path length of the whole drive, m.
+  Stamp begin = 0;           ///< Stamp of the first scan of the drive.
+  double path_length = 0.0;  ///< Path length of the whole drive, m.
   /// In the order in which they begin; positions are in the map frame.
-  std::vector<DoubtfulStretch> stretches;
+  std::vector<DoubtfulSection> sections;
 
   /// False if the map must not be relied on in any of the sections.
   bool is_trusted() const;

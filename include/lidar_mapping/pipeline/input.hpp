@@ -46,7 +46,7 @@ class InputSource {
   /// Pose T_base_frame as the recording states it; none if it does not know the frame.
   virtual std::optional<Pose> T_base(const std::string& frame_id) const = 0;
   /// Messages about the recording since the last call, for instance about damaged parts.
-  virtual std::vector<std::string> take_notices() { return {}; }
+  virtual std::vector<std::string> take_messages() { return {}; }
 };
 
 }  // namespace lidar_mapping::pipeline

@@ -11,7 +11,7 @@
 namespace lidar_mapping::pipeline {
 
 /// Corrections that are applied to the points of a folder while they are read.
-struct KittiReading {
+struct KittiReadOptions {
   /// Rotates every point upwards by this angle (rad) about the horizontal axis across its beam. The
   /// sensor of KITTI reports elevations about 0.2 degrees too low.
   double elevation_correction = 0.0;
@@ -29,7 +29,7 @@ constexpr double kKittiTurn = 0.104;
 class KittiFolder {
  public:
   /// Throws FileError if there are no scans, or fewer times than scans.
-  explicit KittiFolder(const std::string& path, const KittiReading& reading = {});
+  explicit KittiFolder(const std::string& path, const KittiReadOptions& options = {});
 
   /// Number of scans.
   std::size_t size() const { return scans_.size(); }
@@ -41,7 +41,7 @@ class KittiFolder {
 
  private:
   std::string path_;
-  KittiReading reading_;
+  KittiReadOptions options_;
   std::vector<std::string> scans_;  ///< File names without folder and extension, in order.
   std::vector<Stamp> stamps_;
 };
@@ -54,6 +54,6 @@ std::vector<Stamp> read_times(const std::filesystem::path& path);
 std::vector<Point> read_points(const std::string& path);
 
 /// The point rotated upwards by `angle` (rad) about the horizontal axis across its beam.
-Point raised(const Point& point, double angle);
+Point rotated_upwards(const Point& point, double angle);
 
 }  // namespace lidar_mapping::pipeline

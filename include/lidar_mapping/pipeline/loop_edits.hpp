@@ -11,15 +11,15 @@ namespace lidar_mapping::pipeline {
 /// Returns the loops that the edits of a person concern, each with its decision; added loops are
 /// matched as loop closing does it. Nothing is written. Throws InputError with the line of the edit
 /// if there is no such loop or if a pair does not match.
-std::vector<Loop> decided_loops(const session::Session& session,
-                                const std::vector<session::LoopEdit>& edits,
-                                const loop_closing::LoopClosingConfig& config);
+std::vector<Loop> edited_loops(const session::Session& session,
+                               const std::vector<session::LoopEdit>& edits,
+                               const loop_closing::LoopClosingConfig& config);
 
 /// Returns `loops` with each loop of `decided` in the place of the one between the same key frames,
 /// or appended if there is none.
-std::vector<Loop> replaced(std::vector<Loop> loops, const std::vector<Loop>& decided);
+std::vector<Loop> replace_loops(std::vector<Loop> loops, const std::vector<Loop>& edited);
 
 /// Stores the decisions in the session, and the loops if they are new.
-void keep_decisions(session::Session& session, const std::vector<Loop>& decided);
+void store_decisions(session::Session& session, const std::vector<Loop>& edited);
 
 }  // namespace lidar_mapping::pipeline

@@ -44,7 +44,7 @@ struct PipelineReport {
 /// it.
 class Pipeline {
  public:
-  /// Resumes `session` if it has content: its recording has to be added again from resumes_from()
+  /// Resumes `session` if it has content: its recording has to be added again from resume_time()
   /// on. `T_base` is called from another thread.
   Pipeline(const PipelineConfig& config, session::Session session,
            preprocessing::ExtrinsicLookup T_base);
@@ -52,7 +52,7 @@ class Pipeline {
 
   /// Time before which no data need to be added when a session is resumed; none if all data are
   /// needed.
-  std::optional<Stamp> resumes_from() const;
+  std::optional<Stamp> resume_time() const;
   /// Adds a datum; waits while the queues are full. Throws FileError if the session cannot be
   /// written; its contents stay valid. If a session is resumed it throws ResumeFailure, and
   /// InputError for another recording; the session is then unchanged.
@@ -64,7 +64,7 @@ class Pipeline {
   /// Current progress; callable while other threads work.
   Progress progress() const;
   /// Messages about events and problems since the last call.
-  std::vector<std::string> take_notices();
+  std::vector<std::string> take_messages();
   /// The session; valid after finish().
   const session::Session& session() const;
 

@@ -56,9 +56,9 @@ class RecordedBackEnd {
     return back_end_.problem(thorough);
   }
   /// Applies a solution whose computation took `seconds`. The poses are stored in the session only
-  /// if `keep_poses` is set: a caller that optimises often need not write all of them each time.
+  /// if `store_poses` is set: a caller that optimises often need not write all of them each time.
   AppliedSolution apply(const back_end::OptimizationSolution& solution, double seconds,
-                        bool keep_poses = true);
+                        bool store_poses = true);
 
   /// Newest poses; their revision counts on over the whole session.
   KeyFramePoses poses() const;
@@ -93,7 +93,7 @@ class RecordedBackEnd {
   back_end::BackEnd back_end_;
   Pose T_session_gnss_;  ///< Transformation of positions from their datum to that of the session.
   std::uint32_t first_revision_ = 0;
-  std::vector<Verdict> opinions_;  ///< Verdict of the graph on each loop.
+  std::vector<Verdict> last_verdicts_;  ///< Verdict of the graph on each loop.
   /// T_from_to of every loop in the graph; the newest one for each pair of key frames.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, Pose> loop_poses_;
 };

@@ -46,7 +46,7 @@ struct ScanSelection {
 /// with the motion given in `scans`, and adds them to `clouds`. Returns the poses of the added
 /// scans, with their numbers in `clouds` as indices. Throws FileError, and InputError if none of
 /// the scans is in the recording.
-KeyFramePoses add_scans(InputSource& recording, const std::vector<PlacedScan>& scans,
+KeyFramePoses add_scans(InputSource& recording, const std::vector<ScanPose>& scans,
                         const preprocessing::PreprocessingConfig& config,
                         const ScanSelection& selection, ScanClouds& clouds);
 

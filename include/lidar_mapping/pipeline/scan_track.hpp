@@ -8,7 +8,7 @@
 namespace lidar_mapping::pipeline {
 
 /// Pose of a scan in the map, and the motion of the vehicle at its stamp.
-struct PlacedScan {
+struct ScanPose {
   Stamp stamp = 0;  ///< Stamp of the scan, ns.
   Pose T_map_base;  ///< Pose of base_link at the stamp.
   /// Linear and angular velocity of base_link in its own axes, m/s and rad/s.
@@ -22,6 +22,6 @@ struct PlacedScan {
 /// lost or repeated are left out, and so are those between two segments, whose relative pose is
 /// unknown. `poses` are those of the key frames; twists follow from the odometry of the
 /// neighbouring scans.
-std::vector<PlacedScan> placed_scans(const session::Session& session, const KeyFramePoses& poses);
+std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFramePoses& poses);
 
 }  // namespace lidar_mapping::pipeline

@@ -37,15 +37,16 @@ struct TrackedStep {
 };
 
 /// A section of the drive whose scans are doubtful for the same reason.
-struct DoubtfulStretch {
+struct DoubtfulSection {
   Doubt doubt = Doubt::kLost;  ///< The common reason.
   Stamp begin = 0;             ///< Stamp of the first scan, ns.
   Stamp end = 0;               ///< Stamp of the last scan, ns.
   std::size_t scans = 0;       ///< Number of doubtful scans.
   /// Path length by odometry from the beginning of the drive to the section, m.
-  double way_begin = 0.0;
-  double way = 0.0;  ///< Path length of the section, including the step that leads into it, m.
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< Position at its beginning, m.
+  double path_begin = 0.0;
+  double path_length =
+      0.0;  ///< Path length of the section, including the step that leads into it, m.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< Position at its beginning, m.
   /// Standard deviation of the error, m. In TrackingSummary it is that over the section from
   /// directions that nothing observed; after drive_doubt() it is that of its end given all
   /// constraints of the graph. Infinite if unknown.
@@ -63,28 +64,28 @@ class TrackingSummary {
   void add(const TrackedStep& step);
 
   /// All sections so far, in the order in which they begin.
-  const std::vector<DoubtfulStretch>& stretches() const { return stretches_; }
+  const std::vector<DoubtfulSection>& sections() const { return sections_; }
   /// Number of all scans so far.
   std::size_t scans() const { return scans_; }
-  double way() const { return way_; }  ///< Path length of the whole drive, m.
+  double path_length() const { return path_length_; }  ///< Path length of the whole drive, m.
 
  private:
-  void go_on_to(const TrackedStep& step);
-  DoubtfulStretch& stretch_for(Doubt doubt, const TrackedStep& step);
+  void advance_to(const TrackedStep& step);
+  DoubtfulSection& section_for(Doubt doubt, const TrackedStep& step);
 
-  std::vector<DoubtfulStretch> stretches_;
+  std::vector<DoubtfulSection> sections_;
   /// Variance of the unobserved travel before each section, m^2.
   std::vector<double> variances_before_;
   double variance_ = 0.0;         ///< Variance of the unobserved travel so far, m^2.
   double variance_before_ = 0.0;  ///< up to the scan before
   std::optional<TrackedStep> last_;
   std::size_t scans_ = 0;
-  double way_ = 0.0;
-  double way_before_ = 0.0;  ///< up to the scan before
+  double path_length_ = 0.0;
+  double path_length_before_ = 0.0;  ///< up to the scan before
 };
 
 /// Error that a map may have over a section of this path length, both in m: 1 % of the length and
 /// at least half a metre, which is what map_quality allows for odometry.
-double allowed_error(double way);
+double allowed_error(double path_length);
 
 }  // namespace lidar_mapping::pipeline

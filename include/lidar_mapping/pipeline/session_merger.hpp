@@ -10,12 +10,12 @@
 namespace lidar_mapping::pipeline {
 
 /// Result for one of the sessions that were merged.
-struct MergedPart {
+struct MergedSession {
   KeyFrameIndex first = 0;     ///< Index of its first key frame in the merged session.
   std::size_t key_frames = 0;  ///< Number of its key frames.
   std::size_t new_loops = 0;   ///< Loops that were found to earlier sessions or within this one.
-  Stamp shift = 0;             ///< Offset that was added to its stamps so that they are unique, ns.
-  bool joined = false;         ///< Loops or GNSS connect it to the first session.
+  Stamp stamp_offset = 0;      ///< Offset that was added to its stamps so that they are unique, ns.
+  bool is_connected = false;   ///< Loops or GNSS connect it to the first session.
   std::vector<std::string> notices;  ///< What could not be copied, a line each.
 };
 
@@ -23,13 +23,13 @@ struct MergedPart {
 /// each drive begins a new segment, GNSS positions are transformed to the datum of the first
 /// session that has one, and loop closing searches between the drives as it does within a drive
 /// (doc/session.md).
-class Merge {
+class SessionMerger {
  public:
   /// `out` is a new session. It gets the sensor origin and the stored configuration of the first
   /// session that is added.
-  Merge(session::Session out, const back_end::BackEndConfig& back_end,
-        const loop_closing::LoopClosingConfig& loop_closing);
-  ~Merge();
+  SessionMerger(session::Session out, const back_end::BackEndConfig& back_end,
+                const loop_closing::LoopClosingConfig& loop_closing);
+  ~SessionMerger();
 
   /// Adds all of a session and optimises the graph. Throws FileError if the disk fails.
   void add(const session::Session& part);
@@ -38,7 +38,7 @@ class Merge {
   void finish();
 
   /// Results for the sessions in the order in which they were added.
-  const std::vector<MergedPart>& parts() const;
+  const std::vector<MergedSession>& parts() const;
 
  private:
   class Impl;
