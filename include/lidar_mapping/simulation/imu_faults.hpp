@@ -38,7 +38,7 @@ std::vector<std::string> imu_fault_names();
 
 /// Applies faults to the samples of a drive that begins at `begin`. They are applied in the order
 /// of Kind, whatever their order in `faults`.
-void spoil(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
-           std::uint64_t seed);
+void corrupt(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
+             std::uint64_t seed);
 
 }  // namespace lidar_mapping::simulation

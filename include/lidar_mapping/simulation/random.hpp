@@ -7,7 +7,7 @@
 namespace lidar_mapping::simulation {
 
 /// Mixes 64 bits (SplitMix64, Steele et al. 2014).
-constexpr std::uint64_t mixed(std::uint64_t x) {
+constexpr std::uint64_t mix64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
@@ -21,10 +21,10 @@ class Random {
  public:
   /// Different streams of a seed give independent numbers.
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
-      : state_(mixed(seed ^ mixed(stream))) {}
+      : state_(mix64(seed ^ mix64(stream))) {}
 
   /// The next 64 random bits.
-  std::uint64_t bits() { return mixed(state_ += 0x9e3779b97f4a7c15ULL); }
+  std::uint64_t bits() { return mix64(state_ += 0x9e3779b97f4a7c15ULL); }
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   /// Uniform in [low, high).

@@ -53,8 +53,8 @@ class ScanFaults {
   Stamp stamp_error(std::size_t index, Stamp period) const;
   /// Applies the faults to the points of scan `index`, which `lidar` has measured with this
   /// standard deviation of the ranges (m). Artificial points count as moving.
-  void spoil(SimulatedScan& scan, std::size_t index, const LidarModel& lidar,
-             double range_noise) const;
+  void corrupt(SimulatedScan& scan, std::size_t index, const LidarModel& lidar,
+               double range_noise) const;
 
  private:
   std::vector<ScanFault> faults_;
