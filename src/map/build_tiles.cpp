@@ -24,7 +24,7 @@ class TileAccumulator {
         store_(config.resolution, config.tile_size, config.threads),
         pages_(directory) {}
 
-  void add(const std::vector<PlacedCloud>& batch) {
+  void add(const std::vector<CloudWithPose>& batch) {
     const std::vector<TileStore::PointsByTile> parts = store_.sort_into_tiles(batch, nullptr);
     ++batches_;
     load(parts);
@@ -97,7 +97,7 @@ void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfi
     std::vector<KeyFrameIndex> indices;
     for (std::size_t i = begin; i < end; ++i) indices.push_back(poses.poses[i].index);
     const std::vector<PointCloudPtr> found = clouds.clouds(indices, config.threads);
-    std::vector<PlacedCloud> batch;
+    std::vector<CloudWithPose> batch;
     for (std::size_t i = begin; i < end; ++i) {
       if (found[i - begin]) batch.push_back({found[i - begin], poses.poses[i].T_map_base});
     }

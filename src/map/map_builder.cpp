@@ -86,16 +86,16 @@ class MapBuilder::Impl {
   }
 
   void remove_all_but(const KeyFramePoses& poses) {
-    KeyFrameEntries kept;
+    KeyFrameEntries remaining;
     for (const KeyFramePose& pose : poses.poses) {
       const auto key_frame = key_frames_.find(pose.index);
-      if (key_frame != key_frames_.end()) kept.insert(key_frames_.extract(key_frame));
+      if (key_frame != key_frames_.end()) remaining.insert(key_frames_.extract(key_frame));
     }
     for (const auto& [index, key_frame] : key_frames_) {
       stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
       ++revision_;
     }
-    key_frames_ = std::move(kept);
+    key_frames_ = std::move(remaining);
   }
 
   std::vector<KeyFrameIndex> outdated_key_frames() const {
@@ -180,7 +180,7 @@ class MapBuilder::Impl {
       const std::size_t count = std::min(indices.size() - begin, kBatchSize);
       const std::vector<PointCloudPtr> clouds =
           clouds_.clouds({&indices[begin], &indices[begin] + count}, config_.threads);
-      std::vector<PlacedCloud> batch;
+      std::vector<CloudWithPose> batch;
       std::vector<KeyFrameEntry*> inserted;
       for (std::size_t i = 0; i < count; ++i) {
         KeyFrameEntry& key_frame = key_frames_.at(indices[begin + i]);

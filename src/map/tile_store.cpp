@@ -29,7 +29,7 @@ struct TileInsertion {
 TileStore::TileStore(double resolution, double tile_size, int threads)
     : grid_(resolution, tile_size), threads_(threads) {}
 
-std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<PlacedCloud>& clouds,
+std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<CloudWithPose>& clouds,
                                                    const std::set<TileIndex>* only) {
   const std::vector<PointsByTile> sorted_clouds = sort_into_tiles(clouds, only);
   insert(sorted_clouds);
@@ -41,7 +41,7 @@ std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<PlacedCloud
 }
 
 std::vector<TileStore::PointsByTile> TileStore::sort_into_tiles(
-    const std::vector<PlacedCloud>& clouds, const std::set<TileIndex>* only) const {
+    const std::vector<CloudWithPose>& clouds, const std::set<TileIndex>* only) const {
   std::vector<PointsByTile> sorted_clouds(clouds.size());
   parallel_chunks(clouds.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) sorted_clouds[i] = points_by_tile(clouds[i], only);
@@ -67,7 +67,7 @@ void TileStore::insert(const std::vector<PointsByTile>& clouds) {
   });
 }
 
-std::vector<TileIndex> TileStore::tiles_of(const PlacedCloud& cloud) const {
+std::vector<TileIndex> TileStore::tiles_of(const CloudWithPose& cloud) const {
   std::set<TileIndex> tiles;
   for (const Point& point : cloud.cloud->points) {
     if (!is_finite(point)) continue;
@@ -77,7 +77,7 @@ std::vector<TileIndex> TileStore::tiles_of(const PlacedCloud& cloud) const {
   return {tiles.begin(), tiles.end()};
 }
 
-TileStore::PointsByTile TileStore::points_by_tile(const PlacedCloud& cloud,
+TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
                                                   const std::set<TileIndex>* only) const {
   PointsByTile sorted;
   const Eigen::Matrix3d rotation = cloud.T_map_base.rotation_matrix();

@@ -12,7 +12,7 @@
 namespace lidar_mapping::map {
 
 /// A cloud in base_link with its pose in the map.
-struct PlacedCloud {
+struct CloudWithPose {
   PointCloudPtr cloud;
   Pose T_map_base;
 };
@@ -27,16 +27,16 @@ class TileStore {
 
   /// Adds the points that lie in the tiles of `only` (null: all tiles). Returns the indices of the
   /// tiles that each cloud touches.
-  std::vector<std::vector<TileIndex>> add(const std::vector<PlacedCloud>& clouds,
+  std::vector<std::vector<TileIndex>> add(const std::vector<CloudWithPose>& clouds,
                                           const std::set<TileIndex>* only);
   /// First step of add(): sorts the points of each cloud into tiles.
-  std::vector<PointsByTile> sort_into_tiles(const std::vector<PlacedCloud>& clouds,
+  std::vector<PointsByTile> sort_into_tiles(const std::vector<CloudWithPose>& clouds,
                                             const std::set<TileIndex>* only) const;
   /// Second step of add(): inserts the points into the voxels of their tiles.
   void insert(const std::vector<PointsByTile>& clouds);
 
   /// Indices of the tiles that a cloud touches.
-  std::vector<TileIndex> tiles_of(const PlacedCloud& cloud) const;
+  std::vector<TileIndex> tiles_of(const CloudWithPose& cloud) const;
   void clear(const std::set<TileIndex>& tiles);
   void clear() { tiles_.clear(); }
 
@@ -55,7 +55,7 @@ class TileStore {
   MapTile tile(const TileIndex& index) const;
 
  private:
-  PointsByTile points_by_tile(const PlacedCloud& cloud, const std::set<TileIndex>* only) const;
+  PointsByTile points_by_tile(const CloudWithPose& cloud, const std::set<TileIndex>* only) const;
 
   TileGrid grid_;
   int threads_;

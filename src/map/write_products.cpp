@@ -106,7 +106,7 @@ class ProductWriter {
   Products write() {
     write_point_files();
     for (const MapFormat& format : map_formats()) {
-      if (format.write != nullptr && wants(format.name)) (this->*format.write)();
+      if (format.write != nullptr && is_selected(format.name)) (this->*format.write)();
     }
     if (options_.save_removed && static_clouds_) write_removed();
     return products_;
@@ -132,7 +132,7 @@ class ProductWriter {
   }
 
  private:
-  bool wants(const std::string& format) const { return contains(format, options_.formats); }
+  bool is_selected(const std::string& format) const { return contains(format, options_.formats); }
 
   CloudSource& uncropped() {
     if (static_clouds_) return *static_clouds_;
@@ -168,11 +168,12 @@ class ProductWriter {
   void write_point_files() {
     std::vector<std::string> formats;
     for (const MapFormat& format : map_formats()) {
-      if (format.write_points != nullptr && wants(format.name)) formats.emplace_back(format.name);
+      if (format.write_points != nullptr && is_selected(format.name))
+        formats.emplace_back(format.name);
     }
     if (formats.empty()) return;
     ConcurrentTask concurrent_task;
-    if (wants("png")) concurrent_task = {[this] { draw(); }, config_.threads};
+    if (is_selected("png")) concurrent_task = {[this] { draw(); }, config_.threads};
     add(save_map(options_.utm ? in_utm(points()) : points(), description(), directory_, formats,
                  concurrent_task));
   }

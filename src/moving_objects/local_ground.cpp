@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kWindow = GroundArea::kWindow;
 constexpr float kDeeper = 0.2F;  // m, from here on the surroundings are believed instead
 constexpr float kNone = LowestPoints::kNone;
-constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotComputed = std::numeric_limits<float>::quiet_NaN();
 
 /// Lower quartile of the known heights.
 template <typename Heights>
@@ -44,7 +44,7 @@ std::vector<GroundColumn> ground_columns(const TransformedPoints& points, float 
 }
 
 LocalGround::LocalGround(const GroundArea& area)
-    : area_(area), columns_(area.size()), grounds_(area.size(), kNotAsked) {}
+    : area_(area), columns_(area.size()), grounds_(area.size(), kNotComputed) {}
 
 void LocalGround::add(const std::vector<GroundColumn>& columns) {
   for (const GroundColumn& column : columns) {

@@ -253,7 +253,9 @@ class RemovedObjects {
 
   /// Whether an object that is removed stands in the cell of the i-th point or in a neighbouring
   /// one.
-  bool touches(std::size_t i) const { return is_inside(i) && beside_.has(cells_of_points_[i]); }
+  bool touches(std::size_t i) const {
+    return is_inside(i) && removed_or_adjacent_.has(cells_of_points_[i]);
+  }
 
  private:
   RemovedObjects(const PointCells& cells, const std::vector<Vote>& votes,
@@ -264,7 +266,7 @@ class RemovedObjects {
         occupied_(area_.size()),
         objects_(area_.size()),
         removed_(area_.size()),
-        beside_(area_.size()) {
+        removed_or_adjacent_(area_.size()) {
     const auto for_each_body_point = [&](const auto& visit) {
       for (std::size_t i = 0; i < layers.size(); ++i) {
         if (layers[i] == Layer::kBody && is_inside(i)) visit(cells_of_points_[i], votes[i]);
@@ -307,7 +309,7 @@ class RemovedObjects {
 
   void mark_removed(std::uint32_t cell) {
     removed_.add(cell);
-    for (const std::uint32_t near : block_around(cell)) beside_.add(near);
+    for (const std::uint32_t near : block_around(cell)) removed_or_adjacent_.add(near);
   }
 
   /// The 3x3 cells around a cell; occupied cells are never at the edge of the area.
@@ -325,7 +327,7 @@ class RemovedObjects {
   std::vector<std::uint32_t> object_cells_;  ///< Cells of the objects, one object after the other.
   std::vector<VoteCount> vote_counts_;  ///< Vote counts of the objects, whose numbers begin with 1.
   CellSet removed_;
-  CellSet beside_;  ///< Cells of removed objects and their neighbours.
+  CellSet removed_or_adjacent_;  ///< Cells of removed objects and their neighbours.
 };
 
 bool is_removed(std::size_t i, Layer layer, const VoteBlocks& blocks,

@@ -14,7 +14,7 @@ namespace {
 constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
 constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
-constexpr float kLeastLength = 1e-37F;    // m, above zero, because it is a divisor
+constexpr float kMinLength = 1e-37F;      // m, above zero, because it is a divisor
 constexpr float kMargin = 0.2F;           // m
 constexpr float kMarginPerRange = 0.02F;  // m per m
 
@@ -24,7 +24,7 @@ LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
   const float along = __builtin_fabsf(x);
   const float across = __builtin_fabsf(y);
   const float larger = along > across ? along : across;
-  const float longer = larger > kLeastLength ? larger : kLeastLength;
+  const float longer = larger > kMinLength ? larger : kMinLength;
   const float a = (along < across ? along : across) / longer;
   const float s = a * a;
   const float low =
@@ -39,7 +39,7 @@ LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
 }
 
 /// Truncates; 0 for negative values and NaN.
-LIDAR_MAPPING_INLINE int whole_of(float value) {
+LIDAR_MAPPING_INLINE int truncated(float value) {
   return static_cast<int>(value > 0.0F ? value : 0.0F);
 }
 
@@ -53,9 +53,9 @@ LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
   const float squared = x * x + y * y;
   const float azimuth = angle_of(y, x) + kHalfTurn;
   const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kHalfTurn;
-  const int turned = whole_of(azimuth * kColumnsPerRadian);
+  const int turned = truncated(azimuth * kColumnsPerRadian);
   return {turned < kRangeImageColumns ? turned : turned - kRangeImageColumns,
-          whole_of(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};
+          truncated(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};
 }
 
 LIDAR_MAPPING_INLINE int units_of(float range) {
@@ -65,8 +65,12 @@ LIDAR_MAPPING_INLINE int units_of(float range) {
   return static_cast<int>(low < kLargest ? low : kLargest);
 }
 
-LIDAR_MAPPING_INLINE int nearest_of(RangeInterval seen) { return static_cast<int>(seen & 0xFFFFU); }
-LIDAR_MAPPING_INLINE int farthest_of(RangeInterval seen) { return static_cast<int>(seen >> 16U); }
+LIDAR_MAPPING_INLINE int nearest_of(RangeInterval interval) {
+  return static_cast<int>(interval & 0xFFFFU);
+}
+LIDAR_MAPPING_INLINE int farthest_of(RangeInterval interval) {
+  return static_cast<int>(interval >> 16U);
+}
 
 LIDAR_MAPPING_INLINE int is_within(int range, int nearest, int farthest) {
   return (range >= nearest ? 1 : 0) & (range <= farthest ? 1 : 0);
@@ -135,13 +139,13 @@ void classify(const RangeInterval* windows, const ProjectedPixels& targets, std:
   int* __restrict hits = counts.hits;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
-    const RangeInterval seen = windows[pixels[i]];
-    const int seen_nearest = nearest_of(seen);
-    const int seen_farthest = farthest_of(seen);
-    const int is_free = seen_nearest > farthest[i] ? 1 : 0;
-    const int is_hidden = seen_farthest < nearest[i] ? 1 : 0;
-    const int is_hit = is_within(seen_nearest, nearest[i], farthest[i]) |
-                       is_within(seen_farthest, nearest[i], farthest[i]);
+    const RangeInterval interval = windows[pixels[i]];
+    const int observed_nearest = nearest_of(interval);
+    const int observed_farthest = farthest_of(interval);
+    const int is_free = observed_nearest > farthest[i] ? 1 : 0;
+    const int is_hidden = observed_farthest < nearest[i] ? 1 : 0;
+    const int is_hit = is_within(observed_nearest, nearest[i], farthest[i]) |
+                       is_within(observed_farthest, nearest[i], farthest[i]);
     through[i] += is_free;
     hits[i] += is_hit;
     ambiguous[i] = 1 & ~(is_free | is_hidden | is_hit);

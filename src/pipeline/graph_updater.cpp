@@ -25,8 +25,8 @@ bool should_store_poses(std::size_t key_frames, std::size_t stored_at) {
 /// slow down.
 std::size_t cloud_cache_bytes(std::size_t key_frames) {
   constexpr std::size_t kPerKeyFrame = 15'000;
-  constexpr std::size_t kWhole = session::CloudStore::kDefaultCacheBytes;
-  return kWhole - std::min(kWhole / 4 * 3, kPerKeyFrame * key_frames);
+  constexpr std::size_t kFullCache = session::CloudStore::kDefaultCacheBytes;
+  return kFullCache - std::min(kFullCache / 4 * 3, kPerKeyFrame * key_frames);
 }
 
 }  // namespace

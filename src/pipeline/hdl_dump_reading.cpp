@@ -71,9 +71,9 @@ class WordReader {
     return checked([&] { return rigid_pose(matrix); });
   }
 
-  std::int64_t whole_number(double most) {
+  std::int64_t whole_number(double max) {
     const double value = checked([this] { return finite_number(next()); });
-    if (value < 0.0 || value > most || value != std::floor(value)) fail("it is no whole number");
+    if (value < 0.0 || value > max || value != std::floor(value)) fail("it is no whole number");
     return static_cast<std::int64_t>(value);
   }
 
@@ -195,12 +195,12 @@ std::optional<GeodeticDatum> read_datum(const fs::path& path) {
 /// Reads poses and the edges between them; planes, priors and fixed vertices are skipped.
 pose_graph::PoseGraph read_poses_and_edges(const fs::path& path) {
   std::ifstream file = open_for_reading(path);
-  std::stringstream wanted;
+  std::stringstream selected;
   for (std::string line; std::getline(file, line);) {
     const std::string tag = line.substr(0, line.find(' '));
-    if (tag == "VERTEX_SE3:QUAT" || tag == "EDGE_SE3:QUAT") wanted << line << '\n';
+    if (tag == "VERTEX_SE3:QUAT" || tag == "EDGE_SE3:QUAT") selected << line << '\n';
   }
-  return pose_graph::read_g2o(wanted, path.string()).graph;
+  return pose_graph::read_g2o(selected, path.string()).graph;
 }
 
 /// An edge between key frames, given by their positions in the dump, the older one first.

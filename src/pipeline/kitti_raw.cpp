@@ -37,9 +37,7 @@ constexpr int kMinSatellites = 4;
 
 /// Whether the numbers are a date and time between 1970 and 2200.
 bool is_plausible(const std::tm& date) {
-  const auto within = [](int value, int least, int most) {
-    return value >= least && value <= most;
-  };
+  const auto within = [](int value, int min, int max) { return value >= min && value <= max; };
   return within(date.tm_year, 1970, 2200) && within(date.tm_mon, 1, 12) &&
          within(date.tm_mday, 1, 31) && within(date.tm_hour, 0, 23) && within(date.tm_min, 0, 59) &&
          within(date.tm_sec, 0, 60);

@@ -35,9 +35,9 @@ std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
 
 /// Calls `take` with the value of this stamp, whose stamp is shifted; does nothing if there is
 /// none.
-template <typename Value, typename Take>
+template <typename Value, typename Function>
 void add_shifted(const std::map<Stamp, Value>& values, Stamp stamp, Stamp stamp_offset,
-                 const Take& add) {
+                 const Function& add) {
   const auto found = values.find(stamp);
   if (found == values.end()) return;
   Value value = found->second;

@@ -37,9 +37,9 @@ std::vector<std::string> fault_names(const Descriptions& descriptions) {
 
 /// Parses a fault of a table (with `name` and `form` of each): `usual` creates it without a value,
 /// and `read_value` reads the value into it. Throws ConfigError for any other text.
-template <typename Descriptions, typename Usual, typename ReadValue>
+template <typename Descriptions, typename MakeDefault, typename ReadValue>
 auto parse_fault(const std::string& text, const Descriptions& descriptions,
-                 const Usual& default_fault, const ReadValue& read_value) {
+                 const MakeDefault& default_fault, const ReadValue& read_value) {
   const auto [name, value] = split_fault(text);
   for (const auto& known : descriptions) {
     if (name != known.name) continue;

@@ -123,19 +123,19 @@ bool read(const Description& known, const std::optional<std::string>& value, Sca
 
 /// Keeps a random subset of `max` points, in their order.
 void keep_random_subset(SimulatedScan& scan, std::size_t max, Random random) {
-  std::size_t wanted = max;
+  std::size_t amount_of = max;
   std::size_t kept = 0;
   const std::size_t size = scan.cloud.size();
   if (size <= max) return;
   for (std::size_t i = 0; i < size; ++i) {
-    const double chance = static_cast<double>(wanted) / static_cast<double>(size - i);
+    const double chance = static_cast<double>(amount_of) / static_cast<double>(size - i);
     if (!random.chance(chance)) continue;
     scan.cloud.points[kept] = scan.cloud.points[i];
     scan.moving[kept] = scan.moving[i];
     scan.rays[kept] = scan.rays[i];
     if (scan.cloud.has_times()) scan.cloud.times[kept] = scan.cloud.times[i];
     ++kept;
-    --wanted;
+    --amount_of;
   }
   scan.cloud.points.resize(kept);
   scan.moving.resize(kept);
@@ -182,7 +182,7 @@ Stamp ScanFaults::stamp_error(std::size_t index, Stamp period) const {
 
 void ScanFaults::corrupt(SimulatedScan& scan, std::size_t index, const LidarModel& lidar,
                          double range_noise) const {
-  const auto wanted = [this](Kind kind) {
+  const auto amount_of = [this](Kind kind) {
     double amount = -1.0;
     for (const ScanFault& fault : faults_) {
       if (fault.kind == kind) amount = fault.amount;
@@ -190,9 +190,9 @@ void ScanFaults::corrupt(SimulatedScan& scan, std::size_t index, const LidarMode
     return amount;
   };
   const auto stream = [&](Stream which) { return Random(seed_ ^ mix64(index), which); };
-  const double outliers = wanted(Kind::kOutliers);
-  const double rain = wanted(Kind::kRain);
-  const bool has_wall = wanted(Kind::kWall) >= 0.0;
+  const double outliers = amount_of(Kind::kOutliers);
+  const double rain = amount_of(Kind::kRain);
+  const bool has_wall = amount_of(Kind::kWall) >= 0.0;
   if (outliers > 0.0 || rain > 0.0 || has_wall) {
     const std::vector<Eigen::Vector3d> directions = ray_directions(lidar, index);
     std::vector<RayReturn> rays = returns_of(scan, lidar);
@@ -201,9 +201,9 @@ void ScanFaults::corrupt(SimulatedScan& scan, std::size_t index, const LidarMode
     if (rain > 0.0) add_rain(rays, directions, rain, stream(kRainStream));
     scan = scan_of(rays, scan, lidar);
   }
-  const double max = wanted(Kind::kSparse);
+  const double max = amount_of(Kind::kSparse);
   if (max > 0.0) keep_random_subset(scan, static_cast<std::size_t>(max), stream(kSubsetStream));
-  const double times = wanted(Kind::kTimes);
+  const double times = amount_of(Kind::kTimes);
   if (times == 0.0) scan.cloud.times.clear();
   if (times == 1.0) {
     for (float& time : scan.cloud.times) time = -time;

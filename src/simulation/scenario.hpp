@@ -12,7 +12,7 @@ namespace lidar_mapping::simulation {
 constexpr Stamp kDriveBegin = 1'317'384'506'417'322'000;
 
 /// Periods of the IMU on a car and on other carriers, ns.
-constexpr Stamp kUsualImuPeriod = 10'000'000;
+constexpr Stamp kDefaultImuPeriod = 10'000'000;
 constexpr Stamp kCarrierImuPeriod = 5'000'000;
 
 /// A world, the motion through it and the mounting of the sensors.
@@ -21,7 +21,7 @@ struct Scenario {
   SmoothTrajectory trajectory;
   SensorMounting mounting;
   std::vector<GnssOutage> covered;  ///< Intervals in which no satellite is in view.
-  Stamp imu_period = kUsualImuPeriod;
+  Stamp imu_period = kDefaultImuPeriod;
   /// Objects nearer than the least range of the LiDAR occlude what is behind them. Older drives
   /// ignore such objects, so that their scans stay the same.
   bool near_objects_occlude = false;

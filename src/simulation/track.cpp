@@ -48,7 +48,7 @@ void Track::walk(std::vector<Eigen::Vector2d> points, const SpeedLimits& limits,
   points.insert(points.begin(), start.position);
   const Path path = Path::rounded(points, corners.radius, corners.blend);
   const double turn_to_path = std::remainder(path.heading(0.0) - start.yaw, 2.0 * kPi);
-  turn(turn_to_path, kUsualTurn);
+  turn(turn_to_path, kDefaultYawRate);
   const double yaw_offset = start.yaw + turn_to_path - path.heading(0.0);
   for (const double s :
        moving_part(stations_over_time(path, 0.0, path.length(), limits, {}, kStep))) {

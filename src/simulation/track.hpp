@@ -41,8 +41,8 @@ class Track {
   const std::vector<TrackState>& states() const { return states_; }
   double seconds() const { return static_cast<double>(states_.size()) * kStep; }
 
-  static constexpr double kStep = 0.005;     ///< s
-  static constexpr double kUsualTurn = 1.5;  ///< rad/s
+  static constexpr double kStep = 0.005;          ///< s
+  static constexpr double kDefaultYawRate = 1.5;  ///< rad/s
 
  private:
   std::vector<TrackState> states_;

@@ -49,13 +49,13 @@ TEST(KeyFrameTrack, AssociatesByIndexWithMissingEntries) {
   for (int round = 0; round < 50; ++round) {
     KeyFrameTrack track;
     KeyFramePoses poses = shifted(19, 5.0);
-    std::vector<KeyFramePose> kept;
+    std::vector<KeyFramePose> remaining;
     for (KeyFrameIndex index = 0; index < 20; ++index) {
       if (random() % 4 != 0) track.add(key_frame_at(index, 1.0 * index));
-      if (index == 0 || random() % 4 != 0) kept.push_back(poses.poses[index]);
+      if (index == 0 || random() % 4 != 0) remaining.push_back(poses.poses[index]);
     }
     track.add(key_frame_at(0, 0.0));
-    poses.poses = kept;
+    poses.poses = remaining;
     track.update(poses);
     for (const KeyFramePose& pose : track.poses().poses) {
       EXPECT_NEAR(pose.T_map_base.translation.x(), 1.0 * pose.index, 1e-12);

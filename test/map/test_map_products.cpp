@@ -185,13 +185,13 @@ TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
       map.points.push_back({x, y, 0.01F, 0.0F});
     }
   }
-  std::vector<Point> seen;
+  std::vector<Point> observed;
   for (const float z : {0.5F, 0.7F, 0.9F, 1.1F}) {
     map.points.push_back({6.1F, 0.1F, z, 0.0F});
     map.points.push_back({12.1F, 0.1F, z, 0.0F});
-    seen.push_back({12.1F, 0.1F, z, 0.0F});
+    observed.push_back({12.1F, 0.1F, z, 0.0F});
   }
-  OneCloud clouds({seen, {}});
+  OneCloud clouds({observed, {}});
   KeyFramePoses poses;
   poses.poses.push_back({0, 0, Pose()});
   const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);

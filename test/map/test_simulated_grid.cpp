@@ -138,10 +138,10 @@ class DriveWithGrid {
 
   double reached_fraction(const Grid& grid) const {
     const std::set<Grid::Cell> reached = grid.reachable_from(grid.cell_at(path_.front()));
-    const auto there = std::count_if(path_.begin(), path_.end(), [&](const Eigen::Vector2d& p) {
-      return reached.count(grid.cell_at(p)) > 0;
-    });
-    return static_cast<double>(there) / static_cast<double>(path_.size());
+    const auto reachable_count =
+        std::count_if(path_.begin(), path_.end(),
+                      [&](const Eigen::Vector2d& p) { return reached.count(grid.cell_at(p)) > 0; });
+    return static_cast<double>(reachable_count) / static_cast<double>(path_.size());
   }
 
   /// Fraction of free cells among those within 10 m of the path in which something moved and

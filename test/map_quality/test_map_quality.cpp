@@ -25,7 +25,7 @@ class TwoPasses : public CloudSource {
       if (index >= kPerPass) mapped = displacement * truth;
       clouds_[index] = scan(truth, random);
       poses.poses.push_back({index, Stamp{index}, mapped});
-      if (index == kPerPass - 1) go_far_away();
+      if (index == kPerPass - 1) leave_and_return();
     }
   }
   PointCloudPtr cloud(KeyFrameIndex index) override {
@@ -35,7 +35,7 @@ class TwoPasses : public CloudSource {
   KeyFramePoses poses;
 
  private:
-  void go_far_away() {
+  void leave_and_return() {
     Pose pose;
     pose.translation.y() = 500.0;
     poses.poses.push_back({999, 0, pose});

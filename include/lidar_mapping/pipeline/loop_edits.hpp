@@ -15,7 +15,7 @@ std::vector<Loop> edited_loops(const session::Session& session,
                                const std::vector<session::LoopEdit>& edits,
                                const loop_closing::LoopClosingConfig& config);
 
-/// Returns `loops` with each loop of `decided` in the place of the one between the same key frames,
+/// Returns `loops` with each loop of `edited` in the place of the one between the same key frames,
 /// or appended if there is none.
 std::vector<Loop> replace_loops(std::vector<Loop> loops, const std::vector<Loop>& edited);
 
