@@ -97,7 +97,7 @@ class VoxelKeys {
 /// Filter of columns around some voxels, which saves most look-ups of other points.
 class ColumnFilter {
  public:
-  /// Adds the column of a voxel and those up to `reach` columns away.
+  /// Adds the column of a voxel and those up to `max_distance` columns away.
   void add_around(VoxelKey key, int max_distance) {
     const VoxelKey first =
         key - static_cast<VoxelKey>(max_distance) * (kVoxelKeyStepX + kVoxelKeyStepY);

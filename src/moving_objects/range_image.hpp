@@ -22,7 +22,7 @@ class RangeImage {
   int first_row() const { return first_row_; }
   int rows() const { return rows_; }
 
-  /// Counts what the sensor observed at the targets; `unclear` has room for `count` numbers.
+  /// Counts what the sensor observed at the targets; `ambiguous` has room for `count` numbers.
   void classify(const ProjectedPixels& targets, std::size_t count, const VisibilityCounts& counts,
                 int* ambiguous) const;
 

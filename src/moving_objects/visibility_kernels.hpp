@@ -62,11 +62,11 @@ struct VisibilityKernels {
   /// Increments the counts of points in range; returns their number.
   int (*count_in_range)(const Viewpoint& view, const PointArrays& points, std::size_t count,
                         int* counts);
-  /// Projects points into the image of a viewpoint, and decrements `left` for those in range.
+  /// Projects points into the image of a viewpoint, and decrements `remaining` for those in range.
   void (*project_into_view)(const Viewpoint& view, const PointArrays& points, std::size_t count,
                             const ProjectedPixels& targets, int* remaining);
   /// Compares projected points with the 3x3 windows around their pixels, and increments the counts.
-  /// `unclear` is 1 if the single pixels have to be tested, else 0.
+  /// `ambiguous` is 1 if the single pixels have to be tested, else 0.
   void (*classify)(const RangeInterval* windows, const ProjectedPixels& targets, std::size_t count,
                    const VisibilityCounts& counts, int* ambiguous);
 };

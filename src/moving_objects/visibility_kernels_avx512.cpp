@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compiled with AVX-512 if the compiler supports it; only plain pointers cross its interface.
 #include "lidar_mapping/common/instruction_set.hpp"
 

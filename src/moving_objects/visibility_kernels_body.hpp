@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The kernels of visibility_kernels.hpp; included by one file per instruction set. Loops have no
 // branches, so that they are vectorised, and call no function that the linker could take from
 // another file.

@@ -16,7 +16,8 @@ namespace lidar_mapping::pipeline {
 /// later, so that the result does not depend on the speed of the processor. One thread calls it.
 class GraphUpdater {
  public:
-  /// With `beside` solutions are computed in a thread of their own, else when they are applied.
+  /// With `in_background` solutions are computed in a thread of their own, else when they are
+  /// applied.
   GraphUpdater(session::Session session, const back_end::BackEndConfig& config, bool in_background,
                PoseFeedback& feedback);
 

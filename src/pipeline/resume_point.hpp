@@ -18,8 +18,8 @@ struct ResumePoint {
   bool from_beginning() const { return first.index == 0; }
 };
 
-/// None for a session without key frames. The section has a path length of `way` (m), or begins
-/// with the first key frame if the session is shorter or `whole` is set.
+/// None for a session without key frames. The section has a path length of `path_length` (m), or
+/// begins with the first key frame if the session is shorter or `whole` is set.
 std::optional<ResumePoint> resume_point_of(const session::Session& session, double path_length,
                                            bool whole);
 

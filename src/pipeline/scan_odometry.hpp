@@ -48,8 +48,8 @@ class ScanOdometry {
   bool jitter_reported_ = false;
   bool gyro_reported_ = false;
   bool ride_reported_ = false;
-  std::vector<preprocessing::SyncedScan>
-      provisional_scans_;  ///< Scans whose results are provisional.
+  /// Scans whose results are provisional.
+  std::vector<preprocessing::SyncedScan> provisional_scans_;
   DriveChunk chunk_;
 };
 

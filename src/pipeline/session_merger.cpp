@@ -33,7 +33,7 @@ std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
   return result;
 }
 
-/// Calls `take` with the value of this stamp, whose stamp is shifted; does nothing if there is
+/// Calls `add` with the value of this stamp, whose stamp is shifted; does nothing if there is
 /// none.
 template <typename Value, typename Function>
 void add_shifted(const std::map<Stamp, Value>& values, Stamp stamp, Stamp stamp_offset,

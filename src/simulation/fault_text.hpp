@@ -35,8 +35,8 @@ std::vector<std::string> fault_names(const Descriptions& descriptions) {
   return names;
 }
 
-/// Parses a fault of a table (with `name` and `form` of each): `usual` creates it without a value,
-/// and `read_value` reads the value into it. Throws ConfigError for any other text.
+/// Parses a fault of a table (with `name` and `form` of each): `default_fault` creates it without a
+/// value, and `read_value` reads the value into it. Throws ConfigError for any other text.
 template <typename Descriptions, typename MakeDefault, typename ReadValue>
 auto parse_fault(const std::string& text, const Descriptions& descriptions,
                  const MakeDefault& default_fault, const ReadValue& read_value) {

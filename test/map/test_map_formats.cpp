@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tests each row of the table of formats.
 #include <algorithm>
 

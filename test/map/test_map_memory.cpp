@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A separate program, because it counts the memory of every allocation.
 
 #include <atomic>

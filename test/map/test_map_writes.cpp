@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The folder of a map after a kill or on a full disk, and as an independent reader sees it.
 
 #include <chrono>

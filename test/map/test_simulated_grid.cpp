@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A planner can use the 2D grids of simulated drives.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A map with true poses is never reported as misaligned, in any of the worlds.
 #include <cmath>
 

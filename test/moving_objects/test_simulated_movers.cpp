@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Moving cars of a simulated drive are removed, and static points stay.
 #include <random>
 

@@ -87,10 +87,10 @@ TEST_F(FolderInputTest, LeavesOutImuWithUnknownPose) {
 }
 
 TEST_F(FolderInputTest, RejectsInvalidPoseOfImu) {
-  for (const char* T_base_imu : {"1e300 0 0", "0 0 nan", "0 0", "0 0.1x 0"}) {
+  for (const char* translation : {"1e300 0 0", "0 0 nan", "0 0", "0 0.1x 0"}) {
     write_raw();
-    write("calib_imu_to_velo.txt", std::string("R: 1 0 0 0 1 0 0 0 1\nT: ") + T_base_imu + "\n");
-    EXPECT_THROW(open(), FileError) << T_base_imu;
+    write("calib_imu_to_velo.txt", std::string("R: 1 0 0 0 1 0 0 0 1\nT: ") + translation + "\n");
+    EXPECT_THROW(open(), FileError) << translation;
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A street that was passed twice appears once in the map, and a displaced pass is found.
 #include <random>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // On a recorded drive the measures rank better poses above worse ones, and static objects are not
 // taken for moving.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All scans of a drive can be added to the map, each at its pose and deskewed.
 #include <gtest/gtest.h>
 

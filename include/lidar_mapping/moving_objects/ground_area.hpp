@@ -21,7 +21,7 @@ class GroundArea {
   static constexpr std::uint32_t kOutside =
       CellRectangle::kOutside;  ///< Number of everything outside.
 
-  /// The columns around the points; points further than `farthest` (m) from their origin are left
+  /// The columns around the points; points further than `max_range` (m) from their origin are left
   /// out.
   explicit GroundArea(const TransformedPoints& points, float max_range = kMaxRange)
       : GroundArea(PointCells(points, kColumnSize, max_range)) {}

@@ -36,7 +36,7 @@ struct GroundColumn {
   LowestPoints points;  ///< Its two lowest points.
 };
 
-/// Columns of the points that are no further than `farthest` (m) from their origin.
+/// Columns of the points that are no further than `max_range` (m) from their origin.
 std::vector<GroundColumn> ground_columns(const TransformedPoints& points,
                                          float max_range = kMaxRange);
 

@@ -60,7 +60,7 @@ class PointCells {
   /// Number of a point that has no cell.
   static constexpr int kNone = std::numeric_limits<int>::min() / 2;
 
-  /// Cells of edge `cell` (m). Points further than `farthest` (m) from their origin have no cell.
+  /// Cells of edge `cell` (m). Points further than `max_range` (m) from their origin have no cell.
   PointCells(const TransformedPoints& points, double cell, float max_range)
       : x_(points.size()), y_(points.size()) {
     const auto scale = static_cast<float>(1.0 / cell);
@@ -95,7 +95,7 @@ class CellRectangle {
   explicit CellRectangle(const PointCells& cells)
       : CellRectangle(cells, [](std::size_t) { return true; }) {}
 
-  /// Rectangle around those points for whose numbers `taken` returns true.
+  /// Rectangle around those points for whose numbers `is_selected` returns true.
   template <typename Predicate>
   CellRectangle(const PointCells& cells, const Predicate& is_selected) {
     constexpr int kLowest = std::numeric_limits<int>::min();

@@ -33,8 +33,8 @@ class SessionMerger {
 
   /// Adds all of a session and optimises the graph. Throws FileError if the disk fails.
   void add(const session::Session& part);
-  /// Optimises the whole graph and writes the files of the session. `joined` of the parts is valid
-  /// from here on.
+  /// Optimises the whole graph and writes the files of the session. `is_connected` of the parts is
+  /// valid from here on.
   void finish();
 
   /// Results for the sessions in the order in which they were added.
