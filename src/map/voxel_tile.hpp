@@ -62,7 +62,7 @@ class TileGrid {
 /// A point to insert into a tile.
 struct TilePoint {
   std::uint64_t voxel = 0;
-  Point point;  ///< relative to the tile's origin
+  Point point;  ///< Relative to the origin of the tile, m.
 };
 
 /// Sums over the points of a voxel, relative to the tile's origin.

@@ -26,13 +26,13 @@ class MarkFile {
 
  private:
   struct Span {
-    std::uint64_t begin = 0;  ///< marks
+    std::uint64_t begin = 0;  ///< Position of the first mark in the file, in marks.
     std::size_t count = 0;
   };
 
   std::filesystem::path directory_;
   std::unique_ptr<NamelessFile> file_;
-  std::uint64_t end_ = 0;  ///< marks
+  std::uint64_t end_ = 0;  ///< Length of the file, in marks.
   std::map<std::size_t, Span> spans_;
 };
 

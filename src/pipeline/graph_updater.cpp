@@ -21,8 +21,8 @@ bool should_store_poses(std::size_t key_frames, std::size_t stored_at) {
 
 /// Size of the cache of clouds in bytes. It shrinks as graph, solutions and loop search need more
 /// memory for each key frame. A quarter remains, because the cache holds the clouds between two
-/// stages, too. Loop closing keeps downsampled clouds of its own, so even a drive of hours does not
-/// slow down.
+/// stages, too. Loop closing does not depend on it, even in a drive of hours, because it keeps
+/// downsampled clouds of its own.
 std::size_t cloud_cache_bytes(std::size_t key_frames) {
   constexpr std::size_t kPerKeyFrame = 15'000;
   constexpr std::size_t kFullCache = session::CloudStore::kDefaultCacheBytes;
