@@ -10,6 +10,7 @@ namespace lidar_mapping::map {
 
 namespace {
 
+/// Parts of a map in an unnamed temporary file.
 class PointFile {
  public:
   explicit PointFile(const std::filesystem::path& directory) : file_(directory) {}
@@ -20,7 +21,7 @@ class PointFile {
     sizes_.push_back(part.size());
   }
 
-  void each(const CloudParts::Sink& sink) const {
+  void for_each(const CloudParts::Sink& sink) const {
     PointCloud part;
     std::uint64_t begin = 0;
     for (const std::size_t count : sizes_) {
@@ -33,12 +34,12 @@ class PointFile {
 
  private:
   NamelessFile file_;
-  std::uint64_t end_ = 0;  // points
+  std::uint64_t end_ = 0;  // in points
   std::vector<std::size_t> sizes_;
 };
 
 CloudParts parts_of(const std::shared_ptr<const PointFile>& file) {
-  return CloudParts([file](const CloudParts::Sink& sink) { file->each(sink); });
+  return CloudParts([file](const CloudParts::Sink& sink) { file->for_each(sink); });
 }
 
 }  // namespace
@@ -53,7 +54,7 @@ CloudParts stored_parts(const CloudParts& parts,
                         const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& move,
                         const std::filesystem::path& directory) {
   const auto file = std::make_shared<PointFile>(directory);
-  parts.each([&](const PointCloud& part) {
+  parts.for_each([&](const PointCloud& part) {
     PointCloud moved = part;
     for (Point& point : moved.points) {
       const Eigen::Vector3f p = move(point.position().cast<double>()).cast<float>();

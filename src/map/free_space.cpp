@@ -11,21 +11,23 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kReach = 50.0;     // m, of a ray; further out it says too little about heights
+// m, longest part of a ray; further out its height is too uncertain
+constexpr double kMaxRayLength = 50.0;
 constexpr std::size_t kBatch = 16;  // clouds in memory at a time
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// When a line that starts at `from` and goes on by `way` meets the next border between cells, and
-/// how long it takes from each to the next.
+/// Parameter of the line start + t * direction at its next border between cells, and its increment
+/// from one border to the next.
 struct Crossings {
-  Crossings(double from, double way, int cell)
-      : step(way > 0.0 ? 1 : -1), each(way != 0.0 ? 1.0 / std::abs(way) : kNever) {
-    const double border = way > 0.0 ? cell + 1 : cell;
-    next = way != 0.0 ? (border - from) / way : kNever;
+  Crossings(double start, double direction, int cell)
+      : step(direction > 0.0 ? 1 : -1),
+        increment(direction != 0.0 ? 1.0 / std::abs(direction) : kInfinity) {
+    const double border = direction > 0.0 ? cell + 1 : cell;
+    next = direction != 0.0 ? (border - start) / direction : kInfinity;
   }
 
   int step;
-  double each;
+  double increment;
   double next;
 };
 
@@ -45,7 +47,7 @@ FreeSpace::FreeSpace(const GridFrame& frame, const GridBlock& block, const Groun
 void FreeSpace::carve(const GridRays& rays) {
   std::vector<KeyFramePose> near;
   for (const KeyFramePose& pose : rays.poses.poses) {
-    if (is_near(pose.T_map_base * rays.p_base_sensor)) near.push_back(pose);
+    if (is_within_reach(pose.T_map_base * rays.p_base_sensor)) near.push_back(pose);
   }
   for (std::size_t begin = 0; begin < near.size(); begin += kBatch) {
     std::vector<KeyFrameIndex> indices;
@@ -59,21 +61,21 @@ void FreeSpace::carve(const GridRays& rays) {
   }
 }
 
-bool FreeSpace::is_near(const Eigen::Vector3d& p_map) const {
-  return p_map.x() > frame_.x_of(block_.column) - kReach &&
-         p_map.x() < frame_.x_of(block_.column + block_.columns) + kReach &&
-         p_map.y() > frame_.y_of(block_.row) - kReach &&
-         p_map.y() < frame_.y_of(block_.row + block_.rows) + kReach;
+bool FreeSpace::is_within_reach(const Eigen::Vector3d& p_map) const {
+  return p_map.x() > frame_.x_of(block_.column) - kMaxRayLength &&
+         p_map.x() < frame_.x_of(block_.column + block_.columns) + kMaxRayLength &&
+         p_map.y() > frame_.y_of(block_.row) - kMaxRayLength &&
+         p_map.y() < frame_.y_of(block_.row + block_.rows) + kMaxRayLength;
 }
 
 void FreeSpace::carve(const PointCloud& cloud, const Pose& T_map_base,
                       const Eigen::Vector3d& p_base_sensor) {
   const Eigen::Matrix3d rotation = T_map_base.rotation_matrix();
-  const Eigen::Vector3d from = in_block(T_map_base * p_base_sensor);
+  const Eigen::Vector3d start = in_block(T_map_base * p_base_sensor);
   for (const Point& point : cloud.points) {
-    const Eigen::Vector3d to =
+    const Eigen::Vector3d target =
         in_block(rotation * point.position().cast<double>() + T_map_base.translation);
-    if (to.allFinite()) carve(Ray{from, to - from});
+    if (target.allFinite()) carve(Ray{start, target - start});
   }
 }
 
@@ -82,51 +84,52 @@ Eigen::Vector3d FreeSpace::in_block(const Eigen::Vector3d& p_map) const {
           (p_map.y() - frame_.y_of(block_.row)) / frame_.cell, p_map.z()};
 }
 
-/// What lies in the block, in reach, and not far above or below all of its ground.
-FreeSpace::Part FreeSpace::part_of(const Ray& ray) const {
-  const double length = frame_.cell * ray.way.head<2>().norm();
-  Part part{0.0, std::min(1.0, kReach / std::max(length, 1e-9))};
+/// The part of the ray that lies in the block, within kMaxRayLength of the sensor, and not far
+/// above or below all of its ground.
+FreeSpace::Interval FreeSpace::clipped_interval(const Ray& ray) const {
+  const double length = frame_.cell * ray.direction.head<2>().norm();
+  Interval interval{0.0, std::min(1.0, kMaxRayLength / std::max(length, 1e-9))};
   const Eigen::Vector3d low(0.0, 0.0, static_cast<double>(ground_.lowest()) - options_.lowest);
   const Eigen::Vector3d high(block_.columns, block_.rows,
                              static_cast<double>(ground_.highest()) + options_.highest);
   for (int axis = 0; axis < 3; ++axis) {
-    if (ray.way[axis] == 0.0) {
-      if (ray.from[axis] < low[axis] || ray.from[axis] > high[axis]) return {1.0, 0.0};
+    if (ray.direction[axis] == 0.0) {
+      if (ray.start[axis] < low[axis] || ray.start[axis] > high[axis]) return {1.0, 0.0};
       continue;
     }
-    const double a = (low[axis] - ray.from[axis]) / ray.way[axis];
-    const double b = (high[axis] - ray.from[axis]) / ray.way[axis];
-    part.begin = std::max(part.begin, std::min(a, b));
-    part.end = std::min(part.end, std::max(a, b));
+    const double a = (low[axis] - ray.start[axis]) / ray.direction[axis];
+    const double b = (high[axis] - ray.start[axis]) / ray.direction[axis];
+    interval.begin = std::max(interval.begin, std::min(a, b));
+    interval.end = std::min(interval.end, std::max(a, b));
   }
-  return part;
+  return interval;
 }
 
-/// From cell to cell, as Amanatides and Woo (1987) go.
+/// Visits the cells along the ray (Amanatides and Woo 1987).
 void FreeSpace::carve(const Ray& ray) {
-  const Part part = part_of(ray);
-  if (part.begin >= part.end) return;
+  const Interval interval = clipped_interval(ray);
+  if (interval.begin >= interval.end) return;
   const auto cell_at = [&](int axis, int count) {
-    const double at = std::floor(ray.from[axis] + part.begin * ray.way[axis]);
+    const double at = std::floor(ray.start[axis] + interval.begin * ray.direction[axis]);
     return std::clamp(static_cast<int>(at), 0, count - 1);
   };
   int column = cell_at(0, block_.columns);
   int row = cell_at(1, block_.rows);
-  Crossings across(ray.from.x(), ray.way.x(), column);
-  Crossings along(ray.from.y(), ray.way.y(), row);
-  double entry = part.begin;
+  Crossings across(ray.start.x(), ray.direction.x(), column);
+  Crossings along(ray.start.y(), ray.direction.y(), row);
+  double entry = interval.begin;
   while (column >= 0 && column < block_.columns && row >= 0 && row < block_.rows) {
-    const double exit = std::min({across.next, along.next, part.end});
-    pass(column, row, ray.from.z() + 0.5 * (entry + exit) * ray.way.z());
-    if (exit >= part.end) return;
+    const double exit = std::min({across.next, along.next, interval.end});
+    mark_passed(column, row, ray.start.z() + 0.5 * (entry + exit) * ray.direction.z());
+    if (exit >= interval.end) return;
     Crossings& crossed = across.next < along.next ? across : along;
     (across.next < along.next ? column : row) += crossed.step;
-    crossed.next += crossed.each;
+    crossed.next += crossed.increment;
     entry = exit;
   }
 }
 
-void FreeSpace::pass(int column, int row, double z) {
+void FreeSpace::mark_passed(int column, int row, double z) {
   std::atomic<std::uint8_t>& cell =
       passed_[static_cast<std::size_t>(row) * static_cast<std::size_t>(block_.columns) +
               static_cast<std::size_t>(column)];

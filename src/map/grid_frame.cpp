@@ -12,7 +12,7 @@ namespace lidar_mapping::map {
 
 GridFrame::GridFrame(const CloudParts& map, double cell_size) : cell(cell_size) {
   Eigen::AlignedBox2f bounds;
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     for (const Point& point : part.points) bounds.extend(point.position().head<2>());
   });
   if (bounds.isEmpty()) throw InputError("the map has no points; there is no grid to make");

@@ -11,62 +11,63 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr int kSteps = 5;  // columns that what is known is carried on
+constexpr int kFillSteps = 5;  // columns by which known ground is extended
 
-moving_objects::PointCells cells_of(const moving_objects::PlacedPoints& points) {
-  return {points, moving_objects::GroundArea::kColumn, std::numeric_limits<float>::infinity()};
+moving_objects::PointCells cells_of(const moving_objects::TransformedPoints& points) {
+  return {points, moving_objects::GroundArea::kColumnSize, std::numeric_limits<float>::infinity()};
 }
 
 }  // namespace
 
-GroundRaster::GroundRaster(const moving_objects::PlacedPoints& points,
+GroundRaster::GroundRaster(const moving_objects::TransformedPoints& points,
                            const moving_objects::GroundArea& area,
                            moving_objects::LocalGround& ground)
-    // One more on each side, so that every column that is filled has eight around it.
-    : rectangle_(moving_objects::CellArea(cells_of(points)).widened(kSteps + 1)),
+    // With one more column on each side, so that every column that is filled has eight neighbours.
+    : rectangle_(moving_objects::CellRectangle(cells_of(points)).expanded(kFillSteps + 1)),
       heights_(rectangle_.size(), kUnknown) {
-  const std::vector<std::uint32_t> numbers = rectangle_.numbers_of(cells_of(points));
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    float& height = heights_[numbers[i]];
+  const std::vector<std::uint32_t> indices = rectangle_.indices_of(cells_of(points));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    float& height = heights_[indices[i]];
     if (height == kUnknown) height = -ground.height_above(0.0F, area.column_of(i));
-    if (height == -kUnknown) height = kUnknown;  // no ground at all
+    if (height == -kUnknown) height = kUnknown;  // no ground is known
   }
   fill_holes();
-  find_limits();
+  update_height_range();
 }
 
 int GroundRaster::cell_of(double coordinate) {
-  return static_cast<int>(std::floor(coordinate / moving_objects::GroundArea::kColumn));
+  return static_cast<int>(std::floor(coordinate / moving_objects::GroundArea::kColumnSize));
 }
 
 void GroundRaster::fill_holes() {
   const std::size_t width = rectangle_.width();
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kFillSteps; ++step) {
     std::vector<float> filled = heights_;
     for (std::size_t i = width + 1; i + width + 1 < heights_.size(); ++i) {
       const std::size_t column = i % width;
       if (column == 0 || column + 1 == width || heights_[i] != kUnknown) continue;
-      filled[i] = guess(i);
+      filled[i] = extrapolated_height(i);
     }
     heights_ = std::move(filled);
   }
 }
 
-/// Their lower quartile: a roof beside the street is not its ground.
-float GroundRaster::guess(std::size_t number) const {
+/// The lower quartile of the neighbours, because the roof beside a street is not its ground.
+float GroundRaster::extrapolated_height(std::size_t index) const {
   const std::size_t width = rectangle_.width();
-  std::array<float, 8> around{};
-  around.fill(kUnknown);  // which is above all others
+  std::array<float, 8> neighbours{};
+  neighbours.fill(kUnknown);  // which is greater than all heights
   std::size_t known = 0;
-  for (const std::size_t row : {number - width, number, number + width}) {
+  for (const std::size_t row : {index - width, index, index + width}) {
     for (const std::size_t i : {row - 1, row, row + 1}) {
-      if (heights_[i] != kUnknown) around[known++] = heights_[i];
+      if (heights_[i] != kUnknown) neighbours[known++] = heights_[i];
     }
   }
-  return known == 0 ? kUnknown : quantile_of_range(around.begin(), around.begin() + known, 0.25);
+  return known == 0 ? kUnknown
+                    : quantile_of_range(neighbours.begin(), neighbours.begin() + known, 0.25);
 }
 
-void GroundRaster::find_limits() {
+void GroundRaster::update_height_range() {
   for (const float height : heights_) {
     if (height == kUnknown) continue;
     lowest_ = std::min(lowest_, height);

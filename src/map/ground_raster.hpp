@@ -7,36 +7,38 @@
 
 namespace lidar_mapping::map {
 
-/// Height of the ground in columns of 0.6 m, also where no point lies: up to 3 m from where it is
-/// known, as the surroundings have it.
+/// Height of the ground in columns of 0.6 m. Columns without points take it from their neighbours,
+/// up to 3 m from known ground.
 class GroundRaster {
  public:
   static constexpr float kUnknown = moving_objects::LowestPoints::kNone;
-  /// The ground there depends on points that are this near, m.
-  static constexpr float kReach = 6.0F;
+  /// The ground at a location depends on points within this distance, m.
+  static constexpr float kSupportRadius = 6.0F;
 
-  /// The points and their ground, in the map frame.
-  GroundRaster(const moving_objects::PlacedPoints& points, const moving_objects::GroundArea& area,
-               moving_objects::LocalGround& ground);
+  /// Builds the raster from points and their ground, both in the map frame.
+  GroundRaster(const moving_objects::TransformedPoints& points,
+               const moving_objects::GroundArea& area, moving_objects::LocalGround& ground);
 
-  /// Number of the column or row of a coordinate of the map frame, m.
+  /// Column or row of a coordinate of the map frame (m).
   static int cell_of(double coordinate);
-  /// m in the map frame, by cell_of() of x and y; kUnknown where nobody can tell.
+  /// Height of the ground, m in the map frame; column and row are cell_of() of x and y. kUnknown
+  /// where no ground is known.
   float at(int column, int row) const {
-    const std::uint32_t number = rectangle_.number_of({column, row});
-    return number == moving_objects::CellArea::kOutside ? kUnknown : heights_[number];
+    const std::uint32_t index = rectangle_.index_of({column, row});
+    return index == moving_objects::CellRectangle::kOutside ? kUnknown : heights_[index];
   }
-  /// Of what is known, m; the lowest is above the highest where nothing is.
+  /// Lowest known height, m; above highest() if none is known.
   float lowest() const { return lowest_; }
+  /// Highest known height, m.
   float highest() const { return highest_; }
 
  private:
   void fill_holes();
-  /// From the eight columns around, or kUnknown.
-  float guess(std::size_t number) const;
-  void find_limits();
+  /// Height from the eight neighbouring columns, or kUnknown.
+  float extrapolated_height(std::size_t index) const;
+  void update_height_range();
 
-  moving_objects::CellArea rectangle_;
+  moving_objects::CellRectangle rectangle_;
   std::vector<float> heights_;
   float lowest_ = kUnknown;
   float highest_ = -kUnknown;

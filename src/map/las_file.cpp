@@ -20,10 +20,10 @@ constexpr double kScale = 0.001;  // m
 constexpr std::uint16_t kHeaderSize = 227;
 constexpr std::uint16_t kRecordHeaderSize = 54;
 constexpr std::uint16_t kPointSize = 20;
-constexpr std::uint8_t kOnlyReturn = 0x09;  // the first of one
+constexpr std::uint8_t kOnlyReturn = 0x09;  // return number 1 of 1
 constexpr std::uint16_t kMetre = 9001;      // EPSG
 
-/// Bytes in the order of the format: little endian, as on every machine that runs this.
+/// Bytes in the order of the format, which is little endian like every processor that this runs on.
 class Bytes {
  public:
   template <typename Number>
@@ -44,7 +44,8 @@ class Bytes {
   std::string data_;
 };
 
-/// The coordinates of the file: UTM of the datum's zone, or the map frame.
+/// Conversion from the map frame to the coordinates of the file: UTM in the zone of the datum, or
+/// the map frame.
 class Projection {
  public:
   explicit Projection(const std::optional<GeodeticDatum>& datum) {
@@ -58,12 +59,13 @@ class Projection {
   Eigen::Vector3d operator()(const Eigen::Vector3d& p_map) const {
     return utm_ ? utm_->from_enu(p_map) : p_map;
   }
-  /// Whole millimetres reach 2147 km from the offset: it follows the map where no datum gives it.
-  void begin_at(const Eigen::Vector3d& p_map) {
+  /// Coordinates in whole millimetres reach 2147 km from the offset: without a datum it follows
+  /// from the first point of the map.
+  void set_offset_near(const Eigen::Vector3d& p_map) {
     if (!utm_) offset_ = 1000.0 * (p_map / 1000.0).array().floor();
   }
   const Eigen::Vector3d& offset() const { return offset_; }
-  /// Of WGS 84 / UTM; 0 without a datum.
+  /// Code of WGS 84 / UTM; 0 without a datum.
   std::uint16_t epsg() const { return utm_ ? utm_->epsg() : 0; }
 
  private:
@@ -95,7 +97,7 @@ std::string header(const Extent& extent, const Projection& projection) {
   Bytes bytes;
   bytes.text("LASF", 4).add(std::uint32_t{0}).text("", 16);
   bytes.add(std::uint8_t{1}).add(std::uint8_t{2}).text("", 32).text("lidar_mapping", 32);
-  bytes.add(std::uint32_t{0}).add(kHeaderSize);  // no date: equal maps are equal files
+  bytes.add(std::uint32_t{0}).add(kHeaderSize);  // no date, so that equal maps give equal files
   bytes.add(static_cast<std::uint32_t>(kHeaderSize + reference.size()));
   bytes.add(std::uint32_t{reference.empty() ? 0U : 1U}).add(std::uint8_t{0}).add(kPointSize);
   bytes.add(points).add(points).text("", 16);
@@ -111,7 +113,7 @@ class Writer {
       : file_(file), projection_(projection), intensity_scale_(65535.0F / max_intensity) {}
 
   void add(const MapTile& tile) {
-    if (extent_.points == 0) projection_.begin_at(tile.origin);
+    if (extent_.points == 0) projection_.set_offset_near(tile.origin);
     Bytes bytes;
     for (const Point& point : tile.cloud.points) {
       const Eigen::Vector3d p = projection_(tile.origin + point.position().cast<double>());
@@ -145,7 +147,8 @@ void write_las(const std::filesystem::path& path, const TileSource& tiles,
   Projection projection(datum);
   write_atomically(path, [&](const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file << header({}, projection);  // of the right length; the figures are known at the end
+    // has the right length already; its values are known at the end
+    file << header({}, projection);
     Writer writer(file, projection, max_intensity > 0.0F ? max_intensity : 1.0F);
     tiles([&](const MapTile& tile) { writer.add(tile); });
     if (writer.extent().points > std::numeric_limits<std::uint32_t>::max()) {

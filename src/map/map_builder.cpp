@@ -10,9 +10,10 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kFarPoint = 50.0;        // m; see MapConfig::rebuild_distance
-constexpr std::size_t kBatch = 16;        // clouds in memory at a time
-constexpr double kRebuildAllShare = 0.5;  // above it, partial work costs more than all of it
+constexpr double kReferenceDistance = 50.0;  // m; see MapConfig::rebuild_distance
+constexpr std::size_t kBatchSize = 16;       // clouds in memory at a time
+constexpr double kRebuildAllFraction =
+    0.5;  // above it, a partial rebuild costs more than a whole one
 
 bool are_equal(const Pose& a, const Pose& b) {
   return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
@@ -21,19 +22,20 @@ bool are_equal(const Pose& a, const Pose& b) {
 bool has_moved(const Pose& from, const Pose& to, double tolerance) {
   const double distance = (to.translation - from.translation).norm();
   const double angle = rotation_angle(from.rotation.conjugate() * to.rotation);
-  return distance + kFarPoint * angle > tolerance;
+  return distance + kReferenceDistance * angle > tolerance;
 }
 
 }  // namespace
 
 class MapBuilder::Impl {
  public:
-  struct Member {
-    Pose wanted;
-    std::optional<Pose> placed;  ///< where it lies in the tiles; none if it is not in
+  struct KeyFrameEntry {
+    Pose target_pose;
+    std::optional<Pose>
+        inserted_pose;  ///< Pose at which the cloud is in the tiles; none if it is not in.
     std::vector<TileIndex> tiles;
   };
-  using Members = std::map<KeyFrameIndex, Member>;
+  using KeyFrameEntries = std::map<KeyFrameIndex, KeyFrameEntry>;
 
   Impl(const MapConfig& config, CloudSource& clouds)
       : config_(config),
@@ -41,32 +43,33 @@ class MapBuilder::Impl {
         tiles_(config.resolution, config.tile_size, config.threads) {}
 
   void update(const KeyFramePoses& poses) {
-    if (poses.whole) forget_others(poses);
+    if (poses.whole) remove_all_but(poses);
     for (const KeyFramePose& pose : poses.poses) {
-      const auto [entry, is_new] = members_.try_emplace(pose.index);
-      Member& member = entry->second;
-      const bool moved = is_new || !are_equal(member.wanted, pose.T_map_base);
-      member.wanted = pose.T_map_base;
-      if (moved && is_out_of_place(member)) ++revision_;
+      const auto [entry, is_new] = key_frames_.try_emplace(pose.index);
+      KeyFrameEntry& key_frame = entry->second;
+      const bool moved = is_new || !are_equal(key_frame.target_pose, pose.T_map_base);
+      key_frame.target_pose = pose.T_map_base;
+      if (moved && has_outdated_pose(key_frame)) ++revision_;
     }
   }
 
   PointCloud build() {
     missing_ = 0;
-    const std::vector<KeyFrameIndex> changed = changed_members();
-    const bool most = static_cast<double>(changed.size()) >
-                      kRebuildAllShare * static_cast<double>(members_.size());
-    if (most && !changed.empty()) {
+    const std::vector<KeyFrameIndex> changed = outdated_key_frames();
+    const bool is_majority = static_cast<double>(changed.size()) >
+                             kRebuildAllFraction * static_cast<double>(key_frames_.size());
+    if (is_majority && !changed.empty()) {
       rebuild_all();
     } else {
       rebuild_part(changed);
     }
-    return tiles_.joined();
+    return tiles_.merged_cloud();
   }
 
   KeyFramePoses poses() const {
     KeyFramePoses poses;
-    for (const auto& [index, member] : members_) poses.poses.push_back({index, 0, member.wanted});
+    for (const auto& [index, key_frame] : key_frames_)
+      poses.poses.push_back({index, 0, key_frame.target_pose});
     return poses;
   }
 
@@ -77,89 +80,91 @@ class MapBuilder::Impl {
   std::size_t insertions_ = 0;
 
  private:
-  bool is_out_of_place(const Member& member) const {
-    return !member.placed || has_moved(*member.placed, member.wanted, config_.rebuild_distance);
+  bool has_outdated_pose(const KeyFrameEntry& key_frame) const {
+    return !key_frame.inserted_pose ||
+           has_moved(*key_frame.inserted_pose, key_frame.target_pose, config_.rebuild_distance);
   }
 
-  void forget_others(const KeyFramePoses& poses) {
-    Members kept;
+  void remove_all_but(const KeyFramePoses& poses) {
+    KeyFrameEntries remaining;
     for (const KeyFramePose& pose : poses.poses) {
-      const auto member = members_.find(pose.index);
-      if (member != members_.end()) kept.insert(members_.extract(member));
+      const auto key_frame = key_frames_.find(pose.index);
+      if (key_frame != key_frames_.end()) remaining.insert(key_frames_.extract(key_frame));
     }
-    for (const auto& [index, member] : members_) {
-      stale_.insert(member.tiles.begin(), member.tiles.end());
+    for (const auto& [index, key_frame] : key_frames_) {
+      stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
       ++revision_;
     }
-    members_ = std::move(kept);
+    key_frames_ = std::move(remaining);
   }
 
-  std::vector<KeyFrameIndex> changed_members() const {
+  std::vector<KeyFrameIndex> outdated_key_frames() const {
     std::vector<KeyFrameIndex> changed;
-    for (const auto& [index, member] : members_) {
-      if (is_out_of_place(member)) changed.push_back(index);
+    for (const auto& [index, key_frame] : key_frames_) {
+      if (has_outdated_pose(key_frame)) changed.push_back(index);
     }
     return changed;
   }
 
   void rebuild_all() {
     tiles_.clear();
-    stale_.clear();
+    stale_tiles_.clear();
     std::vector<KeyFrameIndex> all;
-    for (auto& [index, member] : members_) {
-      member.placed.reset();
-      member.tiles.clear();
+    for (auto& [index, key_frame] : key_frames_) {
+      key_frame.inserted_pose.reset();
+      key_frame.tiles.clear();
       all.push_back(index);
     }
     add(all, nullptr);
   }
 
-  /// Key frames behind all that are in the map are added; the tiles of the others that changed are
-  /// built again, so that the order of insertion, and with it every bit, is that of a new map.
+  /// Appends key frames that follow all those in the map, and rebuilds the tiles of the others that
+  /// changed. So the order of insertion, and with it every bit, is that of a new map.
   void rebuild_part(const std::vector<KeyFrameIndex>& changed) {
-    const KeyFrameIndex end = end_of_placed();
+    const KeyFrameIndex end = end_of_inserted();
     std::vector<KeyFrameIndex> appended;
     for (const KeyFrameIndex index : changed) {
       if (index >= end) {
         appended.push_back(index);
       } else {
-        lift(members_.at(index), index);
+        mark_tiles_stale(key_frames_.at(index), index);
       }
     }
-    if (!stale_.empty()) {
-      tiles_.clear(stale_);
-      add(members_in(stale_, end), &stale_);
-      stale_.clear();
+    if (!stale_tiles_.empty()) {
+      tiles_.clear(stale_tiles_);
+      add(key_frames_in(stale_tiles_, end), &stale_tiles_);
+      stale_tiles_.clear();
     }
     add(appended, nullptr);
   }
 
-  /// Marks the tiles where it lay and where it will lie.
-  void lift(Member& member, KeyFrameIndex index) {
+  /// Marks the tiles of its old and of its new pose as stale.
+  void mark_tiles_stale(KeyFrameEntry& key_frame, KeyFrameIndex index) {
     const PointCloudPtr cloud = clouds_.cloud(index);
     if (!cloud) {
       ++missing_;
       return;
     }
-    stale_.insert(member.tiles.begin(), member.tiles.end());
-    member.tiles = tiles_.tiles_of({cloud, member.wanted});
-    member.placed = member.wanted;
-    stale_.insert(member.tiles.begin(), member.tiles.end());
+    stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
+    key_frame.tiles = tiles_.tiles_of({cloud, key_frame.target_pose});
+    key_frame.inserted_pose = key_frame.target_pose;
+    stale_tiles_.insert(key_frame.tiles.begin(), key_frame.tiles.end());
   }
 
-  KeyFrameIndex end_of_placed() const {
+  KeyFrameIndex end_of_inserted() const {
     KeyFrameIndex end = 0;
-    for (const auto& [index, member] : members_) {
-      if (member.placed) end = index + 1;
+    for (const auto& [index, key_frame] : key_frames_) {
+      if (key_frame.inserted_pose) end = index + 1;
     }
     return end;
   }
 
-  std::vector<KeyFrameIndex> members_in(const std::set<TileIndex>& tiles, KeyFrameIndex end) const {
+  std::vector<KeyFrameIndex> key_frames_in(const std::set<TileIndex>& tiles,
+                                           KeyFrameIndex end) const {
     std::vector<KeyFrameIndex> found;
-    for (const auto& [index, member] : members_) {
-      if (index >= end || !member.placed) continue;
-      for (const TileIndex& tile : member.tiles) {
+    for (const auto& [index, key_frame] : key_frames_) {
+      if (index >= end || !key_frame.inserted_pose) continue;
+      for (const TileIndex& tile : key_frame.tiles) {
         if (tiles.count(tile) == 0) continue;
         found.push_back(index);
         break;
@@ -168,34 +173,35 @@ class MapBuilder::Impl {
     return found;
   }
 
-  /// Puts key frames into the tiles of `only`, or, those that are new, into all.
+  /// Inserts key frames into the tiles of `only`; if that is null, new key frames into all their
+  /// tiles.
   void add(const std::vector<KeyFrameIndex>& indices, const std::set<TileIndex>* only) {
-    for (std::size_t begin = 0; begin < indices.size(); begin += kBatch) {
-      const std::size_t count = std::min(indices.size() - begin, kBatch);
+    for (std::size_t begin = 0; begin < indices.size(); begin += kBatchSize) {
+      const std::size_t count = std::min(indices.size() - begin, kBatchSize);
       const std::vector<PointCloudPtr> clouds =
           clouds_.clouds({&indices[begin], &indices[begin] + count}, config_.threads);
-      std::vector<PlacedCloud> batch;
-      std::vector<Member*> owners;
+      std::vector<CloudWithPose> batch;
+      std::vector<KeyFrameEntry*> inserted;
       for (std::size_t i = 0; i < count; ++i) {
-        Member& member = members_.at(indices[begin + i]);
+        KeyFrameEntry& key_frame = key_frames_.at(indices[begin + i]);
         if (!clouds[i]) {
           ++missing_;
-          member.placed.reset();
+          key_frame.inserted_pose.reset();
           continue;
         }
-        if (!member.placed) member.placed = member.wanted;
-        batch.push_back({clouds[i], *member.placed});
-        owners.push_back(&member);
+        if (!key_frame.inserted_pose) key_frame.inserted_pose = key_frame.target_pose;
+        batch.push_back({clouds[i], *key_frame.inserted_pose});
+        inserted.push_back(&key_frame);
       }
       insertions_ += batch.size();
       const auto touched = tiles_.add(batch, only);
       if (only != nullptr) continue;
-      for (std::size_t i = 0; i < owners.size(); ++i) owners[i]->tiles = touched[i];
+      for (std::size_t i = 0; i < inserted.size(); ++i) inserted[i]->tiles = touched[i];
     }
   }
 
-  Members members_;
-  std::set<TileIndex> stale_;
+  KeyFrameEntries key_frames_;
+  std::set<TileIndex> stale_tiles_;
   TileStore tiles_;
 };
 

@@ -25,7 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMostCompressed = 2'000'000;  // points; they need 33 bytes each for it
+constexpr std::uint64_t kMaxCompressedPoints =
+    2'000'000;  // points; compression needs 33 bytes for each
 
 struct Extent {
   std::uint64_t points = 0;
@@ -34,7 +35,7 @@ struct Extent {
 
 Extent extent_of(const CloudParts& map) {
   Extent extent;
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     extent.points += part.size();
     for (const Point& point : part.points) extent.bounds.extend(point.position());
   });
@@ -73,15 +74,15 @@ std::string to_yaml(const Extent& extent, const MapDescription& description) {
   return text;
 }
 
-[[noreturn]] void fail(const fs::path& path) {
+[[noreturn]] void throw_write_error(const fs::path& path) {
   throw FileError("cannot write " + path.string() + "; check the free space and the permissions");
 }
 
-/// First all x, then all y, z and intensities: alike values side by side are packed best.
-std::vector<float> by_field(const CloudParts& map, std::size_t points) {
+/// All x, then all y, z and intensities: similar values side by side are compressed best.
+std::vector<float> values_by_field(const CloudParts& map, std::size_t points) {
   std::vector<float> values(4 * points);
   std::size_t i = 0;
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     for (const Point& point : part.points) {
       values[i] = point.x;
       values[points + i] = point.y;
@@ -93,46 +94,47 @@ std::vector<float> by_field(const CloudParts& map, std::size_t points) {
   return values;
 }
 
-/// Both sizes in bytes, and the packed values.
-std::vector<char> packed(const std::vector<float>& values) {
+/// Compressed size, original size and the compressed values, as in a PCD file.
+std::vector<char> lzf_compressed(const std::vector<float>& values) {
   const auto bytes = static_cast<std::uint32_t>(values.size() * sizeof(float));
   std::array<std::uint32_t, 2> sizes = {0, bytes};
-  const std::uint32_t room = bytes + bytes / 16 + 64;  // what cannot be packed grows a little
-  std::vector<char> result(sizeof sizes + room);
-  sizes[0] = pcl::lzfCompress(values.data(), bytes, result.data() + sizeof sizes, room);
+  const std::uint32_t capacity = bytes + bytes / 16 + 64;  // incompressible data grow a little
+  std::vector<char> result(sizeof sizes + capacity);
+  sizes[0] = pcl::lzfCompress(values.data(), bytes, result.data() + sizeof sizes, capacity);
   std::memcpy(result.data(), sizes.data(), sizeof sizes);
   result.resize(sizeof sizes + sizes[0]);
   return result;
 }
 
-/// As PCL's writer does, in half of its memory.
+/// Writes the same file as PCL's writer with half of its memory.
 void write_compressed_pcd(const fs::path& path, const CloudParts& map, std::size_t points) {
-  const std::vector<char> data = packed(by_field(map, points));
+  const std::vector<char> data = lzf_compressed(values_by_field(map, points));
   write_atomically(path, [&](const fs::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     file << pcd_header(points, "binary_compressed");
     file.write(data.data(), static_cast<std::streamsize>(data.size()));
     file.close();
-    if (!file) fail(path);
+    if (!file) throw_write_error(path);
   });
 }
 
-/// A header, and behind it the points as they are in memory.
+/// Writes a header, followed by the points as they are in memory.
 void write_points(const fs::path& path, const std::string& header, const CloudParts& map) {
   static_assert(sizeof(Point) == 16);
   write_atomically(path, [&](const fs::path& temporary) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     file << header;
-    map.each([&](const PointCloud& part) {
+    map.for_each([&](const PointCloud& part) {
       file.write(reinterpret_cast<const char*>(part.points.data()),
                  static_cast<std::streamsize>(part.size() * sizeof(Point)));
     });
     file.close();
-    if (!file) fail(path);
+    if (!file) throw_write_error(path);
   });
 }
 
-/// Beside a file in UTM, as hdl_graph_slam names it; goes with a file in the map frame.
+/// Writes the origin beside a file in UTM, with the name that hdl_graph_slam uses; removes it
+/// beside a file in the map frame.
 void write_utm_origin(const fs::path& file, const std::optional<UtmFrame>& utm) {
   const fs::path path = file.string() + ".utm";
   if (!utm) {
@@ -143,13 +145,13 @@ void write_utm_origin(const fs::path& file, const std::optional<UtmFrame>& utm) 
   write_text_atomically(path, line("%.6f %.6f %.6f\n", origin.x(), origin.y(), origin.z()));
 }
 
-/// Of a format of points alone; null for others.
-auto writer_of(const std::string& name) {
+/// Writer of a format that holds points alone; null for other formats.
+auto points_writer(const std::string& name) {
   const MapFormat* format = find_format(name);
   return format == nullptr ? nullptr : format->write_points;
 }
 
-void refuse_foreign(const fs::path& file, const fs::path& description) {
+void check_own_file(const fs::path& file, const fs::path& description) {
   if (fs::exists(file) && !fs::exists(description)) {
     throw FileError(file.string() +
                     " is there already and is no map of this package; name another directory");
@@ -159,41 +161,41 @@ void refuse_foreign(const fs::path& file, const fs::path& description) {
 }  // namespace
 
 Files save_map(const CloudParts& map, const MapDescription& description, const fs::path& directory,
-               const std::vector<std::string>& formats, const Meanwhile& meanwhile) {
-  const std::vector<std::string> wanted =
+               const std::vector<std::string>& formats, const ConcurrentTask& concurrent_task) {
+  const std::vector<std::string> selected_formats =
       formats.empty() ? std::vector<std::string>{"pcd", "ply"} : formats;
-  const fs::path described = directory / (description.name + ".yaml");
+  const fs::path description_file = directory / (description.name + ".yaml");
   const auto file_of = [&](const std::string& format) {
     return directory / (description.name + "." + format);
   };
-  for (const std::string& format : wanted) {
-    if (writer_of(format) == nullptr) {
+  for (const std::string& format : selected_formats) {
+    if (points_writer(format) == nullptr) {
       throw InputError("map format '" + format + "' cannot be written from points alone");
     }
-    refuse_foreign(file_of(format), described);
+    check_own_file(file_of(format), description_file);
   }
   const Extent extent = extent_of(map);
   if (extent.points == 0) throw InputError("the map has no points yet; drive first");
-  map.each(check_range);
-  Files files{described};
+  map.for_each(check_range);
+  Files files{description_file};
   write_text_atomically(files.back(), to_yaml(extent, description));
   const auto write = [&] {
-    for (const std::string& format : wanted) {
+    for (const std::string& format : selected_formats) {
       const fs::path& file = files.emplace_back(file_of(format));
-      writer_of(format)(file, map);
+      points_writer(format)(file, map);
       write_utm_origin(file, description.utm);
       if (description.utm) files.push_back(file_of(format + ".utm"));
     }
   };
-  parallel_chunks(meanwhile.work ? 2 : 1, 1, meanwhile.threads,
-                  [&](std::size_t i, std::size_t) { i == 0 ? write() : meanwhile.work(); });
+  parallel_chunks(concurrent_task.work ? 2 : 1, 1, concurrent_task.threads,
+                  [&](std::size_t i, std::size_t) { i == 0 ? write() : concurrent_task.work(); });
   return files;
 }
 
 void check_range(const PointCloud& cloud) {
-  constexpr float kFarthest = 1e5F;
+  constexpr float kMaxDistance = 1e5F;
   for (const Point& point : cloud.points) {
-    if (point.position().cwiseAbs().maxCoeff() <= kFarthest) continue;
+    if (point.position().cwiseAbs().maxCoeff() <= kMaxDistance) continue;
     throw InputError("the map reaches " +
                      std::to_string(std::lround(point.position().cwiseAbs().maxCoeff())) +
                      " m from the origin of its frame, which PCD and PLY files cannot hold to the "
@@ -203,7 +205,7 @@ void check_range(const PointCloud& cloud) {
 
 void write_pcd(const fs::path& path, const CloudParts& map) {
   const std::uint64_t points = extent_of(map).points;
-  if (points <= kMostCompressed) {
+  if (points <= kMaxCompressedPoints) {
     write_compressed_pcd(path, map, points);
     return;
   }

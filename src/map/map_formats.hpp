@@ -11,22 +11,23 @@ namespace lidar_mapping::map {
 
 class ProductWriter;  // write_products.cpp
 
-/// A format in which a map is written. Whoever has to know the formats asks this table: a new one
-/// is a row of it and the function that the row names.
+/// A format in which a map is written. All code that has to know the formats uses this table: a new
+/// format is a row of it and the function that the row names.
 struct MapFormat {
-  const char* name;    ///< on command lines, in messages and as the file's extension
-  const char* remark;  ///< what it is, if the name does not say it; else empty
-  bool one_file;       ///< the map is one file NAME.<name>, which a user may ask for by its path
-  /// Of formats that hold the joined points, beside NAME.yaml (save_map()); else null.
+  const char* name;    ///< Name on command lines, in messages and as extension of the file.
+  const char* remark;  ///< Explanation if the name does not say what it is; else empty.
+  bool single_file;  ///< The map is a single file NAME.<name>, which a user may select by its path.
+  /// Writer of formats that hold the points of the whole map, beside NAME.yaml (save_map()); null
+  /// for others.
   void (*write_points)(const std::filesystem::path& file, const CloudParts& points);
-  /// Of all others; else null.
+  /// Writer of all other formats; null for those with `write_points`.
   void (ProductWriter::*write)();
 };
 
 /// All formats, in the order in which they are written.
 const std::vector<MapFormat>& map_formats();
 
-/// The format of a name, or null.
+/// The format of this name; null if there is none.
 const MapFormat* find_format(const std::string& name);
 
 }  // namespace lidar_mapping::map

@@ -17,30 +17,31 @@ namespace lidar_mapping::map {
 
 namespace {
 
-// What map_server takes for occupied, free and unknown.
+// Values that map_server reads as occupied, free and unknown.
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFree = 254;
 constexpr std::uint8_t kUnknown = 205;
 
-// Edge of a block, of which one is in memory at a time with all of its points.
+// Edge of a block. One block at a time is in memory with all of its points.
 constexpr double kBlockEdge = 400.0;  // m
 constexpr int kBlockCells = 4000;
 
-/// What the points say of a block's cells.
+/// Numbers of obstacle points and presence of ground points in the cells of a block.
 class PointEvidence {
  public:
   explicit PointEvidence(const GridBlock& block)
       : block_(block), obstacles_(block.size()), ground_(block.size()) {}
 
-  void take(const GridFrame& frame, const PointCloud& cloud,
-            const moving_objects::PlacedPoints& points, const moving_objects::GroundArea& area,
-            moving_objects::LocalGround& ground, const GridOptions& options) {
+  void add_points(const GridFrame& frame, const PointCloud& cloud,
+                  const moving_objects::TransformedPoints& points,
+                  const moving_objects::GroundArea& area, moving_objects::LocalGround& ground,
+                  const GridOptions& options) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const int column = frame.column_of(cloud.points[i].x);
       const int row = frame.row_of(cloud.points[i].y);
-      if (!block_.holds(column, row)) continue;
+      if (!block_.contains(column, row)) continue;
       const float height = ground.height_above(points.z[i], area.column_of(i));
-      take(block_.number_of(column, row), static_cast<double>(height), options);
+      add_points(block_.index_of(column, row), static_cast<double>(height), options);
     }
   }
 
@@ -48,77 +49,78 @@ class PointEvidence {
   bool has_ground(std::size_t cell) const { return ground_[cell] != 0; }
 
  private:
-  void take(std::size_t cell, double height, const GridOptions& options) {
+  void add_points(std::size_t cell, double height, const GridOptions& options) {
     if (height < options.lowest) {
       ground_[cell] = 1;
-    } else if (height <= options.highest && obstacles_[cell] < kMany) {
+    } else if (height <= options.highest && obstacles_[cell] < kMaxCount) {
       ++obstacles_[cell];
     }
   }
 
-  static constexpr std::uint8_t kMany = 255;
+  static constexpr std::uint8_t kMaxCount = 255;
 
   const GridBlock block_;
-  std::vector<std::uint8_t> obstacles_;  ///< points in the way, up to kMany
-  std::vector<std::uint8_t> ground_;     ///< 1 where there is a point of it
+  std::vector<std::uint8_t> obstacles_;  ///< Points at the height of obstacles, up to kMaxCount.
+  std::vector<std::uint8_t> ground_;     ///< 1: the cell has a point of the ground.
 };
 
-std::uint8_t value_of(int obstacles, bool has_ground, bool passed, const GridOptions& options) {
+std::uint8_t cell_value(int obstacles, bool has_ground, bool passed, const GridOptions& options) {
   if (obstacles >= options.min_points) return kOccupied;
-  // A single point may be all that is known of something thin: a ray beside it is no answer.
+  // A single point may be the only one of a thin object; a ray that passed beside it does not make
+  // the cell free.
   return has_ground || (passed && obstacles == 0) ? kFree : kUnknown;
 }
 
-/// The points of a block, and of what its ground depends on.
+/// The points of a block and those around it on which its ground depends.
 PointCloud points_around(const CloudParts& map, const GridFrame& frame, const GridBlock& block) {
-  constexpr double kMargin = static_cast<double>(GroundRaster::kReach);
+  constexpr double kMargin = static_cast<double>(GroundRaster::kSupportRadius);
   const auto x_low = static_cast<float>(frame.x_of(block.column) - kMargin);
   const auto x_high = static_cast<float>(frame.x_of(block.column + block.columns) + kMargin);
   const auto y_low = static_cast<float>(frame.y_of(block.row) - kMargin);
   const auto y_high = static_cast<float>(frame.y_of(block.row + block.rows) + kMargin);
   PointCloud cloud;
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     for (const Point& point : part.points) {
-      const bool is_near =
+      const bool is_in_area =
           point.x >= x_low && point.x <= x_high && point.y >= y_low && point.y <= y_high;
-      if (is_near) cloud.points.push_back(point);
+      if (is_in_area) cloud.points.push_back(point);
     }
   });
   return cloud;
 }
 
-/// Values of a block's cells, from below.
-std::vector<std::uint8_t> values_of(const CloudParts& map, const GridFrame& frame,
-                                    const GridBlock& block, const GridOptions& options,
-                                    const std::optional<GridRays>& rays) {
-  constexpr float kAll = std::numeric_limits<float>::infinity();
+/// Values of the cells of a block, lowest row first.
+std::vector<std::uint8_t> cell_values(const CloudParts& map, const GridFrame& frame,
+                                      const GridBlock& block, const GridOptions& options,
+                                      const std::optional<GridRays>& rays) {
+  constexpr float kUnlimited = std::numeric_limits<float>::infinity();
   const PointCloud cloud = points_around(map, frame, block);
-  const moving_objects::PlacedPoints points(cloud, Pose());
-  const moving_objects::GroundArea area(points, kAll);
+  const moving_objects::TransformedPoints points(cloud, Pose());
+  const moving_objects::GroundArea area(points, kUnlimited);
   moving_objects::LocalGround ground(area);
-  ground.add(moving_objects::ground_columns(points, kAll));
+  ground.add(moving_objects::ground_columns(points, kUnlimited));
   PointEvidence evidence(block);
-  evidence.take(frame, cloud, points, area, ground, options);
+  evidence.add_points(frame, cloud, points, area, ground, options);
   const GroundRaster raster(points, area, ground);
   FreeSpace space(frame, block, raster, options);
   if (rays) space.carve(*rays);
   std::vector<std::uint8_t> values(block.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = value_of(evidence.obstacles(i), evidence.has_ground(i), space.passed(i), options);
+    values[i] = cell_value(evidence.obstacles(i), evidence.has_ground(i), space.passed(i), options);
   }
   return values;
 }
 
 /// The blocks of a grid, row by row.
-class Blocks {
+class GridBlocks {
  public:
-  Blocks(const CloudParts& map, const GridFrame& frame)
+  GridBlocks(const CloudParts& map, const GridFrame& frame)
       : frame_(frame),
         edge_(std::clamp(static_cast<int>(kBlockEdge / frame.cell), 1, kBlockCells)),
         columns_((frame.columns + edge_ - 1) / edge_),
         rows_((frame.rows + edge_ - 1) / edge_),
         has_points_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
-    map.each([&](const PointCloud& part) {
+    map.for_each([&](const PointCloud& part) {
       for (const Point& point : part.points) {
         const int column = frame_.column_of(point.x) / edge_;
         const int row = frame_.row_of(point.y) / edge_;
@@ -138,16 +140,16 @@ class Blocks {
 
  private:
   const GridFrame& frame_;
-  int edge_;  ///< cells
+  int edge_;  ///< Edge of a block in cells.
   int columns_;
   int rows_;
   std::vector<std::uint8_t> has_points_;
 };
 
-/// A grey picture that is written block by block, the uppermost row first.
-class Picture {
+/// A PGM picture that is written block by block; its first row is the uppermost one.
+class PgmWriter {
  public:
-  Picture(const std::filesystem::path& path, const GridFrame& frame)
+  PgmWriter(const std::filesystem::path& path, const GridFrame& frame)
       : frame_(frame), file_(path, std::ios::binary | std::ios::trunc) {
     file_ << "P5\n" << frame.columns << " " << frame.rows << "\n255\n";
     begin_ = file_.tellp();
@@ -163,7 +165,7 @@ class Picture {
     }
   }
 
-  /// False if something could not be written.
+  /// Returns false if the file could not be written completely.
   bool close() {
     file_.close();
     return static_cast<bool>(file_);
@@ -180,17 +182,16 @@ class Picture {
 Files save_grid(const CloudParts& map, const GridOptions& options,
                 const std::filesystem::path& directory, const std::optional<GridRays>& rays) {
   const GridFrame frame(map, options.cell);
-  const Blocks blocks(map, frame);
+  const GridBlocks blocks(map, frame);
   const Files files = {directory / "grid.pgm", directory / "grid.yaml"};
   write_atomically(files[0], [&](const std::filesystem::path& temporary) {
-    Picture picture(temporary, frame);
+    PgmWriter image(temporary, frame);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const GridBlock block = blocks.at(i);
-      picture.write(block, blocks.has_points(i)
-                               ? values_of(map, frame, block, options, rays)
-                               : std::vector<std::uint8_t>(block.size(), kUnknown));
+      image.write(block, blocks.has_points(i) ? cell_values(map, frame, block, options, rays)
+                                              : std::vector<std::uint8_t>(block.size(), kUnknown));
     }
-    if (!picture.close()) {
+    if (!image.close()) {
       throw FileError("cannot write " + files[0].string() + "; check the free space");
     }
   });

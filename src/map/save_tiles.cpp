@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string name_of(const Eigen::Vector3d& origin) {
+std::string tile_file_name(const Eigen::Vector3d& origin) {
   char name[64];
   std::snprintf(name, sizeof name, "%lld_%lld.pcd",
                 static_cast<long long>(std::llround(origin.x())),
@@ -23,7 +23,7 @@ std::string name_of(const Eigen::Vector3d& origin) {
 
 constexpr const char* kMetadata = "pointcloud_map_metadata.yaml";
 
-/// Puts a finished folder in the place of an older one.
+/// Replaces an older folder by a finished one.
 void replace_folder(const fs::path& finished, const fs::path& directory) {
   const fs::path old = directory.parent_path() / ("." + directory.filename().string() + ".old");
   fs::remove_all(old);
@@ -40,7 +40,7 @@ Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& dir
   std::string metadata = line;
   tiles([&](const MapTile& tile) {
     if (tile.cloud.empty()) return;
-    names.emplace_back(name_of(tile.origin));
+    names.emplace_back(tile_file_name(tile.origin));
     write_pcd(directory / names.back(), in_map_frame(tile));
     std::snprintf(line, sizeof line, "%s: [%.9g, %.9g]\n", names.back().c_str(), tile.origin.x(),
                   tile.origin.y());

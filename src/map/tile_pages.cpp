@@ -7,10 +7,11 @@ void TilePages::put(const TileIndex& index, const VoxelTile& tile) {
   if (!file_) file_ = std::make_unique<NamelessFile>(directory_);
   const std::vector<Voxel>& voxels = tile.voxels();
   Page& page = pages_[index];
-  if (voxels.size() > page.room) {
-    page.room = voxels.size() + voxels.size() / 2;  // a tile mostly comes back larger
+  if (voxels.size() > page.capacity) {
+    page.capacity =
+        voxels.size() + voxels.size() / 2;  // a tile usually grows until it is stored again
     page.offset = end_;
-    end_ += page.room * sizeof(Voxel);
+    end_ += page.capacity * sizeof(Voxel);
   }
   page.voxels = voxels.size();
   file_->write(page.offset, voxels.data(), voxels.size() * sizeof(Voxel));

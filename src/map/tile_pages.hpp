@@ -10,23 +10,24 @@
 
 namespace lidar_mapping::map {
 
-/// Tiles that wait on the disk, in a nameless file in a folder; the file is made with the first
-/// tile. Throws FileError.
+/// Tiles that are stored temporarily on the disk, in an unnamed file in a folder. The file is
+/// created with the first tile. Throws FileError.
 class TilePages {
  public:
   explicit TilePages(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// Whether it was ever put.
+  /// Whether the tile was ever stored.
   bool contains(const TileIndex& index) const { return pages_.count(index) > 0; }
+  /// Stores a tile; it replaces an older version.
   void put(const TileIndex& index, const VoxelTile& tile);
-  /// The tile as it was put; its place in the file is kept for the next time.
+  /// Reads a stored tile; its space in the file is kept for the next version.
   VoxelTile get(const TileIndex& index) const;
 
  private:
   struct Page {
     std::uint64_t offset = 0;
-    std::size_t room = 0;    ///< voxels
-    std::size_t voxels = 0;  ///< voxels
+    std::size_t capacity = 0;  ///< Voxels that fit in.
+    std::size_t voxels = 0;    ///< Voxels that are stored.
   };
 
   std::filesystem::path directory_;

@@ -12,16 +12,16 @@ namespace {
 
 bool is_finite(const Point& point) { return point.position().allFinite(); }
 
-/// What falls into a tile, cloud by cloud.
-struct TileWork {
+/// The points to insert into a tile, cloud by cloud.
+struct TileInsertion {
   std::size_t points() const {
     return std::accumulate(
-        parts.begin(), parts.end(), std::size_t{0},
+        sorted_clouds.begin(), sorted_clouds.end(), std::size_t{0},
         [](std::size_t sum, const std::vector<TilePoint>* part) { return sum + part->size(); });
   }
 
   VoxelTile* tile;
-  std::vector<const std::vector<TilePoint>*> parts;
+  std::vector<const std::vector<TilePoint>*> sorted_clouds;
 };
 
 }  // namespace
@@ -29,44 +29,45 @@ struct TileWork {
 TileStore::TileStore(double resolution, double tile_size, int threads)
     : grid_(resolution, tile_size), threads_(threads) {}
 
-std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<PlacedCloud>& clouds,
+std::vector<std::vector<TileIndex>> TileStore::add(const std::vector<CloudWithPose>& clouds,
                                                    const std::set<TileIndex>* only) {
-  const std::vector<Sorted> parts = sorted(clouds, only);
-  insert(parts);
+  const std::vector<PointsByTile> sorted_clouds = sort_into_tiles(clouds, only);
+  insert(sorted_clouds);
   std::vector<std::vector<TileIndex>> touched(clouds.size());
   for (std::size_t i = 0; i < clouds.size(); ++i) {
-    for (const auto& [index, points] : parts[i]) touched[i].push_back(index);
+    for (const auto& [index, points] : sorted_clouds[i]) touched[i].push_back(index);
   }
   return touched;
 }
 
-std::vector<TileStore::Sorted> TileStore::sorted(const std::vector<PlacedCloud>& clouds,
-                                                 const std::set<TileIndex>* only) const {
-  std::vector<Sorted> parts(clouds.size());
+std::vector<TileStore::PointsByTile> TileStore::sort_into_tiles(
+    const std::vector<CloudWithPose>& clouds, const std::set<TileIndex>* only) const {
+  std::vector<PointsByTile> sorted_clouds(clouds.size());
   parallel_chunks(clouds.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) parts[i] = sorted_into_tiles(clouds[i], only);
+    for (std::size_t i = begin; i < end; ++i) sorted_clouds[i] = points_by_tile(clouds[i], only);
   });
-  return parts;
+  return sorted_clouds;
 }
 
-void TileStore::insert(const std::vector<Sorted>& clouds) {
+void TileStore::insert(const std::vector<PointsByTile>& clouds) {
   std::map<TileIndex, std::vector<const std::vector<TilePoint>*>> by_tile;
-  for (const Sorted& cloud : clouds) {
+  for (const PointsByTile& cloud : clouds) {
     for (const auto& [index, points] : cloud) by_tile[index].push_back(&points);
   }
-  std::vector<TileWork> work;
-  for (auto& [index, parts] : by_tile) work.push_back({&tiles_[index], std::move(parts)});
-  // Much falls into few of the tiles: what takes longest is begun first.
+  std::vector<TileInsertion> work;
+  for (auto& [index, sorted_clouds] : by_tile)
+    work.push_back({&tiles_[index], std::move(sorted_clouds)});
+  // Most points lie in few of the tiles: the largest tasks start first.
   std::sort(work.begin(), work.end(),
-            [](const TileWork& a, const TileWork& b) { return a.points() > b.points(); });
+            [](const TileInsertion& a, const TileInsertion& b) { return a.points() > b.points(); });
   parallel_chunks(work.size(), 1, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (const auto* points : work[i].parts) work[i].tile->insert(*points);
+      for (const auto* points : work[i].sorted_clouds) work[i].tile->insert(*points);
     }
   });
 }
 
-std::vector<TileIndex> TileStore::tiles_of(const PlacedCloud& cloud) const {
+std::vector<TileIndex> TileStore::tiles_of(const CloudWithPose& cloud) const {
   std::set<TileIndex> tiles;
   for (const Point& point : cloud.cloud->points) {
     if (!is_finite(point)) continue;
@@ -76,21 +77,21 @@ std::vector<TileIndex> TileStore::tiles_of(const PlacedCloud& cloud) const {
   return {tiles.begin(), tiles.end()};
 }
 
-TileStore::Sorted TileStore::sorted_into_tiles(const PlacedCloud& cloud,
-                                               const std::set<TileIndex>* only) const {
-  Sorted sorted;
+TileStore::PointsByTile TileStore::points_by_tile(const CloudWithPose& cloud,
+                                                  const std::set<TileIndex>* only) const {
+  PointsByTile sorted;
   const Eigen::Matrix3d rotation = cloud.T_map_base.rotation_matrix();
   TileGrid::Square square;
-  std::vector<TilePoint>* points = nullptr;  // null: of a tile that is not wanted
+  std::vector<TilePoint>* points = nullptr;  // null while the tile is not selected
   for (const Point& point : cloud.cloud->points) {
     if (!is_finite(point)) continue;
     const Eigen::Vector3d p_map =
         rotation * point.position().cast<double>() + cloud.T_map_base.translation;
     const TileGrid::VoxelIndex voxel = grid_.voxel_of(p_map);
-    if (!square.holds(voxel)) {
+    if (!square.contains(voxel)) {
       square = grid_.square_of(voxel);
-      const bool is_wanted = only == nullptr || only->count(square.tile()) > 0;
-      points = is_wanted ? &sorted[square.tile()] : nullptr;
+      const bool is_selected = only == nullptr || only->count(square.tile()) > 0;
+      points = is_selected ? &sorted[square.tile()] : nullptr;
     }
     if (points == nullptr) continue;
     const Eigen::Vector3f local = (p_map - square.origin()).cast<float>();
@@ -103,7 +104,7 @@ void TileStore::clear(const std::set<TileIndex>& tiles) {
   for (const TileIndex& tile : tiles) tiles_.erase(tile);
 }
 
-PointCloud TileStore::joined() const {
+PointCloud TileStore::merged_cloud() const {
   PointCloud cloud;
   for (const auto& [index, tile] : tiles_) tile.append_to(cloud, grid_.origin_of(index));
   return cloud;

@@ -11,49 +11,51 @@
 
 namespace lidar_mapping::map {
 
-/// A cloud and where it lies.
-struct PlacedCloud {
+/// A cloud in base_link with its pose in the map.
+struct CloudWithPose {
   PointCloudPtr cloud;
   Pose T_map_base;
 };
 
 /// The tiles of a map. Clouds are added in batches; the result depends on their order alone, not on
-/// the size of batches or the number of threads.
+/// the size of the batches or the number of threads.
 class TileStore {
  public:
   TileStore(double resolution, double tile_size, int threads);
 
-  using Sorted = std::map<TileIndex, std::vector<TilePoint>>;
+  using PointsByTile = std::map<TileIndex, std::vector<TilePoint>>;
 
-  /// Adds the points that fall into tiles of `only` (null: all). Gives the tiles of each cloud.
-  std::vector<std::vector<TileIndex>> add(const std::vector<PlacedCloud>& clouds,
+  /// Adds the points that lie in the tiles of `only` (null: all tiles). Returns the indices of the
+  /// tiles that each cloud touches.
+  std::vector<std::vector<TileIndex>> add(const std::vector<CloudWithPose>& clouds,
                                           const std::set<TileIndex>* only);
-  /// The two steps of add().
-  std::vector<Sorted> sorted(const std::vector<PlacedCloud>& clouds,
-                             const std::set<TileIndex>* only) const;
-  void insert(const std::vector<Sorted>& clouds);
+  /// First step of add(): sorts the points of each cloud into tiles.
+  std::vector<PointsByTile> sort_into_tiles(const std::vector<CloudWithPose>& clouds,
+                                            const std::set<TileIndex>* only) const;
+  /// Second step of add(): inserts the points into the voxels of their tiles.
+  void insert(const std::vector<PointsByTile>& clouds);
 
-  /// The tiles that a cloud touches.
-  std::vector<TileIndex> tiles_of(const PlacedCloud& cloud) const;
+  /// Indices of the tiles that a cloud touches.
+  std::vector<TileIndex> tiles_of(const CloudWithPose& cloud) const;
   void clear(const std::set<TileIndex>& tiles);
   void clear() { tiles_.clear(); }
 
   bool contains(const TileIndex& index) const { return tiles_.count(index) > 0; }
   void put(const TileIndex& index, VoxelTile tile) { tiles_[index] = std::move(tile); }
-  /// A tile that is there leaves the store.
-  VoxelTile take(const TileIndex& index) {
+  /// Removes a tile that is in the store, and returns it.
+  VoxelTile extract(const TileIndex& index) {
     VoxelTile tile = std::move(tiles_.at(index));
     tiles_.erase(index);
     return tile;
   }
   std::size_t voxels(const TileIndex& index) const { return tiles_.at(index).size(); }
 
-  /// All points in the map frame, tile by tile.
-  PointCloud joined() const;
+  /// All points in the map frame, in the order of the tiles.
+  PointCloud merged_cloud() const;
   MapTile tile(const TileIndex& index) const;
 
  private:
-  Sorted sorted_into_tiles(const PlacedCloud& cloud, const std::set<TileIndex>* only) const;
+  PointsByTile points_by_tile(const CloudWithPose& cloud, const std::set<TileIndex>* only) const;
 
   TileGrid grid_;
   int threads_;

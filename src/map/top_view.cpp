@@ -21,12 +21,13 @@ namespace {
 using Color = std::array<double, 3>;
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr double kHighest = 10.0;      // m above the ground; what is higher has the last colour
-constexpr double kGroundCell = 8.0;    // m, edge of the cells in which the ground has one height
-constexpr double kGroundShare = 0.03;  // of a cell's points may lie below its ground: mirrored ones
-constexpr std::size_t kMostHeights = 4'000'000;  // that tell the ground
-constexpr int kLevels = 255;                     // of heights
-constexpr int kMostCounted = 9;                  // points in a pixel; more make it no brighter
+constexpr double kMaxHeight = 10.0;  // m above the ground; higher points have the last colour
+constexpr double kGroundCell = 8.0;  // m, edge of the cells in which the ground has one height
+// fraction of the points of a cell that may lie below its ground: mirrored ones
+constexpr double kGroundQuantile = 0.03;
+constexpr std::size_t kMaxHeightSamples = 4'000'000;  // from which the ground is computed
+constexpr int kLevels = 255;                          // levels of height
+constexpr int kMaxCountedPoints = 9;  // points in a pixel; more do not make it brighter
 constexpr Color kBackground = {12.0, 14.0, 20.0};
 constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {60.0, 175.0, 185.0},
@@ -34,7 +35,7 @@ constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {245.0, 210.0, 70.0},
                                           {230.0, 80.0, 60.0}}};
 
-/// A grid over the x-y plane that keeps one value a cell.
+/// A grid over the x-y plane with one value per cell.
 template <typename Value>
 struct Grid {
   Grid(double x_low, double y_high, double x_size, double y_size, double cell_size, Value value)
@@ -67,26 +68,26 @@ struct Extent {
   Eigen::AlignedBox2f bounds;
 };
 
-/// The ground's height in every cell.
+/// Height of the ground in every cell.
 Grid<float> ground_of(const CloudParts& map, const Extent& extent, Grid<float> ground) {
   std::vector<std::vector<float>> heights(ground.values.size());
-  const std::size_t step = 1 + extent.points / kMostHeights;
+  const std::size_t step = 1 + extent.points / kMaxHeightSamples;
   std::size_t number = 0;
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     for (const Point& point : part.points) {
       if (number++ % step == 0) heights[ground.position(point)].push_back(point.z);
     }
   });
   for (std::size_t i = 0; i < heights.size(); ++i) {
     if (heights[i].empty()) continue;
-    ground.values[i] = quantile_of_range(heights[i].begin(), heights[i].end(), kGroundShare);
+    ground.values[i] = quantile_of_range(heights[i].begin(), heights[i].end(), kGroundQuantile);
   }
   return ground;
 }
 
 Extent extent_of(const CloudParts& map) {
   Extent extent;
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     extent.points += part.size();
     for (const Point& point : part.points) extent.bounds.extend(point.position().head<2>());
   });
@@ -94,7 +95,7 @@ Extent extent_of(const CloudParts& map) {
   return extent;
 }
 
-/// Of a share of the highest height.
+/// Colour of a height, given as a fraction of the highest one.
 Color color_of(double height, double density) {
   const double scaled = height * static_cast<double>(kScale.size() - 1);
   const std::size_t below = std::min(static_cast<std::size_t>(scaled), kScale.size() - 2);
@@ -107,24 +108,24 @@ Color color_of(double height, double density) {
   return color;
 }
 
-/// What is seen in a pixel: small, as there are many.
+/// Content of a pixel; small, because there are many.
 struct Pixel {
-  std::uint8_t height = 0;  ///< of the highest point; kLevels is kHighest
-  std::uint8_t points = 0;  ///< up to kMostCounted
+  std::uint8_t height = 0;  ///< Level of the highest point; kLevels is kMaxHeight.
+  std::uint8_t points = 0;  ///< Number of points, up to kMaxCountedPoints.
 
   void add(float above_ground) {
-    const double share = std::clamp(static_cast<double>(above_ground) / kHighest, 0.0, 1.0);
-    height = std::max(height, static_cast<std::uint8_t>(std::lround(share * kLevels)));
-    points = static_cast<std::uint8_t>(std::min(points + 1, kMostCounted));
+    const double fraction = std::clamp(static_cast<double>(above_ground) / kMaxHeight, 0.0, 1.0);
+    height = std::max(height, static_cast<std::uint8_t>(std::lround(fraction * kLevels)));
+    points = static_cast<std::uint8_t>(std::min(points + 1, kMaxCountedPoints));
   }
 };
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// The colours of all that a pixel can be, by points and height.
+/// Colours of all possible pixels, by number of points and level of height.
 std::vector<Rgb> palette() {
   std::vector<Rgb> colors;
-  for (int points = 0; points <= kMostCounted; ++points) {
+  for (int points = 0; points <= kMaxCountedPoints; ++points) {
     const double density = points == 0 ? 0.0 : std::min(1.0, 0.75 + 0.08 * std::log2(points));
     for (int height = 0; height <= kLevels; ++height) {
       const Color color = color_of(static_cast<double>(height) / kLevels, density);
@@ -155,14 +156,15 @@ TopView top_view(const CloudParts& map, double pixel_m, int max_pixels) {
   Grid<float> ground =
       ground_of(map, extent, Grid<float>(x_min, y_max, x_size, y_size, kGroundCell, kNone));
   Grid<Pixel> pixels(x_min, y_max, x_size, y_size, pixel, {});
-  map.each([&](const PointCloud& part) {
+  map.for_each([&](const PointCloud& part) {
     for (const Point& point : part.points) pixels.at(point).add(point.z - ground.at(point));
   });
   TopView view{pixels.width, pixels.height, pixel, x_min, y_max, {}};
   view.rgb.reserve(3 * pixels.values.size());
   const std::vector<Rgb> colors = palette();
-  for (const Pixel& seen : pixels.values) {
-    const Rgb& rgb = colors[static_cast<std::size_t>(seen.points * (kLevels + 1) + seen.height)];
+  for (const Pixel& pixel_content : pixels.values) {
+    const Rgb& rgb = colors[static_cast<std::size_t>(pixel_content.points * (kLevels + 1) +
+                                                     pixel_content.height)];
     view.rgb.insert(view.rgb.end(), rgb.begin(), rgb.end());
   }
   return view;

@@ -12,8 +12,9 @@ namespace {
 
 constexpr std::size_t kFirstSlots = 1024;
 
-/// Doubled, as vectors grow, half of the memory of the tiles around the vehicle would be in vain.
-std::size_t roomier(std::size_t size) { return size + size / 8 + kFirstSlots / 2; }
+/// Capacity of a grown list. If it doubled as vectors do, half of the memory of the tiles around
+/// the vehicle would be unused.
+std::size_t grown_capacity(std::size_t size) { return size + size / 8 + kFirstSlots / 2; }
 
 std::int64_t floor_divided(std::int64_t value, std::int64_t divisor) {
   return value >= 0 ? value / divisor : -((-value + divisor - 1) / divisor);
@@ -50,19 +51,20 @@ Eigen::Vector3d TileGrid::origin_of(const TileIndex& tile) const {
 VoxelTile::VoxelTile(std::vector<Voxel> voxels) : voxels_(std::move(voxels)) {
   std::size_t slots = kFirstSlots;
   while (slots < 2 * voxels_.size()) slots *= 2;
-  make_slots(slots);
+  rebuild_slots(slots);
 }
 
 void VoxelTile::insert(const std::vector<TilePoint>& points) {
-  // Slots and voxels are fetched while others are worked on: they are nearly never in the cache.
-  constexpr std::size_t kSlotAhead = 16;
-  constexpr std::size_t kVoxelAhead = 8;
-  if (slots_.empty()) make_slots(kFirstSlots);
+  // Slots and voxels are prefetched while others are processed, because they are rarely in the
+  // cache.
+  constexpr std::size_t kSlotPrefetch = 16;
+  constexpr std::size_t kVoxelPrefetch = 8;
+  if (slots_.empty()) rebuild_slots(kFirstSlots);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i + kSlotAhead < points.size())
-      __builtin_prefetch(&slots_[first_slot_of(points[i + kSlotAhead].voxel)]);
-    if (i + kVoxelAhead < points.size()) {
-      const std::uint32_t slot = slots_[first_slot_of(points[i + kVoxelAhead].voxel)];
+    if (i + kSlotPrefetch < points.size())
+      __builtin_prefetch(&slots_[first_slot_of(points[i + kSlotPrefetch].voxel)]);
+    if (i + kVoxelPrefetch < points.size()) {
+      const std::uint32_t slot = slots_[first_slot_of(points[i + kVoxelPrefetch].voxel)];
       if (slot != 0) {
         __builtin_prefetch(&voxels_[slot - 1].key);
         __builtin_prefetch(&voxels_[slot - 1].count);
@@ -73,10 +75,10 @@ void VoxelTile::insert(const std::vector<TilePoint>& points) {
 }
 
 void VoxelTile::insert(const TilePoint& point) {
-  if (2 * (voxels_.size() + 1) > slots_.size()) make_slots(2 * slots_.size());
+  if (2 * (voxels_.size() + 1) > slots_.size()) rebuild_slots(2 * slots_.size());
   std::uint32_t& slot = slots_[slot_of(point.voxel)];
   if (slot == 0) {
-    if (voxels_.size() == voxels_.capacity()) voxels_.reserve(roomier(voxels_.size()));
+    if (voxels_.size() == voxels_.capacity()) voxels_.reserve(grown_capacity(voxels_.size()));
     voxels_.push_back({point.voxel});
     slot = static_cast<std::uint32_t>(voxels_.size());
   }
@@ -99,7 +101,7 @@ void VoxelTile::append_to(PointCloud& cloud, const Eigen::Vector3d& offset) cons
   }
 }
 
-void VoxelTile::make_slots(std::size_t count) {
+void VoxelTile::rebuild_slots(std::size_t count) {
   slots_.assign(count, 0);
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     slots_[slot_of(voxels_[i].key)] = static_cast<std::uint32_t>(i + 1);

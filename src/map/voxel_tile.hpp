@@ -8,28 +8,29 @@
 
 namespace lidar_mapping::map {
 
-/// How the map's x-y plane is cut into tiles and these into voxels. The edge of a tile is a whole
-/// number of voxels, so tiles put together are the map.
+/// Division of the x-y plane of the map into tiles, and of the tiles into voxels. The edge of a
+/// tile is a whole number of voxels, so that all tiles together are the map.
 class TileGrid {
  public:
   TileGrid(double resolution, double tile_size);
 
-  /// Of the whole map.
+  /// Index of a voxel of the whole map.
   struct VoxelIndex {
     std::int64_t x = 0;
     std::int64_t y = 0;
     std::int64_t z = 0;
   };
-  /// The square of a tile: mostly the next point's, too.
+  /// The square of a tile. It is kept from point to point, because the next point usually lies in
+  /// the same square.
   class Square {
    public:
     Square() = default;
     const TileIndex& tile() const { return tile_; }
     const Eigen::Vector3d& origin() const { return origin_; }
-    bool holds(const VoxelIndex& voxel) const {
+    bool contains(const VoxelIndex& voxel) const {
       return local(voxel.x, first_x_) < width_ && local(voxel.y, first_y_) < width_;
     }
-    /// Of a voxel that it holds, within the tile.
+    /// Key within the tile of a voxel that the square contains.
     std::uint64_t key_of(const VoxelIndex& voxel) const {
       const auto height = static_cast<std::uint32_t>(static_cast<std::int32_t>(voxel.z));
       return std::uint64_t{height} << 32U | local(voxel.y, first_y_) << 16U |
@@ -46,7 +47,7 @@ class TileGrid {
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::int64_t first_x_ = 0;
     std::int64_t first_y_ = 0;
-    std::uint64_t width_ = 0;  ///< voxels; a default one holds none
+    std::uint64_t width_ = 0;  ///< Edge in voxels; a default square contains none.
   };
 
   VoxelIndex voxel_of(const Eigen::Vector3d& p_map) const;
@@ -58,10 +59,10 @@ class TileGrid {
   std::int64_t voxels_per_tile_;
 };
 
-/// A point on its way into a tile.
+/// A point to insert into a tile.
 struct TilePoint {
   std::uint64_t voxel = 0;
-  Point point;  ///< relative to the tile's origin
+  Point point;  ///< Relative to the origin of the tile, m.
 };
 
 /// Sums over the points of a voxel, relative to the tile's origin.
@@ -74,29 +75,30 @@ struct Voxel {
   std::uint32_t count = 0;
 };
 
-/// Centroid and mean intensity of each occupied voxel of a tile, in the order in which voxels were
-/// hit first. Open addressing over a dense list: one cache line per hit.
+/// Centroid and mean intensity of each occupied voxel of a tile, in the order in which the voxels
+/// got their first point. The hash table uses open addressing over a dense list of voxels: a hit
+/// touches one cache line.
 class VoxelTile {
  public:
   VoxelTile() = default;
-  /// A tile that was taken apart into voxels().
+  /// Restores a tile from its voxels().
   explicit VoxelTile(std::vector<Voxel> voxels);
 
-  /// In their order.
+  /// Inserts points in their order.
   void insert(const std::vector<TilePoint>& points);
   std::size_t size() const { return voxels_.size(); }
   const std::vector<Voxel>& voxels() const { return voxels_; }
-  /// Appends the centroids, moved by `offset`.
+  /// Appends the centroids to `cloud`, translated by `offset` (m).
   void append_to(PointCloud& cloud, const Eigen::Vector3d& offset) const;
 
  private:
   void insert(const TilePoint& point);
-  void make_slots(std::size_t count);
+  void rebuild_slots(std::size_t count);
   std::size_t first_slot_of(std::uint64_t key) const;
   std::size_t slot_of(std::uint64_t key) const;
 
   std::vector<Voxel> voxels_;
-  std::vector<std::uint32_t> slots_;  ///< position in voxels_ plus 1; 0 is free
+  std::vector<std::uint32_t> slots_;  ///< Position in voxels_ plus 1; 0: unused.
 };
 
 }  // namespace lidar_mapping::map

@@ -19,22 +19,22 @@ namespace lidar_mapping::map {
 
 namespace {
 
-bool is_among(const std::string& format, const std::vector<std::string>& formats) {
+bool contains(const std::string& format, const std::vector<std::string>& formats) {
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
-std::string in_small_letters(std::string text) {
+std::string to_lower_case(std::string text) {
   for (char& letter : text) {
     letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   }
   return text;
 }
 
-/// In small letters. Throws InputError for one that is not known.
+/// The names in lower case. Throws InputError for an unknown one.
 std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
   std::vector<std::string> result;
   for (const std::string& format : formats) {
-    result.push_back(in_small_letters(format));
+    result.push_back(to_lower_case(format));
     if (find_format(result.back()) != nullptr) continue;
     std::string known;
     for (const std::string& name : product_formats()) known += (known.empty() ? "" : ", ") + name;
@@ -49,7 +49,7 @@ std::string text_of(const Eigen::Vector3d& p) {
   return text;
 }
 
-/// What of the clouds lies in a box of the map.
+/// The parts of the clouds that lie in a box of the map.
 class CroppedClouds : public CloudSource {
  public:
   CroppedClouds(CloudSource& clouds, const KeyFramePoses& poses, const Eigen::AlignedBox3d& box)
@@ -85,7 +85,8 @@ class CroppedClouds : public CloudSource {
 
 }  // namespace
 
-/// Makes what the options ask for. The map is built tile by tile as often as a format needs it.
+/// Writes the products that the options select. The map is built tile by tile as often as a format
+/// needs it.
 class ProductWriter {
  public:
   ProductWriter(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
@@ -94,8 +95,8 @@ class ProductWriter {
     if (options.p_base_sensor && !options.keep_moving) {
       moving_objects::MovingObjectsConfig removal;
       removal.threads = config.threads;
-      fixed_ = std::make_unique<moving_objects::StaticClouds>(clouds, poses, *options.p_base_sensor,
-                                                              removal, directory);
+      static_clouds_ = std::make_unique<moving_objects::StaticClouds>(
+          clouds, poses, *options.p_base_sensor, removal, directory);
     }
     if (options.crop) {
       cropped_ = std::make_unique<CroppedClouds>(uncropped(), poses, *options.crop);
@@ -105,9 +106,9 @@ class ProductWriter {
   Products write() {
     write_point_files();
     for (const MapFormat& format : map_formats()) {
-      if (format.write != nullptr && wants(format.name)) (this->*format.write)();
+      if (format.write != nullptr && is_selected(format.name)) (this->*format.write)();
     }
-    if (options_.save_removed && fixed_) write_removed();
+    if (options_.save_removed && static_clouds_) write_removed();
     return products_;
   }
 
@@ -120,7 +121,7 @@ class ProductWriter {
 
   void write_tiles() {
     const auto folder = directory_ / "pointcloud_map";
-    save_tiles(tiles(), true_tile_size(config_), folder);
+    save_tiles(tiles(), effective_tile_size(config_), folder);
     add({folder});
   }
 
@@ -131,10 +132,10 @@ class ProductWriter {
   }
 
  private:
-  bool wants(const std::string& format) const { return is_among(format, options_.formats); }
+  bool is_selected(const std::string& format) const { return contains(format, options_.formats); }
 
   CloudSource& uncropped() {
-    if (fixed_) return *fixed_;
+    if (static_clouds_) return *static_clouds_;
     return clouds_;
   }
   CloudSource& source() {
@@ -157,23 +158,24 @@ class ProductWriter {
     };
   }
 
-  /// The points alone, wherever the tiles' borders are: built once, kept on disk.
+  /// The points alone, independent of tiles: built once and stored on the disk.
   const CloudParts& points() {
     if (!points_) points_ = stored_parts(tiles(), directory_);
     return *points_;
   }
 
-  /// Packing them takes long and one thread: the picture is drawn meanwhile.
+  /// Compression takes long and uses one thread: the picture is drawn at the same time.
   void write_point_files() {
     std::vector<std::string> formats;
     for (const MapFormat& format : map_formats()) {
-      if (format.write_points != nullptr && wants(format.name)) formats.emplace_back(format.name);
+      if (format.write_points != nullptr && is_selected(format.name))
+        formats.emplace_back(format.name);
     }
     if (formats.empty()) return;
-    Meanwhile meanwhile;
-    if (wants("png")) meanwhile = {[this] { draw(); }, config_.threads};
+    ConcurrentTask concurrent_task;
+    if (is_selected("png")) concurrent_task = {[this] { draw(); }, config_.threads};
     add(save_map(options_.utm ? in_utm(points()) : points(), description(), directory_, formats,
-                 meanwhile));
+                 concurrent_task));
   }
 
   std::filesystem::path picture() const { return directory_ / "top_view.png"; }
@@ -193,7 +195,8 @@ class ProductWriter {
     return description;
   }
 
-  /// Grid north is not north, and a metre of the grid not quite a metre: each point is turned.
+  /// Points relative to the UTM origin. Grid north differs from true north, and the scale of the
+  /// grid is not 1, so each point is converted.
   CloudParts in_utm(const CloudParts& points) const {
     const UtmFrame utm(*options_.datum);
     return stored_parts(
@@ -229,10 +232,10 @@ class ProductWriter {
   void write_removed() {
     PointCloud all;
     for (const KeyFramePose& pose : poses_.poses) {
-      const PointCloudPtr part = fixed_->removed(pose.index);
+      const PointCloudPtr part = static_clouds_->removed(pose.index);
       if (!part) continue;
-      const PointCloud placed = transformed(*part, pose.T_map_base);
-      all.points.insert(all.points.end(), placed.points.begin(), placed.points.end());
+      const PointCloud part_in_map = transformed(*part, pose.T_map_base);
+      all.points.insert(all.points.end(), part_in_map.points.begin(), part_in_map.points.end());
     }
     products_.removed = all.size();
     if (all.empty()) return;
@@ -249,7 +252,7 @@ class ProductWriter {
   const MapConfig& config_;
   const ProductOptions& options_;
   const std::filesystem::path& directory_;
-  std::unique_ptr<moving_objects::StaticClouds> fixed_;
+  std::unique_ptr<moving_objects::StaticClouds> static_clouds_;
   std::unique_ptr<CroppedClouds> cropped_;
   std::optional<CloudParts> points_;
   bool has_picture_ = false;
@@ -292,10 +295,10 @@ std::string product_format_help() {
   return text;
 }
 
-std::vector<std::string> one_file_formats() {
+std::vector<std::string> single_file_formats() {
   std::vector<std::string> names;
   for (const MapFormat& format : map_formats()) {
-    if (format.one_file) names.emplace_back(format.name);
+    if (format.single_file) names.emplace_back(format.name);
   }
   return names;
 }
@@ -315,10 +318,11 @@ std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners) 
 }
 
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
-                        const ProductOptions& given, const std::filesystem::path& directory) {
-  ProductOptions options = given;
-  options.formats = known_formats(given.formats);
-  if (is_among("grid", options.formats)) grid_cell(config);
+                        const ProductOptions& requested_options,
+                        const std::filesystem::path& directory) {
+  ProductOptions options = requested_options;
+  options.formats = known_formats(requested_options.formats);
+  if (contains("grid", options.formats)) grid_cell(config);
   if (options.utm && !options.datum) {
     throw InputError(
         "the place of the map on Earth is not known, as there was no GNSS; leave UTM out");

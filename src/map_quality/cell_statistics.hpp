@@ -12,11 +12,12 @@
 
 namespace lidar_mapping::map_quality {
 
+/// A plane fitted to the points of a cell.
 struct Plane {
   Eigen::Vector3d normal;
   Eigen::Vector3d centre;
-  double thickness = 0.0;  ///< standard deviation along the normal, m
-  double extent = 0.0;     ///< second largest standard deviation, m
+  double thickness = 0.0;  ///< Standard deviation along the normal, m.
+  double extent = 0.0;     ///< Second largest standard deviation, m.
 };
 
 Plane plane_of(const PointMoments& moments);
@@ -24,7 +25,7 @@ Plane plane_of(const PointMoments& moments);
 inline bool is_ground(const Plane& plane) { return std::abs(plane.normal.z()) > 0.9; }
 inline bool is_wall(const Plane& plane) { return std::abs(plane.normal.z()) < 0.25; }
 
-/// Key of the cell of edge `size` that a point lies in.
+/// Key of the cell of edge `size` (m) in which a point lies.
 VoxelKey cell_key(const Eigen::Vector3d& point, double size);
 
 }  // namespace lidar_mapping::map_quality

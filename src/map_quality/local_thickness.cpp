@@ -12,14 +12,16 @@ namespace lidar_mapping::map_quality {
 
 namespace {
 
-constexpr double kCell = 0.5;           // m
-constexpr double kMinExtent = 0.15;     // of the cell
-constexpr double kMaxFlatness = 0.2;    // thickness of the plane's own group against its extent
-constexpr double kGate = 0.3;           // m; groups farther from the plane are something else
+constexpr double kCell = 0.5;        // m
+constexpr double kMinExtent = 0.15;  // of the cell
+// ratio of thickness to extent of the group that gives the plane
+constexpr double kMaxFlatness = 0.2;
+constexpr double kMaxPlaneDistance =
+    0.3;  // m, groups farther from the plane belong to another surface
 constexpr double kMinPlanePoints = 15;  // of the group that gives the plane
 constexpr double kMinGroupPoints = 5;
 
-/// The points of one group in a cell, and the directions from which they were seen.
+/// Points of one group in a cell, and the sum of the outer products of their ray directions.
 struct Group {
   int number = 0;
   PointMoments points;
@@ -35,7 +37,8 @@ Group& group_in(std::vector<Group>& groups, int number) {
   return groups.back();
 }
 
-Cells gather(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfig& config) {
+Cells group_points_by_cell(const KeyFramePoses& poses, CloudSource& clouds,
+                           const QualityConfig& config) {
   Cells cells;
   for (std::size_t i = 0; i < poses.poses.size(); ++i) {
     const PointCloudPtr cloud = clouds.cloud(poses.poses[i].index);
@@ -46,8 +49,8 @@ Cells gather(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfi
     for (const Point& point : cloud->points) {
       const Eigen::Vector3d p = T_map_base * point.position().cast<double>();
       const Eigen::Vector3d beam = p - sensor;
-      if (!(beam.squaredNorm() < config.reach * config.reach)) continue;
-      const int number = static_cast<int>(i) / config.group;
+      if (!(beam.squaredNorm() < config.max_range * config.max_range)) continue;
+      const int number = static_cast<int>(i) / config.group_size;
       const VoxelKey key = cell_key(p, kCell);
       Group& group = group_in(cells[key], number);
       group.points.add(p);
@@ -57,58 +60,61 @@ Cells gather(const KeyFramePoses& poses, CloudSource& clouds, const QualityConfi
   return cells;
 }
 
-struct Sample {
+struct CellThickness {
   double thickness;
   double ratio;
-  double within;
+  double within_groups;
 };
 
-/// All groups near the plane count alike: variance within them and between their means.
-Sample measured(const std::vector<Group>& groups, const Plane& plane, double range_noise) {
+/// Thickness of a cell: variance within the groups plus variance of their means. All groups near
+/// the plane have the same weight.
+CellThickness cell_thickness(const std::vector<Group>& groups, const Plane& plane,
+                             double range_noise) {
   double groups_used = 0.0;
-  double within = 0.0;
+  double within_groups = 0.0;
   double mean = 0.0;
   double square = 0.0;
   double expected = 0.0;
   for (const Group& group : groups) {
     if (group.points.count < kMinGroupPoints) continue;
     const double distance = plane.normal.dot(group.points.mean() - plane.centre);
-    if (std::abs(distance) > kGate) continue;
+    if (std::abs(distance) > kMaxPlaneDistance) continue;
     groups_used += 1.0;
-    within += plane.normal.dot(group.points.covariance() * plane.normal);
+    within_groups += plane.normal.dot(group.points.covariance() * plane.normal);
     mean += distance;
     square += distance * distance;
     expected += plane.normal.dot(group.beams * plane.normal) / group.points.count;
   }
   mean /= groups_used;
-  const double between = std::max(0.0, square / groups_used - mean * mean);
-  within = std::max(0.0, within / groups_used);
-  const double total = std::sqrt(within + between);
-  return {total, total / (range_noise * std::sqrt(expected / groups_used)), std::sqrt(within)};
+  const double between_groups = std::max(0.0, square / groups_used - mean * mean);
+  within_groups = std::max(0.0, within_groups / groups_used);
+  const double total = std::sqrt(within_groups + between_groups);
+  return {total, total / (range_noise * std::sqrt(expected / groups_used)),
+          std::sqrt(within_groups)};
 }
 
-Thickness summary(const std::vector<Sample>& samples) {
+Thickness summarize(const std::vector<CellThickness>& samples) {
   std::vector<double> thicknesses;
   std::vector<double> ratios;
-  std::vector<double> withins;
-  for (const Sample& sample : samples) {
+  std::vector<double> values_within_groups;
+  for (const CellThickness& sample : samples) {
     thicknesses.push_back(sample.thickness);
     ratios.push_back(sample.ratio);
-    withins.push_back(sample.within);
+    values_within_groups.push_back(sample.within_groups);
   }
   return {samples.size(), quantile(thicknesses, 0.5), quantile(thicknesses, 0.9),
-          quantile(ratios, 0.5), quantile(withins, 0.5)};
+          quantile(ratios, 0.5), quantile(values_within_groups, 0.5)};
 }
 
 }  // namespace
 
 LocalThickness local_thickness(const KeyFramePoses& poses, CloudSource& clouds,
                                const QualityConfig& config) {
-  std::vector<Sample> ground;
-  std::vector<Sample> walls;
+  std::vector<CellThickness> ground;
+  std::vector<CellThickness> walls;
   double with_extent = 0.0;
   double planar = 0.0;
-  for (const auto& [key, groups] : gather(poses, clouds, config)) {
+  for (const auto& [key, groups] : group_points_by_cell(poses, clouds, config)) {
     const auto largest = std::max_element(
         groups.begin(), groups.end(),
         [](const Group& a, const Group& b) { return a.points.count < b.points.count; });
@@ -118,10 +124,10 @@ LocalThickness local_thickness(const KeyFramePoses& poses, CloudSource& clouds,
     with_extent += 1.0;
     if (plane.thickness > kMaxFlatness * plane.extent) continue;
     planar += 1.0;
-    if (is_ground(plane)) ground.push_back(measured(groups, plane, config.range_noise));
-    if (is_wall(plane)) walls.push_back(measured(groups, plane, config.range_noise));
+    if (is_ground(plane)) ground.push_back(cell_thickness(groups, plane, config.range_noise));
+    if (is_wall(plane)) walls.push_back(cell_thickness(groups, plane, config.range_noise));
   }
-  return {summary(ground), summary(walls), with_extent > 0.0 ? planar / with_extent : 0.0};
+  return {summarize(ground), summarize(walls), with_extent > 0.0 ? planar / with_extent : 0.0};
 }
 
 }  // namespace lidar_mapping::map_quality

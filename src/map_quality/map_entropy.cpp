@@ -14,14 +14,15 @@ namespace lidar_mapping::map_quality {
 
 namespace {
 
-constexpr double kRadius = 0.3;         // m, of the neighbourhood
-constexpr double kPlaceRadius = 8.0;    // m around a key frame where entropy is taken
-constexpr double kObservers = 30.0;     // m; key frames this near give the points
-constexpr std::size_t kPlaces = 60;     // along the whole way
-constexpr std::size_t kQueries = 1500;  // points of a place
+constexpr double kRadius = 0.3;  // m, radius of the neighbourhood
+// m, radius around a key frame in which the entropy is computed
+constexpr double kLocationRadius = 8.0;
+constexpr double kKeyFrameRadius = 30.0;  // m, key frames within this distance provide the points
+constexpr std::size_t kLocations = 60;    // along the whole path
+constexpr std::size_t kPointsPerLocation = 1500;  // points per location
 constexpr double kMinNeighbours = 5.0;
 
-struct Sum {
+struct EntropySum {
   double entropy = 0.0;
   double points = 0.0;
   double neighbours = 0.0;
@@ -29,20 +30,20 @@ struct Sum {
 
 using Cells = std::unordered_map<VoxelKey, std::vector<Eigen::Vector3d>>;
 
-/// Points of all key frames around, relative to the place's key frame.
+/// Points of all key frames around a location, relative to its key frame.
 std::vector<Eigen::Vector3d> points_around(const std::vector<KeyFramePose>& poses,
-                                           std::size_t place, CloudSource& clouds) {
+                                           std::size_t location, CloudSource& clouds) {
   std::vector<Eigen::Vector3d> points;
-  const Eigen::Vector3d centre = poses[place].T_map_base.translation;
-  const double reach = kPlaceRadius + kRadius;
+  const Eigen::Vector3d centre = poses[location].T_map_base.translation;
+  const double max_range = kLocationRadius + kRadius;
   for (const KeyFramePose& pose : poses) {
-    if ((pose.T_map_base.translation - centre).norm() > kObservers) continue;
+    if ((pose.T_map_base.translation - centre).norm() > kKeyFrameRadius) continue;
     const PointCloudPtr cloud = clouds.cloud(pose.index);
     if (!cloud) continue;
     const Pose T_centre_base{pose.T_map_base.rotation, pose.T_map_base.translation - centre};
     for (const Point& point : cloud->points) {
       const Eigen::Vector3d p = T_centre_base * point.position().cast<double>();
-      if (p.squaredNorm() < reach * reach) points.push_back(p);
+      if (p.squaredNorm() < max_range * max_range) points.push_back(p);
     }
   }
   return points;
@@ -55,21 +56,21 @@ PointMoments neighbours_of(const Eigen::Vector3d& point, const Cells& cells) {
     const auto cell = cells.find(cell_key(point + kRadius * step, kRadius));
     if (cell == cells.end()) continue;
     for (const Eigen::Vector3d& other : cell->second) {
-      const Eigen::Vector3d away = other - point;
-      if (away.squaredNorm() < kRadius * kRadius) moments.add(away);
+      const Eigen::Vector3d offset = other - point;
+      if (offset.squaredNorm() < kRadius * kRadius) moments.add(offset);
     }
   }
   return moments;
 }
 
-/// Half the logarithm of det(2 pi e covariance), over evenly chosen points.
-Sum entropy_of(const std::vector<Eigen::Vector3d>& points) {
+/// Sum of half the logarithms of det(2 pi e covariance) at evenly selected points.
+EntropySum entropy_of(const std::vector<Eigen::Vector3d>& points) {
   Cells cells;
   for (const Eigen::Vector3d& point : points) cells[cell_key(point, kRadius)].push_back(point);
-  Sum sum;
-  const std::size_t step = points.size() / kQueries + 1;
+  EntropySum sum;
+  const std::size_t step = points.size() / kPointsPerLocation + 1;
   for (std::size_t i = 0; i < points.size(); i += step) {
-    if (points[i].norm() > kPlaceRadius) continue;
+    if (points[i].norm() > kLocationRadius) continue;
     const PointMoments moments = neighbours_of(points[i], cells);
     if (moments.count < kMinNeighbours) continue;
     const double volume = (2.0 * kPi * M_E * moments.covariance()).determinant();
@@ -84,10 +85,10 @@ Sum entropy_of(const std::vector<Eigen::Vector3d>& points) {
 }  // namespace
 
 MapEntropy mean_map_entropy(const KeyFramePoses& poses, CloudSource& clouds) {
-  const std::size_t step = poses.poses.size() / kPlaces + 1;
-  Sum total;
-  for (std::size_t place = 0; place < poses.poses.size(); place += step) {
-    const Sum sum = entropy_of(points_around(poses.poses, place, clouds));
+  const std::size_t step = poses.poses.size() / kLocations + 1;
+  EntropySum total;
+  for (std::size_t location = 0; location < poses.poses.size(); location += step) {
+    const EntropySum sum = entropy_of(points_around(poses.poses, location, clouds));
     total.entropy += sum.entropy;
     total.points += sum.points;
     total.neighbours += sum.neighbours;

@@ -9,17 +9,17 @@ namespace {
 
 using Flags = std::vector<std::uint8_t>;
 
-constexpr std::size_t kAround = GroundArea::kAround;
-constexpr std::size_t kSide = GroundArea::kSide;
+constexpr std::size_t kMargin = GroundArea::kMargin;
+constexpr std::size_t kWindow = GroundArea::kWindow;
 
-/// Ors of so many flags each, `step` apart; the flags are that much longer.
-Flags joined(const Flags& flags, std::size_t step) {
-  Flags result(flags.size() - (kSide - 1) * step);
+/// Logical or of kWindow flags each, which are `step` apart; the input is longer by their distance.
+Flags dilated(const Flags& flags, std::size_t step) {
+  Flags result(flags.size() - (kWindow - 1) * step);
   std::uint8_t* __restrict to = result.data();
   const std::uint8_t* from = flags.data();
   for (std::size_t i = 0; i < result.size(); ++i) {
     std::uint8_t any = 0;
-    for (std::size_t n = 0; n < kSide; ++n) any |= from[i + n * step];
+    for (std::size_t n = 0; n < kWindow; ++n) any |= from[i + n * step];
     to[i] = any;
   }
   return result;
@@ -28,18 +28,18 @@ Flags joined(const Flags& flags, std::size_t step) {
 }  // namespace
 
 GroundArea::GroundArea(const PointCells& cells)
-    : rectangle_(CellArea(cells).widened(static_cast<int>(GroundArea::kAround))),
+    : rectangle_(CellRectangle(cells).expanded(static_cast<int>(GroundArea::kMargin))),
       numbers_(rectangle_.size()),
-      columns_of_points_(rectangle_.numbers_of(cells)) {
+      columns_of_points_(rectangle_.indices_of(cells)) {
   const std::size_t width = rectangle_.width();
-  const std::size_t margin = kAround * (width + 1);
-  Flags taken(rectangle_.size() + 2 * margin);
+  const std::size_t margin = kMargin * (width + 1);
+  Flags occupied(rectangle_.size() + 2 * margin);
   for (const std::uint32_t cell : columns_of_points_) {
-    if (cell != CellArea::kOutside) taken[margin + cell] = 1;
+    if (cell != CellRectangle::kOutside) occupied[margin + cell] = 1;
   }
-  // Nothing is taken at the edges, so that no row reaches into the next.
-  const Flags near = joined(joined(taken, 1), width);
-  // One more, as what is not counted is written, too.
+  // No flag is set at the edges, so that no row reaches into the next.
+  const Flags near = dilated(dilated(occupied, 1), width);
+  // One more, because cells that are not counted are written, too.
   cells_.resize(std::accumulate(near.begin(), near.end(), std::size_t{1}));
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
@@ -53,11 +53,11 @@ GroundArea::GroundArea(const PointCells& cells)
   }
 }
 
-std::array<std::uint32_t, GroundArea::kSide> GroundArea::rows_around(std::uint32_t column) const {
+std::array<std::uint32_t, GroundArea::kWindow> GroundArea::rows_around(std::uint32_t column) const {
   const std::size_t width = rectangle_.width();
-  const std::size_t corner = cells_[column] - kAround * (width + 1);
-  std::array<std::uint32_t, kSide> rows{};
-  for (std::size_t row = 0; row < kSide; ++row) rows[row] = numbers_[corner + row * width];
+  const std::size_t corner = cells_[column] - kMargin * (width + 1);
+  std::array<std::uint32_t, kWindow> rows{};
+  for (std::size_t row = 0; row < kWindow; ++row) rows[row] = numbers_[corner + row * width];
   return rows;
 }
 

@@ -12,12 +12,12 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kSide = GroundArea::kSide;
-constexpr float kDeeper = 0.2F;  // m; the surroundings are then believed instead
+constexpr std::size_t kWindow = GroundArea::kWindow;
+constexpr float kDeeper = 0.2F;  // m, from here on the surroundings are believed instead
 constexpr float kNone = LowestPoints::kNone;
-constexpr float kNotAsked = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotComputed = std::numeric_limits<float>::quiet_NaN();
 
-/// Of those that are known.
+/// Lower quartile of the known heights.
 template <typename Heights>
 float lower_quartile(Heights heights) {
   const auto end = std::remove(heights.begin(), heights.end(), kNone);
@@ -26,16 +26,16 @@ float lower_quartile(Heights heights) {
 
 }  // namespace
 
-std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest) {
-  const PointCells cells(points, GroundArea::kColumn, farthest);
-  const CellArea area(cells);
-  const std::vector<std::uint32_t> numbers = area.numbers_of(cells);
+std::vector<GroundColumn> ground_columns(const TransformedPoints& points, float max_range) {
+  const PointCells cells(points, GroundArea::kColumnSize, max_range);
+  const CellRectangle area(cells);
+  const std::vector<std::uint32_t> numbers = area.indices_of(cells);
   std::vector<LowestPoints> grid(area.size());
   const auto origin_z = static_cast<float>(points.origin.z());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (numbers[i] != CellArea::kOutside) grid[numbers[i]].take(origin_z + points.z[i]);
+    if (numbers[i] != CellRectangle::kOutside) grid[numbers[i]].add(origin_z + points.z[i]);
   }
-  // In the order of the grid, as others are asked for in theirs.
+  // In the order of the grid, in which they are looked up later.
   std::vector<GroundColumn> columns;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid[i].lowest != kNone) columns.push_back({area.cell_at(i), grid[i]});
@@ -44,12 +44,12 @@ std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farth
 }
 
 LocalGround::LocalGround(const GroundArea& area)
-    : area_(area), columns_(area.size()), grounds_(area.size(), kNotAsked) {}
+    : area_(area), columns_(area.size()), grounds_(area.size(), kNotComputed) {}
 
 void LocalGround::add(const std::vector<GroundColumn>& columns) {
   for (const GroundColumn& column : columns) {
-    const std::uint32_t number = area_.number_of(column.cell);
-    if (number != GroundArea::kOutside) columns_[number].join(column.points);
+    const std::uint32_t number = area_.index_of(column.cell);
+    if (number != GroundArea::kOutside) columns_[number].merge(column.points);
   }
 }
 
@@ -79,9 +79,9 @@ LocalGround::Heights LocalGround::heights_around(std::uint32_t column) const {
   Heights heights{};
   std::size_t count = 0;
   for (const std::uint32_t first : area_.rows_around(column)) {
-    for (std::size_t i = 0; i < kSide; ++i) heights[count++] = columns_[first + i].second;
+    for (std::size_t i = 0; i < kWindow; ++i) heights[count++] = columns_[first + i].second;
   }
-  heights[kSide * kSide / 2] = kNone;
+  heights[kWindow * kWindow / 2] = kNone;
   return heights;
 }
 

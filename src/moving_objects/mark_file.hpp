@@ -11,28 +11,28 @@
 
 namespace lidar_mapping::moving_objects {
 
-/// Numbers of points in ascending order.
+/// Indices of points in ascending order.
 using Marks = std::vector<std::uint32_t>;
 
-/// Marked points of each key frame, in a nameless file in a folder. Throws FileError.
+/// Marked points of each key frame, in an unnamed temporary file in a folder. Throws FileError.
 class MarkFile {
  public:
   explicit MarkFile(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
   bool contains(std::size_t position) const { return spans_.count(position) > 0; }
-  /// Once for each.
+  /// Stores the marks of a key frame; may be called once for each.
   void put(std::size_t position, const Marks& marks);
   Marks get(std::size_t position) const;
 
  private:
   struct Span {
-    std::uint64_t begin = 0;  ///< marks
+    std::uint64_t begin = 0;  ///< Position of the first mark in the file, in marks.
     std::size_t count = 0;
   };
 
   std::filesystem::path directory_;
   std::unique_ptr<NamelessFile> file_;
-  std::uint64_t end_ = 0;  ///< marks
+  std::uint64_t end_ = 0;  ///< Length of the file, in marks.
   std::map<std::size_t, Span> spans_;
 };
 

@@ -8,23 +8,23 @@
 #include <memory>
 
 #include "lidar_mapping/common/parallel.hpp"
-#include "lidar_mapping/moving_objects/placed_points.hpp"
+#include "lidar_mapping/moving_objects/transformed_points.hpp"
 
 #include "mark_file.hpp"
-#include "moving_things.hpp"
+#include "moving_points.hpp"
 #include "observing_scan.hpp"
 
 namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kBatch = 16;     // key frames that are judged together, one a thread
-constexpr int kGroundNeighbours = 10;  // key frames whose points tell the ground
-constexpr int kGroundStep = 3;         // every so many of the further ones do, too
-constexpr double kRain = 0.002;        // of the points alone in the air: it rains or snows
+constexpr std::size_t kBatchSize = 16;  // key frames that are processed together, one per thread
+constexpr int kGroundNeighbours = 10;   // neighbours whose points give the near ground
+constexpr int kGroundStep = 3;          // every n-th of the further ones gives the wide ground
+constexpr double kMinRainFraction = 0.002;  // of the points isolated: it rains or snows
 
-/// What is on the ground or at the foot of something needs no votes.
-std::vector<std::uint32_t> voted_on(const std::vector<Layer>& layers) {
+/// Points on the ground or at the base of an object need no votes.
+std::vector<std::uint32_t> voted_points(const std::vector<Layer>& layers) {
   std::vector<std::uint32_t> numbers;
   numbers.reserve(layers.size());
   for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -47,18 +47,19 @@ class StaticClouds::Impl {
     for (std::size_t i = 0; i < poses_.size(); ++i) positions_[poses_[i].index] = i;
   }
 
-  /// The points that move, or that do not, of each.
-  std::vector<PointCloudPtr> parts(const std::vector<KeyFrameIndex>& indices, bool moving) {
+  /// The moving points, or the static ones, of each key frame.
+  std::vector<PointCloudPtr> moving_or_static_clouds(const std::vector<KeyFrameIndex>& indices,
+                                                     bool moving) {
     std::vector<PointCloudPtr> clouds = clouds_.clouds(indices, config_.threads);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       const auto position = positions_.find(indices[i]);
       if (!clouds[i] || position == positions_.end()) continue;
-      if (!marks_.contains(position->second)) judge_around(position->second);
+      if (!marks_.contains(position->second)) mark_batch(position->second);
     }
-    in_parallel(indices.size(), [&](std::size_t i) {
+    parallel_for(indices.size(), [&](std::size_t i) {
       const auto position = positions_.find(indices[i]);
       if (!clouds[i] || position == positions_.end()) return;
-      clouds[i] = part(clouds[i], marks_.get(position->second), moving);
+      clouds[i] = moving_or_static_points(clouds[i], marks_.get(position->second), moving);
     });
     return clouds;
   }
@@ -67,54 +68,55 @@ class StaticClouds::Impl {
   using Position = std::size_t;  // in poses_
   using Clouds = std::map<Position, PointCloudPtr>;
 
-  static PointCloudPtr part(const PointCloudPtr& cloud, const Marks& marks, bool moving) {
+  static PointCloudPtr moving_or_static_points(const PointCloudPtr& cloud, const Marks& marks,
+                                               bool moving) {
     auto result = std::make_shared<PointCloud>();
     result->points.reserve(moving ? marks.size() : cloud->size() - marks.size());
     auto next = marks.begin();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
-      const bool moves = next != marks.end() && *next == i;
-      if (moves) ++next;
-      if (moves == moving) result->points.push_back(cloud->points[i]);
+      const bool is_moving = next != marks.end() && *next == i;
+      if (is_moving) ++next;
+      if (is_moving == moving) result->points.push_back(cloud->points[i]);
     }
     return result;
   }
 
-  /// Marks the key frames of the batch to which that one belongs.
-  void judge_around(Position position) {
-    const Position begin = position / kBatch * kBatch;
-    const Position end = std::min(poses_.size(), begin + kBatch);
-    const Clouds clouds = gather_observers(begin, end);
+  /// Marks the moving points of the batch to which this key frame belongs.
+  void mark_batch(Position position) {
+    const Position begin = position / kBatchSize * kBatchSize;
+    const Position end = std::min(poses_.size(), begin + kBatchSize);
+    const Clouds clouds = update_observers(begin, end);
     std::vector<Marks> marks(end - begin);
-    in_parallel(marks.size(), [&](std::size_t i) {
+    parallel_for(marks.size(), [&](std::size_t i) {
       const auto cloud = clouds.find(begin + i);
       if (cloud != clouds.end()) marks[i] = marks_of(begin + i, *cloud->second);
     });
     for (std::size_t i = 0; i < marks.size(); ++i) marks_.put(begin + i, marks[i]);
   }
 
-  /// Makes observers of all around [begin, end), and lets go of the others. Returns the clouds of
-  /// that range.
-  Clouds gather_observers(Position begin, Position end) {
+  /// Creates observers of the key frames around [begin, end) and deletes all others. Returns the
+  /// clouds of that range.
+  Clouds update_observers(Position begin, Position end) {
     const Position first = first_of(begin, config_.neighbours);
     const Position last = end_of(end - 1, config_.neighbours);
     observers_.erase(observers_.begin(), observers_.lower_bound(first));
     observers_.erase(observers_.lower_bound(last), observers_.end());
-    std::vector<Position> wanted;
+    std::vector<Position> needed;
     for (Position i = first; i < last; ++i) {
-      const bool is_judged = i >= begin && i < end;
-      if (is_judged || observers_.count(i) == 0) wanted.push_back(i);
+      const bool is_in_batch = i >= begin && i < end;
+      if (is_in_batch || observers_.count(i) == 0) needed.push_back(i);
     }
-    Clouds judged;
-    Clouds fresh;
-    for (const auto& [i, cloud] : clouds_at(wanted)) {
-      if (i >= begin && i < end) judged.emplace(i, cloud);
-      if (observers_.count(i) == 0) fresh.emplace(i, cloud);
+    Clouds clouds_of_batch;
+    Clouds new_clouds;
+    for (const auto& [i, cloud] : clouds_at(needed)) {
+      if (i >= begin && i < end) clouds_of_batch.emplace(i, cloud);
+      if (observers_.count(i) == 0) new_clouds.emplace(i, cloud);
     }
-    add_observers({fresh.begin(), fresh.end()});
-    return judged;
+    add_observers({new_clouds.begin(), new_clouds.end()});
+    return clouds_of_batch;
   }
 
-  /// Without those that are missing.
+  /// The clouds of these key frames, without missing ones.
   Clouds clouds_at(const std::vector<Position>& positions) {
     std::vector<KeyFrameIndex> indices;
     for (const Position position : positions) indices.push_back(poses_[position].index);
@@ -127,72 +129,75 @@ class StaticClouds::Impl {
   }
 
   void add_observers(const std::vector<std::pair<Position, PointCloudPtr>>& clouds) {
-    std::vector<std::unique_ptr<ObservingScan>> made(clouds.size());
-    in_parallel(clouds.size(), [&](std::size_t i) {
-      made[i] =
+    std::vector<std::unique_ptr<ObservingScan>> created(clouds.size());
+    parallel_for(clouds.size(), [&](std::size_t i) {
+      created[i] =
           std::make_unique<ObservingScan>(observing_scan_of(clouds[i].first, *clouds[i].second));
     });
     for (std::size_t i = 0; i < clouds.size(); ++i)
-      observers_[clouds[i].first] = std::move(made[i]);
+      observers_[clouds[i].first] = std::move(created[i]);
   }
 
   ObservingScan observing_scan_of(Position position, const PointCloud& cloud) const {
     const Pose& T_map_base = poses_[position].T_map_base;
     const Pose T_base_sensor{Eigen::Quaterniond::Identity(), p_base_sensor_};
     return {(T_map_base * T_base_sensor).inverse(), RangeImage(cloud, p_base_sensor_.cast<float>()),
-            ground_columns(PlacedPoints(cloud, T_map_base))};
+            ground_columns(TransformedPoints(cloud, T_map_base))};
   }
 
   Marks marks_of(Position position, const PointCloud& cloud) const {
     const Pose& T_map_base = poses_[position].T_map_base;
-    const PlacedPoints points(cloud, T_map_base);
-    const std::vector<const ObservingScan*> observers = nearest_first(position);
-    std::vector<Layer> layers = layers_of(position, points);
+    const TransformedPoints points(cloud, T_map_base);
+    const std::vector<const ObservingScan*> observers = observers_nearest_first(position);
+    std::vector<Layer> layers = classify_layers(position, points);
     const std::vector<Vote> votes =
-        votes_on(cloud, T_map_base, voted_on(layers), observers, config_);
+        collect_votes(cloud, T_map_base, voted_points(layers), observers, config_);
     for (const std::uint32_t drop :
-         drops_of(cloud, T_map_base, lonely_points(points, votes), observers)) {
-      layers[drop] = Layer::kAlone;
+         raindrops(cloud, T_map_base, isolated_points(points, votes), observers)) {
+      layers[drop] = Layer::kIsolated;
     }
     return moving_points(points, votes, layers);
   }
 
-  /// None where it is dry: few points that are alone belong to things. Who has no neighbours to
-  /// decide with has to be seen through more clearly.
-  Marks drops_of(const PointCloud& cloud, const Pose& T_map_base,
-                 const std::vector<std::uint32_t>& alone,
-                 const std::vector<const ObservingScan*>& observers) const {
-    MovingObjectsConfig surer = config_;
-    surer.min_votes *= 2;
-    surer.min_share = 0.5 * (1.0 + config_.min_share);
-    const std::vector<Vote> votes = votes_on(cloud, T_map_base, alone, observers, surer);
-    Marks drops;
-    std::copy_if(alone.begin(), alone.end(), std::back_inserter(drops),
-                 [&](std::uint32_t i) { return votes[i] == Vote::kMoves; });
-    if (static_cast<double>(drops.size()) < kRain * static_cast<double>(cloud.size()))
-      drops.clear();
-    return drops;
+  /// Isolated points that are drops of rain or snow; none if there are few of them, because then
+  /// they belong to objects. The votes have to be clearer than usual, because an isolated point has
+  /// no neighbours to decide with.
+  Marks raindrops(const PointCloud& cloud, const Pose& T_map_base,
+                  const std::vector<std::uint32_t>& isolated,
+                  const std::vector<const ObservingScan*>& observers) const {
+    MovingObjectsConfig strict_config = config_;
+    strict_config.min_votes *= 2;
+    strict_config.min_fraction = 0.5 * (1.0 + config_.min_fraction);
+    const std::vector<Vote> votes =
+        collect_votes(cloud, T_map_base, isolated, observers, strict_config);
+    Marks found;
+    std::copy_if(isolated.begin(), isolated.end(), std::back_inserter(found),
+                 [&](std::uint32_t i) { return votes[i] == Vote::kMoving; });
+    if (static_cast<double>(found.size()) < kMinRainFraction * static_cast<double>(cloud.size()))
+      found.clear();
+    return found;
   }
 
-  std::vector<Layer> layers_of(Position position, const PlacedPoints& points) const {
-    Grounds grounds(points);
-    grounds.own.add(observers_.at(position)->ground);
+  std::vector<Layer> classify_layers(Position position, const TransformedPoints& points) const {
+    GroundModels ground_models(points);
+    ground_models.own.add(observers_.at(position)->ground);
     for (Position i = first_of(position, config_.neighbours);
          i < end_of(position, config_.neighbours); ++i) {
       const auto observer = observers_.find(i);
       if (observer == observers_.end()) continue;
       const Position distance = i > position ? i - position : position - i;
-      if (distance <= kGroundNeighbours) grounds.near.add(observer->second->ground);
-      if (distance % kGroundStep == 0) grounds.wide.add(observer->second->ground);
+      if (distance <= kGroundNeighbours) ground_models.near.add(observer->second->ground);
+      if (distance % kGroundStep == 0) ground_models.wide.add(observer->second->ground);
     }
-    return moving_objects::layers_of(points, grounds);
+    return moving_objects::classify_layers(points, ground_models);
   }
 
-  /// The others around; those near by mostly settle a case.
-  std::vector<const ObservingScan*> nearest_first(Position position) const {
+  /// The observers around, nearest first, because these usually decide.
+  std::vector<const ObservingScan*> observers_nearest_first(Position position) const {
     std::vector<const ObservingScan*> nearest;
     for (Position step = 1; step <= static_cast<Position>(config_.neighbours); ++step) {
-      for (const Position other : {position - step, position + step}) {  // below 0 is none's
+      // indices below 0 wrap and are not found
+      for (const Position other : {position - step, position + step}) {
         const auto observer = observers_.find(other);
         if (observer != observers_.end()) nearest.push_back(observer->second.get());
       }
@@ -201,14 +206,14 @@ class StaticClouds::Impl {
   }
 
   Position first_of(Position position, int neighbours) const {
-    const auto reach = static_cast<Position>(neighbours);
-    return position > reach ? position - reach : 0;
+    const auto count = static_cast<Position>(neighbours);
+    return position > count ? position - count : 0;
   }
   Position end_of(Position position, int neighbours) const {
     return std::min(poses_.size(), position + static_cast<Position>(neighbours) + 1);
   }
 
-  void in_parallel(std::size_t count, const std::function<void(std::size_t)>& body) const {
+  void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) const {
     parallel_chunks(count, 1, config_.threads, [&](std::size_t i, std::size_t) { body(i); });
   }
 
@@ -218,7 +223,7 @@ class StaticClouds::Impl {
   const MovingObjectsConfig config_;
   std::map<KeyFrameIndex, Position> positions_;
   std::map<Position, std::unique_ptr<ObservingScan>> observers_;
-  MarkFile marks_;  ///< of points that move
+  MarkFile marks_;  ///< Moving points.
 };
 
 StaticClouds::StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
@@ -228,14 +233,14 @@ StaticClouds::StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
 StaticClouds::~StaticClouds() = default;
 
 PointCloudPtr StaticClouds::cloud(KeyFrameIndex index) {
-  return impl_->parts({index}, false).front();
+  return impl_->moving_or_static_clouds({index}, false).front();
 }
 std::vector<PointCloudPtr> StaticClouds::clouds(const std::vector<KeyFrameIndex>& indices,
                                                 int /*threads*/) {
-  return impl_->parts(indices, false);
+  return impl_->moving_or_static_clouds(indices, false);
 }
 PointCloudPtr StaticClouds::removed(KeyFrameIndex index) {
-  return impl_->parts({index}, true).front();
+  return impl_->moving_or_static_clouds({index}, true).front();
 }
 
 }  // namespace lidar_mapping::moving_objects

@@ -10,21 +10,22 @@
 
 namespace lidar_mapping::moving_objects {
 
-/// A key frame as an observer: what it saw, from where.
+/// A key frame as an observer: what it observed, and from where.
 struct ObservingScan {
   Pose T_sensor_map;
   RangeImage image;
   std::vector<GroundColumn> ground;
 };
 
-/// What the observers say of a point.
-enum class Vote : char { kStands, kMoves, kUnseen };
+/// Vote of the observers on a point.
+enum class Vote : char { kStatic, kMoving, kUnseen };
 
-/// The observers' verdict on the points of a key frame with those numbers; the others are unseen.
-/// The order of asking does not matter: an observer is left out only where it could change nothing.
-std::vector<Vote> votes_on(const PointCloud& cloud, const Pose& T_map_base,
-                           const std::vector<std::uint32_t>& asked,
-                           const std::vector<const ObservingScan*>& observers,
-                           const MovingObjectsConfig& config);
+/// Votes of the observers on the points of a key frame with these indices; all other points are
+/// unobserved. The result does not depend on the order of the observers: one is skipped only if it
+/// cannot change the vote.
+std::vector<Vote> collect_votes(const PointCloud& cloud, const Pose& T_map_base,
+                                const std::vector<std::uint32_t>& indices,
+                                const std::vector<const ObservingScan*>& observers,
+                                const MovingObjectsConfig& config);
 
 }  // namespace lidar_mapping::moving_objects

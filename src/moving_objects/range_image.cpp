@@ -9,18 +9,19 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kRow = 2 * kRangeImageColumns;  // values of a row, two a pixel
+constexpr std::size_t kRow = 2 * kRangeImageColumns;  // values of a row, two per pixel
 constexpr std::uint16_t kNothing = 65'535;
-constexpr std::size_t kWide = kRangeImageColumns + 2;  // pixels of a row with one more at each end
-constexpr std::size_t kAhead = 8;  // windows that are fetched while others are looked at
+constexpr std::size_t kExtendedRow =
+    kRangeImageColumns + 2;                   // pixels of a row with one more at each end
+constexpr std::size_t kPrefetchDistance = 8;  // windows that are prefetched
 
-/// Where the 3x3 window around a pixel begins in the wide rows.
+/// Position of the upper left pixel of the 3x3 window around a pixel, in the extended rows.
 std::size_t corner_of(int pixel) {
   const auto number = static_cast<std::size_t>(pixel);
-  return number + number / kRangeImageColumns * (kWide - kRangeImageColumns);
+  return number + number / kRangeImageColumns * (kExtendedRow - kRangeImageColumns);
 }
 
-/// Points in directions from a sensor, one array for each quantity.
+/// Points as directions from a sensor, an array for each quantity.
 struct Directions {
   Directions(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
     std::vector<float> x(cloud.size()), y(cloud.size()), z(cloud.size());
@@ -40,29 +41,30 @@ struct Directions {
   std::vector<int> columns, rows, ranges;
 };
 
-/// Ranges by pixel while an image is made: the nearest, and the farthest as what it lacks to
-/// kNothing, so that the smallest value counts of both.
-struct Lows {
-  explicit Lows(int rows) : values(static_cast<std::size_t>(rows) * kRow, kNothing) {}
+/// Ranges of the pixels while an image is built: the nearest, and the difference of the farthest
+/// from kNothing, so that the minimum is needed of both.
+struct MinimumRanges {
+  explicit MinimumRanges(int rows) : values(static_cast<std::size_t>(rows) * kRow, kNothing) {}
 
-  void take(std::size_t pixel, int range) {
+  void add(std::size_t pixel, int range) {
     const auto value = static_cast<std::uint16_t>(range);
     values[2 * pixel] = std::min(values[2 * pixel], value);
-    const auto lack = static_cast<std::uint16_t>(kNothing - value);
-    values[2 * pixel + 1] = std::min(values[2 * pixel + 1], lack);
+    const auto complement = static_cast<std::uint16_t>(kNothing - value);
+    values[2 * pixel + 1] = std::min(values[2 * pixel + 1], complement);
   }
   bool empty(std::size_t pixel) const { return values[2 * pixel] == kNothing; }
-  Seen seen(std::size_t pixel) const {
-    return static_cast<Seen>(kNothing - values[2 * pixel + 1]) << 16U | values[2 * pixel];
+  RangeInterval range_interval(std::size_t pixel) const {
+    return static_cast<RangeInterval>(kNothing - values[2 * pixel + 1]) << 16U | values[2 * pixel];
   }
 
   std::vector<std::uint16_t> values;
 };
 
-/// Of the 3x3 window around each pixel.
-Lows windows_of(const Lows& own, int rows) {
-  Lows windows(rows);
-  std::vector<std::uint16_t> columns(kRow + 4);  // of three rows, with a pixel at either end
+/// Ranges of the 3x3 window around each pixel.
+MinimumRanges windows_of(const MinimumRanges& own, int rows) {
+  MinimumRanges windows(rows);
+  // minima of three rows, with a pixel more at either end
+  std::vector<std::uint16_t> columns(kRow + 4);
   for (int row = 0; row < rows; ++row) {
     const auto values = [&](int r) {
       return own.values.data() + static_cast<std::size_t>(std::clamp(r, 0, rows - 1)) * kRow;
@@ -77,8 +79,8 @@ Lows windows_of(const Lows& own, int rows) {
     std::copy_n(column, 2, column + kRow);
     std::uint16_t* window = windows.values.data() + static_cast<std::size_t>(row) * kRow;
     for (std::size_t i = 0; i < kRow; ++i) {
-      const std::uint16_t* left = columns.data() + i;
-      window[i] = std::min(std::min(left[0], left[2]), left[4]);
+      const std::uint16_t* remaining = columns.data() + i;
+      window[i] = std::min(std::min(remaining[0], remaining[2]), remaining[4]);
     }
   }
   return windows;
@@ -94,52 +96,54 @@ RangeImage::RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor) {
     first_row_ = *low;
     rows_ = *high - *low + 1;
   }
-  Lows own(rows_);
+  MinimumRanges own(rows_);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    own.take(pixel_at(directions.columns[i], rows[i] - first_row_), directions.ranges[i]);
+    own.add(pixel_at(directions.columns[i], rows[i] - first_row_), directions.ranges[i]);
   }
-  const Lows windows = windows_of(own, rows_);
+  const MinimumRanges windows = windows_of(own, rows_);
   const std::size_t count = own.values.size() / 2;
-  windows_.resize(count + 1, kSeenHidden);
+  windows_.resize(count + 1, kUnobserved);
   for (std::size_t i = 0; i < count; ++i) {
-    if (!own.empty(i)) windows_[i] = windows.seen(i);
+    if (!own.empty(i)) windows_[i] = windows.range_interval(i);
   }
   const auto height = static_cast<std::size_t>(rows_);
-  pixels_.resize((height + 2) * kWide + 1, kSeenHidden);  // four are read at a time
+  pixels_.resize((height + 2) * kExtendedRow + 1, kUnobserved);  // four pixels are read at a time
   for (std::size_t row = 0; row < height; ++row) {
-    Seen* wide = pixels_.data() + (row + 1) * kWide;
+    RangeInterval* extended_row = pixels_.data() + (row + 1) * kExtendedRow;
     for (std::size_t i = 0; i < kRangeImageColumns; ++i)
-      wide[i + 1] = own.seen(row * kRangeImageColumns + i);
-    wide[0] = wide[kRangeImageColumns];
-    wide[kWide - 1] = wide[1];
+      extended_row[i + 1] = own.range_interval(row * kRangeImageColumns + i);
+    extended_row[0] = extended_row[kRangeImageColumns];
+    extended_row[kExtendedRow - 1] = extended_row[1];
   }
 }
 
-void RangeImage::look(const ProjectedPixels& targets, std::size_t count, const Counts& counts,
-                      int* unclear) const {
-  visibility_kernels().look(windows_.data(), targets, count, counts, unclear);
-  std::size_t open = 0;  // without branches, which nobody foresees
+void RangeImage::classify(const ProjectedPixels& targets, std::size_t count,
+                          const VisibilityCounts& counts, int* ambiguous) const {
+  visibility_kernels().classify(windows_.data(), targets, count, counts, ambiguous);
+  std::size_t ambiguous_count = 0;  // without branches, which would be mispredicted
   for (std::size_t i = 0; i < count; ++i) {
-    const int is_unclear = unclear[i];
-    unclear[open] = static_cast<int>(i);
-    open += static_cast<std::size_t>(is_unclear);
+    const int is_unclear = ambiguous[i];
+    ambiguous[ambiguous_count] = static_cast<int>(i);
+    ambiguous_count += static_cast<std::size_t>(is_unclear);
   }
-  for (std::size_t n = 0; n < open; ++n) {
-    if (n + kAhead < open) fetch_around(targets.pixels[unclear[n + kAhead]]);
-    const int i = unclear[n];
+  for (std::size_t n = 0; n < ambiguous_count; ++n) {
+    if (n + kPrefetchDistance < ambiguous_count)
+      prefetch_window(targets.pixels[ambiguous[n + kPrefetchDistance]]);
+    const int i = ambiguous[n];
     counts.hits[i] += is_hit_around(targets.pixels[i], targets.nearest[i], targets.farthest[i]);
   }
 }
 
-void RangeImage::fetch_around(int pixel) const {
-  const Seen* corner = pixels_.data() + corner_of(pixel);
-  for (std::size_t row = 0; row < 3; ++row) __builtin_prefetch(corner + row * kWide);
+void RangeImage::prefetch_window(int pixel) const {
+  const RangeInterval* corner = pixels_.data() + corner_of(pixel);
+  for (std::size_t row = 0; row < 3; ++row) __builtin_prefetch(corner + row * kExtendedRow);
 }
 
-/// One or none. What lies between the two of a pixel was not hit: on an edge it sees a thing and a
-/// wall behind it.
+/// Returns 1 if one of the 3x3 pixels was hit in this interval of ranges, else 0. A location
+/// between the two ranges of a pixel was not hit: at an edge the pixel holds an object and the wall
+/// behind it.
 int RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
-  using Ranges = std::uint16_t __attribute__((vector_size(16)));  // of four pixels
+  using Ranges = std::uint16_t __attribute__((vector_size(16)));  // the ranges of four pixels
   constexpr auto kAll = std::uint16_t{0xFFFF};
   constexpr Ranges kThreePixels = {kAll, kAll, kAll, kAll, kAll, kAll, 0, 0};
   const auto low = static_cast<std::uint16_t>(nearest);
@@ -148,7 +152,7 @@ int RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
   Ranges is_hit{};
   for (std::size_t row = 0; row < 3; ++row) {
     Ranges ranges;
-    std::memcpy(&ranges, pixels_.data() + corner + row * kWide, sizeof ranges);
+    std::memcpy(&ranges, pixels_.data() + corner + row * kExtendedRow, sizeof ranges);
     is_hit |= (ranges - low <= width);
   }
   is_hit &= kThreePixels;

@@ -9,35 +9,38 @@
 
 namespace lidar_mapping::moving_objects {
 
-/// Nearest and farthest range in each direction, seen from the sensor; 0.4 degrees in azimuth, 0.5
-/// in elevation. A place counts as seen through only if all of the 3x3 directions around it are
-/// free: a beam one step aside may touch a pole, one step lower the ground in front.
+/// Nearest and farthest range in each direction, observed from the sensor; pixels of 0.4 degrees in
+/// azimuth and 0.5 in elevation. A location counts as seen through only if all of the 3x3 pixels
+/// around it are free, because a beam one pixel aside may hit a pole, and one pixel lower the
+/// ground in front.
 class RangeImage {
  public:
-  /// Points in a frame that is parallel to the sensor's, and where the sensor is in it.
+  /// Builds the image of points in a frame that is parallel to that of the sensor; `sensor` is the
+  /// position of the sensor in it.
   RangeImage(const PointCloud& cloud, const Eigen::Vector3f& sensor);
 
   int first_row() const { return first_row_; }
   int rows() const { return rows_; }
 
-  /// Counts what the sensor saw of some places; `unclear` has room for as many numbers.
-  void look(const ProjectedPixels& targets, std::size_t count, const Counts& counts,
-            int* unclear) const;
+  /// Counts what the sensor observed at the targets; `ambiguous` has room for `count` numbers.
+  void classify(const ProjectedPixels& targets, std::size_t count, const VisibilityCounts& counts,
+                int* ambiguous) const;
 
  private:
   static std::size_t pixel_at(int column, int row) {
     return static_cast<std::size_t>(row) * kRangeImageColumns + static_cast<std::size_t>(column);
   }
-  void fetch_around(int pixel) const;
+  void prefetch_window(int pixel) const;
   int is_hit_around(int pixel, int nearest, int farthest) const;
 
   int first_row_ = 0;
   int rows_ = 0;
-  /// Row by row: first the last column again, behind the last column the first. A row in which
-  /// nothing is within any range is above and one is below.
-  std::vector<Seen> pixels_;
-  /// 3x3 around each pixel, hidden where that is empty; then a hidden one for what is outside.
-  std::vector<Seen> windows_;
+  /// Pixels row by row. Each row begins with a copy of its last column and ends with one of its
+  /// first column. There is one more row above and below, whose pixels are unobserved.
+  std::vector<RangeInterval> pixels_;
+  /// Union of the 3x3 pixels around each pixel, unobserved if that pixel is empty; then an
+  /// unobserved one for everything outside.
+  std::vector<RangeInterval> windows_;
 };
 
 }  // namespace lidar_mapping::moving_objects

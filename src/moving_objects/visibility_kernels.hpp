@@ -8,73 +8,76 @@ namespace lidar_mapping::moving_objects {
 
 constexpr int kRangeImageColumns = 900;
 
-/// Ranges are counted in units of 2 mm, so that a pixel is small. What is nearer than 1 is 1, and
-/// what is farther than 128 m, three times as far as observers reach, is kFarthestUnit.
+/// Ranges are counted in units of 2 mm, so that a pixel is small. They are limited to 1 to
+/// kMaxUnit (128 m), which is three times as far as observers vote.
 constexpr float kUnitsPerMeter = 512.0F;
-constexpr int kFarthestUnit = 65'534;
+constexpr int kMaxUnit = 65'534;
 
-/// The nearest range that was seen in a direction in the lower 16 bits, the farthest in the upper.
-using Seen = std::uint32_t;
-constexpr Seen kSeenHidden = 0;  ///< neither looked through nor hit
+/// Interval of ranges that were observed in a direction: the nearest in the lower 16 bits, the
+/// farthest in the upper.
+using RangeInterval = std::uint32_t;
+constexpr RangeInterval kUnobserved = 0;  ///< Unobserved: neither seen through nor hit.
 
-/// Coordinates of points, one array each.
+/// Coordinates of points, an array for each.
 struct PointArrays {
   const float* x;
   const float* y;
   const float* z;
 };
 
-/// A sensor with a range image, as seen from the frame of the points in question:
-/// p_sensor = R_sensor_points (p - p_points_sensor), row-major R.
+/// Pose of a sensor with a range image, relative to the frame of the points: p_sensor =
+/// R_sensor_points (p - p_points_sensor), with row-major R.
 struct Viewpoint {
   float R_sensor_points[9];
   float p_points_sensor[3];
-  float squared_reach;  ///< m^2
-  int first_row;        ///< of the image
+  float squared_max_range;  ///< Square of the largest distance of a vote, m^2.
+  int first_row;            ///< First row of the image.
   int rows;
 
-  /// Behind the last one; that of points out of reach, above or below the image.
+  /// Index of the pixel behind the last one; used for points out of range, above or below the
+  /// image.
   int no_pixel() const { return rows * kRangeImageColumns; }
 };
 
-/// Where to look for points, one array each: numbers of pixels, and the nearest and farthest range
-/// at which something is taken for the point, in units.
+/// Points projected into the image, an array for each quantity: indices of pixels, and the nearest
+/// and farthest range (in units) that count as a hit of the point.
 struct ProjectedPixels {
   int* pixels;
   int* nearest;
   int* farthest;
 };
 
-/// What was said of points, one array each.
-struct Counts {
-  int* through;  ///< by how many the place was looked through
-  int* hits;     ///< by how many something was seen there
+/// Numbers of observations of points, an array for each.
+struct VisibilityCounts {
+  int* through;  ///< Observers that saw through the location.
+  int* hits;     ///< Observers that saw something there.
 };
 
-/// The inner loops of looking into range images, compiled for every processor, for AVX2 and for
-/// AVX-512. All do the same operations in the same order and give the same bits.
+/// The inner loops of the visibility tests, compiled for every processor, for AVX2 and for AVX-512.
+/// All versions do the same operations in the same order and give the same bits.
 struct VisibilityKernels {
-  /// Where points are seen from the origin in any range image: column, row and range in units.
+  /// Directions of points from the origin as column, row and range (in units) of a range image.
   void (*project)(const PointArrays& points, std::size_t count, int* columns, int* rows,
                   int* ranges);
-  /// Adds one to the counts of points in reach; returns how many there are.
-  int (*count_reach)(const Viewpoint& view, const PointArrays& points, std::size_t count,
-                     int* counts);
-  /// Takes one from `left` of points in reach.
-  void (*aim)(const Viewpoint& view, const PointArrays& points, std::size_t count,
-              const ProjectedPixels& targets, int* left);
-  /// windows: what was seen in the 3x3 pixels around each. Counts what that says; `unclear` is 1
-  /// where the single pixels have to be asked, 0 elsewhere.
-  void (*look)(const Seen* windows, const ProjectedPixels& targets, std::size_t count,
-               const Counts& counts, int* unclear);
+  /// Increments the counts of points in range; returns their number.
+  int (*count_in_range)(const Viewpoint& view, const PointArrays& points, std::size_t count,
+                        int* counts);
+  /// Projects points into the image of a viewpoint, and decrements `remaining` for those in range.
+  void (*project_into_view)(const Viewpoint& view, const PointArrays& points, std::size_t count,
+                            const ProjectedPixels& targets, int* remaining);
+  /// Compares projected points with the 3x3 windows around their pixels, and increments the counts.
+  /// `ambiguous` is 1 if the single pixels have to be tested, else 0.
+  void (*classify)(const RangeInterval* windows, const ProjectedPixels& targets, std::size_t count,
+                   const VisibilityCounts& counts, int* ambiguous);
 };
 
 /// The fastest kernels that this processor can run.
 const VisibilityKernels& visibility_kernels();
+/// The kernels that run on every processor.
 const VisibilityKernels& portable_visibility_kernels();
-/// Null where the compiler or the processor knows no AVX2.
+/// Null if compiler or processor do not support AVX2.
 const VisibilityKernels* avx2_visibility_kernels();
-/// Null where the compiler does not know AVX-512 or the processor is not fast with it.
+/// Null if the compiler does not support AVX-512 or the processor is slow with it.
 const VisibilityKernels* avx512_visibility_kernels();
 
 }  // namespace lidar_mapping::moving_objects

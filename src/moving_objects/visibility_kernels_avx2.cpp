@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compiled with AVX2 where the compiler has it; nothing but plain pointers crosses its border.
+// Compiled with AVX2 if the compiler supports it; only plain pointers cross its interface.
 #include "lidar_mapping/common/instruction_set.hpp"
 
 #include "visibility_kernels.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kernels of visibility_kernels.hpp; included by one file per instruction set. Loops without
-// branches, which become vectors, and no function that the linker could take from another file.
+// The kernels of visibility_kernels.hpp; included by one file per instruction set. Loops have no
+// branches, so that they are vectorised, and call no function that the linker could take from
+// another file.
 
 #include "lidar_mapping/common/units.hpp"
 
@@ -14,16 +15,17 @@ namespace {
 constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
 constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
-constexpr float kLeastLength = 1e-37F;    // m; above zero, as it is divided by
+constexpr float kMinLength = 1e-37F;      // m, above zero, because it is a divisor
 constexpr float kMargin = 0.2F;           // m
 constexpr float kMarginPerRange = 0.02F;  // m per m
 
-/// atan2 to 2e-5 rad, by a polynomial: a pixel is three hundred times as wide.
+/// atan2 with an error of at most 2e-5 rad, by a polynomial; a pixel is three hundred times as
+/// wide.
 LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
   const float along = __builtin_fabsf(x);
   const float across = __builtin_fabsf(y);
   const float larger = along > across ? along : across;
-  const float longer = larger > kLeastLength ? larger : kLeastLength;
+  const float longer = larger > kMinLength ? larger : kMinLength;
   const float a = (along < across ? along : across) / longer;
   const float s = a * a;
   const float low =
@@ -37,8 +39,8 @@ LIDAR_MAPPING_INLINE float angle_of(float y, float x) {
   return y < 0.0F ? -angle : angle;
 }
 
-/// Truncated; 0 for what is not a number, too.
-LIDAR_MAPPING_INLINE int whole_of(float value) {
+/// Truncates; 0 for negative values and NaN.
+LIDAR_MAPPING_INLINE int truncated(float value) {
   return static_cast<int>(value > 0.0F ? value : 0.0F);
 }
 
@@ -52,20 +54,24 @@ LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
   const float squared = x * x + y * y;
   const float azimuth = angle_of(y, x) + kHalfTurn;
   const float elevation = angle_of(z, __builtin_sqrtf(squared)) + kHalfTurn;
-  const int turned = whole_of(azimuth * kColumnsPerRadian);
+  const int turned = truncated(azimuth * kColumnsPerRadian);
   return {turned < kRangeImageColumns ? turned : turned - kRangeImageColumns,
-          whole_of(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};
+          truncated(elevation * kRowsPerRadian), __builtin_sqrtf(squared + z * z)};
 }
 
 LIDAR_MAPPING_INLINE int units_of(float range) {
-  constexpr auto kLargest = static_cast<float>(kFarthestUnit);
+  constexpr auto kLargest = static_cast<float>(kMaxUnit);
   const float units = range * kUnitsPerMeter;
   const float low = units > 1.0F ? units : 1.0F;
   return static_cast<int>(low < kLargest ? low : kLargest);
 }
 
-LIDAR_MAPPING_INLINE int nearest_of(Seen seen) { return static_cast<int>(seen & 0xFFFFU); }
-LIDAR_MAPPING_INLINE int farthest_of(Seen seen) { return static_cast<int>(seen >> 16U); }
+LIDAR_MAPPING_INLINE int nearest_of(RangeInterval interval) {
+  return static_cast<int>(interval & 0xFFFFU);
+}
+LIDAR_MAPPING_INLINE int farthest_of(RangeInterval interval) {
+  return static_cast<int>(interval >> 16U);
+}
 
 LIDAR_MAPPING_INLINE int is_within(int range, int nearest, int farthest) {
   return (range >= nearest ? 1 : 0) & (range <= farthest ? 1 : 0);
@@ -82,8 +88,8 @@ void project(const PointArrays& points, std::size_t count, int* __restrict colum
   }
 }
 
-int count_reach(const Viewpoint& view, const PointArrays& points, std::size_t count,
-                int* __restrict counts) {
+int count_in_range(const Viewpoint& view, const PointArrays& points, std::size_t count,
+                   int* __restrict counts) {
   const Viewpoint v = view;
   const PointArrays p = points;
   int sum = 0;
@@ -91,15 +97,15 @@ int count_reach(const Viewpoint& view, const PointArrays& points, std::size_t co
     const float x = p.x[i] - v.p_points_sensor[0];
     const float y = p.y[i] - v.p_points_sensor[1];
     const float z = p.z[i] - v.p_points_sensor[2];
-    const int is_near = x * x + y * y + z * z <= v.squared_reach ? 1 : 0;
+    const int is_near = x * x + y * y + z * z <= v.squared_max_range ? 1 : 0;
     counts[i] += is_near;
     sum += is_near;
   }
   return sum;
 }
 
-void aim(const Viewpoint& view, const PointArrays& points, std::size_t count,
-         const ProjectedPixels& targets, int* __restrict left) {
+void project_into_view(const Viewpoint& view, const PointArrays& points, std::size_t count,
+                       const ProjectedPixels& targets, int* __restrict remaining) {
   const Viewpoint v = view;
   const PointArrays p = points;
   const float* R = v.R_sensor_points;
@@ -111,22 +117,22 @@ void aim(const Viewpoint& view, const PointArrays& points, std::size_t count,
     const float x = p.x[i] - v.p_points_sensor[0];
     const float y = p.y[i] - v.p_points_sensor[1];
     const float z = p.z[i] - v.p_points_sensor[2];
-    const int is_near = x * x + y * y + z * z <= v.squared_reach ? 1 : 0;
+    const int is_near = x * x + y * y + z * z <= v.squared_max_range ? 1 : 0;
     const Direction direction =
         direction_of(R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z,
                      R[6] * x + R[7] * y + R[8] * z);
     const int row = direction.row - v.first_row;
-    const int is_seen = is_near & (row >= 0 ? 1 : 0) & (row < v.rows ? 1 : 0);
+    const int is_in_image = is_near & (row >= 0 ? 1 : 0) & (row < v.rows ? 1 : 0);
     const float margin = kMargin + kMarginPerRange * direction.range;
-    pixels[i] = is_seen != 0 ? row * kRangeImageColumns + direction.column : no_pixel;
+    pixels[i] = is_in_image != 0 ? row * kRangeImageColumns + direction.column : no_pixel;
     nearest[i] = units_of(direction.range - margin);
     farthest[i] = units_of(direction.range + margin);
-    left[i] -= is_near;
+    remaining[i] -= is_near;
   }
 }
 
-void look(const Seen* windows, const ProjectedPixels& targets, std::size_t count,
-          const Counts& counts, int* __restrict unclear) {
+void classify(const RangeInterval* windows, const ProjectedPixels& targets, std::size_t count,
+              const VisibilityCounts& counts, int* __restrict ambiguous) {
   const int* __restrict pixels = targets.pixels;
   const int* __restrict nearest = targets.nearest;
   const int* __restrict farthest = targets.farthest;
@@ -134,20 +140,20 @@ void look(const Seen* windows, const ProjectedPixels& targets, std::size_t count
   int* __restrict hits = counts.hits;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
-    const Seen seen = windows[pixels[i]];
-    const int seen_nearest = nearest_of(seen);
-    const int seen_farthest = farthest_of(seen);
-    const int is_free = seen_nearest > farthest[i] ? 1 : 0;
-    const int is_hidden = seen_farthest < nearest[i] ? 1 : 0;
-    const int is_hit = is_within(seen_nearest, nearest[i], farthest[i]) |
-                       is_within(seen_farthest, nearest[i], farthest[i]);
+    const RangeInterval interval = windows[pixels[i]];
+    const int observed_nearest = nearest_of(interval);
+    const int observed_farthest = farthest_of(interval);
+    const int is_free = observed_nearest > farthest[i] ? 1 : 0;
+    const int is_hidden = observed_farthest < nearest[i] ? 1 : 0;
+    const int is_hit = is_within(observed_nearest, nearest[i], farthest[i]) |
+                       is_within(observed_farthest, nearest[i], farthest[i]);
     through[i] += is_free;
     hits[i] += is_hit;
-    unclear[i] = 1 & ~(is_free | is_hidden | is_hit);
+    ambiguous[i] = 1 & ~(is_free | is_hidden | is_hit);
   }
 }
 
-constexpr VisibilityKernels kKernels = {project, count_reach, aim, look};
+constexpr VisibilityKernels kKernels = {project, count_in_range, project_into_view, classify};
 
 }  // namespace
 }  // namespace lidar_mapping::moving_objects

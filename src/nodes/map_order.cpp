@@ -20,7 +20,7 @@ std::string format_of(const fs::path& file) {
   std::transform(format.begin(), format.end(), format.begin(),
                  [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   std::string known;
-  for (const std::string& name : map::one_file_formats()) {
+  for (const std::string& name : map::single_file_formats()) {
     if (format == name) return format;
     known += (known.empty() ? "." : ", .") + name;
   }

@@ -18,7 +18,7 @@ Pose enu_between(const GeodeticDatum& to, const GeodeticDatum& from) {
   return pose;
 }
 
-GnssPosition turned(GnssPosition position, const Pose& T_new_old) {
+GnssPosition transformed_position(GnssPosition position, const Pose& T_new_old) {
   const Eigen::Matrix3d R = T_new_old.rotation_matrix();
   position.p_enu_antenna = T_new_old * position.p_enu_antenna;
   position.covariance = R * position.covariance * R.transpose();

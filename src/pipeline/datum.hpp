@@ -5,10 +5,10 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Pose of the East-North-Up frame at datum `from` in that at datum `to`.
+/// Pose of the East-North-Up frame of datum `from` in the one of datum `to`.
 Pose enu_between(const GeodeticDatum& to, const GeodeticDatum& from);
 
-/// The position in another East-North-Up frame.
-GnssPosition turned(GnssPosition position, const Pose& T_new_old);
+/// Transforms a position with its covariance and orientation to another East-North-Up frame.
+GnssPosition transformed_position(GnssPosition position, const Pose& T_new_old);
 
 }  // namespace lidar_mapping::pipeline

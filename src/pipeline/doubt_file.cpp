@@ -14,7 +14,7 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-constexpr const char* kHead =
+constexpr const char* kHeader =
     "kind,begin_s,end_s,begin_ns,end_ns,scans,way_begin_m,way_m,way_of_drive_m,x,y,z,"
     "expected_error_m,lowest_probability,trusted";
 
@@ -27,8 +27,8 @@ std::vector<std::string> split(const std::string& line) {
   return cells;
 }
 
-/// A standard deviation; infinite where nobody knows.
-double error_in(const std::string& cell) {
+/// A standard deviation; infinite if unknown.
+double parse_error(const std::string& cell) {
   if (cell == "inf") return std::numeric_limits<double>::infinity();
   const double error = coordinate(cell);
   if (error < 0.0) throw InputError("an error is not negative");
@@ -36,39 +36,40 @@ double error_in(const std::string& cell) {
 }
 
 /// Throws InputError.
-DoubtfulStretch stretch_of(const std::vector<std::string>& cells) {
+DoubtfulSection section_of_cells(const std::vector<std::string>& cells) {
   if (cells.size() != kColumns) {
     throw InputError(std::to_string(cells.size()) + " cells instead of " +
                      std::to_string(kColumns));
   }
   const auto doubt = doubt_of_state(cells[0]);
   if (!doubt) throw InputError("there is no such kind of doubt");
-  constexpr std::int64_t kMostScans = 1'000'000'000;
-  DoubtfulStretch stretch;
-  stretch.doubt = *doubt;
-  stretch.begin = stamp_of_nanoseconds(cells[3]);
-  stretch.end = stamp_of_nanoseconds(cells[4]);
-  stretch.scans = static_cast<std::size_t>(whole_number(cells[5], 0, kMostScans));
-  stretch.way_begin = coordinate(cells[6]);
-  stretch.way = coordinate(cells[7]);
-  stretch.place = {coordinate(cells[9]), coordinate(cells[10]), coordinate(cells[11])};
-  stretch.expected_error = error_in(cells[12]);
-  stretch.lowest_probability = coordinate(cells[13]);
-  stretch.is_trusted = cells[14] == "yes";
-  return stretch;
+  constexpr std::int64_t kMaxScans = 1'000'000'000;
+  DoubtfulSection section;
+  section.doubt = *doubt;
+  section.begin = stamp_of_nanoseconds(cells[3]);
+  section.end = stamp_of_nanoseconds(cells[4]);
+  section.scans = static_cast<std::size_t>(whole_number(cells[5], 0, kMaxScans));
+  section.path_begin = coordinate(cells[6]);
+  section.path_length = coordinate(cells[7]);
+  section.position = {coordinate(cells[9]), coordinate(cells[10]), coordinate(cells[11])};
+  section.expected_error = parse_error(cells[12]);
+  section.lowest_probability = coordinate(cells[13]);
+  section.is_trusted = cells[14] == "yes";
+  return section;
 }
 
 }  // namespace
 
 void write_doubt(const DriveDoubt& doubt, const std::filesystem::path& path) {
   std::ostringstream text;
-  text << std::fixed << std::setprecision(3) << kHead << '\n';
-  for (const DoubtfulStretch& s : doubt.stretches) {
+  text << std::fixed << std::setprecision(3) << kHeader << '\n';
+  for (const DoubtfulSection& s : doubt.sections) {
     text << to_string(s.doubt) << ',' << to_seconds(s.begin - doubt.begin) << ','
          << to_seconds(s.end - doubt.begin) << ',' << s.begin << ',' << s.end << ',' << s.scans
-         << ',' << s.way_begin << ',' << s.way << ',' << doubt.way << ',' << s.place.x() << ','
-         << s.place.y() << ',' << s.place.z() << ',' << s.expected_error << ','
-         << s.lowest_probability << ',' << (s.is_trusted ? "yes" : "no") << '\n';
+         << ',' << s.path_begin << ',' << s.path_length << ',' << doubt.path_length << ','
+         << s.position.x() << ',' << s.position.y() << ',' << s.position.z() << ','
+         << s.expected_error << ',' << s.lowest_probability << ',' << (s.is_trusted ? "yes" : "no")
+         << '\n';
   }
   write_text_atomically(path, text.str());
 }
@@ -81,9 +82,9 @@ DriveDoubt read_doubt(const std::filesystem::path& path) {
   for (int number = 2; std::getline(file, line); ++number) {
     try {
       const std::vector<std::string> cells = split(line);
-      doubt.stretches.push_back(stretch_of(cells));
-      doubt.begin = doubt.stretches.back().begin - stamp_of_seconds(finite_number(cells[1]));
-      doubt.way = coordinate(cells[8]);
+      doubt.sections.push_back(section_of_cells(cells));
+      doubt.begin = doubt.sections.back().begin - stamp_of_seconds(finite_number(cells[1]));
+      doubt.path_length = coordinate(cells[8]);
     } catch (const InputError& error) {
       throw InputError(path.string() + ":" + std::to_string(number) + ": '" + line +
                        "' is no doubtful stretch (" + error.what() +

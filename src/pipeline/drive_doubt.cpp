@@ -16,28 +16,28 @@ namespace {
 
 using back_end::RelativeCovariance;
 
-/// Key frames within a stretch at which the error is looked at.
-constexpr std::size_t kLooks = 8;
+/// Number of key frames of a section at which the error is computed.
+constexpr std::size_t kCheckedKeyFrames = 8;
 
 TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,
                            const std::vector<std::pair<Stamp, Pose>>& odometry) {
-  std::map<Stamp, Eigen::Vector3d> places;
-  for (const auto& [stamp, T_odom_base] : odometry) places[stamp] = T_odom_base.translation;
+  std::map<Stamp, Eigen::Vector3d> positions;
+  for (const auto& [stamp, T_odom_base] : odometry) positions[stamp] = T_odom_base.translation;
   TrackingSummary summary;
   for (const session::ScanRecord& scan : scans) {
-    const auto place = places.find(scan.stamp);
-    if (place == places.end()) continue;
-    summary.add({scan.stamp, doubt_of_state(scan.state), place->second, scan.unobserved_stddev,
+    const auto position = positions.find(scan.stamp);
+    if (position == positions.end()) continue;
+    summary.add({scan.stamp, doubt_of_state(scan.state), position->second, scan.unobserved_stddev,
                  scan.probability});
   }
   return summary;
 }
 
-/// Judges stretches by the key frames and the graph.
-class Judge {
+/// Assesses sections with the key frames and the graph.
+class SectionAssessment {
  public:
-  Judge(const session::Session& session, const std::vector<session::ScanRecord>& scans,
-        const back_end::BackEnd& back_end, const KeyFramePoses& poses)
+  SectionAssessment(const session::Session& session, const std::vector<session::ScanRecord>& scans,
+                    const back_end::BackEnd& back_end, const KeyFramePoses& poses)
       : key_frames_(session.key_frames()), back_end_(back_end) {
     for (const session::ScanRecord& scan : scans) {
       variances_[scan.stamp] = scan.unobserved_stddev * scan.unobserved_stddev;
@@ -45,22 +45,22 @@ class Judge {
     for (const KeyFramePose& pose : poses.poses) T_map_base_[pose.index] = pose.T_map_base;
   }
 
-  void judge(std::vector<DoubtfulStretch>& stretches) {
-    for (DoubtfulStretch& stretch : stretches) {
-      if (stretch.doubt == Doubt::kDegenerate) {
-        weigh(stretch);
+  void assess(std::vector<DoubtfulSection>& sections) {
+    for (DoubtfulSection& section : sections) {
+      if (section.doubt == Doubt::kDegenerate) {
+        assess_unobserved(section);
       } else {
-        stretch.expected_error = claimed_error(stretch);
-        if (stretch.doubt != Doubt::kLost) weigh_claim(stretch);
+        section.expected_error = claimed_error(section);
+        if (section.doubt != Doubt::kLost) assess_claim(section);
       }
     }
-    find_gaps(stretches);
-    for (DoubtfulStretch& stretch : stretches) stretch.place = in_map(stretch);
+    mark_gaps(sections);
+    for (DoubtfulSection& section : sections) section.position = position_in_map(section);
   }
 
  private:
-  /// Position of the first key frame at or behind a stamp; the number of all if there is none.
-  std::size_t first_from(Stamp stamp) const {
+  /// Position in key_frames_ of the first key frame at or after a stamp; its size if there is none.
+  std::size_t first_key_frame_from(Stamp stamp) const {
     const auto found =
         std::lower_bound(key_frames_.begin(), key_frames_.end(), stamp,
                          [](const KeyFrame& k, Stamp value) { return k.stamp < value; });
@@ -72,12 +72,12 @@ class Judge {
     return found == variances_.end() ? 0.0 : found->second;
   }
 
-  /// What odometry says of its own error between the key frames around a stretch: a turn that is
-  /// wrong leads the farther astray the longer the way behind it. Over a break it says nothing.
-  double claimed_error(const DoubtfulStretch& stretch) const {
+  /// Error that the odometry claims between the key frames around a section. Errors of rotation
+  /// grow with the path length behind them. Between two segments the odometry claims nothing.
+  double claimed_error(const DoubtfulSection& section) const {
     Covariance6 covariance = Covariance6::Zero();
-    for (std::size_t i = std::max<std::size_t>(1, first_from(stretch.begin));
-         i < key_frames_.size() && key_frames_[i - 1].stamp <= stretch.end; ++i) {
+    for (std::size_t i = std::max<std::size_t>(1, first_key_frame_from(section.begin));
+         i < key_frames_.size() && key_frames_[i - 1].stamp <= section.end; ++i) {
       const KeyFrame& from = key_frames_[i - 1];
       const KeyFrame& to = key_frames_[i];
       if (from.segment != to.segment) continue;
@@ -87,52 +87,54 @@ class Judge {
     return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   }
 
-  /// Numbers of the last key frame before the stretch and of the first one after it.
-  std::pair<std::size_t, std::size_t> key_frames_around(const DoubtfulStretch& stretch) const {
-    const std::size_t behind = first_from(stretch.begin);
-    return {behind > 0 ? behind - 1 : 0, std::min(first_from(stretch.end), key_frames_.size() - 1)};
+  /// Positions of the last key frame before the section and of the first one after it.
+  std::pair<std::size_t, std::size_t> key_frames_around(const DoubtfulSection& section) const {
+    const std::size_t next = first_key_frame_from(section.begin);
+    return {next > 0 ? next - 1 : 0,
+            std::min(first_key_frame_from(section.end), key_frames_.size() - 1)};
   }
 
-  /// Where what odometry claims is too much, what all of the graph leaves of it counts.
-  void weigh_claim(DoubtfulStretch& stretch) const {
-    const double allowed = allowed_error(stretch.way);
-    if (stretch.expected_error <= allowed || key_frames_.empty()) return;
-    const auto [before, last] = key_frames_around(stretch);
+  /// If the error that the odometry claims is too large, the error that remains given the whole
+  /// graph decides.
+  void assess_claim(DoubtfulSection& section) const {
+    const double allowed = allowed_error(section.path_length);
+    if (section.expected_error <= allowed || key_frames_.empty()) return;
+    const auto [before, last] = key_frames_around(section);
     const auto problem = back_end_.problem(true);
     const RelativeCovariance all(*problem, key_frames_[before].index,
                                  RelativeCovariance::Given::kAll);
     const auto covariance = all.of(key_frames_[last].index);
     if (!covariance) return;
-    stretch.expected_error = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
-    stretch.is_trusted = stretch.expected_error <= allowed;
+    section.expected_error = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
+    section.is_trusted = section.expected_error <= allowed;
   }
 
-  /// The error of a way that was not observed, at its key frames: by the speed that was believed,
-  /// and less where the graph holds them from both sides.
-  void weigh(DoubtfulStretch& stretch) const {
-    const double allowed = allowed_error(stretch.way);
-    if (stretch.expected_error <= allowed || key_frames_.empty()) return;
-    const auto [before, last] = key_frames_around(stretch);
+  /// Error of unobserved travel at the key frames of a section. It follows from the predicted
+  /// speed, and is smaller if the graph constrains the key frames from both sides.
+  void assess_unobserved(DoubtfulSection& section) const {
+    const double allowed = allowed_error(section.path_length);
+    if (section.expected_error <= allowed || key_frames_.empty()) return;
+    const auto [before, last] = key_frames_around(section);
     const auto problem = back_end_.problem(true);
     const KeyFrameIndex from = key_frames_[before].index;
     const RelativeCovariance odometry(*problem, from, RelativeCovariance::Given::kOdometry);
     const RelativeCovariance all(*problem, from, RelativeCovariance::Given::kAll);
-    const std::size_t step = (last - before) / kLooks + 1;
+    const std::size_t step = (last - before) / kCheckedKeyFrames + 1;
     double worst = 0.0;
     for (std::size_t i = last; i > before; i -= std::min(step, i - before)) {
       const KeyFrame& key_frame = key_frames_[i];
       const double variance = variance_at(key_frame.stamp) - variance_at(key_frames_[before].stamp);
-      worst = std::max(worst,
-                       remaining(variance, odometry.of(key_frame.index), all.of(key_frame.index)));
+      worst = std::max(worst, remaining_variance(variance, odometry.of(key_frame.index),
+                                                 all.of(key_frame.index)));
     }
-    stretch.expected_error = std::sqrt(worst);
-    stretch.is_trusted = stretch.expected_error <= allowed;
+    section.expected_error = std::sqrt(worst);
+    section.is_trusted = section.expected_error <= allowed;
   }
 
-  /// The graph's constraints say as much more than its odometry as its covariance is smaller; the
-  /// same information is added to what is really known of the way.
-  static double remaining(double variance, const std::optional<Covariance6>& of_odometry,
-                          const std::optional<Covariance6>& of_all) {
+  /// Variance that remains. The information that the whole graph has in addition to its odometry
+  /// follows from the two covariances, and is added to the information about the unobserved travel.
+  static double remaining_variance(double variance, const std::optional<Covariance6>& of_odometry,
+                                   const std::optional<Covariance6>& of_all) {
     if (variance <= 0.0) return 0.0;
     if (!of_odometry || !of_all) return variance;
     const auto size = [](const Covariance6& c) { return c.topLeftCorner<3, 3>().trace(); };
@@ -140,43 +142,43 @@ class Judge {
     return 1.0 / (1.0 / variance + information);
   }
 
-  /// Between key frames that nothing ties together there is a lost stretch, or the drive was broken
-  /// off there.
-  void find_gaps(std::vector<DoubtfulStretch>& stretches) const {
+  /// Between key frames of unconnected parts of the graph the odometry was lost, or the drive was
+  /// interrupted.
+  void mark_gaps(std::vector<DoubtfulSection>& sections) const {
     const std::vector<int> parts = back_end_.parts();
     for (std::size_t i = 1; i < std::min(parts.size(), key_frames_.size()); ++i) {
       if (parts[i] == parts[i - 1]) continue;
-      DoubtfulStretch& gap = gap_between(key_frames_[i - 1].stamp, key_frames_[i].stamp, stretches);
+      DoubtfulSection& gap = gap_section(key_frames_[i - 1].stamp, key_frames_[i].stamp, sections);
       gap.is_trusted = false;
       gap.expected_error = std::numeric_limits<double>::infinity();
     }
   }
 
-  static DoubtfulStretch& gap_between(Stamp begin, Stamp end,
-                                      std::vector<DoubtfulStretch>& stretches) {
-    for (DoubtfulStretch& stretch : stretches) {
-      if (stretch.doubt == Doubt::kLost && stretch.begin <= end && stretch.end >= begin) {
-        return stretch;
+  static DoubtfulSection& gap_section(Stamp begin, Stamp end,
+                                      std::vector<DoubtfulSection>& sections) {
+    for (DoubtfulSection& section : sections) {
+      if (section.doubt == Doubt::kLost && section.begin <= end && section.end >= begin) {
+        return section;
       }
     }
-    DoubtfulStretch gap;
+    DoubtfulSection gap;
     gap.begin = begin;
     gap.end = end;
-    const auto place =
-        std::find_if(stretches.begin(), stretches.end(),
-                     [&](const DoubtfulStretch& stretch) { return stretch.begin > begin; });
-    return *stretches.insert(place, gap);
+    const auto position =
+        std::find_if(sections.begin(), sections.end(),
+                     [&](const DoubtfulSection& section) { return section.begin > begin; });
+    return *sections.insert(position, gap);
   }
 
-  /// Where a stretch begins, moved as the key frame before it was.
-  Eigen::Vector3d in_map(const DoubtfulStretch& stretch) const {
-    const std::size_t behind = first_from(stretch.begin);
-    if (key_frames_.empty()) return stretch.place;
-    const KeyFrame& key_frame = key_frames_[behind > 0 ? behind - 1 : 0];
+  /// Begin of a section in the map: moved as the key frame before it.
+  Eigen::Vector3d position_in_map(const DoubtfulSection& section) const {
+    const std::size_t next = first_key_frame_from(section.begin);
+    if (key_frames_.empty()) return section.position;
+    const KeyFrame& key_frame = key_frames_[next > 0 ? next - 1 : 0];
     const auto pose = T_map_base_.find(key_frame.index);
-    if (pose == T_map_base_.end()) return stretch.place;
-    if (stretch.scans == 0) return pose->second.translation;
-    return pose->second * (key_frame.T_odom_base.inverse() * stretch.place);
+    if (pose == T_map_base_.end()) return section.position;
+    if (section.scans == 0) return pose->second.translation;
+    return pose->second * (key_frame.T_odom_base.inverse() * section.position);
   }
 
   std::vector<KeyFrame> key_frames_;
@@ -188,8 +190,8 @@ class Judge {
 }  // namespace
 
 bool DriveDoubt::is_trusted() const {
-  return std::all_of(stretches.begin(), stretches.end(),
-                     [](const DoubtfulStretch& stretch) { return stretch.is_trusted; });
+  return std::all_of(sections.begin(), sections.end(),
+                     [](const DoubtfulSection& section) { return section.is_trusted; });
 }
 
 DriveDoubt drive_doubt(const session::Session& session, const back_end::BackEnd& back_end,
@@ -198,9 +200,9 @@ DriveDoubt drive_doubt(const session::Session& session, const back_end::BackEnd&
   const TrackingSummary summary = summary_of(scans, session.odometry());
   DriveDoubt doubt;
   if (!scans.empty()) doubt.begin = scans.front().stamp;
-  doubt.way = summary.way();
-  doubt.stretches = summary.stretches();
-  Judge(session, scans, back_end, poses).judge(doubt.stretches);
+  doubt.path_length = summary.path_length();
+  doubt.sections = summary.sections();
+  SectionAssessment(session, scans, back_end, poses).assess(doubt.sections);
   return doubt;
 }
 

@@ -19,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kImuFrame[] = "imu_link";
-constexpr double kUsualPeriod = 0.1;              // s, where nothing says otherwise
-constexpr Stamp kHalfTurn = from_seconds(0.05);   // from a scan's stamp to its last point
-constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s; a smaller number in a name counts scans
+constexpr double kDefaultPeriod = 0.1;            // s, if the folder has no times
+constexpr Stamp kHalfTurn = from_seconds(0.05);   // from the stamp of a scan to its last point
+constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s, a smaller number in a name is a counter
 constexpr Stamp kLastPlausibleTime = 9'000'000'000;
 
 std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& endings) {
@@ -48,7 +48,7 @@ void check_count(const fs::path& file, std::size_t times, std::size_t scans) {
                   std::to_string(scans) + " scans; copy it again");
 }
 
-/// The time that a name like 1317617735.250 holds, to the nanosecond; 0 if it is none.
+/// Time in a name like 1317617735.250, to the nanosecond; 0 if the name is not a time.
 Stamp stamp_in(const std::string& name) {
   const std::size_t point = std::min(name.find('.'), name.size());
   const Stamp seconds = std::strtoll(name.substr(0, point).c_str(), nullptr, 10);
@@ -59,7 +59,7 @@ Stamp stamp_in(const std::string& name) {
   return seconds * 1'000'000'000 + std::strtoll(fraction.c_str(), nullptr, 10);
 }
 
-/// From times.txt, from the names, or at the usual rate.
+/// Stamps from times.txt, from the names, or at the default rate.
 std::vector<Stamp> stamps_of(const std::vector<fs::path>& scans, const FolderOptions& options) {
   const fs::path file = scans.front().parent_path() / "times.txt";
   std::vector<Stamp> stamps;
@@ -70,18 +70,19 @@ std::vector<Stamp> stamps_of(const std::vector<fs::path>& scans, const FolderOpt
     return stamps;
   }
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    const Stamp named = stamp_in(scans[i].stem());
-    stamps.push_back(named > 0 ? named
-                               : start + from_seconds(kUsualPeriod * static_cast<double>(i)));
+    const Stamp stamp_of_name = stamp_in(scans[i].stem());
+    stamps.push_back(stamp_of_name > 0
+                         ? stamp_of_name
+                         : start + from_seconds(kDefaultPeriod * static_cast<double>(i)));
   }
   return stamps;
 }
 
-/// In the folder itself or in the one of the day above it.
+/// Looks in the folder itself and in that of the day above it.
 std::optional<Pose> find_imu_to_velo(const fs::path& folder) {
   const fs::path whole = fs::canonical(folder);
-  for (const fs::path& place : {whole, whole.parent_path()}) {
-    if (const auto found = read_imu_to_velo(place / "calib_imu_to_velo.txt")) return found;
+  for (const fs::path& directory : {whole, whole.parent_path()}) {
+    if (const auto found = read_imu_to_velo(directory / "calib_imu_to_velo.txt")) return found;
   }
   return std::nullopt;
 }
@@ -123,7 +124,7 @@ void FolderInput::read_raw(const std::string& path, const FolderOptions&) {
   const std::vector<fs::path> scans = files_in(velodyne / "data", {".bin", ".txt"});
   if (scans.empty()) throw FileError("no *.bin or *.txt in " + (velodyne / "data").string());
   const std::vector<Stamp> stamps = read_kitti_dates(velodyne / "timestamps.txt");
-  // Some recordings lack scans in the middle: their names tell which dates are theirs.
+  // In some recordings scans are missing; the names of the files are the indices of their dates.
   for (const fs::path& scan : scans) {
     const auto number = static_cast<std::size_t>(std::strtoull(scan.stem().c_str(), nullptr, 10));
     check_count(velodyne / "timestamps.txt", stamps.size(), std::max(number, number + 1));

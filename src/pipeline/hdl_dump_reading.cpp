@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using pose_graph::PoseEdge;
 
-constexpr double kGnssStddev_m = 1.0;  // the dump does not say how good positions are
+constexpr double kGnssStddev_m = 1.0;  // the dump does not contain the accuracy of positions
 
-/// What stands in NNNNNN/data.
+/// Contents of NNNNNN/data.
 struct DumpedFrame {
   std::int64_t id = -1;
   Stamp stamp = 0;
@@ -35,12 +35,12 @@ struct DumpedFrame {
   std::optional<Eigen::Quaterniond> orientation;
 };
 
-/// The words of a file, which knows where it is in it.
-class FrameWords {
+/// Reads a file word by word and knows the line for error messages.
+class WordReader {
  public:
-  explicit FrameWords(const fs::path& path) : path_(path), file_(open_for_reading(path)) {}
+  explicit WordReader(const fs::path& path) : path_(path), file_(open_for_reading(path)) {}
 
-  /// Empty at the end.
+  /// The next word; empty at the end.
   std::string next() {
     std::string word;
     while (!(line_ >> word)) {
@@ -71,9 +71,9 @@ class FrameWords {
     return checked([&] { return rigid_pose(matrix); });
   }
 
-  std::int64_t whole_number(double most) {
+  std::int64_t whole_number(double max) {
     const double value = checked([this] { return finite_number(next()); });
-    if (value < 0.0 || value > most || value != std::floor(value)) fail("it is no whole number");
+    if (value < 0.0 || value > max || value != std::floor(value)) fail("it is no whole number");
     return static_cast<std::int64_t>(value);
   }
 
@@ -98,7 +98,7 @@ class FrameWords {
   int number_ = 0;
 };
 
-Floor take_floor(FrameWords& words) {
+Floor read_floor(WordReader& words) {
   const Eigen::Vector4d plane = words.vector<4>();
   Floor floor;
   floor.found = true;
@@ -109,35 +109,35 @@ Floor take_floor(FrameWords& words) {
   return floor;
 }
 
-Eigen::Quaterniond take_orientation(FrameWords& words) {
+Eigen::Quaterniond read_orientation(WordReader& words) {
   const Eigen::Vector4d q = words.vector<4>();
   if (std::abs(q.norm() - 1.0) > 0.5) words.fail("the quaternion is not of unit length");
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
 }
 
-Stamp take_stamp(FrameWords& words) {
+Stamp read_stamp(WordReader& words) {
   constexpr double kLatest = 4.5e9, kNanoseconds = 999'999'999;
   const std::int64_t seconds = words.whole_number(kLatest);
   return seconds * 1'000'000'000 + words.whole_number(kNanoseconds);
 }
 
-void take_field(const std::string& name, FrameWords& words, DumpedFrame& frame) {
+void read_field(const std::string& name, WordReader& words, DumpedFrame& frame) {
   if (name == "stamp") {
-    frame.stamp = take_stamp(words);
+    frame.stamp = read_stamp(words);
   } else if (name == "estimate") {
     frame.T_map_base = words.pose();
   } else if (name == "odom") {
     frame.T_odom_base = words.pose();
   } else if (name == "floor_coeffs") {
-    frame.floor = take_floor(words);
+    frame.floor = read_floor(words);
   } else if (name == "utm_coord") {
     frame.p_utm = words.vector<3>();
   } else if (name == "acceleration") {
     frame.acceleration = words.vector<3>();
   } else if (name == "orientation") {
-    frame.orientation = take_orientation(words);
+    frame.orientation = read_orientation(words);
   } else if (name == "id") {
-    constexpr double kLargest = 9e15;  // of whole numbers that a double holds
+    constexpr double kLargest = 9e15;  // of the whole numbers that a double holds exactly
     frame.id = words.whole_number(kLargest);
   } else if (name == "accum_distance") {
     words.number();
@@ -147,15 +147,15 @@ void take_field(const std::string& name, FrameWords& words, DumpedFrame& frame) 
 }
 
 DumpedFrame read_frame(const fs::path& path) {
-  FrameWords words(path);
+  WordReader words(path);
   DumpedFrame frame;
-  std::set<std::string> there;
+  std::set<std::string> found;
   for (std::string name = words.next(); !name.empty(); name = words.next()) {
-    take_field(name, words, frame);
-    there.insert(name);
+    read_field(name, words, frame);
+    found.insert(name);
   }
   for (const char* name : {"stamp", "estimate", "odom", "id"}) {
-    if (there.count(name) == 0) words.fail(std::string("the field '") + name + "' is missing");
+    if (found.count(name) == 0) words.fail(std::string("the field '") + name + "' is missing");
   }
   return frame;
 }
@@ -177,40 +177,41 @@ std::vector<DumpedFrame> read_frames(const fs::path& directory) {
   return frames;
 }
 
-/// Of a dump of this package; hdl_graph_slam keeps no zone, so that its positions stay as they are.
+/// Reads the datum from a dump of this package. hdl_graph_slam does not store the UTM zone, so the
+/// positions of its own dumps stay as they are.
 std::optional<GeodeticDatum> read_datum(const fs::path& path) {
   if (!fs::exists(path)) return std::nullopt;
-  FrameWords words(path);
+  WordReader words(path);
   GeodeticDatum datum;
   for (double* value : {&datum.latitude_deg, &datum.longitude_deg, &datum.altitude_m}) {
     *value = words.number();
   }
-  const bool is_place = std::abs(datum.latitude_deg) <= 90.0 &&
+  const bool is_valid = std::abs(datum.latitude_deg) <= 90.0 &&
                         std::abs(datum.longitude_deg) <= 360.0 && std::abs(datum.altitude_m) < 1e5;
-  if (!is_place) words.fail("latitude and longitude (degrees) and altitude (m) are no place");
+  if (!is_valid) words.fail("latitude and longitude (degrees) and altitude (m) are no place");
   return datum;
 }
 
-/// Poses and the edges between them; planes, priors and fixed vertices are another matter.
+/// Reads poses and the edges between them; planes, priors and fixed vertices are skipped.
 pose_graph::PoseGraph read_poses_and_edges(const fs::path& path) {
   std::ifstream file = open_for_reading(path);
-  std::stringstream wanted;
+  std::stringstream selected;
   for (std::string line; std::getline(file, line);) {
     const std::string tag = line.substr(0, line.find(' '));
-    if (tag == "VERTEX_SE3:QUAT" || tag == "EDGE_SE3:QUAT") wanted << line << '\n';
+    if (tag == "VERTEX_SE3:QUAT" || tag == "EDGE_SE3:QUAT") selected << line << '\n';
   }
-  return pose_graph::read_g2o(wanted, path.string()).graph;
+  return pose_graph::read_g2o(selected, path.string()).graph;
 }
 
-/// An edge by the positions of its key frames, the older one first.
-struct Link {
+/// An edge between key frames, given by their positions in the dump, the older one first.
+struct KeyFrameEdge {
   std::size_t from = 0;
   std::size_t to = 0;
   Pose T_from_to;
   Covariance6 covariance;
 };
 
-/// g2o's information is that of translation and half the rotation.
+/// Covariance of an edge. g2o's information is that of translation and half the rotation.
 Covariance6 covariance_of(const Matrix6d& information) {
   Vector6d scale;
   scale << 1.0, 1.0, 1.0, 2.0, 2.0, 2.0;
@@ -218,24 +219,27 @@ Covariance6 covariance_of(const Matrix6d& information) {
   return 0.5 * (covariance + covariance.transpose());
 }
 
-Link turned_round(const Link& link) {
-  const Matrix6d A = adjoint(link.T_from_to);
-  return {link.to, link.from, link.T_from_to.inverse(), A * link.covariance * A.transpose()};
+KeyFrameEdge inverted(const KeyFrameEdge& edge_between) {
+  const Matrix6d A = adjoint(edge_between.T_from_to);
+  return {edge_between.to, edge_between.from, edge_between.T_from_to.inverse(),
+          A * edge_between.covariance * A.transpose()};
 }
 
-std::vector<Link> links_of(const pose_graph::PoseGraph& graph,
-                           const std::vector<DumpedFrame>& frames) {
+std::vector<KeyFrameEdge> edges_of(const pose_graph::PoseGraph& graph,
+                                   const std::vector<DumpedFrame>& frames) {
   std::map<std::int64_t, std::size_t> position;
   for (std::size_t i = 0; i < frames.size(); ++i) position[frames[i].id] = i;
-  std::vector<Link> links;
+  std::vector<KeyFrameEdge> key_frame_edges;
   for (const PoseEdge& edge : graph.edges) {
     const auto from = position.find(edge.from);
     const auto to = position.find(edge.to);
     if (from == position.end() || to == position.end() || from == to) continue;
-    const Link link{from->second, to->second, edge.T_from_to, covariance_of(edge.information)};
-    links.push_back(link.from < link.to ? link : turned_round(link));
+    const KeyFrameEdge edge_between{from->second, to->second, edge.T_from_to,
+                                    covariance_of(edge.information)};
+    key_frame_edges.push_back(edge_between.from < edge_between.to ? edge_between
+                                                                  : inverted(edge_between));
   }
-  return links;
+  return key_frame_edges;
 }
 
 class DumpReader {
@@ -246,12 +250,14 @@ class DumpReader {
         frames_(read_frames(directory)),
         datum_(read_datum(directory / "datum")) {
     if (datum_) utm_.emplace(*datum_);
-    for (const Link& link : links_of(read_poses_and_edges(directory / "graph.g2o"), frames_)) {
-      const bool is_odometry = link.to == link.from + 1 && motions_.count(link.to) == 0;
+    for (const KeyFrameEdge& edge_between :
+         edges_of(read_poses_and_edges(directory / "graph.g2o"), frames_)) {
+      const bool is_odometry =
+          edge_between.to == edge_between.from + 1 && motions_.count(edge_between.to) == 0;
       if (is_odometry) {
-        motions_.emplace(link.to, link);
+        motions_.emplace(edge_between.to, edge_between);
       } else {
-        loops_.push_back(link);
+        loops_.push_back(edge_between);
       }
     }
   }
@@ -259,16 +265,17 @@ class DumpReader {
   HdlImport read() {
     if (datum_) session_.set_datum(*datum_);
     if (fs::exists(directory_ / "sensor_origin")) {
-      session_.set_sensor_origin(FrameWords(directory_ / "sensor_origin").vector<3>());
+      session_.set_sensor_origin(WordReader(directory_ / "sensor_origin").vector<3>());
     }
     for (std::size_t i = 0; i < frames_.size(); ++i) add_key_frame(i);
-    for (const Link& link : loops_) add_loop(link);
+    for (const KeyFrameEdge& edge_between : loops_) add_loop(edge_between);
     add_poses();
     return {frames_.size(), loops_.size(), segments_};
   }
 
  private:
-  /// Odometry follows the edges, which people correct and which have more digits than the poses.
+  /// Adds a key frame. Its odometry follows from the edges, which people may have corrected and
+  /// which have more digits than the poses.
   void add_key_frame(std::size_t i) {
     const DumpedFrame& frame = frames_[i];
     KeyFrame key_frame;
@@ -320,13 +327,13 @@ class DumpReader {
     }
   }
 
-  void add_loop(const Link& link) {
+  void add_loop(const KeyFrameEdge& edge_between) {
     Loop loop;
-    loop.from = static_cast<KeyFrameIndex>(link.from);
-    loop.to = static_cast<KeyFrameIndex>(link.to);
-    loop.stamp = frames_[link.to].stamp;
-    loop.T_from_to = link.T_from_to;
-    loop.covariance = link.covariance;
+    loop.from = static_cast<KeyFrameIndex>(edge_between.from);
+    loop.to = static_cast<KeyFrameIndex>(edge_between.to);
+    loop.stamp = frames_[edge_between.to].stamp;
+    loop.T_from_to = edge_between.T_from_to;
+    loop.covariance = edge_between.covariance;
     loop.source = LoopSource::kManual;
     session_.add_loop(loop);
   }
@@ -349,9 +356,10 @@ class DumpReader {
   session::Session& session_;
   const std::vector<DumpedFrame> frames_;
   const std::optional<GeodeticDatum> datum_;
-  std::optional<UtmFrame> utm_;          ///< of the datum
-  std::map<std::size_t, Link> motions_;  ///< by the newer end
-  std::vector<Link> loops_;
+  std::optional<UtmFrame> utm_;  ///< UTM zone of the datum.
+  std::map<std::size_t, KeyFrameEdge>
+      motions_;  ///< Motions by the position of the newer key frame.
+  std::vector<KeyFrameEdge> loops_;
   Pose T_odom_base_;
   std::size_t segments_ = 0;
 };

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr double kAnchorStddev_m = 0.1;
 constexpr double kAnchorStddev_rad = 0.05;
 
-/// A file whose failure is said by its name.
+/// An output file; the exception of a failure contains its name.
 class File {
  public:
   explicit File(const fs::path& path) : path_(path), stream_(path) {
@@ -84,7 +84,7 @@ class DumpWriter {
   }
 
  private:
-  /// A fixed vertex where the first key frame lies holds the graph.
+  /// Writes the graph with a fixed vertex at the first key frame, which anchors it.
   void write_graph() const {
     pose_graph::PoseGraph anchored = graph_;
     const std::int64_t anchor = graph_.nodes.back().id + 1;
@@ -138,12 +138,13 @@ class DumpWriter {
     data << "orientation " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << "\n";
   }
 
-  /// Relative to the datum, as hdl_graph_slam has it; as it is where there is none.
+  /// Position in UTM relative to the datum, as hdl_graph_slam stores it; unchanged without a datum.
   Eigen::Vector3d in_utm(const Eigen::Vector3d& p_enu) const {
     return utm_ ? utm_->from_enu(p_enu) - utm_->origin() : p_enu;
   }
 
-  /// zero_utm does not say its zone: the datum stands in a file of its own.
+  /// Writes zero_utm, and the datum in a file of its own, because zero_utm does not contain the UTM
+  /// zone.
   void write_datum() const {
     File zero(directory_ / "zero_utm");
     zero.stream() << std::fixed << std::setprecision(6) << utm_->origin().x() << " "
@@ -159,7 +160,7 @@ class DumpWriter {
   const pose_graph::PoseGraph& graph_;
   const fs::path directory_;
   const std::optional<GeodeticDatum> datum_;
-  std::optional<UtmFrame> utm_;  ///< of the datum
+  std::optional<UtmFrame> utm_;  ///< UTM zone of the datum.
   const std::map<Stamp, GnssPosition> gnss_;
   const std::map<Stamp, ImuSample> imu_;
   const std::map<Stamp, Floor> floors_;

@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUsualPeriod = 0.1;  // s, where there is no times.txt
+constexpr double kDefaultPeriod = 0.1;  // s, if there is no times.txt
 
-/// All elements of a file of plain little-endian values.
+/// Reads all elements of a file of plain little-endian values.
 template <typename T>
 std::vector<T> read_array(const fs::path& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -53,7 +53,7 @@ std::vector<Stamp> read_stamps(const fs::path& path, std::size_t count) {
   std::vector<Stamp> stamps;
   if (!fs::exists(path)) {
     for (std::size_t i = 0; i < count; ++i) {
-      stamps.push_back(from_seconds(kUsualPeriod * static_cast<double>(i)));
+      stamps.push_back(from_seconds(kDefaultPeriod * static_cast<double>(i)));
     }
     return stamps;
   }
@@ -87,15 +87,15 @@ std::vector<Stamp> read_times(const fs::path& path) {
 
 std::vector<Point> read_points(const std::string& path) { return read_array<Point>(path); }
 
-Point raised(const Point& point, double angle) {
+Point rotated_upwards(const Point& point, double angle) {
   Point result = point;
   ElevationShift{angle}(result.x, result.y, result.z);
   return result;
 }
 
-KittiFolder::KittiFolder(const std::string& path, const KittiReading& reading)
+KittiFolder::KittiFolder(const std::string& path, const KittiReadOptions& options)
     : path_(path),
-      reading_(reading),
+      options_(options),
       scans_(scan_names(fs::path(path) / "velodyne")),
       stamps_(read_stamps(fs::path(path) / "times.txt", scans_.size())) {}
 
@@ -106,7 +106,7 @@ Scan KittiFolder::scan(std::size_t index) const {
   PointCloud& cloud = scan.cloud;
   cloud.points = read_points(fs::path(path_) / "velodyne" / (name + ".bin"));
   const fs::path times = fs::path(path_) / "point_times" / (name + ".f32");
-  if (reading_.time_from_azimuth) {
+  if (options_.time_from_azimuth) {
     for (const Point& point : cloud.points) cloud.times.push_back(time_from_azimuth(point));
   } else if (fs::exists(times)) {
     cloud.times = read_array<float>(times);
@@ -115,8 +115,8 @@ Scan KittiFolder::scan(std::size_t index) const {
                       " times for " + std::to_string(cloud.size()) + " points");
     }
   }
-  if (reading_.elevation_correction != 0.0) {
-    for (Point& point : cloud.points) point = raised(point, reading_.elevation_correction);
+  if (options_.elevation_correction != 0.0) {
+    for (Point& point : cloud.points) point = rotated_upwards(point, options_.elevation_correction);
   }
   return scan;
 }

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Columns of a line of oxts/data, as its dataformat.txt names them.
+/// Columns of a file of oxts/data, as its dataformat.txt names them.
 enum Column {
   kLat = 0,
   kLon = 1,
@@ -35,11 +35,9 @@ enum Column {
 
 constexpr int kMinSatellites = 4;
 
-/// Whether the numbers are those of a day and time between 1970 and 2200.
+/// Whether the numbers are a date and time between 1970 and 2200.
 bool is_plausible(const std::tm& date) {
-  const auto within = [](int value, int least, int most) {
-    return value >= least && value <= most;
-  };
+  const auto within = [](int value, int min, int max) { return value >= min && value <= max; };
   return within(date.tm_year, 1970, 2200) && within(date.tm_mon, 1, 12) &&
          within(date.tm_mday, 1, 31) && within(date.tm_hour, 0, 23) && within(date.tm_min, 0, 59) &&
          within(date.tm_sec, 0, 60);

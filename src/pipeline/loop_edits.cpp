@@ -28,16 +28,16 @@ Loop known_loop(const std::vector<Loop>& loops, const session::LoopEdit& edit) {
                    "; loops.txt of the session lists them, and 'add' makes a new one");
 }
 
-class Matcher {
+class PairMatcher {
  public:
-  Matcher(const session::Session& session, const loop_closing::LoopClosingConfig& config)
+  PairMatcher(const session::Session& session, const loop_closing::LoopClosingConfig& config)
       : config_(config),
         clouds_(session.clouds()),
         p_base_lidar_(session.sensor_origin().value_or(Eigen::Vector3d::Zero())),
         key_frames_(session.key_frames()) {}
 
   Loop match(const session::LoopEdit& edit) const {
-    const loop_closing::PairMatch match = tried(edit);
+    const loop_closing::PairMatch match = match_or_throw(edit);
     if (match.loop) return *match.loop;
     throw InputError(edit.where + ": key frames " + pair_text(edit) +
                      " do not match: " + match.verdict.reason +
@@ -46,7 +46,7 @@ class Matcher {
   }
 
  private:
-  loop_closing::PairMatch tried(const session::LoopEdit& edit) const {
+  loop_closing::PairMatch match_or_throw(const session::LoopEdit& edit) const {
     try {
       return loop_closing::match_pair(config_, clouds_, p_base_lidar_, key_frames_, edit.from,
                                       edit.to, edit.guess);
@@ -63,26 +63,26 @@ class Matcher {
 
 }  // namespace
 
-std::vector<Loop> decided_loops(const session::Session& session,
-                                const std::vector<session::LoopEdit>& edits,
-                                const loop_closing::LoopClosingConfig& config) {
+std::vector<Loop> edited_loops(const session::Session& session,
+                               const std::vector<session::LoopEdit>& edits,
+                               const loop_closing::LoopClosingConfig& config) {
   const std::vector<Loop> known = session.loops();
-  const Matcher matcher(session, config);
-  std::vector<Loop> decided;
+  const PairMatcher matcher(session, config);
+  std::vector<Loop> edited;
   for (const session::LoopEdit& edit : edits) {
     Loop loop = edit.add ? matcher.match(edit) : known_loop(known, edit);
     if (!edit.add && loop.decision == edit.decision) continue;
     loop.decision = edit.decision;
-    decided = replaced(std::move(decided), {loop});
+    edited = replace_loops(std::move(edited), {loop});
   }
-  return decided;
+  return edited;
 }
 
-std::vector<Loop> replaced(std::vector<Loop> loops, const std::vector<Loop>& decided) {
-  for (const Loop& loop : decided) {
-    const auto old = find_loop(loops, std::min(loop.from, loop.to), std::max(loop.from, loop.to));
-    if (old != loops.end()) {
-      *old = loop;
+std::vector<Loop> replace_loops(std::vector<Loop> loops, const std::vector<Loop>& edited) {
+  for (const Loop& loop : edited) {
+    const auto found = find_loop(loops, std::min(loop.from, loop.to), std::max(loop.from, loop.to));
+    if (found != loops.end()) {
+      *found = loop;
     } else {
       loops.push_back(loop);
     }
@@ -90,8 +90,8 @@ std::vector<Loop> replaced(std::vector<Loop> loops, const std::vector<Loop>& dec
   return loops;
 }
 
-void keep_decisions(session::Session& session, const std::vector<Loop>& decided) {
-  for (const Loop& loop : decided) {
+void store_decisions(session::Session& session, const std::vector<Loop>& edited) {
+  for (const Loop& loop : edited) {
     session.add_loop(loop);
     session.set_loop_decision(loop.from, loop.to, loop.decision);
   }

@@ -4,21 +4,21 @@
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
-#include "drive_piece.hpp"
+#include "drive_chunk.hpp"
 #include "pose_feedback.hpp"
 
 namespace lidar_mapping::pipeline {
 
-/// Adds to a piece of the drive the loops that its key frame closes. One thread calls it.
+/// Adds to a chunk of the drive the loops that its key frame closes. One thread calls it.
 class LoopSearch {
  public:
   LoopSearch(const loop_closing::LoopClosingConfig& config, session::Session& session,
              PoseFeedback& feedback)
       : closer_(config, session.clouds(), session.directory()), feedback_(feedback) {}
 
-  void process(DrivePiece& piece);
-  /// The drive so far, which is resumed.
-  void restore(const RecordedBackEnd& run);
+  void process(DriveChunk& chunk);
+  /// Restores the state of the search from the session of a drive that is resumed.
+  void restore(const RecordedBackEnd& back_end);
 
  private:
   loop_closing::LoopCloser closer_;

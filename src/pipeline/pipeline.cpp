@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-#include "graph_keeper.hpp"
+#include "graph_updater.hpp"
 #include "loop_search.hpp"
 #include "scan_odometry.hpp"
 #include "scan_preparation.hpp"
@@ -15,17 +15,17 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-// Length of the queues. Scans are large, and a few of them are enough to even out the stages.
+// Lengths of the queues. Scans are large, and a few of them are enough to balance the stages.
 constexpr std::size_t kInputs = 64;
 constexpr std::size_t kScans = 4;
-constexpr std::size_t kPieces = 8;
+constexpr std::size_t kChunks = 8;
 
-/// What a front end has to see again to know its surroundings as before, m.
-constexpr double kStretch = 300.0;
-/// What preprocessing has to see before that.
-constexpr Stamp kLeadIn = from_seconds(20.0);
+/// Path length that the front end repeats to rebuild its local map, m.
+constexpr double kReplayLength = 300.0;
+/// Time that preprocessing needs before that.
+constexpr Stamp kLeadTime = from_seconds(20.0);
 
-/// The local frame of a session stays the same when it is gone on with.
+/// Keeps the local frame of a session that is resumed.
 preprocessing::PreprocessingConfig with_datum(preprocessing::PreprocessingConfig config,
                                               const session::Session& session) {
   const std::optional<GeodeticDatum> datum = session.datum();
@@ -35,7 +35,7 @@ preprocessing::PreprocessingConfig with_datum(preprocessing::PreprocessingConfig
   return config;
 }
 
-/// Beside the front end the other stages need threads, so it gets half of them.
+/// The front end gets half of the threads, because the other stages need some, too.
 front_end::FrontEndConfig with_threads(front_end::FrontEndConfig config, int threads) {
   config.threads = std::max(1, threads / 2);
   return config;
@@ -48,28 +48,30 @@ class Pipeline::Impl {
   Impl(const PipelineConfig& config, session::Session session,
        preprocessing::ExtrinsicLookup T_base)
       : threaded_(config.threads != 1),
-        keeper_(std::move(session), config.back_end, threaded_, feedback_),
+        graph_updater_(std::move(session), config.back_end, threaded_, feedback_),
         loop_preparation_(config.loop_closing),
-        search_(config.loop_closing, keeper_.run().session(), feedback_),
-        resume_point_(resume_point_of(keeper_.run().session(), kStretch, config.replay_whole)),
+        search_(config.loop_closing, graph_updater_.back_end().session(), feedback_),
+        resume_point_(resume_point_of(graph_updater_.back_end().session(), kReplayLength,
+                                      config.replay_whole)),
         odometry_(
             with_threads(config.front_end, config.threads), config.floor_detection,
-            [this](DrivePiece&& piece) { writing_.push(std::move(piece)); },
-            [this](const std::string& notice) { say(notice); }),
+            [this](DriveChunk&& chunk) { writing_.push(std::move(chunk)); },
+            [this](const std::string& message) { report_message(message); }),
         preparation_(
-            with_datum(config.preprocessing, keeper_.run().session()), std::move(T_base), spare_,
+            with_datum(config.preprocessing, graph_updater_.back_end().session()),
+            std::move(T_base), pool_,
             [this](PreparedScan&& scan) { matching_.push(std::move(scan)); },
-            [this](const std::string& notice) { say(notice); }) {
+            [this](const std::string& message) { report_message(message); }) {
     if (!resume_point_) return;
-    key_frames_ = keeper_.run().session().key_frame_count();
-    loops_ = keeper_.run().session().loops().size();
-    search_.restore(keeper_.run());
+    key_frames_ = graph_updater_.back_end().session().key_frame_count();
+    loops_ = graph_updater_.back_end().session().loops().size();
+    search_.restore(graph_updater_.back_end());
     odometry_.resume(*resume_point_);
   }
 
-  std::optional<Stamp> resumes_from() const {
+  std::optional<Stamp> resume_time() const {
     if (!resume_point_ || resume_point_->from_beginning()) return std::nullopt;
-    return resume_point_->first.stamp - kLeadIn;
+    return resume_point_->first.stamp - kLeadTime;
   }
 
   void add(Input&& input) { preparing_.push(std::move(input)); }
@@ -81,10 +83,10 @@ class Pipeline::Impl {
     odometry_.flush();
     writing_.finish();
     searching_.finish();
-    keeping_.finish();
+    updating_.finish();
     PipelineReport report;
     const ThreadTime time;
-    report.optimization = keeper_.finish();
+    report.optimization = graph_updater_.finish();
     report.counters = preparation_.counters();
     report.scans_unreadable = preparation_.unreadable();
     report.progress = progress();
@@ -92,72 +94,73 @@ class Pipeline::Impl {
                             {"front end", matching_.seconds()},
                             {"writing of key frames", writing_.seconds()},
                             {"loop closing", searching_.seconds()},
-                            {"session and graph", keeping_.seconds() + time.seconds()},
-                            {"optimisation", keeper_.solving_seconds()}};
+                            {"session and graph", updating_.seconds() + time.seconds()},
+                            {"optimisation", graph_updater_.optimization_seconds()}};
     return report;
   }
 
   Progress progress() const { return {newest_, scans_, key_frames_, loops_}; }
 
-  std::vector<std::string> take_notices() {
-    const std::lock_guard<std::mutex> lock(notices_mutex_);
-    return std::exchange(notices_, {});
+  std::vector<std::string> take_messages() {
+    const std::lock_guard<std::mutex> lock(messages_mutex_);
+    return std::exchange(messages_, {});
   }
 
-  const session::Session& session() { return keeper_.run().session(); }
+  const session::Session& session() { return graph_updater_.back_end().session(); }
 
  private:
-  void prepare(Input&& input) { preparation_.take(std::move(input)); }
+  void prepare(Input&& input) { preparation_.add(std::move(input)); }
 
   void match(PreparedScan&& scan) {
     newest_ = scan.synced.scan.stamp;
-    odometry_.take(scan);
-    spare_.give(std::move(scan.synced.scan.cloud));
+    odometry_.add(scan);
+    pool_.release(std::move(scan.synced.scan.cloud));
     ++scans_;
   }
 
-  void write(DrivePiece&& piece) {
-    if (piece.key_frame) {
-      keeper_.run().session().clouds().put(piece.key_frame->index, piece.key_frame->cloud);
+  void write(DriveChunk&& chunk) {
+    if (chunk.key_frame) {
+      graph_updater_.back_end().session().clouds().put(chunk.key_frame->index,
+                                                       chunk.key_frame->cloud);
       ++key_frames_;
-      // Here, as the search has more to do than this stage.
-      piece.prepared = loop_preparation_.prepare(*piece.key_frame->cloud);
+      // Done here, because the loop search has more to do than this stage.
+      chunk.prepared = loop_preparation_.prepare(*chunk.key_frame->cloud);
     }
-    searching_.push(std::move(piece));
+    searching_.push(std::move(chunk));
   }
 
-  void search(DrivePiece&& piece) {
-    search_.process(piece);
-    loops_ += piece.loops.size();
-    keeping_.push(std::move(piece));
+  void search(DriveChunk&& chunk) {
+    search_.process(chunk);
+    loops_ += chunk.loops.size();
+    updating_.push(std::move(chunk));
   }
 
-  void say(const std::string& notice) {
-    const std::lock_guard<std::mutex> lock(notices_mutex_);
-    notices_.push_back(notice);
+  void report_message(const std::string& message) {
+    const std::lock_guard<std::mutex> lock(messages_mutex_);
+    messages_.push_back(message);
   }
 
   const bool threaded_;
   std::atomic<Stamp> newest_{0};
   std::atomic<std::size_t> scans_{0}, key_frames_{0}, loops_{0};
-  std::mutex notices_mutex_;
-  std::vector<std::string> notices_;
+  std::mutex messages_mutex_;
+  std::vector<std::string> messages_;
 
   PoseFeedback feedback_;
-  GraphKeeper keeper_;
+  GraphUpdater graph_updater_;
   loop_closing::KeyFramePreparation loop_preparation_;
   LoopSearch search_;
   const std::optional<ResumePoint> resume_point_;
-  SpareClouds spare_;
+  CloudPool pool_;
   ScanOdometry odometry_;
   ScanPreparation preparation_;
-  // From the last to the first: a stage ends before those that it sends to.
-  StageThread<DrivePiece> keeping_{kPieces, threaded_,
-                                   [this](DrivePiece&& piece) { keeper_.take(piece); }};
-  StageThread<DrivePiece> searching_{kPieces, threaded_,
-                                     [this](DrivePiece&& piece) { search(std::move(piece)); }};
-  StageThread<DrivePiece> writing_{kPieces, threaded_,
-                                   [this](DrivePiece&& piece) { write(std::move(piece)); }};
+  // From the last to the first, so that a stage ends before those that it sends to.
+  StageThread<DriveChunk> updating_{kChunks, threaded_,
+                                    [this](DriveChunk&& chunk) { graph_updater_.add(chunk); }};
+  StageThread<DriveChunk> searching_{kChunks, threaded_,
+                                     [this](DriveChunk&& chunk) { search(std::move(chunk)); }};
+  StageThread<DriveChunk> writing_{kChunks, threaded_,
+                                   [this](DriveChunk&& chunk) { write(std::move(chunk)); }};
   StageThread<PreparedScan> matching_{kScans, threaded_,
                                       [this](PreparedScan&& scan) { match(std::move(scan)); }};
   StageThread<Input> preparing_{kInputs, threaded_,
@@ -169,11 +172,11 @@ Pipeline::Pipeline(const PipelineConfig& config, session::Session session,
     : impl_(std::make_unique<Impl>(config, std::move(session), std::move(T_base))) {}
 Pipeline::~Pipeline() = default;
 
-std::optional<Stamp> Pipeline::resumes_from() const { return impl_->resumes_from(); }
+std::optional<Stamp> Pipeline::resume_time() const { return impl_->resume_time(); }
 void Pipeline::add(Input input) { impl_->add(std::move(input)); }
 PipelineReport Pipeline::finish() { return impl_->finish(); }
 Progress Pipeline::progress() const { return impl_->progress(); }
-std::vector<std::string> Pipeline::take_notices() { return impl_->take_notices(); }
+std::vector<std::string> Pipeline::take_messages() { return impl_->take_messages(); }
 const session::Session& Pipeline::session() const { return impl_->session(); }
 
 }  // namespace lidar_mapping::pipeline

@@ -5,15 +5,15 @@
 
 namespace lidar_mapping::pipeline {
 
-void PoseFeedback::put(MovedPoses moved) {
+void PoseFeedback::add_step(MovedPoses moved) {
   const std::lock_guard<std::mutex> lock(mutex_);
   steps_.push_back(std::move(moved));
   changed_.notify_all();
 }
 
-MovedPoses PoseFeedback::take() {
+MovedPoses PoseFeedback::wait_for_step() {
   std::unique_lock<std::mutex> lock(mutex_);
-  if (++taken_ <= kLag) return nullptr;
+  if (++requested_ <= kLag) return nullptr;
   changed_.wait(lock, [&] { return !steps_.empty() || closed_; });
   if (steps_.empty()) return nullptr;
   MovedPoses moved = std::move(steps_.front());

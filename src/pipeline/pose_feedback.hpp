@@ -10,27 +10,27 @@
 
 namespace lidar_mapping::pipeline {
 
-/// All poses of the drive; null where none has moved.
+/// All poses of the drive; null if none has moved.
 using MovedPoses = std::shared_ptr<const KeyFramePoses>;
 
-/// Poses that go back from the graph to the loop search: step n of the search sees what step
-/// n - kLag of the graph has left, however fast both are.
+/// Passes poses from the graph back to the loop search: step n of the search uses the poses after
+/// step n - kLag of the graph, however fast both are.
 class PoseFeedback {
  public:
   static constexpr std::size_t kLag = 4;
 
-  /// The graph has done its next step.
-  void put(MovedPoses moved);
-  /// For the search's next step: waits for the graph. Null also where the graph has failed.
-  MovedPoses take();
-  /// The graph has failed; nobody waits for it any longer.
+  /// Reports that the graph has finished its next step.
+  void add_step(MovedPoses moved);
+  /// Poses for the next step of the search; waits for the graph. Null also if the graph has failed.
+  MovedPoses wait_for_step();
+  /// Reports that the graph has failed, so that the search does not wait any longer.
   void close();
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<MovedPoses> steps_;
-  std::size_t taken_ = 0;
+  std::size_t requested_ = 0;
   bool closed_ = false;
 };
 

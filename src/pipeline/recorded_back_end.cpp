@@ -61,7 +61,7 @@ void RecordedBackEnd::resume() {
   back_end_.apply(*back_end::solve(*back_end_.problem(true)));
   first_revision_ = session_.poses().revision;
   for (const auto& [loop, used] : back_end_.loops()) {
-    opinions_.push_back(used ? Verdict::kAccepted : Verdict::kRefused);
+    last_verdicts_.push_back(used ? Verdict::kAccepted : Verdict::kRefused);
     loop_poses_[{loop.from, loop.to}] = loop.T_from_to;
   }
 }
@@ -81,23 +81,24 @@ bool RecordedBackEnd::add_loop(const Loop& loop) {
 }
 
 bool RecordedBackEnd::has_loop(const Loop& loop) const {
-  constexpr double kSamePose = 1e-9;  // m and rad: what a message carries is bit for bit the same
-  const auto known = loop_poses_.find({loop.from, loop.to});
-  return known != loop_poses_.end() &&
+  // m and rad; poses that were sent in messages are equal in every bit
+  constexpr double kSamePose = 1e-9;
+  const auto found = loop_poses_.find({loop.from, loop.to});
+  return found != loop_poses_.end() &&
          (loop.source != LoopSource::kManual ||
-          difference(known->second, loop.T_from_to).norm() < kSamePose);
+          difference(found->second, loop.T_from_to).norm() < kSamePose);
 }
 
 void RecordedBackEnd::add_gnss(const GnssPosition& position) {
-  const GnssPosition in_session = turned(position, T_session_gnss_);
+  const GnssPosition in_session = transformed_position(position, T_session_gnss_);
   session_.add_gnss(in_session);
   back_end_.add_gnss(in_session);
 }
 
 void RecordedBackEnd::set_datum(const GeodeticDatum& datum) {
-  const auto known = session_.datum();
-  if (!known) session_.set_datum(datum);
-  T_session_gnss_ = enu_between(known.value_or(datum), datum);
+  const auto found = session_.datum();
+  if (!found) session_.set_datum(datum);
+  T_session_gnss_ = enu_between(found.value_or(datum), datum);
 }
 
 void RecordedBackEnd::add_imu(const ImuSample& sample_base) {
@@ -111,19 +112,19 @@ void RecordedBackEnd::add_floor(const Floor& floor) {
 }
 
 AppliedSolution RecordedBackEnd::apply(const back_end::OptimizationSolution& solution,
-                                       double seconds, bool keep_poses) {
+                                       double seconds, bool store_poses) {
   back_end_.apply(solution);
   AppliedSolution applied;
   applied.poses = poses();
-  if (keep_poses) {
+  if (store_poses) {
     session_.set_poses(applied.poses,
                        record_of(back_end::report_of(solution), applied.poses.revision, seconds));
   }
   const std::vector<LoopVerdict> all = verdicts();
-  opinions_.resize(all.size(), Verdict::kUndecided);
+  last_verdicts_.resize(all.size(), Verdict::kUndecided);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].verdict == opinions_[i]) continue;
-    opinions_[i] = all[i].verdict;
+    if (all[i].verdict == last_verdicts_[i]) continue;
+    last_verdicts_[i] = all[i].verdict;
     session_.add_verdict(all[i]);
     applied.verdicts.push_back(all[i]);
   }
@@ -157,15 +158,15 @@ void replay(const session::Session& session, const std::vector<Loop>& loops,
     back_end.add_key_frame(key_frame);
     stamps.insert(key_frame.stamp);
   }
-  const auto belongs = [&](const auto& value) { return stamps.count(value.stamp) > 0; };
+  const auto is_at_key_frame = [&](const auto& value) { return stamps.count(value.stamp) > 0; };
   for (const GnssPosition& position : session.gnss()) {
-    if (belongs(position)) back_end.add_gnss(position);
+    if (is_at_key_frame(position)) back_end.add_gnss(position);
   }
   for (const ImuSample& sample : session.imu()) {
-    if (belongs(sample)) back_end.add_imu(sample);
+    if (is_at_key_frame(sample)) back_end.add_imu(sample);
   }
   for (const Floor& floor : session.floors()) {
-    if (belongs(floor)) back_end.add_floor(floor);
+    if (is_at_key_frame(floor)) back_end.add_floor(floor);
   }
   for (const Loop& loop : loops) back_end.add_loop(loop);
 }

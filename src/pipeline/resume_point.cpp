@@ -10,10 +10,10 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-constexpr double kTolerance = 0.2;          // m, over the stretch
+constexpr double kTolerance = 0.2;          // m, at the end of the section
 constexpr double kAngleTolerance = 0.0087;  // rad
 
-InputError other_recording(const KeyFrame& key_frame) {
+InputError wrong_recording(const KeyFrame& key_frame) {
   return InputError("the recording has no scan at key frame " + std::to_string(key_frame.index) +
                     " of the session (stamp " + std::to_string(key_frame.stamp) +
                     " ns); name the recording that the session was made of");
@@ -21,29 +21,29 @@ InputError other_recording(const KeyFrame& key_frame) {
 
 }  // namespace
 
-std::optional<ResumePoint> resume_point_of(const session::Session& session, double way,
+std::optional<ResumePoint> resume_point_of(const session::Session& session, double path_length,
                                            bool whole) {
   const std::vector<KeyFrame> key_frames = session.key_frames();
   if (key_frames.empty()) return std::nullopt;
-  double driven = 0.0;
+  double travelled = 0.0;
   std::size_t first = key_frames.size() - 1;
-  while (first > 0 && (whole || driven < way)) {
+  while (first > 0 && (whole || travelled < path_length)) {
     const Eigen::Vector3d& p = key_frames[first].T_odom_base.translation;
     --first;
-    driven += (p - key_frames[first].T_odom_base.translation).norm();
+    travelled += (p - key_frames[first].T_odom_base.translation).norm();
   }
   return ResumePoint{key_frames[first], key_frames.back()};
 }
 
-bool ResumedOdometry::takes(front_end::FrontEndResult& result) {
+bool ResumedOdometry::accepts(front_end::FrontEndResult& result) {
   if (!has_begun_ && result.stamp >= point_.first.stamp) {
-    if (result.stamp != point_.first.stamp) throw other_recording(point_.first);
+    if (result.stamp != point_.first.stamp) throw wrong_recording(point_.first);
     T_first_ = result.T_odom_base;
     has_begun_ = true;
   }
-  if (!is_joined_ && result.key_frame) newest_ = result.key_frame;
-  if (!is_joined_) {
-    if (result.stamp >= point_.last.stamp) join(result);
+  if (!is_aligned_ && result.key_frame) newest_ = result.key_frame;
+  if (!is_aligned_) {
+    if (result.stamp >= point_.last.stamp) align_to_session(result);
     return false;
   }
   result.T_odom_base = T_session_front_end_ * result.T_odom_base;
@@ -55,8 +55,8 @@ bool ResumedOdometry::takes(front_end::FrontEndResult& result) {
   return true;
 }
 
-void ResumedOdometry::join(const front_end::FrontEndResult& result) {
-  if (result.stamp != point_.last.stamp) throw other_recording(point_.last);
+void ResumedOdometry::align_to_session(const front_end::FrontEndResult& result) {
+  if (result.stamp != point_.last.stamp) throw wrong_recording(point_.last);
   const Pose expected = point_.first.T_odom_base.inverse() * point_.last.T_odom_base;
   const Pose error = expected.inverse() * T_first_.inverse() * result.T_odom_base;
   if (!newest_ || error.translation.norm() > kTolerance ||
@@ -64,10 +64,10 @@ void ResumedOdometry::join(const front_end::FrontEndResult& result) {
     throw ResumeFailure("the last stretch of the session came out otherwise than before");
   }
   T_session_front_end_ = point_.last.T_odom_base * result.T_odom_base.inverse();
-  // Unsigned differences wrap, and wrap back when they are added.
+  // Unsigned differences may wrap, and the addition wraps back.
   index_offset_ = point_.last.index - newest_->index;
   segment_offset_ = point_.last.segment - newest_->segment;
-  is_joined_ = true;
+  is_aligned_ = true;
 }
 
 }  // namespace lidar_mapping::pipeline

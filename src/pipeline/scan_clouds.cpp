@@ -16,45 +16,46 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-constexpr Stamp kMargin = from_seconds(20.0);  // sensors come late, and preprocessing has to begin
+// other sensors are delayed, and preprocessing has to initialise
+constexpr Stamp kTimeMargin = from_seconds(20.0);
 
-/// As the front end does with key frames, before they are deskewed.
-void turn_upwards(PointCloud& cloud, double elevation_shift) {
+/// Corrects the elevations before deskewing, as the front end does with key frames.
+void rotate_upwards(PointCloud& cloud, double elevation_shift) {
   if (elevation_shift == 0.0) return;
   const ElevationShift shift(elevation_shift);
   for (Point& p : cloud.points) shift(p.x, p.y, p.z);
 }
 
-/// Takes what preprocessing gives and keeps what is wanted.
-class Collector {
+/// Receives preprocessed scans, and adds those that are selected.
+class ScanCollector {
  public:
-  Collector(const std::vector<PlacedScan>& scans, const ScanSelection& selection,
-            ScanClouds& clouds)
+  ScanCollector(const std::vector<ScanPose>& scans, const ScanSelection& selection,
+                ScanClouds& clouds)
       : scans_(scans), selection_(selection), clouds_(clouds) {}
 
-  void take(preprocessing::SyncedScan&& synced) {
+  void add(preprocessing::SyncedScan&& synced) {
     const Stamp stamp = synced.scan.stamp;
     const auto found =
         std::lower_bound(scans_.begin(), scans_.end(), stamp,
-                         [](const PlacedScan& scan, Stamp wanted) { return scan.stamp < wanted; });
+                         [](const ScanPose& scan, Stamp wanted) { return scan.stamp < wanted; });
     if (found == scans_.end() || found->stamp != stamp) return;
     if (count_++ % selection_.every != 0) return;
     Vector6d acceleration = found->acceleration;
-    // The gyro has already made the turning uniform (preprocessing::SyncedScan).
+    // The rotation is already uniform due to the gyro (preprocessing::SyncedScan).
     if (synced.imu && synced.imu->has_angular_velocity) acceleration.tail<3>().setZero();
-    turn_upwards(synced.scan.cloud, found->elevation_shift);
-    const PointCloud still =
+    rotate_upwards(synced.scan.cloud, found->elevation_shift);
+    const PointCloud deskewed_cloud =
         front_end::deskewed(transformed(synced.scan.cloud, synced.T_base_lidar), found->twist,
                             acceleration, selection_.threads);
     const auto number = static_cast<KeyFrameIndex>(clouds_.size());
-    clouds_.add(voxel_filtered(still, selection_.resolution));
+    clouds_.add(voxel_filtered(deskewed_cloud, selection_.resolution));
     poses_.poses.push_back({number, stamp, found->T_map_base});
   }
 
   const KeyFramePoses& poses() const { return poses_; }
 
  private:
-  const std::vector<PlacedScan>& scans_;
+  const std::vector<ScanPose>& scans_;
   const ScanSelection selection_;
   ScanClouds& clouds_;
   int count_ = 0;
@@ -86,23 +87,23 @@ std::vector<PointCloudPtr> ScanClouds::clouds(const std::vector<KeyFrameIndex>& 
   return found;
 }
 
-KeyFramePoses add_scans(InputSource& recording, const std::vector<PlacedScan>& scans,
+KeyFramePoses add_scans(InputSource& recording, const std::vector<ScanPose>& scans,
                         const preprocessing::PreprocessingConfig& config,
                         const ScanSelection& selection, ScanClouds& clouds) {
-  Collector collector(scans, selection, clouds);
-  SpareClouds spare;
+  ScanCollector collector(scans, selection, clouds);
+  CloudPool pool;
   ScanPreparation preparation(
-      config, [&](const std::string& frame) { return recording.T_base(frame); }, spare,
-      [&](PreparedScan&& scan) { collector.take(std::move(scan.synced)); },
-      [](const std::string& /*notice*/) {});  // was said when the drive was mapped
+      config, [&](const std::string& frame) { return recording.T_base(frame); }, pool,
+      [&](PreparedScan&& scan) { collector.add(std::move(scan.synced)); },
+      [](const std::string& /*notice*/) {});  // was reported when the drive was mapped
   if (!scans.empty()) {
-    const Stamp first = scans.front().stamp - kMargin;
-    const Stamp last = scans.back().stamp + kMargin;
+    const Stamp first = scans.front().stamp - kTimeMargin;
+    const Stamp last = scans.back().stamp + kTimeMargin;
     recording.skip_to(first);
     while (auto datum = recording.next()) {
       const auto* scan = std::get_if<RecordedScan>(&*datum);
       if (scan != nullptr && (scan->stamp < first || scan->stamp > last)) continue;
-      preparation.take(std::move(*datum));
+      preparation.add(std::move(*datum));
     }
     preparation.flush();
   }

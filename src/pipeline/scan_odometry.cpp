@@ -16,7 +16,7 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
   prior.felt = synced.felt;
   if (synced.velocity) {
     prior.linear_velocity = synced.velocity->linear;
-    // One that was measured without turning does not turn at all.
+    // An angular velocity of exactly zero means that it was not measured.
     if (!synced.velocity->angular.isZero(0.0)) prior.velocity_turning = synced.velocity->angular;
   }
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
@@ -27,7 +27,7 @@ front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is
   return prior;
 }
 
-/// Times are left out: they would not be the same in each run.
+/// Computing times are left out, because they differ from run to run.
 session::ScanRecord record_of(const front_end::FrontEndResult& result) {
   session::ScanRecord record;
   record.stamp = result.stamp;
@@ -44,11 +44,11 @@ session::ScanRecord record_of(const front_end::FrontEndResult& result) {
 
 ScanOdometry::ScanOdometry(const front_end::FrontEndConfig& front_end,
                            const preprocessing::FloorDetectionConfig& floor, Forward forward,
-                           Say say)
+                           Report report)
     : front_end_(front_end),
       floor_detector_(floor),
       forward_(std::move(forward)),
-      say_(std::move(say)) {}
+      report_(std::move(report)) {}
 
 void ScanOdometry::resume(const ResumePoint& point) {
   resumed_.emplace(point);
@@ -57,74 +57,74 @@ void ScanOdometry::resume(const ResumePoint& point) {
   has_begun_ = true;
 }
 
-void ScanOdometry::take(const PreparedScan& prepared) {
+void ScanOdometry::add(const PreparedScan& prepared) {
   const preprocessing::SyncedScan& synced = prepared.synced;
   front_end_.set_sensor_pose(synced.T_base_lidar);
-  if (resumed_ && !resumed_->wants(synced.scan.stamp)) return;
-  if (prepared.datum) piece_.datum = prepared.datum;
-  if (prepared.p_base_lidar) piece_.p_base_lidar = prepared.p_base_lidar;
+  if (resumed_ && !resumed_->needs(synced.scan.stamp)) return;
+  if (prepared.datum) chunk_.datum = prepared.datum;
+  if (prepared.p_base_lidar) chunk_.p_base_lidar = prepared.p_base_lidar;
   front_end::FrontEndResult result = front_end_.process(synced.scan, prior_of(synced, !has_begun_));
   has_begun_ = true;
-  mention(result.status);
+  report_status(result.status);
   add_finalized(std::exchange(result.finalized, {}));
   if (result.provisional) {
-    held_.push_back(synced);
+    provisional_scans_.push_back(synced);
   } else {
-    take(synced, std::move(result));
+    add(synced, std::move(result));
   }
 }
 
 void ScanOdometry::add_finalized(std::vector<front_end::FrontEndResult>&& finalized) {
   if (finalized.empty()) return;
-  const std::vector<preprocessing::SyncedScan> held = std::exchange(held_, {});
-  for (std::size_t i = 0; i < held.size(); ++i) take(held[i], std::move(finalized[i]));
+  const std::vector<preprocessing::SyncedScan> scans = std::exchange(provisional_scans_, {});
+  for (std::size_t i = 0; i < scans.size(); ++i) add(scans[i], std::move(finalized[i]));
 }
 
-void ScanOdometry::take(const preprocessing::SyncedScan& synced,
-                        front_end::FrontEndResult&& result) {
-  if (resumed_ && !resumed_->takes(result)) return;
+void ScanOdometry::add(const preprocessing::SyncedScan& synced,
+                       front_end::FrontEndResult&& result) {
+  if (resumed_ && !resumed_->accepts(result)) return;
   record(synced, result);
-  if (!piece_.key_frame) return;
-  piece_.floor = floor_detector_.process(
+  if (!chunk_.key_frame) return;
+  chunk_.floor = floor_detector_.process(
       {synced.scan.stamp, transformed(synced.scan.cloud, synced.T_base_lidar)});
-  send();
+  forward_chunk();
 }
 
-void ScanOdometry::mention(const front_end::FrontEndStatus& status) {
+void ScanOdometry::report_status(const front_end::FrontEndStatus& status) {
   if (status.map_points_dropped > 2 * map_points_dropped_) {
     map_points_dropped_ = status.map_points_dropped;
-    say_(front_end::full_map_message(map_points_dropped_));
+    report_(front_end::full_map_message(map_points_dropped_));
   }
-  if (status.stamp_jitter > 0.0 && !jitter_mentioned_) {
-    jitter_mentioned_ = true;
-    say_(front_end::jitter_message(status.stamp_jitter));
+  if (status.stamp_jitter > 0.0 && !jitter_reported_) {
+    jitter_reported_ = true;
+    report_(front_end::jitter_message(status.stamp_jitter));
   }
-  if (status.gyro_distrusted && !gyro_mentioned_) {
-    gyro_mentioned_ = true;
-    say_(front_end::gyro_message());
+  if (status.gyro_distrusted && !gyro_reported_) {
+    gyro_reported_ = true;
+    report_(front_end::gyro_message());
   }
-  if (status.unseen_way > 0.0 && !ride_mentioned_) {
-    ride_mentioned_ = true;
-    say_(front_end::ride_message());
+  if (status.unseen_way > 0.0 && !ride_reported_) {
+    ride_reported_ = true;
+    report_(front_end::ride_message());
   }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;
-  say_(front_end::elevation_message(elevation_shift_));
+  report_(front_end::elevation_message(elevation_shift_));
 }
 
 void ScanOdometry::record(const preprocessing::SyncedScan& synced,
                           const front_end::FrontEndResult& result) {
-  piece_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
-  piece_.key_frame = result.key_frame;
+  chunk_.scans.push_back({record_of(result), result.T_odom_base, synced.gnss, synced.imu});
+  chunk_.key_frame = result.key_frame;
 }
 
 void ScanOdometry::flush() {
   add_finalized(front_end_.finalize());
-  send();
+  forward_chunk();
 }
 
-void ScanOdometry::send() {
-  if (!piece_.scans.empty()) forward_(std::exchange(piece_, {}));
+void ScanOdometry::forward_chunk() {
+  if (!chunk_.scans.empty()) forward_(std::exchange(chunk_, {}));
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -8,48 +8,49 @@
 #include "lidar_mapping/front_end/front_end.hpp"
 #include "lidar_mapping/preprocessing/floor_detector.hpp"
 
-#include "drive_piece.hpp"
+#include "drive_chunk.hpp"
 #include "resume_point.hpp"
 #include "scan_preparation.hpp"
 
 namespace lidar_mapping::pipeline {
 
-/// From scans to pieces of the drive. One thread calls it.
+/// Turns scans into chunks of the drive with odometry and key frames. One thread calls it.
 class ScanOdometry {
  public:
-  using Forward = std::function<void(DrivePiece&&)>;
+  using Forward = std::function<void(DriveChunk&&)>;
 
-  using Say = std::function<void(const std::string&)>;
+  using Report = std::function<void(const std::string&)>;
 
   ScanOdometry(const front_end::FrontEndConfig& front_end,
-               const preprocessing::FloorDetectionConfig& floor, Forward forward, Say say);
+               const preprocessing::FloorDetectionConfig& floor, Forward forward, Report report);
 
-  /// Goes on with a session.
+  /// Resumes a session.
   void resume(const ResumePoint& point);
-  void take(const PreparedScan& prepared);
-  /// At the end: sends on what waited, and the scans behind the last key frame.
+  void add(const PreparedScan& prepared);
+  /// At the end: forwards provisional results, and the scans after the last key frame.
   void flush();
 
  private:
-  void mention(const front_end::FrontEndStatus& status);
+  void report_status(const front_end::FrontEndStatus& status);
   void add_finalized(std::vector<front_end::FrontEndResult>&& finalized);
-  void take(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result);
+  void add(const preprocessing::SyncedScan& synced, front_end::FrontEndResult&& result);
   void record(const preprocessing::SyncedScan& synced, const front_end::FrontEndResult& result);
-  void send();
+  void forward_chunk();
 
   front_end::FrontEnd front_end_;
   preprocessing::FloorDetector floor_detector_;
   Forward forward_;
-  Say say_;
+  Report report_;
   std::optional<ResumedOdometry> resumed_;
   bool has_begun_ = false;
-  double elevation_shift_ = 0.0;        ///< that was last spoken of
-  std::size_t map_points_dropped_ = 0;  ///< the same
-  bool jitter_mentioned_ = false;
-  bool gyro_mentioned_ = false;
-  bool ride_mentioned_ = false;
-  std::vector<preprocessing::SyncedScan> held_;  ///< those whose result is provisional
-  DrivePiece piece_;
+  double elevation_shift_ = 0.0;        ///< Last value that was reported, rad.
+  std::size_t map_points_dropped_ = 0;  ///< Last value that was reported.
+  bool jitter_reported_ = false;
+  bool gyro_reported_ = false;
+  bool ride_reported_ = false;
+  /// Scans whose results are provisional.
+  std::vector<preprocessing::SyncedScan> provisional_scans_;
+  DriveChunk chunk_;
 };
 
 }  // namespace lidar_mapping::pipeline

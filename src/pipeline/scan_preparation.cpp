@@ -9,15 +9,15 @@
 namespace lidar_mapping::pipeline {
 
 ScanPreparation::ScanPreparation(const preprocessing::PreprocessingConfig& config,
-                                 preprocessing::ExtrinsicLookup T_base, SpareClouds& spare,
-                                 Forward forward, Say say)
+                                 preprocessing::ExtrinsicLookup T_base, CloudPool& pool,
+                                 Forward forward, Report report)
     : stage_(config, std::move(T_base)),
-      spare_(spare),
+      pool_(pool),
       forward_(std::move(forward)),
-      say_(std::move(say)) {}
+      report_(std::move(report)) {}
 
-void ScanPreparation::take(Input&& input) {
-  if (const auto* scan = std::get_if<RecordedScan>(&input)) return take(*scan);
+void ScanPreparation::add(Input&& input) {
+  if (const auto* scan = std::get_if<RecordedScan>(&input)) return add(*scan);
   if (const auto* imu = std::get_if<FramedSample<ImuSample>>(&input)) {
     stage_.add_imu(imu->sample, imu->frame_id);
   } else if (const auto* velocity = std::get_if<FramedSample<VelocitySample>>(&input)) {
@@ -28,12 +28,12 @@ void ScanPreparation::take(Input&& input) {
   forward(stage_.take_complete());
 }
 
-void ScanPreparation::take(const RecordedScan& scan) {
+void ScanPreparation::add(const RecordedScan& scan) {
   preprocessing::RawScan raw;
   try {
-    raw = scan.decode(spare_.take());
+    raw = scan.decode(pool_.acquire());
   } catch (const InputError& error) {
-    if (++unreadable_ == 1) say_(std::string("points: a scan was left out: ") + error.what());
+    if (++unreadable_ == 1) report_(std::string("points: a scan was left out: ") + error.what());
     return;
   }
   forward(stage_.process(std::move(raw)));
@@ -43,10 +43,10 @@ void ScanPreparation::flush() { forward(stage_.flush()); }
 
 void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
   for (const preprocessing::Diagnostic& diagnostic : stage_.take_diagnostics())
-    say_(diagnostic.text);
+    report_(diagnostic.text);
   for (preprocessing::SyncedScan& scan : scans) {
     if (last_ && scan.scan.stamp <= *last_) {
-      leave_out(scan.scan.stamp);
+      report_dropped(scan.scan.stamp);
       continue;
     }
     last_ = scan.scan.stamp;
@@ -59,16 +59,16 @@ void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
   }
 }
 
-/// One session maps one drive, whose time does not go back.
-void ScanPreparation::leave_out(Stamp stamp) {
-  if (std::exchange(left_out_, true)) return;
+/// Reports once that scans are dropped. A session maps one drive, in which time does not go back.
+void ScanPreparation::report_dropped(Stamp stamp) {
+  if (std::exchange(has_dropped_, true)) return;
   char text[240];
   std::snprintf(text, sizeof text,
                 "points: time went back to %.1f s before the newest scan; scans are left out until "
                 "it has passed that again (map another drive by itself and join them with "
                 "merge_sessions)",
                 to_seconds(*last_ - stamp));
-  say_(text);
+  report_(text);
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -7,48 +7,49 @@
 
 #include "lidar_mapping/pipeline/input.hpp"
 
-#include "spare_clouds.hpp"
+#include "cloud_pool.hpp"
 
 namespace lidar_mapping::pipeline {
 
-/// A scan on its way to the front end.
+/// A preprocessed scan for the front end.
 struct PreparedScan {
   preprocessing::SyncedScan synced;
-  std::optional<GeodeticDatum> datum;           ///< where it is new
-  std::optional<Eigen::Vector3d> p_base_lidar;  ///< where it is new
+  std::optional<GeodeticDatum> datum;           ///< Set where it is new.
+  std::optional<Eigen::Vector3d> p_base_lidar;  ///< Set where it is new, m.
 };
 
-/// From what sensors sent to scans in the LiDAR's frame. One thread calls it.
+/// Turns recorded sensor data into preprocessed scans in the frame of the LiDAR. One thread calls
+/// it.
 class ScanPreparation {
  public:
   using Forward = std::function<void(PreparedScan&&)>;
-  using Say = std::function<void(const std::string&)>;
+  using Report = std::function<void(const std::string&)>;
 
   ScanPreparation(const preprocessing::PreprocessingConfig& config,
-                  preprocessing::ExtrinsicLookup T_base, SpareClouds& spare, Forward forward,
-                  Say say);
+                  preprocessing::ExtrinsicLookup T_base, CloudPool& pool, Forward forward,
+                  Report report);
 
-  void take(Input&& input);
-  /// Sends on what still waits for other sensors.
+  void add(Input&& input);
+  /// Forwards scans that still wait for other sensors.
   void flush();
 
   const preprocessing::PreprocessingCounters& counters() const { return stage_.counters(); }
   std::size_t unreadable() const { return unreadable_; }
 
  private:
-  void take(const RecordedScan& scan);
+  void add(const RecordedScan& scan);
   void forward(std::vector<preprocessing::SyncedScan> scans);
-  void leave_out(Stamp stamp);
+  void report_dropped(Stamp stamp);
 
   preprocessing::Preprocessor stage_;
-  SpareClouds& spare_;
+  CloudPool& pool_;
   Forward forward_;
-  Say say_;
-  std::optional<Eigen::Vector3d> p_base_lidar_;  ///< that was sent on
-  std::optional<GeodeticDatum> datum_;           ///< that was sent on
-  std::optional<Stamp> last_;                    ///< stamp of the newest scan that was sent on
+  Report report_;
+  std::optional<Eigen::Vector3d> p_base_lidar_;  ///< Last value that was forwarded, m.
+  std::optional<GeodeticDatum> datum_;           ///< Last value that was forwarded.
+  std::optional<Stamp> last_;                    ///< Stamp of the newest scan that was forwarded.
   std::size_t unreadable_ = 0;
-  bool left_out_ = false;  ///< scans whose stamps were not after it
+  bool has_dropped_ = false;  ///< Whether scans were dropped because their stamps did not increase.
 };
 
 }  // namespace lidar_mapping::pipeline

@@ -10,18 +10,19 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-constexpr Stamp kGap = from_seconds(0.5);  // scans further apart say nothing of the motion between
+// scans further apart do not determine the motion between them
+constexpr Stamp kMaxGap = from_seconds(0.5);
 
 using StampedPoses = std::vector<std::pair<Stamp, Pose>>;
 
-/// What a key frame tells of the scans around it.
+/// Correction that a key frame gives for the scans around it.
 struct Correction {
   Stamp stamp;
   std::uint32_t segment;
   Pose T_map_odom;
 };
 
-/// By stamp.
+/// Corrections of all key frames, by stamp.
 std::vector<Correction> corrections(const session::Session& session, const KeyFramePoses& poses) {
   std::vector<Correction> result;
   const std::vector<KeyFrame> key_frames = session.key_frames();
@@ -36,8 +37,8 @@ std::vector<Correction> corrections(const session::Session& session, const KeyFr
   return result;
 }
 
-std::optional<Pose> placed(Stamp stamp, const Pose& T_odom_base,
-                           const std::vector<Correction>& corrections) {
+std::optional<Pose> corrected_pose(Stamp stamp, const Pose& T_odom_base,
+                                   const std::vector<Correction>& corrections) {
   if (corrections.empty()) return std::nullopt;
   const auto after = std::upper_bound(
       corrections.begin(), corrections.end(), stamp,
@@ -47,26 +48,28 @@ std::optional<Pose> placed(Stamp stamp, const Pose& T_odom_base,
   const Pose from_before = before.T_map_odom * T_odom_base;
   if (before.stamp == stamp || after == corrections.end()) return from_before;
   if (before.segment != after->segment) return std::nullopt;
-  const double share = to_seconds(stamp - before.stamp) / to_seconds(after->stamp - before.stamp);
-  return interpolate(from_before, after->T_map_odom * T_odom_base, share);
+  const double fraction =
+      to_seconds(stamp - before.stamp) / to_seconds(after->stamp - before.stamp);
+  return interpolate(from_before, after->T_map_odom * T_odom_base, fraction);
 }
 
-/// From the i-th to another scan per second; none where that is too long before or after.
+/// Motion from the i-th to another scan per second; none if the other one is too far away in time.
 std::optional<Vector6d> motion_to(const StampedPoses& odometry, std::size_t i, std::size_t other) {
-  if (other >= odometry.size()) return std::nullopt;  // also before the first one
+  if (other >= odometry.size()) return std::nullopt;  // i - 1 of the first scan wraps
   const Stamp between = odometry[other].first - odometry[i].first;
-  if (std::abs(between) > kGap) return std::nullopt;
+  if (std::abs(between) > kMaxGap) return std::nullopt;
   return Vector6d(difference(odometry[i].second, odometry[other].second) / to_seconds(between));
 }
 
-/// A chord from the i-th scan on to where it is `seconds` later is half a bend off its tangent.
+/// Tangent of the path at the beginning of a chord that lasts `seconds`: the chord deviates from it
+/// by half of the rotation.
 Vector6d tangent(const Vector6d& chord, double seconds) {
   Vector6d twist = chord;
   twist.head<3>() -= 0.5 * seconds * chord.tail<3>().cross(chord.head<3>());
   return twist;
 }
 
-void add_motion(const StampedPoses& odometry, std::size_t i, PlacedScan& scan) {
+void add_motion(const StampedPoses& odometry, std::size_t i, ScanPose& scan) {
   const auto after = motion_to(odometry, i, i + 1);
   const auto before = motion_to(odometry, i, i - 1);
   const double to_next = after ? to_seconds(odometry[i + 1].first - scan.stamp) : 0.0;
@@ -85,7 +88,7 @@ void add_motion(const StampedPoses& odometry, std::size_t i, PlacedScan& scan) {
 
 }  // namespace
 
-std::vector<PlacedScan> placed_scans(const session::Session& session, const KeyFramePoses& poses) {
+std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFramePoses& poses) {
   std::set<Stamp> lost;
   std::map<Stamp, double> elevation_shifts;
   for (const session::ScanRecord& scan : session.scans()) {
@@ -97,11 +100,11 @@ std::vector<PlacedScan> placed_scans(const session::Session& session, const KeyF
                                 [&](const auto& pose) { return lost.count(pose.first) > 0; }),
                  odometry.end());
   const std::vector<Correction> known = corrections(session, poses);
-  std::vector<PlacedScan> scans;
+  std::vector<ScanPose> scans;
   for (std::size_t i = 0; i < odometry.size(); ++i) {
-    const auto T_map_base = placed(odometry[i].first, odometry[i].second, known);
+    const auto T_map_base = corrected_pose(odometry[i].first, odometry[i].second, known);
     if (!T_map_base) continue;
-    PlacedScan scan;
+    ScanPose scan;
     scan.stamp = odometry[i].first;
     scan.T_map_base = *T_map_base;
     const auto shift = elevation_shifts.find(scan.stamp);

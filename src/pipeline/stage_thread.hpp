@@ -14,9 +14,9 @@
 
 namespace lidar_mapping::pipeline {
 
-/// One stage of a pipeline: a thread behind a queue of bounded length. Whoever is too fast waits,
-/// so nothing is lost and memory is bounded. What a stage does depends on the order of its items
-/// alone, never on how far other stages have come.
+/// One stage of a pipeline: a thread behind a queue of bounded length. A producer that is too fast
+/// waits, so that nothing is lost and memory is bounded. The work of a stage depends on the order
+/// of its items alone, never on the progress of other stages.
 template <typename Item>
 class StageThread {
  public:
@@ -34,7 +34,8 @@ class StageThread {
   StageThread(const StageThread&) = delete;
   StageThread& operator=(const StageThread&) = delete;
 
-  /// Waits while the queue is full. Throws what the stage threw on an earlier item.
+  /// Appends an item; waits while the queue is full. Throws what the stage threw for an earlier
+  /// item.
   void push(Item item) {
     if (!thread_.joinable()) return handle(std::move(item));
     std::unique_lock<std::mutex> lock(mutex_);
@@ -44,7 +45,7 @@ class StageThread {
     changed_.notify_all();
   }
 
-  /// Returns when all that was pushed is done. Throws what the stage threw.
+  /// Returns when all items are processed. Throws what the stage threw.
   void finish() {
     if (thread_.joinable()) {
       close();
@@ -107,7 +108,7 @@ class StageThread {
 
   const std::size_t capacity_;
   const Handle handle_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< Guards the members below.
   std::condition_variable changed_;
   std::deque<Item> waiting_;
   std::exception_ptr error_;

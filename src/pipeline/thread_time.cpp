@@ -8,7 +8,7 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-/// Spent in objects that have ended within the innermost that lives.
+/// Time of objects that have ended within the innermost one that is alive, s.
 thread_local double inner_seconds = 0.0;
 
 double now() {

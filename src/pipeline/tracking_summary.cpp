@@ -14,8 +14,8 @@ constexpr Stamp kGap = from_seconds(1.0);
 constexpr std::array kDoubts = {Doubt::kDoubtful, Doubt::kDegraded, Doubt::kRepeated,
                                 Doubt::kDegenerate, Doubt::kLost};
 
-constexpr double kAllowedShare = 0.01;
-constexpr double kLeastAllowed = 0.5;  // m
+constexpr double kAllowedFraction = 0.01;
+constexpr double kMinAllowedError = 0.5;  // m
 
 double squared(double value) { return value * value; }
 
@@ -45,47 +45,49 @@ std::optional<Doubt> doubt_of_state(const std::string& state) {
 }
 
 void TrackingSummary::add(const TrackedStep& step) {
-  go_on_to(step);
+  advance_to(step);
   if (step.doubt) {
-    DoubtfulStretch& stretch = stretch_for(*step.doubt, step);
-    stretch.end = step.stamp;
-    ++stretch.scans;
+    DoubtfulSection& section = section_for(*step.doubt, step);
+    section.end = step.stamp;
+    ++section.scans;
     if (step.probability >= 0.0 &&
-        (stretch.lowest_probability < 0.0 || step.probability < stretch.lowest_probability)) {
-      stretch.lowest_probability = step.probability;
+        (section.lowest_probability < 0.0 || step.probability < section.lowest_probability)) {
+      section.lowest_probability = step.probability;
     }
-    stretch.way = way_ - stretch.way_begin;
-    const auto place = static_cast<std::size_t>(&stretch - stretches_.data());
-    stretch.expected_error = std::sqrt(variance_ - variances_before_[place]);
+    section.path_length = path_length_ - section.path_begin;
+    const auto index = static_cast<std::size_t>(&section - sections_.data());
+    section.expected_error = std::sqrt(variance_ - variances_before_[index]);
   }
   last_ = step;
 }
 
-void TrackingSummary::go_on_to(const TrackedStep& step) {
+void TrackingSummary::advance_to(const TrackedStep& step) {
   ++scans_;
-  way_before_ = way_;
+  path_length_before_ = path_length_;
   variance_before_ = variance_;
   const double before = last_ ? last_->unobserved_stddev : 0.0;
-  if (last_) way_ += (step.p_odom_base - last_->p_odom_base).norm();
-  // A front end that was started again begins at 0.
+  if (last_) path_length_ += (step.p_odom_base - last_->p_odom_base).norm();
+  // After a restart the front end begins at 0.
   const bool is_new = step.unobserved_stddev < before;
   variance_ += squared(step.unobserved_stddev) - (is_new ? 0.0 : squared(before));
 }
 
-DoubtfulStretch& TrackingSummary::stretch_for(Doubt doubt, const TrackedStep& step) {
-  const auto newest = std::find_if(stretches_.rbegin(), stretches_.rend(),
-                                   [&](const auto& stretch) { return stretch.doubt == doubt; });
-  if (newest != stretches_.rend() && step.stamp - newest->end <= kGap) return *newest;
-  DoubtfulStretch stretch;
-  stretch.doubt = doubt;
-  stretch.begin = step.stamp;
-  stretch.way_begin = way_before_;
-  stretch.place = step.p_odom_base;
-  stretches_.push_back(stretch);
+DoubtfulSection& TrackingSummary::section_for(Doubt doubt, const TrackedStep& step) {
+  const auto newest = std::find_if(sections_.rbegin(), sections_.rend(),
+                                   [&](const auto& section) { return section.doubt == doubt; });
+  if (newest != sections_.rend() && step.stamp - newest->end <= kGap) return *newest;
+  DoubtfulSection section;
+  section.doubt = doubt;
+  section.begin = step.stamp;
+  section.path_begin = path_length_before_;
+  section.index = step.p_odom_base;
+  sections_.push_back(section);
   variances_before_.push_back(variance_before_);
-  return stretches_.back();
+  return sections_.back();
 }
 
-double allowed_error(double way) { return std::max(kLeastAllowed, kAllowedShare * way); }
+double allowed_error(double path_length) {
+  return std::max(kMinAllowedError, kAllowedFraction * path_length);
+}
 
 }  // namespace lidar_mapping::pipeline

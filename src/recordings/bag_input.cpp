@@ -85,7 +85,7 @@ class BagInput::Impl {
     return std::nullopt;
   }
 
-  std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+  std::vector<std::string> take_messages() { return std::exchange(notices_, {}); }
 
   std::vector<preprocessing::InputReport> examine(double seconds) const {
     return ros_border::check({&bags_, topics_, frames_.base_frame(), seconds}, config_);
@@ -236,7 +236,7 @@ BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wa
 BagInput::~BagInput() = default;
 
 std::optional<Input> BagInput::next() { return impl_->next(); }
-std::vector<std::string> BagInput::take_notices() { return impl_->take_notices(); }
+std::vector<std::string> BagInput::take_messages() { return impl_->take_messages(); }
 void BagInput::skip_to(Stamp stamp) { impl_->skip_to(stamp); }
 Stamp BagInput::begin() const { return impl_->begin(); }
 Stamp BagInput::end() const { return impl_->end(); }

@@ -26,7 +26,7 @@ class BagInput : public pipeline::InputSource {
   Stamp begin() const override;
   Stamp end() const override;
   std::optional<Pose> T_base(const std::string& frame_id) const override;
-  std::vector<std::string> take_notices() override;
+  std::vector<std::string> take_messages() override;
 
   const ros_border::SensorTopics& topics() const;
   /// What is to be said where no transform leads from the scans to `base_frame`, so that their

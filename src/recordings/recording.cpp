@@ -142,7 +142,7 @@ Recording open_bag(const std::string& path, const std::string& topic) {
   return {bag->size(), [bag](std::size_t index) { return bag->scan(index); }, bag->T_base_sensor()};
 }
 
-Recording open_folder(const std::string& path, const pipeline::KittiReading& reading) {
+Recording open_folder(const std::string& path, const pipeline::KittiReadOptions& reading) {
   const auto folder = std::make_shared<const pipeline::KittiFolder>(path, reading);
   return {folder->size(), [folder](std::size_t index) { return folder->scan(index); },
           Pose::Identity()};
@@ -151,7 +151,7 @@ Recording open_folder(const std::string& path, const pipeline::KittiReading& rea
 }  // namespace
 
 Recording open_recording(const std::string& path, const std::string& topic,
-                         const pipeline::KittiReading& reading) {
+                         const pipeline::KittiReadOptions& reading) {
   return std::filesystem::is_directory(path) ? open_folder(path, reading) : open_bag(path, topic);
 }
 

@@ -20,6 +20,6 @@ struct Recording {
 /// A folder as KITTI lays it out, or a bag with a topic of PointCloud2 (the first one, unless
 /// `topic` names one) and, if it is there, /tf_static. Throws FileError or InputError.
 Recording open_recording(const std::string& path, const std::string& topic,
-                         const pipeline::KittiReading& reading);
+                         const pipeline::KittiReadOptions& reading);
 
 }  // namespace lidar_mapping::recordings

@@ -63,7 +63,7 @@ json::Json rows_of(const std::vector<Eigen::Vector3f>& points, View view) {
 
 }  // namespace
 
-json::Json place_picture(const map_quality::PlacePoints& points, View view) {
+json::Json place_picture(const map_quality::PassPoints& points, View view) {
   for (const Slice& slice : slices(view)) {
     const auto earlier = inside(points.earlier, slice);
     const auto later = inside(points.later, slice);

@@ -13,6 +13,6 @@ enum class View { kFromAbove, kAcross };
 /// points of each as [along, left] from above or [left, up] across, mm in the axes of the vehicle.
 /// A narrow slice shows best how far passes lie apart; where one of them has next to nothing in it,
 /// a wider one is taken.
-json::Json place_picture(const map_quality::PlacePoints& points, View view);
+json::Json place_picture(const map_quality::PassPoints& points, View view);
 
 }  // namespace lidar_mapping::report

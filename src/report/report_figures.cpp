@@ -162,7 +162,7 @@ namespace {
 json::Json thickness_json(const map_quality::Thickness& thickness, bool has_ratio) {
   return {{"cells", thickness.cells},
           {"median_m", thickness.median},
-          {"p90_m", thickness.high},
+          {"p90_m", thickness.percentile_90},
           {"median_within_m", thickness.median_within},
           {"median_ratio_to_noise", has_ratio ? json::Json(thickness.median_ratio) : json::Json()}};
 }
@@ -172,17 +172,17 @@ json::Json thickness_json(const map_quality::Thickness& thickness, bool has_rati
 json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio) {
   return {{"ground", thickness_json(thickness.ground, has_ratio)},
           {"walls", thickness_json(thickness.walls, has_ratio)},
-          {"planar_share", thickness.planar_share}};
+          {"planar_share", thickness.planar_fraction}};
 }
 
-json::Json to_json(const map_quality::GhostVector& ghost) {
+json::Json to_json(const map_quality::PassMisalignment& ghost) {
   return {{"key_frame", ghost.key_frame},
           {"position", {ghost.position.x(), ghost.position.y(), ghost.position.z()}},
-          {"along_m", ghost.along},
+          {"along_m", ghost.forward},
           {"left_m", ghost.left},
           {"up_m", ghost.up},
           {"yaw_deg", ghost.yaw * kDegPerRad},
-          {"size_m", ghost.size()},
+          {"size_m", ghost.distance()},
           {"planes", ghost.planes},
           {"residual_m", ghost.residual}};
 }

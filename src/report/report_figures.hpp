@@ -59,7 +59,7 @@ json::Json doubt_figures(const ReportInput& input, const back_end::BackEnd& back
 json::Json truth_figures(const ReportInput& input);
 
 json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio);
-json::Json to_json(const map_quality::GhostVector& ghost);
+json::Json to_json(const map_quality::PassMisalignment& ghost);
 json::Json to_json(const map_quality::MapEntropy& entropy);
 
 /// A line per figure: name, value in words, whether it is good, what it means, and what is good.

@@ -12,18 +12,18 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// What all facades of a house have in common.
+/// Properties that all facades of a house share.
 struct Style {
   double floor_height;
-  double bay;  ///< m from window to window
+  double bay;  ///< Distance between windows, m.
   double window_width;
   double window_height;
-  double sill;           ///< m above the floor
-  double recess;         ///< depth of the windows behind the wall, m
-  double ledge;          ///< how far the ledges stand out, m; 0 for none
-  double plinth;         ///< how far the plinth stands out, m
-  double blind_share;    ///< of bays without a window
-  double balcony_share;  ///< of bays above the ground floor with a balcony
+  double sill;              ///< Height of the sill above the floor, m.
+  double recess;            ///< Depth of the windows behind the wall, m.
+  double ledge;             ///< Depth of the ledges, m; 0: none.
+  double plinth;            ///< Depth of the plinth, m.
+  double blind_fraction;    ///< Fraction of bays without a window.
+  double balcony_fraction;  ///< Fraction of bays above the ground floor with a balcony.
   bool gabled;
   bool shop;
   Reflectivity wall;
@@ -39,15 +39,15 @@ Style draw_style(Random& random) {
   style.recess = random.uniform(0.1, 0.35);
   style.ledge = random.chance(0.6) ? random.uniform(0.06, 0.25) : 0.0;
   style.plinth = random.uniform(0.0, 0.1);
-  style.blind_share = random.uniform(0.05, 0.3);
-  style.balcony_share = random.chance(0.4) ? random.uniform(0.2, 0.6) : 0.0;
+  style.blind_fraction = random.uniform(0.05, 0.3);
+  style.balcony_fraction = random.chance(0.4) ? random.uniform(0.2, 0.6) : 0.0;
   style.gabled = random.chance(0.6);
   style.shop = random.chance(0.25);
   style.wall = static_cast<Reflectivity>(random.integer(70, 200));
   return style;
 }
 
-/// A wall in its own axes: `along` it, `up`, and `out` of it.
+/// A wall in its own axes: `along` the wall, `up`, and `out` of it.
 class Facade {
  public:
   /// T_mesh_wall: x along the wall, z up; the outside is towards -y.
@@ -97,7 +97,7 @@ void add_bay(Facade& facade, const Style& style, double a0, double a1, double u0
   double half = 0.5 * std::min(style.window_width, a1 - a0 - 0.4);
   double v0 = u0 + style.sill, v1 = std::min(v0 + style.window_height, u1 - 0.2);
   double depth = style.recess;
-  if (random.chance(style.blind_share) || half < 0.2) {
+  if (random.chance(style.blind_fraction) || half < 0.2) {
     facade.panel(a0, a1, u0, u1, 0.0, style.wall);
     return;
   }
@@ -114,7 +114,7 @@ void add_bay(Facade& facade, const Style& style, double a0, double a1, double u0
   const double shift = random.uniform(-0.1, 0.1);
   facade.opening(a0, a1, u0, u1, middle + shift - half, middle + shift + half, v0, v1, depth,
                  style.wall, pane_reflectivity(random));
-  if (!ground && random.chance(style.balcony_share)) {
+  if (!ground && random.chance(style.balcony_fraction)) {
     facade.block(a0 + 0.15, a1 - 0.15, u0 - 0.1, u0 + 1.0, random.uniform(0.9, 1.4), kConcrete);
   }
 }

@@ -6,8 +6,9 @@
 
 namespace lidar_mapping::simulation {
 
-/// A house of `width` along its street and `depth` behind it. Its frame lies in the middle of the
-/// front wall's foot, x along the street, y inwards. The cellar reaches `cellar` metres below.
+/// Plan of a house of `width` along its street and `depth` behind it, m. The origin of its frame is
+/// the middle of the foot of the front wall; x points along the street, y inwards. The walls reach
+/// `cellar` metres below the ground.
 struct HousePlan {
   double width = 12.0;
   double depth = 10.0;

@@ -22,8 +22,8 @@ namespace {
 
 enum Stream : std::uint64_t { kMesh = 0x400, kMotion };
 
-// The building stands with a corner at the origin, x along its length. Two aisles run along it,
-// between them the ramps, one above the other.
+// The building has a corner at the origin and its length along x. Two aisles run along it; between
+// them are the ramps, one above the other.
 constexpr double kLength = 70.0;
 constexpr double kWidth = 36.0;
 constexpr double kStorey = 3.0;
@@ -31,9 +31,9 @@ constexpr double kSlab = 0.25;
 constexpr int kStoreys = 3;
 constexpr double kAisleLow = 9.0, kAisleHigh = 27.0, kRampY = 18.0;
 constexpr double kRampFoot = 22.0, kRampTop = 50.0, kRampHalfWidth = 2.6;
-constexpr double kGate = 3.2;  ///< half width of the entrance in the west wall, m
+constexpr double kGate = 3.2;  ///< Half width of the entrance in the west wall, m.
 
-/// In from the west, a round of each storey and up the ramp to the next one.
+/// The drive enters from the west, makes a round of each storey and takes the ramp to the next one.
 std::vector<Eigen::Vector2d> corners() {
   std::vector<Eigen::Vector2d> corners = {{-48.0, kAisleLow}};
   for (int storey = 0; storey < kStoreys; ++storey) {
@@ -48,10 +48,10 @@ std::vector<Eigen::Vector2d> corners() {
   return corners;
 }
 
-/// Height of the floor along the path and where the roof begins and ends to cover it.
+/// Height of the floor along the path, and the part of the path that is under a roof.
 struct Profile {
-  std::vector<double> heights;  ///< every Path::kSpacing
-  double covered_from = 0.0;    ///< stations, m
+  std::vector<double> heights;  ///< Every Path::kSpacing metres.
+  double covered_from = 0.0;    ///< Station where the roof begins, m.
   double covered_to = 0.0;
 
   double height(double station) const {
@@ -75,12 +75,12 @@ Profile make_profile(const Path& path) {
   for (double s = 0.0; s <= path.length(); s += Path::kSpacing) {
     const bool ramp = on_ramp(path, s);
     if (ramp_before && !ramp && ++storey == kStoreys - 1) profile.covered_to = s;
-    const double share = (path.position(s).x() - kRampFoot) / (kRampTop - kRampFoot);
-    profile.heights.push_back(kStorey * (storey + (ramp ? share : 0.0)));
+    const double fraction = (path.position(s).x() - kRampFoot) / (kRampTop - kRampFoot);
+    profile.heights.push_back(kStorey * (storey + (ramp ? fraction : 0.0)));
     if (profile.covered_from == 0.0 && path.position(s).x() > 0.0) profile.covered_from = s;
     ramp_before = ramp;
   }
-  // The length of a car rounds off where a ramp begins and ends.
+  // The length of a car smooths the transitions at both ends of a ramp.
   profile.heights = smoothed(std::move(profile.heights), 14, 3);
   return profile;
 }
@@ -94,7 +94,7 @@ GroundUnder floor_under(const Path& path, const Profile& profile) {
   };
 }
 
-/// A flat quadrilateral between two corners, seen from above.
+/// A horizontal rectangle between two corners.
 void add_plate(TriangleMesh& mesh, double x0, double y0, double x1, double y1, double z,
                Reflectivity reflectivity) {
   add_quad(mesh, {x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}, reflectivity);
@@ -105,7 +105,7 @@ void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vect
   add_box(mesh, Pose{Eigen::Quaterniond::Identity(), 0.5 * (low + high)}, high - low, reflectivity);
 }
 
-/// A slab whose top is at `z`, with the hole through which the ramp comes up.
+/// A slab whose top is at `z`, with a hole for the ramp from below.
 void add_slab(TriangleMesh& mesh, double z) {
   const double y0 = kRampY - kRampHalfWidth, y1 = kRampY + kRampHalfWidth;
   const double low = z - kSlab;
@@ -126,7 +126,7 @@ void add_ramp(TriangleMesh& mesh, double z) {
   }
 }
 
-/// Parapet all round; in the ground floor's west wall the gate stays open.
+/// A parapet around the storey; with a gate in the west wall of the ground floor.
 void add_parapet(TriangleMesh& mesh, double z, bool gate) {
   constexpr double kHeight = 1.05, kThick = 0.2;
   const double top = z + kHeight;
@@ -145,7 +145,7 @@ void add_columns(TriangleMesh& mesh, double z) {
   }
 }
 
-/// Stair tower and a lift shaft in opposite corners: what tells the ends apart.
+/// A stair tower and a lift shaft in opposite corners, which make the ends different.
 void add_towers(TriangleMesh& mesh, double z, double height) {
   add_block(mesh, {kLength - 5.0, 0.3, z}, {kLength - 0.3, 3.2, z + height}, kPavement);
   add_block(mesh, {0.3, kWidth - 3.0, z}, {3.0, kWidth - 0.3, z + height}, kPavement);
@@ -169,19 +169,19 @@ void add_building(TriangleMesh& mesh, Random& random) {
   add_plate(mesh, 0.0, 0.0, kLength, kWidth, 0.02, kConcrete);
   for (int storey = 0; storey < kStoreys; ++storey) {
     const double z = storey * kStorey;
-    const bool deck = storey + 1 == kStoreys;
+    const bool is_top = storey + 1 == kStoreys;
     if (storey > 0) add_slab(mesh, z);
-    if (!deck) {
+    if (!is_top) {
       add_ramp(mesh, z);
       add_columns(mesh, z);
     }
     add_parapet(mesh, z, storey == 0);
-    add_towers(mesh, z, deck ? 2.8 : kStorey - kSlab);
+    add_towers(mesh, z, is_top ? 2.8 : kStorey - kSlab);
     add_parked_cars(mesh, z, random);
   }
 }
 
-/// Houses and trees around, seen from the gate and from the deck.
+/// Houses and trees around, which are seen from the gate and from the top storey.
 void add_neighbours(TriangleMesh& mesh, Random& random) {
   const auto house = [&](double x, double y, double yaw) {
     const HousePlan plan{random.uniform(12.0, 20.0), random.uniform(9.0, 12.0),

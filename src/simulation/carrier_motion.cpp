@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kStep = Track::kStep;
 
-/// Slower steps than this push less, m/s.
+/// Steps slower than this push less, m/s.
 constexpr double kFirmStep = 0.6;
 
 /// Accelerations of the body: x unused, y left, z up, then yaw, pitch and roll.
@@ -29,14 +29,14 @@ void add_push(Pushes& pushes, std::size_t first, double seconds, const Vector6d&
   }
 }
 
-/// A push at each footfall.
+/// Pushes at all footfalls.
 Pushes footfalls(const std::vector<TrackState>& states, const Carrier& carrier, Random& random) {
   Pushes pushes(states.size(), Vector6d::Zero());
   int step = 0;
   for (std::size_t i = 1; i < states.size(); ++i) {
-    if (states[i].way < (step + 1) * carrier.step_length) continue;
+    if (states[i].distance < (step + 1) * carrier.step_length) continue;
     const double side = ++step % 2 == 0 ? 1.0 : -1.0;
-    const double speed = (states[i].way - states[i - 1].way) / kStep;
+    const double speed = (states[i].distance - states[i - 1].distance) / kStep;
     const double firmness = std::min(1.0, speed / kFirmStep);
     const auto about = [&](double peak) { return firmness * peak * random.uniform(0.75, 1.25); };
     Vector6d peak = Vector6d::Zero();
@@ -50,7 +50,7 @@ Pushes footfalls(const std::vector<TrackState>& states, const Carrier& carrier, 
   return pushes;
 }
 
-/// Where pushes move a mass on a damped spring, from rest.
+/// Displacements of a mass on a damped spring, which starts at rest.
 std::vector<Vector6d> springs(const Pushes& pushes, double hz, double damping) {
   const double omega = 2.0 * kPi * hz;
   std::vector<Vector6d> offsets(pushes.size());
@@ -83,7 +83,7 @@ class Sway {
   std::array<double, 3> phases_{};
 };
 
-/// x, y, z, yaw, pitch, roll of the ground under the body.
+/// x, y, z, yaw, pitch and roll of the ground under the body.
 std::vector<Vector6d> body_on_ground(const std::vector<TrackState>& states,
                                      const std::vector<Ground>& ground, bool tilts) {
   std::vector<Vector6d> body(states.size());
@@ -129,7 +129,7 @@ Carrier legged_carrier() {
   Carrier carrier;
   carrier.height = 0.5;
   carrier.step_length = 0.32;
-  carrier.push = 36.5;  // less what the springs take off, 3 g
+  carrier.push = 36.5;  // 3 g after the springs have taken their part
   carrier.push_s = 0.025;
   carrier.side_push = 8.0;
   carrier.tilt_push = 60.0;

@@ -10,29 +10,31 @@
 
 namespace lidar_mapping::simulation {
 
-/// A person or a robot with legs that carries the sensors: each footfall pushes the body, which
-/// hangs on damped springs. Peaks are those of single pushes and vary by a quarter.
+/// A person or a legged robot that carries the sensors: each footfall pushes the body, which is
+/// suspended on damped springs. Peak values are those of single pushes; they vary by a quarter.
 struct Carrier {
-  double height = 1.2;       ///< m, of base_link above the ground
-  double arm = 0.0;          ///< m, of base_link before the axis about which the body turns
-  double step_length = 0.7;  ///< m of way between footfalls
-  double push = 0.0;         ///< m/s^2 upwards
-  double push_s = 0.2;       ///< s that a push lasts
-  double side_push = 0.0;    ///< m/s^2 to the left and right in turn
-  double tilt_push = 0.0;    ///< rad/s^2 of pitch, and of roll and yaw to both sides in turn
-  double spring_hz = 2.0;    ///< natural frequency of the body
-  double damping = 0.4;      ///< of it, as a share of the critical
-  double sway = 0.0;         ///< rad, of slow movements about each axis
+  double height = 1.2;  ///< Height of base_link above the ground, m.
+  double arm = 0.0;  ///< Distance of base_link in front of the axis about which the body turns, m.
+  double step_length = 0.7;  ///< Distance between footfalls, m.
+  double push = 0.0;         ///< Peak acceleration upwards, m/s^2.
+  double push_s = 0.2;       ///< Duration of a push, s.
+  double side_push = 0.0;    ///< Peak acceleration alternately to the left and right, m/s^2.
+  /// Peak angular acceleration of pitch, and alternately to both sides of roll and yaw, rad/s^2.
+  double tilt_push = 0.0;
+  double spring_hz = 2.0;  ///< Natural frequency of the body, Hz.
+  double damping = 0.4;    ///< Damping as a fraction of the critical one.
+  double sway = 0.0;       ///< Amplitude of slow movements about each axis, rad.
   bool tilts_with_ground = false;
 };
 
+/// A person who walks with the sensor in the hands.
 Carrier hand_held_carrier();
-/// Runs with the sensor in the hands.
+/// A person who runs with the sensor in the hands.
 Carrier running_carrier();
-/// A robot with four legs that trots: every footfall is a shock of 3 g.
+/// A trotting robot with four legs: every footfall is a shock of 3 g.
 Carrier legged_carrier();
 
-/// `ground` holds what is under each state of the track.
+/// Motion of a carrier along a track; `ground` holds the ground under each state of the track.
 SmoothTrajectory carried_trajectory(const Track& track, const std::vector<Ground>& ground,
                                     const Carrier& carrier, Random random);
 

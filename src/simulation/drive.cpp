@@ -16,7 +16,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Streams of noise, apart from each other.
+/// Independent streams of noise.
 enum Stream : std::uint64_t {
   kScanNoise = 0x100,
   kImuNoise,
@@ -26,7 +26,7 @@ enum Stream : std::uint64_t {
   kImuFaults
 };
 
-/// The first scan begins when every sensor has given samples.
+/// Time after which every sensor has delivered samples; the first scan begins then, ns.
 constexpr Stamp kFirstScanAfter = 200'000'000;
 
 constexpr double kShortestDrive = 1.0;  ///< s
@@ -98,7 +98,7 @@ class Drive::Impl {
     outages_.insert(outages_.end(), options.gnss_outages.begin(), options.gnss_outages.end());
   }
 
-  /// What remains of it.
+  /// Beginning of the drive after the cut.
   Stamp begin() const { return scenario_.trajectory.begin() + from_seconds(options_.start); }
 
   Stamp scan_stamp(std::size_t index) const {
@@ -109,11 +109,11 @@ class Drive::Impl {
     require(index < scan_count_, "scan " + std::to_string(index) + " is not one of the drive's " +
                                      std::to_string(scan_count_));
     const std::size_t source = faults_.source(index, period_);
-    SimulatedScan scan =
-        take_scan({caster_, scenario_.trajectory, lidar_, scenario_.mounting.T_base_lidar, source,
-                   scan_stamp(source), period_, options_.undistorted, scenario_.near_things_hide,
-                   options_.range_noise, noise_seed(kScanNoise) ^ mixed(source)});
-    faults_.spoil(scan, source, lidar_, options_.range_noise);
+    SimulatedScan scan = take_scan({caster_, scenario_.trajectory, lidar_,
+                                    scenario_.mounting.T_base_lidar, source, scan_stamp(source),
+                                    period_, options_.undistorted, scenario_.near_objects_occlude,
+                                    options_.range_noise, noise_seed(kScanNoise) ^ mix64(source)});
+    faults_.corrupt(scan, source, lidar_, options_.range_noise);
     scan.stamp = reported_stamp(index);
     scan.end = scan_stamp(index) + period_;
     return scan;
@@ -124,10 +124,10 @@ class Drive::Impl {
   }
 
   std::uint64_t noise_seed(Stream stream) const {
-    return mixed(day_seed(options_, options_.seed) ^ mixed(stream));
+    return mix64(day_seed(options_, options_.seed) ^ mix64(stream));
   }
 
-  /// Samples of what is left of a cut drive.
+  /// Removes the samples outside of a cut drive.
   template <typename Sample>
   std::vector<Sample> cut(std::vector<Sample> samples) const {
     const auto is_outside = [this](const Sample& sample) {
@@ -173,7 +173,7 @@ std::vector<ImuSample> Drive::imu() const {
   std::vector<ImuSample> samples =
       sample_imu(trajectory(), mounting().T_base_imu, impl_->imu_, impl_->scenario_.imu_period,
                  impl_->noise_seed(kImuNoise));
-  spoil(samples, impl_->options_.imu_faults, trajectory().begin(), impl_->noise_seed(kImuFaults));
+  corrupt(samples, impl_->options_.imu_faults, trajectory().begin(), impl_->noise_seed(kImuFaults));
   return impl_->cut(std::move(samples));
 }
 

@@ -15,55 +15,56 @@ namespace lidar_mapping::simulation {
 namespace {
 
 constexpr double kStep = Track::kStep;
-constexpr double kOnItsFeet = 0.2;  ///< m of base_link above the ground
-constexpr double kFlight = 3.0;     ///< m above the ground, in the mean
-constexpr double kWaves = 0.8;      ///< m that it goes up and down
+constexpr double kHeightAtRest = 0.2;   ///< Height of base_link above the ground at rest, m.
+constexpr double kFlightHeight = 3.0;   ///< Mean height above the ground, m.
+constexpr double kWaveAmplitude = 0.8;  ///< Amplitude of vertical oscillations, m.
 constexpr double kWaveHz = 0.22;
-constexpr double kRise = 3.0;  ///< s, and as long to land
-constexpr double kJink = 1.0;  ///< s of a short roll or pitch
-constexpr double kJinkAngle = 0.5;
-constexpr double kJinkEvery = 4.0;  ///< s
+constexpr double kTakeOff = 3.0;       ///< Duration of the take-off and of the landing, s.
+constexpr double kTiltDuration = 1.0;  ///< Duration of a short roll or pitch, s.
+constexpr double kTiltAngle = 0.5;
+constexpr double kTiltPeriod = 4.0;  ///< s
 
-double eased(double u) {
+double smooth_step(double u) {
   const double v = std::clamp(u, 0.0, 1.0);
   return v * v * v * (10.0 + v * (6.0 * v - 15.0));
 }
 
-/// 0 on the ground, 1 in flight.
-double airborne(double seconds, double end) {
-  return eased((seconds - 3.0) / kRise) * eased((end - 2.0 - seconds) / kRise);
+/// Fraction of the flight height: 0 on the ground, 1 in flight.
+double flight_fraction(double seconds, double end) {
+  return smooth_step((seconds - 3.0) / kTakeOff) * smooth_step((end - 2.0 - seconds) / kTakeOff);
 }
 
-/// x, y, z, yaw.
-std::vector<Vector6d> places(const Track& track, const std::vector<Ground>& ground,
-                             Random& random) {
+/// x, y, z and yaw of the drone.
+std::vector<Vector6d> positions(const Track& track, const std::vector<Ground>& ground,
+                                Random& random) {
   const double phase = random.uniform(0.0, 2.0 * kPi);
-  std::vector<Vector6d> places(track.states().size(), Vector6d::Zero());
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  std::vector<Vector6d> positions(track.states().size(), Vector6d::Zero());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     const TrackState& state = track.states()[i];
     const double t = static_cast<double>(i) * kStep;
-    const double up = airborne(t, track.seconds());
-    places[i].head<2>() = state.position;
-    places[i](2) = ground[i].height + kOnItsFeet +
-                   up * (kFlight + kWaves * std::sin(2.0 * kPi * kWaveHz * t + phase));
-    places[i](3) = state.yaw + up * 0.4 * std::sin(1.3 * t + phase);
+    const double up = flight_fraction(t, track.seconds());
+    positions[i].head<2>() = state.position;
+    positions[i](2) =
+        ground[i].height + kHeightAtRest +
+        up * (kFlightHeight + kWaveAmplitude * std::sin(2.0 * kPi * kWaveHz * t + phase));
+    positions[i](3) = state.yaw + up * 0.4 * std::sin(1.3 * t + phase);
   }
-  return smoothed(std::move(places), static_cast<int>(std::lround(0.1 / kStep)), 3);
+  return smoothed(std::move(positions), static_cast<int>(std::lround(0.1 / kStep)), 3);
 }
 
-/// Pitch and roll with which the rotors' push gives this acceleration.
-void tilt_into(const Eigen::Vector3d& acceleration, double share, Vector6d& place) {
-  const Eigen::Vector3d push = Eigen::AngleAxisd(-place(3), Eigen::Vector3d::UnitZ()) *
-                               (acceleration + Eigen::Vector3d(0.0, 0.0, kGravity));
-  place(4) += share * std::atan2(push.x(), push.z());
-  place(5) -= share * std::asin(push.y() / push.norm());
+/// Adds the pitch and roll with which the thrust of the rotors gives this acceleration.
+void add_tilt(const Eigen::Vector3d& acceleration, double fraction, Vector6d& position) {
+  const Eigen::Vector3d thrust = Eigen::AngleAxisd(-position(3), Eigen::Vector3d::UnitZ()) *
+                                 (acceleration + Eigen::Vector3d(0.0, 0.0, kGravity));
+  position(4) += fraction * std::atan2(thrust.x(), thrust.z());
+  position(5) -= fraction * std::asin(thrust.y() / thrust.norm());
 }
 
-void add_jinks(std::vector<Vector6d>& control, double end, Random& random) {
-  const auto count = static_cast<std::size_t>(kJink / kStep);
-  for (double t = 8.0; t < end - 8.0; t += random.uniform(0.5, 1.5) * kJinkEvery) {
+void add_short_tilts(std::vector<Vector6d>& control, double end, Random& random) {
+  const auto count = static_cast<std::size_t>(kTiltDuration / kStep);
+  for (double t = 8.0; t < end - 8.0; t += random.uniform(0.5, 1.5) * kTiltPeriod) {
     const int axis = random.integer(4, 5);
-    const double angle = (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(0.5, 1.0) * kJinkAngle;
+    const double angle = (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(0.5, 1.0) * kTiltAngle;
     const auto first = static_cast<std::size_t>(t / kStep);
     for (std::size_t k = 0; k <= count; ++k) {
       const double u = static_cast<double>(k) / static_cast<double>(count);
@@ -77,14 +78,15 @@ void add_jinks(std::vector<Vector6d>& control, double end, Random& random) {
 
 SmoothTrajectory flown_trajectory(const Track& track, const std::vector<Ground>& ground,
                                   Random random) {
-  const std::vector<Vector6d> way = places(track, ground, random);
-  std::vector<Vector6d> control = way;
-  for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+  const std::vector<Vector6d> path = positions(track, ground, random);
+  std::vector<Vector6d> control = path;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
     const Eigen::Vector3d acceleration =
-        (way[i + 1] - 2.0 * way[i] + way[i - 1]).head<3>() / (kStep * kStep);
-    tilt_into(acceleration, airborne(static_cast<double>(i) * kStep, track.seconds()), control[i]);
+        (path[i + 1] - 2.0 * path[i] + path[i - 1]).head<3>() / (kStep * kStep);
+    add_tilt(acceleration, flight_fraction(static_cast<double>(i) * kStep, track.seconds()),
+             control[i]);
   }
-  add_jinks(control, track.seconds(), random);
+  add_short_tilts(control, track.seconds(), random);
   return SmoothTrajectory(kDriveBegin, kStep, std::move(control));
 }
 

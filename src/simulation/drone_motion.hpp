@@ -10,9 +10,9 @@
 
 namespace lidar_mapping::simulation {
 
-/// A drone over the track: it stands on the ground, rises, flies some metres above the ground
-/// under the track and lands at its end. Its rotors push along its z axis alone, so that it tilts
-/// with every acceleration; now and then it rolls and pitches for a moment besides.
+/// Motion of a drone along the track: it stands on the ground, takes off, flies some metres above
+/// the ground and lands at the end. Its rotors accelerate it along its z axis alone, so that it
+/// tilts with every acceleration; now and then it rolls or pitches for a moment.
 SmoothTrajectory flown_trajectory(const Track& track, const std::vector<Ground>& ground,
                                   Random random);
 

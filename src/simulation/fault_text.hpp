@@ -11,22 +11,23 @@
 
 namespace lidar_mapping::simulation {
 
-/// The name of a fault and what stands behind its equals sign.
+/// Splits a fault into its name and the value behind the equals sign.
 inline std::pair<std::string, std::optional<std::string>> split_fault(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) return {text, std::nullopt};
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-/// True if all of the text has this form, whose last word is %n, and gives all of these numbers.
+/// Reads all numbers of a text of this sscanf format, which has to end with %n; false if the text
+/// has another form or any rest.
 template <typename... Numbers>
-bool reads(const std::string& text, const char* form, Numbers*... numbers) {
+bool matches_format(const std::string& text, const char* format, Numbers*... numbers) {
   int end = 0;
-  const int read = std::sscanf(text.c_str(), form, numbers..., &end);
+  const int read = std::sscanf(text.c_str(), format, numbers..., &end);
   return read == static_cast<int>(sizeof...(numbers)) && end == static_cast<int>(text.size());
 }
 
-/// The names in a table of faults.
+/// Names in a table of faults.
 template <typename Descriptions>
 std::vector<std::string> fault_names(const Descriptions& descriptions) {
   std::vector<std::string> names;
@@ -34,17 +35,17 @@ std::vector<std::string> fault_names(const Descriptions& descriptions) {
   return names;
 }
 
-/// The fault that a text names, of those in a table (`name` and `form` of each): `usual` gives it
-/// without a value, `read_value` reads that into it. Throws ConfigError for any other text.
-template <typename Descriptions, typename Usual, typename ReadValue>
-auto parse_fault(const std::string& text, const Descriptions& descriptions, const Usual& usual,
-                 const ReadValue& read_value) {
+/// Parses a fault of a table (with `name` and `form` of each): `default_fault` creates it without a
+/// value, and `read_value` reads the value into it. Throws ConfigError for any other text.
+template <typename Descriptions, typename MakeDefault, typename ReadValue>
+auto parse_fault(const std::string& text, const Descriptions& descriptions,
+                 const MakeDefault& default_fault, const ReadValue& read_value) {
   const auto [name, value] = split_fault(text);
   for (const auto& known : descriptions) {
     if (name != known.name) continue;
-    auto fault = usual(known);
+    auto fault = default_fault(known);
     if (read_value(known, value, fault)) return fault;
-    throw ConfigError("fault: '" + text + "' is not of the form " + known.form);
+    throw ConfigError("fault: '" + text + "' is not of the form " + known.format);
   }
   std::string names;
   for (const std::string& known : fault_names(descriptions)) names += " " + known;

@@ -14,9 +14,9 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kMargin = 35.0;       ///< m of forest around the way
-constexpr double kAreaPerTree = 22.0;  ///< m^2
-constexpr double kCrownSpread = 0.9;   ///< m that a bush reaches to the side per metre of height
+constexpr double kMargin = 35.0;       ///< Width of the forest around the path, m.
+constexpr double kAreaPerTree = 22.0;  ///< Area per tree, m^2.
+constexpr double kCrownSpread = 0.9;   ///< Radius of a bush per metre of height, m.
 
 struct Area {
   Eigen::Vector2d low, high;
@@ -28,9 +28,9 @@ struct Area {
   }
 };
 
-Area around(const std::vector<Eigen::Vector2d>& way) {
-  Area area{way.front(), way.front()};
-  for (const Eigen::Vector2d& at : way) {
+Area around(const std::vector<Eigen::Vector2d>& path) {
+  Area area{path.front(), path.front()};
+  for (const Eigen::Vector2d& at : path) {
     area.low = area.low.cwiseMin(at);
     area.high = area.high.cwiseMax(at);
   }
@@ -39,13 +39,13 @@ Area around(const std::vector<Eigen::Vector2d>& way) {
   return area;
 }
 
-double distance_to_way(const std::vector<Eigen::Vector2d>& way, const Eigen::Vector2d& at) {
+double distance_to_path(const std::vector<Eigen::Vector2d>& path, const Eigen::Vector2d& at) {
   double nearest = 1e9;
-  for (const Eigen::Vector2d& point : way) nearest = std::min(nearest, (point - at).squaredNorm());
+  for (const Eigen::Vector2d& point : path) nearest = std::min(nearest, (point - at).squaredNorm());
   return std::sqrt(nearest);
 }
 
-/// A bare trunk with stumps of branches and a crown above a drone's way.
+/// A bare trunk with stumps of branches, and a crown above the path of a drone.
 void add_conifer(TriangleMesh& mesh, const Eigen::Vector3d& foot, Random random) {
   const double height = random.uniform(9.0, 17.0), radius = random.uniform(0.08, 0.28);
   const Eigen::Vector3d lean(random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), 1.0);
@@ -64,9 +64,9 @@ void add_conifer(TriangleMesh& mesh, const Eigen::Vector3d& foot, Random random)
 void add_boulder(TriangleMesh& mesh, const Eigen::Vector3d& at, Random& random) {
   const Eigen::Vector3d size(random.uniform(0.3, 1.2), random.uniform(0.3, 1.2),
                              random.uniform(0.2, 0.8));
-  const Eigen::Vector3d turned(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4),
-                               random.uniform(-kPi, kPi));
-  add_box(mesh, {exp_so3(turned), at}, size, kConcrete);
+  const Eigen::Vector3d rotation(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4),
+                                 random.uniform(-kPi, kPi));
+  add_box(mesh, {exp_so3(rotation), at}, size, kConcrete);
 }
 
 void add_log(TriangleMesh& mesh, const Terrain& terrain, const Eigen::Vector2d& at,
@@ -80,20 +80,20 @@ void add_log(TriangleMesh& mesh, const Terrain& terrain, const Eigen::Vector2d& 
 
 }  // namespace
 
-void add_forest(TriangleMesh& mesh, const Terrain& terrain, const std::vector<Eigen::Vector2d>& way,
-                double clear, Random& random) {
-  const Area area = around(way);
+void add_forest(TriangleMesh& mesh, const Terrain& terrain,
+                const std::vector<Eigen::Vector2d>& path, double clear, Random& random) {
+  const Area area = around(path);
   add_ground(mesh, terrain, area.low, area.high, 1.5, kSoil);
   for (int i = static_cast<int>(area.size() / kAreaPerTree); i > 0; --i) {
     const Eigen::Vector2d at = area.draw(random);
     const Random own(random.bits());
-    if (distance_to_way(way, at) > clear + 0.7) add_conifer(mesh, terrain.on_ground(at), own);
+    if (distance_to_path(path, at) > clear + 0.7) add_conifer(mesh, terrain.on_ground(at), own);
   }
   for (int i = static_cast<int>(area.size() / (2.0 * kAreaPerTree)); i > 0; --i) {
     const Eigen::Vector2d at = area.draw(random);
     const double height = random.uniform(0.3, 1.6), kind = random.uniform();
     Random own(random.bits());
-    const double distance = distance_to_way(way, at);
+    const double distance = distance_to_path(path, at);
     if (kind < 0.6 && distance > clear + kCrownSpread * height + 0.2) {
       add_bush(mesh, terrain.on_ground(at), height, own);
     } else if (kind < 0.8 && distance > clear + 0.8) {

@@ -10,9 +10,9 @@
 
 namespace lidar_mapping::simulation {
 
-/// Trunks, undergrowth, boulders and fallen logs on the terrain around a way, of which nothing is
-/// nearer than `clear` metres.
-void add_forest(TriangleMesh& mesh, const Terrain& terrain, const std::vector<Eigen::Vector2d>& way,
-                double clear, Random& random);
+/// Adds trunks, undergrowth, boulders and fallen logs on the terrain around a path; nothing is
+/// nearer to the path than `clear` metres.
+void add_forest(TriangleMesh& mesh, const Terrain& terrain,
+                const std::vector<Eigen::Vector2d>& path, double clear, Random& random);
 
 }  // namespace lidar_mapping::simulation

@@ -14,20 +14,20 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-enum Stream : std::uint64_t { kWay = 0x700, kTerrain, kMesh, kMotion };
+enum Stream : std::uint64_t { kPath = 0x700, kTerrain, kMesh, kMotion };
 
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr double kClearOnFoot = 0.9;  ///< m beside the way
+constexpr double kClearOnFoot = 0.9;  ///< Free space beside the path on foot, m.
 constexpr double kClearInFlight = 1.6;
 
 Terrain forest_floor(const DriveOptions& options) {
   return Terrain(Random(options.seed, kTerrain), 7, 16.0, 70.0, 0.14);
 }
 
-/// A round of some 150 m, from its first corner to its first corner.
-Points round(const DriveOptions& options) {
-  Random random(options.seed, kWay);
+/// Corners of a round of about 150 m that ends at its beginning.
+Points round_corners(const DriveOptions& options) {
+  Random random(options.seed, kPath);
   Points corners = {{14.0, -3.0}, {32.0, 3.0}, {41.0, 16.0}, {36.0, 31.0},
                     {20.0, 36.0}, {7.0, 27.0}, {-6.0, 20.0}, {-8.0, 7.0}};
   for (Eigen::Vector2d& corner : corners) {
@@ -39,21 +39,21 @@ Points round(const DriveOptions& options) {
 }
 
 /// Points half a metre apart.
-Points way_of(const Track& track) {
-  Points way;
+Points path_of(const Track& track) {
+  Points path;
   for (std::size_t i = 0; i < track.states().size(); i += 50) {
-    way.push_back(track.states()[i].position);
+    path.push_back(track.states()[i].position);
   }
-  return way;
+  return path;
 }
 
-Scenario in_the_forest(const DriveOptions& options, const Track& track, double clear,
-                       SmoothTrajectory trajectory, const SensorMounting& mounting) {
+Scenario forest_scenario(const DriveOptions& options, const Track& track, double clear,
+                         SmoothTrajectory trajectory, const SensorMounting& mounting) {
   Scenario scenario{{}, std::move(trajectory), mounting, {}};
   scenario.imu_period = kCarrierImuPeriod;
-  scenario.near_things_hide = true;
+  scenario.near_objects_occlude = true;
   Random random(options.seed, kMesh);
-  add_forest(scenario.world.fixed, forest_floor(options), way_of(track), clear, random);
+  add_forest(scenario.world.fixed, forest_floor(options), path_of(track), clear, random);
   return scenario;
 }
 
@@ -65,17 +65,17 @@ std::vector<Ground> ground_under(const Track& track, const Terrain& terrain) {
   return ground;
 }
 
-Scenario on_foot(const DriveOptions& options, const Track& track, const Carrier& carrier,
-                 const SensorMounting& mounting) {
+Scenario scenario_on_foot(const DriveOptions& options, const Track& track, const Carrier& carrier,
+                          const SensorMounting& mounting) {
   const std::vector<Ground> ground = ground_under(track, forest_floor(options));
-  return in_the_forest(options, track, kClearOnFoot,
-                       carried_trajectory(track, ground, carrier, Random(options.seed, kMotion)),
-                       mounting);
+  return forest_scenario(options, track, kClearOnFoot,
+                         carried_trajectory(track, ground, carrier, Random(options.seed, kMotion)),
+                         mounting);
 }
 
-/// Round once and a little further.
-Track once_round(const DriveOptions& options, const SpeedLimits& limits) {
-  const Points corners = round(options);
+/// A round and a little more.
+Track round_track(const DriveOptions& options, const SpeedLimits& limits) {
+  const Points corners = round_corners(options);
   Track track({0.0, 0.0}, 0.0);
   track.stand(3.0);
   track.walk(Points(corners.begin(), corners.begin() + 4), limits, {3.0, 0.5});
@@ -89,29 +89,29 @@ Track once_round(const DriveOptions& options, const SpeedLimits& limits) {
 }  // namespace
 
 Scenario make_handheld_forest(const DriveOptions& options) {
-  return on_foot(options, once_round(options, {1.4, 1.3, 1.2}), hand_held_carrier(),
-                 hand_held_mounting());
+  return scenario_on_foot(options, round_track(options, {1.4, 1.3, 1.2}), hand_held_carrier(),
+                          hand_held_mounting());
 }
 
 Scenario make_running_forest(const DriveOptions& options) {
-  return on_foot(options, once_round(options, {3.5, 4.0, 2.5}), running_carrier(),
-                 hand_held_mounting());
+  return scenario_on_foot(options, round_track(options, {3.5, 4.0, 2.5}), running_carrier(),
+                          hand_held_mounting());
 }
 
 Scenario make_legged_forest(const DriveOptions& options) {
-  return on_foot(options, once_round(options, {1.0, 1.0, 0.8}), legged_carrier(),
-                 legged_mounting());
+  return scenario_on_foot(options, round_track(options, {1.0, 1.0, 0.8}), legged_carrier(),
+                          legged_mounting());
 }
 
 Scenario make_drone(const DriveOptions& options) {
-  const Points corners = round(options);
+  const Points corners = round_corners(options);
   Track track({0.0, 0.0}, 0.0);
   track.stand(7.0);
   for (int i = 0; i < 2; ++i) track.walk(corners, {7.5, 8.0, 6.0}, {7.0, 1.0});
   track.stand(6.0);
   SmoothTrajectory flight = flown_trajectory(track, ground_under(track, forest_floor(options)),
                                              Random(options.seed, kMotion));
-  return in_the_forest(options, track, kClearInFlight, std::move(flight), drone_mounting());
+  return forest_scenario(options, track, kClearInFlight, std::move(flight), drone_mounting());
 }
 
 }  // namespace lidar_mapping::simulation

@@ -21,14 +21,14 @@ using Kind = ImuFault::Kind;
 using Samples = std::vector<ImuSample>;
 
 constexpr double kNoLimit = 1e9;
-constexpr double kUsualGapEvery = 20.0;  ///< s
+constexpr double kDefaultGapPeriod = 20.0;  ///< s
 
 struct Description {
   const char* name;
   Kind kind;
-  const char* form;
-  double least;
-  double most;
+  const char* format;
+  double min;
+  double max;
 };
 constexpr Description kDescriptions[] = {
     {"imu_vibration", Kind::kVibration, "imu_vibration=M_PER_S2 from 0.01 to 200", 0.01, 200.0},
@@ -41,21 +41,23 @@ constexpr Description kDescriptions[] = {
     {"imu_gap", Kind::kGap, "imu_gap=SECONDS or imu_gap=SECONDS,EVERY_SECONDS, 0.01 or more", 0.01,
      1e6}};
 
-/// The place of `word` among `words`, or nothing.
+/// Finds the position of `word` among `words`; false if it is none of them.
 template <std::size_t N>
-bool find_word(const std::array<const char*, N>& words, const std::string& word, double& place) {
+bool find_word(const std::array<const char*, N>& words, const std::string& word, double& position) {
   const auto found = std::find(words.begin(), words.end(), word);
-  place = static_cast<double>(found - words.begin());
+  position = static_cast<double>(found - words.begin());
   return found != words.end();
 }
 
 bool read_numbers(const Description& known, const std::string& numbers, ImuFault& fault) {
-  const bool may_have_two = known.kind == Kind::kClip || known.kind == Kind::kGap;
-  const bool is_one = reads(numbers, "%lf%n", &fault.amount);
-  const bool is_two = may_have_two && reads(numbers, "%lf,%lf%n", &fault.amount, &fault.other) &&
-                      fault.other >= 0.01 && fault.other <= 1e9;
+  const bool may_have_two_numbers = known.kind == Kind::kClip || known.kind == Kind::kGap;
+  const bool is_one_number = matches_format(numbers, "%lf%n", &fault.amount);
+  const bool are_two_numbers = may_have_two_numbers &&
+                               matches_format(numbers, "%lf,%lf%n", &fault.amount, &fault.other) &&
+                               fault.other >= 0.01 && fault.other <= 1e9;
   // Written so that NaN fails.
-  return (is_one || is_two) && fault.amount >= known.least && fault.amount <= known.most;
+  return (is_one_number || are_two_numbers) && fault.amount >= known.min &&
+         fault.amount <= known.max;
 }
 
 bool read(const Description& known, const std::optional<std::string>& value, ImuFault& fault) {
@@ -69,7 +71,7 @@ bool read(const Description& known, const std::optional<std::string>& value, Imu
 }
 
 void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {
-  // Rotors turn at this speed; the housing carries their shaking to the gyroscope as well.
+  // Frequency of the rotors; the housing transmits their vibration to the gyroscope as well.
   constexpr double kHz = 83.0;
   constexpr double kHarmonic = 2.0;
   constexpr double kRatePerAcceleration = 0.01;  // rad/s per m/s^2
@@ -78,27 +80,27 @@ void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {
   for (double& p : phase) p = random.uniform(0.0, 2.0 * kPi);
   for (ImuSample& sample : samples) {
     const double angle = 2.0 * kPi * kHz * to_seconds(sample.stamp - begin);
-    const auto shaking = [&](int axis) {
+    const auto vibration = [&](int axis) {
       return std::sin(angle + phase[2 * axis]) + std::sin(kHarmonic * angle + phase[2 * axis + 1]);
     };
     for (int axis = 0; axis < 3; ++axis) {
-      sample.linear_acceleration(axis) += amount * shaking(axis);
-      sample.angular_velocity(axis) += kRatePerAcceleration * amount * shaking(3 + axis);
+      sample.linear_acceleration(axis) += amount * vibration(axis);
+      sample.angular_velocity(axis) += kRatePerAcceleration * amount * vibration(3 + axis);
     }
   }
 }
 
-void turn(ImuSample& sample) {
-  const Eigen::Quaterniond quarter(Eigen::AngleAxisd((0.5 * kPi), Eigen::Vector3d::UnitZ()));
-  sample.angular_velocity = quarter * sample.angular_velocity;
-  sample.linear_acceleration = quarter * sample.linear_acceleration;
-  if (sample.orientation) *sample.orientation = *sample.orientation * quarter.conjugate();
+void rotate_by_quarter(ImuSample& sample) {
+  const Eigen::Quaterniond R_quarter(Eigen::AngleAxisd((0.5 * kPi), Eigen::Vector3d::UnitZ()));
+  sample.angular_velocity = R_quarter * sample.angular_velocity;
+  sample.linear_acceleration = R_quarter * sample.linear_acceleration;
+  if (sample.orientation) *sample.orientation = *sample.orientation * R_quarter.conjugate();
 }
 
-void clip(Eigen::Vector3d& values, double most) { values = values.cwiseMax(-most).cwiseMin(most); }
+void clip(Eigen::Vector3d& values, double max) { values = values.cwiseMax(-max).cwiseMin(max); }
 
-/// What happens to each sample alone.
-void spoil(ImuSample& sample, const ImuFault& fault) {
+/// Applies a fault that changes each sample alone.
+void corrupt(ImuSample& sample, const ImuFault& fault) {
   switch (fault.kind) {
     case Kind::kScale:
       sample.angular_velocity *= 1.0 + fault.amount;
@@ -114,7 +116,7 @@ void spoil(ImuSample& sample, const ImuFault& fault) {
       clip(sample.angular_velocity, fault.other);
       break;
     case Kind::kFrame:
-      turn(sample);
+      rotate_by_quarter(sample);
       break;
     case Kind::kUnits:
       if (fault.amount == 0.0) sample.linear_acceleration /= kGravity;
@@ -132,7 +134,7 @@ void spoil(ImuSample& sample, const ImuFault& fault) {
 void make_gaps(Samples& samples, const ImuFault& fault, Stamp begin) {
   const auto is_missing = [&](const ImuSample& sample) {
     const double seconds = to_seconds(sample.stamp - begin);
-    // The drive does not begin with one.
+    // The drive does not begin with a gap.
     return seconds >= fault.other && std::fmod(seconds, fault.other) < fault.amount;
   };
   samples.erase(std::remove_if(samples.begin(), samples.end(), is_missing), samples.end());
@@ -141,22 +143,22 @@ void make_gaps(Samples& samples, const ImuFault& fault, Stamp begin) {
 }  // namespace
 
 ImuFault parse_imu_fault(const std::string& text) {
-  const auto usual = [](const Description& known) {
-    return ImuFault{known.kind, 0.0, known.kind == Kind::kGap ? kUsualGapEvery : kNoLimit};
+  const auto default_fault = [](const Description& known) {
+    return ImuFault{known.kind, 0.0, known.kind == Kind::kGap ? kDefaultGapPeriod : kNoLimit};
   };
-  return parse_fault(text, kDescriptions, usual, read);
+  return parse_fault(text, kDescriptions, default_fault, read);
 }
 
 std::vector<std::string> imu_fault_names() { return fault_names(kDescriptions); }
 
-void spoil(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
-           std::uint64_t seed) {
+void corrupt(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
+             std::uint64_t seed) {
   for (const Description& next : kDescriptions) {
     for (const ImuFault& fault : faults) {
       if (fault.kind != next.kind) continue;
       if (fault.kind == Kind::kVibration) vibrate(samples, fault.amount, begin, seed);
       if (fault.kind == Kind::kGap) make_gaps(samples, fault, begin);
-      for (ImuSample& sample : samples) spoil(sample, fault);
+      for (ImuSample& sample : samples) corrupt(sample, fault);
     }
   }
 }

@@ -10,10 +10,10 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Nothing but the motion: for tests.
+/// Without errors, for tests.
 ImuModel ideal() { return {"ideal", {}, {}, true, 0.0}; }
 
-/// Calibrated, with an attitude filter of its own.
+/// A calibrated unit with its own attitude filter.
 ImuModel good() {
   ImuModel model{"good", {}, {}, true, kOrientationNoise};
   model.gyro.noise = kGyroNoise;
@@ -23,8 +23,8 @@ ImuModel good() {
   return model;
 }
 
-/// As in telephones and inside of LiDARs, uncalibrated; magnitudes of their data sheets: 0.015
-/// degrees/s and 230 micro-g per square root of Hz, offsets of 1 degree/s and 30 milli-g.
+/// As in telephones and inside LiDARs, uncalibrated. Values of their data sheets: 0.015 degrees/s
+/// and 230 micro-g per square root of Hz, biases of 1 degree/s and 30 milli-g.
 ImuModel consumer() {
   ImuModel model{"consumer", {}, {}, false, 0.0};
   model.gyro.noise_density = 2.6e-4;

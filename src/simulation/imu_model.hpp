@@ -9,24 +9,26 @@ namespace lidar_mapping::simulation {
 
 /// Errors of a gyroscope (rad/s) or of an accelerometer (m/s^2), for each axis.
 struct InertialErrors {
-  double noise = 0.0;          ///< standard deviation of a sample
-  double noise_density = 0.0;  ///< the same for any rate: its share is density * sqrt(rate)
-  double bias = 0.0;           ///< standard deviation over drives
-  double bias_walk = 0.0;      ///< standard deviation of its change after a second
-  double scale = 0.0;          ///< standard deviation over drives, as a share
-  double misalignment = 0.0;   ///< rad, standard deviation over drives
-  double range = std::numeric_limits<double>::infinity();  ///< where it clips
+  double noise = 0.0;  ///< Standard deviation of a sample.
+  /// Noise density, independent of the rate: adds density * sqrt(rate).
+  double noise_density = 0.0;
+  double bias = 0.0;          ///< Standard deviation of the bias over drives.
+  double bias_walk = 0.0;     ///< Standard deviation of the change of the bias after a second.
+  double scale = 0.0;         ///< Standard deviation of the scale error over drives.
+  double misalignment = 0.0;  ///< Standard deviation of the misalignment over drives, rad.
+  double range = std::numeric_limits<double>::infinity();  ///< Value at which it saturates.
 };
 
+/// Errors of an IMU.
 struct ImuModel {
   std::string name;
   InertialErrors gyro;
   InertialErrors accelerometer;
   bool has_orientation = true;
-  double orientation_noise = 0.0;  ///< rad
+  double orientation_noise = 0.0;  ///< Standard deviation of the orientation, rad.
 };
 
-/// One of imu_names(). Throws ConfigError for any other name.
+/// Model of this name, one of imu_names(). Throws ConfigError for any other name.
 ImuModel imu_model(const std::string& name);
 
 }  // namespace lidar_mapping::simulation

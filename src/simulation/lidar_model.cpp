@@ -10,7 +10,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// `count` beams at equal steps from `top_deg` down to `bottom_deg`.
+/// Adds `count` beams at equal steps from `top_deg` down to `bottom_deg`.
 void add_beams(LidarModel& model, int count, double top_deg, double bottom_deg) {
   for (int i = 0; i < count; ++i) {
     model.elevations.push_back((top_deg + (bottom_deg - top_deg) * i / (count - 1)) * kRadPerDeg);
@@ -38,7 +38,7 @@ LidarModel os1_64() {
   return model;
 }
 
-/// Ouster OS0-64: the same turn with 90 degrees of height and a shorter reach.
+/// Ouster OS0-64: a vertical field of 90 degrees and a shorter range.
 LidarModel os0() {
   LidarModel model{"os0", {}, 1024, 0.3, 60.0};
   add_beams(model, 64, 45.0, -45.0);

@@ -5,14 +5,14 @@
 
 namespace lidar_mapping::simulation {
 
-/// On a car: LiDAR and antenna on the roof, IMU in the boot; nothing quite straight. base_link is
+/// On a car: LiDAR and antenna on the roof, IMU in the boot, all slightly misaligned. base_link is
 /// on the ground under the rear axle.
 SensorMounting car_mounting();
-/// In a hand, LiDAR 0.3 m above base_link.
+/// Hand-held, with the LiDAR 0.3 m above base_link.
 SensorMounting hand_held_mounting();
-/// On the back of a robot with legs whose base_link is the middle of its body.
+/// On the back of a legged robot; base_link is the middle of its body.
 SensorMounting legged_mounting();
-/// On a drone: LiDAR on top of base_link, the middle of its frame.
+/// On a drone: LiDAR on top; base_link is the middle of its frame.
 SensorMounting drone_mounting();
 
 }  // namespace lidar_mapping::simulation

@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kRoomWidth = 6.0;
 constexpr double kCeiling = 2.8;
-constexpr double kDoor = 0.5;  ///< half width
+constexpr double kDoor = 0.5;  ///< Half width of a door, m.
 constexpr double kDoorHeight = 2.1;
 constexpr double kWall = 0.12;
 
-/// A wall between two points with a door in its middle, or without.
+/// Adds a wall between two points, with or without a door in its middle.
 void add_wall(TriangleMesh& mesh, const Eigen::Vector2d& a, const Eigen::Vector2d& b, bool door,
               Reflectivity paint) {
   const Eigen::Vector2d along = (b - a).normalized(), middle = 0.5 * (a + b);
@@ -37,26 +37,26 @@ void add_wall(TriangleMesh& mesh, const Eigen::Vector2d& a, const Eigen::Vector2
 void add_furniture(TriangleMesh& mesh, const Eigen::Vector2d& wall, const Eigen::Vector2d& along,
                    const Eigen::Vector2d& inwards, Random& random) {
   const double yaw = std::atan2(along.y(), along.x());
-  const auto thing = [&](double s, double in, const Eigen::Vector3d& size, double foot) {
+  const auto add_piece = [&](double s, double in, const Eigen::Vector3d& size, double foot) {
     const Eigen::Vector2d at = wall + s * along + in * inwards;
     add_box(mesh,
             {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
              {at.x(), at.y(), foot + 0.5 * size.z()}},
             size, static_cast<Reflectivity>(random.integer(40, 190)));
   };
-  // Shelves and tables stand at the outer wall and in the corners, clear of the way.
+  // Shelves and tables stand at the outer wall and in the corners, away from the path.
   const double outer = kOfficeRoomDepth - 0.35;
-  thing(random.uniform(-2.0, -1.0), outer,
-        {random.uniform(0.8, 1.8), 0.45, random.uniform(0.8, 2.1)}, 0.0);
-  thing(random.uniform(1.0, 2.0), outer, {random.uniform(0.8, 1.6), 0.5, 0.06}, 0.74);
-  thing(random.uniform(0.6, 1.9), outer - 0.1, {0.4, 0.2, 0.4}, 0.8);
-  thing(-2.55, random.uniform(0.6, 1.3), {0.5, random.uniform(0.6, 1.0), random.uniform(0.7, 1.9)},
-        0.0);
-  thing(2.55, random.uniform(0.6, 1.3), {0.5, random.uniform(0.5, 1.0), random.uniform(0.4, 1.2)},
-        0.0);
+  add_piece(random.uniform(-2.0, -1.0), outer,
+            {random.uniform(0.8, 1.8), 0.45, random.uniform(0.8, 2.1)}, 0.0);
+  add_piece(random.uniform(1.0, 2.0), outer, {random.uniform(0.8, 1.6), 0.5, 0.06}, 0.74);
+  add_piece(random.uniform(0.6, 1.9), outer - 0.1, {0.4, 0.2, 0.4}, 0.8);
+  add_piece(-2.55, random.uniform(0.6, 1.3),
+            {0.5, random.uniform(0.6, 1.0), random.uniform(0.7, 1.9)}, 0.0);
+  add_piece(2.55, random.uniform(0.6, 1.3),
+            {0.5, random.uniform(0.5, 1.0), random.uniform(0.4, 1.2)}, 0.0);
 }
 
-/// A row of rooms along a side of the ring. `begin` lies on the corridor's outer wall.
+/// Adds a row of rooms along a side of the ring. `begin` lies on the outer wall of the corridor.
 void add_rooms(TriangleMesh& mesh, const Eigen::Vector2d& begin, const Eigen::Vector2d& along,
                double length, Random& random) {
   const Eigen::Vector2d inwards(along.y(), -along.x());
@@ -72,8 +72,8 @@ void add_rooms(TriangleMesh& mesh, const Eigen::Vector2d& begin, const Eigen::Ve
   }
 }
 
-/// Cupboards, plants and pipes along the core, so that the corridor is not the same everywhere.
-void add_corridor_things(TriangleMesh& mesh, Random& random) {
+/// Adds cupboards, plants and pipes along the core, so that the corridors differ.
+void add_corridor_furniture(TriangleMesh& mesh, Random& random) {
   const double x1 = kOfficeLength - kOfficeCorridor, y1 = kOfficeWidth - kOfficeCorridor;
   for (double x = 3.0; x < x1 - 1.0; x += random.uniform(2.5, 6.0)) {
     for (const double y : {kOfficeCorridor - 0.12, y1 + 0.12}) {
@@ -100,7 +100,7 @@ void add_office(TriangleMesh& mesh, Random& random) {
   add_rooms(mesh, {l + c, -0.0}, {0.0, 1.0}, 12.0, random);
   add_rooms(mesh, {l, w + c}, {-1.0, 0.0}, l, random);
   add_rooms(mesh, {-c, w}, {0.0, -1.0}, 12.0, random);
-  // What the rows of rooms leave open at the corners.
+  // Closes the corners that the rows of rooms leave open.
   add_wall(mesh, {-c, w - 12.0}, {-c, -c}, false, 160);
   add_wall(mesh, {-c, -c}, {0.0, -c}, false, 160);
   add_wall(mesh, {l, -c}, {l + c, -c}, false, 160);
@@ -109,7 +109,7 @@ void add_office(TriangleMesh& mesh, Random& random) {
   add_wall(mesh, {l + c, w + c}, {l, w + c}, false, 160);
   add_wall(mesh, {0.0, w + c}, {-c, w + c}, false, 160);
   add_wall(mesh, {-c, w + c}, {-c, w}, false, 160);
-  add_corridor_things(mesh, random);
+  add_corridor_furniture(mesh, random);
 }
 
 }  // namespace lidar_mapping::simulation

@@ -6,13 +6,14 @@
 
 namespace lidar_mapping::simulation {
 
-// A floor of an office: a corridor ring around a core, rooms outside of it.
-constexpr double kOfficeLength = 30.0;  ///< of the corridor's middle line along x, from 0, m
+// A floor of an office building: a ring of corridors around a core, with rooms outside of the ring.
+/// Length of the middle line of the corridors along x, which begins at 0, m.
+constexpr double kOfficeLength = 30.0;
 constexpr double kOfficeWidth = 16.0;
-constexpr double kOfficeCorridor = 1.2;  ///< half width
+constexpr double kOfficeCorridor = 1.2;  ///< Half width of the corridors, m.
 constexpr double kOfficeRoomDepth = 6.0;
 
-/// The floor's walls, rooms and what stands in them, on z = 0.
+/// Adds walls, rooms and furniture of the floor at z = 0.
 void add_office(TriangleMesh& mesh, Random& random);
 
 }  // namespace lidar_mapping::simulation

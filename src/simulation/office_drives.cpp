@@ -14,26 +14,27 @@ enum Stream : std::uint64_t { kMesh = 0x600, kMotion };
 
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr double kRoom = kOfficeCorridor + 0.5 * kOfficeRoomDepth;  ///< from a corridor's middle
+/// Distance from the middle of a corridor to that of a room, m.
+constexpr double kRoom = kOfficeCorridor + 0.5 * kOfficeRoomDepth;
 constexpr double kL = kOfficeLength, kW = kOfficeWidth;
 
-Scenario in_the_office(const DriveOptions& options, const Track& track, const Carrier& carrier,
-                       const SensorMounting& mounting) {
+Scenario office_scenario(const DriveOptions& options, const Track& track, const Carrier& carrier,
+                         const SensorMounting& mounting) {
   const std::vector<Ground> floor(track.states().size());
   Scenario scenario{{},
                     carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
                     mounting,
                     {{0.0, track.seconds()}}};
   scenario.imu_period = kCarrierImuPeriod;
-  scenario.near_things_hide = true;
+  scenario.near_objects_occlude = true;
   Random random(options.seed, kMesh);
   add_office(scenario.world.fixed, random);
   return scenario;
 }
 
-/// Round the floor, into three rooms; `in_room` says what is done there.
+/// A track round the floor and into three rooms, where `in_room` continues it.
 template <typename InRoom>
-Track rooms_and_corridors(const SpeedLimits& limits, const InRoom& in_room) {
+Track track_through_rooms(const SpeedLimits& limits, const InRoom& in_room) {
   Track track({1.0, 0.0}, 0.0);
   track.stand(3.0);
   for (const Points& leg : {Points{{9.0, 0.0}, {9.0, -kRoom}},
@@ -54,19 +55,19 @@ Scenario make_handheld(const DriveOptions& options) {
     track.stand(0.5);
     track.turn(2.0 * kPi, 2.5);
   };
-  return in_the_office(options, rooms_and_corridors({1.4, 1.3, 1.2}, look_around),
-                       hand_held_carrier(), hand_held_mounting());
+  return office_scenario(options, track_through_rooms({1.4, 1.3, 1.2}, look_around),
+                         hand_held_carrier(), hand_held_mounting());
 }
 
 Scenario make_spin(const DriveOptions& options) {
-  const auto whirl = [](Track& track) {
+  const auto spin = [](Track& track) {
     for (const double angle : {2.0 * kPi, -2.0 * kPi, kPi, -kPi, kPi}) {
       track.turn(angle, 5.0);
       track.stand(0.3);
     }
   };
-  return in_the_office(options, rooms_and_corridors({1.4, 1.3, 1.2}, whirl), hand_held_carrier(),
-                       hand_held_mounting());
+  return office_scenario(options, track_through_rooms({1.4, 1.3, 1.2}, spin), hand_held_carrier(),
+                         hand_held_mounting());
 }
 
 Scenario make_running(const DriveOptions& options) {
@@ -76,13 +77,13 @@ Scenario make_running(const DriveOptions& options) {
   for (int i = 0; i < 3; ++i) track.walk(round, {3.2, 3.0, 2.5}, {0.9, 0.3});
   track.walk({{3.0, 0.0}}, {1.5, 1.0, 1.0});
   track.stand(2.0);
-  return in_the_office(options, track, running_carrier(), hand_held_mounting());
+  return office_scenario(options, track, running_carrier(), hand_held_mounting());
 }
 
 Scenario make_legged(const DriveOptions& options) {
-  const auto turn_round = [](Track& track) { track.turn(2.0 * kPi, 1.5); };
-  return in_the_office(options, rooms_and_corridors({1.0, 1.0, 0.8}, turn_round), legged_carrier(),
-                       legged_mounting());
+  const auto turn_once = [](Track& track) { track.turn(2.0 * kPi, 1.5); };
+  return office_scenario(options, track_through_rooms({1.0, 1.0, 0.8}, turn_once), legged_carrier(),
+                         legged_mounting());
 }
 
 }  // namespace lidar_mapping::simulation

@@ -17,12 +17,12 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-enum Stream : std::uint64_t { kWay = 0x200, kTerrain, kMesh, kTraffic, kMotion };
+enum Stream : std::uint64_t { kPath = 0x200, kTerrain, kMesh, kTraffic, kMotion };
 
 constexpr double kRoadHalfWidth = 3.2;
 constexpr double kLane = 1.6;
 
-/// A round of some 900 m through the fields and a little more.
+/// Corners of a round of about 900 m through the fields and a little more.
 std::vector<Eigen::Vector2d> corners(Random random) {
   const std::vector<Eigen::Vector2d> round = {{0.0, 0.0},     {180.0, -30.0}, {300.0, 60.0},
                                               {240.0, 190.0}, {90.0, 150.0},  {-60.0, 210.0},
@@ -39,7 +39,7 @@ std::vector<Eigen::Vector2d> corners(Random random) {
   return corners;
 }
 
-/// Trees and bushes here and there, off the road.
+/// Adds trees and bushes beside the road.
 void add_plants(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Random& random) {
   for (int i = 0; i < 260; ++i) {
     const Eigen::Vector2d at(random.uniform(-230.0, 420.0), random.uniform(-150.0, 330.0));
@@ -54,7 +54,7 @@ void add_plants(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Ra
   }
 }
 
-/// Marker posts at uneven distances, and a few signs.
+/// Adds marker posts at irregular distances and a few signs.
 void add_posts(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Random& random) {
   for (double s = 10.0; s < path.length(); s += random.uniform(25.0, 70.0)) {
     const double side = random.chance(0.5) ? kRoadHalfWidth + 1.0 : -kRoadHalfWidth - 1.0;
@@ -71,7 +71,7 @@ void add_posts(TriangleMesh& mesh, const Terrain& terrain, const Path& path, Ran
 
 Scenario make_open_road(const DriveOptions& options) {
   const Terrain terrain(Random(options.seed, kTerrain), 6, 110.0, 300.0, 0.05);
-  const Path path = Path::rounded(corners(Random(options.seed, kWay)), 45.0).weaving(0.15, 1.0);
+  const Path path = Path::rounded(corners(Random(options.seed, kPath)), 45.0).weaving(0.15, 1.0);
   RoadDrive drive{path, 2.0, path.length() - 15.0, {17.0, 2.4, 1.8}, {}};
   const std::vector<double> stations = drive.stations();
   Scenario scenario{{},

@@ -13,7 +13,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Corner points replaced by chains of points on an arc.
+/// Replaces corners by points on arcs.
 std::vector<Eigen::Vector2d> with_arcs(const std::vector<Eigen::Vector2d>& corners, double radius) {
   std::vector<Eigen::Vector2d> chain = {corners.front()};
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
@@ -37,7 +37,7 @@ std::vector<Eigen::Vector2d> with_arcs(const std::vector<Eigen::Vector2d>& corne
   return chain;
 }
 
-/// Points `spacing` apart along a chain of points.
+/// Points `spacing` apart along a polyline.
 std::vector<Eigen::Vector2d> resampled(const std::vector<Eigen::Vector2d>& chain, double spacing) {
   std::vector<Eigen::Vector2d> points = {chain.front()};
   double due = spacing;
@@ -50,7 +50,7 @@ std::vector<Eigen::Vector2d> resampled(const std::vector<Eigen::Vector2d>& chain
   return points;
 }
 
-/// Cubic through evenly spaced values (Catmull and Rom 1974), clamped at the ends.
+/// Cubic interpolation of evenly spaced values (Catmull and Rom 1974), clamped at the ends.
 template <typename T>
 T interpolated(const std::vector<T>& values, double position) {
   const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;

@@ -8,22 +8,22 @@
 
 namespace lidar_mapping::simulation {
 
-/// A curve in the plane, sampled evenly, whose curvature changes without jumps.
+/// A curve in the plane, sampled at equal distances, with continuous curvature.
 class Path {
  public:
-  /// Through the corners of a polyline, each rounded with at most `radius` (m); the position is
-  /// then averaged three times over `blend` metres before and behind, which turns the jumps of
-  /// curvature into ramps. Stations are metres from the beginning, before blending.
+  /// Path through the corners of a polyline, each rounded with at most `radius` (m). The positions
+  /// are then averaged three times over `blend` metres before and behind, which makes the curvature
+  /// continuous. Stations are metres from the beginning, before blending.
   static Path rounded(const std::vector<Eigen::Vector2d>& corners, double radius,
                       double blend = 1.5);
-  /// Through points `kSpacing` apart.
+  /// Path through points that are kSpacing apart.
   explicit Path(std::vector<Eigen::Vector2d> points);
 
   double length() const;
   Eigen::Vector2d position(double station) const;
-  double heading(double station) const;    ///< rad, unwrapped from the beginning
-  double curvature(double station) const;  ///< 1/m, positive to the left
-  /// The same way, moved to the left by a slow weave of up to `amplitude` metres.
+  double heading(double station) const;    ///< Heading, rad, unwrapped from the beginning.
+  double curvature(double station) const;  ///< Curvature, 1/m, positive to the left.
+  /// The same path with slow lateral deviations of up to `amplitude` metres.
   Path weaving(double amplitude, double phase) const;
 
   static constexpr double kSpacing = 0.1;

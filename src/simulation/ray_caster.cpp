@@ -47,8 +47,9 @@ Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
   return geometry;
 }
 
-/// Builds a scene's tree in the caller's thread alone: then the tree, and with it the winner among
-/// equal hits, is the same whatever else runs. (The device's own limit would hold for all of TBB.)
+/// Builds the tree of a scene in the thread of the caller alone. So the tree, and with it the
+/// choice among equal hits, does not depend on other threads. (The limit of threads of the device
+/// would apply to all of TBB.)
 void commit(RTCScene scene) {
   tbb::task_arena alone(1);
   alone.execute([scene] { rtcCommitScene(scene); });
@@ -66,7 +67,7 @@ Eigen::Matrix<float, 3, 4> to_rows(const Pose& pose) {
   return pose.matrix().topRows<3>().cast<float>();
 }
 
-/// Places `part` at two poses, for the beginning and the end of the frame's interval.
+/// Adds an instance of `part` with its poses at the beginning and the end of the frame.
 void add_instance(RTCDevice device, RTCScene scene, RTCScene part, unsigned id, const Pose& first,
                   const Pose& last) {
   Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
@@ -95,10 +96,10 @@ void fill(RTCRayHit8& packet, int lane, const Ray& ray, float min_range, float m
   packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/// The world as it stands during one frame.
+/// The world during one frame.
 struct Frame {
   Scene scene;
-  std::vector<Eigen::Matrix3f> R_map_shape;  ///< per mover
+  std::vector<Eigen::Matrix3f> R_map_shape;  ///< One per mover.
 };
 
 }  // namespace
@@ -140,7 +141,7 @@ class RayCaster::Impl {
     if (hit.moving) {
       const Mover& mover = world_.movers[instance - 1];
       hit.reflectivity = world_.shapes[mover.shape].reflectivity[packet.hit.primID[lane]];
-      // The normal of an instance is in the shape's own frame.
+      // The normal of an instance is in the frame of its shape.
       hit.cosine = cosine(packet, lane, frame.R_map_shape[instance - 1] * normal);
     } else {
       hit.reflectivity = world_.fixed.reflectivity[packet.hit.primID[lane]];

@@ -18,7 +18,7 @@ SimulatedScan scan_of(const std::vector<RayReturn>& returns, const SimulatedScan
   result.stamp = scan.stamp;
   result.end = scan.end;
   for (std::size_t i = 0; i < returns.size(); ++i) {
-    if (!returns[i].there) continue;
+    if (!returns[i].is_valid) continue;
     result.cloud.points.push_back(returns[i].point);
     result.moving.push_back(returns[i].moving);
     result.rays.push_back(static_cast<std::uint32_t>(i));

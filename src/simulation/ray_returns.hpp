@@ -7,16 +7,16 @@
 
 namespace lidar_mapping::simulation {
 
-/// What came back along one ray of a frame.
+/// Return of one ray of a frame.
 struct RayReturn {
-  bool there = false;
-  Point point;  ///< in the LiDAR's frame
+  bool is_valid = false;
+  Point point;  ///< Point in the frame of the LiDAR, m.
   std::uint8_t moving = 0;
 };
 
-/// A scan as a table with an entry for each ray, in the order of ray_directions().
+/// A scan as a table with one entry per ray, in the order of ray_directions().
 std::vector<RayReturn> returns_of(const SimulatedScan& scan, const LidarModel& lidar);
-/// The scan of such a table: that of `scan`, with other points.
+/// Converts such a table to a scan with the stamps of `scan`.
 SimulatedScan scan_of(const std::vector<RayReturn>& returns, const SimulatedScan& scan,
                       const LidarModel& lidar);
 

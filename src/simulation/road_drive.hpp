@@ -9,10 +9,10 @@
 
 namespace lidar_mapping::simulation {
 
-/// A drive along part of a path.
+/// A drive along a part of a path.
 struct RoadDrive {
   Path path;
-  double begin = 0.0;  ///< stations, m
+  double begin = 0.0;  ///< First station, m.
   double end = 0.0;
   SpeedLimits limits;
   std::vector<Halt> halts;

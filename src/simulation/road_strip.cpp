@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kStripStep = 2.0;
 constexpr double kMeadowCell = 2.0;
-constexpr double kMeadowDepth = 0.12;      ///< of the mean grass below the road, m
-constexpr double kMeadowRoughness = 0.03;  ///< m
+constexpr double kMeadowDepth = 0.12;      ///< Depth of the mean grass below the road, m.
+constexpr double kMeadowRoughness = 0.03;  ///< Standard deviation of the height, m.
 
 }  // namespace
 

@@ -25,8 +25,8 @@ Eigen::Vector3d normal3(Random& random, double sigma) {
 
 enum Stream : std::uint64_t { kGyroStream = 1, kAccelerometerStream };
 
-/// A gyroscope or an accelerometer with three axes. What is drawn once beyond its bias comes from a
-/// stream of its own, so that the noise of samples does not depend on it.
+/// A gyroscope or an accelerometer with three axes. All random values except bias and noise of the
+/// samples come from a separate stream, so that the noise of the samples does not depend on them.
 class InertialSensor {
  public:
   InertialSensor(const InertialErrors& errors, Stamp period, Random& noise, Random own)

@@ -18,37 +18,37 @@ namespace {
 
 using Kind = ScanFault::Kind;
 
-/// Streams of random numbers, apart from each other.
+/// Independent streams of random numbers.
 enum Stream : std::uint64_t {
   kOutlierStream = 1,
   kRainStream,
   kWallStream,
   kJitterStream,
-  kThinStream
+  kSubsetStream
 };
 
-// Drops and spray are seen where the laser is still bright.
-constexpr double kNearestDrop = 1.0;   // m
-constexpr double kFarthestDrop = 8.0;  // m
+// Drops and spray are measured at distances where the laser is bright.
+constexpr double kMinDropRange = 1.0;  // m
+constexpr double kMaxDropRange = 8.0;  // m
 constexpr float kDropIntensity = 8.0F;
 
-// A truck with its trailer on the lane to the left, in the LiDAR's frame, m.
+// A truck with a trailer on the lane to the left, in the frame of the LiDAR, m.
 constexpr double kTruckSide = 2.5;
 constexpr double kTruckHalfLength = 9.0;
 constexpr double kTruckBottom = -1.5;
 constexpr double kTruckTop = 2.5;
 constexpr float kTruckIntensity = 90.0F;
 
-/// Stamps keep their order.
-constexpr double kMostJitter = 0.45;        // of a turn
-constexpr double kUsualFrozenEvery = 10.0;  // s
+/// The order of the stamps is kept.
+constexpr double kMaxJitter = 0.45;            // of a turn
+constexpr double kDefaultFrozenPeriod = 10.0;  // s
 
 struct Description {
   const char* name;
   Kind kind;
-  const char* form;
-  double least;
-  double most;
+  const char* format;
+  double min;
+  double max;
 };
 constexpr Description kDescriptions[] = {
     {"outliers", Kind::kOutliers, "outliers=SHARE with a share of the points from 0.001 to 0.9",
@@ -61,7 +61,7 @@ constexpr Description kDescriptions[] = {
     {"sparse", Kind::kSparse, "sparse=POINTS, 1 or more", 1.0, 1e9},
     {"times", Kind::kTimes, "times=none or times=negated", 0.0, 1.0}};
 
-void put(RayReturn& ray, const Eigen::Vector3d& direction, double range, float intensity) {
+void set_return(RayReturn& ray, const Eigen::Vector3d& direction, double range, float intensity) {
   const Eigen::Vector3f p = (range * direction).cast<float>();
   ray = {true, {p.x(), p.y(), p.z(), intensity}, 1};
 }
@@ -74,32 +74,34 @@ void add_wall(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& 
     const double range = kTruckSide / d.y();
     const bool hits = std::abs(range * d.x()) < kTruckHalfLength && range * d.z() > kTruckBottom &&
                       range * d.z() < kTruckTop;
-    if (!hits || (rays[i].there && rays[i].point.position().norm() < range)) continue;
-    put(rays[i], d, range + range_noise * random.normal(), kTruckIntensity);
+    if (!hits || (rays[i].is_valid && rays[i].point.position().norm() < range)) continue;
+    set_return(rays[i], d, range + range_noise * random.normal(), kTruckIntensity);
   }
 }
 
 void add_outliers(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& directions,
-                  double share, const LidarModel& lidar, Random random) {
-  const auto there = static_cast<double>(
-      std::count_if(rays.begin(), rays.end(), [](const RayReturn& ray) { return ray.there; }));
-  // So many of all rays, of which some had a return, make up the share of the points.
+                  double fraction, const LidarModel& lidar, Random random) {
+  const auto valid_returns = static_cast<double>(
+      std::count_if(rays.begin(), rays.end(), [](const RayReturn& ray) { return ray.is_valid; }));
+  // The probability for each ray such that the artificial points are this fraction of all points,
+  // because some of them replace returns.
   const double chance =
-      share * there / (static_cast<double>(rays.size()) * (1.0 - share) + share * there);
+      fraction * valid_returns /
+      (static_cast<double>(rays.size()) * (1.0 - fraction) + fraction * valid_returns);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!random.chance(chance)) continue;
-    put(rays[i], directions[i], random.uniform(lidar.min_range, lidar.max_range),
-        static_cast<float>(random.integer(0, 255)));
+    set_return(rays[i], directions[i], random.uniform(lidar.min_range, lidar.max_range),
+               static_cast<float>(random.integer(0, 255)));
   }
 }
 
 void add_rain(std::vector<RayReturn>& rays, const std::vector<Eigen::Vector3d>& directions,
-              double share, Random random) {
+              double fraction, Random random) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (!random.chance(share)) continue;
-    const double range = random.uniform(kNearestDrop, kFarthestDrop);
-    if (rays[i].there && rays[i].point.position().norm() < range) continue;
-    put(rays[i], directions[i], range, kDropIntensity);
+    if (!random.chance(fraction)) continue;
+    const double range = random.uniform(kMinDropRange, kMaxDropRange);
+    if (rays[i].is_valid && rays[i].point.position().norm() < range) continue;
+    set_return(rays[i], directions[i], range, kDropIntensity);
   }
 }
 
@@ -110,29 +112,30 @@ bool read(const Description& known, const std::optional<std::string>& value, Sca
     fault.amount = *value == "negated" ? 1.0 : 0.0;
     return *value == "none" || *value == "negated";
   }
-  const bool is_one = reads(*value, "%lf%n", &fault.amount);
-  const bool is_two = known.kind == Kind::kFrozen &&
-                      reads(*value, "%lf,%lf%n", &fault.amount, &fault.every_s) &&
-                      fault.every_s >= 1.0;
+  const bool is_one_number = matches_format(*value, "%lf%n", &fault.amount);
+  const bool are_two_numbers = known.kind == Kind::kFrozen &&
+                               matches_format(*value, "%lf,%lf%n", &fault.amount, &fault.every_s) &&
+                               fault.every_s >= 1.0;
   // Written so that NaN fails.
-  return (is_one || is_two) && fault.amount >= known.least && fault.amount <= known.most;
+  return (is_one_number || are_two_numbers) && fault.amount >= known.min &&
+         fault.amount <= known.max;
 }
 
-/// Keeps `most` points, each with the same chance, in their order.
-void thin_out(SimulatedScan& scan, std::size_t most, Random random) {
-  std::size_t wanted = most;
+/// Keeps a random subset of `max` points, in their order.
+void keep_random_subset(SimulatedScan& scan, std::size_t max, Random random) {
+  std::size_t amount_of = max;
   std::size_t kept = 0;
   const std::size_t size = scan.cloud.size();
-  if (size <= most) return;
+  if (size <= max) return;
   for (std::size_t i = 0; i < size; ++i) {
-    const double chance = static_cast<double>(wanted) / static_cast<double>(size - i);
+    const double chance = static_cast<double>(amount_of) / static_cast<double>(size - i);
     if (!random.chance(chance)) continue;
     scan.cloud.points[kept] = scan.cloud.points[i];
     scan.moving[kept] = scan.moving[i];
     scan.rays[kept] = scan.rays[i];
     if (scan.cloud.has_times()) scan.cloud.times[kept] = scan.cloud.times[i];
     ++kept;
-    --wanted;
+    --amount_of;
   }
   scan.cloud.points.resize(kept);
   scan.moving.resize(kept);
@@ -143,10 +146,10 @@ void thin_out(SimulatedScan& scan, std::size_t most, Random random) {
 }  // namespace
 
 ScanFault parse_scan_fault(const std::string& text) {
-  const auto usual = [](const Description& known) {
-    return ScanFault{known.kind, 0.0, kUsualFrozenEvery};
+  const auto default_fault = [](const Description& known) {
+    return ScanFault{known.kind, 0.0, kDefaultFrozenPeriod};
   };
-  return parse_fault(text, kDescriptions, usual, read);
+  return parse_fault(text, kDescriptions, default_fault, read);
 }
 
 std::vector<std::string> scan_fault_names() { return fault_names(kDescriptions); }
@@ -159,9 +162,10 @@ std::size_t ScanFaults::source(std::size_t index, Stamp period) const {
     if (fault.kind != Kind::kFrozen) continue;
     const auto every = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::llround(fault.every_s / to_seconds(period))));
-    const std::size_t since = index % every;
-    // The drive does not begin with it.
-    if (index >= every && since <= static_cast<std::size_t>(fault.amount)) return index - since;
+    const std::size_t repetition = index % every;
+    // The drive does not begin with a repeated scan.
+    if (index >= every && repetition <= static_cast<std::size_t>(fault.amount))
+      return index - repetition;
   }
   return index;
 }
@@ -170,25 +174,25 @@ Stamp ScanFaults::stamp_error(std::size_t index, Stamp period) const {
   double seconds = 0.0;
   for (const ScanFault& fault : faults_) {
     if (fault.kind != Kind::kJitter) continue;
-    seconds += fault.amount * Random(seed_ ^ mixed(index), kJitterStream).normal();
+    seconds += fault.amount * Random(seed_ ^ mix64(index), kJitterStream).normal();
   }
-  const double most = kMostJitter * to_seconds(period);
-  return from_seconds(std::clamp(seconds, -most, most));
+  const double max = kMaxJitter * to_seconds(period);
+  return from_seconds(std::clamp(seconds, -max, max));
 }
 
-void ScanFaults::spoil(SimulatedScan& scan, std::size_t index, const LidarModel& lidar,
-                       double range_noise) const {
-  const auto wanted = [this](Kind kind) {
+void ScanFaults::corrupt(SimulatedScan& scan, std::size_t index, const LidarModel& lidar,
+                         double range_noise) const {
+  const auto amount_of = [this](Kind kind) {
     double amount = -1.0;
     for (const ScanFault& fault : faults_) {
       if (fault.kind == kind) amount = fault.amount;
     }
     return amount;
   };
-  const auto stream = [&](Stream which) { return Random(seed_ ^ mixed(index), which); };
-  const double outliers = wanted(Kind::kOutliers);
-  const double rain = wanted(Kind::kRain);
-  const bool has_wall = wanted(Kind::kWall) >= 0.0;
+  const auto stream = [&](Stream which) { return Random(seed_ ^ mix64(index), which); };
+  const double outliers = amount_of(Kind::kOutliers);
+  const double rain = amount_of(Kind::kRain);
+  const bool has_wall = amount_of(Kind::kWall) >= 0.0;
   if (outliers > 0.0 || rain > 0.0 || has_wall) {
     const std::vector<Eigen::Vector3d> directions = ray_directions(lidar, index);
     std::vector<RayReturn> rays = returns_of(scan, lidar);
@@ -197,9 +201,9 @@ void ScanFaults::spoil(SimulatedScan& scan, std::size_t index, const LidarModel&
     if (rain > 0.0) add_rain(rays, directions, rain, stream(kRainStream));
     scan = scan_of(rays, scan, lidar);
   }
-  const double most = wanted(Kind::kSparse);
-  if (most > 0.0) thin_out(scan, static_cast<std::size_t>(most), stream(kThinStream));
-  const double times = wanted(Kind::kTimes);
+  const double max = amount_of(Kind::kSparse);
+  if (max > 0.0) keep_random_subset(scan, static_cast<std::size_t>(max), stream(kSubsetStream));
+  const double times = amount_of(Kind::kTimes);
   if (times == 0.0) scan.cloud.times.clear();
   if (times == 1.0) {
     for (float& time : scan.cloud.times) time = -time;

@@ -8,18 +8,19 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kGolden = 0.618033988749895;  ///< multiples of it spread best over [0, 1)
+constexpr double kGolden = 0.618033988749895;  ///< Multiples of it are spread best over [0, 1).
 
-// Mid-360: ten turns a frame. Each is a fraction of a column and a fraction of a quarter of the
-// swing behind the one before, both golden, so that turns and frames fill the gaps of those before.
+// Mid-360: ten turns per frame. Each turn is shifted against the previous one by a fraction of a
+// column and a fraction of a quarter of the swing, both golden, so that turns and frames fill the
+// gaps of the previous ones.
 constexpr double kColumnsPerTurn = 500.0 + kGolden;
 constexpr double kSwingsPerTurn = 17.0 + 0.25 * kGolden;
 constexpr double kSwingLow = -7.0 * kRadPerDeg, kSwingHigh = 52.0 * kRadPerDeg;
 
-// Avia: turns of its prisms in a frame of 0.1 s (7294 and 4664 a minute, against each other), the
-// angle by which both together bend a beam at most, and the fan of its beams.
+// Avia: turns of its two prisms per frame of 0.1 s (7294 and 4664 a minute, in opposite
+// directions), the largest deflection by both together, and the fan of its beams.
 constexpr double kFirstPrism = 12.15667, kSecondPrism = 7.77333;
-constexpr double kBend = 35.2 * kRadPerDeg;
+constexpr double kDeflection = 35.2 * kRadPerDeg;
 constexpr double kFan = 6.8 * kRadPerDeg;
 
 // M1: five fields side by side, each of 120 x 125 points at 0.2 degrees.
@@ -33,7 +34,7 @@ Eigen::Vector3d direction(double azimuth, double elevation) {
           std::sin(elevation)};
 }
 
-/// `column` counts from the drive's first frame on.
+/// `column` counts from the first frame of the drive.
 Eigen::Vector3d swinging(const LidarModel& model, double column, int beam) {
   const double turns = column / kColumnsPerTurn;
   const double phase = fraction(turns * kSwingsPerTurn +
@@ -47,18 +48,18 @@ Eigen::Vector3d rosette(const LidarModel& model, double column, int beam) {
   const double first = 2.0 * kPi * fraction(frames * kFirstPrism);
   const double second = -2.0 * kPi * fraction(frames * kSecondPrism);
   const double fan = kFan * (0.5 - beam / (model.beams - 1.0));
-  const double left = 0.5 * kBend * (std::cos(first) + std::cos(second));
-  const double up = 0.5 * kBend * (std::sin(first) + std::sin(second)) + fan;
+  const double left = 0.5 * kDeflection * (std::cos(first) + std::cos(second));
+  const double up = 0.5 * kDeflection * (std::sin(first) + std::sin(second)) + fan;
   const double off_axis = std::hypot(left, up);
-  const double share = off_axis > 0.0 ? std::sin(off_axis) / off_axis : 1.0;
-  return {std::cos(off_axis), share * left, share * up};
+  const double scale = off_axis > 0.0 ? std::sin(off_axis) / off_axis : 1.0;
+  return {std::cos(off_axis), scale * left, scale * up};
 }
 
-/// Row by row from the top, forth and back.
+/// Row by row from the top, alternately in both directions.
 Eigen::Vector3d raster(const LidarModel& model, int column, int beam) {
   const int row = column / kRasterColumns, step = column % kRasterColumns;
-  const int place = row % 2 == 0 ? step : kRasterColumns - 1 - step;
-  const double from_left = beam * kRasterColumns + place + 0.5;
+  const int position = row % 2 == 0 ? step : kRasterColumns - 1 - step;
+  const double from_left = beam * kRasterColumns + position + 0.5;
   return direction((0.5 * model.beams * kRasterColumns - from_left) * kRasterStep,
                    (0.5 * kRasterRows - row - 0.5) * kRasterStep);
 }

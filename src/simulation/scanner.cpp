@@ -12,7 +12,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Light is lost at random, more of it on dark, far and grazed surfaces, most of it on glass.
+/// Returns are lost at random, more of them on dark, distant and grazed surfaces, most on glass.
 constexpr double kLossAtBest = 0.01;
 constexpr double kLossOnGlass = 0.6;
 constexpr double kFaintSignal = 2.3e-6;
@@ -39,8 +39,8 @@ bool is_lost(const Hit& hit, Random& random) {
   const double signal =
       (0.1 + hit.reflectivity / 255.0) * hit.cosine / (static_cast<double>(hit.range) * hit.range);
   const double faintness = std::exp(-signal / kFaintSignal);
-  const double least = hit.reflectivity == kGlass ? kLossOnGlass : kLossAtBest;
-  return random.chance(least + (1.0 - least) * faintness);
+  const double min_loss = hit.reflectivity == kGlass ? kLossOnGlass : kLossAtBest;
+  return random.chance(min_loss + (1.0 - min_loss) * faintness);
 }
 
 float measured_intensity(const Hit& hit, Random& random) {
@@ -57,8 +57,8 @@ SimulatedScan take_scan(const ScanRequest& request) {
   const double begin_s = to_seconds(request.stamp - request.trajectory.begin());
   const double end_s = begin_s + to_seconds(request.period);
   std::vector<Hit> hits;
-  const auto least = static_cast<float>(request.lidar.min_range);
-  request.caster.cast(rays, begin_s, end_s, request.near_things_hide ? 0.0F : least,
+  const auto min_range = static_cast<float>(request.lidar.min_range);
+  request.caster.cast(rays, begin_s, end_s, request.near_objects_occlude ? 0.0F : min_range,
                       static_cast<float>(request.lidar.max_range), hits);
 
   SimulatedScan scan;
@@ -67,7 +67,7 @@ SimulatedScan take_scan(const ScanRequest& request) {
   Random random(request.noise_seed);
   const auto beams = static_cast<std::size_t>(request.lidar.beams);
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits[i].range < least || is_lost(hits[i], random)) continue;
+    if (hits[i].range < min_range || is_lost(hits[i], random)) continue;
     const double range = hits[i].range + request.range_noise * random.normal();
     const Eigen::Vector3f p_lidar = (range * directions[i]).cast<float>();
     scan.cloud.points.push_back(

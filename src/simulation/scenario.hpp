@@ -8,28 +8,28 @@
 
 namespace lidar_mapping::simulation {
 
-/// First instant of every drive.
+/// First instant of every drive, ns.
 constexpr Stamp kDriveBegin = 1'317'384'506'417'322'000;
 
-/// Between samples of the IMU.
-constexpr Stamp kUsualImuPeriod = 10'000'000;
+/// Periods of the IMU on a car and on other carriers, ns.
+constexpr Stamp kDefaultImuPeriod = 10'000'000;
 constexpr Stamp kCarrierImuPeriod = 5'000'000;
 
-/// A world and the way through it.
+/// A world, the motion through it and the mounting of the sensors.
 struct Scenario {
   World world;
   SmoothTrajectory trajectory;
   SensorMounting mounting;
-  std::vector<GnssOutage> covered;  ///< where no satellite is in view
-  Stamp imu_period = kUsualImuPeriod;
-  /// What is nearer than the LiDAR can measure hides what is behind it. Older drives look through
-  /// it and stay as they were.
-  bool near_things_hide = false;
+  std::vector<GnssOutage> covered;  ///< Intervals in which no satellite is in view.
+  Stamp imu_period = kDefaultImuPeriod;
+  /// Objects nearer than the least range of the LiDAR occlude what is behind them. Older drives
+  /// ignore such objects, so that their scans stay the same.
+  bool near_objects_occlude = false;
 };
 
-/// The seed of what is another on another day.
+/// Seed of everything that differs between passes.
 inline std::uint64_t day_seed(const DriveOptions& options, std::uint64_t seed) {
-  return options.pass == 0 ? seed : mixed(seed ^ mixed(options.pass));
+  return options.pass == 0 ? seed : mix64(seed ^ mix64(options.pass));
 }
 
 Scenario make_town(const DriveOptions& options);

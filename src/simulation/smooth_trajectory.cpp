@@ -15,16 +15,17 @@ namespace {
 
 constexpr int kDegree = 5;
 
-/// Weights of degree + 1 control points at u in [0, 1] of a span (Cox and de Boor, uniform knots).
+/// Weights of degree + 1 control points at u in [0, 1] of a span (recursion of Cox and de Boor,
+/// uniform knots).
 std::array<double, kDegree + 1> basis(double u, int degree) {
   std::array<double, kDegree + 1> weights{};
   weights[0] = 1.0;
   for (int d = 1; d <= degree; ++d) {
     double carried = 0.0;
     for (int i = 0; i < d; ++i) {
-      const double share = weights[i] / d;
-      weights[i] = carried + (i + 1 - u) * share;
-      carried = (u + d - 1 - i) * share;
+      const double part = weights[i] / d;
+      weights[i] = carried + (i + 1 - u) * part;
+      carried = (u + d - 1 - i) * part;
     }
     weights[d] = carried;
   }

@@ -6,8 +6,9 @@
 
 namespace lidar_mapping::simulation {
 
-/// Running mean over 2 `half_width` + 1 values, `passes` times; three passes come close to a
-/// Gaussian. Beyond its ends the sequence goes on point-symmetrically, so that both ends stay.
+/// Moving average over 2 `half_width` + 1 values, repeated `passes` times; three passes are close
+/// to a Gaussian filter. The sequence is extended point-symmetrically beyond its ends, so that both
+/// end values are kept.
 template <typename T>
 std::vector<T> smoothed(std::vector<T> values, int half_width, int passes) {
   const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;

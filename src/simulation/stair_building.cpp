@@ -10,14 +10,14 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kHalfWidth = 1.3;  ///< of corridor and stairwell, m
-constexpr double kEast = 4.2;       ///< x of the stairwell's end
+constexpr double kHalfWidth = 1.3;  ///< Half width of corridors and stairwell, m.
+constexpr double kEast = 4.2;       ///< x of the end of the stairwell.
 constexpr double kSlab = 0.2;
 constexpr double kWall = 0.12;
 constexpr double kDoorHeight = 2.1;
 constexpr double kLiftDoor = 0.5;  ///< half width
-constexpr double kWell = 0.1;      ///< half of the gap between flights
-constexpr int kSteps = 10;         ///< of a flight
+constexpr double kWell = 0.1;      ///< Half of the gap between the flights, m.
+constexpr int kSteps = 10;         ///< Steps of a flight.
 constexpr double kTread = kFlightLength / kSteps;
 constexpr double kRise = 0.5 * kStairStorey / kSteps;
 
@@ -26,7 +26,7 @@ void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vect
   add_box(mesh, Pose{Eigen::Quaterniond::Identity(), 0.5 * (low + high)}, high - low, reflectivity);
 }
 
-/// A wall along x in the plane y, its body on the outside.
+/// A wall along x; its inner face is in the plane y = side * kHalfWidth.
 void add_side_wall(TriangleMesh& mesh, double x0, double x1, double side, double low, double high,
                    Reflectivity paint) {
   const double inner = side * kHalfWidth, outer = side * (kHalfWidth + kWall);
@@ -75,8 +75,8 @@ void add_stairs(TriangleMesh& mesh, double z) {
   add_rail(mesh, kFlightLength, -1.0, -0.5 * kWell, middle);
 }
 
-/// Doors, frames, cupboards and heaters: no two storeys are the same.
-void add_things(TriangleMesh& mesh, double z, Random& random) {
+/// Adds doors, frames, cupboards and heaters, so that all storeys differ.
+void add_furniture(TriangleMesh& mesh, double z, Random& random) {
   const auto paint = [&] { return static_cast<Reflectivity>(random.integer(40, 200)); };
   for (double x = kCorridorEnd + 1.0; x < -3.0; x += random.uniform(1.6, 3.2)) {
     const double width = random.uniform(0.5, 1.1), kind = random.uniform();
@@ -110,12 +110,12 @@ void add_stair_building(TriangleMesh& mesh, Random& random) {
   for (int storey = 0; storey <= kStairStoreys; ++storey) {
     const double z = storey * kStairStorey;
     const bool is_roof = storey == kStairStoreys;
-    // The lowest floor lies under the stairs, too, and so does the roof above them.
+    // The lowest floor continues under the stairs, and the roof above them.
     add_block(mesh, {kCorridorEnd, -kHalfWidth, z - kSlab},
               {storey == 0 || is_roof ? kEast : 0.0, kHalfWidth, z}, 85);
     if (is_roof) break;
     add_walls(mesh, z, static_cast<Reflectivity>(random.integer(120, 200)));
-    add_things(mesh, z, random);
+    add_furniture(mesh, z, random);
     if (storey + 1 < kStairStoreys) add_stairs(mesh, z);
   }
   add_shaft(mesh);
@@ -128,12 +128,12 @@ std::vector<Ground> floor_in_stair_building(const Track& track) {
   for (const TrackState& state : track.states()) {
     const bool is_up_lane = state.position.y() >= 0.0;
     const double x = state.position.x();
-    // On the main landing the upper end of a storey's stairs is the lower end of the next one's.
+    // On the main landing the stairs of two storeys meet.
     if (x < 0.5 * kFlightLength && is_up_lane != was_up_lane) storey += is_up_lane ? 1.0 : -1.0;
     was_up_lane = is_up_lane;
     const double along = std::clamp(x / kFlightLength, 0.0, 1.0);
-    const double risen = is_up_lane ? 0.5 * along : 1.0 - 0.5 * along;
-    floor.push_back({(storey + risen) * kStairStorey, Eigen::Vector2d::Zero()});
+    const double fraction_of_storey = is_up_lane ? 0.5 * along : 1.0 - 0.5 * along;
+    floor.push_back({(storey + fraction_of_storey) * kStairStorey, Eigen::Vector2d::Zero()});
   }
   return floor;
 }

@@ -24,23 +24,23 @@ constexpr SpeedLimits kWalking{1.1, 1.0, 1.0};
 constexpr double kLiftSpeed = 1.6;  ///< m/s
 constexpr double kDoorSeconds = 2.0;
 constexpr double kMoverStep = 0.05;  ///< s
-constexpr double kCarDoor = -1.06;   ///< y of the car's door in the car
+constexpr double kCarDoor = -1.06;   ///< y of the door of the car, relative to the car, m.
 constexpr double kStoreyDoor = 1.42;
 
-Scenario in_the_building(const DriveOptions& options, const Track& track,
-                         const std::vector<Ground>& floor, const Carrier& carrier) {
+Scenario building_scenario(const DriveOptions& options, const Track& track,
+                           const std::vector<Ground>& floor, const Carrier& carrier) {
   Scenario scenario{{},
                     carried_trajectory(track, floor, carrier, Random(options.seed, kMotion)),
                     hand_held_mounting(),
                     {{0.0, track.seconds()}}};
   scenario.imu_period = kCarrierImuPeriod;
-  scenario.near_things_hide = true;
+  scenario.near_objects_occlude = true;
   Random random(options.seed, kMesh);
   add_stair_building(scenario.world.fixed, random);
   return scenario;
 }
 
-/// Up or down the stairs between two neighbouring storeys, from and to their main landing.
+/// Appends the stairs between two neighbouring storeys, up or down, from and to their main landing.
 void add_storey(Points& points, bool up) {
   const double first = up ? kStairLane : -kStairLane;
   points.insert(points.end(), {{kMainLanding, first},
@@ -49,13 +49,13 @@ void add_storey(Points& points, bool up) {
                                {kMainLanding, -first}});
 }
 
-/// What the lift does over the states of a track.
+/// Motion of the lift over the states of a track.
 struct Ride {
-  std::vector<double> floor;   ///< m, of the car
-  std::vector<double> closed;  ///< 0 to 1, of its door
+  std::vector<double> floor;   ///< Height of the floor of the car, m.
+  std::vector<double> closed;  ///< State of the door: 0 open, 1 closed.
 };
 
-/// Walks into the car from before its door and turns round.
+/// Walks into the car and turns round.
 void enter(Track& track) {
   track.walk({{kLiftX, 0.0}}, kWalking);
   track.walk({{kLiftX, kLiftY + 0.15}}, kWalking, {0.3, 0.1});
@@ -63,7 +63,7 @@ void enter(Track& track) {
   track.stand(0.5);
 }
 
-/// Stands in the car while its door closes, the car goes to a height and its door opens.
+/// Stands in the car while its door closes, the car moves to a height and its door opens.
 void ride_to(Track& track, Ride& ride, double height) {
   const double from = ride.floor.empty() ? 0.0 : ride.floor.back();
   ride.floor.resize(track.states().size(), from);
@@ -79,18 +79,18 @@ void ride_to(Track& track, Ride& ride, double height) {
   track.stand(static_cast<double>(ride.floor.size() - track.states().size()) * kStep);
 }
 
-/// Speeds up and slows down within two seconds, without a jerk.
-void finish(const Track& track, Ride& ride) {
+/// Smooths the motion of the car: it accelerates and brakes within two seconds, without a jerk.
+void smooth_ride(const Track& track, Ride& ride) {
   ride.floor.resize(track.states().size(), ride.floor.back());
   ride.closed.resize(track.states().size(), 0.0);
   ride.floor = smoothed(std::move(ride.floor), static_cast<int>(std::lround(0.9 / kStep)), 1);
   ride.floor = smoothed(std::move(ride.floor), static_cast<int>(std::lround(0.25 / kStep)), 3);
 }
 
-/// A shape whose pose at each instant is `pose` of the state there.
+/// Adds a shape whose position at each state is given by `pose`.
 template <typename PoseOf>
 void add_mover(World& world, TriangleMesh shape, std::size_t states, const PoseOf& pose) {
-  // A spline is near its control points two steps later.
+  // A spline follows its control points with a delay of two steps.
   constexpr std::size_t kSplineDelay = 2;
   Mover mover;
   mover.shape = world.shapes.size();
@@ -137,7 +137,7 @@ Scenario make_stairs(const DriveOptions& options) {
   Carrier carrier = hand_held_carrier();
   carrier.step_length = 0.45;
   carrier.push = 5.5;
-  return in_the_building(options, track, floor_in_stair_building(track), carrier);
+  return building_scenario(options, track, floor_in_stair_building(track), carrier);
 }
 
 Scenario make_elevator(const DriveOptions& options) {
@@ -152,10 +152,10 @@ Scenario make_elevator(const DriveOptions& options) {
     track.walk({{-3.0, 0.0}}, kWalking);
   }
   track.stand(2.0);
-  finish(track, ride);
+  smooth_ride(track, ride);
   std::vector<Ground> floor;
   for (const double height : ride.floor) floor.push_back({height, Eigen::Vector2d::Zero()});
-  Scenario scenario = in_the_building(options, track, floor, hand_held_carrier());
+  Scenario scenario = building_scenario(options, track, floor, hand_held_carrier());
   add_lift(scenario.world, ride);
   return scenario;
 }

@@ -18,7 +18,7 @@ Eigen::Vector3d random_direction(Random& random) {
   return Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
 }
 
-/// A leaf cluster: a small quadrilateral of any attitude.
+/// A leaf cluster: a small quadrilateral of random orientation.
 void add_leaf(TriangleMesh& mesh, const Eigen::Vector3d& centre, double size, Random& random) {
   const Eigen::Vector3d normal = random_direction(random);
   const Eigen::Vector3d u = 0.5 * size * normal.unitOrthogonal();
@@ -26,7 +26,7 @@ void add_leaf(TriangleMesh& mesh, const Eigen::Vector3d& centre, double size, Ra
   add_quad(mesh, centre - u - v, centre + u - v, centre + u + v, centre - u + v, kLeaf);
 }
 
-/// Leaves in an ellipsoid, denser towards its skin.
+/// Leaves in an ellipsoid, denser towards its surface.
 void add_crown(TriangleMesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3d& radii,
                int leaves, Random& random) {
   for (int i = 0; i < leaves; ++i) {

@@ -9,13 +9,13 @@
 
 namespace lidar_mapping::simulation {
 
-/// Smooth hills: a sum of waves over the plane of map.
+/// Smooth hills: a sum of sine waves over the plane of the map frame.
 class Terrain {
  public:
   /// Flat at height 0.
   Terrain() = default;
-  /// `waves` waves of lengths between `shortest` and `longest` (m) whose steepest slope (rise per
-  /// run) together is about `slope`.
+  /// `waves` waves with lengths between `shortest` and `longest` (m), whose steepest common slope
+  /// (rise per run) is about `slope`.
   Terrain(Random random, int waves, double shortest, double longest, double slope);
 
   double height(const Eigen::Vector2d& at) const;

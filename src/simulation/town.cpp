@@ -17,19 +17,19 @@ namespace {
 enum Stream : std::uint64_t { kLayout = 1, kTerrain, kMesh, kTraffic, kMotion };
 
 constexpr double kTurnRadius = 8.0;
-constexpr double kOutOfCrossing = 22.0;  ///< where a drive begins on its first street, m
+constexpr double kBeginOfDrive = 22.0;  ///< Station where a drive begins on its first street, m.
 
 /// A grid of streets and a drive over its crossings.
 struct TownPlan {
   int columns = 6;
   int rows = 6;
   bool rows_alike = false;
-  double slope = 0.035;  ///< rise per run of the steepest hills
+  double slope = 0.035;  ///< Slope of the steepest hills, rise per run.
   std::vector<Crossing> route;
-  double end_before = 95.0;   ///< m before the route's last crossing
-  std::vector<double> halts;  ///< as shares of the route's length
+  double end_before = 95.0;   ///< The drive ends this far before the last crossing of the route, m.
+  std::vector<double> halts;  ///< Fractions of the length of the route at which the vehicle stops.
   int road_users = 140;
-  std::uint64_t variant = 0;  ///< sets the worlds of different plans apart
+  std::uint64_t variant = 0;  ///< Distinguishes the worlds of different plans with the same seed.
 };
 
 void add_lanes(std::vector<TrafficLane>& lanes, const TownLayout& layout,
@@ -61,8 +61,8 @@ std::vector<TrafficLane> traffic_lanes(const TownLayout& layout) {
   return lanes;
 }
 
-/// The route with all the crossings that lie between those named.
-std::vector<Crossing> over_all_crossings(const std::vector<Crossing>& route) {
+/// The route including all crossings between those that are given.
+std::vector<Crossing> with_all_crossings(const std::vector<Crossing>& route) {
   std::vector<Crossing> all = {route.front()};
   for (const Crossing& next : route) {
     while (all.back().column != next.column || all.back().row != next.row) {
@@ -78,15 +78,15 @@ std::vector<Crossing> over_all_crossings(const std::vector<Crossing>& route) {
 }
 
 Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
-  const std::uint64_t seed = mixed(options.seed) ^ plan.variant;
+  const std::uint64_t seed = mix64(options.seed) ^ plan.variant;
   const std::uint64_t day = day_seed(options, seed);
   const TownLayout layout(plan.columns, plan.rows, plan.rows_alike, Random(seed, kLayout));
   const Terrain terrain(Random(seed, kTerrain), 5, 180.0, 420.0, plan.slope);
-  const std::vector<Crossing> route = over_all_crossings(plan.route);
+  const std::vector<Crossing> route = with_all_crossings(plan.route);
   const Path path = Path::rounded(layout.lane_corners(route, kLaneOffset), kTurnRadius)
                         .weaving(0.2, Random(day, kMotion).uniform(0.0, 6.0));
-  RoadDrive drive{path, kOutOfCrossing, path.length() - plan.end_before, {}, {}};
-  for (const double share : plan.halts) drive.halts.push_back({share * path.length(), 4.0});
+  RoadDrive drive{path, kBeginOfDrive, path.length() - plan.end_before, {}, {}};
+  for (const double fraction : plan.halts) drive.halts.push_back({fraction * path.length(), 4.0});
   const std::vector<double> stations = drive.stations();
   Scenario scenario{
       {},
@@ -107,8 +107,8 @@ Scenario make_planned_town(const TownPlan& plan, const DriveOptions& options) {
 
 Scenario make_town(const DriveOptions& options) {
   TownPlan plan;
-  // A round of a block, its first side again, a round of the block behind it and back over three
-  // streets against their first direction.
+  // A round of a block, its first side again, a round of the block behind it, and back over three
+  // streets in the opposite direction.
   plan.route = {{2, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 2}, {3, 2}, {4, 2}, {4, 3},
                 {3, 3}, {3, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 2}, {2, 2}, {1, 2}};
   plan.halts = {0.22, 0.61};
@@ -128,8 +128,8 @@ Scenario make_twins(const DriveOptions& options) {
   TownPlan plan;
   plan.rows_alike = true;
   plan.slope = 0.0;
-  // Eastwards, westwards and eastwards again through three streets that look the same, then back
-  // to the first of them.
+  // Eastwards, westwards and eastwards again through three streets that look alike, then back to
+  // the first of them.
   plan.route = {{1, 1}, {3, 1}, {3, 2}, {1, 2}, {1, 3}, {3, 3}, {3, 1}, {1, 1}, {0, 1}};
   plan.halts = {0.5};
   plan.variant = 2;

@@ -7,7 +7,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kEvenSpacing = 70.0;  ///< m between streets that are alike
+constexpr double kEvenSpacing = 70.0;  ///< Distance between streets that look alike, m.
 
 /// A straight line in the plane with a direction.
 struct Line {
@@ -23,10 +23,10 @@ Line shifted_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double lef
   return {a + left * to_left(direction), direction};
 }
 
-/// Where two lines meet; `otherwise` if they are nearly parallel.
-Eigen::Vector2d meeting(const Line& a, const Line& b, const Eigen::Vector2d& otherwise) {
+/// Intersection of two lines; `fallback` if they are nearly parallel.
+Eigen::Vector2d intersection(const Line& a, const Line& b, const Eigen::Vector2d& fallback) {
   const double sine = a.direction.dot(to_left(b.direction));
-  if (std::abs(sine) < 0.15) return otherwise;
+  if (std::abs(sine) < 0.15) return fallback;
   return a.point + (b.point - a.point).dot(to_left(b.direction)) / sine * a.direction;
 }
 
@@ -61,8 +61,8 @@ std::array<Eigen::Vector2d, 4> TownLayout::block(Crossing at) const {
   std::array<Eigen::Vector2d, 4> corners;
   for (int i = 0; i < 4; ++i) {
     const int before = (i + 3) % 4;
-    corners[i] = meeting(shifted_line(nodes[before], nodes[i], half_widths[before]),
-                         shifted_line(nodes[i], nodes[(i + 1) % 4], half_widths[i]), nodes[i]);
+    corners[i] = intersection(shifted_line(nodes[before], nodes[i], half_widths[before]),
+                              shifted_line(nodes[i], nodes[(i + 1) % 4], half_widths[i]), nodes[i]);
   }
   return corners;
 }
@@ -77,7 +77,7 @@ std::vector<Eigen::Vector2d> TownLayout::lane_corners(const std::vector<Crossing
     const Line before = leg(i - 1), after = leg(i);
     const Eigen::Vector2d straight_on =
         crossing(route[i]) - lane * to_left((before.direction + after.direction).normalized());
-    corners.push_back(meeting(before, after, straight_on));
+    corners.push_back(intersection(before, after, straight_on));
   }
   const Line last = leg(route.size() - 2);
   corners.push_back(crossing(route.back()) - lane * to_left(last.direction));

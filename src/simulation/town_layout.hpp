@@ -16,11 +16,11 @@ struct Crossing {
   int row = 0;
 };
 
-/// A skewed grid of streets. Streets along x belong to rows, those along y to columns.
+/// An irregular grid of streets. Streets along x belong to rows, those along y to columns.
 class TownLayout {
  public:
   /// Crossings 0..columns-1 by 0..rows-1, the first near the origin. With `rows_alike` all streets
-  /// along x have the same shape, a shift apart.
+  /// along x have the same shape and differ by a shift.
   TownLayout(int columns, int rows, bool rows_alike, Random random);
 
   int columns() const { return columns_; }
@@ -31,10 +31,11 @@ class TownLayout {
   double row_half_width(int row) const { return row_half_widths_[row]; }
   double column_half_width(int column) const { return column_half_widths_[column]; }
 
-  /// Kerb corners of the block whose lowest crossing is `at`, counter-clockwise from there. Edge i
-  /// runs from corner i to corner i + 1; the street is on its right.
+  /// Corners of the kerb of the block whose lowest crossing is `at`, counter-clockwise from there.
+  /// Edge i runs from corner i to corner i + 1; the street is on its right.
   std::array<Eigen::Vector2d, 4> block(Crossing at) const;
-  /// Way through crossings in the right-hand lane, `lane` metres right of the middle: its corners.
+  /// Corners of the path through crossings in the right-hand lane, `lane` metres right of the
+  /// middle of the street.
   std::vector<Eigen::Vector2d> lane_corners(const std::vector<Crossing>& route, double lane) const;
 
  private:

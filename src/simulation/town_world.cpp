@@ -17,13 +17,14 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// One side of a block: a kerb from `begin` towards `along`, gardens and houses `inwards`.
+/// One side of a block: a kerb from `begin` in direction `along`, with gardens and houses in
+/// direction `inwards`.
 struct Frontage {
   Eigen::Vector2d begin;
   Eigen::Vector2d along;
   Eigen::Vector2d inwards;
   double length;
-  double yaw;  ///< of `along`
+  double yaw;  ///< Direction of `along`, rad.
 
   Eigen::Vector2d at(double s, double in) const { return begin + s * along + in * inwards; }
 };
@@ -57,7 +58,8 @@ class BlockBuilder {
     return terrain_.on_ground(at, kKerbHeight);
   }
 
-  /// Lots of uneven width, most of them with a house. The first metres belong to the side before.
+  /// Adds lots of different widths, most of them with a house. The first metres belong to the
+  /// previous side.
   void add_houses(const Frontage& side) {
     const double end = side.length - kPavementWidth - 2.0;
     double s = 17.0;
@@ -130,7 +132,7 @@ class BlockBuilder {
     add_tree(mesh_, on_pavement(at), random_.uniform(6.0, 13.0), split());
   }
 
-  /// Trees, lamps, signs and boxes along the kerb.
+  /// Adds trees, lamps, signs and boxes along the kerb.
   void add_furniture(const Frontage& side) {
     const bool avenue = random_.chance(0.4);
     for (double s = random_.uniform(3.0, 9.0); s < side.length - 3.0;

@@ -13,10 +13,11 @@ namespace lidar_mapping::simulation {
 
 /// Height of a pavement above the carriageway, m.
 constexpr double kKerbHeight = 0.12;
-/// Distance of a lane's middle from the street's middle, m.
+/// Distance of the middle of a lane from the middle of the street, m.
 constexpr double kLaneOffset = 1.75;
 
-/// Streets, blocks with houses and gardens, and what stands and parks along them.
+/// The fixed world of a town: streets, blocks with houses and gardens, street furniture and parked
+/// cars.
 TriangleMesh make_town_mesh(const TownLayout& layout, const Terrain& terrain, Random random);
 
 }  // namespace lidar_mapping::simulation

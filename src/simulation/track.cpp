@@ -9,11 +9,11 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// From 0 to 1 with rates and accelerations of 0 at both ends; the highest rate is 15/8.
-double eased(double u) { return u * u * u * (10.0 + u * (6.0 * u - 15.0)); }
-constexpr double kEasedPeak = 15.0 / 8.0;
+/// Rises from 0 to 1 with rates and accelerations of 0 at both ends; the highest rate is 15/8.
+double smooth_step(double u) { return u * u * u * (10.0 + u * (6.0 * u - 15.0)); }
+constexpr double kPeakOfRate = 15.0 / 8.0;
 
-/// The stations without the rest at their beginning and end.
+/// Stations without the rest at the beginning and end.
 std::vector<double> moving_part(const std::vector<double>& stations) {
   constexpr double kAtRest = 1e-4;  // m
   std::vector<double> moving;
@@ -35,9 +35,9 @@ void Track::stand(double seconds) {
 void Track::turn(double angle, double peak_rate) {
   TrackState state = states_.back();
   const double from = state.yaw;
-  const auto steps = static_cast<int>(std::ceil(kEasedPeak * std::abs(angle) / peak_rate / kStep));
+  const auto steps = static_cast<int>(std::ceil(kPeakOfRate * std::abs(angle) / peak_rate / kStep));
   for (int i = 1; i <= steps; ++i) {
-    state.yaw = from + angle * eased(static_cast<double>(i) / steps);
+    state.yaw = from + angle * smooth_step(static_cast<double>(i) / steps);
     states_.push_back(state);
   }
 }
@@ -48,11 +48,11 @@ void Track::walk(std::vector<Eigen::Vector2d> points, const SpeedLimits& limits,
   points.insert(points.begin(), start.position);
   const Path path = Path::rounded(points, corners.radius, corners.blend);
   const double turn_to_path = std::remainder(path.heading(0.0) - start.yaw, 2.0 * kPi);
-  turn(turn_to_path, kUsualTurn);
+  turn(turn_to_path, kDefaultYawRate);
   const double yaw_offset = start.yaw + turn_to_path - path.heading(0.0);
   for (const double s :
        moving_part(stations_over_time(path, 0.0, path.length(), limits, {}, kStep))) {
-    states_.push_back({path.position(s), path.heading(s) + yaw_offset, start.way + s});
+    states_.push_back({path.position(s), path.heading(s) + yaw_offset, start.distance + s});
   }
 }
 

@@ -9,38 +9,40 @@
 
 namespace lidar_mapping::simulation {
 
-/// Where somebody on foot is at an instant.
+/// Position and heading of a carrier at an instant.
 struct TrackState {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  double yaw = 0.0;  ///< rad, unwrapped
-  double way = 0.0;  ///< m since the beginning
+  double yaw = 0.0;       ///< rad, unwrapped
+  double distance = 0.0;  ///< Distance travelled since the beginning, m.
 };
 
-/// How corners are taken.
+/// Shape of rounded corners.
 struct Corners {
-  double radius = 0.5;  ///< m
-  double blend = 0.2;   ///< m, see Path::rounded
+  double radius = 0.5;  ///< Largest radius, m.
+  double blend = 0.2;   ///< See Path::rounded, m.
 };
 
-/// A way over level ground, put together piece by piece: walking, standing, turning on the spot.
+/// A motion over level ground, composed of walking, standing and turning on the spot.
 class Track {
  public:
-  /// Stands at `position`.
+  /// Begins at `position` at rest.
   Track(const Eigen::Vector2d& position, double yaw);
 
+  /// Stands still.
   void stand(double seconds);
-  /// Turns by `angle` (rad), at most at `peak_rate` (rad/s).
+  /// Turns on the spot by `angle` (rad) with at most `peak_rate` (rad/s).
   void turn(double angle, double peak_rate);
-  /// From where it is through these points, from rest to rest; turns to the first one before.
+  /// Walks from the present position through these points, from rest to rest; turns towards the
+  /// first one before.
   void walk(std::vector<Eigen::Vector2d> points, const SpeedLimits& limits,
             const Corners& corners = {});
 
-  /// Every kStep seconds.
+  /// States every kStep seconds.
   const std::vector<TrackState>& states() const { return states_; }
   double seconds() const { return static_cast<double>(states_.size()) * kStep; }
 
-  static constexpr double kStep = 0.005;     ///< s
-  static constexpr double kUsualTurn = 1.5;  ///< rad/s
+  static constexpr double kStep = 0.005;          ///< s
+  static constexpr double kDefaultYawRate = 1.5;  ///< rad/s
 
  private:
   std::vector<TrackState> states_;

@@ -13,9 +13,9 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kStep = 0.1;  ///< s between the poses of a mover
+constexpr double kStep = 0.1;  ///< Time between the poses of a mover, s.
 
-/// Half lengths of the rectangle in front, behind and beside a road user that must stay free.
+/// Half lengths of the rectangle around a road user that must stay free.
 struct Clearance {
   double along;
   double across;
@@ -25,30 +25,31 @@ Clearance clearance(bool pedestrian) {
   return pedestrian ? Clearance{3.0, 1.6} : Clearance{8.0, 2.3};
 }
 
-bool conflicts(const Pose& a, const Pose& b, const Clearance& free) {
+bool conflicts(const Pose& a, const Pose& b, const Clearance& clear_area) {
   const Eigen::Vector3d between = b.translation - a.translation;
-  if (between.squaredNorm() > 2.0 * free.along * free.along) return false;
+  if (between.squaredNorm() > 2.0 * clear_area.along * clear_area.along) return false;
   const auto too_close = [&](const Eigen::Vector3d& p) {
-    return std::abs(p.x()) < free.along && std::abs(p.y()) < free.across;
+    return std::abs(p.x()) < clear_area.along && std::abs(p.y()) < clear_area.across;
   };
   return too_close(a.rotation.conjugate() * between) ||
          too_close(b.rotation.conjugate() * -between);
 }
 
-/// Compares sample with nearest sample: what moves between them lies well within the clearance.
-bool conflicts(const Mover& mover, const Mover& other, const Clearance& free) {
+/// Compares samples at the same instants only: the motion between them is much smaller than the
+/// clearance.
+bool conflicts(const Mover& mover, const Mover& other, const Clearance& clear_area) {
   const auto size = static_cast<std::ptrdiff_t>(mover.T_map_shape.size());
   const auto others = static_cast<std::ptrdiff_t>(other.T_map_shape.size());
   const std::ptrdiff_t ahead = std::lround((mover.begin_s - other.begin_s) / kStep);
   const std::ptrdiff_t last = std::min(size, others - ahead);
   for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -ahead); i < last; i += 2) {
-    if (conflicts(mover.T_map_shape[i], other.T_map_shape[i + ahead], free)) return true;
+    if (conflicts(mover.T_map_shape[i], other.T_map_shape[i + ahead], clear_area)) return true;
   }
   return false;
 }
 
-/// The vehicle itself as a mover, so that it is checked like any other.
-Mover ego(const SmoothTrajectory& trajectory) {
+/// The vehicle itself as a mover, so that it is checked like all others.
+Mover ego_vehicle(const SmoothTrajectory& trajectory) {
   Mover mover;
   const double duration = to_seconds(trajectory.end() - trajectory.begin());
   for (double t = 0.0; t <= duration; t += kStep) {
@@ -78,7 +79,7 @@ TriangleMesh draw_shape(bool pedestrian, Random& random) {
 
 void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terrain& terrain,
                  const SmoothTrajectory& trajectory, int count, Random random) {
-  const Mover vehicle = ego(trajectory);
+  const Mover vehicle = ego_vehicle(trajectory);
   const double duration = to_seconds(trajectory.end() - trajectory.begin());
   int added = 0;
   for (int attempt = 0; attempt < 6 * count && added < count; ++attempt) {
@@ -86,11 +87,11 @@ void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terr
     const double speed = random.uniform(lane.slowest, lane.fastest);
     const double begin_s = random.uniform(-lane.path.length() / speed, duration);
     Mover mover = travel(lane, terrain, begin_s, speed);
-    const Clearance free = clearance(lane.pedestrians);
+    const Clearance clear_area = clearance(lane.pedestrians);
     const bool blocked =
-        conflicts(mover, vehicle, free) ||
+        conflicts(mover, vehicle, clear_area) ||
         std::any_of(world.movers.begin(), world.movers.end(),
-                    [&](const Mover& other) { return conflicts(mover, other, free); });
+                    [&](const Mover& other) { return conflicts(mover, other, clear_area); });
     TriangleMesh shape = draw_shape(lane.pedestrians, random);
     if (blocked) continue;
     mover.shape = world.shapes.size();

@@ -12,21 +12,21 @@
 
 namespace lidar_mapping::simulation {
 
-/// A way that road users take, one after the other.
+/// A path that road users follow, one after the other.
 struct TrafficLane {
   Path path;
-  double slowest = 6.0;   ///< m/s
-  double fastest = 12.0;  ///< m/s
+  double slowest = 6.0;   ///< Least speed, m/s.
+  double fastest = 12.0;  ///< Largest speed, m/s.
   bool pedestrians = false;
-  double height = 0.0;  ///< above the terrain, m
+  double height = 0.0;  ///< Height above the terrain, m.
 };
 
-/// Fills `world` with up to `count` road users on the lanes, none of which ever comes close to the
-/// vehicle on its trajectory, nor to another one.
+/// Adds up to `count` road users on the lanes, none of which ever comes close to the vehicle on its
+/// trajectory or to another one.
 void add_traffic(World& world, const std::vector<TrafficLane>& lanes, const Terrain& terrain,
                  const SmoothTrajectory& trajectory, int count, Random random);
 
-/// A car that drives ahead of the vehicle on its own way. `stations` are those of the vehicle,
+/// Adds a car that drives ahead of the vehicle on its path. `stations` are those of the vehicle,
 /// every kControlStep seconds.
 void add_car_ahead(World& world, const Path& path, const std::vector<double>& stations,
                    const Terrain& terrain, Random random);

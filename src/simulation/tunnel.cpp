@@ -23,11 +23,11 @@ enum Stream : std::uint64_t { kMesh = 0x300, kTraffic, kMotion };
 constexpr double kLane = 1.75;
 constexpr double kRoadHalfWidth = 4.4;
 constexpr double kTubeHalfWidth = 5.2;
-constexpr double kWallHeight = 1.8;  ///< where the arch begins, m
-constexpr double kPortalIn = 160.0;  ///< stations of the portals, m
+constexpr double kWallHeight = 1.8;  ///< Height at which the arch begins, m.
+constexpr double kPortalIn = 160.0;  ///< Stations of the portals, m.
 constexpr double kPortalOut = 460.0;
 
-/// The tube's outline across the road: walls and an arch over them.
+/// Outline of the tube across the road: walls and an arch over them.
 std::vector<Eigen::Vector2d> tube_outline() {
   constexpr int kArchFaces = 28;
   std::vector<Eigen::Vector2d> outline = {{-kTubeHalfWidth, -0.3}};
@@ -58,7 +58,7 @@ void add_tube_walls(TriangleMesh& mesh, const Path& path) {
   }
 }
 
-/// A wall around the tube's mouth with wings on both sides.
+/// A wall around the mouth of the tube with wings on both sides.
 void add_portal(TriangleMesh& mesh, const Path& path, double s) {
   constexpr double kTop = 10.0, kWing = 24.0;
   const std::vector<Eigen::Vector2d> outline = tube_outline();
@@ -74,7 +74,7 @@ void add_portal(TriangleMesh& mesh, const Path& path, double s) {
   }
 }
 
-/// What stands along the road outside the tube.
+/// Adds trees, lamps and signs along the road outside of the tube.
 void add_roadside(TriangleMesh& mesh, const Terrain& ground, const Path& path, Random& random) {
   for (double s = 2.0; s < path.length(); s += random.uniform(6.0, 14.0)) {
     const bool outside = s < kPortalIn - 8.0 || s > kPortalOut + 8.0;
@@ -114,7 +114,7 @@ void add_houses(TriangleMesh& mesh, const Path& path, Random& random) {
   }
 }
 
-/// The intervals in which the antenna is between the portals.
+/// Interval in which the antenna is between the portals.
 GnssOutage under_ground(const std::vector<double>& stations) {
   const auto when = [&](double station) {
     const auto it = std::lower_bound(stations.begin(), stations.end(), station);

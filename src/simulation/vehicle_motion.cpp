@@ -20,7 +20,7 @@ constexpr double kRestAtEnd = 2.0;               ///< s
 constexpr double kPitchPerAcceleration = 0.004;  ///< rad per m/s^2
 constexpr double kRollPerAcceleration = 0.006;   ///< rad per m/s^2
 
-/// Highest speed at each node of the path that all limits allow.
+/// Highest speed at each node of the path within all limits.
 std::vector<double> speeds(const Path& path, double begin, double end, const SpeedLimits& limits,
                            const std::vector<Halt>& halts) {
   const auto nodes = static_cast<std::size_t>((end - begin) / kSpacing) + 1;
@@ -43,31 +43,32 @@ std::vector<double> speeds(const Path& path, double begin, double end, const Spe
   return speed;
 }
 
-/// Time at which each node is left; a node with a halt is left later than it is reached.
-struct Timing {
+/// Times at which each node is reached and left; these differ at a halt.
+struct NodeTimes {
   std::vector<double> reached, left;
 };
 
-Timing timing(const std::vector<double>& speed, double begin, const std::vector<Halt>& halts) {
-  Timing timing{std::vector<double>(speed.size()), std::vector<double>(speed.size())};
-  timing.left[0] = kRestAtStart;
+NodeTimes node_times(const std::vector<double>& speed, double begin,
+                     const std::vector<Halt>& halts) {
+  NodeTimes node_times{std::vector<double>(speed.size()), std::vector<double>(speed.size())};
+  node_times.left[0] = kRestAtStart;
   for (std::size_t i = 1; i < speed.size(); ++i) {
-    timing.reached[i] = timing.left[i - 1] + 2.0 * kSpacing / (speed[i - 1] + speed[i]);
-    timing.left[i] = timing.reached[i];
+    node_times.reached[i] = node_times.left[i - 1] + 2.0 * kSpacing / (speed[i - 1] + speed[i]);
+    node_times.left[i] = node_times.reached[i];
     for (const Halt& halt : halts) {
       if (static_cast<std::size_t>((halt.station - begin) / kSpacing) == i) {
-        timing.left[i] += halt.seconds;
+        node_times.left[i] += halt.seconds;
       }
     }
   }
-  timing.left.back() += kRestAtEnd;
-  return timing;
+  node_times.left.back() += kRestAtEnd;
+  return node_times;
 }
 
-/// Slow waves along the way stand for the road's roughness and the springs that filter it.
-class Shaking {
+/// Slow waves along the path, which model the roughness of the road after the suspension.
+class RoadVibration {
  public:
-  explicit Shaking(Random random) {
+  explicit RoadVibration(Random random) {
     for (double& phase : phases_) phase = random.uniform(0.0, 2.0 * kPi);
   }
   double at(int axis, double station) const {
@@ -89,28 +90,28 @@ std::vector<double> stations_over_time(const Path& path, double begin, double en
                                        const SpeedLimits& limits, const std::vector<Halt>& halts,
                                        double step) {
   const std::vector<double> speed = speeds(path, begin, end, limits, halts);
-  const Timing when = timing(speed, begin, halts);
+  const NodeTimes when = node_times(speed, begin, halts);
   std::vector<double> stations;
   std::size_t node = 0;
   for (double t = 0.0; t < when.left.back(); t += step) {
     while (node + 1 < speed.size() && when.left[node + 1] <= t) ++node;
-    double share = 0.0;
+    double fraction = 0.0;
     if (node + 1 < speed.size() && t > when.left[node]) {
       // Constant acceleration between nodes.
       const double total = std::max(when.reached[node + 1] - when.left[node], 1e-9);
       const double u = std::min((t - when.left[node]) / total, 1.0);
       const double v0 = speed[node], v1 = speed[node + 1];
-      share = (v0 * u + 0.5 * (v1 - v0) * u * u) / (0.5 * (v0 + v1));
+      fraction = (v0 * u + 0.5 * (v1 - v0) * u * u) / (0.5 * (v0 + v1));
     }
-    stations.push_back(begin + (static_cast<double>(node) + share) * kSpacing);
+    stations.push_back(begin + (static_cast<double>(node) + fraction) * kSpacing);
   }
-  // A foot on a pedal: acceleration changes over about a second.
+  // A driver changes the acceleration within about a second.
   return smoothed(std::move(stations), static_cast<int>(0.25 / step), 3);
 }
 
 SmoothTrajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,
                                     const GroundUnder& ground, Random random) {
-  const Shaking shaking(random);
+  const RoadVibration vibration(random);
   std::vector<Vector6d> control(stations.size());
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const double s = stations[i];
@@ -121,11 +122,11 @@ SmoothTrajectory vehicle_trajectory(const Path& path, const std::vector<double>&
     const double heading = path.heading(s);
     const Eigen::Vector2d ahead(std::cos(heading), std::sin(heading)), left(-ahead.y(), ahead.x());
     const Ground under = ground(s);
-    control[i] << path.position(s), under.height + 0.004 * shaking.at(0, s), heading,
+    control[i] << path.position(s), under.height + 0.004 * vibration.at(0, s), heading,
         -std::atan(under.gradient.dot(ahead)) - kPitchPerAcceleration * acceleration +
-            0.0015 * shaking.at(1, s),
+            0.0015 * vibration.at(1, s),
         std::atan(under.gradient.dot(left)) +
-            kRollPerAcceleration * speed * speed * path.curvature(s) + 0.0015 * shaking.at(2, s);
+            kRollPerAcceleration * speed * speed * path.curvature(s) + 0.0015 * vibration.at(2, s);
   }
   return SmoothTrajectory(kDriveBegin, kControlStep, smoothed(std::move(control), 4, 3));
 }

@@ -11,11 +11,11 @@
 
 namespace lidar_mapping::simulation {
 
-/// How fast a vehicle goes along a path.
+/// Limits of the speed of a vehicle along a path.
 struct SpeedLimits {
-  double speed = 12.0;        ///< m/s
-  double lateral = 2.4;       ///< m/s^2 in curves
-  double longitudinal = 1.8;  ///< m/s^2
+  double speed = 12.0;        ///< Largest speed, m/s.
+  double lateral = 2.4;       ///< Largest lateral acceleration in curves, m/s^2.
+  double longitudinal = 1.8;  ///< Largest longitudinal acceleration, m/s^2.
 };
 
 /// A halt of some seconds at a station of the path.
@@ -27,20 +27,21 @@ struct Halt {
 /// Height and slope of the ground under a station of the path.
 struct Ground {
   double height = 0.0;
-  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();  ///< rise per metre along x and y of map
+  /// Rise per metre along x and y of the map frame.
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
 };
 using GroundUnder = std::function<Ground(double station)>;
 
-/// Time between the control points of vehicles' trajectories, s.
+/// Time between the control points of the trajectories of vehicles, s.
 constexpr double kControlStep = 0.02;
 
-/// Station every `step` seconds, from rest at station `begin` to rest at `end`.
+/// Stations every `step` seconds, from rest at station `begin` to rest at `end`.
 std::vector<double> stations_over_time(const Path& path, double begin, double end,
                                        const SpeedLimits& limits, const std::vector<Halt>& halts,
                                        double step = kControlStep);
 
-/// Motion of a car whose rear axle follows the path: it tilts with the ground, leans with its
-/// accelerations and shakes on the road.
+/// Motion of a car whose rear axle follows the path: it tilts with the ground, pitches and rolls
+/// with its accelerations and vibrates on the road.
 SmoothTrajectory vehicle_trajectory(const Path& path, const std::vector<double>& stations,
                                     const GroundUnder& ground, Random random);
 

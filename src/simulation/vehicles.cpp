@@ -12,8 +12,8 @@ namespace {
 
 using Profile = std::vector<Eigen::Vector2d>;
 
-/// A side view (x forward, z up, in order) drawn out to `width`; `inset` narrows what lies above
-/// `waist`.
+/// Adds a side view (x forward, z up, in order), extruded to `width`; above `waist` it is narrower
+/// by `inset` on each side.
 void add_body(TriangleMesh& mesh, const Profile& profile, double width, double waist, double inset,
               Reflectivity paint) {
   const auto at = [&](const Eigen::Vector2d& p, double side) -> Eigen::Vector3d {

@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::simulation {
 
-/// Shapes that stand on z = 0 around their origin, x forward.
+/// Shapes that stand on z = 0 around their origin, with x forward.
 TriangleMesh make_car(Random random);
 TriangleMesh make_van(Random random);
 TriangleMesh make_pedestrian(Random random);

@@ -19,15 +19,16 @@ namespace {
 
 enum Stream : std::uint64_t { kMesh = 0x500, kMotion, kPeople };
 
-constexpr double kCarried = 1.2;  ///< height of base_link, m
+constexpr double kCarried = 1.2;  ///< Height of base_link, m.
 
-/// Along the corridor, into rooms and out again, round the ring and back over the first corridor.
+/// Corners of the walk: along the corridor, into rooms and out again, round the ring, and over the
+/// first corridor again.
 std::vector<Eigen::Vector2d> corners() {
   const double inside =
-      kOfficeCorridor + 0.5 * kOfficeRoomDepth;  // from the corridor's middle into a room
+      kOfficeCorridor + 0.5 * kOfficeRoomDepth;  // from the middle of the corridor into a room
   const double deep = inside + 1.6;
   const double l = kOfficeLength, w = kOfficeWidth;
-  // Into the second room of the lower side and round in it, likewise above and at the right.
+  // Into the second room of the lower side and round in it, then the same above and at the right.
   return {{1.0, 0.0},
           {9.0, 0.0},
           {9.0, -inside},
@@ -63,7 +64,7 @@ std::vector<Eigen::Vector2d> corners() {
           {0.2, 3.0}};
 }
 
-/// Steps and a hand that is never still, over a smooth walk.
+/// Adds steps and movements of the hand to a smooth walk.
 SmoothTrajectory walked(const Path& path, const std::vector<double>& stations, Random random) {
   std::array<double, 8> phase{};
   for (double& p : phase) p = random.uniform(0.0, 2.0 * kPi);
@@ -81,7 +82,7 @@ SmoothTrajectory walked(const Path& path, const std::vector<double>& stations, R
   return SmoothTrajectory(kDriveBegin, kControlStep, smoothed(std::move(control), 4, 3));
 }
 
-/// Somebody shows the way, four metres ahead.
+/// Adds a person who walks four metres ahead.
 void add_guide(World& world, const std::vector<double>& stations, const Path& path, Random random) {
   Mover ahead;
   ahead.shape = world.shapes.size();
@@ -100,7 +101,7 @@ void add_guide(World& world, const std::vector<double>& stations, const Path& pa
 
 Scenario make_walk(const DriveOptions& options) {
   const Path path = Path::rounded(corners(), 0.5, 0.2);
-  // Corners are taken at up to 1.5 rad/s: speed * curvature = lateral / speed.
+  // The yaw rate in corners is at most 1.5 rad/s: speed * curvature = lateral / speed.
   const std::vector<double> stations =
       stations_over_time(path, 0.5, path.length() - 5.0, {1.3, 1.1, 0.9},
                          {{0.3 * path.length(), 2.0}, {0.7 * path.length(), 2.0}});

@@ -236,7 +236,7 @@ class MappingRun {
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         stages_.pipeline, std::move(session),
         [&input](const std::string& frame) { return input.T_base(frame); });
-    mapped_from_ = std::max(begin_, pipeline_->resumes_from().value_or(begin_));
+    mapped_from_ = std::max(begin_, pipeline_->resume_time().value_or(begin_));
     if (mapped_from_ > input.begin()) input.skip_to(mapped_from_);
     progress_->begin_at(mapped_from_);
     const pipeline::ThreadTime reading;
@@ -258,7 +258,7 @@ class MappingRun {
   }
 
   void say(pipeline::InputSource& input) {
-    for (const auto& notices : {input.take_notices(), pipeline_->take_notices()}) {
+    for (const auto& notices : {input.take_messages(), pipeline_->take_messages()}) {
       for (const std::string& notice : notices) {
         progress_->end_line();
         std::printf("%s\n", notice.c_str());

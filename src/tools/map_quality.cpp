@@ -48,7 +48,7 @@ std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Se
 
 struct Judged {
   map_quality::LocalThickness thickness;
-  std::vector<map_quality::GhostVector> ghosts;  ///< worst first
+  std::vector<map_quality::PassMisalignment> ghosts;  ///< worst first
   bool has_ratio = false;
 };
 
@@ -56,19 +56,19 @@ Judged judged(const report::ReportInput& input, const map_quality::QualityConfig
               bool has_ratio) {
   CloudSource& clouds = input.session.clouds();
   Judged result{map_quality::local_thickness(input.poses, clouds, config),
-                map_quality::ghost_vectors(input.poses, clouds, config), has_ratio};
+                map_quality::pass_misalignments(input.poses, clouds, config), has_ratio};
   std::stable_sort(result.ghosts.begin(), result.ghosts.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+                   [](const auto& a, const auto& b) { return a.distance() > b.distance(); });
   return result;
 }
 
 void print(const char* name, const map_quality::Thickness& thickness, bool has_ratio) {
   std::printf("%-7s thickness: median %5.1f mm, 90 %% below %5.1f mm (%zu cells)", name,
-              1000.0 * thickness.median, 1000.0 * thickness.high, thickness.cells);
+              1000.0 * thickness.median, 1000.0 * thickness.percentile_90, thickness.cells);
   has_ratio ? std::printf(", %.2f of the noise\n", thickness.median_ratio) : std::printf("\n");
 }
 
-void print(const std::vector<map_quality::GhostVector>& ghosts, std::size_t places) {
+void print(const std::vector<map_quality::PassMisalignment>& ghosts, std::size_t places) {
   if (ghosts.empty()) {
     std::printf("no place was driven twice, so only local quality could be judged\n");
     return;
@@ -77,9 +77,9 @@ void print(const std::vector<map_quality::GhostVector>& ghosts, std::size_t plac
               ghosts.size());
   std::printf("  key frame       x       y   along mm  left mm   up mm  yaw deg  planes\n");
   for (std::size_t i = 0; i < std::min(places, ghosts.size()); ++i) {
-    const map_quality::GhostVector& ghost = ghosts[i];
+    const map_quality::PassMisalignment& ghost = ghosts[i];
     std::printf("  %9u %7.1f %7.1f   %8.1f %8.1f %7.1f  %7.3f  %6zu\n", ghost.key_frame,
-                ghost.position.x(), ghost.position.y(), 1000.0 * ghost.along, 1000.0 * ghost.left,
+                ghost.position.x(), ghost.position.y(), 1000.0 * ghost.forward, 1000.0 * ghost.left,
                 1000.0 * ghost.up, ghost.yaw * kDegPerRad, ghost.planes);
   }
 }
@@ -87,7 +87,7 @@ void print(const std::vector<map_quality::GhostVector>& ghosts, std::size_t plac
 void print(const Judged& found, std::size_t places) {
   print("ground", found.thickness.ground, found.has_ratio);
   print("wall", found.thickness.walls, found.has_ratio);
-  std::printf("planar share %.2f\n", found.thickness.planar_share);
+  std::printf("planar share %.2f\n", found.thickness.planar_fraction);
   print(found.ghosts, places);
 }
 
@@ -95,7 +95,7 @@ Json to_json(const Judged& found, const map_quality::QualityConfig& config) {
   Json figures = {{"range_noise_m", config.range_noise},
                   {"thickness", report::to_json(found.thickness, found.has_ratio)},
                   {"ghosts", Json::array()}};
-  for (const map_quality::GhostVector& ghost : found.ghosts) {
+  for (const map_quality::PassMisalignment& ghost : found.ghosts) {
     figures["ghosts"].push_back(report::to_json(ghost));
   }
   return figures;
@@ -132,7 +132,7 @@ void write_picture_data(const report::ReportInput& input, const Judged& found,
   CloudSource& clouds = input.session.clouds();
   Json places = Json::array();
   for (std::size_t i = 0; i < std::min(kPictures, found.ghosts.size()); ++i) {
-    const auto points = map_quality::place_points(input.poses, clouds, config, found.ghosts[i]);
+    const auto points = map_quality::pass_points(input.poses, clouds, config, found.ghosts[i]);
     places.push_back({{"across", report::place_picture(points, report::View::kAcross)},
                       {"above", report::place_picture(points, report::View::kFromAbove)}});
   }

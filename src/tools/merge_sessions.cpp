@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/pipeline/merge.hpp"
+#include "lidar_mapping/pipeline/session_merger.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
 #include "config_path.hpp"
@@ -31,20 +31,20 @@ Config make_config(const Options& options, const Session& first) {
   return config::load<Config>(sources);
 }
 
-void print(const pipeline::MergedPart& part, const std::string& name) {
+void print(const pipeline::MergedSession& part, const std::string& name) {
   std::printf("%s: key frames %u to %zu, %zu new loops\n", name.c_str(), part.first,
               part.first + part.key_frames - 1, part.new_loops);
-  if (part.shift != 0) {
+  if (part.stamp_offset != 0) {
     std::printf("  its stamps are %lld ns later, as others had the same\n",
-                static_cast<long long>(part.shift));
+                static_cast<long long>(part.stamp_offset));
   }
   for (const std::string& notice : part.notices) std::printf("  %s\n", notice.c_str());
 }
 
 /// Throws if there is a session that nothing ties to the first.
-void check_joined(const Options& options, const std::vector<pipeline::MergedPart>& parts) {
+void check_joined(const Options& options, const std::vector<pipeline::MergedSession>& parts) {
   for (std::size_t i = 1; i < parts.size(); ++i) {
-    if (parts[i].joined) continue;
+    if (parts[i].is_connected) continue;
     throw InputError("nothing joins " + options.sessions[i] + " to " + options.sessions[0] +
                      ": no loop between them and no GNSS in both; " + options.output +
                      " holds them side by side; name a place that both saw in a list ('add " +
@@ -79,9 +79,9 @@ void merge(const Options& options) {
     sessions.push_back(Session::open(name, Session::Access::kRead));
   }
   using loop_closing::LoopClosingConfig;
-  pipeline::Merge merge(Session::create_in(options.output),
-                        make_config<back_end::BackEndConfig>(options, sessions.front()),
-                        make_config<LoopClosingConfig>(options, sessions.front()));
+  pipeline::SessionMerger merge(Session::create_in(options.output),
+                                make_config<back_end::BackEndConfig>(options, sessions.front()),
+                                make_config<LoopClosingConfig>(options, sessions.front()));
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     merge.add(sessions[i]);
     print(merge.parts().back(), options.sessions[i]);

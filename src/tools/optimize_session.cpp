@@ -53,7 +53,7 @@ std::vector<Loop> decided_loops(const Options& options, const Session& session) 
   const auto config =
       config::load<LoopClosingConfig>({pipeline::stored_configuration<LoopClosingConfig>(session)});
   const auto decided =
-      pipeline::decided_loops(session, session::read_loop_list(options.loops), config);
+      pipeline::edited_loops(session, session::read_loop_list(options.loops), config);
   for (const Loop& loop : decided) {
     std::printf("loop %u %u: %s%s\n", loop.from, loop.to, to_string(loop.decision),
                 loop.source == LoopSource::kManual ? " (added by hand)" : "");
@@ -94,8 +94,8 @@ void print(const back_end::OptimizationReport& report, const Session& session,
 bool solve_aside(const Options& options) {
   const Session session = Session::open(options.session, Session::Access::kRead);
   back_end::BackEnd back_end(make_config(options, session));
-  pipeline::replay(session, pipeline::replaced(session.loops(), decided_loops(options, session)),
-                   back_end);
+  pipeline::replay(
+      session, pipeline::replace_loops(session.loops(), decided_loops(options, session)), back_end);
   const Solved solved = solve_timed(*back_end.problem(true));
   const KeyFramePoses poses = back_end.apply(*solved.solution);
   pipeline::write_results(session, back_end, poses, options.output);
@@ -107,7 +107,7 @@ bool solve_aside(const Options& options) {
 bool solve_inside(const Options& options) {
   Session session = Session::open(options.session, Session::Access::kWrite);
   const BackEndConfig config = make_config(options, session);
-  pipeline::keep_decisions(session, decided_loops(options, session));
+  pipeline::store_decisions(session, decided_loops(options, session));
   pipeline::RecordedBackEnd back_end(std::move(session), config);
   const Solved solved = solve_timed(*back_end.problem(true));
   back_end.apply(*solved.solution, solved.report.seconds);

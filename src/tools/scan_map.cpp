@@ -47,8 +47,8 @@ map::Files write_scan_map(const Session& session, const MapOutput& output,
   const auto preprocessing = stored<preprocessing::PreprocessingConfig>(session);
   const recordings::OpenDrive drive =
       recordings::open_drive(selection_of(session, input), preprocessing);
-  const std::vector<pipeline::PlacedScan> scans =
-      pipeline::placed_scans(session, key_frame_poses(session, output));
+  const std::vector<pipeline::ScanPose> scans =
+      pipeline::scan_poses(session, key_frame_poses(session, output));
   const double as_key_frames =
       stored<front_end::FrontEndConfig>(session).key_frame_cloud_resolution;
   pipeline::ScanClouds clouds(map_folder(session, output));

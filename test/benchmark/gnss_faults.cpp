@@ -51,7 +51,7 @@ void record(const simulation::Drive& drive, session::Session& session) {
   closer.set_sensor_origin(drive.mounting().T_base_lidar.translation);
   back_end::BackEnd back_end{back_end::BackEndConfig{}};
   std::map<Stamp, front_end::MotionPrior> priors;
-  for (const auto& synced : test::synchronised(drive, std::nullopt, {})) {
+  for (const auto& synced : test::preprocessed_scans(drive, std::nullopt, {})) {
     priors[synced.scan.stamp] = prior_of(synced);
   }
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {

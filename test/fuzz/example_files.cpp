@@ -304,20 +304,20 @@ void write_trajectory(const fs::path& path, bool kitti) {
 void write_doubtful_stretches(const fs::path& path) {
   pipeline::DriveDoubt doubt;
   doubt.begin = stamp_of(0);
-  doubt.way = 120.0;
-  pipeline::DoubtfulStretch stretch;
+  doubt.path_length = 120.0;
+  pipeline::DoubtfulSection stretch;
   stretch.doubt = pipeline::Doubt::kDegenerate;
   stretch.begin = stamp_of(1);
   stretch.end = stamp_of(3);
   stretch.scans = 3;
-  stretch.way_begin = 20.0;
-  stretch.way = 3.5;
-  stretch.place = {1.0, 2.0, 0.5};
+  stretch.path_begin = 20.0;
+  stretch.path_length = 3.5;
+  stretch.position = {1.0, 2.0, 0.5};
   stretch.expected_error = 0.25;
-  doubt.stretches.push_back(stretch);
+  doubt.sections.push_back(stretch);
   stretch.doubt = pipeline::Doubt::kLost;
   stretch.expected_error = std::numeric_limits<double>::infinity();
-  doubt.stretches.push_back(stretch);
+  doubt.sections.push_back(stretch);
   pipeline::write_doubt(doubt, path);
 }
 

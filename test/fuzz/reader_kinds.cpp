@@ -55,7 +55,7 @@ void read_all(pipeline::InputSource& source) {
       }
     }
   }
-  source.take_notices();
+  source.take_messages();
 }
 
 void read_bag(const fs::path& path) {

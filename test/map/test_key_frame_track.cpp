@@ -27,8 +27,8 @@ KeyFramePoses shifted(KeyFrameIndex last, double shift) {
   return poses;
 }
 
-// Three optimisations in a row; what is new lies where the newest correction puts it.
-TEST(KeyFrameTrack, CorrectionsReplaceEachOther) {
+// Three optimisations in a row: newer key frames follow the newest correction.
+TEST(KeyFrameTrack, NewCorrectionsReplaceOlderOnes) {
   KeyFrameTrack track;
   for (KeyFrameIndex index = 0; index < 10; ++index) track.add(key_frame_at(index, 1.0 * index));
   for (const double shift : {1.0, 3.0, -2.0}) {
@@ -43,19 +43,19 @@ TEST(KeyFrameTrack, CorrectionsReplaceEachOther) {
   }
 }
 
-// Entries may miss in both lists; the others are joined by index.
-TEST(KeyFrameTrack, JoinsByIndexWhateverIsMissing) {
+// Entries may be missing in both lists; the others are associated by index.
+TEST(KeyFrameTrack, AssociatesByIndexWithMissingEntries) {
   std::mt19937 random(4);
   for (int round = 0; round < 50; ++round) {
     KeyFrameTrack track;
     KeyFramePoses poses = shifted(19, 5.0);
-    std::vector<KeyFramePose> kept;
+    std::vector<KeyFramePose> remaining;
     for (KeyFrameIndex index = 0; index < 20; ++index) {
       if (random() % 4 != 0) track.add(key_frame_at(index, 1.0 * index));
-      if (index == 0 || random() % 4 != 0) kept.push_back(poses.poses[index]);
+      if (index == 0 || random() % 4 != 0) remaining.push_back(poses.poses[index]);
     }
     track.add(key_frame_at(0, 0.0));
-    poses.poses = kept;
+    poses.poses = remaining;
     track.update(poses);
     for (const KeyFramePose& pose : track.poses().poses) {
       EXPECT_NEAR(pose.T_map_base.translation.x(), 1.0 * pose.index, 1e-12);
@@ -65,7 +65,7 @@ TEST(KeyFrameTrack, JoinsByIndexWhateverIsMissing) {
 }
 
 // Stamps and indices are those of the key frames.
-TEST(KeyFrameTrack, KeepsStamps) {
+TEST(KeyFrameTrack, KeepsStampsAndIndices) {
   KeyFrameTrack track;
   track.add(key_frame_at(3, 1.0));
   track.update(shifted(7, 1.0));
@@ -74,7 +74,7 @@ TEST(KeyFrameTrack, KeepsStamps) {
   EXPECT_EQ(track.poses().poses[0].index, 3U);
 }
 
-TEST(KeyFrameTrack, OdometryBeginsWhereTheMapHasTheFirstKeyFrame) {
+TEST(KeyFrameTrack, OdometryStartsAtTheFirstPoseOfTheMap) {
   KeyFrameTrack track;
   for (KeyFrameIndex index = 0; index < 5; ++index) track.add(key_frame_at(index, 1.1 * index));
   track.update(shifted(4, 2.0));

@@ -13,8 +13,8 @@
 namespace lidar_mapping::map {
 namespace {
 
-/// Clouds in memory that counts how often it is asked.
-class Clouds : public CloudSource {
+/// Clouds in memory; counts how often they are read.
+class CountingClouds : public CloudSource {
  public:
   PointCloudPtr cloud(KeyFrameIndex index) override {
     ++reads;
@@ -36,7 +36,7 @@ PointCloudPtr random_cloud(std::mt19937& random, int points) {
 
 /// A drive along x with `key_frames` clouds, 5 m apart.
 struct Drive {
-  Clouds clouds;
+  CountingClouds clouds;
   KeyFramePoses poses;
 
   explicit Drive(KeyFrameIndex key_frames, int points = 500) {
@@ -77,8 +77,8 @@ PointCloudPtr cloud_of(std::vector<Point> points) {
 }
 
 // Centroid and mean intensity, not the centre of the cell.
-TEST(MapBuilder, GivesCentroidAndMeanIntensityOfEachVoxel) {
-  Clouds clouds;
+TEST(MapBuilder, ComputesCentroidAndMeanIntensityOfEachVoxel) {
+  CountingClouds clouds;
   clouds.clouds[0] = cloud_of({{0.1F, 0.1F, 0.1F, 10.0F}, {0.3F, 0.2F, 0.1F, 20.0F}});
   clouds.clouds[1] = cloud_of({{0.2F, 0.3F, 0.4F, 30.0F}, {-0.1F, 0.1F, 0.1F, 7.0F}});
   KeyFramePoses poses;
@@ -93,8 +93,8 @@ TEST(MapBuilder, GivesCentroidAndMeanIntensityOfEachVoxel) {
   EXPECT_NEAR(centroid->intensity, 20.0, 1e-6);
 }
 
-// A plane at an angle keeps its shape: RMS below a tenth of the voxel.
-TEST(MapBuilder, KeepsASlantedPlaneFlat) {
+// An inclined plane stays plane: its RMS error is below a tenth of the voxel.
+TEST(MapBuilder, KeepsInclinedPlanesPlane) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform(-5.0F, 5.0F);
   std::vector<Point> points;
@@ -103,7 +103,7 @@ TEST(MapBuilder, KeepsASlantedPlaneFlat) {
     const float y = uniform(random);
     points.push_back({x, y, 0.4F * x + 0.2F * y, 0.0F});
   }
-  Clouds clouds;
+  CountingClouds clouds;
   clouds.clouds[0] = cloud_of(points);
   KeyFramePoses poses;
   poses.poses = {{0, 0, Pose()}};
@@ -117,7 +117,7 @@ TEST(MapBuilder, KeepsASlantedPlaneFlat) {
 }
 
 TEST(MapBuilder, LeavesOutPointsThatAreNotFinite) {
-  Clouds clouds;
+  CountingClouds clouds;
   clouds.clouds[0] =
       cloud_of({{NAN, 0.0F, 0.0F, 0.0F}, {1.0F, 1.0F, INFINITY, 0.0F}, {1.0F, 2.0F, 3.0F, 4.0F}});
   KeyFramePoses poses;
@@ -125,24 +125,24 @@ TEST(MapBuilder, LeavesOutPointsThatAreNotFinite) {
   EXPECT_EQ(build_map(poses, clouds, exact_config()).size(), 1U);
 }
 
-// Whatever moved, came, went or came late, the map is that of the poses.
-TEST(MapBuilder, PartialUpdatesEqualAFullRebuildBitForBit) {
+// After any sequence of moved, added and removed key frames the map is that of the poses.
+TEST(MapBuilder, PartialUpdatesEqualFullRebuildBitForBit) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
   Drive drive(30);
-  KeyFramePoses seen;
+  KeyFramePoses known;
   MapBuilder builder(exact_config(), drive.clouds);
   for (KeyFrameIndex index = 0; index < 30; ++index) {
-    seen.poses.push_back(drive.poses.poses[index]);
+    known.poses.push_back(drive.poses.poses[index]);
     if (index % 4 == 3)
-      seen.poses[random() % seen.poses.size()].T_map_base.translation.x() += normal(random);
-    if (index == 17) seen.poses.erase(seen.poses.begin() + 4);
-    builder.update(seen);
-    expect_same_bits(builder.build(), build_map(seen, drive.clouds, exact_config()));
+      known.poses[random() % known.poses.size()].T_map_base.translation.x() += normal(random);
+    if (index == 17) known.poses.erase(known.poses.begin() + 4);
+    builder.update(known);
+    expect_same_bits(builder.build(), build_map(known, drive.clouds, exact_config()));
   }
 }
 
-TEST(MapBuilder, TakesPartsOfThePosesIn) {
+TEST(MapBuilder, AcceptsPartialPoses) {
   Drive drive(10);
   MapBuilder builder(exact_config(), drive.clouds);
   builder.update(drive.poses);
@@ -155,8 +155,8 @@ TEST(MapBuilder, TakesPartsOfThePosesIn) {
   expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, exact_config()));
 }
 
-// Only what moved is put in again.
-TEST(MapBuilder, PutsOnlyTheNeighboursOfAMovedKeyFrameInAgain) {
+// Only key frames near the moved one are inserted again.
+TEST(MapBuilder, ReinsertsOnlyNeighboursOfMovedKeyFrame) {
   Drive drive(200);
   MapBuilder builder(exact_config(), drive.clouds);
   builder.update(drive.poses);
@@ -169,8 +169,8 @@ TEST(MapBuilder, PutsOnlyTheNeighboursOfAMovedKeyFrameInAgain) {
   EXPECT_LT(builder.insertions() - before, 60U);
 }
 
-// Nothing changed, nothing is done.
-TEST(MapBuilder, AnIdleSystemRebuildsNothing) {
+// Without changes nothing is rebuilt.
+TEST(MapBuilder, UnchangedPosesRebuildNothing) {
   Drive drive(10);
   MapBuilder builder(exact_config(), drive.clouds);
   builder.update(drive.poses);
@@ -183,7 +183,7 @@ TEST(MapBuilder, AnIdleSystemRebuildsNothing) {
   EXPECT_EQ(drive.clouds.reads, reads);
 }
 
-TEST(MapBuilder, SmallMovesBelowTheLimitWaitUntilTheyAddUp) {
+TEST(MapBuilder, MotionsBelowThresholdAccumulate) {
   Drive drive(10);
   MapConfig config = exact_config();
   config.rebuild_distance = 0.05;
@@ -200,7 +200,7 @@ TEST(MapBuilder, SmallMovesBelowTheLimitWaitUntilTheyAddUp) {
   expect_same_bits(builder.build(), build_map(drive.poses, drive.clouds, config));
 }
 
-TEST(MapBuilder, AsksForMissingCloudsAgain) {
+TEST(MapBuilder, RequestsMissingCloudsAgain) {
   Drive drive(10);
   const PointCloudPtr late = drive.clouds.clouds[4];
   drive.clouds.clouds.erase(4);
@@ -224,7 +224,7 @@ TEST(MapBuilder, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-// The resolution asked for is the one that is used, for small and large maps.
+// The requested resolution is used, for small and large maps.
 TEST(MapBuilder, BuildsWithAnotherResolutionOnRequest) {
   Drive drive(10);
   MapBuilder builder(exact_config(), drive.clouds);
@@ -235,40 +235,40 @@ TEST(MapBuilder, BuildsWithAnotherResolutionOnRequest) {
   EXPECT_LT(builder.build(2.0).size(), builder.build().size());
 }
 
-/// Tiles put together, in the order in which they came.
-PointCloud joined_tiles(Drive& drive) {
+/// Points of all tiles, in the order of the tiles.
+PointCloud merged_tiles(Drive& drive) {
   const test::TemporaryFolder folder;
-  PointCloud joined;
-  std::set<TileIndex> seen;
+  PointCloud merged;
+  std::set<TileIndex> known;
   build_tiles(drive.poses, drive.clouds, exact_config(), folder.path(), [&](const MapTile& tile) {
-    EXPECT_TRUE(seen.insert(tile.index).second) << "a tile comes once";
+    EXPECT_TRUE(known.insert(tile.index).second) << "a tile comes once";
     for (Point point : tile.cloud.points) {
       EXPECT_GE(point.x, -1e-4F);
       EXPECT_LE(point.x, 20.0001F);
       point.x += static_cast<float>(tile.origin.x());
       point.y += static_cast<float>(tile.origin.y());
-      joined.points.push_back(point);
+      merged.points.push_back(point);
     }
   });
-  return joined;
+  return merged;
 }
 
 void expect_tiles_of_map(Drive& drive) {
-  const PointCloud joined = joined_tiles(drive);
+  const PointCloud merged = merged_tiles(drive);
   const PointCloud map = build_map(drive.poses, drive.clouds, exact_config());
-  ASSERT_EQ(joined.size(), map.size());
+  ASSERT_EQ(merged.size(), map.size());
   for (std::size_t i = 0; i < map.size(); ++i) {
-    ASSERT_LT((joined.points[i].position() - map.points[i].position()).norm(), 2e-4F);
+    ASSERT_LT((merged.points[i].position() - map.points[i].position()).norm(), 2e-4F);
   }
 }
 
-TEST(BuildTiles, TilesPutTogetherAreTheMap) {
+TEST(BuildTiles, MergedTilesAreTheMap) {
   Drive drive(100);
   expect_tiles_of_map(drive);
 }
 
-// There and back, so far that tiles wait on the disk in between.
-TEST(BuildTiles, TilesThatWaitedOnTheDiskComeBackAsTheyWent) {
+// A drive there and back that is so long that tiles are stored on the disk in between.
+TEST(BuildTiles, TilesStoredOnDiskAreRestored) {
   Drive drive(600, 2000);
   for (KeyFrameIndex i = 0; i < 300; ++i) {
     drive.poses.poses[599 - i].T_map_base = drive.poses.poses[i].T_map_base;
@@ -278,13 +278,13 @@ TEST(BuildTiles, TilesThatWaitedOnTheDiskComeBackAsTheyWent) {
 
 TEST(BuildTiles, ReadsEachCloudOnce) {
   Drive drive(200);
-  joined_tiles(drive);
+  merged_tiles(drive);
   EXPECT_EQ(drive.clouds.reads, 200U);
 }
 
 // Points keep their precision far away from the origin.
-TEST(BuildTiles, KeepsMillimetresFarAway) {
-  Clouds clouds;
+TEST(BuildTiles, KeepsMillimetresFarFromOrigin) {
+  CountingClouds clouds;
   clouds.clouds[0] = cloud_of({{1.0F, 1.0F, 0.0F, 0.0F}, {1.601F, 1.0F, 0.0F, 0.0F}});
   KeyFramePoses poses;
   Pose far;

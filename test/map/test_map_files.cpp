@@ -51,8 +51,8 @@ TEST(SaveMap, WritesFilesThatPclReadsBack) {
   expect_example(cloud);
 }
 
-// Larger maps are not compressed, so that they need not be in memory.
-TEST(SaveMap, WritesLargeMapsPartByPart) {
+// Larger maps are not compressed, so that they need not be in memory as a whole.
+TEST(SaveMap, WritesLargeMapsInParts) {
   constexpr std::size_t kPart = 300'000;
   constexpr std::size_t kParts = 8;
   const CloudParts parts([](const CloudParts::Sink& sink) {
@@ -77,8 +77,8 @@ TEST(SaveMap, WritesLargeMapsPartByPart) {
   expect_whole(cloud);
 }
 
-// Frame, origin, leaf size and bounds stand beside the map and fit it.
-TEST(SaveMap, DescribesTheMapBesideIt) {
+// map.yaml holds frame, origin, voxel size and bounds of the map.
+TEST(SaveMap, WritesDescriptionBesideMap) {
   const TemporaryFolder folder;
   MapDescription description;
   description.datum = GeodeticDatum{48.1234567891, 11.5, 520.25};
@@ -94,9 +94,9 @@ TEST(SaveMap, DescribesTheMapBesideIt) {
   EXPECT_NEAR(yaml["max"][0].as<double>(), 99.9, 1e-3);
 }
 
-// In UTM, whose northings floats hold to half a metre, distances stay to a millimetre;
-// with the origin beside it a point is found on the globe.
-TEST(SaveMap, InUtmKeepsDistancesAndTheOrigin) {
+// Floats hold northings of UTM only to half a metre; distances in the file are right to a
+// millimetre, and with the origin beside it each point has a position on Earth.
+TEST(SaveMap, UtmFilesKeepDistancesAndOrigin) {
   const TemporaryFolder folder;
   MapDescription description;
   description.datum = GeodeticDatum{49.0, 8.4, 110.0};
@@ -133,20 +133,20 @@ TEST(SaveMap, InUtmKeepsDistancesAndTheOrigin) {
   EXPECT_FALSE(fs::exists(folder.path() / "map.pcd.utm")) << "it would be wrong now";
 }
 
-TEST(SaveMap, HasSomethingElseDoneOnceFilesCanBeWritten) {
+TEST(SaveMap, RunsConcurrentTaskOnceFilesCanBeWritten) {
   const TemporaryFolder folder;
   for (const int threads : {1, 2}) {
     int done = 0;
-    const Meanwhile meanwhile = {[&done] { ++done; }, threads};
-    EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}, meanwhile), InputError);
+    const ConcurrentTask concurrent_task = {[&done] { ++done; }, threads};
+    EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}, concurrent_task), InputError);
     EXPECT_EQ(done, 0);
-    save_map(example_map(), {}, folder.path(), {}, meanwhile);
+    save_map(example_map(), {}, folder.path(), {}, concurrent_task);
     EXPECT_EQ(done, 1);
   }
 }
 
-// What cannot be done is said.
-TEST(SaveMap, RefusesUnknownFormatsEmptyMapsAndUnwritableFolders) {
+// Impossible requests are reported.
+TEST(SaveMap, RejectsUnknownFormatsEmptyMapsAndUnwritableFolders) {
   const TemporaryFolder folder;
   EXPECT_THROW(save_map(example_map(), {}, folder.path(), {"doc"}), InputError);
   EXPECT_THROW(save_map(PointCloud(), {}, folder.path(), {}), InputError);
@@ -154,7 +154,7 @@ TEST(SaveMap, RefusesUnknownFormatsEmptyMapsAndUnwritableFolders) {
   EXPECT_THROW(save_map(example_map(), {}, folder.path() / "file", {}), FileError);
 }
 
-// A foreign map is not overwritten; one's own is.
+// Files of other origin are not overwritten; those of this package are.
 TEST(SaveMap, ReplacesItsOwnFilesOnly) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "map.pcd") << "mine";
@@ -165,7 +165,7 @@ TEST(SaveMap, ReplacesItsOwnFilesOnly) {
   EXPECT_NO_THROW(save_map(example_map(), {}, own, {}));
 }
 
-TEST(TopView, ShowsPointsWhereTheyAre) {
+TEST(TopView, DrawsPointsAtTheirPositions) {
   PointCloud map;
   map.points = {{0.0F, 0.0F, 0.0F, 0.0F}, {9.0F, 0.0F, 0.0F, 0.0F}, {9.0F, 4.0F, 9.0F, 0.0F}};
   const TopView view = top_view(map, 1.0);
@@ -181,7 +181,7 @@ TEST(TopView, ShowsPointsWhereTheyAre) {
   EXPECT_NE(view.rgb[3 * 9], view.rgb[3 * (4 * 10 + 9)]) << "height shows as colour";
 }
 
-TEST(TopView, APointMirroredBelowTheGroundChangesNoOtherPixel) {
+TEST(TopView, PointBelowGroundChangesNoOtherPixel) {
   PointCloud map;
   for (int i = 0; i < 64; ++i) {
     map.points.push_back(
@@ -193,7 +193,7 @@ TEST(TopView, APointMirroredBelowTheGroundChangesNoOtherPixel) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(mirrored.rgb[i], clean.rgb[i]);
 }
 
-TEST(TopView, StaysWithinTheLargestPicture) {
+TEST(TopView, LimitsPictureSize) {
   PointCloud map;
   map.points = {{0.0F, 0.0F, 0.0F, 0.0F}, {10'000.0F, 5.0F, 0.0F, 0.0F}};
   const TopView view = top_view(map, 0.1, 500);
@@ -202,7 +202,7 @@ TEST(TopView, StaysWithinTheLargestPicture) {
   EXPECT_THROW(top_view(PointCloud(), 1.0), InputError);
 }
 
-TEST(TopView, WritesAPictureAndItsWorldFile) {
+TEST(TopView, WritesPictureAndWorldFile) {
   const TemporaryFolder folder;
   write_png(folder.path() / "top_view.png", top_view(example_map(), 0.5));
   std::ifstream png(folder.path() / "top_view.png", std::ios::binary);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the table of formats promises holds for each of its rows.
+// Tests each row of the table of formats.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class MapFormats : public testing::Test {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(MapFormats, EachIsWrittenAlone) {
+TEST_F(MapFormats, WritesEachFormatAlone) {
   for (const std::string& format : product_formats()) {
     const Products products = written({format});
     ASSERT_FALSE(products.files.empty()) << format;
@@ -53,22 +53,22 @@ TEST_F(MapFormats, EachIsWrittenAlone) {
   }
 }
 
-TEST_F(MapFormats, AllAreWrittenTogetherAndEachOnce) {
+TEST_F(MapFormats, WritesAllFormatsTogetherAndEachFileOnce) {
   std::vector<std::filesystem::path> files = written(product_formats()).files;
   std::sort(files.begin(), files.end());
   EXPECT_EQ(std::adjacent_find(files.begin(), files.end()), files.end());
   EXPECT_GE(files.size(), product_formats().size());
 }
 
-TEST_F(MapFormats, OfOneFileBearTheNameAndTheFormat) {
-  ASSERT_FALSE(one_file_formats().empty());
-  for (const std::string& format : one_file_formats()) {
+TEST_F(MapFormats, SingleFilesHaveNameAndFormat) {
+  ASSERT_FALSE(single_file_formats().empty());
+  for (const std::string& format : single_file_formats()) {
     written({format});
     EXPECT_TRUE(std::filesystem::exists(folder_.path() / ("site." + format))) << format;
   }
 }
 
-TEST_F(MapFormats, AreNamedInHelpAndErrors) {
+TEST_F(MapFormats, HelpAndErrorsListAllFormats) {
   std::string problem;
   try {
     written({"shp"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A program of its own, as it counts what every allocation takes.
+// A separate program, because it counts the memory of every allocation.
 
 #include <atomic>
 #include <cstdlib>
@@ -16,27 +16,27 @@
 
 namespace {
 
-std::atomic<std::size_t> held{0};
-std::atomic<std::size_t> most_held{0};
+std::atomic<std::size_t> bytes_in_use{0};
+std::atomic<std::size_t> peak_bytes{0};
 
-void count(void* memory) {
-  const std::size_t now = held += malloc_usable_size(memory);
-  std::size_t most = most_held;
-  while (now > most && !most_held.compare_exchange_weak(most, now)) {
+void count_allocation(void* memory) {
+  const std::size_t now = bytes_in_use += malloc_usable_size(memory);
+  std::size_t peak = peak_bytes;
+  while (now > peak && !peak_bytes.compare_exchange_weak(peak, now)) {
   }
 }
 
 }  // namespace
 
-// Not inlined, or compilers take them for a mismatch of new and free.
+// Not inlined, because compilers would report a mismatch of new and free.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   void* memory = std::malloc(size);
   if (memory == nullptr) throw std::bad_alloc();
-  count(memory);
+  count_allocation(memory);
   return memory;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept {
-  if (memory != nullptr) held -= malloc_usable_size(memory);
+  if (memory != nullptr) bytes_in_use -= malloc_usable_size(memory);
   std::free(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
@@ -49,7 +49,7 @@ namespace {
 constexpr double kStep = 5.0;  // m between key frames
 constexpr double kTownSize = 1000.0;
 
-/// Makes each cloud when it is asked for, so that only the map takes memory.
+/// Creates each cloud on demand, so that only the map needs memory.
 class Street : public CloudSource {
  public:
   PointCloudPtr cloud(KeyFrameIndex index) override {
@@ -64,13 +64,14 @@ class Street : public CloudSource {
   }
 };
 
-/// Up and down parallel streets.
+/// A drive up and down parallel streets.
 KeyFramePoses drive(double length) {
   KeyFramePoses poses;
   for (KeyFrameIndex index = 0; kStep * index < length; ++index) {
     Pose pose;
-    const double way = kStep * index;
-    pose.translation = {std::fmod(way, kTownSize), 50.0 * std::floor(way / kTownSize), 0.0};
+    const double distance = kStep * index;
+    pose.translation = {std::fmod(distance, kTownSize), 50.0 * std::floor(distance / kTownSize),
+                        0.0};
     poses.poses.push_back({index, Stamp{index}, pose});
   }
   return poses;
@@ -78,14 +79,14 @@ KeyFramePoses drive(double length) {
 
 using Use = std::function<void(const TileSource& tiles)>;
 
-/// Bytes held at the worst moment while something is made of the tiles of a drive.
-std::size_t peak_of(double length, const Use& use) {
+/// Largest number of bytes in use while `use` processes the tiles of a drive.
+std::size_t peak_memory(double length, const Use& use) {
   Street street;
   const KeyFramePoses poses = drive(length);
   MapConfig config;
   config.threads = 2;
-  most_held = held.load();
-  const std::size_t before = held;
+  peak_bytes = bytes_in_use.load();
+  const std::size_t before = bytes_in_use;
   std::size_t points = 0;
   const test::TemporaryFolder folder;
   use([&](const TileSink& sink) {
@@ -95,25 +96,25 @@ std::size_t peak_of(double length, const Use& use) {
     });
   });
   EXPECT_GT(points, 50U * poses.poses.size());
-  return most_held - before;
+  return peak_bytes - before;
 }
 
-void expect_no_more_for_a_longer_drive(const Use& use) {
-  peak_of(1000.0, use);  // what is allocated once
-  const double shorter = static_cast<double>(peak_of(5000.0, use));
-  const double longer = static_cast<double>(peak_of(20000.0, use));
+void expect_no_growth_with_length(const Use& use) {
+  peak_memory(1000.0, use);  // allocates what is allocated only once
+  const double shorter = static_cast<double>(peak_memory(5000.0, use));
+  const double longer = static_cast<double>(peak_memory(20000.0, use));
   EXPECT_LT((longer - shorter) / (15000.0 / kStep), 600.0) << "bytes for each further key frame";
   EXPECT_LT(longer, 1.25 * shorter);
 }
 
-// The memory of a map that is built by tiles is that of the tiles around the vehicle.
-TEST(BuildTiles, NeedsNoMoreMemoryForAFourTimesLongerDrive) {
-  expect_no_more_for_a_longer_drive([](const TileSource& tiles) { tiles([](const MapTile&) {}); });
+// A map that is built tile by tile needs the memory of the tiles around the vehicle.
+TEST(BuildTiles, MemoryDoesNotGrowWithLengthOfDrive) {
+  expect_no_growth_with_length([](const TileSource& tiles) { tiles([](const MapTile&) {}); });
 }
 
-TEST(SaveMap, NeedsNoMoreMemoryForAFourTimesLongerDrive) {
+TEST(SaveMap, MemoryDoesNotGrowWithLengthOfDrive) {
   const test::TemporaryFolder folder;
-  expect_no_more_for_a_longer_drive([&](const TileSource& tiles) {
+  expect_no_growth_with_length([&](const TileSource& tiles) {
     save_map(stored_parts(tiles, folder.path()), {}, folder.path(), {"ply"});
   });
 }

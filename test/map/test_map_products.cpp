@@ -34,7 +34,7 @@ std::vector<MapTile> example_tiles() {
   return {near, far};
 }
 
-void give_tiles(const TileSink& sink) {
+void pass_example_tiles(const TileSink& sink) {
   for (const MapTile& tile : example_tiles()) sink(tile);
 }
 
@@ -50,7 +50,7 @@ Number number_at(const std::string& bytes, std::size_t position) {
   return number;
 }
 
-/// Coordinates of a point of a LAS file, as its definition says.
+/// Coordinates of a point of a LAS file according to its specification.
 Eigen::Vector3d las_point(const std::string& las, std::size_t index) {
   const auto begin = number_at<std::uint32_t>(las, 96) + index * number_at<std::uint16_t>(las, 105);
   Eigen::Vector3d p;
@@ -65,7 +65,7 @@ Eigen::Vector3d las_point(const std::string& las, std::size_t index) {
 TEST(SaveTiles, WritesAutowaresLayout) {
   const TemporaryFolder folder;
   const fs::path directory = folder.path() / "pointcloud_map";
-  const Files files = save_tiles(give_tiles, kTileSize, directory);
+  const Files files = save_tiles(pass_example_tiles, kTileSize, directory);
   ASSERT_EQ(files.size(), 3U);
   const YAML::Node yaml = YAML::LoadFile((directory / "pointcloud_map_metadata.yaml").string());
   EXPECT_EQ(yaml["x_resolution"].as<double>(), kTileSize);
@@ -74,17 +74,18 @@ TEST(SaveTiles, WritesAutowaresLayout) {
   ASSERT_EQ(pcl::io::loadPCDFile((directory / "10000_-5000.pcd").string(), cloud), 0);
   ASSERT_EQ(cloud.size(), 1U);
   EXPECT_NEAR(cloud[0].x, 10'019.999, 1e-3);
-  EXPECT_EQ(save_tiles(give_tiles, kTileSize, directory).size(), 3U) << "one's own are replaced";
+  EXPECT_EQ(save_tiles(pass_example_tiles, kTileSize, directory).size(), 3U)
+      << "one's own are replaced";
   std::ofstream(folder.path() / "foreign") << "x";
-  EXPECT_THROW(save_tiles(give_tiles, kTileSize, folder.path()), FileError);
+  EXPECT_THROW(save_tiles(pass_example_tiles, kTileSize, folder.path()), FileError);
   EXPECT_TRUE(fs::exists(folder.path() / "foreign"));
 }
 
 // Coordinates of the LAS file are right to a millimetre, in UTM and in the map frame.
-TEST(WriteLas, CoordinatesAreRightToAMillimetre) {
+TEST(WriteLas, CoordinatesAreAccurateToAMillimetre) {
   const TemporaryFolder folder;
   const GeodeticDatum datum{48.98, 8.39, 116.5};
-  write_las(folder.path() / "map.las", give_tiles, datum, 100.0F);
+  write_las(folder.path() / "map.las", pass_example_tiles, datum, 100.0F);
   const std::string las = content_of(folder.path() / "map.las");
   ASSERT_EQ(las.substr(0, 4), "LASF");
   ASSERT_EQ(number_at<std::uint32_t>(las, 107), 3U);
@@ -108,9 +109,9 @@ TEST(WriteLas, CoordinatesAreRightToAMillimetre) {
   EXPECT_EQ(number_at<std::uint16_t>(las, number_at<std::uint32_t>(las, 96) + 32), 65535);
 }
 
-TEST(WriteLas, KeepsTheMapFrameWithoutADatum) {
+TEST(WriteLas, UsesMapFrameWithoutDatum) {
   const TemporaryFolder folder;
-  write_las(folder.path() / "map.las", give_tiles, std::nullopt, 100.0F);
+  write_las(folder.path() / "map.las", pass_example_tiles, std::nullopt, 100.0F);
   const std::string las = content_of(folder.path() / "map.las");
   EXPECT_EQ(number_at<std::uint32_t>(las, 100), 0U) << "no georeference";
   EXPECT_LT((las_point(las, 2) - Eigen::Vector3d(10'019.999, -4'999.999, -1.0)).norm(), 0.001);
@@ -157,8 +158,8 @@ class OneCloud : public CloudSource {
   PointCloudPtr cloud_;
 };
 
-/// Value of the cell of 0.2 m at x of the row of cells along y = 0.1 m.
-int value_along(const fs::path& folder, double x) {
+/// Value of the cell of 0.2 m at x in the row along y = 0.1 m.
+int cell_value_at(const fs::path& folder, double x) {
   const std::string pgm = content_of(folder / "grid.pgm");
   int columns = 0;
   int rows = 0;
@@ -171,9 +172,9 @@ int value_along(const fs::path& folder, double x) {
       pgm[begin + static_cast<std::size_t>((rows - 1 - row) * columns + column)]);
 }
 
-// Ground up to 4 m, a pole at 6 m, a wall at 12 m, more of it behind; rays reach the wall. Between
-// 4 and 7 m nothing lies, but the ground around is known.
-TEST(SaveGrid, IsFreeWhereRaysPassed) {
+// Ground up to 4 m, a pole at 6 m, a wall at 12 m and ground behind it; rays reach the wall. There
+// are no points of the ground between 4 and 7 m, but the ground around is known.
+TEST(SaveGrid, MarksCellsFreeWhereRaysPassed) {
   const TemporaryFolder folder;
   PointCloud map;
   for (int i = 0; i < 160; ++i) {
@@ -184,30 +185,30 @@ TEST(SaveGrid, IsFreeWhereRaysPassed) {
       map.points.push_back({x, y, 0.01F, 0.0F});
     }
   }
-  std::vector<Point> seen;
+  std::vector<Point> observed;
   for (const float z : {0.5F, 0.7F, 0.9F, 1.1F}) {
     map.points.push_back({6.1F, 0.1F, z, 0.0F});
     map.points.push_back({12.1F, 0.1F, z, 0.0F});
-    seen.push_back({12.1F, 0.1F, z, 0.0F});
+    observed.push_back({12.1F, 0.1F, z, 0.0F});
   }
-  OneCloud clouds({seen, {}});
+  OneCloud clouds({observed, {}});
   KeyFramePoses poses;
   poses.poses.push_back({0, 0, Pose()});
   const Eigen::Vector3d p_base_sensor(0.0, 0.1, 1.7);
 
   save_grid(map, {}, folder.path());
-  EXPECT_EQ(value_along(folder.path(), 5.1), 205) << "no ray, no knowledge";
+  EXPECT_EQ(cell_value_at(folder.path(), 5.1), 205) << "no ray, no knowledge";
   save_grid(map, {}, folder.path(), GridRays{poses, clouds, p_base_sensor});
-  EXPECT_EQ(value_along(folder.path(), 2.1), 254) << "ground";
-  EXPECT_EQ(value_along(folder.path(), 5.1), 254) << "a ray passed";
-  EXPECT_EQ(value_along(folder.path(), 6.1), 0) << "rays that pass a pole leave it";
-  EXPECT_EQ(value_along(folder.path(), 12.1), 0) << "the wall that they end at";
+  EXPECT_EQ(cell_value_at(folder.path(), 2.1), 254) << "ground";
+  EXPECT_EQ(cell_value_at(folder.path(), 5.1), 254) << "a ray passed";
+  EXPECT_EQ(cell_value_at(folder.path(), 6.1), 0) << "rays that pass a pole leave it";
+  EXPECT_EQ(cell_value_at(folder.path(), 12.1), 0) << "the wall that they end at";
   const Eigen::Vector3d high(0.0, 0.1, 40.0);
   save_grid(map, {}, folder.path(), GridRays{poses, clouds, high});
-  EXPECT_EQ(value_along(folder.path(), 5.1), 205) << "far above a vehicle";
+  EXPECT_EQ(cell_value_at(folder.path(), 5.1), 205) << "far above a vehicle";
 }
 
-TEST(GridCell, IsNotSmallerThanTheVoxels) {
+TEST(GridCell, RejectsCellsSmallerThanVoxels) {
   MapConfig config;
   EXPECT_EQ(grid_cell(config), config.resolution);
   config.grid_cell = 0.5;
@@ -217,7 +218,7 @@ TEST(GridCell, IsNotSmallerThanTheVoxels) {
 }
 
 // 25 million cells are more than are in memory at a time.
-TEST(SaveGrid, IsTheSameInBands) {
+TEST(SaveGrid, BlocksGiveTheSameGrid) {
   const TemporaryFolder folder;
   PointCloud map;
   for (int i = 0; i < 100 * 100; ++i) {

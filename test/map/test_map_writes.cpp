@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a kill, a full disk and readers that know nothing of the package find in a map's folder.
+// The folder of a map after a kill or on a full disk, and as an independent reader sees it.
 
 #include <chrono>
 #include <csignal>
@@ -40,7 +40,7 @@ MapTile example_tile(int number, const Eigen::Vector3d& corner, int points) {
   return tile;
 }
 
-/// Tiles in a row; `points` in each.
+/// Tiles in a row with `points` points each.
 TileSource row_of_tiles(const Eigen::Vector3d& corner, int points) {
   return [=](const TileSink& sink) {
     for (int number = 0; number < kTiles; ++number) sink(example_tile(number, corner, points));
@@ -68,9 +68,9 @@ void write_all(const fs::path& directory, int points) {
   write_png(directory / "top_view.png", top_view(cloud, 0.5));
 }
 
-// An independent reader finds every product as its format is published, also where the map
+// An independent reader reads every product according to its published format, also if the map
 // frame is as far away as UTM coordinates.
-TEST(MapProducts, AreReadByAnIndependentReader) {
+TEST(MapProducts, IndependentReaderReadsThem) {
   const TemporaryFolder folder;
   const Eigen::Vector3d far(432'000.0, 5'412'000.0, 0.0);
   write_all(folder.path(), 400);
@@ -88,8 +88,8 @@ TEST(MapProducts, AreReadByAnIndependentReader) {
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
-// Floats cannot hold such coordinates; better no file than one that looks like noise.
-TEST(MapProducts, CloudsOfFloatsFarFromTheOriginAreRefused) {
+// Floats cannot hold such coordinates; no file is better than a wrong one.
+TEST(MapProducts, RejectFloatsFarFromTheOrigin) {
   const TemporaryFolder folder;
   PointCloud far;
   far.points = {{432'000.0F, 5'412'000.0F, 0.0F, 0.0F}};
@@ -109,8 +109,8 @@ Number number_at(const fs::path& path, std::streamoff position) {
   return number;
 }
 
-/// Whatever is there under its name is whole.
-void expect_whole(const fs::path& directory, std::size_t points) {
+/// Every file with its final name is complete.
+void expect_complete(const fs::path& directory, std::size_t points) {
   pcl::PointCloud<pcl::PointXYZI> cloud;
   if (fs::exists(directory / "map.pcd")) {
     EXPECT_EQ(pcl::io::loadPCDFile((directory / "map.pcd").string(), cloud), 0);
@@ -135,8 +135,8 @@ void expect_whole(const fs::path& directory, std::size_t points) {
   }
 }
 
-// A kill at any moment leaves files that are whole, and the next run goes through.
-TEST(MapProducts, SurviveKillAtAnyMoment) {
+// After a kill at any moment all files are complete, and the next run succeeds.
+TEST(MapProducts, StayCompleteAfterKillAtAnyMoment) {
   constexpr int kPoints = 40'000;
   const TemporaryFolder folder;
   for (int round = 0; round < 10; ++round) {
@@ -148,16 +148,17 @@ TEST(MapProducts, SurviveKillAtAnyMoment) {
     std::this_thread::sleep_for(std::chrono::milliseconds(3 + 17 * round));
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
-    expect_whole(folder.path(), kPoints);
+    expect_complete(folder.path(), kPoints);
   }
   write_all(folder.path(), kPoints);
-  expect_whole(folder.path(), kPoints);
+  expect_complete(folder.path(), kPoints);
   for (const auto& entry : fs::directory_iterator(folder.path())) {
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
   }
 }
 
-/// Exit status 0 if every product says that it could not be written, by name.
+/// Returns 0 (the exit status of success) if every product reports with its name that it could not
+/// be written.
 int write_to_a_full_disk(const fs::path& directory) {
   ::signal(SIGXFSZ, SIG_IGN);
   const rlimit limit{20'000, 20'000};  // bytes a file
@@ -182,8 +183,8 @@ int write_to_a_full_disk(const fs::path& directory) {
   return silent;
 }
 
-// A full disk is an error that names the file; what was there before stays.
-TEST(MapProducts, AFullDiskIsSaidAndLeavesTheOldMap) {
+// A full disk is an error that names the file; the older map stays.
+TEST(MapProducts, ReportFullDiskAndKeepOldMap) {
   const TemporaryFolder folder;
   write_all(folder.path(), 4000);
   const pid_t child = ::fork();
@@ -193,7 +194,7 @@ TEST(MapProducts, AFullDiskIsSaidAndLeavesTheOldMap) {
   ::waitpid(child, &status, 0);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0) << "products that failed without a word or a name";
-  expect_whole(folder.path(), 4000);
+  expect_complete(folder.path(), 4000);
   for (const auto& entry : fs::directory_iterator(folder.path())) {
     EXPECT_NE(entry.path().filename().string()[0], '.') << entry.path();
   }

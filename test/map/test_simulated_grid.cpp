@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The 2D grid of simulated drives is one that a planner can use.
+// A planner can use the 2D grids of simulated drives.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -55,16 +55,16 @@ class Grid {
     return static_cast<std::uint8_t>(bytes_[static_cast<std::size_t>(line * columns_ + column)]);
   }
 
-  /// All free cells that one gets to from there over free cells.
-  std::set<Cell> reached_from(const Cell& start) const {
+  /// All free cells that are connected to `start` by free cells.
+  std::set<Cell> reachable_from(const Cell& start) const {
     std::set<Cell> reached = {start};
-    std::deque<Cell> waiting = {start};
-    while (!waiting.empty()) {
-      const auto [column, row] = waiting.front();
-      waiting.pop_front();
+    std::deque<Cell> queue = {start};
+    while (!queue.empty()) {
+      const auto [column, row] = queue.front();
+      queue.pop_front();
       for (const Cell& next : {Cell{column + 1, row}, Cell{column - 1, row}, Cell{column, row + 1},
                                Cell{column, row - 1}}) {
-        if (at(next) == kFree && reached.insert(next).second) waiting.push_back(next);
+        if (at(next) == kFree && reached.insert(next).second) queue.push_back(next);
       }
     }
     return reached;
@@ -79,28 +79,28 @@ class Grid {
   std::string bytes_;
 };
 
-/// The key frames without what moves, as only a simulation can know it.
-class WithoutMovers : public CloudSource {
+/// The key frames without moving objects, which only a simulation knows.
+class StaticClouds : public CloudSource {
  public:
-  explicit WithoutMovers(test::SimulatedKeyFrames& frames) : frames_(frames) {}
+  explicit StaticClouds(test::SimulatedKeyFrames& frames) : frames_(frames) {}
   PointCloudPtr cloud(KeyFrameIndex index) override {
-    auto standing = std::make_shared<PointCloud>();
+    auto static_cloud = std::make_shared<PointCloud>();
     const PointCloudPtr all = frames_.cloud(index);
     for (std::size_t i = 0; i < all->size(); ++i) {
-      if (frames_.moving(index)[i] == 0) standing->points.push_back(all->points[i]);
+      if (frames_.moving(index)[i] == 0) static_cloud->points.push_back(all->points[i]);
     }
-    return standing;
+    return static_cloud;
   }
 
  private:
   test::SimulatedKeyFrames& frames_;
 };
 
-/// A part of a simulated drive and the grid that is made of its key frames.
-class GriddedDrive {
+/// A section of a simulated drive and the grid of its key frames.
+class DriveWithGrid {
  public:
-  GriddedDrive(const std::string& name, const std::string& lidar, std::size_t thinning,
-               double begin_s, double end_s)
+  DriveWithGrid(const std::string& name, const std::string& lidar, std::size_t thinning,
+                double begin_s, double end_s)
       : drive_(options(name, lidar, end_s)), frames_(drive_, begin_s, end_s, 2.0, thinning) {
     const Stamp begin = frames_.poses.poses.front().stamp;
     const Stamp end = frames_.poses.poses.back().stamp;
@@ -111,8 +111,8 @@ class GriddedDrive {
     }
   }
 
-  /// From now on only the storey whose floor is that high counts: of the map and of the path.
-  void keep_storey(double floor) {
+  /// Restricts map and path to the storey whose floor has this height.
+  void select_storey(double floor) {
     constexpr double kAll = 1e4, kBelow = 0.1, kAbove = 2.5;
     crop_ = Eigen::AlignedBox3d(Eigen::Vector3d(-kAll, -kAll, floor - kBelow),
                                 Eigen::Vector3d(kAll, kAll, floor + kAbove));
@@ -123,30 +123,31 @@ class GriddedDrive {
     path_ = kept;
   }
 
-  Grid grid(int threads = 0) { return made_of(frames_, false, threads); }
-  Grid grid_of_what_stands() {
-    WithoutMovers standing(frames_);
-    return made_of(standing, true, 0);
+  Grid grid(int threads = 0) { return build_grid(frames_, false, threads); }
+  Grid grid_of_static_objects() {
+    StaticClouds static_clouds(frames_);
+    return build_grid(static_clouds, true, 0);
   }
 
-  /// Of the cells within a metre of the path.
-  double free_share(const Grid& grid) const {
+  /// Fraction of free cells among those within a metre of the path.
+  double free_fraction(const Grid& grid) const {
     const std::set<Grid::Cell> cells = cells_near_path(grid, 1.0);
     const auto free = std::count_if(cells.begin(), cells.end(),
                                     [&](const Grid::Cell& cell) { return grid.at(cell) == kFree; });
     return static_cast<double>(free) / static_cast<double>(cells.size());
   }
 
-  double reached_share(const Grid& grid) const {
-    const std::set<Grid::Cell> reached = grid.reached_from(grid.cell_at(path_.front()));
-    const auto there = std::count_if(path_.begin(), path_.end(), [&](const Eigen::Vector2d& p) {
-      return reached.count(grid.cell_at(p)) > 0;
-    });
-    return static_cast<double>(there) / static_cast<double>(path_.size());
+  double reached_fraction(const Grid& grid) const {
+    const std::set<Grid::Cell> reached = grid.reachable_from(grid.cell_at(path_.front()));
+    const auto reachable_count =
+        std::count_if(path_.begin(), path_.end(),
+                      [&](const Eigen::Vector2d& p) { return reached.count(grid.cell_at(p)) > 0; });
+    return static_cast<double>(reachable_count) / static_cast<double>(path_.size());
   }
 
-  /// Of the cells within 10 m of the path where something moved and nothing stands.
-  double free_share_of_movers(const Grid& grid, const Grid& standing) {
+  /// Fraction of free cells among those within 10 m of the path in which something moved and
+  /// nothing stands.
+  double free_fraction_of_movers(const Grid& grid, const Grid& static_grid) {
     const std::set<Grid::Cell> near = cells_near_path(grid, 10.0);
     std::set<Grid::Cell> moved;
     for (const KeyFramePose& pose : frames_.poses.poses) {
@@ -155,7 +156,7 @@ class GriddedDrive {
         if (frames_.moving(pose.index)[i] == 0) continue;
         const Eigen::Vector3d p = pose.T_map_base * cloud->points[i].position().cast<double>();
         const Grid::Cell cell = grid.cell_at(p.head<2>());
-        const bool stands = standing.at(standing.cell_at(grid.centre(cell))) != kFree;
+        const bool stands = static_grid.at(static_grid.cell_at(grid.centre(cell))) != kFree;
         if (near.count(cell) > 0 && !stands) moved.insert(cell);
       }
     }
@@ -165,14 +166,14 @@ class GriddedDrive {
     return static_cast<double>(free) / static_cast<double>(moved.size());
   }
 
-  /// Of the cells near the path that something standing occupies, those that are occupied.
-  double kept_share(const Grid& grid, const Grid& standing) const {
+  /// Fraction of occupied cells among those near the path that something static occupies.
+  double kept_fraction(const Grid& grid, const Grid& static_grid) const {
     double occupied = 0.0;
     double kept = 0.0;
-    for (const Grid::Cell& cell : cells_near_path(standing, 15.0)) {
-      if (standing.at(cell) != kOccupied) continue;
+    for (const Grid::Cell& cell : cells_near_path(static_grid, 15.0)) {
+      if (static_grid.at(cell) != kOccupied) continue;
       occupied += 1.0;
-      if (grid.at(grid.cell_at(standing.centre(cell))) == kOccupied) kept += 1.0;
+      if (grid.at(grid.cell_at(static_grid.centre(cell))) == kOccupied) kept += 1.0;
     }
     EXPECT_GT(occupied, 100.0);
     return kept / occupied;
@@ -189,7 +190,7 @@ class GriddedDrive {
     return options;
   }
 
-  Grid made_of(CloudSource& clouds, bool keep_moving, int threads) const {
+  Grid build_grid(CloudSource& clouds, bool keep_moving, int threads) const {
     const test::TemporaryFolder folder;
     MapConfig config;
     config.threads = threads;
@@ -227,13 +228,13 @@ class GriddedDrive {
   std::optional<Eigen::AlignedBox3d> crop_;
 };
 
-void expect_a_planners_grid(GriddedDrive& drive) {
+void expect_usable_grid(DriveWithGrid& drive) {
   const Grid grid = drive.grid();
-  const Grid standing = drive.grid_of_what_stands();
-  const double free = drive.free_share(grid);
-  const double reached = drive.reached_share(grid);
-  const double movers = drive.free_share_of_movers(grid, standing);
-  const double kept = drive.kept_share(grid, standing);
+  const Grid static_grid = drive.grid_of_static_objects();
+  const double free = drive.free_fraction(grid);
+  const double reached = drive.reached_fraction(grid);
+  const double movers = drive.free_fraction_of_movers(grid, static_grid);
+  const double kept = drive.kept_fraction(grid, static_grid);
   std::printf("path free %.4f, path reached %.4f, movers free %.4f, obstacles kept %.4f\n", free,
               reached, movers, kept);
   EXPECT_GE(free, 0.99);
@@ -242,38 +243,38 @@ void expect_a_planners_grid(GriddedDrive& drive) {
   EXPECT_GE(kept, 0.98);
 }
 
-TEST(SimulatedGrid, OfATownWithSixtyFourBeams) {
-  GriddedDrive drive("town", "hdl64", 4, 5.0, 20.0);
-  expect_a_planners_grid(drive);
+TEST(SimulatedGrid, TownWithSixtyFourBeams) {
+  DriveWithGrid drive("town", "hdl64", 4, 5.0, 20.0);
+  expect_usable_grid(drive);
 }
 
-TEST(SimulatedGrid, OfATownWithSixteenBeams) {
-  GriddedDrive drive("town", "vlp16", 1, 5.0, 25.0);
-  expect_a_planners_grid(drive);
+TEST(SimulatedGrid, TownWithSixteenBeams) {
+  DriveWithGrid drive("town", "vlp16", 1, 5.0, 25.0);
+  expect_usable_grid(drive);
   EXPECT_EQ(drive.grid(1).bytes(), drive.grid(3).bytes()) << "for any number of threads";
 }
 
-TEST(SimulatedGrid, OfAFigureEightWithSixtyFourBeams) {
-  GriddedDrive drive("figure_eight", "hdl64", 4, 2.0, 15.0);
-  expect_a_planners_grid(drive);
+TEST(SimulatedGrid, FigureEightWithSixtyFourBeams) {
+  DriveWithGrid drive("figure_eight", "hdl64", 4, 2.0, 15.0);
+  expect_usable_grid(drive);
 }
 
-TEST(SimulatedGrid, OfAFigureEightWithSixteenBeams) {
-  GriddedDrive drive("figure_eight", "vlp16", 1, 2.0, 25.0);
-  expect_a_planners_grid(drive);
+TEST(SimulatedGrid, FigureEightWithSixteenBeams) {
+  DriveWithGrid drive("figure_eight", "vlp16", 1, 2.0, 25.0);
+  expect_usable_grid(drive);
 }
 
-/// A grid has one level: a box cuts it out.
-TEST(SimulatedGrid, OfEachStoreyOfACarPark) {
+/// A grid has one level, which a box selects from the map.
+TEST(SimulatedGrid, EachStoreyOfCarPark) {
   for (const double floor : {0.0, 3.0}) {
-    GriddedDrive drive("car_park", "vlp16", 1, 5.0, 90.0);
-    drive.keep_storey(floor);
+    DriveWithGrid drive("car_park", "vlp16", 1, 5.0, 90.0);
+    drive.select_storey(floor);
     const Grid grid = drive.grid();
-    const double free = drive.free_share(grid);
+    const double free = drive.free_fraction(grid);
     std::printf("storey at %g m: path free %.4f, reached %.4f\n", floor, free,
-                drive.reached_share(grid));
+                drive.reached_fraction(grid));
     EXPECT_GE(free, 0.99) << floor;
-    EXPECT_GE(drive.reached_share(grid), 0.99) << floor;
+    EXPECT_GE(drive.reached_fraction(grid), 0.99) << floor;
   }
 }
 

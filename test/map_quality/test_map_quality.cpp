@@ -12,8 +12,8 @@ namespace {
 constexpr KeyFrameIndex kPerPass = 15;
 constexpr double kNoise = 0.02;
 
-/// A street with house fronts, cross walls and ground, driven through twice; the vehicle is far
-/// away in between. Points lie at random on the surfaces, with range noise along the beam.
+/// A street with house fronts, cross walls and ground that was driven through twice; in between the
+/// vehicle is far away. Points are random on the surfaces, with range noise along the beam.
 class TwoPasses : public CloudSource {
  public:
   explicit TwoPasses(const Pose& displacement) {
@@ -25,7 +25,7 @@ class TwoPasses : public CloudSource {
       if (index >= kPerPass) mapped = displacement * truth;
       clouds_[index] = scan(truth, random);
       poses.poses.push_back({index, Stamp{index}, mapped});
-      if (index == kPerPass - 1) go_far_away();
+      if (index == kPerPass - 1) leave_and_return();
     }
   }
   PointCloudPtr cloud(KeyFrameIndex index) override {
@@ -35,7 +35,7 @@ class TwoPasses : public CloudSource {
   KeyFramePoses poses;
 
  private:
-  void go_far_away() {
+  void leave_and_return() {
     Pose pose;
     pose.translation.y() = 500.0;
     poses.poses.push_back({999, 0, pose});
@@ -72,44 +72,48 @@ class TwoPasses : public CloudSource {
   std::map<KeyFrameIndex, PointCloudPtr> clouds_;
 };
 
-Pose moved(double x, double y, double z, double yaw = 0.0) {
+Pose displacement_by(double x, double y, double z, double yaw = 0.0) {
   return {exp_so3({0.0, 0.0, yaw}), {x, y, z}};
 }
 
-double ghost_error(const Pose& displacement, const Eigen::Vector3d& expected) {
+double misalignment_error(const Pose& displacement, const Eigen::Vector3d& expected) {
   TwoPasses passes(displacement);
-  const auto vectors = ghost_vectors(passes.poses, passes, {});
-  EXPECT_GE(vectors.size(), 2U);
+  const auto misalignments = pass_misalignments(passes.poses, passes, {});
+  EXPECT_GE(misalignments.size(), 2U);
   double worst = 0.0;
-  for (const GhostVector& v : vectors) {
-    worst = std::max(worst, (Eigen::Vector3d(v.along, v.left, v.up) - expected).norm());
+  for (const PassMisalignment& misalignment : misalignments) {
+    worst = std::max(
+        worst,
+        (Eigen::Vector3d(misalignment.forward, misalignment.left, misalignment.up) - expected)
+            .norm());
   }
   return worst;
 }
 
-// A pass displaced on purpose is found with its size to 1 cm.
-TEST(GhostVectors, FindADisplacedPassToACentimetre) {
-  EXPECT_LT(ghost_error(moved(0.0, 0.0, 0.0), {0.0, 0.0, 0.0}), 0.01);
-  EXPECT_LT(ghost_error(moved(0.0, 0.05, 0.0), {0.0, 0.05, 0.0}), 0.01);
-  EXPECT_LT(ghost_error(moved(0.0, 0.0, 0.05), {0.0, 0.0, 0.05}), 0.01);
-  EXPECT_LT(ghost_error(moved(0.0, -0.3, 0.2), {0.0, -0.3, 0.2}), 0.01);
+// The size of a known displacement is found to 1 cm.
+TEST(PassMisalignments, FindDisplacementToACentimetre) {
+  EXPECT_LT(misalignment_error(displacement_by(0.0, 0.0, 0.0), {0.0, 0.0, 0.0}), 0.01);
+  EXPECT_LT(misalignment_error(displacement_by(0.0, 0.05, 0.0), {0.0, 0.05, 0.0}), 0.01);
+  EXPECT_LT(misalignment_error(displacement_by(0.0, 0.0, 0.05), {0.0, 0.0, 0.05}), 0.01);
+  EXPECT_LT(misalignment_error(displacement_by(0.0, -0.3, 0.2), {0.0, -0.3, 0.2}), 0.01);
 }
 
-TEST(GhostVectors, FindATurnedPass) {
-  TwoPasses passes(moved(0.0, 0.0, 0.0, 0.2 * M_PI / 180.0));
-  const auto vectors = ghost_vectors(passes.poses, passes, {});
-  ASSERT_FALSE(vectors.empty());
-  for (const GhostVector& v : vectors) EXPECT_NEAR(v.yaw * 180.0 / M_PI, 0.2, 0.05);
+TEST(PassMisalignments, FindRotation) {
+  TwoPasses passes(displacement_by(0.0, 0.0, 0.0, 0.2 * M_PI / 180.0));
+  const auto misalignments = pass_misalignments(passes.poses, passes, {});
+  ASSERT_FALSE(misalignments.empty());
+  for (const PassMisalignment& misalignment : misalignments)
+    EXPECT_NEAR(misalignment.yaw * 180.0 / M_PI, 0.2, 0.05);
 }
 
-TEST(GhostVectors, ADriveThatNeverComesBackHasNone) {
-  TwoPasses passes(moved(0.0, 100.0, 0.0));
-  EXPECT_TRUE(ghost_vectors(passes.poses, passes, {}).empty());
+TEST(PassMisalignments, DriveWithoutRevisitsHasNone) {
+  TwoPasses passes(displacement_by(0.0, 100.0, 0.0));
+  EXPECT_TRUE(pass_misalignments(passes.poses, passes, {}).empty());
 }
 
-// Thickness as a ratio to what range noise alone gives.
-TEST(LocalThickness, OfAPerfectMapIsThatOfTheNoise) {
-  TwoPasses passes(moved(0.0, 0.0, 0.0));
+// Thickness as a ratio to that of range noise alone.
+TEST(LocalThickness, PerfectMapHasThicknessOfNoise) {
+  TwoPasses passes(displacement_by(0.0, 0.0, 0.0));
   const LocalThickness thickness = local_thickness(passes.poses, passes, {});
   EXPECT_GT(thickness.ground.cells, 500U);
   EXPECT_GT(thickness.walls.cells, 500U);
@@ -117,29 +121,29 @@ TEST(LocalThickness, OfAPerfectMapIsThatOfTheNoise) {
   EXPECT_NEAR(thickness.walls.median_ratio, 1.0, 0.1);
 }
 
-TEST(LocalThickness, GrowsWithTheDistanceOfTheLayers) {
-  TwoPasses good(moved(0.0, 0.0, 0.0));
-  TwoPasses raised(moved(0.0, 0.0, 0.1));
+TEST(LocalThickness, GrowsWithDistanceOfPasses) {
+  TwoPasses good(displacement_by(0.0, 0.0, 0.0));
+  TwoPasses displaced(displacement_by(0.0, 0.0, 0.1));
   const double before = local_thickness(good.poses, good, {}).ground.median;
-  const double after = local_thickness(raised.poses, raised, {}).ground.median;
+  const double after = local_thickness(displaced.poses, displaced, {}).ground.median;
   EXPECT_GT(after, 2.0 * before);
 }
 
-TEST(MapEntropy, GrowsWhenPassesLieApart) {
-  TwoPasses good(moved(0.0, 0.0, 0.0));
-  TwoPasses raised(moved(0.0, 0.0, 0.1));
+TEST(MapEntropy, GrowsWithDistanceOfPasses) {
+  TwoPasses good(displacement_by(0.0, 0.0, 0.0));
+  TwoPasses displaced(displacement_by(0.0, 0.0, 0.1));
   const MapEntropy before = mean_map_entropy(good.poses, good);
-  const MapEntropy after = mean_map_entropy(raised.poses, raised);
+  const MapEntropy after = mean_map_entropy(displaced.poses, displaced);
   EXPECT_GT(before.points, 1000U);
   EXPECT_GT(before.neighbours, 5.0);
   EXPECT_GT(after.mean, before.mean + 0.3);
 }
 
-TEST(PlacePoints, AreThoseOfBothPassesInTheAxesOfTheVehicle) {
-  TwoPasses passes(moved(0.0, 0.0, 0.0));
-  const auto vectors = ghost_vectors(passes.poses, passes, {});
-  ASSERT_FALSE(vectors.empty());
-  const PlacePoints points = place_points(passes.poses, passes, {}, vectors.front());
+TEST(PassPoints, AreInTheAxesOfTheVehicle) {
+  TwoPasses passes(displacement_by(0.0, 0.0, 0.0));
+  const auto misalignments = pass_misalignments(passes.poses, passes, {});
+  ASSERT_FALSE(misalignments.empty());
+  const PassPoints points = pass_points(passes.poses, passes, {}, misalignments.front());
   ASSERT_GT(points.later.size(), 1000U);
   ASSERT_GT(points.earlier.size(), 1000U);
   double lowest = 0.0;

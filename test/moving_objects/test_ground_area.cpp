@@ -13,44 +13,45 @@ namespace {
 using Cell = std::pair<int, int>;
 
 Cell cell_of(const Eigen::Vector3d& p_map) {
-  return {static_cast<int>(std::floor(p_map.x() / GroundArea::kColumn)),
-          static_cast<int>(std::floor(p_map.y() / GroundArea::kColumn))};
+  return {static_cast<int>(std::floor(p_map.x() / GroundArea::kColumnSize)),
+          static_cast<int>(std::floor(p_map.y() / GroundArea::kColumnSize))};
 }
 
-/// Some points around a place that is far from the origin, one of them out of reach.
-PointCloud some_points(const Eigen::Vector3d& p_base, float farthest) {
+/// Some points around a location that is far from the origin, one of them out of range.
+PointCloud some_points(const Eigen::Vector3d& p_base, float max_range) {
   std::mt19937 engine(3);
-  std::normal_distribution<double> uneven(0.0, 12.0);
+  std::normal_distribution<double> offset(0.0, 12.0);
   PointCloud cloud;
   for (int i = 0; i < 200; ++i) {
-    // In the middle of a column, where floats leave no doubt.
+    // In the middle of a column, where rounding of floats does not matter.
     const auto middle = [&](double at) {
-      return (std::floor((at + uneven(engine)) / GroundArea::kColumn) + 0.5) * GroundArea::kColumn -
+      return (std::floor((at + offset(engine)) / GroundArea::kColumnSize) + 0.5) *
+                 GroundArea::kColumnSize -
              at;
     };
     cloud.points.push_back({static_cast<float>(middle(p_base.x())),
                             static_cast<float>(middle(p_base.y())), 0.0F, 0.0F});
   }
-  cloud.points.push_back({2.0F * farthest, 0.0F, 0.0F, 0.0F});
+  cloud.points.push_back({2.0F * max_range, 0.0F, 0.0F, 0.0F});
   return cloud;
 }
 
-TEST(GroundArea, NumbersTheColumnsAroundPoints) {
-  constexpr float kReach = 100.0F;
+TEST(GroundArea, NumbersColumnsAroundPoints) {
+  constexpr float kRange = 100.0F;
   Pose T_map_base;
   T_map_base.translation = {-1234.5, 777.7, 3.0};
-  const PointCloud cloud = some_points(T_map_base.translation, kReach);
-  const GroundArea area(PlacedPoints(cloud, T_map_base), kReach);
+  const PointCloud cloud = some_points(T_map_base.translation, kRange);
+  const GroundArea area(TransformedPoints(cloud, T_map_base), kRange);
   std::set<Cell> expected;
   for (std::size_t i = 0; i + 1 < cloud.size(); ++i) {
     const Cell cell = cell_of(T_map_base * cloud.points[i].position().cast<double>());
-    EXPECT_EQ(area.column_of(i), area.number_of({cell.first, cell.second})) << i;
+    EXPECT_EQ(area.column_of(i), area.index_of({cell.first, cell.second})) << i;
     const auto rows = area.rows_around(area.column_of(i));
     for (int dy = -2; dy <= 2; ++dy) {
       for (int dx = -2; dx <= 2; ++dx) {
         const Cell near = {cell.first + dx, cell.second + dy};
         expected.insert(near);
-        EXPECT_EQ(area.number_of({near.first, near.second}),
+        EXPECT_EQ(area.index_of({near.first, near.second}),
                   rows[static_cast<std::size_t>(dy + 2)] + static_cast<std::uint32_t>(dx + 2));
       }
     }
@@ -58,13 +59,13 @@ TEST(GroundArea, NumbersTheColumnsAroundPoints) {
   EXPECT_EQ(area.column_of(cloud.size() - 1), GroundArea::kOutside);
   EXPECT_EQ(area.size(), expected.size());
   const Cell low = *expected.begin();
-  EXPECT_EQ(area.number_of({low.first - 1, low.second}), GroundArea::kOutside);
+  EXPECT_EQ(area.index_of({low.first - 1, low.second}), GroundArea::kOutside);
 }
 
-TEST(GroundArea, OfNothingIsEmpty) {
-  const GroundArea area(PlacedPoints({}, Pose()));
+TEST(GroundArea, IsEmptyWithoutPoints) {
+  const GroundArea area(TransformedPoints({}, Pose()));
   EXPECT_EQ(area.size(), 0U);
-  EXPECT_EQ(area.number_of({0, 0}), GroundArea::kOutside);
+  EXPECT_EQ(area.index_of({0, 0}), GroundArea::kOutside);
 }
 
 }  // namespace

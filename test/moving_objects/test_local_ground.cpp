@@ -10,18 +10,20 @@
 namespace lidar_mapping::moving_objects {
 namespace {
 
-constexpr double kColumn = 0.6;  // m, side of a column
+constexpr double kColumnSize = 0.6;  // m, side of a column
 constexpr double kGrade = 0.3;
 const Eigen::Vector2d kCar(3.9, -2.1);  // m, middle of a column
 constexpr float kRoof = 1.5F;           // m above the street
-constexpr float kInside = 8.0F;  // m; at the street's ends half of the surroundings is unseen
+// m, at the ends of the street half of the surroundings is unobserved
+constexpr float kEvaluatedRange = 8.0F;
 
-using Slope = Eigen::Vector2d;  ///< grade along x and y
+using Slope = Eigen::Vector2d;  ///< Grade along x and y.
 
 double street(const Slope& slope, double x, double y) { return slope.dot(Eigen::Vector2d(x, y)); }
 
-/// A sloping street seen every 0.2 m but for the column of the car, of which only the roof is seen.
-PlacedPoints sloping_street(const Slope& slope) {
+/// A sloping street observed every 0.2 m, except in the column of the car, of which only the roof
+/// is observed.
+TransformedPoints sloping_street(const Slope& slope) {
   PointCloud cloud;
   const auto add = [&cloud](double x, double y, double z) {
     Point point;
@@ -34,46 +36,47 @@ PlacedPoints sloping_street(const Slope& slope) {
     for (int j = -50; j < 50; ++j) {
       const double x = 0.1 + 0.2 * i;
       const double y = 0.1 + 0.2 * j;
-      const bool is_car = std::max(std::abs(x - kCar.x()), std::abs(y - kCar.y())) < kColumn / 2;
+      const bool is_car =
+          std::max(std::abs(x - kCar.x()), std::abs(y - kCar.y())) < kColumnSize / 2;
       add(x, y, street(slope, x, y) + (is_car ? kRoof : 0.0));
     }
   }
-  return PlacedPoints(cloud, Pose());
+  return TransformedPoints(cloud, Pose());
 }
 
-struct Seen {
-  float street;  ///< m above the ground, largest of the street's points
-  float roof;    ///< lowest of the roof's points
+struct Heights {
+  float street;  ///< Largest height of points of the street above the ground, m.
+  float roof;    ///< Least height of points of the roof above the ground, m.
 };
 
-Seen heights(const Slope& slope) {
-  const PlacedPoints points = sloping_street(slope);
+Heights heights(const Slope& slope) {
+  const TransformedPoints points = sloping_street(slope);
   const GroundArea area(points);
   LocalGround ground(area);
   ground.add(ground_columns(points));
-  Seen seen{0.0F, kRoof * 10};
+  Heights result{0.0F, kRoof * 10};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f point(points.x[i], points.y[i], points.z[i]);
-    if (point.head<2>().cwiseAbs().maxCoeff() > kInside) continue;
+    if (point.head<2>().cwiseAbs().maxCoeff() > kEvaluatedRange) continue;
     const float above = ground.height_above(point.z(), area.column_of(i));
     const bool is_roof = point.z() > street(slope, point.x(), point.y()) + 0.5;
     if (is_roof) {
-      seen.roof = std::min(seen.roof, above);
+      result.roof = std::min(result.roof, above);
     } else {
-      seen.street = std::max(seen.street, above);
+      result.street = std::max(result.street, above);
     }
   }
-  return seen;
+  return result;
 }
 
-TEST(LocalGround, LiesBelowACarOnASlopeWhicheverWayItFalls) {
+TEST(LocalGround, LiesBelowCarOnSlopeOfAnyDirection) {
   for (const Slope& slope :
        {Slope(kGrade, 0.0), Slope(-kGrade, 0.0), Slope(0.0, kGrade), Slope(0.0, -kGrade)}) {
-    const Seen seen = heights(slope);
+    const Heights result = heights(slope);
     // A column's points lie up to 0.4 m uphill of its lowest ones.
-    EXPECT_NEAR(seen.street, 0.4 * kGrade, 0.01) << slope.transpose();
+    EXPECT_NEAR(result.street, 0.4 * kGrade, 0.01) << slope.transpose();
     // The lowest quarter of the columns around the car begins one column downhill.
-    EXPECT_NEAR(seen.roof, kRoof + kColumn * kGrade, 0.02) << slope.transpose();
+    EXPECT_NEAR(result.roof, kRoof + kColumnSize * kGrade, 0.02) << slope.transpose();
   }
 }
 

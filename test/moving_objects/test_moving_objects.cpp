@@ -32,8 +32,7 @@ double distance_to(const Box& box, const Eigen::Vector3d& origin, const Eigen::V
   return near <= far && near > 0.0 ? near : std::numeric_limits<double>::infinity();
 }
 
-/// A street with walls, a parked car, a pole and a car, or a truck, that drives towards the
-/// vehicle.
+/// A street with walls, a parked car, a pole, and a car or truck that drives towards the vehicle.
 class Street : public CloudSource {
  public:
   explicit Street(double height = 1.5) : height_(height) {
@@ -52,7 +51,7 @@ class Street : public CloudSource {
 
   PointCloudPtr cloud(KeyFrameIndex index) override { return clouds_.at(index); }
 
-  /// Whether a point of that key frame is on the moving car, well above the ground.
+  /// Whether a point of this key frame is on the moving car, well above the ground.
   bool on_moving_car(KeyFrameIndex index, const Point& point) const {
     const Box car = moving_car(index);
     const Eigen::Vector3d p =
@@ -91,52 +90,52 @@ class Street : public CloudSource {
   std::map<KeyFrameIndex, PointCloudPtr> clouds_;
 };
 
-struct Counts {
+struct PointCounts {
   double moving = 0.0;
-  double fixed = 0.0;
+  double static_points = 0.0;
 };
 
-Counts count(const Street& street, const PointCloud& cloud, KeyFrameIndex index) {
-  Counts counts;
+PointCounts count(const Street& street, const PointCloud& cloud, KeyFrameIndex index) {
+  PointCounts counts;
   for (const Point& point : cloud.points) {
-    (street.on_moving_car(index, point) ? counts.moving : counts.fixed) += 1.0;
+    (street.on_moving_car(index, point) ? counts.moving : counts.static_points) += 1.0;
   }
   return counts;
 }
 
 class MovingObjectsTest : public testing::TestWithParam<double> {};
 
-TEST_P(MovingObjectsTest, GoAndWhatStandsStays) {
+TEST_P(MovingObjectsTest, AreRemovedAndStaticPointsStay) {
   Street street(GetParam());
   StaticClouds clean(street, street.poses, kSensor);
-  Counts before;
-  Counts after;
+  PointCounts before;
+  PointCounts after;
   for (KeyFrameIndex index = 5; index < 25; ++index) {
-    const Counts all = count(street, *street.cloud(index), index);
-    const Counts kept = count(street, *clean.cloud(index), index);
+    const PointCounts all = count(street, *street.cloud(index), index);
+    const PointCounts kept = count(street, *clean.cloud(index), index);
     before.moving += all.moving;
-    before.fixed += all.fixed;
+    before.static_points += all.static_points;
     after.moving += kept.moving;
-    after.fixed += kept.fixed;
+    after.static_points += kept.static_points;
   }
   ASSERT_GT(before.moving, 1000.0);
   EXPECT_LT(after.moving / before.moving, 0.05);
-  EXPECT_GT(after.fixed / before.fixed, 0.999);
+  EXPECT_GT(after.static_points / before.static_points, 0.999);
 }
 
 INSTANTIATE_TEST_SUITE_P(HeightOfCarAndTruck, MovingObjectsTest, testing::Values(1.5, 3.6));
 
-/// Clouds in which drops end some of the rays, mostly near by.
+/// Clouds in which raindrops end some of the rays, most of them near the sensor.
 class Rain : public CloudSource {
  public:
-  Rain(Street& street, double share) {
+  Rain(Street& street, double fraction) {
     std::mt19937 engine(5);
     std::uniform_real_distribution<double> chance(0.0, 1.0);
     std::exponential_distribution<float> beyond(1.0F / 6.0F);
     for (const KeyFramePose& pose : street.poses.poses) {
       auto cloud = std::make_shared<PointCloud>(*street.cloud(pose.index));
       for (Point& point : cloud->points) {
-        if (chance(engine) > share) continue;
+        if (chance(engine) > fraction) continue;
         const Eigen::Vector3f sensor = kSensor.cast<float>();
         const Eigen::Vector3f ray = point.position() - sensor;
         const float range = 1.5F + beyond(engine);
@@ -156,11 +155,11 @@ class Rain : public CloudSource {
   std::map<KeyFrameIndex, PointCloudPtr> clouds_;
 };
 
-TEST(MovingObjects, DropsGoAndWhatTheyFallOnStays) {
+TEST(MovingObjects, RaindropsAreRemovedAndSurfacesStay) {
   Street street;
   Rain rain(street, 0.03);
   StaticClouds clean(rain, street.poses, kSensor);
-  std::map<bool, double> all, gone;  // of drops, and of what stands
+  std::map<bool, double> all, removed_count;  // true: raindrops; false: static points
   for (KeyFrameIndex index = 5; index < 25; ++index) {
     const PointCloudPtr cloud = rain.cloud(index);
     for (const Point& point : cloud->points) {
@@ -168,15 +167,15 @@ TEST(MovingObjects, DropsGoAndWhatTheyFallOnStays) {
     }
     const PointCloudPtr removed = clean.removed(index);
     for (const Point& point : removed->points) {
-      if (!street.on_moving_car(index, point)) gone[point.intensity == Rain::kDrop] += 1.0;
+      if (!street.on_moving_car(index, point)) removed_count[point.intensity == Rain::kDrop] += 1.0;
     }
   }
   ASSERT_GT(all[true], 5000.0);
-  EXPECT_GT(gone[true] / all[true], 0.97) << "0.96 where only things go";
-  EXPECT_LT(gone[false] / all[false], 0.001);
+  EXPECT_GT(removed_count[true] / all[true], 0.97) << "0.96 where only things go";
+  EXPECT_LT(removed_count[false] / all[false], 0.001);
 }
 
-TEST(MovingObjects, PartsMakeTheWhole) {
+TEST(MovingObjects, StaticAndRemovedPointsAreTheWholeCloud) {
   Street street;
   StaticClouds clean(street, street.poses, kSensor);
   EXPECT_EQ(clean.cloud(10)->size() + clean.removed(10)->size(), street.cloud(10)->size());
@@ -187,7 +186,7 @@ bool are_equal(const PointCloud& a, const PointCloud& b) {
                     [](const Point& p, const Point& q) { return p.position() == q.position(); });
 }
 
-TEST(MovingObjects, DoNotDependOnTheNumberOfThreadsOrTheOrderOfQuestions) {
+TEST(MovingObjects, DoNotDependOnThreadsOrOrderOfCalls) {
   Street street;
   MovingObjectsConfig config;
   config.threads = 1;
@@ -202,7 +201,7 @@ TEST(MovingObjects, DoNotDependOnTheNumberOfThreadsOrTheOrderOfQuestions) {
   }
 }
 
-TEST(MovingObjects, GoFromSeveralCloudsAsFromEach) {
+TEST(MovingObjects, AreTheSameForSeveralCloudsAndForEach) {
   Street street;
   StaticClouds clean(street, street.poses, kSensor);
   StaticClouds together(street, street.poses, kSensor);

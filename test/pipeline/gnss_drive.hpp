@@ -15,16 +15,16 @@
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/simulation/drive.hpp"
 
-/// What faults of GNSS do to the poses of a drive whose odometry and loops are computed once.
+/// Effects of faults of GNSS on the poses of a drive whose odometry and loops are computed once.
 namespace lidar_mapping::test {
 
-/// What the front end and loop closing gave.
+/// Results of the front end and loop closing.
 struct DriveOdometry {
   std::vector<KeyFrame> key_frames;
   std::vector<Loop> loops;
 };
 
-/// The fixes of a receiver and where tf says that its antenna is.
+/// Fixes of a receiver, and the position of its antenna according to tf.
 struct Receiver {
   std::vector<GnssFix> fixes;
   Eigen::Vector3d p_base_antenna = Eigen::Vector3d::Zero();
@@ -34,7 +34,7 @@ inline Receiver receiver_of(const simulation::Drive& drive) {
   return {drive.gnss(), drive.mounting().p_base_antenna};
 }
 
-/// Moves every fix by `offset` (m, East-North-Up) of its stamp.
+/// Moves every fix by the `offset` (m, East-North-Up) at its stamp.
 inline void move_fixes(Receiver& receiver, const simulation::Drive& drive,
                        const std::function<Eigen::Vector3d(Stamp)>& offset) {
   const GeodeticDatum datum = drive.datum();
@@ -49,7 +49,7 @@ inline void move_fixes(Receiver& receiver, const simulation::Drive& drive,
   }
 }
 
-/// A receiver that is worse than the simulated one, and says so.
+/// A receiver with more noise than the simulated one, and the right covariance.
 inline Receiver noisy_receiver(const simulation::Drive& drive, double sigma) {
   Receiver receiver = receiver_of(drive);
   std::mt19937 engine(7);
@@ -73,7 +73,7 @@ inline Receiver with_outage(Receiver receiver, double begin_s, double end_s) {
   return receiver;
 }
 
-/// Reflections: fixes `metres` beside the truth for ten seconds, as confident as ever.
+/// A reflection: fixes `metres` beside the truth for ten seconds, with unchanged covariance.
 inline Receiver with_jump(Receiver receiver, const simulation::Drive& drive, double at_s,
                           double metres) {
   const Stamp first = receiver.fixes.front().stamp;
@@ -97,7 +97,7 @@ inline Receiver with_delay(Receiver receiver, double seconds) {
   return receiver;
 }
 
-/// The antenna farther away by `arm`; tf knows it.
+/// Moves the antenna by `arm`; tf contains the change.
 inline Receiver with_lever_arm(Receiver receiver, const simulation::Drive& drive,
                                const Eigen::Vector3d& arm) {
   move_fixes(receiver, drive, [&](Stamp stamp) -> Eigen::Vector3d {
@@ -107,8 +107,8 @@ inline Receiver with_lever_arm(Receiver receiver, const simulation::Drive& drive
   return receiver;
 }
 
-/// What preprocessing makes of the sensors at the stamps of all scans.
-inline std::vector<preprocessing::SyncedScan> synchronised(
+/// Output of preprocessing at the stamps of all scans.
+inline std::vector<preprocessing::SyncedScan> preprocessed_scans(
     const simulation::Drive& drive, const std::optional<Receiver>& receiver,
     const preprocessing::PreprocessingConfig& config) {
   const auto lookup = [&](const std::string& frame) -> std::optional<Pose> {
@@ -151,8 +151,8 @@ inline std::vector<preprocessing::SyncedScan> synchronised(
   return all;
 }
 
-inline std::vector<evaluation::PosePair> against_truth(const simulation::Drive& drive,
-                                                       const KeyFramePoses& poses) {
+inline std::vector<evaluation::PosePair> pairs_with_truth(const simulation::Drive& drive,
+                                                          const KeyFramePoses& poses) {
   std::vector<evaluation::PosePair> pairs;
   for (const KeyFramePose& pose : poses.poses) {
     pairs.push_back({pose.stamp, drive.trajectory().pose(pose.stamp), pose.T_map_base});
@@ -160,14 +160,14 @@ inline std::vector<evaluation::PosePair> against_truth(const simulation::Drive& 
   return pairs;
 }
 
-/// Absolute error of the key frames after optimisation (m, root mean square, after the best rigid
-/// motion: without GNSS nothing says where the map is).
+/// Absolute error of the key frames after optimisation: RMS of the positions in m after rigid
+/// alignment, because without GNSS the pose of the map is arbitrary.
 inline double final_error(const simulation::Drive& drive, const DriveOdometry& odometry,
                           const std::optional<Receiver>& receiver) {
   back_end::BackEnd back_end{back_end::BackEndConfig{}};
   for (const KeyFrame& key_frame : odometry.key_frames) back_end.add_key_frame(key_frame);
   std::size_t next = 0;
-  for (const auto& synced : synchronised(drive, receiver, {})) {
+  for (const auto& synced : preprocessed_scans(drive, receiver, {})) {
     while (next < odometry.key_frames.size() &&
            odometry.key_frames[next].stamp < synced.scan.stamp) {
       ++next;
@@ -179,20 +179,20 @@ inline double final_error(const simulation::Drive& drive, const DriveOdometry& o
   }
   for (const Loop& loop : odometry.loops) back_end.add_loop(loop);
   back_end.apply(*back_end::solve(*back_end.problem(true)));
-  const auto pairs = against_truth(drive, back_end.poses());
+  const auto pairs = pairs_with_truth(drive, back_end.poses());
   const Pose T_truth_map = evaluation::rigid_alignment(pairs);
   return evaluation::absolute_pose_error(evaluation::aligned(pairs, T_truth_map))
       .translation_m.rmse;
 }
 
-/// A fault and the clean receiver that it is to be compared with.
+/// A faulty receiver and the faultless one to compare it with.
 struct GnssFault {
   std::string name;
   Receiver faulty;
   const Receiver* clean;
 };
 
-/// The faults that are named in doc/preprocessing.md; `rtk` and `single` must outlive the result.
+/// The faults listed in doc/preprocessing.md; `rtk` and `single` must outlive the result.
 inline std::vector<GnssFault> gnss_faults(const simulation::Drive& drive, const Receiver& rtk,
                                           const Receiver& single) {
   return {{"outage of 60 s", with_outage(rtk, 40.0, 100.0), &rtk},

@@ -11,7 +11,7 @@
 
 namespace lidar_mapping::test {
 
-/// A simulated drive as it would have been recorded.
+/// A simulated drive as an input source, as if it had been recorded.
 class SimulatedInput : public pipeline::InputSource {
  public:
   explicit SimulatedInput(const simulation::DriveOptions& options)
@@ -57,7 +57,8 @@ class SimulatedInput : public pipeline::InputSource {
   }
 
   std::shared_ptr<const simulation::Drive> drive_;
-  std::vector<std::pair<Stamp, pipeline::Input>> inputs_;  ///< by the time of their delivery
+  /// With the time of their delivery, in its order.
+  std::vector<std::pair<Stamp, pipeline::Input>> inputs_;
   std::size_t next_ = 0;
 };
 

@@ -22,30 +22,32 @@ constexpr KeyFrameIndex kScans = 400;  // every second one is a key frame
 
 Stamp stamp_of(KeyFrameIndex scan) { return from_seconds(1000.0 + kPeriod * scan); }
 
-Eigen::Vector3d place_of(KeyFrameIndex scan) { return {kSpeed * kPeriod * scan, 0.0, 0.0}; }
+Eigen::Vector3d position_of(KeyFrameIndex scan) { return {kSpeed * kPeriod * scan, 0.0, 0.0}; }
 
-/// A drive straight on whose scans have these states, with a way that is unobserved by so much.
+/// A straight drive with given states of the scans and given unobserved travel.
 struct StraightDrive {
   std::string (*state)(KeyFrameIndex) = [](KeyFrameIndex) { return std::string("tracking"); };
-  double (*unobserved)(KeyFrameIndex) = [](KeyFrameIndex) { return 0.0; };
-  double degraded_sigma = 0.003;        ///< m, of a step to a degraded scan
-  KeyFrameIndex segment_from = kScans;  ///< a new segment of the trajectory begins there
+  double (*unobserved_stddev)(KeyFrameIndex) = [](KeyFrameIndex) { return 0.0; };
+  double degraded_sigma = 0.003;  ///< Standard deviation of a step to a degraded scan, m.
+  KeyFrameIndex second_segment_begin =
+      kScans;  ///< First scan of a second segment of the trajectory.
 
-  void write(RecordedBackEnd& run) const {
+  void write(RecordedBackEnd& back_end) const {
     for (KeyFrameIndex scan = 0; scan < kScans; ++scan) {
       session::ScanRecord record;
       record.stamp = stamp_of(scan);
       record.state = state(scan);
-      record.unobserved_stddev = unobserved(scan);
+      record.unobserved_stddev = unobserved_stddev(scan);
       record.probability = record.state == "degraded" ? 0.2 : 0.99;
-      run.session().add_scan(record);
-      run.session().add_odometry(record.stamp, {Eigen::Quaterniond::Identity(), place_of(scan)});
+      back_end.session().add_scan(record);
+      back_end.session().add_odometry(record.stamp,
+                                      {Eigen::Quaterniond::Identity(), position_of(scan)});
       if (scan % 2 != 0 || record.state == "lost") continue;
       KeyFrame key_frame;
       key_frame.index = scan / 2;
-      key_frame.segment = scan < segment_from ? 0 : 1;
+      key_frame.segment = scan < second_segment_begin ? 0 : 1;
       key_frame.stamp = record.stamp;
-      key_frame.T_odom_base.translation = place_of(scan);
+      key_frame.T_odom_base.translation = position_of(scan);
       key_frame.motion_covariance = diagonal_covariance(0.003, 0.0002);
       if (record.state == "degraded") {
         key_frame.motion_covariance = diagonal_covariance(degraded_sigma, 0.0002);
@@ -57,7 +59,7 @@ struct StraightDrive {
       if (record.state == "degenerate") {
         key_frame.degenerate_directions = {Eigen::Vector3d::UnitX()};
       }
-      run.add_key_frame(key_frame);
+      back_end.add_key_frame(key_frame);
     }
   }
 };
@@ -66,79 +68,79 @@ Loop loop_between(KeyFrameIndex from, KeyFrameIndex to) {
   Loop loop;
   loop.from = from;
   loop.to = to;
-  loop.T_from_to.translation = place_of(2 * to) - place_of(2 * from);
+  loop.T_from_to.translation = position_of(2 * to) - position_of(2 * from);
   loop.covariance = diagonal_covariance(0.02, 0.002);
   loop.overlap = 0.9;
   return loop;
 }
 
-/// doubt.csv of the drive with these loops.
+/// Contents of doubt.csv of the drive with these loops.
 DriveDoubt doubt_of(const StraightDrive& drive, const std::vector<Loop>& loops = {}) {
   const TemporaryFolder folder;
-  RecordedBackEnd run(Session::create_in(folder.path()), {});
-  drive.write(run);
-  for (const Loop& loop : loops) run.add_loop(loop);
-  run.apply(*back_end::solve(*run.problem(true)), 0.0);
-  run.write_files();
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive.write(back_end);
+  for (const Loop& loop : loops) back_end.add_loop(loop);
+  back_end.apply(*back_end::solve(*back_end.problem(true)), 0.0);
+  back_end.write_files();
   return read_doubt(folder.path() / "doubt.csv");
 }
 
 bool in_tunnel(KeyFrameIndex scan) { return scan >= 100 && scan < 300; }
 
-/// 200 m at whose end the way is off by 10 m.
-StraightDrive tunnel() {
+/// A section of 200 m at whose end the unobserved travel has a standard deviation of 10 m.
+StraightDrive degenerate_drive() {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
     return std::string(in_tunnel(scan) ? "degenerate" : "tracking");
   };
-  drive.unobserved = [](KeyFrameIndex scan) {
+  drive.unobserved_stddev = [](KeyFrameIndex scan) {
     return scan < 100 ? 0.0 : 10.0 * std::min(1.0, (scan - 99.0) / 200.0);
   };
   return drive;
 }
 
-TEST(DriveDoubt, SaysNothingOfACleanDrive) {
+TEST(DriveDoubt, ReportsNothingForCleanDrive) {
   const DriveDoubt doubt = doubt_of({});
   EXPECT_TRUE(doubt.is_trusted());
-  EXPECT_TRUE(doubt.stretches.empty());
+  EXPECT_TRUE(doubt.sections.empty());
   EXPECT_TRUE(warnings(doubt).empty());
   EXPECT_EQ(remark(doubt), "");
 }
 
-TEST(DriveDoubt, DoesNotTrustAWayThatNothingObserved) {
-  const DriveDoubt doubt = doubt_of(tunnel());
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  const DoubtfulStretch& stretch = doubt.stretches.front();
-  EXPECT_EQ(stretch.doubt, Doubt::kDegenerate);
-  EXPECT_EQ(stretch.begin, stamp_of(100));
-  EXPECT_EQ(stretch.end, stamp_of(299));
-  EXPECT_EQ(stretch.scans, 200U);
-  EXPECT_NEAR(stretch.way, 200.0, 1.5);
-  EXPECT_NEAR(stretch.expected_error, 10.0, 0.5);
-  EXPECT_LT((stretch.place - place_of(100)).norm(), 1.0);
+TEST(DriveDoubt, DoesNotTrustUnobservedTravel) {
+  const DriveDoubt doubt = doubt_of(degenerate_drive());
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  const DoubtfulSection& section = doubt.sections.front();
+  EXPECT_EQ(section.doubt, Doubt::kDegenerate);
+  EXPECT_EQ(section.begin, stamp_of(100));
+  EXPECT_EQ(section.end, stamp_of(299));
+  EXPECT_EQ(section.scans, 200U);
+  EXPECT_NEAR(section.path_length, 200.0, 1.5);
+  EXPECT_NEAR(section.expected_error, 10.0, 0.5);
+  EXPECT_LT((section.position - position_of(100)).norm(), 1.0);
   ASSERT_EQ(warnings(doubt).size(), 1U);
   EXPECT_EQ(warnings(doubt).front(),
             "Do not trust this map between 10.0 s and 29.9 s (200 m of 399 m of way): nothing "
             "observed the motion along the way; expected error 10 m");
 }
 
-TEST(DriveDoubt, TrustsAWayThatLoopsHold) {
+TEST(DriveDoubt, TrustsUnobservedTravelConstrainedByLoops) {
   std::vector<Loop> loops;
   for (KeyFrameIndex i = 40; i < 160; i += 4) loops.push_back(loop_between(10, i));
-  const DriveDoubt doubt = doubt_of(tunnel(), loops);
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  EXPECT_LT(doubt.stretches.front().expected_error, 1.0);
+  const DriveDoubt doubt = doubt_of(degenerate_drive(), loops);
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  EXPECT_LT(doubt.sections.front().expected_error, 1.0);
   EXPECT_TRUE(doubt.is_trusted());
   EXPECT_EQ(remark(doubt), "Noticed: 200 scans degenerate in 1 place (doubt.csv)");
 }
 
-TEST(DriveDoubt, TrustsAWayThatAMeasuredSpeedTold) {
-  StraightDrive drive = tunnel();
-  drive.unobserved = [](KeyFrameIndex scan) { return scan < 100 ? 0.0 : 0.3; };
+TEST(DriveDoubt, TrustsUnobservedTravelWithMeasuredSpeed) {
+  StraightDrive drive = degenerate_drive();
+  drive.unobserved_stddev = [](KeyFrameIndex scan) { return scan < 100 ? 0.0 : 0.3; };
   EXPECT_TRUE(doubt_of(drive).is_trusted());
 }
 
-StraightDrive probably_wrong() {
+StraightDrive degraded_drive() {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
     return std::string(scan >= 100 && scan < 140 ? "degraded" : "tracking");
@@ -147,31 +149,31 @@ StraightDrive probably_wrong() {
   return drive;
 }
 
-TEST(DriveDoubt, DoesNotTrustStepsThatAreProbablyWrong) {
-  const DriveDoubt doubt = doubt_of(probably_wrong());
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  const DoubtfulStretch& stretch = doubt.stretches.front();
-  EXPECT_EQ(stretch.doubt, Doubt::kDegraded);
-  EXPECT_FALSE(stretch.is_trusted);
-  EXPECT_NEAR(stretch.lowest_probability, 0.2, 1e-9);
+TEST(DriveDoubt, DoesNotTrustDegradedSteps) {
+  const DriveDoubt doubt = doubt_of(degraded_drive());
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  const DoubtfulSection& section = doubt.sections.front();
+  EXPECT_EQ(section.doubt, Doubt::kDegraded);
+  EXPECT_FALSE(section.is_trusted);
+  EXPECT_NEAR(section.lowest_probability, 0.2, 1e-9);
   // Twenty steps of 0.3 m in each of three axes.
-  EXPECT_GT(stretch.expected_error, 2.2);
-  EXPECT_LT(stretch.expected_error, 4.0);
+  EXPECT_GT(section.expected_error, 2.2);
+  EXPECT_LT(section.expected_error, 4.0);
   ASSERT_EQ(warnings(doubt).size(), 1U);
   EXPECT_NE(warnings(doubt).front().find("40 of its steps are degraded"), std::string::npos)
       << warnings(doubt).front();
 }
 
-TEST(DriveDoubt, TrustsProbablyWrongStepsThatLoopsHold) {
+TEST(DriveDoubt, TrustsDegradedStepsConstrainedByLoops) {
   std::vector<Loop> loops;
   for (KeyFrameIndex i = 48; i < 76; i += 2) loops.push_back(loop_between(10, i));
-  const DriveDoubt doubt = doubt_of(probably_wrong(), loops);
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  EXPECT_LT(doubt.stretches.front().expected_error, 0.5);
+  const DriveDoubt doubt = doubt_of(degraded_drive(), loops);
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  EXPECT_LT(doubt.sections.front().expected_error, 0.5);
   EXPECT_TRUE(doubt.is_trusted());
 }
 
-StraightDrive probably_turned_wrongly() {
+StraightDrive doubtful_drive() {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
     return std::string(scan >= 100 && scan < 140 ? "doubtful" : "tracking");
@@ -179,21 +181,21 @@ StraightDrive probably_turned_wrongly() {
   return drive;
 }
 
-// Twenty steps of 2 m, each with 0.01 rad: the k-th last of them is 2 m k off at the end, aside and
-// up; in all 0.02 m sqrt(2 (0^2 + 1^2 + ... + 19^2)).
-TEST(DriveDoubt, KnowsThatAWrongTurnLeadsAstray) {
-  const DriveDoubt doubt = doubt_of(probably_turned_wrongly());
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  const DoubtfulStretch& stretch = doubt.stretches.front();
-  EXPECT_EQ(stretch.doubt, Doubt::kDoubtful);
-  EXPECT_NEAR(stretch.expected_error, 1.4, 0.2);
-  EXPECT_FALSE(stretch.is_trusted);
+// Twenty steps of 2 m, each with 0.01 rad: the k-th last of them causes 2 m * k * 0.01 sideways and
+// upwards at the end; in all 0.02 m sqrt(2 (0^2 + 1^2 + ... + 19^2)).
+TEST(DriveDoubt, PropagatesErrorsOfRotation) {
+  const DriveDoubt doubt = doubt_of(doubtful_drive());
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  const DoubtfulSection& section = doubt.sections.front();
+  EXPECT_EQ(section.doubt, Doubt::kDoubtful);
+  EXPECT_NEAR(section.expected_error, 1.4, 0.2);
+  EXPECT_FALSE(section.is_trusted);
   std::vector<Loop> loops;
   for (KeyFrameIndex i = 48; i < 76; i += 2) loops.push_back(loop_between(10, i));
-  EXPECT_TRUE(doubt_of(probably_turned_wrongly(), loops).is_trusted());
+  EXPECT_TRUE(doubt_of(doubtful_drive(), loops).is_trusted());
 }
 
-StraightDrive lost_for_a_moment() {
+StraightDrive briefly_lost_drive() {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
     return std::string(scan >= 100 && scan < 103 ? "lost" : "tracking");
@@ -201,36 +203,36 @@ StraightDrive lost_for_a_moment() {
   return drive;
 }
 
-TEST(DriveDoubt, OnlyMentionsWhatWasFoundAgain) {
-  const DriveDoubt doubt = doubt_of(lost_for_a_moment());
+TEST(DriveDoubt, LostScansWithinASegmentAreRemarks) {
+  const DriveDoubt doubt = doubt_of(briefly_lost_drive());
   EXPECT_TRUE(doubt.is_trusted());
   EXPECT_EQ(remark(doubt), "Noticed: 3 scans lost in 1 place (doubt.csv)");
 }
 
-TEST(DriveDoubt, DoesNotTrustPartsThatNothingJoins) {
-  StraightDrive drive = lost_for_a_moment();
-  drive.segment_from = 103;
+TEST(DriveDoubt, DoesNotTrustUnconnectedParts) {
+  StraightDrive drive = briefly_lost_drive();
+  drive.second_segment_begin = 103;
   const DriveDoubt doubt = doubt_of(drive);
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  EXPECT_FALSE(doubt.stretches.front().is_trusted);
-  EXPECT_TRUE(std::isinf(doubt.stretches.front().expected_error));
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  EXPECT_FALSE(doubt.sections.front().is_trusted);
+  EXPECT_TRUE(std::isinf(doubt.sections.front().expected_error));
   EXPECT_EQ(warnings(doubt).front(),
             "Do not trust how the parts of this map lie to each other: at 10.0 s (99 m of 399 m "
             "of way) the odometry was lost, and no loop or GNSS joins what came before and after");
   EXPECT_TRUE(doubt_of(drive, {loop_between(40, 80), loop_between(44, 84)}).is_trusted());
 }
 
-// A front end that was started again begins a segment without being lost.
-TEST(DriveDoubt, DoesNotTrustABreakThatNothingJoins) {
+// A restarted front end begins a new segment without being lost.
+TEST(DriveDoubt, DoesNotTrustUnconnectedSegments) {
   StraightDrive drive;
-  drive.segment_from = 200;
+  drive.second_segment_begin = 200;
   const DriveDoubt doubt = doubt_of(drive);
-  ASSERT_EQ(doubt.stretches.size(), 1U);
-  EXPECT_EQ(doubt.stretches.front().begin, stamp_of(198));
+  ASSERT_EQ(doubt.sections.size(), 1U);
+  EXPECT_EQ(doubt.sections.front().begin, stamp_of(198));
   EXPECT_FALSE(doubt.is_trusted());
 }
 
-TEST(DriveDoubt, GathersScansOfAKind) {
+TEST(DriveDoubt, GroupsScansWithTheSameReason) {
   StraightDrive drive;
   drive.state = [](KeyFrameIndex scan) {
     const bool flickers = scan >= 100 && scan < 130 && scan % 3 == 0;
@@ -240,15 +242,15 @@ TEST(DriveDoubt, GathersScansOfAKind) {
                                      : "tracking");
   };
   const DriveDoubt doubt = doubt_of(drive);
-  ASSERT_EQ(doubt.stretches.size(), 3U);
-  EXPECT_EQ(doubt.stretches[0].scans, 10U);
-  EXPECT_EQ(doubt.stretches[1].doubt, Doubt::kRepeated);
-  EXPECT_EQ(doubt.stretches[2].begin, stamp_of(200));
+  ASSERT_EQ(doubt.sections.size(), 3U);
+  EXPECT_EQ(doubt.sections[0].scans, 10U);
+  EXPECT_EQ(doubt.sections[1].doubt, Doubt::kRepeated);
+  EXPECT_EQ(doubt.sections[2].begin, stamp_of(200));
   EXPECT_EQ(remark(doubt),
             "Noticed: 1 scan repeated in 1 place, 11 scans degraded in 2 places (doubt.csv)");
 }
 
-TEST(DriveDoubt, SaysWhereItsFileIsBroken) {
+TEST(DriveDoubt, ReportsDamagedLineOfFile) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "doubt.csv") << "kind\nlost,1,what\n";
   try {
@@ -259,7 +261,7 @@ TEST(DriveDoubt, SaysWhereItsFileIsBroken) {
   }
 }
 
-TEST(DriveDoubt, RefusesNumbersThatAreNone) {
+TEST(DriveDoubt, RejectsInvalidNumbers) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "doubt.csv";
   const std::string whole = "lost,1.0,2.0,1000000000,2000000000,11,3.0,4.0,90.0,1,2,3,inf,0.5,no";
@@ -267,7 +269,7 @@ TEST(DriveDoubt, RefusesNumbersThatAreNone) {
     std::ofstream(path) << "kind\n" << line << "\n";
     return read_doubt(path);
   };
-  EXPECT_TRUE(std::isinf(read(whole).stretches.at(0).expected_error));
+  EXPECT_TRUE(std::isinf(read(whole).sections.at(0).expected_error));
   for (const auto& [from, to] :
        std::vector<std::pair<std::string, std::string>>{{",4.0,", ",nan,"},
                                                         {",90.0,", ",inf,"},

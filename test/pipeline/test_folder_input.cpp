@@ -25,7 +25,7 @@ class FolderInputTest : public testing::Test {
     write(name,
           std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)));
   }
-  /// A raw recording of two scans, the one between them missing, and two samples of oxts.
+  /// A raw recording of two scans, between which one is missing, and two samples of oxts.
   void write_raw() const {
     write("velodyne_points/timestamps.txt",
           "2011-09-26 13:02:25.500000000\n2011-09-26 13:02:25.6\n2011-09-26 13:02:25.700000001\n");
@@ -52,7 +52,7 @@ class FolderInputTest : public testing::Test {
 
 constexpr Stamp kDate = 1317042145'500000000;  // 2011-09-26 13:02:25.5 UTC
 
-TEST_F(FolderInputTest, ReadsARawRecordingOfKitti) {
+TEST_F(FolderInputTest, ReadsKittiRawRecording) {
   write_raw();
   FolderInput input = open();
   const std::vector<Input> inputs = all(input);
@@ -78,7 +78,7 @@ TEST_F(FolderInputTest, ReadsARawRecordingOfKitti) {
   EXPECT_LT((T_base_imu->translation - Eigen::Vector3d(-0.8, 0.3, 1.73 - 0.8)).norm(), 1e-9);
 }
 
-TEST_F(FolderInputTest, LeavesOutAnImuWhosePlaceIsNotKnown) {
+TEST_F(FolderInputTest, LeavesOutImuWithUnknownPose) {
   write_raw();
   fs::remove(folder_.path() / "calib_imu_to_velo.txt");
   FolderInput input = open();
@@ -86,15 +86,15 @@ TEST_F(FolderInputTest, LeavesOutAnImuWhosePlaceIsNotKnown) {
   EXPECT_NE(input.description().find("calib_imu_to_velo.txt"), std::string::npos);
 }
 
-TEST_F(FolderInputTest, RefusesAnImuThatIsNowhere) {
-  for (const char* place : {"1e300 0 0", "0 0 nan", "0 0", "0 0.1x 0"}) {
+TEST_F(FolderInputTest, RejectsInvalidPoseOfImu) {
+  for (const char* translation : {"1e300 0 0", "0 0 nan", "0 0", "0 0.1x 0"}) {
     write_raw();
-    write("calib_imu_to_velo.txt", std::string("R: 1 0 0 0 1 0 0 0 1\nT: ") + place + "\n");
-    EXPECT_THROW(open(), FileError) << place;
+    write("calib_imu_to_velo.txt", std::string("R: 1 0 0 0 1 0 0 0 1\nT: ") + translation + "\n");
+    EXPECT_THROW(open(), FileError) << translation;
   }
 }
 
-TEST_F(FolderInputTest, NamesTheLineOfADateThatIsNone) {
+TEST_F(FolderInputTest, ReportsLineOfInvalidDate) {
   write_raw();
   write("oxts/timestamps.txt", "2011-09-26 13:02:25.51\nyesterday\n");
   try {
@@ -117,7 +117,7 @@ TEST_F(FolderInputTest, ReadsPcdFilesWithTimesInTheirNames) {
   EXPECT_EQ(scan.decode({}).cloud.points[0].x, 5.0F);
 }
 
-TEST_F(FolderInputTest, TakesTenHertzForScansThatAreCounted) {
+TEST_F(FolderInputTest, UsesTenHertzForNumberedScans) {
   write_bin("000000.bin", {1, 2, 3, 4});
   write_bin("000001.bin", {1, 2, 3, 4});
   FolderInput input = open();
@@ -127,7 +127,7 @@ TEST_F(FolderInputTest, TakesTenHertzForScansThatAreCounted) {
   EXPECT_EQ(std::get<RecordedScan>(inputs[0]).stamp, 100000000);
 }
 
-TEST_F(FolderInputTest, SaysWhatAFolderWithoutScansLacks) { EXPECT_THROW(open(), FileError); }
+TEST_F(FolderInputTest, RejectsFolderWithoutScans) { EXPECT_THROW(open(), FileError); }
 
 }  // namespace
 }  // namespace lidar_mapping::pipeline

@@ -6,8 +6,8 @@
 namespace lidar_mapping::test {
 namespace {
 
-/// Odometry as a good front end gives it: 1 mm and 0.05 mrad of noise in a key frame's step, and a
-/// bias that bends the way by 0.03 degrees in 100 m and makes it 0.02 % too long.
+/// Odometry of a good front end: noise of 1 mm and 0.05 mrad for each key frame, and a bias that
+/// bends the path by 0.03 degrees in 100 m and makes it 0.02 % too long.
 DriveOdometry drifting_odometry(const simulation::Drive& drive) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -23,10 +23,11 @@ DriveOdometry drifting_odometry(const simulation::Drive& drive) {
     KeyFrame key_frame;
     if (i > 0) {
       Pose step = T_map_last.inverse() * T_map_base;
-      const double way = step.translation.norm();
-      if (way < 2.0) continue;
+      const double distance = step.translation.norm();
+      if (distance < 2.0) continue;
       step.translation = 1.0002 * step.translation + random3(0.001);
-      step.rotation = step.rotation * exp_so3(Eigen::Vector3d(0, 0, 5e-6 * way) + random3(5e-5));
+      step.rotation =
+          step.rotation * exp_so3(Eigen::Vector3d(0, 0, 5e-6 * distance) + random3(5e-5));
       T_odom_base = T_odom_base * step;
       key_frame.index = odometry.key_frames.back().index + 1;
     }
@@ -39,7 +40,7 @@ DriveOdometry drifting_odometry(const simulation::Drive& drive) {
   return odometry;
 }
 
-/// A few loops where the way comes by again.
+/// A few loops where the path passes the same location again.
 std::vector<Loop> true_loops(const simulation::Drive& drive,
                              const std::vector<KeyFrame>& key_frames) {
   std::vector<Loop> loops;
@@ -64,10 +65,10 @@ std::vector<Loop> true_loops(const simulation::Drive& drive,
   return loops;
 }
 
-/// Errors below that are no matter of GNSS: half the noise of the scans' points is 1 cm.
-constexpr double kSlack = 0.005;  // m
+/// Smaller errors are not due to GNSS; half the noise of the points is 1 cm.
+constexpr double kTolerance = 0.005;  // m
 
-TEST(GnssFaults, HardlyChangeTheFinalError) {
+TEST(GnssFaults, FinalErrorIsHardlyAffected) {
   simulation::DriveOptions options;
   options.lidar = "vlp16";
   const simulation::Drive drive(options);
@@ -83,13 +84,13 @@ TEST(GnssFaults, HardlyChangeTheFinalError) {
     const double clean = fault.clean == &rtk ? clean_rtk : clean_single;
     const double error = final_error(drive, odometry, fault.faulty);
     std::printf("%-40s %.4f %.2f\n", fault.name.c_str(), error, error / clean);
-    EXPECT_LE(error, 1.3 * clean + kSlack) << fault.name;
-    EXPECT_LE(error, std::max(without, clean) + kSlack) << fault.name;
+    EXPECT_LE(error, 1.3 * clean + kTolerance) << fault.name;
+    EXPECT_LE(error, std::max(without, clean) + kTolerance) << fault.name;
   }
 }
 
-/// Poses that are off by 2 mm and 0.1 mrad each, as 64 beams give them in a town: fixes that
-/// scatter by 2 cm have little to add.
+/// Poses with errors of 2 mm and 0.1 mrad, as with 64 beams in a town: fixes with a standard
+/// deviation of 2 cm can add little.
 TEST(GnssFaults, GoodOdometrySmoothsTheNoiseOfFixes) {
   simulation::DriveOptions options;
   options.lidar = "hdl64";

@@ -19,7 +19,7 @@ using test::TemporaryFolder;
 constexpr KeyFrameIndex kKeyFrames = 12;
 constexpr Stamp kStart = 1'700'000'000'000'000'005;
 
-Pose place(KeyFrameIndex index) {
+Pose true_pose(KeyFrameIndex index) {
   const double angle = 2.0 * M_PI * index / kKeyFrames;
   return {exp_so3({0.01, 0.0, angle}),
           {20.0 * std::sin(angle), 20.0 - 20.0 * std::cos(angle), 0.5}};
@@ -27,7 +27,7 @@ Pose place(KeyFrameIndex index) {
 
 Stamp stamp_of(KeyFrameIndex index) { return kStart + Stamp{index} * 200'000'000; }
 
-/// Two segments, a loop over both, a floor, an IMU sample and a position.
+/// Two segments, a loop between them, a floor, an IMU sample and a position.
 Session example_session(const fs::path& folder) {
   Session session = Session::create_in(folder);
   session.set_datum({49.0, 8.4, 110.0});
@@ -37,7 +37,7 @@ Session example_session(const fs::path& folder) {
     key_frame.index = 10 + index;  // need not begin with 0
     key_frame.segment = index < 7 ? 0 : 1;
     key_frame.stamp = stamp_of(index);
-    key_frame.T_odom_base = place(index);
+    key_frame.T_odom_base = true_pose(index);
     key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
     auto cloud = std::make_shared<PointCloud>();
     cloud->points.assign(3, {1.0F, 2.0F, static_cast<float>(index), 4.0F});
@@ -48,7 +48,7 @@ Session example_session(const fs::path& folder) {
   loop.from = 12;
   loop.to = 20;
   loop.stamp = stamp_of(10);
-  loop.T_from_to = place(2).inverse() * place(10);
+  loop.T_from_to = true_pose(2).inverse() * true_pose(10);
   loop.covariance = diagonal_covariance(0.05, 0.005);
   session.add_loop(loop);
   Floor floor;
@@ -80,7 +80,7 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(HdlDump, HasTheFilesThatInteractiveSlamReads) {
+TEST(HdlDump, WritesFilesOfInteractiveSlam) {
   const TemporaryFolder folder;
   const Session session = example_session(folder.path() / "session");
   const fs::path dump = folder.path() / "dump";
@@ -105,8 +105,8 @@ TEST(HdlDump, HasTheFilesThatInteractiveSlamReads) {
   EXPECT_THROW(write_hdl_dump(session, graph_of(session), dump), FileError) << "is there";
 }
 
-// Out and in again loses nothing of what the format has.
-TEST(HdlDump, ComesBackAsItWent) {
+// Writing and reading keeps everything that the format supports.
+TEST(HdlDump, RoundTripKeepsContents) {
   const TemporaryFolder folder;
   const Session before = example_session(folder.path() / "session");
   const pose_graph::PoseGraph graph = graph_of(before);
@@ -143,7 +143,7 @@ TEST(HdlDump, ComesBackAsItWent) {
 }
 
 /// As hdl_graph_slam itself writes it: edges from the newer key frame, six digits, planes.
-TEST(HdlDump, ReadsEdgesThatPointBackAndLeavesPlanesOut) {
+TEST(HdlDump, ReadsReversedEdgesAndSkipsPlanes) {
   const TemporaryFolder folder;
   const fs::path dump = folder.path();
   std::ofstream(dump / "graph.g2o")
@@ -177,7 +177,7 @@ TEST(HdlDump, ReadsEdgesThatPointBackAndLeavesPlanesOut) {
   EXPECT_EQ(session.poses().poses[1].T_map_base.translation.x(), 2.0);
 }
 
-TEST(HdlDump, SaysWhatIsMissing) {
+TEST(HdlDump, ReportsMissingFiles) {
   const TemporaryFolder folder;
   Session session = Session::create_in(folder.path() / "session");
   EXPECT_THROW(read_hdl_dump(folder.path() / "none", session), FileError);
@@ -186,7 +186,7 @@ TEST(HdlDump, SaysWhatIsMissing) {
   EXPECT_THROW(read_hdl_dump(folder.path() / "dump", session), FileError);
 }
 
-TEST(HdlDump, RefusesADatumThatIsNoPlace) {
+TEST(HdlDump, RejectsInvalidDatum) {
   const TemporaryFolder folder;
   const Session before = example_session(folder.path() / "session");
   for (const char* text : {"", "49 8", "nan 8 1", "91 8 110", "north 8 110"}) {

@@ -52,7 +52,7 @@ TEST_F(KittiFolderTest, ReadsScansInTheOrderOfTheirNames) {
   EXPECT_FALSE(folder.scan(0).cloud.has_times());
 }
 
-TEST_F(KittiFolderTest, TakesTenHertzWithoutTimes) {
+TEST_F(KittiFolderTest, UsesTenHertzWithoutTimes) {
   write<float>("velodyne/000000.bin", {1, 2, 3, 0});
   write<float>("velodyne/000001.bin", {1, 2, 3, 0});
   EXPECT_EQ(KittiFolder(path()).stamp(1), 100000000);
@@ -64,7 +64,7 @@ TEST_F(KittiFolderTest, ReadsTimesOfPoints) {
   EXPECT_EQ(KittiFolder(path()).scan(0).cloud.times, (std::vector<float>{-0.05F, 0.05F}));
 }
 
-TEST_F(KittiFolderTest, MakesTimesFromAzimuth) {
+TEST_F(KittiFolderTest, ComputesTimesFromAzimuth) {
   write<float>("velodyne/000000.bin", {1, 0, 0, 0, 0, 1, 0, 0, 0, -1, 0, 0});
   const Scan scan = KittiFolder(path(), {0.0, true}).scan(0);
   EXPECT_NEAR(scan.cloud.times[0], 0.0, 1e-7);
@@ -72,7 +72,7 @@ TEST_F(KittiFolderTest, MakesTimesFromAzimuth) {
   EXPECT_NEAR(scan.cloud.times[2], 0.026, 1e-6);
 }
 
-TEST_F(KittiFolderTest, RefusesWhatDoesNotFitTogether) {
+TEST_F(KittiFolderTest, RejectsInconsistentFiles) {
   EXPECT_THROW(KittiFolder{path()}, FileError);
   EXPECT_THROW(KittiFolder{path() + "/nowhere"}, FileError);
   write<float>("velodyne/000000.bin", {1, 2, 3});
@@ -84,10 +84,10 @@ TEST_F(KittiFolderTest, RefusesWhatDoesNotFitTogether) {
   EXPECT_THROW(KittiFolder{path()}, FileError);
 }
 
-TEST(Raised, TurnsAPointUpwardInItsVerticalPlane) {
+TEST(RotatedUpwards, RotatesPointInItsVerticalPlane) {
   const double angle = 0.1;
   const Point point{3.0F, -4.0F, -1.0F, 0.7F};
-  const Point up = raised(point, angle);
+  const Point up = rotated_upwards(point, angle);
   EXPECT_NEAR(std::atan2(up.y, up.x), std::atan2(point.y, point.x), 1e-6);
   EXPECT_NEAR(std::atan2(up.z, std::hypot(up.x, up.y)), std::atan2(-1.0, 5.0) + angle, 1e-6);
   EXPECT_NEAR(up.position().norm(), point.position().norm(), 1e-5);

@@ -16,7 +16,7 @@ namespace {
 using lidar_mapping::test::TemporaryFolder;
 using session::Session;
 
-/// Once round a block, with odometry that ends metres beside the start.
+/// A drive once round a block, whose odometry ends metres beside the start.
 class LoopEdits : public ::testing::Test {
  protected:
   LoopEdits()
@@ -28,13 +28,13 @@ class LoopEdits : public ::testing::Test {
   KeyFrameIndex last() const { return static_cast<KeyFrameIndex>(truth_.size() - 1); }
   Pose true_motion(const Loop& loop) const { return truth_[loop.from].inverse() * truth_[loop.to]; }
 
-  std::vector<Loop> decided(const std::string& list) {
+  std::vector<Loop> edited(const std::string& list) {
     const std::filesystem::path path = folder_.path() / "edited.txt";
     std::ofstream(path) << list;
-    return decided_loops(session_, session::read_loop_list(path), {});
+    return edited_loops(session_, session::read_loop_list(path), {});
   }
 
-  /// How far the pose of the loop's end is off after a solution with all of the session.
+  /// Error of the pose of the end of the loop after an optimisation with the whole session, m.
   double error_after(const Loop& loop) {
     RecordedBackEnd back_end(std::move(session_), {});
     const auto poses = back_end.apply(*back_end::solve(*back_end.problem(true)), 0.0).poses.poses;
@@ -60,51 +60,51 @@ class LoopEdits : public ::testing::Test {
   std::vector<LoopVerdict> verdicts_;
 };
 
-TEST_F(LoopEdits, AddedPairIsMatchedAndKept) {
+TEST_F(LoopEdits, AddedPairIsMatchedAndStored) {
   const std::string text = "add 1 " + std::to_string(last() - 4) + "\n";
-  const std::vector<Loop> loops = decided(text);
+  const std::vector<Loop> loops = edited(text);
   ASSERT_EQ(loops.size(), 1U);
   EXPECT_EQ(loops[0].source, LoopSource::kManual);
   EXPECT_LT(difference(true_motion(loops[0]), loops[0].T_from_to).norm(), 0.1);
   EXPECT_TRUE(session_.loops().empty()) << "matching writes nothing";
-  keep_decisions(session_, loops);
+  store_decisions(session_, loops);
   EXPECT_EQ(session_.loops().at(0).decision, LoopDecision::kAccept);
   EXPECT_LT(error_after(loops[0]), 0.05);
 }
 
-TEST_F(LoopEdits, GuessDecidesWhereMatchingStarts) {
+TEST_F(LoopEdits, MatchingStartsAtGuess) {
   const std::string pair = "add 1 " + std::to_string(last() - 4);
-  EXPECT_EQ(decided(pair + " 0.5 -0.5 0 0 0 3\n").size(), 1U);
-  EXPECT_THROW(decided(pair + " 25 20 0 0 0 90\n"), InputError);
+  EXPECT_EQ(edited(pair + " 0.5 -0.5 0 0 0 3\n").size(), 1U);
+  EXPECT_THROW(edited(pair + " 25 20 0 0 0 90\n"), InputError);
 }
 
-TEST_F(LoopEdits, PairThatDoesNotMatchIsAnErrorThatNamesTheLine) {
+TEST_F(LoopEdits, PairWithoutMatchIsReportedWithLine) {
   try {
-    decided("# two streets\nadd 5 50\n");
+    edited("# two streets\nadd 5 50\n");
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("edited.txt:2: key frames 5 and 50 do not match"),
               std::string::npos)
         << error.what();
   }
-  EXPECT_THROW(decided("add 5 9\n"), InputError) << "they share clouds";
-  EXPECT_THROW(decided("add 5 5000\n"), InputError);
-  EXPECT_THROW(decided("refuse 5 50\n"), InputError) << "there is no such loop";
+  EXPECT_THROW(edited("add 5 9\n"), InputError) << "they share clouds";
+  EXPECT_THROW(edited("add 5 5000\n"), InputError);
+  EXPECT_THROW(edited("refuse 5 50\n"), InputError) << "there is no such loop";
   EXPECT_TRUE(session_.loops().empty());
 }
 
 TEST_F(LoopEdits, RefusedLoopIsLeftOut) {
   session_.add_loop(false_loop());
-  const std::vector<Loop> loops = decided("refuse 3 " + std::to_string(last() - 1) + "\n");
-  keep_decisions(session_, loops);
+  const std::vector<Loop> loops = edited("refuse 3 " + std::to_string(last() - 1) + "\n");
+  store_decisions(session_, loops);
   EXPECT_GT(error_after(false_loop()), 3.0);
   ASSERT_EQ(verdicts_.size(), 1U);
   EXPECT_EQ(verdicts_[0].verdict, Verdict::kRefused);
   EXPECT_EQ(verdicts_[0].reason, "a person refused it");
 }
 
-/// Three true loops outvote the false one unless a person vouches for it.
-TEST_F(LoopEdits, AcceptedLoopHoldsAgainstTheGraph) {
+/// Three true loops outvote the false one unless a person accepts it.
+TEST_F(LoopEdits, AcceptedLoopPrevailsOverGraph) {
   session_.add_loop(false_loop());
   for (const KeyFrameIndex to : {last() - 5, last() - 3, last()}) {
     Loop loop;
@@ -118,10 +118,10 @@ TEST_F(LoopEdits, AcceptedLoopHoldsAgainstTheGraph) {
   const std::string name = folder_.path() / "session";
   EXPECT_GT(error_after(false_loop()), 3.0) << "left out without a decision";
   session_ = Session::open(name, Session::Access::kRead);
-  const auto loops = decided("accept " + std::to_string(last() - 1) + " 3\n");
+  const auto loops = edited("accept " + std::to_string(last() - 1) + " 3\n");
   ASSERT_EQ(loops.size(), 1U);
   back_end::BackEnd back_end({});
-  replay(session_, replaced(session_.loops(), loops), back_end);
+  replay(session_, replace_loops(session_.loops(), loops), back_end);
   const auto solution = back_end::solve(*back_end.problem(true));
   back_end.apply(*solution);
   EXPECT_TRUE(back_end.loops().at(0).second);

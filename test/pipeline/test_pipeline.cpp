@@ -49,8 +49,8 @@ PipelineReport map_drive(const SimulatedInput& recorded, const fs::path& folder,
   return pipeline.finish();
 }
 
-/// The largest distance of the key frames to the truth, both seen from the first one, of those that
-/// come `seconds` after the beginning.
+/// Largest error of the positions relative to the first key frame, of the key frames from `seconds`
+/// after the beginning on, m.
 double error_of(const Session& session, const simulation::Drive& drive, double seconds = 0.0) {
   std::vector<KeyFramePose> poses = session.poses().poses;
   const Stamp begin = drive.scan_stamp(0) + from_seconds(seconds);
@@ -67,8 +67,8 @@ double error_of(const Session& session, const simulation::Drive& drive, double s
   return largest;
 }
 
-// Such values come from an IMU without a gyro, and from one in degrees/s that is not used.
-TEST(Pipeline, DoesNotUseRatesThatAreNone) {
+// Such rates come from an IMU without a gyro, or from one in degrees/s that was rejected.
+TEST(Pipeline, IgnoresInvalidRates) {
   const TemporaryFolder folder;
   SimulatedInput input(short_drive());
   {
@@ -86,10 +86,10 @@ TEST(Pipeline, DoesNotUseRatesThatAreNone) {
   EXPECT_LT(error_of(Session::open(folder.path(), Session::Access::kRead), input.drive()), 0.3);
 }
 
-// The floor of a storey shares its voxels with the ceiling of the one below, and base_link lies on
-// the floor: only from the place of the LiDAR is it seen from above.
-TEST(Pipeline, KeepsTheHeightOnTheRampOfACarPark) {
-  constexpr double kBeforeTheRamp = 40.0;  // s
+// The floor of a storey shares voxels with the ceiling of the one below, and base_link lies on the
+// floor: only the position of the LiDAR tells that the floor is seen from above.
+TEST(Pipeline, KeepsHeightOnRampOfCarPark) {
+  constexpr double kBeginOfRamp = 40.0;  // s
   simulation::DriveOptions options;
   options.drive = "car_park";
   options.lidar = "vlp16";
@@ -106,10 +106,10 @@ TEST(Pipeline, KeepsTheHeightOnTheRampOfACarPark) {
     pipeline.finish();
   }
   const Session session = Session::open(folder.path(), Session::Access::kRead);
-  EXPECT_LT(error_of(session, input.drive(), kBeforeTheRamp), 0.1);
+  EXPECT_LT(error_of(session, input.drive(), kBeginOfRamp), 0.1);
 }
 
-TEST(Pipeline, MapsADriveWithTheSameBytesForAnyNumberOfThreads) {
+TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreads) {
   const SimulatedInput input(short_drive());
   const TemporaryFolder one, four;
   const PipelineReport report = map_drive(input, one.path(), 1);
@@ -127,21 +127,21 @@ TEST(Pipeline, MapsADriveWithTheSameBytesForAnyNumberOfThreads) {
   EXPECT_LT(error_of(session, input.drive()), 0.3);
 }
 
-/// Like a killed process: what waits in the stages is lost.
-void break_off(const SimulatedInput& recorded, const fs::path& folder, std::size_t inputs) {
+/// Ends like a killed process: what is in the queues is lost.
+void interrupt(const SimulatedInput& recorded, const fs::path& folder, std::size_t inputs) {
   SimulatedInput input = recorded;
   Pipeline pipeline({}, Session::create_in(folder),
                     [&](const std::string& frame) { return input.T_base(frame); });
   for (std::size_t i = 0; i < inputs; ++i) pipeline.add(*input.next());
 }
 
-void go_on(const SimulatedInput& recorded, const fs::path& folder, bool whole) {
+void resume(const SimulatedInput& recorded, const fs::path& folder, bool whole) {
   SimulatedInput input = recorded;
   PipelineConfig config;
   config.replay_whole = whole;
   Pipeline pipeline(config, Session::open(folder, Session::Access::kWrite),
                     [&](const std::string& frame) { return input.T_base(frame); });
-  if (const auto stamp = pipeline.resumes_from()) input.skip_to(*stamp);
+  if (const auto stamp = pipeline.resume_time()) input.skip_to(*stamp);
   while (auto datum = input.next()) pipeline.add(std::move(*datum));
   pipeline.finish();
 }
@@ -150,15 +150,15 @@ KeyFramePoses poses_in(const fs::path& folder) {
   return Session::open(folder, Session::Access::kRead).poses();
 }
 
-TEST(Pipeline, GoesOnWithASessionAsIfItHadNotBeenBrokenOff) {
+TEST(Pipeline, ResumedSessionEqualsUninterruptedOne) {
   const SimulatedInput input(short_drive());
-  const TemporaryFolder whole, broken;
+  const TemporaryFolder whole, interrupted;
   map_drive(input, whole.path(), 2);
-  break_off(input, broken.path(), 1500);
-  ASSERT_GT(Session::open(broken.path(), Session::Access::kRead).key_frame_count(), 0U);
-  go_on(input, broken.path(), false);
+  interrupt(input, interrupted.path(), 1500);
+  ASSERT_GT(Session::open(interrupted.path(), Session::Access::kRead).key_frame_count(), 0U);
+  resume(input, interrupted.path(), false);
   const KeyFramePoses expected = poses_in(whole.path());
-  const KeyFramePoses poses = poses_in(broken.path());
+  const KeyFramePoses poses = poses_in(interrupted.path());
   ASSERT_EQ(poses.poses.size(), expected.poses.size());
   for (std::size_t i = 0; i < poses.poses.size(); ++i) {
     EXPECT_EQ(poses.poses[i].stamp, expected.poses[i].stamp);
@@ -166,10 +166,10 @@ TEST(Pipeline, GoesOnWithASessionAsIfItHadNotBeenBrokenOff) {
   }
 }
 
-TEST(Pipeline, CountsTheKeyFramesThatASessionHas) {
+TEST(Pipeline, CountsKeyFramesOfResumedSession) {
   const SimulatedInput input(short_drive());
   const TemporaryFolder folder;
-  break_off(input, folder.path(), 1500);
+  interrupt(input, folder.path(), 1500);
   Session session = Session::open(folder.path(), Session::Access::kWrite);
   const std::size_t key_frames = session.key_frame_count();
   ASSERT_GT(key_frames, 0U);
@@ -178,35 +178,35 @@ TEST(Pipeline, CountsTheKeyFramesThatASessionHas) {
   EXPECT_EQ(pipeline.progress().key_frames, key_frames);
 }
 
-TEST(Pipeline, RefusesToGoOnWithAnotherRecording) {
+TEST(Pipeline, RejectsAnotherRecordingOnResuming) {
   const SimulatedInput input(short_drive());
   const TemporaryFolder folder;
-  break_off(input, folder.path(), 1500);
+  interrupt(input, folder.path(), 1500);
   simulation::DriveOptions other = short_drive();
   other.scan_rate = 9.0;
-  EXPECT_THROW(go_on(SimulatedInput(other), folder.path(), false), InputError);
+  EXPECT_THROW(resume(SimulatedInput(other), folder.path(), false), InputError);
 }
 
-TEST(Pipeline, SaysThatItHasNothingToSolveWithoutScans) {
+TEST(Pipeline, ReportsNoSuccessWithoutScans) {
   const TemporaryFolder folder;
   Pipeline pipeline({}, Session::create_in(folder.path()),
                     [](const std::string&) { return std::nullopt; });
   EXPECT_FALSE(pipeline.finish().optimization.success);
 }
 
-TEST(Pipeline, LeavesOutAScanThatCannotBeDecoded) {
+TEST(Pipeline, DropsScanThatCannotBeDecoded) {
   const TemporaryFolder folder;
   Pipeline pipeline({}, Session::create_in(folder.path()),
                     [](const std::string&) { return Pose::Identity(); });
   pipeline.add(RecordedScan{
       1, [](const PointCloud&) -> preprocessing::RawScan { throw InputError("cut off"); }});
   EXPECT_EQ(pipeline.finish().scans_unreadable, 1U);
-  const std::vector<std::string> notices = pipeline.take_notices();
-  ASSERT_EQ(notices.size(), 1U);
-  EXPECT_NE(notices[0].find("cut off"), std::string::npos);
+  const std::vector<std::string> messages = pipeline.take_messages();
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_NE(messages[0].find("cut off"), std::string::npos);
 }
 
-TEST(Pipeline, EndsWithTheErrorOfTheDisk) {
+TEST(Pipeline, ThrowsErrorOfDisk) {
   const SimulatedInput recorded(short_drive());
   SimulatedInput input = recorded;
   const TemporaryFolder folder;
@@ -221,25 +221,25 @@ TEST(Pipeline, EndsWithTheErrorOfTheDisk) {
       FileError);
 }
 
-TEST(StageThread, KeepsTheOrderAndBoundsWhatWaits) {
-  std::vector<int> seen;
+TEST(StageThread, KeepsOrderAndLimitsQueue) {
+  std::vector<int> processed;
   std::atomic<int> waiting{0};
-  int most = 0;
+  int largest = 0;
   StageThread<int> stage(3, true, [&](int&& item) {
-    most = std::max(most, waiting--);
-    seen.push_back(item);
+    largest = std::max(largest, waiting--);
+    processed.push_back(item);
   });
   for (int i = 0; i < 1000; ++i) {
     stage.push(i);
     ++waiting;
   }
   stage.finish();
-  ASSERT_EQ(seen.size(), 1000U);
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], i);
-  EXPECT_LE(most, 5);  // three in the queue, one in the hand, one counted late
+  ASSERT_EQ(processed.size(), 1000U);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(processed[static_cast<std::size_t>(i)], i);
+  EXPECT_LE(largest, 5);  // three in the queue, one being processed, one counted late
 }
 
-TEST(StageThread, ThrowsToWhoPushesAndToWhoFinishes) {
+TEST(StageThread, ThrowsFromPushAndFinish) {
   StageThread<int> stage(1, true, [](int&&) { throw InputError("no"); });
   EXPECT_THROW(
       {

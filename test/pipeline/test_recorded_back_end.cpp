@@ -15,7 +15,7 @@ using test::TemporaryFolder;
 constexpr KeyFrameIndex kKeyFrames = 60;
 constexpr double kStep = 2.0;
 
-/// Round a circle, so that the last key frame is where the first was.
+/// On a circle, so that the last key frame is where the first was.
 Pose true_pose(KeyFrameIndex index) {
   const double angle = 2.0 * M_PI * index / (kKeyFrames - 1);
   const double radius = kStep * (kKeyFrames - 1) / (2.0 * M_PI);
@@ -23,7 +23,7 @@ Pose true_pose(KeyFrameIndex index) {
           {radius * std::sin(angle), radius * (1.0 - std::cos(angle)), 0.0}};
 }
 
-/// Odometry that turns a little too much.
+/// Odometry whose rotations are a little too large.
 KeyFrame drifting_key_frame(KeyFrameIndex index) {
   KeyFrame key_frame;
   key_frame.index = index;
@@ -66,7 +66,7 @@ Session reopened(const TemporaryFolder& folder) {
   return Session::open(folder.path(), Session::Access::kWrite);
 }
 
-TEST(RecordedBackEnd, KeepsWhatTheOptimisationDid) {
+TEST(RecordedBackEnd, StoresResultOfOptimization) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});
   drive(back_end, 0, kKeyFrames);
@@ -80,8 +80,8 @@ TEST(RecordedBackEnd, KeepsWhatTheOptimisationDid) {
   EXPECT_TRUE(optimize(back_end).verdicts.empty()) << "an opinion is said once";
 }
 
-// Indices that the graph does not know leave session and graph as they were.
-TEST(RecordedBackEnd, RefusesLoopsWithUnknownOrEqualIndices) {
+// Loops with unknown indices do not change session and graph.
+TEST(RecordedBackEnd, RejectsLoopsWithUnknownOrEqualIndices) {
   const TemporaryFolder folder;
   RecordedBackEnd back_end(Session::create_in(folder.path()), {});
   drive(back_end, 0, 5);
@@ -92,13 +92,13 @@ TEST(RecordedBackEnd, RefusesLoopsWithUnknownOrEqualIndices) {
   EXPECT_TRUE(back_end.session().loops().empty());
 }
 
-// Save, load, continue equals the run that was not interrupted.
-TEST(RecordedBackEnd, GoesOnWithASessionAsIfNothingHadHappened) {
-  const TemporaryFolder undisturbed_folder;
-  RecordedBackEnd undisturbed(Session::create_in(undisturbed_folder.path()), {});
-  drive(undisturbed, 0, kKeyFrames);
-  undisturbed.add_loop(closing_loop());
-  const KeyFramePoses expected = optimize(undisturbed).poses;
+// A resumed session gives the result of an uninterrupted run.
+TEST(RecordedBackEnd, ResumedSessionEqualsUninterruptedOne) {
+  const TemporaryFolder uninterrupted_folder;
+  RecordedBackEnd uninterrupted(Session::create_in(uninterrupted_folder.path()), {});
+  drive(uninterrupted, 0, kKeyFrames);
+  uninterrupted.add_loop(closing_loop());
+  const KeyFramePoses expected = optimize(uninterrupted).poses;
 
   const TemporaryFolder folder;
   std::uint32_t revision = 0;
@@ -121,7 +121,7 @@ TEST(RecordedBackEnd, GoesOnWithASessionAsIfNothingHadHappened) {
   }
 }
 
-TEST(RecordedBackEnd, KnowsLoopsAgainAfterARestart) {
+TEST(RecordedBackEnd, RestoresLoopsAfterRestart) {
   const TemporaryFolder folder;
   {
     RecordedBackEnd back_end(Session::create_in(folder.path()), {});
@@ -135,8 +135,8 @@ TEST(RecordedBackEnd, KnowsLoopsAgainAfterARestart) {
   EXPECT_THROW(back_end.add_key_frame(drifting_key_frame(3)), InputError);
 }
 
-/// Loops come again when loop_closing_node starts again, and when a back end does.
-TEST(RecordedBackEnd, TellsLoopsThatItHasFromNewOnesAlsoAfterARestart) {
+/// Loops arrive again after a restart of loop_closing_node or of the back end.
+TEST(RecordedBackEnd, RecognizesKnownLoopsAlsoAfterRestart) {
   const TemporaryFolder folder;
   Loop corrected = closing_loop();
   corrected.source = LoopSource::kManual;
@@ -162,7 +162,7 @@ TEST(RecordedBackEnd, TellsLoopsThatItHasFromNewOnesAlsoAfterARestart) {
 }
 
 // A finished session that a new drive extends keeps its frame.
-TEST(RecordedBackEnd, TurnsPositionsToTheDatumOfTheSession) {
+TEST(RecordedBackEnd, TransformsPositionsToDatumOfSession) {
   const TemporaryFolder folder;
   const GeodeticDatum old_datum{49.0, 8.4, 110.0};
   const GeodeticDatum new_datum{49.001, 8.4, 100.0};  // 111 m north, 10 m below

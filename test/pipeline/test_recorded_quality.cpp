@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// On a recorded drive the measure tells better poses from worse ones without being told which, and
-// what stands is not taken for moving.
+// On a recorded drive the measures rank better poses above worse ones, and static objects are not
+// taken for moving.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace lidar_mapping {
 namespace {
 
-/// The scans of a folder around a revisit, in the LiDAR's frame.
+/// The scans of a folder around a revisit, in the frame of the LiDAR.
 class FolderClouds : public CloudSource {
  public:
   explicit FolderClouds(const std::filesystem::path& folder) : folder_(folder.string()) {}
@@ -27,7 +27,7 @@ class FolderClouds : public CloudSource {
   pipeline::KittiFolder folder_;
 };
 
-/// Key frames 40 to 90 and, much later, 610 to 660: the first street that is driven twice.
+/// Key frames 40 to 90 and, much later, 610 to 660: the first street that is passed twice.
 KeyFramePoses street(const std::filesystem::path& file) {
   const Trajectory trajectory = read_trajectory(file.string());
   KeyFramePoses poses;
@@ -40,15 +40,16 @@ KeyFramePoses street(const std::filesystem::path& file) {
 
 double median_distance(const KeyFramePoses& poses, CloudSource& clouds) {
   std::vector<double> sizes;
-  for (const map_quality::GhostVector& ghost : map_quality::ghost_vectors(poses, clouds, {})) {
-    sizes.push_back(ghost.size());
+  for (const map_quality::PassMisalignment& misalignment :
+       map_quality::pass_misalignments(poses, clouds, {})) {
+    sizes.push_back(misalignment.distance());
   }
   EXPECT_GE(sizes.size(), 3U);
   std::sort(sizes.begin(), sizes.end());
   return sizes.empty() ? 0.0 : sizes[sizes.size() / 2];
 }
 
-TEST(RecordedQuality, RanksRegisteredPosesAboveThoseOfSatellites) {
+TEST(RecordedQuality, RanksRegisteredPosesAboveGnssPoses) {
   REQUIRE_RECORDED(folder, "kitti00_keyframes");
   FolderClouds clouds(folder);
   const KeyFramePoses registered = street(folder / "poses.txt");
@@ -58,8 +59,8 @@ TEST(RecordedQuality, RanksRegisteredPosesAboveThoseOfSatellites) {
             map_quality::mean_map_entropy(satellites, clouds).mean);
 }
 
-// In its streets nearly all cars are parked, and hedges and fences are seen through.
-TEST(RecordedQuality, KeepsStreetsOfParkedCars) {
+// Nearly all cars in its streets are parked, and hedges and fences are partly transparent.
+TEST(RecordedQuality, KeepsParkedCars) {
   REQUIRE_RECORDED(folder, "kitti00_keyframes");
   FolderClouds clouds(folder);
   const Trajectory trajectory = read_trajectory((folder / "poses.txt").string());
@@ -67,11 +68,11 @@ TEST(RecordedQuality, KeepsStreetsOfParkedCars) {
   for (KeyFrameIndex index = 0; index < 300; ++index) {
     poses.poses.push_back({index, Stamp{index}, trajectory.poses.at(index).pose});
   }
-  moving_objects::StaticClouds fixed(clouds, poses, Eigen::Vector3d::Zero());
+  moving_objects::StaticClouds static_clouds(clouds, poses, Eigen::Vector3d::Zero());
   double removed = 0.0;
   double all = 0.0;
   for (KeyFrameIndex index = 10; index < 290; ++index) {
-    removed += static_cast<double>(fixed.removed(index)->size());
+    removed += static_cast<double>(static_clouds.removed(index)->size());
     all += static_cast<double>(clouds.cloud(index)->size());
   }
   EXPECT_LT(removed / all, 0.0065);

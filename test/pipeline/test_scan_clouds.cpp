@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All scans of a drive can be put into the map, each where it was taken and without its motion.
+// All scans of a drive can be added to the map, each at its pose and deskewed.
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/elevation_shift.hpp"
@@ -16,25 +16,25 @@ constexpr double kPeriod = 0.1;  // s
 constexpr int kScans = 41;
 constexpr int kPerKeyFrame = 8;
 
-/// In a bend, faster and faster.
+/// A drive on a circle with increasing speed.
 Pose truth(double t) {
-  const double way = 8.0 * t + 0.5 * t * t;
+  const double distance = 8.0 * t + 0.5 * t * t;
   const double radius = 20.0;
-  return {exp_so3({0.0, 0.0, way / radius}),
-          {radius * std::sin(way / radius), radius * (1.0 - std::cos(way / radius)), 0.0}};
+  return {
+      exp_so3({0.0, 0.0, distance / radius}),
+      {radius * std::sin(distance / radius), radius * (1.0 - std::cos(distance / radius)), 0.0}};
 }
 
 Stamp stamp_of(int scan) { return kBegin + from_seconds(kPeriod * scan); }
 
-/// Odometry that drifts evenly.
+/// Odometry with constant drift.
 Pose odometry(double t) {
   return Pose{exp_so3({0.0, 0.0, 0.002 * t}), {0.03 * t, -0.02 * t, 0.01 * t}} * truth(t);
 }
 
-/// What a scan in motion sees of posts that stand still, with a sensor whose elevations lack an
-/// angle.
-PointCloud seen_from(double t, double lacking) {
-  const ElevationShift downwards(-lacking);
+/// A scan of static posts taken in motion, with a sensor whose elevations are too low by an angle.
+PointCloud scan_at(double t, double elevation_error) {
+  const ElevationShift downwards(-elevation_error);
   PointCloud cloud;
   for (int i = 0; i < 360; ++i) {
     const double late = kPeriod * i / 360.0;
@@ -54,14 +54,16 @@ Eigen::Vector3d post_of(const Point& point) {
 
 class Recording : public InputSource {
  public:
-  explicit Recording(Stamp shift = 0, double lacking = 0.0) : shift_(shift), lacking_(lacking) {}
+  explicit Recording(Stamp shift = 0, double elevation_error = 0.0)
+      : shift_(shift), elevation_error_(elevation_error) {}
   std::optional<Input> next() override {
     if (next_ == kScans) return std::nullopt;
     const int scan = next_++;
     const Stamp stamp = stamp_of(scan) + shift_;
     return RecordedScan{
-        stamp, [stamp, scan, lacking = lacking_](const PointCloud& /*buffer*/) {
-          return preprocessing::RawScan{stamp, "lidar", seen_from(kPeriod * scan, lacking), true};
+        stamp, [stamp, scan, elevation_error = elevation_error_](const PointCloud& /*buffer*/) {
+          return preprocessing::RawScan{stamp, "lidar", scan_at(kPeriod * scan, elevation_error),
+                                        true};
         }};
   }
   void skip_to(Stamp /*stamp*/) override {}
@@ -71,7 +73,7 @@ class Recording : public InputSource {
 
  private:
   Stamp shift_;
-  double lacking_;
+  double elevation_error_;
   int next_ = 0;
 };
 
@@ -93,9 +95,9 @@ class DenseMap : public testing::Test {
     }
   }
 
-  KeyFramePoses added(const ScanSelection& selection, ScanClouds& clouds) {
+  KeyFramePoses add_all(const ScanSelection& selection, ScanClouds& clouds) {
     Recording recording;
-    return add_scans(recording, placed_scans(session_, poses_), {}, selection, clouds);
+    return add_scans(recording, scan_poses(session_, poses_), {}, selection, clouds);
   }
 
   static constexpr int kLost = 5;
@@ -106,11 +108,11 @@ class DenseMap : public testing::Test {
   KeyFramePoses poses_;
 };
 
-TEST_F(DenseMap, KnowsWhereEachScanWasTaken) {
-  const auto scans = placed_scans(session_, poses_);
-  // Without the lost one, and those between the key frames 16 and 24.
+TEST_F(DenseMap, ComputesPoseOfEachScan) {
+  const auto scans = scan_poses(session_, poses_);
+  // Without the lost scan, and those between the key frames 16 and 24.
   ASSERT_EQ(scans.size(), static_cast<std::size_t>(kScans - 1 - 7));
-  for (const PlacedScan& scan : scans) {
+  for (const ScanPose& scan : scans) {
     const double t = to_seconds(scan.stamp - kBegin);
     EXPECT_LT(difference(truth(t), scan.T_map_base).norm(), 0.002) << t;
     const double speed = 8.0 + t;
@@ -119,9 +121,9 @@ TEST_F(DenseMap, KnowsWhereEachScanWasTaken) {
   }
 }
 
-TEST_F(DenseMap, HasTheirPointsWhereTheyAre) {
+TEST_F(DenseMap, PlacesPointsCorrectly) {
   ScanClouds clouds(folder_.path());
-  const KeyFramePoses poses = added({}, clouds);
+  const KeyFramePoses poses = add_all({}, clouds);
   ASSERT_EQ(poses.poses.size(), static_cast<std::size_t>(kScans - 1 - 7));
   for (const KeyFramePose& pose : poses.poses) {
     const PointCloudPtr cloud = clouds.cloud(pose.index);
@@ -135,15 +137,15 @@ TEST_F(DenseMap, HasTheirPointsWhereTheyAre) {
   EXPECT_EQ(clouds.clouds({3, 99}, 2).back(), nullptr);
 }
 
-/// Key frames have it already.
-TEST_F(DenseMap, TurnsScansUpwardsAsTheFrontEndDid) {
-  constexpr double kLacking = 0.02;  // rad
+/// The clouds of key frames are already corrected.
+TEST_F(DenseMap, CorrectsElevationsLikeFrontEnd) {
+  constexpr double kElevationError = 0.02;  // rad
   session::Session session = session::Session::create_in(folder_.path() / "leaning");
   for (int i = 0; i < kScans; ++i) {
     session::ScanRecord record;
     record.stamp = stamp_of(i);
     record.state = "tracking";
-    record.elevation_shift = kLacking;
+    record.elevation_shift = kElevationError;
     session.add_scan(record);
     session.add_odometry(record.stamp, truth(kPeriod * i));
   }
@@ -152,11 +154,11 @@ TEST_F(DenseMap, TurnsScansUpwardsAsTheFrontEndDid) {
   session.add_key_frame(first);
   KeyFramePoses poses;
   poses.poses.push_back({0, first.stamp, Pose()});
-  Recording recording(0, kLacking);
+  Recording recording(0, kElevationError);
   ScanClouds clouds(folder_.path());
-  const KeyFramePoses added = add_scans(recording, placed_scans(session, poses), {}, {}, clouds);
-  ASSERT_EQ(added.poses.size(), static_cast<std::size_t>(kScans));
-  for (const KeyFramePose& pose : added.poses) {
+  const KeyFramePoses add_all = add_scans(recording, scan_poses(session, poses), {}, {}, clouds);
+  ASSERT_EQ(add_all.poses.size(), static_cast<std::size_t>(kScans));
+  for (const KeyFramePose& pose : add_all.poses) {
     const PointCloudPtr cloud = clouds.cloud(pose.index);
     for (const Point& point : cloud->points) {
       const Eigen::Vector3d p_map = pose.T_map_base * point.position().cast<double>();
@@ -165,20 +167,20 @@ TEST_F(DenseMap, TurnsScansUpwardsAsTheFrontEndDid) {
   }
 }
 
-TEST_F(DenseMap, IsAsDenseAsOneLikes) {
+TEST_F(DenseMap, SelectsScansAndResolution) {
   ScanClouds clouds(folder_.path());
   ScanSelection selection;
   selection.every = 4;
   selection.resolution = 1.0;
-  const KeyFramePoses poses = added(selection, clouds);
+  const KeyFramePoses poses = add_all(selection, clouds);
   EXPECT_EQ(poses.poses.size(), 9U);
   EXPECT_LT(clouds.cloud(0)->size(), 100U) << "105 posts, some of them in one voxel";
 }
 
-TEST_F(DenseMap, RefusesAnotherRecording) {
+TEST_F(DenseMap, RejectsAnotherRecording) {
   Recording other(from_seconds(0.05));
   ScanClouds clouds(folder_.path());
-  EXPECT_THROW(add_scans(other, placed_scans(session_, poses_), {}, {}, clouds), InputError);
+  EXPECT_THROW(add_scans(other, scan_poses(session_, poses_), {}, {}, clouds), InputError);
 }
 
 }  // namespace

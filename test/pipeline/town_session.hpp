@@ -14,7 +14,7 @@ using loop_closing::test::ToyWorld;
 
 constexpr Stamp kStart = 1'700'000'000'000'000'000;
 
-/// What a front end with that odometry would have kept of a drive, without loops.
+/// Records a drive in a session as a front end with this odometry does it, without loops.
 inline session::Session record_drive(const std::filesystem::path& folder, const ToyWorld& world,
                                      const std::vector<Pose>& truth,
                                      const std::vector<Pose>& odometry, Stamp start = kStart) {

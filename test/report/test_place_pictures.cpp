@@ -21,7 +21,7 @@ std::vector<Eigen::Vector3f> scattered(const Eigen::Vector3f& low, const Eigen::
   return points;
 }
 
-void expect_both_passes(const map_quality::PlacePoints& points, View view,
+void expect_both_passes(const map_quality::PassPoints& points, View view,
                         const std::string& title) {
   const json::Json picture = place_picture(points, view);
   EXPECT_EQ(picture["title"].get<std::string>(), title);
@@ -31,19 +31,19 @@ void expect_both_passes(const map_quality::PlacePoints& points, View view,
 
 TEST(PlacePicture, IsANarrowSliceWhereThatShowsBothPasses) {
   const auto around = scattered({-10.0F, -10.0F, 0.0F}, {10.0F, 10.0F, 4.0F});
-  const map_quality::PlacePoints points{around, around};
+  const map_quality::PassPoints points{around, around};
   expect_both_passes(points, View::kFromAbove, "From above, 0.5 to 3 m up");
 }
 
 TEST(PlacePicture, IsWiderWhereOnlyGroundWasSeen) {
   const auto ground = scattered({-10.0F, -10.0F, -0.1F}, {10.0F, 10.0F, 0.1F});
-  const map_quality::PlacePoints points{ground, ground};
+  const map_quality::PassPoints points{ground, ground};
   expect_both_passes(points, View::kFromAbove, "From above");
 }
 
 TEST(PlacePicture, IsWiderWhereAPassWasSeenFromAfar) {
-  const map_quality::PlacePoints points{scattered({8.0F, -10.0F, 0.0F}, {25.0F, 10.0F, 4.0F}),
-                                        scattered({-10.0F, -10.0F, 0.0F}, {10.0F, 10.0F, 4.0F})};
+  const map_quality::PassPoints points{scattered({8.0F, -10.0F, 0.0F}, {25.0F, 10.0F, 4.0F}),
+                                       scattered({-10.0F, -10.0F, 0.0F}, {10.0F, 10.0F, 4.0F})};
   expect_both_passes(points, View::kAcross, "Across, a slice of 30 m");
 }
 

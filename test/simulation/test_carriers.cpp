@@ -31,17 +31,18 @@ const Drive& drive_of(const std::string& name) {
 }
 
 std::vector<MotionState> states_of(const Drive& drive) {
-  const SmoothTrajectory& way = drive.trajectory();
+  const SmoothTrajectory& trajectory = drive.trajectory();
   std::vector<MotionState> states;
-  for (Stamp t = way.begin(); t <= way.end(); t += kImuPeriod) states.push_back(way.state(t));
+  for (Stamp t = trajectory.begin(); t <= trajectory.end(); t += kImuPeriod)
+    states.push_back(trajectory.state(t));
   return states;
 }
 
-/// Integrates ideal samples over a second from each tenth second on (rule of Simpson over pairs of
-/// intervals) and compares with the trajectory.
+/// Integrates ideal samples over a second from each tenth second on (Simpson's rule over pairs of
+/// intervals) and compares the result with the trajectory.
 class EveryCarrier : public testing::TestWithParam<const char*> {};
 
-TEST_P(EveryCarrier, ItsImuIntegratesToItsTrajectory) {
+TEST_P(EveryCarrier, ImuSamplesIntegrateToTrajectory) {
   const Drive& drive = drive_of(GetParam());
   const std::vector<ImuSample> imu = drive.imu();
   ASSERT_EQ(imu[1].stamp - imu[0].stamp, kImuPeriod);
@@ -76,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Carriers, EveryCarrier,
                                          "elevator"),
                          [](const auto& drive) { return drive.param; });
 
-TEST(Carriers, ARobotWithLegsGetsAShockOfThreeGAtEachStep) {
+TEST(Carriers, LeggedRobotHasShocksOfThreeG) {
   std::vector<double> peaks;
   double peak = 0.0;
   // A peak ends when the body falls again.
@@ -91,31 +92,31 @@ TEST(Carriers, ARobotWithLegsGetsAShockOfThreeGAtEachStep) {
   EXPECT_NEAR(peaks[peaks.size() / 2] / kGravity, 3.0, 0.3);
 }
 
-TEST(Carriers, SomebodyTurnsOnTheSpotAtFiveRadiansPerSecond) {
-  double fastest = 0.0, turned = 0.0;
+TEST(Carriers, SpinDriveTurnsAtFiveRadiansPerSecond) {
+  double fastest = 0.0, turned_angle = 0.0;
   for (const MotionState& state : states_of(drive_of("spin"))) {
     const double rate = state.angular_velocity_base.norm();
     fastest = std::max(fastest, rate);
-    if (rate > 4.0) turned += rate * to_seconds(kImuPeriod);
+    if (rate > 4.0) turned_angle += rate * to_seconds(kImuPeriod);
   }
   EXPECT_NEAR(fastest, 5.0, 0.8);
-  EXPECT_GT(turned, 20.0);
+  EXPECT_GT(turned_angle, 20.0);
 }
 
-TEST(Carriers, ADroneRollsAndPitchesAndAtRestStands) {
+TEST(Carriers, DroneTiltsInFlightAndRestsAtTheBeginning) {
   const std::vector<MotionState> states = states_of(drive_of("drone"));
   const auto tilt = [](const MotionState& state) {
     return std::acos((state.T_map_base.rotation * Eigen::Vector3d::UnitZ()).z()) * 180.0 / M_PI;
   };
-  double most = 0.0;
-  for (const MotionState& state : states) most = std::max(most, tilt(state));
-  EXPECT_GT(most, 35.0);
-  EXPECT_LT(most, 75.0);
+  double largest_tilt = 0.0;
+  for (const MotionState& state : states) largest_tilt = std::max(largest_tilt, tilt(state));
+  EXPECT_GT(largest_tilt, 35.0);
+  EXPECT_LT(largest_tilt, 75.0);
   EXPECT_LT(tilt(states.front()), 0.1);
   EXPECT_LT(states.front().velocity_map.norm(), 1e-3);
 }
 
-TEST(Carriers, StairsLeadThreeStoreysUpAndDown) {
+TEST(Carriers, StairsDriveVisitsThreeStoreys) {
   double highest = 0.0;
   for (const MotionState& state : states_of(drive_of("stairs"))) {
     highest = std::max(highest, state.T_map_base.translation.z());
@@ -126,32 +127,33 @@ TEST(Carriers, StairsLeadThreeStoreysUpAndDown) {
               0.1);
 }
 
-/// The index of the first scan at which the lift goes at its full speed.
-std::size_t scan_in_the_moving_lift(const Drive& drive) {
+/// Index of the first scan at which the lift moves at its full speed.
+std::size_t scan_in_moving_lift(const Drive& drive) {
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
     const double speed = drive.trajectory().state(drive.scan_stamp(i)).velocity_map.z();
-    const bool goes_on = i + 5 < drive.scan_count() &&
-                         drive.trajectory().state(drive.scan_stamp(i + 5)).velocity_map.z() > 1.55;
-    if (speed > 1.55 && goes_on) return i;
+    const bool keeps_speed =
+        i + 5 < drive.scan_count() &&
+        drive.trajectory().state(drive.scan_stamp(i + 5)).velocity_map.z() > 1.55;
+    if (speed > 1.55 && keeps_speed) return i;
   }
   return 0;
 }
 
-TEST(Carriers, InALiftNothingSeenMovesWhileTheImuFeelsIt) {
+TEST(Carriers, OnlyTheImuObservesTheMotionOfTheLift) {
   DriveOptions options;
   options.drive = "elevator";
   options.lidar = "os0";
   options.range_noise = 0.0;
   options.undistorted = true;
   const Drive drive(options);
-  const std::size_t at = scan_in_the_moving_lift(drive);
+  const std::size_t at = scan_in_moving_lift(drive);
   ASSERT_GT(at, 30U);
   // Every ray ends in the car.
   const SimulatedScan scan = drive.scan(at);
   ASSERT_GT(scan.cloud.size(), 50'000U);
-  const auto of_the_car = std::count(scan.moving.begin(), scan.moving.end(), 1);
-  EXPECT_GT(static_cast<double>(of_the_car), 0.999 * static_cast<double>(scan.cloud.size()));
-  // Its ceiling goes along with the sensor.
+  const auto points_of_car = std::count(scan.moving.begin(), scan.moving.end(), 1);
+  EXPECT_GT(static_cast<double>(points_of_car), 0.999 * static_cast<double>(scan.cloud.size()));
+  // The ceiling of the car moves with the sensor.
   const auto ceiling_above = [&](std::size_t index) {
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(index));
     const Pose T_map_lidar = T_map_base * drive.mounting().T_base_lidar;
@@ -163,13 +165,13 @@ TEST(Carriers, InALiftNothingSeenMovesWhileTheImuFeelsIt) {
   };
   EXPECT_NEAR(ceiling_above(at), 2.25 - 1.2, 0.01);
   EXPECT_NEAR(ceiling_above(at), ceiling_above(at + 5), 0.005);
-  double felt = 0.0;
+  double largest_acceleration = 0.0;
   for (const MotionState& state : states_of(drive)) {
     if (std::abs(state.velocity_map.z()) > 0.3) {
-      felt = std::max(felt, std::abs(state.acceleration_map.z()));
+      largest_acceleration = std::max(largest_acceleration, std::abs(state.acceleration_map.z()));
     }
   }
-  EXPECT_GT(felt, 0.6);
+  EXPECT_GT(largest_acceleration, 0.6);
 }
 
 }  // namespace

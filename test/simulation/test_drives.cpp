@@ -14,7 +14,7 @@
 namespace lidar_mapping::simulation {
 namespace {
 
-/// Building a world takes a second; each is built once for all tests.
+/// Drives, each built once for all tests, because building a world takes a second.
 const Drive& drive_of(const std::string& name) {
   static std::map<std::string, std::unique_ptr<Drive>> built;
   std::unique_ptr<Drive>& drive = built[name];
@@ -29,14 +29,14 @@ const Drive& drive_of(const std::string& name) {
 
 std::vector<Pose> poses_every(const Drive& drive, double seconds) {
   std::vector<Pose> poses;
-  const SmoothTrajectory& way = drive.trajectory();
-  for (Stamp t = way.begin(); t <= way.end(); t += from_seconds(seconds)) {
-    poses.push_back(way.pose(t));
+  const SmoothTrajectory& trajectory = drive.trajectory();
+  for (Stamp t = trajectory.begin(); t <= trajectory.end(); t += from_seconds(seconds)) {
+    poses.push_back(trajectory.pose(t));
   }
   return poses;
 }
 
-/// What a carrier's motion stays within.
+/// Limits of the motion of a carrier.
 struct Limits {
   double speed, acceleration, rate, sideways;
 };
@@ -60,7 +60,7 @@ class EveryDrive : public testing::TestWithParam<std::string> {
 };
 
 class EveryCar : public EveryDrive {};
-/// All but the one in an elevator, whose cabin moves around it.
+/// All drives except the one in an elevator, whose car moves around the carrier.
 class EveryDriveOutside : public EveryDrive {};
 
 std::vector<std::string> names_where(bool (*is_wanted)(const std::string& name)) {
@@ -71,8 +71,8 @@ std::vector<std::string> names_where(bool (*is_wanted)(const std::string& name))
   return names;
 }
 
-/// Rays from the middle of the vehicle to its outline must not meet anything.
-TEST_P(EveryDrive, TouchesNothingThatStands) {
+/// Rays from the middle of the vehicle to its outline must not hit anything.
+TEST_P(EveryDrive, HitsNothingStatic) {
   const RayCaster caster(drive.world());
   const double half_length = is_car ? 1.9 : 0.2, half_width = is_car ? 0.85 : 0.2;
   const Eigen::Vector3d middle(is_car ? 1.3 : 0.0, 0.0, is_car ? 0.6 : 0.0);
@@ -90,7 +90,7 @@ TEST_P(EveryDrive, TouchesNothingThatStands) {
   EXPECT_EQ(met, 0);
 }
 
-TEST_P(EveryCar, HasTheGroundWhereItsWheelsAre) {
+TEST_P(EveryCar, WheelsAreOnTheGround) {
   const RayCaster caster(drive.world());
   std::vector<Ray> rays;
   for (const Pose& pose : poses_every(drive, 0.5)) {
@@ -106,7 +106,7 @@ TEST_P(EveryCar, HasTheGroundWhereItsWheelsAre) {
   for (const Hit& hit : hits) ASSERT_NEAR(hit.range, 0.5, 0.13);
 }
 
-TEST_P(EveryDriveOutside, MeetsNoMovingThing) {
+TEST_P(EveryDriveOutside, HitsNoMovingObject) {
   const double ahead = is_car ? 6.0 : 0.9, behind = is_car ? 3.5 : 0.9;
   const double beside = is_car ? 1.5 : 0.6;
   const double duration = to_seconds(drive.trajectory().end() - drive.trajectory().begin());
@@ -122,17 +122,18 @@ TEST_P(EveryDriveOutside, MeetsNoMovingThing) {
   }
 }
 
-TEST_P(EveryDrive, MovesLikeItsCarrier) {
+TEST_P(EveryDrive, MotionStaysWithinLimitsOfCarrier) {
   const Limits limits = is_car ? kCar : kCarriers.at(GetParam());
-  const SmoothTrajectory& way = drive.trajectory();
-  for (Stamp t = way.begin(); t <= way.end(); t += is_car ? 100'000'000 : 10'000'000) {
-    const MotionState state = way.state(t);
+  const SmoothTrajectory& trajectory = drive.trajectory();
+  for (Stamp t = trajectory.begin(); t <= trajectory.end();
+       t += is_car ? 100'000'000 : 10'000'000) {
+    const MotionState state = trajectory.state(t);
     ASSERT_LT(state.velocity_map.norm(), limits.speed);
     ASSERT_LT(state.acceleration_map.norm(), limits.acceleration);
     ASSERT_LT(state.angular_velocity_base.norm(), limits.rate);
     const Eigen::Vector3d v_base = state.T_map_base.rotation.conjugate() * state.velocity_map;
     ASSERT_LT(std::abs(v_base.y()), limits.sideways)
-        << "a car does not slide, " << to_seconds(t - way.begin()) << " s";
+        << "a car does not slide, " << to_seconds(t - trajectory.begin()) << " s";
   }
 }
 
@@ -150,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Drives, EveryDriveOutside,
                          })),
                          name_of);
 
-/// Ways that the drive covers twice, m, counted where it was within 5 m at least 60 m earlier.
+/// Path lengths that the drive covers twice, m: it was within 5 m at least 60 m earlier.
 struct Revisits {
   double same_direction = 0.0;
   double opposite_direction = 0.0;
@@ -158,27 +159,28 @@ struct Revisits {
 
 Revisits revisits(const Drive& drive) {
   const std::vector<Pose> poses = poses_every(drive, 0.2);
-  std::vector<double> way = {0.0};
+  std::vector<double> path_length = {0.0};
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    way.push_back(way.back() + (poses[i].translation - poses[i - 1].translation).norm());
+    path_length.push_back(path_length.back() +
+                          (poses[i].translation - poses[i - 1].translation).norm());
   }
   Revisits found;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     double same = 1e9, opposite = 1e9;
-    for (std::size_t j = 0; j < i && way[i] - way[j] > 60.0; ++j) {
+    for (std::size_t j = 0; j < i && path_length[i] - path_length[j] > 60.0; ++j) {
       const double distance = (poses[i].translation - poses[j].translation).norm();
       const double turn = std::abs(
           std::remainder(yaw_of(poses[i].rotation) - yaw_of(poses[j].rotation), 2.0 * M_PI));
       if (turn < 0.5) same = std::min(same, distance);
       if (turn > M_PI - 0.5) opposite = std::min(opposite, distance);
     }
-    if (same < 5.0) found.same_direction += way[i] - way[i - 1];
-    if (opposite < 5.0) found.opposite_direction += way[i] - way[i - 1];
+    if (same < 5.0) found.same_direction += path_length[i] - path_length[i - 1];
+    if (opposite < 5.0) found.opposite_direction += path_length[i] - path_length[i - 1];
   }
   return found;
 }
 
-TEST(TownDrive, AnotherPassMeetsOtherTrafficInTheSameTown) {
+TEST(TownDrive, AnotherPassHasOtherTraffic) {
   DriveOptions options;
   options.pass = 1;
   const Drive other(options);
@@ -192,25 +194,29 @@ TEST(TownDrive, AnotherPassMeetsOtherTrafficInTheSameTown) {
 
 TEST(TownDrive, RevisitsStreetsInBothDirectionsAndEndsNearItsStart) {
   const Drive& drive = drive_of("town");
-  const SmoothTrajectory& way = drive.trajectory();
-  EXPECT_NEAR(way.length(way.begin(), way.end()), 1000.0, 150.0);
+  const SmoothTrajectory& trajectory = drive.trajectory();
+  EXPECT_NEAR(trajectory.length(trajectory.begin(), trajectory.end()), 1000.0, 150.0);
   const Revisits found = revisits(drive);
   EXPECT_GT(found.same_direction, 100.0);
   EXPECT_GT(found.opposite_direction, 200.0);
-  EXPECT_LT((way.pose(way.end()).translation - way.pose(way.begin()).translation).norm(), 40.0);
+  EXPECT_LT((trajectory.pose(trajectory.end()).translation -
+             trajectory.pose(trajectory.begin()).translation)
+                .norm(),
+            40.0);
 }
 
-TEST(TownDrive, StandsStillInBetween) {
+TEST(TownDrive, HasHalts) {
   const Drive& drive = drive_of("town");
-  const SmoothTrajectory& way = drive.trajectory();
+  const SmoothTrajectory& trajectory = drive.trajectory();
   int resting = 0;
-  for (Stamp t = way.begin() + 10'000'000'000; t < way.end() - 10'000'000'000; t += 100'000'000) {
-    if (way.state(t).velocity_map.norm() < 0.02) ++resting;
+  for (Stamp t = trajectory.begin() + 10'000'000'000; t < trajectory.end() - 10'000'000'000;
+       t += 100'000'000) {
+    if (trajectory.state(t).velocity_map.norm() < 0.02) ++resting;
   }
   EXPECT_GT(resting, 30);
 }
 
-TEST(CarParkDrive, UsesThreeStoreysOneAboveTheOther) {
+TEST(CarParkDrive, VisitsThreeStoreys) {
   const Drive& drive = drive_of("car_park");
   std::vector<double> heights;
   for (const Pose& pose : poses_every(drive, 0.1)) {
@@ -225,10 +231,10 @@ TEST(CarParkDrive, UsesThreeStoreysOneAboveTheOther) {
   EXPECT_GT(near(6.0), 20);
 }
 
-TEST(TwinsDrive, HasTwoStreetsThatLookAlike) {
+TEST(TwinsDrive, HasStreetsThatLookAlike) {
   const Drive& drive = drive_of("twins");
   const RayCaster caster(drive.world());
-  // The same rays from two crossings, a street apart.
+  // The same rays from two crossings that are a street apart.
   const auto ranges_from = [&](const Eigen::Vector3d& origin) {
     std::vector<Ray> rays;
     for (double angle = 0.0; angle < 2.0 * M_PI; angle += 0.01) {
@@ -249,7 +255,7 @@ TEST(TwinsDrive, HasTwoStreetsThatLookAlike) {
   EXPECT_GT(alike, static_cast<int>(0.98 * static_cast<double>(a.size())));
 }
 
-TEST(WalkDrive, TurnsAsFastAsAPersonDoes) {
+TEST(WalkDrive, TurnsAsFastAsAPerson) {
   const Drive& drive = drive_of("walk");
   double fastest = 0.0;
   for (Stamp t = drive.trajectory().begin(); t < drive.trajectory().end(); t += 20'000'000) {

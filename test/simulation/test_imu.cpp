@@ -30,7 +30,7 @@ const std::vector<ImuSample>& truth() {
   return samples;
 }
 
-/// Standard deviation of what a fault adds to the first axis, once its mean is taken off.
+/// Standard deviation of the error that a fault adds to the first axis, without its mean.
 double scatter(const std::vector<ImuSample>& samples, std::size_t count,
                const Eigen::Vector3d ImuSample::*value) {
   double sum = 0.0, squares = 0.0;
@@ -43,8 +43,8 @@ double scatter(const std::vector<ImuSample>& samples, std::size_t count,
   return std::sqrt(squares / n - sum * sum / (n * n));
 }
 
-/// Standard deviation of the noise that a grade adds to the first axis, from the differences of
-/// successive errors: what scale and misalignment make of the motion changes too slowly to count.
+/// Standard deviation of the noise that a grade adds to the first axis. It is computed from the
+/// differences of successive errors, because the effects of scale and misalignment change slowly.
 double noise(const std::vector<ImuSample>& samples, std::size_t count,
              const Eigen::Vector3d ImuSample::*value) {
   const auto error = [&](std::size_t i) { return (samples[i].*value - truth()[i].*value).x(); };
@@ -53,7 +53,7 @@ double noise(const std::vector<ImuSample>& samples, std::size_t count,
   return std::sqrt(squares / (2.0 * static_cast<double>(count)));
 }
 
-TEST(Imu, OfConsumerGradeHasTheNoiseOfItsDensityAndNoOrientation) {
+TEST(Imu, ConsumerGradeHasNoiseOfItsDensityAndNoOrientation) {
   const auto samples = Drive(options_with("consumer")).imu();
   ASSERT_EQ(samples.size(), truth().size());
   EXPECT_FALSE(samples.front().orientation);
@@ -63,7 +63,7 @@ TEST(Imu, OfConsumerGradeHasTheNoiseOfItsDensityAndNoOrientation) {
               5e-3);
 }
 
-TEST(Imu, OfConsumerGradeHasErrorsOfItsOwnPerSeed) {
+TEST(Imu, ConsumerGradeHasDifferentErrorsPerSeed) {
   const auto mean_error = [](std::uint64_t seed) {
     DriveOptions options = options_with("consumer");
     options.seed = seed;
@@ -82,23 +82,23 @@ TEST(Imu, OfConsumerGradeHasErrorsOfItsOwnPerSeed) {
   EXPECT_GT((one - other).norm(), 0.05);
 }
 
-TEST(Imu, ClipsAtItsRange) {
+TEST(Imu, SaturatesAtItsRange) {
   DriveOptions options = options_with("consumer");
   options.drive = "legged";
-  double most = 0.0;
+  double largest = 0.0;
   for (const ImuSample& s : Drive(options).imu()) {
-    most = std::max(most, s.linear_acceleration.cwiseAbs().maxCoeff());
+    largest = std::max(largest, s.linear_acceleration.cwiseAbs().maxCoeff());
   }
-  EXPECT_EQ(most, 4.0 * kGravity);
-  most = 0.0;
+  EXPECT_EQ(largest, 4.0 * kGravity);
+  largest = 0.0;
   for (const ImuSample& s : ideal({"imu_clip=1.1,0.5"})) {
     EXPECT_LE(s.angular_velocity.cwiseAbs().maxCoeff(), 0.5);
-    most = std::max(most, s.linear_acceleration.cwiseAbs().maxCoeff());
+    largest = std::max(largest, s.linear_acceleration.cwiseAbs().maxCoeff());
   }
-  EXPECT_EQ(most, 1.1 * kGravity);
+  EXPECT_EQ(largest, 1.1 * kGravity);
 }
 
-TEST(Imu, MayHaveGapsAndADeadAxis) {
+TEST(Imu, FaultsGiveGapsAndDeadAxes) {
   const auto with_gaps = ideal({"imu_gap=2,10"});
   Stamp longest = 0;
   for (std::size_t i = 1; i < with_gaps.size(); ++i) {
@@ -111,31 +111,32 @@ TEST(Imu, MayHaveGapsAndADeadAxis) {
   for (const ImuSample& s : ideal({"imu_axis=ay"})) ASSERT_EQ(s.linear_acceleration.y(), 0.0);
 }
 
-TEST(Imu, MayHaveWrongUnitsScaleFrameAndStamps) {
+TEST(Imu, FaultsGiveWrongUnitsScaleFrameAndStamps) {
   constexpr std::size_t kMoving = 3000;
-  const ImuSample& right = truth()[kMoving];
-  const auto spoilt = [](const char* fault) { return ideal({fault})[kMoving]; };
+  const ImuSample& correct = truth()[kMoving];
+  const auto faulty_sample = [](const char* fault) { return ideal({fault})[kMoving]; };
   const auto near = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return (a - b).norm() < 1e-9;
   };
+  EXPECT_TRUE(near(faulty_sample("imu_units=g").linear_acceleration,
+                   correct.linear_acceleration / kGravity));
+  EXPECT_TRUE(near(faulty_sample("imu_units=degrees").angular_velocity,
+                   correct.angular_velocity * 180.0 / M_PI));
   EXPECT_TRUE(
-      near(spoilt("imu_units=g").linear_acceleration, right.linear_acceleration / kGravity));
-  EXPECT_TRUE(
-      near(spoilt("imu_units=degrees").angular_velocity, right.angular_velocity * 180.0 / M_PI));
-  EXPECT_TRUE(near(spoilt("imu_scale=0.1").angular_velocity, 1.1 * right.angular_velocity));
-  const ImuSample turned = spoilt("imu_frame");
-  EXPECT_NEAR(turned.angular_velocity.x(), -right.angular_velocity.y(), 1e-9);
-  EXPECT_NEAR(turned.linear_acceleration.y(), right.linear_acceleration.x(), 1e-9);
-  // It is one turned body: the orientation goes with it.
-  EXPECT_TRUE(near(*turned.orientation * turned.linear_acceleration,
-                   *right.orientation * right.linear_acceleration));
-  EXPECT_EQ(spoilt("imu_offset=0.02").stamp, right.stamp + 20'000'000);
+      near(faulty_sample("imu_scale=0.1").angular_velocity, 1.1 * correct.angular_velocity));
+  const ImuSample rotated = faulty_sample("imu_frame");
+  EXPECT_NEAR(rotated.angular_velocity.x(), -correct.angular_velocity.y(), 1e-9);
+  EXPECT_NEAR(rotated.linear_acceleration.y(), correct.linear_acceleration.x(), 1e-9);
+  // The whole unit is rotated, and so is its orientation.
+  EXPECT_TRUE(near(*rotated.orientation * rotated.linear_acceleration,
+                   *correct.orientation * correct.linear_acceleration));
+  EXPECT_EQ(faulty_sample("imu_offset=0.02").stamp, correct.stamp + 20'000'000);
 }
 
-TEST(Imu, VibratesWithTheStatedStrength) {
-  const auto shaken = ideal({"imu_vibration=5"});
-  EXPECT_NEAR(scatter(shaken, 2000, &ImuSample::linear_acceleration), 5.0, 0.5);
-  EXPECT_NEAR(scatter(shaken, 2000, &ImuSample::angular_velocity), 0.05, 0.005);
+TEST(Imu, VibrationHasGivenStrength) {
+  const auto vibrating = ideal({"imu_vibration=5"});
+  EXPECT_NEAR(scatter(vibrating, 2000, &ImuSample::linear_acceleration), 5.0, 0.5);
+  EXPECT_NEAR(scatter(vibrating, 2000, &ImuSample::angular_velocity), 0.05, 0.005);
 }
 
 TEST(Imu, IsTheSameForTheSameSeed) {
@@ -149,7 +150,7 @@ TEST(Imu, IsTheSameForTheSameSeed) {
   }
 }
 
-TEST(Imu, FaultsSayWhatIsWrongWithTheirNames) {
+TEST(Imu, RejectsInvalidFaults) {
   for (const char* text :
        {"imu_fog=1", "imu_clip", "imu_clip=0", "imu_clip=3,0", "imu_gap=nan", "imu_axis=bx",
         "imu_axis=2", "imu_units=kg", "imu_frame=1", "imu_offset=2", "imu_vibration=-1"}) {

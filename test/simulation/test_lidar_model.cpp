@@ -34,7 +34,7 @@ TEST(LidarModel, TurnsClockwiseFromBehind) {
   EXPECT_NEAR(column_azimuth(model, model.columns / 2), 0.0, 1e-12);
 }
 
-TEST(LidarModel, OfEveryNameHasADirectionForEachRayAndItsOwnName) {
+TEST(LidarModel, HasNameAndDirectionOfEachRay) {
   for (const std::string& name : lidar_names()) {
     const LidarModel model = lidar_model(name);
     EXPECT_EQ(model.name, name);
@@ -45,12 +45,12 @@ TEST(LidarModel, OfEveryNameHasADirectionForEachRayAndItsOwnName) {
 }
 
 /// Azimuth and elevation in degrees.
-struct Look {
+struct Direction {
   double azimuth, elevation;
 };
 
-std::vector<Look> looks(const std::string& name, std::size_t frame) {
-  std::vector<Look> result;
+std::vector<Direction> directions_of(const std::string& name, std::size_t frame) {
+  std::vector<Direction> result;
   for (const Eigen::Vector3d& d : ray_directions(lidar_model(name), frame)) {
     result.push_back({degrees(std::atan2(d.y(), d.x())), degrees(std::asin(d.z()))});
   }
@@ -64,32 +64,33 @@ struct Field {
 Field field_of(const std::string& name, std::size_t frames) {
   Field field;
   for (std::size_t frame = 0; frame < frames; ++frame) {
-    for (const Look& look : looks(name, frame)) {
-      field.left = std::max(field.left, look.azimuth);
-      field.right = std::min(field.right, look.azimuth);
-      field.top = std::max(field.top, look.elevation);
-      field.bottom = std::min(field.bottom, look.elevation);
+    for (const Direction& direction : directions_of(name, frame)) {
+      field.left = std::max(field.left, direction.azimuth);
+      field.right = std::min(field.right, direction.azimuth);
+      field.top = std::max(field.top, direction.elevation);
+      field.bottom = std::min(field.bottom, direction.elevation);
     }
   }
   return field;
 }
 
-/// Share of the cells of one degree between these elevations that some frames look into.
-double seen_share(const std::string& name, std::size_t frames, int bottom, int top, int half) {
-  std::set<std::pair<int, int>> seen;
+/// Fraction of the cells of one degree between these elevations that are hit in some frames.
+double covered_fraction(const std::string& name, std::size_t frames, int bottom, int top,
+                        int half) {
+  std::set<std::pair<int, int>> covered;
   for (std::size_t frame = 0; frame < frames; ++frame) {
-    for (const Look& look : looks(name, frame)) {
-      const std::pair<int, int> cell(static_cast<int>(std::floor(look.azimuth)),
-                                     static_cast<int>(std::floor(look.elevation)));
+    for (const Direction& direction : directions_of(name, frame)) {
+      const std::pair<int, int> cell(static_cast<int>(std::floor(direction.azimuth)),
+                                     static_cast<int>(std::floor(direction.elevation)));
       const bool is_inside =
           cell.first >= -half && cell.first < half && cell.second >= bottom && cell.second < top;
-      if (is_inside) seen.insert(cell);
+      if (is_inside) covered.insert(cell);
     }
   }
-  return static_cast<double>(seen.size()) / (2.0 * half * (top - bottom));
+  return static_cast<double>(covered.size()) / (2.0 * half * (top - bottom));
 }
 
-TEST(LidarModel, FieldsOfViewAreThoseOfTheirSensors) {
+TEST(LidarModel, HasFieldOfViewOfItsSensor) {
   const Field os0 = field_of("os0", 1);
   EXPECT_NEAR(os0.top - os0.bottom, 90.0, 1e-6);
   const Field mid360 = field_of("mid360", 2);
@@ -104,11 +105,11 @@ TEST(LidarModel, FieldsOfViewAreThoseOfTheirSensors) {
   EXPECT_NEAR(rs_m1.top - rs_m1.bottom, 25.0, 0.3);
 }
 
-TEST(LidarModel, PatternsThatDoNotRepeatFillTheirFieldFrameByFrame) {
-  EXPECT_LT(seen_share("mid360", 1, -7, 52, 180), 0.8);
-  EXPECT_GT(seen_share("mid360", 10, -7, 52, 180), 0.99);
-  EXPECT_LT(seen_share("avia", 1, -20, 20, 20), 0.98);
-  EXPECT_GT(seen_share("avia", 10, -20, 20, 20), 0.99);
+TEST(LidarModel, NonRepetitivePatternsFillTheirField) {
+  EXPECT_LT(covered_fraction("mid360", 1, -7, 52, 180), 0.8);
+  EXPECT_GT(covered_fraction("mid360", 10, -7, 52, 180), 0.99);
+  EXPECT_LT(covered_fraction("avia", 1, -20, 20, 20), 0.98);
+  EXPECT_GT(covered_fraction("avia", 10, -20, 20, 20), 0.99);
   for (const char* name : {"mid360", "avia"}) {
     EXPECT_NE(ray_directions(lidar_model(name), 0), ray_directions(lidar_model(name), 1));
     EXPECT_EQ(ray_directions(lidar_model(name), 7), ray_directions(lidar_model(name), 7));
@@ -116,13 +117,13 @@ TEST(LidarModel, PatternsThatDoNotRepeatFillTheirFieldFrameByFrame) {
   EXPECT_EQ(ray_directions(lidar_model("rs_m1"), 0), ray_directions(lidar_model("rs_m1"), 1));
 }
 
-TEST(LidarModel, FramesHaveThePointsOfTheirSensorsPerSecond) {
+TEST(LidarModel, HasRaysPerFrameOfItsSensor) {
   EXPECT_EQ(lidar_model("mid360").ray_count(), 20'000U);
   EXPECT_EQ(lidar_model("avia").ray_count(), 24'000U);
   EXPECT_EQ(lidar_model("rs_m1").ray_count(), 75'000U);
 }
 
-TEST(LidarModel, RefusesAnUnknownName) { EXPECT_THROW(lidar_model("hdl65"), ConfigError); }
+TEST(LidarModel, RejectsUnknownName) { EXPECT_THROW(lidar_model("hdl65"), ConfigError); }
 
 }  // namespace
 }  // namespace lidar_mapping::simulation

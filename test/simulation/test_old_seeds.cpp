@@ -8,9 +8,9 @@
 namespace lidar_mapping::simulation {
 namespace {
 
-/// What a scan is known by. A seed must go on to give the same scans, or figures
-/// that were published can no longer be made again. Another processor may round a ray into or out
-/// of an edge, so that sums are held and not bytes.
+/// Figures that identify a scan. A seed has to give the same scans in all versions, because
+/// otherwise published figures could not be reproduced. Another processor may round a ray into or
+/// out of an edge, so that sums are compared and not bytes.
 struct Figures {
   std::size_t points, moving;
   Eigen::Vector3d mean;
@@ -33,7 +33,7 @@ void expect_figures(const SimulatedScan& scan, const Figures& expected) {
   EXPECT_NEAR(intensity, expected.intensity, 0.02);
 }
 
-TEST(OldSeeds, GiveTheTownThatTheyGave) {
+TEST(OldSeeds, GiveTheSameTown) {
   DriveOptions options;
   options.seed = 13;
   options.duration = 2.5;
@@ -41,7 +41,7 @@ TEST(OldSeeds, GiveTheTownThatTheyGave) {
                  {108453, 745, {-0.657247, 0.506423, -1.246867}, 45.564023});
 }
 
-TEST(OldSeeds, GiveTheWalkAndItsImuThatTheyGave) {
+TEST(OldSeeds, GiveTheSameWalkAndImuSamples) {
   DriveOptions options;
   options.drive = "walk";
   options.lidar = "vlp16";
@@ -57,7 +57,7 @@ TEST(OldSeeds, GiveTheWalkAndItsImuThatTheyGave) {
   EXPECT_LT((imu[500].linear_acceleration - force).norm(), 1e-9);
 }
 
-TEST(OldSeeds, SpoilScansAsTheyDid) {
+TEST(OldSeeds, GiveTheSameFaultyScans) {
   DriveOptions options;
   options.drive = "tunnel";
   options.lidar = "os1_64";
@@ -68,7 +68,7 @@ TEST(OldSeeds, SpoilScansAsTheyDid) {
   }
   const SimulatedScan scan = Drive(options).scan(10);
   EXPECT_EQ(scan.cloud.size(), 3000U);
-  // A ray more or less changes which points are drawn after it.
+  // One ray more or less changes the random choice of all points after it.
   std::size_t moving = 0;
   for (const std::uint8_t m : scan.moving) moving += m;
   EXPECT_NEAR(static_cast<double>(moving), 2042.0, 60.0);

@@ -20,7 +20,7 @@ class Samples : public testing::Test {
     options.movers = false;
     return options;
   }
-  /// Position of a fix in map.
+  /// Position of a fix in the map frame, m.
   static Eigen::Vector3d to_map(const GnssFix& fix, const GeodeticDatum& datum) {
     const GeographicLib::LocalCartesian geodesy(datum.latitude_deg, datum.longitude_deg,
                                                 datum.altitude_m);
@@ -34,7 +34,7 @@ class Samples : public testing::Test {
   }
 };
 
-TEST_F(Samples, GnssErrorsHaveTheStatedCovariance) {
+TEST_F(Samples, GnssErrorsHaveGivenCovariance) {
   DriveOptions noisy = options();
   noisy.drive = "open_road";
   noisy.gnss_noise = 0.5;
@@ -48,12 +48,13 @@ TEST_F(Samples, GnssErrorsHaveTheStatedCovariance) {
     ++count;
   }
   ASSERT_GT(count, 900.0);
-  // A mean of n squared normals scatters by sqrt(2 / n) about 1; four times that are allowed.
+  // The mean of n squared normal values has a standard deviation of sqrt(2 / n) about 1; four times
+  // that are allowed.
   EXPECT_LT((squares / count - Eigen::Vector3d::Ones()).cwiseAbs().maxCoeff(),
             4.0 * std::sqrt(2.0 / count));
 }
 
-TEST_F(Samples, GnssHasTheRateThatWasAskedFor) {
+TEST_F(Samples, GnssHasGivenRate) {
   DriveOptions slow = options();
   slow.gnss_rate = 2.0;
   const std::vector<GnssFix> fixes = Drive(slow).gnss();
@@ -65,7 +66,7 @@ TEST_F(Samples, GnssHasTheRateThatWasAskedFor) {
   EXPECT_THROW(Drive{slow}, ConfigError);
 }
 
-TEST_F(Samples, GnssHasNoFixInOutagesAndUnderGround) {
+TEST_F(Samples, GnssHasNoFixInOutagesAndTunnels) {
   DriveOptions with_outage = options();
   with_outage.gnss_outages = {{2.0, 4.0}};
   const Drive drive(with_outage);
@@ -85,7 +86,7 @@ TEST_F(Samples, GnssHasNoFixInOutagesAndUnderGround) {
   EXPECT_GT(lost_later, 100);  // the tube
 }
 
-TEST_F(Samples, GnssJumpsByTheStatedDistanceWithUnchangedCovariance) {
+TEST_F(Samples, GnssJumpsByGivenDistanceWithUnchangedCovariance) {
   DriveOptions with_jump = options();
   with_jump.gnss_jumps = {{3.0, 8.0}};
   const Drive drive(with_jump);
@@ -112,12 +113,12 @@ TEST_F(Samples, ImuMeasuresRatesAndSpecificForceInItsOwnAxes) {
   }
 }
 
-TEST_F(Samples, ImuAtRestFeelsGravityUpwards) {
+TEST_F(Samples, ImuAtRestMeasuresGravityUpwards) {
   const Drive drive(options());
   EXPECT_NEAR(drive.imu().front().linear_acceleration.z(), kGravity, 0.3);
 }
 
-TEST_F(Samples, IntegratedGyroTurnsLikeTheTrajectory) {
+TEST_F(Samples, IntegratedRatesGiveRotationOfTrajectory) {
   const Drive drive(options());
   const auto imu = drive.imu();
   const Pose& T_base_imu = drive.mounting().T_base_imu;
@@ -154,7 +155,7 @@ TEST_F(Samples, CoverAllScansOfACutDrive) {
   EXPECT_GE(drive.gnss().back().stamp, last);
 }
 
-TEST_F(Samples, BeginWhereADriveIsCut) {
+TEST_F(Samples, BeginAtStartOfCutDrive) {
   DriveOptions cut = options();
   cut.start = 2.0;
   cut.duration = 5.0;
@@ -167,7 +168,7 @@ TEST_F(Samples, BeginWhereADriveIsCut) {
   EXPECT_LE(drive.scan_stamp(drive.scan_count() - 1), start + 3'000'000'000);
 }
 
-TEST_F(Samples, NothingLeftOfADriveIsAnError) {
+TEST_F(Samples, EmptyDriveIsAnError) {
   DriveOptions cut = options();
   cut.start = 5.0;
   cut.duration = 5.0;

@@ -35,8 +35,8 @@ bool same(const SimulatedScan& a, const SimulatedScan& b) {
                     b.cloud.points.end(), equal);
 }
 
-/// How far beyond (positive) or before the surface each point lies along its beam, m. `time` says
-/// where the LiDAR was.
+/// Distance of each point behind (positive) or before the surface along its beam, m. The times of
+/// the points give the poses of the LiDAR.
 std::vector<double> surface_errors(const Drive& drive, const SimulatedScan& scan) {
   static const RayCaster caster(small_drive().world());  // the same world for the same seed
   std::vector<Ray> rays;
@@ -48,7 +48,7 @@ std::vector<double> surface_errors(const Drive& drive, const SimulatedScan& scan
     const Pose T_map_lidar = drive.trajectory().pose(when) * drive.mounting().T_base_lidar;
     const Eigen::Vector3d p_map = T_map_lidar * scan.cloud.points[i].position().cast<double>();
     const Eigen::Vector3d beam = p_map - T_map_lidar.translation;
-    // Only the last metre before the surface: what moves elsewhere is left out of the test.
+    // Only the last metre before the surface, so that moving objects elsewhere do not matter.
     const Eigen::Vector3d origin = p_map - beam.normalized();
     rays.push_back({origin.cast<float>(), beam.normalized().cast<float>(), 0.0F});
   }
@@ -59,36 +59,36 @@ std::vector<double> surface_errors(const Drive& drive, const SimulatedScan& scan
   return errors;
 }
 
-double share_within(const std::vector<double>& errors, double limit) {
+double fraction_within(const std::vector<double>& errors, double limit) {
   const auto inside =
       std::count_if(errors.begin(), errors.end(), [&](double e) { return std::abs(e) < limit; });
   return static_cast<double>(inside) / static_cast<double>(errors.size());
 }
 
-TEST(Scan, OfOneInstantLiesOnTheSurfacesOfTheWorld) {
+TEST(Scan, UndistortedScanLiesOnSurfaces) {
   DriveOptions options = small_options();
   options.undistorted = true;
   const Drive drive(options);
   const SimulatedScan scan = drive.scan(kInACurve);
   ASSERT_GT(scan.cloud.size(), 15000U);
   EXPECT_FALSE(scan.cloud.has_times());
-  // A grazing beam may miss an edge by the rounding of a float.
-  EXPECT_GT(share_within(surface_errors(drive, scan), 2e-3), 0.999);
+  // A grazing beam may miss an edge because of rounding.
+  EXPECT_GT(fraction_within(surface_errors(drive, scan), 2e-3), 0.999);
 }
 
-TEST(Scan, OfATurnLiesOnTheSurfacesWhenMovedWithTheTrueMotion) {
+TEST(Scan, DeskewedScanLiesOnSurfaces) {
   const Drive& drive = small_drive();
-  EXPECT_GT(share_within(surface_errors(drive, drive.scan(kInACurve)), 2e-3), 0.999);
+  EXPECT_GT(fraction_within(surface_errors(drive, drive.scan(kInACurve)), 2e-3), 0.999);
 }
 
-TEST(Scan, OfATurnIsDistortedByTheMotion) {
+TEST(Scan, ScanIsDistortedByMotion) {
   const Drive& drive = small_drive();
   SimulatedScan scan = drive.scan(kInACurve);
   scan.cloud.times.clear();
-  EXPECT_LT(share_within(surface_errors(drive, scan), 0.02), 0.7);
+  EXPECT_LT(fraction_within(surface_errors(drive, scan), 0.02), 0.7);
 }
 
-TEST(Scan, HasTheStatedRangeNoise) {
+TEST(Scan, HasGivenRangeNoise) {
   DriveOptions options = small_options();
   options.range_noise = 0.03;
   const Drive drive(options);
@@ -103,7 +103,7 @@ TEST(Scan, HasTheStatedRangeNoise) {
   EXPECT_NEAR(std::sqrt(squares / count), 0.03, 0.002);
 }
 
-TEST(Scan, IsTheSameForTheSameSeedAndAnyNumberOfThreads) {
+TEST(Scan, DependsOnSeedAndNotOnThreads) {
   DriveOptions options = small_options();
   options.range_noise = 0.02;
   const Drive first(options), second(options);
@@ -115,7 +115,7 @@ TEST(Scan, IsTheSameForTheSameSeedAndAnyNumberOfThreads) {
   EXPECT_FALSE(same(alone[0], Drive(options).scan(0)));
 }
 
-TEST(Scan, TimesAreThoseOfColumnsWithinTheTurn) {
+TEST(Scan, HasTimesOfItsColumns) {
   const Drive& drive = small_drive();
   const SimulatedScan scan = drive.scan(7);
   ASSERT_EQ(scan.cloud.times.size(), scan.cloud.size());
@@ -126,7 +126,7 @@ TEST(Scan, TimesAreThoseOfColumnsWithinTheTurn) {
   EXPECT_EQ(drive.scan_stamp(8), scan.end);
 }
 
-TEST(Scan, SeesMovingThingsOnlyWhereTheyAreWanted) {
+TEST(Scan, ContainsMoversOnlyIfEnabled) {
   const Drive& busy = small_drive();
   DriveOptions options = small_options();
   options.movers = false;
@@ -138,7 +138,7 @@ TEST(Scan, SeesMovingThingsOnlyWhereTheyAreWanted) {
   EXPECT_EQ(moving(quiet.scan(50)), 0);
 }
 
-TEST(Scan, BeamsLieInTheConesOfTheTable) {
+TEST(Scan, BeamsHaveElevationsOfTheModel) {
   const Drive& drive = small_drive();
   const SimulatedScan scan = drive.scan(0);
   for (const Point& p : scan.cloud.points) {
@@ -148,7 +148,7 @@ TEST(Scan, BeamsLieInTheConesOfTheTable) {
   }
 }
 
-TEST(DriveOptions, OutOfRangeAreRefused) {
+TEST(DriveOptions, OutOfRangeAreRejected) {
   DriveOptions options = small_options();
   options.drive = "moon";
   EXPECT_THROW(Drive{options}, ConfigError);

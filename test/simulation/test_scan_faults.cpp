@@ -27,15 +27,15 @@ const Drive& clean_drive() {
   return drive;
 }
 
-std::set<std::tuple<float, float, float>> places(const SimulatedScan& scan) {
+std::set<std::tuple<float, float, float>> positions(const SimulatedScan& scan) {
   std::set<std::tuple<float, float, float>> result;
   for (const Point& p : scan.cloud.points) result.insert({p.x, p.y, p.z});
   return result;
 }
 
-/// Points of `scan` that are not those of the clean one.
+/// Points of `scan` that the clean scan does not have.
 std::vector<Point> added(const SimulatedScan& scan) {
-  const auto clean = places(clean_drive().scan(kScan));
+  const auto clean = positions(clean_drive().scan(kScan));
   std::vector<Point> result;
   for (const Point& p : scan.cloud.points) {
     if (clean.count({p.x, p.y, p.z}) == 0) result.push_back(p);
@@ -43,13 +43,13 @@ std::vector<Point> added(const SimulatedScan& scan) {
   return result;
 }
 
-double share_added(const SimulatedScan& scan) {
+double added_fraction(const SimulatedScan& scan) {
   return static_cast<double>(added(scan).size()) / static_cast<double>(scan.cloud.size());
 }
 
-TEST(ScanFaults, OutliersAreThatShareOfThePointsAndSpreadThroughTheView) {
+TEST(ScanFaults, OutliersHaveGivenFractionAndFillTheView) {
   const SimulatedScan scan = drive_with({"outliers=0.2"}).scan(kScan);
-  EXPECT_NEAR(share_added(scan), 0.2, 0.01);
+  EXPECT_NEAR(added_fraction(scan), 0.2, 0.01);
   int far = 0, left = 0, above = 0;
   for (const Point& p : added(scan)) {
     far += p.position().norm() > 50.0F ? 1 : 0;
@@ -62,7 +62,7 @@ TEST(ScanFaults, OutliersAreThatShareOfThePointsAndSpreadThroughTheView) {
   EXPECT_NEAR(above / all, 0.5, 0.05);
 }
 
-TEST(ScanFaults, PointsComeInTheOrderOfTheSweepWithItsTimes) {
+TEST(ScanFaults, ArtificialPointsHaveOrderAndTimesOfTheSweep) {
   const SimulatedScan scan = drive_with({"outliers=0.2", "rain=0.1", "wall"}).scan(kScan);
   ASSERT_EQ(scan.cloud.times.size(), scan.cloud.size());
   ASSERT_EQ(scan.moving.size(), scan.cloud.size());
@@ -74,28 +74,28 @@ TEST(ScanFaults, PointsComeInTheOrderOfTheSweepWithItsTimes) {
   }
 }
 
-TEST(ScanFaults, RainEndsThatShareOfTheRaysNearTheSensor) {
+TEST(ScanFaults, RainEndsRaysNearTheSensor) {
   const SimulatedScan scan = drive_with({"rain=0.3"}).scan(kScan);
   const std::vector<Point> drops = added(scan);
   for (const Point& p : drops) ASSERT_LT(p.position().norm(), 8.01F);
-  EXPECT_GT(share_added(scan), 0.15);
-  EXPECT_LT(share_added(scan), 0.45);
+  EXPECT_GT(added_fraction(scan), 0.15);
+  EXPECT_LT(added_fraction(scan), 0.45);
 }
 
-TEST(ScanFaults, AWallFillsMostOfTheLeftHalfAndMovesAlong) {
+TEST(ScanFaults, WallFillsLeftHalfAndMovesAlong) {
   const Drive drive = drive_with({"wall"});
   const std::size_t before = added(drive.scan(kScan)).size();
   EXPECT_GT(before, 4000U);
   for (const std::size_t index : {kScan, kScan + 40}) {
-    std::size_t on_the_wall = 0;
+    std::size_t points_on_wall = 0;
     for (const Point& p : drive.scan(index).cloud.points) {
-      on_the_wall += std::abs(p.y - 2.5F) < 0.3F && std::abs(p.x) < 9.0F ? 1 : 0;
+      points_on_wall += std::abs(p.y - 2.5F) < 0.3F && std::abs(p.x) < 9.0F ? 1 : 0;
     }
-    EXPECT_GT(on_the_wall, 4000U) << index;
+    EXPECT_GT(points_on_wall, 4000U) << index;
   }
 }
 
-TEST(ScanFaults, StampsJitterAndTheTruthStaysWhereItWas) {
+TEST(ScanFaults, JitterChangesStampsOnly) {
   const Drive drive = drive_with({"jitter=0.02"});
   double sum = 0.0;
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {
@@ -107,22 +107,22 @@ TEST(ScanFaults, StampsJitterAndTheTruthStaysWhereItWas) {
   EXPECT_NEAR(std::sqrt(sum / static_cast<double>(drive.scan_count())), 0.02, 0.005);
   const SimulatedScan scan = drive.scan(kScan);
   EXPECT_EQ(scan.stamp, drive.reported_stamp(kScan));
-  EXPECT_EQ(places(scan), places(clean_drive().scan(kScan)));
+  EXPECT_EQ(positions(scan), positions(clean_drive().scan(kScan)));
 }
 
-TEST(ScanFaults, AFrozenScanComesAgainAndThenTheDriveGoesOn) {
+TEST(ScanFaults, FrozenScansAreRepeated) {
   const Drive drive = drive_with({"frozen=3,2"});
   for (const std::size_t first : {20, 40}) {
     for (std::size_t i = first + 1; i <= first + 3; ++i) {
-      EXPECT_EQ(places(drive.scan(i)), places(drive.scan(first))) << i;
+      EXPECT_EQ(positions(drive.scan(i)), positions(drive.scan(first))) << i;
       EXPECT_EQ(drive.scan(i).stamp, drive.scan_stamp(i));
     }
-    EXPECT_NE(places(drive.scan(first + 4)), places(drive.scan(first)));
+    EXPECT_NE(positions(drive.scan(first + 4)), positions(drive.scan(first)));
   }
-  EXPECT_NE(places(drive.scan(1)), places(drive.scan(0))) << "a drive begins well";
+  EXPECT_NE(positions(drive.scan(1)), positions(drive.scan(0))) << "a drive begins well";
 }
 
-TEST(ScanFaults, ASparseScanHasNoMorePointsAndLooksEverywhere) {
+TEST(ScanFaults, SparseScanIsSubsetOfAllDirections) {
   const SimulatedScan scan = drive_with({"sparse=500"}).scan(kScan);
   EXPECT_EQ(scan.cloud.size(), 500U);
   EXPECT_EQ(scan.cloud.times.size(), 500U);
@@ -135,7 +135,7 @@ TEST(ScanFaults, PointTimesAreMissingOrNegated) {
   const SimulatedScan clean = clean_drive().scan(kScan);
   const SimulatedScan none = drive_with({"times=none"}).scan(kScan);
   EXPECT_FALSE(none.cloud.has_times());
-  EXPECT_EQ(places(none), places(clean));
+  EXPECT_EQ(positions(none), positions(clean));
   const SimulatedScan negated = drive_with({"times=negated"}).scan(kScan);
   ASSERT_EQ(negated.cloud.times.size(), clean.cloud.times.size());
   for (std::size_t i = 0; i < clean.cloud.times.size(); ++i) {
@@ -145,7 +145,7 @@ TEST(ScanFaults, PointTimesAreMissingOrNegated) {
 
 class EverySensor : public testing::TestWithParam<std::string> {};
 
-TEST_P(EverySensor, SeesTheWallAndOutliersAlongItsOwnRays) {
+TEST_P(EverySensor, HasWallAndOutliersAlongItsOwnRays) {
   DriveOptions options;
   options.drive = "tunnel";
   options.lidar = GetParam();
@@ -155,19 +155,19 @@ TEST_P(EverySensor, SeesTheWallAndOutliersAlongItsOwnRays) {
   const SimulatedScan scan = drive.scan(5);
   const auto directions = ray_directions(drive.lidar(), 5);
   ASSERT_EQ(scan.rays.size(), scan.cloud.size());
-  std::size_t on_the_wall = 0;
+  std::size_t points_on_wall = 0;
   for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
     const Eigen::Vector3d p = scan.cloud.points[i].position().cast<double>();
     ASSERT_LT(p.normalized().cross(directions[scan.rays[i]]).norm(), 1e-5) << i;
-    on_the_wall += std::abs(p.y() - 2.5) < 0.3 && std::abs(p.x()) < 9.0 ? 1 : 0;
+    points_on_wall += std::abs(p.y() - 2.5) < 0.3 && std::abs(p.x()) < 9.0 ? 1 : 0;
   }
-  EXPECT_GT(on_the_wall, scan.cloud.size() / 20);
+  EXPECT_GT(points_on_wall, scan.cloud.size() / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, EverySensor, testing::ValuesIn(lidar_names()),
                          [](const auto& lidar) { return lidar.param; });
 
-TEST(ScanFaults, SayWhatIsWrongWithTheirNames) {
+TEST(ScanFaults, RejectInvalidTexts) {
   for (const char* text :
        {"fog=0.1", "outliers", "outliers=", "outliers=1.5", "rain=nan", "wall=2", "jitter=0.01,2",
         "frozen=0", "frozen=3,0", "sparse=-5", "sparse=5x", "times", "times=wrong", "times=0"}) {

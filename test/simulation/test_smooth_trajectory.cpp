@@ -12,8 +12,8 @@ namespace {
 
 constexpr Stamp kBegin = 1'000'000'000'000;
 
-/// A motion that turns about all axes at once.
-SmoothTrajectory wild_trajectory() {
+/// A motion with rotations about all axes at once.
+SmoothTrajectory trajectory_about_all_axes() {
   std::vector<Vector6d> control;
   for (int i = 0; i < 200; ++i) {
     const double t = 0.05 * i;
@@ -27,7 +27,7 @@ SmoothTrajectory wild_trajectory() {
 
 class SmoothTrajectoryProperty : public testing::TestWithParam<int> {
  protected:
-  SmoothTrajectory trajectory = wild_trajectory();
+  SmoothTrajectory trajectory = trajectory_about_all_axes();
   Random random{99, static_cast<std::uint64_t>(GetParam())};
   Stamp stamp = kBegin + from_seconds(random.uniform(0.1, 9.5));
   Stamp h = 1'000'000;
@@ -57,7 +57,7 @@ TEST_P(SmoothTrajectoryProperty, AccelerationsAreTheDerivativesOfVelocities) {
       1e-3);
 }
 
-TEST_P(SmoothTrajectoryProperty, AFixedFrameMovesAsItsPosesDo) {
+TEST_P(SmoothTrajectoryProperty, MotionOfFixedFrameAgreesWithItsPoses) {
   const Pose T_base_frame{exp_so3({0.4, -0.3, 1.2}), {0.7, -0.4, 1.1}};
   const auto of_frame = [&](Stamp at) { return trajectory.state(at).of_frame(T_base_frame); };
   const MotionState a = of_frame(stamp - h), b = of_frame(stamp + h), state = of_frame(stamp);
@@ -72,15 +72,15 @@ TEST_P(SmoothTrajectoryProperty, AFixedFrameMovesAsItsPosesDo) {
 
 INSTANTIATE_TEST_SUITE_P(RandomInstants, SmoothTrajectoryProperty, testing::Range(0, 20));
 
-TEST(SmoothTrajectory, IsNotDefinedOutsideItsTime) {
-  const SmoothTrajectory trajectory = wild_trajectory();
+TEST(SmoothTrajectory, ThrowsOutsideItsTime) {
+  const SmoothTrajectory trajectory = trajectory_about_all_axes();
   EXPECT_NO_THROW(trajectory.pose(trajectory.begin()));
   EXPECT_NO_THROW(trajectory.pose(trajectory.end()));
   EXPECT_THROW(trajectory.pose(trajectory.begin() - 1), InputError);
   EXPECT_THROW(trajectory.pose(trajectory.end() + 1), InputError);
 }
 
-TEST(SmoothTrajectory, StaysAtAConstantPose) {
+TEST(SmoothTrajectory, ConstantControlPointsGiveConstantPose) {
   Vector6d c;
   c << 1.0, 2.0, 3.0, 0.4, 0.1, -0.2;
   const SmoothTrajectory trajectory(kBegin, 0.1, std::vector<Vector6d>(20, c));

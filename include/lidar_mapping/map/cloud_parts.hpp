@@ -10,27 +10,33 @@
 
 namespace lidar_mapping::map {
 
-/// The points of a map, part by part, as often as one asks: what is made of it needs the memory of
-/// a part. A cloud is a map of one part; it must outlive this.
+/// The points of a map in parts, which can be read any number of times. Whatever is made of the map
+/// needs only the memory of one part. A single cloud is a map of one part; it must outlive this
+/// object.
 class CloudParts {
  public:
+  /// Receives one part after the other; the part is valid during the call only.
   using Sink = std::function<void(const PointCloud& part)>;
 
-  explicit CloudParts(std::function<void(const Sink&)> each) : each_(std::move(each)) {}
-  CloudParts(const PointCloud& whole) : each_([&whole](const Sink& sink) { sink(whole); }) {}
+  /// `for_each` has to pass all parts of the map to the sink, in the same order at every call.
+  explicit CloudParts(std::function<void(const Sink&)> for_each) : for_each_(std::move(for_each)) {}
+  /// A map of one part.
+  CloudParts(const PointCloud& whole) : for_each_([&whole](const Sink& sink) { sink(whole); }) {}
 
-  void each(const Sink& sink) const { each_(sink); }
+  /// Passes all parts to `sink`, in order.
+  void for_each(const Sink& sink) const { for_each_(sink); }
 
  private:
-  std::function<void(const Sink&)> each_;
+  std::function<void(const Sink&)> for_each_;
 };
 
-/// Builds the tiles once and keeps their points in a file without a name, which is gone with the
-/// process: points in the map frame, a part per tile. Throws FileError, and InputError for points
-/// too far from the origin (check_range()).
+/// Builds the tiles once and stores their points in an unnamed temporary file in `directory`, which
+/// disappears with the process. The result has one part per tile, in the map frame. Throws
+/// FileError, and InputError for points too far from the origin (check_range()).
 CloudParts stored_parts(const TileSource& tiles, const std::filesystem::path& directory);
 
-/// The same with each point moved as `move` says, from and to m.
+/// Stores the points of `parts` in the same way, each of them transformed by `move`, which maps
+/// coordinates in m to coordinates in m.
 CloudParts stored_parts(const CloudParts& parts,
                         const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& move,
                         const std::filesystem::path& directory);

@@ -8,30 +8,35 @@
 
 namespace lidar_mapping::map {
 
-/// A key frame as it lies in the map.
+/// A key frame with its pose in the map.
 struct TrackedKeyFrame {
-  KeyFramePose pose;
+  KeyFramePose pose;  ///< Index, stamp and T_map_base.
+  /// Number of the segment: a part of the drive without a gap in odometry.
   std::uint32_t segment = 0;
-  bool degenerate = false;  ///< odometry did not see all of the motion to it
+  bool degenerate = false;  ///< The odometry did not observe all directions of the motion to it.
 };
 
-/// Where the key frames of a run lie in the map: optimised poses where the back end has given some,
-/// odometry moved by the newest correction behind them. Odometry is kept as it came, so corrections
-/// never add up; everything is joined by index.
+/// Poses of the key frames of a run in the map: the optimised pose where the back end has given
+/// one; otherwise the pose of the odometry, moved by the correction of the newest optimised key
+/// frame before it. The poses of the odometry are stored unchanged, so that corrections never add
+/// up. Everything is associated by the index of the key frame.
 class KeyFrameTrack {
  public:
-  /// The cloud is not kept.
+  /// Adds a key frame; its cloud is not stored.
   void add(const KeyFrame& key_frame);
+  /// Replaces all optimised poses if `poses` are complete (KeyFramePoses::whole), else only those
+  /// given.
   void update(const KeyFramePoses& poses);
 
-  /// All key frames, by index.
+  /// Poses of all key frames, in the order of their indices.
   KeyFramePoses poses() const;
-  /// Odometry alone, laid so that the first key frame is where it is in poses().
+  /// Poses by odometry alone, aligned so that the first key frame lies where it is in poses().
   KeyFramePoses odometry() const;
-  /// The same as poses(), with what else there is to show of them.
+  /// The same poses as poses(), with what a display shows beside them.
   std::vector<TrackedKeyFrame> key_frames() const;
+  /// Number of key frames.
   std::size_t size() const { return nodes_.size(); }
-  /// Of the newest key frame with an optimised pose; identity if there is none.
+  /// Correction of the newest key frame with an optimised pose; identity if there is none.
   Pose T_map_odom() const;
 
  private:

@@ -11,26 +11,30 @@
 
 namespace lidar_mapping::map {
 
-/// Joins the clouds of key frames to one map, a point per voxel (centroid, mean intensity). Only
-/// the tiles that a moved key frame touches are built again. Memory grows with the map, not with
-/// the drive. One thread calls it; clouds come from the source.
+/// Joins the clouds of key frames to one map with one point per voxel (centroid and mean
+/// intensity). Only the tiles that a moved key frame touches are built again. The memory grows with
+/// the size of the map, not with the length of the drive. One thread calls it; the clouds come from
+/// the source.
 class MapBuilder {
  public:
-  /// `clouds` must outlive this object.
+  /// The map is empty at first. `clouds` must outlive this object.
   MapBuilder(const MapConfig& config, CloudSource& clouds);
   ~MapBuilder();
 
-  /// Takes new or moved poses in (partial or whole).
+  /// Adds new poses and replaces moved ones; `poses` hold all key frames or only those that
+  /// changed.
   void update(const KeyFramePoses& poses);
-  /// Grows whenever build() would give something else.
+  /// Grows whenever the result of build() would change.
   std::uint64_t revision() const;
-  /// The map in the map frame. Key frames whose cloud is missing are left out and counted; they are
-  /// asked for again next time.
+  /// Builds the map in the map frame. Key frames whose cloud is missing are left out and counted;
+  /// the next call asks for their clouds again.
   PointCloud build();
-  /// The same with voxels of another size (m), from the newest poses.
+  /// Builds the map from the newest poses with another edge of the voxels (m); the stored tiles
+  /// stay as they are.
   PointCloud build(double resolution) const;
+  /// Number of key frames that the last build() left out because their clouds were missing.
   std::size_t missing_clouds() const;
-  /// Key frames that went through the voxels since the beginning: the work that was done.
+  /// Number of key frames inserted into voxels so far, repetitions included: a measure of the work.
   std::size_t insertions() const;
 
  private:
@@ -38,16 +42,17 @@ class MapBuilder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The whole map at once, from the poses given.
+/// Builds the whole map at once from these poses.
 PointCloud build_map(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config);
 
-/// The same tile by tile, in the order of their indices: tiles put together are the map. Memory is
-/// that of the tiles around the vehicle, however large the map is: others wait in a file without a
-/// name in `directory`. Each cloud is read once. Throws FileError.
+/// Builds the same map tile by tile and passes the tiles to `sink` in the order of their indices;
+/// all tiles together are the map. Only the tiles around the vehicle are in memory, however large
+/// the map is: the others are stored in an unnamed temporary file in `directory`. Each cloud is
+/// read once. Throws FileError.
 void build_tiles(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                  const std::filesystem::path& directory, const TileSink& sink);
 
-/// Edge of the tiles: the whole number of voxels that is nearest to the configured size, m.
-double true_tile_size(const MapConfig& config);
+/// Edge of the tiles in m: the multiple of the voxel edge that is nearest to the configured size.
+double effective_tile_size(const MapConfig& config);
 
 }  // namespace lidar_mapping::map

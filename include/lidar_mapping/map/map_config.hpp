@@ -18,11 +18,12 @@ struct MapConfig {
   /// Upper limit of threads; 0 takes all cores. The result does not depend on it.
   int threads = 0;
 
+  /// Names, units, ranges and descriptions of the parameters.
   static const config::Schema<MapConfig>& schema();
 };
 
-/// Edge of the cells of the 2D grid, m. Throws InputError where they would be smaller than the
-/// voxels.
+/// Edge of the cells of the 2D grid in m, with 0 replaced by the edge of the voxels. Throws
+/// InputError if the cells would be smaller than the voxels.
 double grid_cell(const MapConfig& config);
 
 }  // namespace lidar_mapping::map

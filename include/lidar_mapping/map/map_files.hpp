@@ -13,44 +13,50 @@
 
 namespace lidar_mapping::map {
 
-/// What a map's user has to know beside its points; written as map.yaml.
+/// What a user of the map has to know besides its points; written as map.yaml.
 struct MapDescription {
-  std::string frame = "map";
-  std::optional<GeodeticDatum> datum;  ///< origin of East-North-Up; none without GNSS
-  double resolution = 0.0;             ///< m, edge of the voxels
-  std::optional<UtmFrame> utm;         ///< points are metres in it, from its origin on
-  std::string name = "map";            ///< of the files, without extension
+  std::string frame = "map";           ///< Name of the frame of the points (frame_id).
+  std::optional<GeodeticDatum> datum;  ///< Origin of the East-North-Up frame; none without GNSS.
+  double resolution = 0.0;             ///< Edge of the voxels, m.
+  /// UTM zone of the points, which are relative to its origin; none: map frame.
+  std::optional<UtmFrame> utm;
+  std::string name = "map";  ///< Name of the files, without extension.
 };
 
-/// Names of files that were written.
+/// Paths of the files that were written.
 using Files = std::vector<std::filesystem::path>;
 
-/// What another thread does while files are written, as packing takes long and one thread.
-struct Meanwhile {
+/// Work that another thread does while files are written, because compression takes long and uses
+/// one thread.
+struct ConcurrentTask {
+  /// Nothing to do if empty.
   std::function<void()> work;
-  int threads = 1;  ///< with one it is done afterwards; 0: all cores
+  int threads = 1;  ///< With 1 the work is done after writing; 0: all cores.
 };
 
-/// Writes map.pcd (write_pcd()) and map.ply (binary), as `formats` (empty: both) says, and map.yaml
-/// (frame, datum, resolution, number of points, bounds) beside them; in UTM also map.pcd.utm, which
-/// has easting, northing and height of the origin. Files appear whole or not at all. Nothing large
-/// is added to points, which floats would not hold. Throws InputError for another format or an
-/// empty map, FileError for the disk, and where the folder holds a map.pcd or map.ply that does not
-/// come from this package (no map.yaml beside it); what is to be done meanwhile is not begun then.
+/// Writes map.pcd (write_pcd()) and map.ply (binary), as selected by `formats` (empty: both), and
+/// map.yaml (frame, datum, resolution, number of points, bounds) beside them; in UTM also
+/// map.pcd.utm, which holds easting, northing and height of the origin. The origin is not added to
+/// the points, because floats would lose precision. A file appears completely or not at all. Throws
+/// InputError for another format or an empty map, and FileError if the disk fails or if the folder
+/// holds a map.pcd or map.ply that does not come from this package (no map.yaml beside it); in
+/// these cases `concurrent_task` has not started.
 Files save_map(const CloudParts& map, const MapDescription& description,
                const std::filesystem::path& directory, const std::vector<std::string>& formats,
-               const Meanwhile& meanwhile = {});
+               const ConcurrentTask& concurrent_task = {});
 
-/// Throws InputError if a point lies more than 100 km from the origin: the files' floats would be
-/// off by centimetres there.
+/// Throws InputError if a point lies more than 100 km from the origin, where the floats of the
+/// files would be off by centimetres.
 void check_range(const PointCloud& cloud);
 
-/// Fields x y z intensity, binary; PCD compressed up to two million points, as only what is in
-/// memory as a whole can be compressed. Throws FileError.
+/// Writes a binary PCD file with the fields x y z intensity. Up to two million points are
+/// compressed; larger maps are not, because compression needs all points in memory at once. Throws
+/// FileError.
 void write_pcd(const std::filesystem::path& path, const CloudParts& map);
+/// Writes a binary PLY file with the same fields. Throws FileError.
 void write_ply(const std::filesystem::path& path, const CloudParts& map);
 
-/// A tile's points in the map frame. Throws InputError as check_range().
+/// Points of a tile in the map frame. Throws InputError like check_range().
 PointCloud in_map_frame(const MapTile& tile);
 
 }  // namespace lidar_mapping::map

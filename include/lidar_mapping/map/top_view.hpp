@@ -9,24 +9,25 @@
 
 namespace lidar_mapping::map {
 
-/// A picture of the map from above: x to the right, y up, colour by height above the local ground.
+/// Picture of the map from above: x to the right, y up; the colour shows the height above the local
+/// ground.
 struct TopView {
-  int width = 0;
-  int height = 0;
-  double pixel_m = 0.0;
-  double x_min = 0.0;             ///< m, left border
-  double y_max = 0.0;             ///< m, upper border
-  std::vector<std::uint8_t> rgb;  ///< rows from above, 3 bytes a pixel
+  int width = 0;                  ///< Pixels along x.
+  int height = 0;                 ///< Pixels along y.
+  double pixel_m = 0.0;           ///< Edge of a pixel, m.
+  double x_min = 0.0;             ///< Left border in the map frame, m.
+  double y_max = 0.0;             ///< Upper border in the map frame, m.
+  std::vector<std::uint8_t> rgb;  ///< Three bytes per pixel, uppermost row first.
 };
 
-/// A pixel shows the highest point in it: grey-blue at the ground, over green and yellow, to red at
-/// 10 m and more; brightness follows the number of points. Pixels are `pixel_m` wide, or wider
-/// where the picture would be more than `max_pixels` on a side. Throws InputError for a map without
-/// points.
+/// Draws the map. A pixel shows its highest point: grey-blue at the ground, then green and yellow,
+/// and red from 10 m on; the brightness grows with the number of points. Pixels are `pixel_m` wide,
+/// or wider if the picture would have more than `max_pixels` on a side. Throws InputError for a map
+/// without points.
 TopView top_view(const CloudParts& map, double pixel_m, int max_pixels = 4000);
 
-/// Writes a PNG file and a world file (.pgw: pixel size and the centre of the upper left pixel)
-/// beside it. Throws FileError.
+/// Writes a PNG file and beside it a world file (.pgw: pixel size and centre of the upper left
+/// pixel). Throws FileError.
 void write_png(const std::filesystem::path& path, const TopView& view);
 
 }  // namespace lidar_mapping::map

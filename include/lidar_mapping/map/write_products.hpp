@@ -14,45 +14,47 @@
 
 namespace lidar_mapping::map {
 
-/// What ProductOptions::formats may hold, in capitals or not.
+/// Names that ProductOptions::formats may hold, in upper or lower case.
 const std::vector<std::string>& product_formats();
-/// The same in one line with what they are: "pcd, ply, png (view from above), ...".
+/// The same names in one line with explanations: "pcd, ply, png (view from above), ...".
 std::string product_format_help();
-/// Those of which a map is one file, with the format's name as its extension.
-std::vector<std::string> one_file_formats();
+/// Formats that put the map into one file, whose extension is the name of the format.
+std::vector<std::string> single_file_formats();
 
-/// The box of x0 y0 z0 x1 y1 z1, m; none of no numbers. Throws InputError for another count, and
-/// where it is empty.
+/// The box of the corners x0 y0 z0 x1 y1 z1 in m; none if `corners` is empty. Throws InputError for
+/// any other number of values, and for an empty box.
 std::optional<Eigen::AlignedBox3d> crop_box(const std::vector<double>& corners);
 
-/// What is made of a map, and how.
+/// Which files are made of a map, and how.
 struct ProductOptions {
-  std::vector<std::string> formats = {"pcd", "ply", "png"};
-  double pixel = 0.2;  ///< of the view from above, m
-  std::string frame = "map";
-  std::optional<GeodeticDatum> datum;
-  /// The LiDAR in base_link, m. If it is known points of moving objects are left out, and the grid
-  /// is free where rays passed.
+  std::vector<std::string> formats = {"pcd", "ply", "png"};  ///< Names of product_formats().
+  double pixel = 0.2;                  ///< Edge of a pixel of the view from above, m.
+  std::string frame = "map";           ///< Name of the frame of the points (frame_id).
+  std::optional<GeodeticDatum> datum;  ///< Origin of the East-North-Up frame; none without GNSS.
+  /// Position of the LiDAR in base_link, m. If it is given, points of moving objects are left out,
+  /// and cells of the grid are free where rays passed.
   std::optional<Eigen::Vector3d> p_base_sensor;
-  /// Only what lies in this box of the map frame (m) is put into the map.
+  /// Box of the map frame, m; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> crop;
-  /// pcd and ply in UTM, relative to the datum (las always is in UTM, the others in the map frame).
+  /// Writes pcd and ply in UTM relative to the datum. (las is always in UTM, the other formats in
+  /// the map frame.)
   bool utm = false;
-  std::string name = "map";   ///< of formats that are one file, without extension
-  bool keep_moving = false;   ///< leaves points of moving objects in
-  bool save_removed = false;  ///< writes the points left out to moving_objects.pcd
+  std::string name = "map";   ///< Name of single files, without extension.
+  bool keep_moving = false;   ///< Keeps the points of moving objects in the map.
+  bool save_removed = false;  ///< Writes the points of moving objects to moving_objects.pcd.
 };
 
+/// What write_products() has made.
 struct Products {
-  Files files;
-  std::size_t points = 0;   ///< of the map
-  std::size_t removed = 0;  ///< counted if they are saved
+  Files files;              ///< Files and folders that were written.
+  std::size_t points = 0;   ///< Number of points of the map.
+  std::size_t removed = 0;  ///< Points of moving objects; counted only if they are saved.
 };
 
-/// Builds the map of the poses tile by tile and writes it into the folder (map_files.hpp,
-/// map_products.hpp, top_view.hpp). Throws FileError, and InputError for a format that is not
-/// known, a map (or box) without points, UTM without a datum, or cells of the grid that are smaller
-/// than the voxels.
+/// Builds the map of these poses tile by tile and writes it into the folder (map_files.hpp,
+/// map_products.hpp, top_view.hpp). Throws FileError, and InputError for an unknown format, a map
+/// (or box) without points, UTM without a datum, or cells of the grid that are smaller than the
+/// voxels.
 Products write_products(const KeyFramePoses& poses, CloudSource& clouds, const MapConfig& config,
                         const ProductOptions& options, const std::filesystem::path& directory);
 

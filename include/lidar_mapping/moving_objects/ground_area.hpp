@@ -5,41 +5,46 @@
 #include <cstdint>
 #include <vector>
 
-#include "lidar_mapping/moving_objects/placed_points.hpp"
+#include "lidar_mapping/moving_objects/transformed_points.hpp"
 
 namespace lidar_mapping::moving_objects {
 
-/// The columns of 0.6 m by 0.6 m in which some points lie, and those up to two further on each
-/// side. They are few of the rectangle around, and numbered among themselves: row by row, so that
-/// neighbours in a row have numbers in a row.
+/// The columns of 0.6 m by 0.6 m in which some points lie, and those up to two columns away on each
+/// side. Only these few columns of the bounding rectangle are numbered: row by row, so that
+/// neighbours in a row have consecutive numbers.
 class GroundArea {
  public:
-  static constexpr double kColumn = 0.6;  // m
-  static constexpr std::size_t kAround = 2;
-  static constexpr std::size_t kSide = 2 * kAround + 1;
-  static constexpr std::uint32_t kOutside = CellArea::kOutside;
+  static constexpr double kColumnSize = 0.6;  ///< Edge of a column, m.
+  static constexpr std::size_t kMargin = 2;   ///< Columns that are added on each side of a point.
+  /// Columns along an edge of the neighbourhood of a column.
+  static constexpr std::size_t kWindow = 2 * kMargin + 1;
+  static constexpr std::uint32_t kOutside =
+      CellRectangle::kOutside;  ///< Number of everything outside.
 
-  /// Points further than `farthest` from their origin have no column, m.
-  explicit GroundArea(const PlacedPoints& points, float farthest = kFarthest)
-      : GroundArea(PointCells(points, kColumn, farthest)) {}
+  /// The columns around the points; points further than `max_range` (m) from their origin are left
+  /// out.
+  explicit GroundArea(const TransformedPoints& points, float max_range = kMaxRange)
+      : GroundArea(PointCells(points, kColumnSize, max_range)) {}
 
   /// Number of columns.
   std::size_t size() const { return cells_.size(); }
-  /// That in which the i-th point lies.
+  /// Number of the column in which the i-th point lies, or kOutside.
   std::uint32_t column_of(std::size_t i) const { return columns_of_points_[i]; }
-  std::uint32_t number_of(const CellIndex& cell) const {
-    const std::uint32_t number = rectangle_.number_of(cell);
-    return number == CellArea::kOutside ? kOutside : numbers_[number];
+  /// Number of the column of this cell, or kOutside.
+  std::uint32_t index_of(const CellIndex& cell) const {
+    const std::uint32_t number = rectangle_.index_of(cell);
+    return number == CellRectangle::kOutside ? kOutside : numbers_[number];
   }
-  /// Where the rows of the 5x5 columns around one begin in which a point lies.
-  std::array<std::uint32_t, kSide> rows_around(std::uint32_t column) const;
+  /// Numbers of the first columns of the five rows of the 5x5 columns around a column in which a
+  /// point lies.
+  std::array<std::uint32_t, kWindow> rows_around(std::uint32_t column) const;
 
  private:
   explicit GroundArea(const PointCells& cells);
 
-  CellArea rectangle_;
-  std::vector<std::uint32_t> numbers_;  ///< of the cells of the rectangle
-  std::vector<std::uint32_t> cells_;    ///< of the rectangle, by number
+  CellRectangle rectangle_;
+  std::vector<std::uint32_t> numbers_;  ///< Numbers of the cells of the rectangle.
+  std::vector<std::uint32_t> cells_;    ///< Cells of the rectangle, by number.
   std::vector<std::uint32_t> columns_of_points_;
 };
 

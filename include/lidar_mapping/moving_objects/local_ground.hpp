@@ -6,59 +6,63 @@
 #include <vector>
 
 #include "lidar_mapping/moving_objects/ground_area.hpp"
-#include "lidar_mapping/moving_objects/placed_points.hpp"
+#include "lidar_mapping/moving_objects/transformed_points.hpp"
 
 namespace lidar_mapping::moving_objects {
 
-/// The two lowest of some points, m in the map frame; kNone where there are fewer.
+/// Heights of the two lowest of some points, m in the map frame; kNone where there are fewer
+/// points.
 struct LowestPoints {
+  /// Height of a missing point; above all others.
   static constexpr float kNone = std::numeric_limits<float>::infinity();
 
-  void take(float z) { join({z, kNone}); }
-  /// Without branches: nobody could foresee them.
-  void join(LowestPoints other) {
+  /// Adds a point of this height.
+  void add(float z) { merge({z, kNone}); }
+  /// Adds all points of `other`. Written without branches, which would be mispredicted.
+  void merge(LowestPoints other) {
     const float higher = lowest > other.lowest ? lowest : other.lowest;
     const float next = second < other.second ? second : other.second;
     lowest = lowest < other.lowest ? lowest : other.lowest;
     second = next < higher ? next : higher;
   }
 
-  float lowest = kNone;
-  float second = kNone;
+  float lowest = kNone;  ///< Height of the lowest point.
+  float second = kNone;  ///< Height of the second lowest point.
 };
 
-/// A column of 0.6 m by 0.6 m.
+/// Lowest points of a column of 0.6 m by 0.6 m.
 struct GroundColumn {
-  CellIndex cell;
-  LowestPoints points;
+  CellIndex cell;       ///< Cell of the grid of columns.
+  LowestPoints points;  ///< Its two lowest points.
 };
 
-/// The columns of the points that are no further than `farthest` from their origin, m.
-std::vector<GroundColumn> ground_columns(const PlacedPoints& points, float farthest = kFarthest);
+/// Columns of the points that are no further than `max_range` (m) from their origin.
+std::vector<GroundColumn> ground_columns(const TransformedPoints& points,
+                                         float max_range = kMaxRange);
 
-/// Height of the ground below points. A column that holds nothing but the roof of a car takes its
-/// ground from the columns around. One thread uses it.
+/// Height of the ground below points. A column that holds nothing but the roof of a car takes the
+/// height of the ground from the columns around it. One thread uses it.
 class LocalGround {
  public:
-  /// For points of that area, which must outlive this.
+  /// For points of this area, which must outlive this object.
   explicit LocalGround(const GroundArea& area);
 
-  /// Before the first question.
+  /// Adds observed columns; allowed only before the first call of height_above().
   void add(const std::vector<GroundColumn>& columns);
-  /// Height above the ground of what is at z, m in the map frame, in that column of the area;
-  /// infinity where no ground is known, 0 for what is outside.
+  /// Height above the ground of a point at height z (m in the map frame) in this column of the
+  /// area; infinity where no ground is known, 0 outside of the area.
   float height_above(float z, std::uint32_t column);
 
  private:
-  using Heights = std::array<float, GroundArea::kSide * GroundArea::kSide>;
+  using Heights = std::array<float, GroundArea::kWindow * GroundArea::kWindow>;
 
   float ground_at(std::uint32_t column) const;
-  /// Second lowest points of the 5x5 columns around, kNone in the place of that one itself.
+  /// Heights of the second lowest points of the 5x5 columns around; kNone for the column itself.
   Heights heights_around(std::uint32_t column) const;
 
   const GroundArea& area_;
   std::vector<LowestPoints> columns_;
-  std::vector<float> grounds_;  ///< of the columns, NaN where nobody asked yet
+  std::vector<float> grounds_;  ///< Ground of the columns; NaN where it was not computed yet.
 };
 
 }  // namespace lidar_mapping::moving_objects

@@ -8,33 +8,39 @@
 
 namespace lidar_mapping::moving_objects {
 
-/// How sure removal has to be (doc/map.md).
+/// Conditions under which points of moving objects are removed (doc/map.md).
 struct MovingObjectsConfig {
-  int neighbours = 30;     ///< key frames before and after that vote; not other passes of the place
-  double reach = 40.0;     ///< m, they vote on points this near to them; at most 100
-  int min_votes = 2;       ///< a point goes only if so many saw through it ...
-  double min_share = 0.7;  ///< ... and they are this share of all that saw its place
-  int threads = 0;
+  /// Number of key frames before and after that vote; other passes of the location do not vote.
+  int neighbours = 30;
+  double max_range =
+      40.0;  ///< Largest distance of a point from a voting key frame, m; at most 100.
+  /// A point is removed only if at least so many key frames saw through its location ...
+  int min_votes = 2;
+  /// ... and they are at least this fraction of all that observed the location.
+  double min_fraction = 0.7;
+  int threads = 0;  ///< Upper limit of threads; 0: all cores.
 };
 
-/// Clouds without the points of objects that moved while they were seen. A point goes when
-/// neighbouring key frames look through the place where it was, undisturbed; ground never goes, and
-/// neighbours decide together. One thread calls it. Memory is that of the neighbouring key frames.
+/// Clouds without the points of objects that moved while they were observed. A point is removed if
+/// neighbouring key frames looked through its location; points of the ground are never removed, and
+/// neighbouring points are decided together. One thread calls it. It needs the memory of the
+/// neighbouring key frames.
 class StaticClouds : public CloudSource {
  public:
-  /// `clouds` must outlive this object. `p_base_sensor`: the LiDAR in base_link, from which rays
-  /// start. What was found is put aside in a nameless file in that folder. Throws FileError where
-  /// that fails, also later.
+  /// `clouds` must outlive this object. `p_base_sensor` is the position of the LiDAR in base_link,
+  /// from which the rays start (m). The results are stored in an unnamed temporary file in
+  /// `directory`. Throws FileError if that fails, also in later calls.
   StaticClouds(CloudSource& clouds, const KeyFramePoses& poses,
                const Eigen::Vector3d& p_base_sensor, const MovingObjectsConfig& config = {},
                const std::filesystem::path& directory = std::filesystem::temp_directory_path());
   ~StaticClouds() override;
 
+  /// The cloud without moving points; null if the source has none.
   PointCloudPtr cloud(KeyFrameIndex index) override;
-  /// With the threads of the configuration.
+  /// Uses the number of threads of the configuration instead of `threads`.
   std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
                                     int threads) override;
-  /// What cloud() leaves out.
+  /// The points that cloud() leaves out; null if the source has no cloud.
   PointCloudPtr removed(KeyFrameIndex index);
 
  private:

@@ -11,33 +11,37 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Where the map of a drive is doubtful, and how far off it may be there.
+/// The sections of a drive where its map is doubtful, and how large the error may be there.
 struct DriveDoubt {
-  Stamp begin = 0;                         ///< of the drive's first scan
-  double way = 0.0;                        ///< of the whole drive, m
-  std::vector<DoubtfulStretch> stretches;  ///< places in map
+  Stamp begin = 0;           ///< Stamp of the first scan of the drive.
+  double path_length = 0.0;  ///< Path length of the whole drive, m.
+  /// In the order in which they begin; positions are in the map frame.
+  std::vector<DoubtfulSection> sections;
 
-  /// False if any stretch is not to be relied on.
+  /// False if the map must not be relied on in any of the sections.
   bool is_trusted() const;
 };
 
-/// What the front end said of the scans, seen in the light of the whole graph:
-/// - a lost stretch is not trusted if neither loops nor GNSS join what came before and after it;
-/// - a degenerate one if the error that may have come in there exceeds allowed_error(): that of a
-///   way that only the believed speed has told, as far as odometry, loops and GNSS leave it;
-/// - all else is a remark, with the error that odometry claims over it.
+/// Assesses what the front end reported about the scans with the help of the whole graph:
+/// - A section in which the odometry was lost is not trusted if neither loops nor GNSS connect the
+///   key frames before and after it.
+/// - A degenerate section is not trusted if the error that may have arisen there exceeds
+///   allowed_error(). This error is that of a path length that follows from the predicted speed
+///   alone, reduced by what odometry, loops and GNSS contribute.
+/// - All other sections are remarks, with the error that the odometry claims over them.
 DriveDoubt drive_doubt(const session::Session& session, const back_end::BackEnd& back_end,
                        const KeyFramePoses& poses);
 
-/// The file doubt.csv of a session (doc/session.md). Reading throws FileError if it is not there,
-/// and InputError for what write_doubt() has not written.
+/// Writes the file doubt.csv of a session (doc/session.md). Throws FileError.
 void write_doubt(const DriveDoubt& doubt, const std::filesystem::path& path);
+/// Reads it. Throws FileError if it is missing, and InputError for contents that write_doubt() does
+/// not write.
 DriveDoubt read_doubt(const std::filesystem::path& path);
 
-/// For people: a sentence for each of the worst stretches that are not trusted, and for the others
-/// how many there are. Empty where the map can be trusted.
+/// Messages for people: a sentence for each of the worst sections that are not trusted, and one
+/// with the number of the others. Empty if the whole map can be trusted.
 std::vector<std::string> warnings(const DriveDoubt& doubt);
-/// One sentence on what may be looked at; empty if there is nothing.
+/// A sentence on the remarks, which may be worth a look; empty if there are none.
 std::string remark(const DriveDoubt& doubt);
 
 }  // namespace lidar_mapping::pipeline

@@ -12,40 +12,41 @@
 
 namespace lidar_mapping::pipeline {
 
-/// A scan as it was recorded; what is costly about reading it is left to whoever needs it.
+/// A recorded scan. The expensive part of reading it is postponed until decode() is called.
 struct RecordedScan {
-  Stamp stamp = 0;
-  /// The cloud that is given lends its memory. Throws InputError if the data are damaged, FileError
-  /// if they cannot be read.
+  Stamp stamp = 0;  ///< Stamp of the recording, ns.
+  /// Reads the points; the memory of `buffer` is reused. Throws InputError if the data are damaged,
+  /// FileError if they cannot be read.
   std::function<preprocessing::RawScan(PointCloud buffer)> decode;
 };
 
-/// A sample and the frame in whose axes it is.
+/// A sample of a sensor with the frame in whose axes it is measured.
 template <typename Sample>
 struct FramedSample {
-  Sample sample;
-  std::string frame_id;
+  Sample sample;         ///< Measurement with its stamp.
+  std::string frame_id;  ///< Name of the frame.
 };
 
-/// One datum of a recorded drive.
+/// One datum of a recorded drive: a scan or a sample of another sensor.
 using Input = std::variant<RecordedScan, FramedSample<ImuSample>, FramedSample<VelocitySample>,
                            FramedSample<GnssFix>>;
 
-/// A recorded drive, datum by datum in the order in which they came.
+/// A recorded drive, read datum by datum in the order in which the data were delivered.
 class InputSource {
  public:
   virtual ~InputSource() = default;
-  /// Nothing at the end. Throws FileError.
+  /// The next datum; none at the end. Throws FileError.
   virtual std::optional<Input> next() = 0;
-  /// Goes to the first datum at or after `stamp` as deliveries count.
+  /// Continues with the first datum that was delivered at or after `stamp`.
   virtual void skip_to(Stamp stamp) = 0;
-  /// Of the whole recording.
+  /// Time of the first datum of the whole recording, ns.
   virtual Stamp begin() const = 0;
+  /// Time of the last datum of the whole recording, ns.
   virtual Stamp end() const = 0;
-  /// T_base_frame, as the recording says it.
+  /// Pose T_base_frame as the recording states it; none if it does not know the frame.
   virtual std::optional<Pose> T_base(const std::string& frame_id) const = 0;
-  /// What is to be said of it since the last call: parts that are damaged, say.
-  virtual std::vector<std::string> take_notices() { return {}; }
+  /// Messages about the recording since the last call, for instance about damaged parts.
+  virtual std::vector<std::string> take_messages() { return {}; }
 };
 
 }  // namespace lidar_mapping::pipeline

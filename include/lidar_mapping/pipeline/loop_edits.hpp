@@ -8,17 +8,18 @@
 
 namespace lidar_mapping::pipeline {
 
-/// The loops that a person's edits concern, each with the decision; added ones as loop closing
-/// matched them. Nothing is written. Throws InputError naming the line where there is no such loop
-/// or where a pair does not match.
-std::vector<Loop> decided_loops(const session::Session& session,
-                                const std::vector<session::LoopEdit>& edits,
-                                const loop_closing::LoopClosingConfig& config);
+/// Returns the loops that the edits of a person concern, each with its decision; added loops are
+/// matched as loop closing does it. Nothing is written. Throws InputError with the line of the edit
+/// if there is no such loop or if a pair does not match.
+std::vector<Loop> edited_loops(const session::Session& session,
+                               const std::vector<session::LoopEdit>& edits,
+                               const loop_closing::LoopClosingConfig& config);
 
-/// `loops` with those of `decided` in their place, or behind them.
-std::vector<Loop> replaced(std::vector<Loop> loops, const std::vector<Loop>& decided);
+/// Returns `loops` with each loop of `edited` in the place of the one between the same key frames,
+/// or appended if there is none.
+std::vector<Loop> replace_loops(std::vector<Loop> loops, const std::vector<Loop>& edited);
 
-/// Keeps decisions, and the loops where they are new, in the session.
-void keep_decisions(session::Session& session, const std::vector<Loop>& decided);
+/// Stores the decisions in the session, and the loops if they are new.
+void store_decisions(session::Session& session, const std::vector<Loop>& edited);
 
 }  // namespace lidar_mapping::pipeline

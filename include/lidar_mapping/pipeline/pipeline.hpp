@@ -13,55 +13,59 @@
 
 namespace lidar_mapping::pipeline {
 
-/// The last stretch of a session, driven once more, did not lead to where the session ends: see
+/// Repeating the last section of a session did not lead to the pose at which the session ends: see
 /// PipelineConfig::replay_whole.
 class ResumeFailure : public Error {
   using Error::Error;
 };
 
-/// How far it has come.
+/// Progress of the processing.
 struct Progress {
-  Stamp newest = 0;  ///< of the scans that the front end has taken
-  std::size_t scans = 0;
-  std::size_t key_frames = 0;  ///< with those of a session that is gone on with
-  std::size_t loops = 0;       ///< likewise
+  Stamp newest = 0;            ///< Stamp of the newest scan that the front end has processed, ns.
+  std::size_t scans = 0;       ///< Scans that the front end has processed.
+  std::size_t key_frames = 0;  ///< Key frames, including those of a session that is resumed.
+  std::size_t loops = 0;       ///< Loops, including those of a session that is resumed.
 };
 
-/// What was done, and what it took.
+/// Result of a run, with the processor time that it took.
 struct PipelineReport {
-  back_end::OptimizationReport optimization;  ///< the last, of the whole drive
-  preprocessing::PreprocessingCounters counters;
-  Progress progress;
-  std::size_t scans_unreadable = 0;
-  /// Processor time of each stage, s.
+  back_end::OptimizationReport optimization;  ///< The last optimisation, that of the whole drive.
+  preprocessing::PreprocessingCounters counters;  ///< What preprocessing accepted and dropped.
+  Progress progress;                              ///< Numbers of scans, key frames and loops.
+  std::size_t scans_unreadable = 0;  ///< Scans that were left out because their data are damaged.
+  /// Name and processor time (s) of each stage.
   std::vector<std::pair<std::string, double>> stage_seconds;
 };
 
-/// The stages put together: what sensors sent becomes a session (doc/pipeline.md). Each stage has a
-/// thread and a bounded queue. Results that travel against the stream, as poses to the loop search,
-/// are taken at a fixed number of key frames after they were asked for: the session has the same
-/// bytes for any number of threads. One thread calls it.
+/// All stages in one process: turns recorded sensor data into a session (doc/pipeline.md). Each
+/// stage has a thread and a bounded queue. Results that travel against the direction of the stream,
+/// such as poses for the loop search, are applied a fixed number of key frames after they were
+/// requested, so that the session has the same bytes for any number of threads. One thread calls
+/// it.
 class Pipeline {
  public:
-  /// A session that has content is gone on with: its recording is to be added again, from
-  /// resumes_from() on. `T_base` is called from another thread.
+  /// Resumes `session` if it has content: its recording has to be added again from resume_time()
+  /// on. `T_base` is called from another thread.
   Pipeline(const PipelineConfig& config, session::Session session,
            preprocessing::ExtrinsicLookup T_base);
   ~Pipeline();
 
-  /// Earlier data need not be added; nothing if all are needed.
-  std::optional<Stamp> resumes_from() const;
-  /// Waits while the stages are behind. Throws FileError when the session cannot be written; what
-  /// is in it then stays whole. With a session that is gone on with throws ResumeFailure, and
-  /// InputError for another recording; the session is as it was then.
+  /// Time before which no data need to be added when a session is resumed; none if all data are
+  /// needed.
+  std::optional<Stamp> resume_time() const;
+  /// Adds a datum; waits while the queues are full. Throws FileError if the session cannot be
+  /// written; its contents stay valid. If a session is resumed it throws ResumeFailure, and
+  /// InputError for another recording; the session is then unchanged.
   void add(Input input);
-  /// Works off what waits, solves the whole graph and brings the session's files up to date.
+  /// Processes all data in the queues, optimises the whole graph and updates the files of the
+  /// session.
   PipelineReport finish();
 
+  /// Current progress; callable while other threads work.
   Progress progress() const;
-  /// Sentences about what was found or went wrong since the last call.
-  std::vector<std::string> take_notices();
-  /// After finish().
+  /// Messages about events and problems since the last call.
+  std::vector<std::string> take_messages();
+  /// The session; valid after finish().
   const session::Session& session() const;
 
  private:

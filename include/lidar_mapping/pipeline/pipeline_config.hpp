@@ -11,16 +11,17 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Parameters of all stages that are put together.
+/// Parameters of all stages of the pipeline.
 struct PipelineConfig {
-  preprocessing::PreprocessingConfig preprocessing;
-  preprocessing::FloorDetectionConfig floor_detection;
-  front_end::FrontEndConfig front_end;
-  loop_closing::LoopClosingConfig loop_closing;
-  back_end::BackEndConfig back_end;
-  /// At most so many threads; 1 does everything in the caller's. The result is the same.
+  preprocessing::PreprocessingConfig preprocessing;     ///< Parameters of preprocessing.
+  preprocessing::FloorDetectionConfig floor_detection;  ///< Parameters of floor detection.
+  front_end::FrontEndConfig front_end;                  ///< Parameters of the odometry.
+  loop_closing::LoopClosingConfig loop_closing;         ///< Parameters of loop closing.
+  back_end::BackEndConfig back_end;                     ///< Parameters of the graph optimisation.
+  /// Upper limit of threads; 1: all work is done in the caller's thread. The result does not depend
+  /// on it.
   int threads = 2;
-  /// A session that is gone on with: drive all of it once more, not the last stretch alone.
+  /// When a session is resumed: repeat all of its drive instead of the last section only.
   bool replay_whole = false;
 };
 

@@ -11,66 +11,79 @@
 
 namespace lidar_mapping::pipeline {
 
-/// What came of an optimisation.
+/// Result of an optimisation.
 struct AppliedSolution {
-  KeyFramePoses poses;
-  /// Of the loops of which the graph thinks otherwise than before.
+  KeyFramePoses poses;  ///< T_map_base of all key frames.
+  /// Verdicts on the loops that the graph now accepts or refuses other than before.
   std::vector<LoopVerdict> verdicts;
 };
 
-/// A back end whose every input and result is kept in a session: what an add_ function returned
-/// from survives the process. A session that has content already is gone on with: its data are put
-/// into the graph again and solved, so that poses, loops and indices are there as before. Key
-/// frames and measurements are written first; where that throws FileError the graph is as it was.
-/// One thread calls it.
+/// A back end that stores every input and result in a session: when an add_ function has returned,
+/// its data survive the end of the process. A session that has content is resumed: its data are
+/// inserted into the graph and optimised, so that poses, loops and indices are as before. Key
+/// frames and measurements are written first; if that throws FileError the graph is unchanged. One
+/// thread calls it.
 class RecordedBackEnd {
  public:
+  /// Resumes `session` if it has key frames. Throws FileError.
   RecordedBackEnd(session::Session session, const back_end::BackEndConfig& config);
 
+  /// Adds a key frame. Throws FileError, and InputError like BackEnd::add_key_frame().
   void add_key_frame(const KeyFrame& key_frame);
-  /// False (and nothing is changed) if an index is unknown or both are the same.
+  /// Adds a loop. Returns false and changes nothing if an index is unknown or both indices are
+  /// equal.
   bool add_loop(const Loop& loop);
-  /// Whether add_loop() has taken this one before: matching that finds the same two key frames
-  /// again finds nothing new, whereas a person who gives another pose corrects the loop. Costs a
-  /// look-up, however many loops there are.
+  /// Whether this loop was added before. If matching finds a loop between the same two key frames
+  /// again, it is not new; if a person gives another pose, it is a correction and therefore new.
+  /// The cost is one look-up, however many loops there are.
   bool has_loop(const Loop& loop) const;
+  /// Adds a position, transformed to the datum of the session. The graph uses those at the stamps
+  /// of key frames.
   void add_gnss(const GnssPosition& position);
+  /// Adds a sample in the axes of base_link. The graph uses those at the stamps of key frames.
   void add_imu(const ImuSample& sample_base);
+  /// Adds a floor plane in base_link. The graph uses those at the stamps of key frames.
   void add_floor(const Floor& floor);
 
-  /// Datum of the positions that come from now on. A session that has another one keeps it, and the
-  /// positions are turned to it.
+  /// Sets the datum of all positions that are added afterwards. If the session has another one, it
+  /// keeps that, and the positions are transformed to it.
   void set_datum(const GeodeticDatum& datum);
 
+  /// See BackEnd::optimization_due().
   bool optimization_due() const { return back_end_.optimization_due(); }
+  /// See BackEnd::problem().
   std::shared_ptr<const back_end::OptimizationProblem> problem(bool thorough) const {
     return back_end_.problem(thorough);
   }
-  /// The poses are kept in the session only if wanted: a caller that solves often need not write
-  /// them all each time.
+  /// Applies a solution whose computation took `seconds`. The poses are stored in the session only
+  /// if `store_poses` is set: a caller that optimises often need not write all of them each time.
   AppliedSolution apply(const back_end::OptimizationSolution& solution, double seconds,
-                        bool keep_poses = true);
+                        bool store_poses = true);
 
-  /// Revisions count on over the whole session.
+  /// Newest poses; their revision counts on over the whole session.
   KeyFramePoses poses() const;
   /// See BackEnd::odometry().
   KeyFramePoses odometry() const { return back_end_.odometry(); }
+  /// See BackEnd::T_map_odom().
   Pose T_map_odom() const { return back_end_.T_map_odom(); }
   /// See BackEnd::graph().
   pose_graph::PoseGraph graph() const { return back_end_.graph(); }
   /// See BackEnd::parts().
   std::vector<int> parts() const { return back_end_.parts(); }
-  /// The graph's present opinion of every loop.
+  /// Present verdict of the graph on every loop.
   std::vector<LoopVerdict> verdicts() const;
 
-  /// For what the graph does not need: verdicts of loop closing, scans, datum, configuration.
+  /// The session, for data that the graph does not need: verdicts of loop closing, scans, datum and
+  /// configuration.
   session::Session& session() { return session_; }
+  /// The session.
   const session::Session& session() const { return session_; }
 
-  /// Where the map as it is now is doubtful (drive_doubt.hpp), as sentences; empty: nowhere.
+  /// Sentences on the sections where the present map is doubtful (drive_doubt.hpp); empty if there
+  /// are none.
   std::vector<std::string> warnings() const;
 
-  /// Brings trajectory/, the files about loops and graph.g2o up to date. Throws FileError.
+  /// Updates trajectory/, the files about loops and graph.g2o. Throws FileError.
   void write_files() const;
 
  private:
@@ -78,21 +91,21 @@ class RecordedBackEnd {
 
   session::Session session_;
   back_end::BackEnd back_end_;
-  Pose T_session_gnss_;  ///< from the frame of the positions to that of the session's datum
+  Pose T_session_gnss_;  ///< Transformation of positions from their datum to that of the session.
   std::uint32_t first_revision_ = 0;
-  std::vector<Verdict> opinions_;  ///< of the graph, loop by loop
-  /// T_from_to of every loop in the graph, the newest of those between the same two.
+  std::vector<Verdict> last_verdicts_;  ///< Verdict of the graph on each loop.
+  /// T_from_to of every loop in the graph; the newest one for each pair of key frames.
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, Pose> loop_poses_;
 };
 
-/// Puts key frames and their measurements of a session, and these loops, into a back end.
+/// Inserts the key frames of a session with their measurements, and these loops, into a back end.
 void replay(const session::Session& session, const std::vector<Loop>& loops,
             back_end::BackEnd& back_end);
-/// The same with the session's own loops.
+/// The same with the loops of the session.
 void replay(const session::Session& session, back_end::BackEnd& back_end);
 
-/// Writes trajectory/, loops.csv, candidates.csv, loops.txt, doubt.csv and graph.g2o of a session,
-/// with these poses, to `directory`.
+/// Writes the files trajectory/, loops.csv, candidates.csv, loops.txt, doubt.csv and graph.g2o of a
+/// session with these poses to `directory`. Throws FileError.
 void write_results(const session::Session& session, const back_end::BackEnd& back_end,
                    const KeyFramePoses& poses, const std::filesystem::path& directory);
 

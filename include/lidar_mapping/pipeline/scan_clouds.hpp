@@ -13,38 +13,40 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Clouds that are put aside in a file without a name, which is gone with the process; numbered in
-/// the order in which they came.
+/// Clouds that are stored in an unnamed temporary file, which disappears with the process. They are
+/// numbered in the order in which they were added.
 class ScanClouds : public CloudSource {
  public:
-  /// The file is in that folder. Throws FileError.
+  /// Creates the file in `directory`. Throws FileError.
   explicit ScanClouds(const std::filesystem::path& directory) : file_(directory) {}
 
-  /// Not while another thread asks. Throws FileError.
+  /// Appends a cloud. Must not be called while another thread reads. Throws FileError.
   void add(const PointCloud& cloud);
+  /// Number of clouds.
   std::size_t size() const { return sizes_.size(); }
+  /// The cloud of this number; null if there is none. Throws FileError.
   PointCloudPtr cloud(KeyFrameIndex index) override;
   std::vector<PointCloudPtr> clouds(const std::vector<KeyFrameIndex>& indices,
                                     int threads) override;
 
  private:
   NamelessFile file_;
-  std::vector<std::uint64_t> begins_;  ///< points
-  std::vector<std::size_t> sizes_;
+  std::vector<std::uint64_t> begins_;  ///< Position of each cloud in the file, in points.
+  std::vector<std::size_t> sizes_;     ///< Number of points of each cloud.
 };
 
-/// Which scans are taken, and how many of their points.
+/// Which scans are added, and how many of their points.
 struct ScanSelection {
-  int every = 1;            ///< each so many-th scan
-  double resolution = 0.0;  ///< m, one point per voxel of this edge; 0: all points
-  int threads = 0;
+  int every = 1;            ///< Adds every n-th scan.
+  double resolution = 0.0;  ///< Edge of the voxels of which each keeps one point, m; 0: all points.
+  int threads = 0;          ///< Upper limit of threads; 0: all cores.
 };
 
-/// Reads a recording once more, prepares its scans as `config` says and, with the motion that
-/// `scans` know of, takes each to the instant of its stamp. Gives the poses of those that it has
-/// added to `clouds`, by their number there. Throws FileError, and InputError if none of the scans
-/// is in the recording.
-KeyFramePoses add_scans(InputSource& recording, const std::vector<PlacedScan>& scans,
+/// Reads a recording again, preprocesses its scans according to `config`, deskews each to its stamp
+/// with the motion given in `scans`, and adds them to `clouds`. Returns the poses of the added
+/// scans, with their numbers in `clouds` as indices. Throws FileError, and InputError if none of
+/// the scans is in the recording.
+KeyFramePoses add_scans(InputSource& recording, const std::vector<ScanPose>& scans,
                         const preprocessing::PreprocessingConfig& config,
                         const ScanSelection& selection, ScanClouds& clouds);
 

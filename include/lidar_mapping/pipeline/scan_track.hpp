@@ -7,21 +7,21 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Where a scan lies in the map, and how the vehicle moved at its stamp.
-struct PlacedScan {
-  Stamp stamp = 0;
-  Pose T_map_base;
-  /// Of base_link in its own axes: m/s, rad/s.
+/// Pose of a scan in the map, and the motion of the vehicle at its stamp.
+struct ScanPose {
+  Stamp stamp = 0;  ///< Stamp of the scan, ns.
+  Pose T_map_base;  ///< Pose of base_link at the stamp.
+  /// Linear and angular velocity of base_link in its own axes, m/s and rad/s.
   Vector6d twist = Vector6d::Zero();
-  Vector6d acceleration = Vector6d::Zero();  ///< change of the twist per second
-  double elevation_shift = 0.0;              ///< rad, by which its points are to be turned upwards
+  Vector6d acceleration = Vector6d::Zero();  ///< Derivative of the twist, m/s^2 and rad/s^2.
+  double elevation_shift = 0.0;  ///< Angle by which its points have to be rotated upwards, rad.
 };
 
-/// All scans whose pose the session's odometry knows, by stamp. A scan is moved by the correction
-/// of the key frames before and after it, in proportion to the time to them. Scans that are
-/// lost or came again are left out, and those between two segments, of which nobody knows how they
-/// hang together. `poses` are those of the key frames; twists come from the odometry of the scans
-/// before and after.
-std::vector<PlacedScan> placed_scans(const session::Session& session, const KeyFramePoses& poses);
+/// All scans whose pose the odometry of the session knows, by stamp. A scan is moved by the
+/// corrections of the key frames before and after it, weighted by the time to them. Scans that are
+/// lost or repeated are left out, and so are those between two segments, whose relative pose is
+/// unknown. `poses` are those of the key frames; twists follow from the odometry of the
+/// neighbouring scans.
+std::vector<ScanPose> scan_poses(const session::Session& session, const KeyFramePoses& poses);
 
 }  // namespace lidar_mapping::pipeline

@@ -6,9 +6,9 @@
 
 namespace lidar_mapping::pipeline {
 
-/// The fields of a stage as they were in force when the session was recorded, as a source for
-/// config::load(); empty if the session does not know them. Fields that belong to the node (frames,
-/// queues) are left out.
+/// The parameters of a stage that were in force when the session was recorded, as a source for
+/// config::load(); empty if the session does not hold them. Parameters of the node (frames, queues)
+/// are left out.
 template <typename Config>
 config::Source stored_configuration(const session::Session& session) {
   const std::string& stage = Config::schema().stage();

@@ -3,20 +3,24 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Processor time that this thread spends while the object lives, without that of such objects
-/// which live and die in the meantime: where stages call each other each counts its own work.
+/// Measures the processor time of the calling thread during the lifetime of the object. The time of
+/// other such objects that live within this lifetime is excluded, so that stages which call each
+/// other each count their own work only.
 class ThreadTime {
  public:
+  /// Starts measuring.
   ThreadTime();
+  /// Ends measuring.
   ~ThreadTime();
   ThreadTime(const ThreadTime&) = delete;
   ThreadTime& operator=(const ThreadTime&) = delete;
 
+  /// Processor time so far, s.
   double seconds() const;
 
  private:
   double begin_;
-  double outer_;  ///< spent in objects that ended, as it stood when this one began
+  double outer_;  ///< Time of inner objects that had ended when this one began, s.
 };
 
 }  // namespace lidar_mapping::pipeline

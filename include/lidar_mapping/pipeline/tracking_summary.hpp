@@ -12,72 +12,80 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Why the pose of a scan is not as good as usual, from the least to the most.
+/// Why the pose of a scan is less reliable than usual, from the least to the most severe reason.
 enum class Doubt {
-  kDoubtful,    ///< fitted, but the step may be off by more than 0.3 m or 1 degree
-  kDegraded,    ///< fitted poorly, or was probably wrong: used, and kept out of the local map
-  kRepeated,    ///< the points of the scan before came again: the pose is a guess
-  kDegenerate,  ///< the points left a direction open
-  kLost         ///< did not fit: the pose is a guess
+  kDoubtful,  ///< The match is accepted, but the step may be off by more than 0.3 m or 1 degree.
+  /// The match is poor or probably wrong; the pose is used, but the scan is not in the local map.
+  kDegraded,
+  kRepeated,    ///< The points of the previous scan came again; the pose is a prediction.
+  kDegenerate,  ///< The points do not observe one of the directions.
+  kLost         ///< No match is accepted; the pose is a prediction.
 };
-/// "doubtful", "degraded", "repeated", "degenerate", "lost".
+/// Name of the reason: "doubtful", "degraded", "repeated", "degenerate" or "lost".
 const char* to_string(Doubt doubt);
-/// Of a state as front end and session name it; none of "tracking".
+/// The reason that belongs to a state as front end and session name it; none for "tracking".
 std::optional<Doubt> doubt_of_state(const std::string& state);
 
-/// What the front end said of one scan.
+/// What the front end reported about one scan.
 struct TrackedStep {
-  Stamp stamp = 0;
-  std::optional<Doubt> doubt;
+  Stamp stamp = 0;             ///< Stamp of the scan, ns.
+  std::optional<Doubt> doubt;  ///< None if the scan was tracked without doubt.
+  /// Position by odometry, m.
   Eigen::Vector3d p_odom_base = Eigen::Vector3d::Zero();
-  double unobserved_stddev = 0.0;  ///< FrontEndStatus::unobserved_stddev
-  double probability = -1.0;       ///< that the step is right; negative: not known
+  double unobserved_stddev = 0.0;  ///< FrontEndStatus::unobserved_stddev, m.
+  double probability = -1.0;       ///< Probability that the step is right; negative if unknown.
 };
 
-/// A part of the drive whose scans are doubtful for the same reason.
-struct DoubtfulStretch {
-  Doubt doubt = Doubt::kLost;
-  Stamp begin = 0;  ///< of the first scan
-  Stamp end = 0;    ///< of the last scan
-  std::size_t scans = 0;
-  double way_begin = 0.0;  ///< m from the beginning of the drive, as odometry has it
-  double way = 0.0;        ///< m, with the step that leads into it
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< where it begins
-  /// Standard deviation, m: over it from directions that nothing observed (TrackingSummary), or of
-  /// its end by all that is known of the map (drive_doubt()); infinite where nobody knows.
+/// A section of the drive whose scans are doubtful for the same reason.
+struct DoubtfulSection {
+  Doubt doubt = Doubt::kLost;  ///< The common reason.
+  Stamp begin = 0;             ///< Stamp of the first scan, ns.
+  Stamp end = 0;               ///< Stamp of the last scan, ns.
+  std::size_t scans = 0;       ///< Number of doubtful scans.
+  /// Path length by odometry from the beginning of the drive to the section, m.
+  double path_begin = 0.0;
+  double path_length =
+      0.0;  ///< Path length of the section, including the step that leads into it, m.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< Position at its beginning, m.
+  /// Standard deviation of the error, m. In TrackingSummary it is that over the section from
+  /// directions that nothing observed; after drive_doubt() it is that of its end given all
+  /// constraints of the graph. Infinite if unknown.
   double expected_error = 0.0;
-  double lowest_probability = -1.0;  ///< that a step is right, of all that say so; else negative
-  bool is_trusted = true;            ///< false: the map is not to be relied on here
+  /// Smallest probability that a step is right; negative if no scan has one.
+  double lowest_probability = -1.0;
+  bool is_trusted = true;  ///< Whether the map can be relied on here.
 };
 
-/// Gathers doubtful scans to stretches. Those of one kind that are at most a second apart count as
-/// one: what a person would look at, and not each scan.
+/// Groups doubtful scans into sections. Scans with the same reason that are at most a second apart
+/// belong to one section, because a person looks at sections and not at each scan.
 class TrackingSummary {
  public:
-  /// Stamps increase.
+  /// Adds the next scan; stamps have to increase.
   void add(const TrackedStep& step);
 
-  /// In the order in which they begin.
-  const std::vector<DoubtfulStretch>& stretches() const { return stretches_; }
+  /// All sections so far, in the order in which they begin.
+  const std::vector<DoubtfulSection>& sections() const { return sections_; }
+  /// Number of all scans so far.
   std::size_t scans() const { return scans_; }
-  double way() const { return way_; }  ///< of the whole drive, m
+  double path_length() const { return path_length_; }  ///< Path length of the whole drive, m.
 
  private:
-  void go_on_to(const TrackedStep& step);
-  DoubtfulStretch& stretch_for(Doubt doubt, const TrackedStep& step);
+  void advance_to(const TrackedStep& step);
+  DoubtfulSection& section_for(Doubt doubt, const TrackedStep& step);
 
-  std::vector<DoubtfulStretch> stretches_;
-  std::vector<double> variances_before_;  ///< of the unobserved way, before each stretch
-  double variance_ = 0.0;                 ///< of the unobserved way so far, m^2
-  double variance_before_ = 0.0;          ///< up to the scan before
+  std::vector<DoubtfulSection> sections_;
+  /// Variance of the unobserved travel before each section, m^2.
+  std::vector<double> variances_before_;
+  double variance_ = 0.0;         ///< Variance of the unobserved travel so far, m^2.
+  double variance_before_ = 0.0;  ///< up to the scan before
   std::optional<TrackedStep> last_;
   std::size_t scans_ = 0;
-  double way_ = 0.0;
-  double way_before_ = 0.0;  ///< up to the scan before
+  double path_length_ = 0.0;
+  double path_length_before_ = 0.0;  ///< up to the scan before
 };
 
-/// The error that a map is allowed to have over a stretch of this length, both in m: 1 % of the
-/// way and at least half a metre, as map_quality allows odometry.
-double allowed_error(double way);
+/// Error that a map may have over a section of this path length, both in m: 1 % of the length and
+/// at least half a metre, which is what map_quality allows for odometry.
+double allowed_error(double path_length);
 
 }  // namespace lidar_mapping::pipeline

@@ -10,34 +10,35 @@
 
 namespace lidar_mapping::simulation {
 
-/// One thing that is wrong with an IMU.
+/// A fault of an IMU.
 struct ImuFault {
+  /// Kinds of faults.
   enum class Kind {
-    kVibration,  ///< shaken by motors: `amount` m/s^2 (root mean square) on each axis
-    kScale,      ///< rates and accelerations are too large by a share of `amount`
-    kAxis,       ///< axis `amount` says 0 all the time: 0 to 2 of the gyroscope, 3 to 5 of the
-                 ///< accelerometer
-    kClip,       ///< accelerations end at `amount` g and rates at `other` rad/s
-    kFrame,      ///< turned by 90 degrees about z against its transform
-    kUnits,      ///< accelerations in g (0) or rates in degrees/s (1)
-    kOffset,     ///< stamps are `amount` seconds late
-    kGap         ///< every `other` seconds `amount` seconds of samples are missing
+    kVibration,  ///< Vibration by motors of `amount` m/s^2 (root mean square) on each axis.
+    kScale,      ///< Rates and accelerations are too large by the fraction `amount`.
+    /// Axis `amount` always measures 0: 0 to 2 of the gyroscope, 3 to 5 of the accelerometer.
+    kAxis,
+    kClip,    ///< Accelerations saturate at `amount` g and rates at `other` rad/s.
+    kFrame,   ///< The sensor is rotated by 90 degrees about z against its transform.
+    kUnits,   ///< Accelerations are in g (0) or rates in degrees/s (1).
+    kOffset,  ///< Stamps are `amount` seconds late.
+    kGap      ///< Every `other` seconds the samples of `amount` seconds are missing.
   };
-  Kind kind = Kind::kScale;
-  double amount = 0.0;
-  double other = 0.0;
+  Kind kind = Kind::kScale;  ///< Kind of the fault.
+  double amount = 0.0;       ///< Size of the fault; see Kind.
+  double other = 0.0;        ///< Second value of the fault; see Kind.
 };
 
-/// From "imu_vibration=5", "imu_scale=0.05", "imu_axis=gz", "imu_clip=3" or "imu_clip=3,5",
-/// "imu_frame", "imu_units=g" or "imu_units=degrees", "imu_offset=0.02", "imu_gap=2,20".
-/// Throws ConfigError for any other name, a missing amount or one out of range.
+/// Reads "imu_vibration=5", "imu_scale=0.05", "imu_axis=gz", "imu_clip=3" or "imu_clip=3,5",
+/// "imu_frame", "imu_units=g" or "imu_units=degrees", "imu_offset=0.02", "imu_gap=2,20". Throws
+/// ConfigError for any other name, and for a value that is missing or out of range.
 ImuFault parse_imu_fault(const std::string& text);
-/// "imu_vibration" and so on.
+/// Names of all faults: "imu_vibration" and so on.
 std::vector<std::string> imu_fault_names();
 
-/// Spoils the samples of a drive that begins at `begin`, in the order in which the kinds are
-/// listed, whatever the order of the faults.
-void spoil(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
-           std::uint64_t seed);
+/// Applies faults to the samples of a drive that begins at `begin`. They are applied in the order
+/// of Kind, whatever their order in `faults`.
+void corrupt(std::vector<ImuSample>& samples, const std::vector<ImuFault>& faults, Stamp begin,
+             std::uint64_t seed);
 
 }  // namespace lidar_mapping::simulation

@@ -3,14 +3,14 @@
 
 namespace lidar_mapping::simulation {
 
-// Standard deviations per sample and axis: a MEMS unit of the better kind with its own attitude
-// filter. Biases are drawn once per drive.
-constexpr double kGyroNoise = 0.002;          ///< rad/s
-constexpr double kGyroBias = 0.001;           ///< rad/s
-constexpr double kAccelerometerNoise = 0.03;  ///< m/s^2
-constexpr double kAccelerometerBias = 0.04;   ///< m/s^2
-constexpr double kOrientationNoise = 0.001;   ///< rad
-constexpr double kVelocityNoise = 0.02;       ///< m/s
-constexpr double kGravity = 9.81;             ///< m/s^2, along -z of map, in these worlds
+// Standard deviations per sample and axis of a good MEMS unit with its own attitude filter. Biases
+// are drawn once per drive.
+constexpr double kGyroNoise = 0.002;          ///< Noise of rates, rad/s.
+constexpr double kGyroBias = 0.001;           ///< Bias of rates, rad/s.
+constexpr double kAccelerometerNoise = 0.03;  ///< Noise of accelerations, m/s^2.
+constexpr double kAccelerometerBias = 0.04;   ///< Bias of accelerations, m/s^2.
+constexpr double kOrientationNoise = 0.001;   ///< Noise of the orientation, rad.
+constexpr double kVelocityNoise = 0.02;       ///< Noise of the velocity, m/s.
+constexpr double kGravity = 9.81;  ///< Gravity along -z of the map frame in these worlds, m/s^2.
 
 }  // namespace lidar_mapping::simulation

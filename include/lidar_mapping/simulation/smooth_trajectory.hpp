@@ -8,33 +8,39 @@
 
 namespace lidar_mapping::simulation {
 
-/// Pose of base_link in map and its derivatives at an instant.
+/// Pose of base_link in the map frame and its derivatives at an instant.
 struct MotionState {
-  Pose T_map_base;
-  Eigen::Vector3d velocity_map = Eigen::Vector3d::Zero();               ///< m/s
-  Eigen::Vector3d acceleration_map = Eigen::Vector3d::Zero();           ///< m/s^2
-  Eigen::Vector3d angular_velocity_base = Eigen::Vector3d::Zero();      ///< rad/s
-  Eigen::Vector3d angular_acceleration_base = Eigen::Vector3d::Zero();  ///< rad/s^2
+  Pose T_map_base;                                             ///< Pose at the instant.
+  Eigen::Vector3d velocity_map = Eigen::Vector3d::Zero();      ///< Velocity in map axes, m/s.
+  Eigen::Vector3d acceleration_map = Eigen::Vector3d::Zero();  ///< Acceleration in map axes, m/s^2.
+  Eigen::Vector3d angular_velocity_base =
+      Eigen::Vector3d::Zero();  ///< Angular velocity in the axes of base_link, rad/s.
+  Eigen::Vector3d angular_acceleration_base =
+      Eigen::Vector3d::Zero();  ///< Its derivative, rad/s^2.
 
-  /// The same of a frame that is fixed to base_link: derivatives of its origin in map, rates in its
-  /// own axes.
+  /// The motion of another frame that is fixed to base_link: derivatives of its origin in the map
+  /// frame, rates in its own axes.
   MotionState of_frame(const Pose& T_base_frame) const;
 };
 
 /// An exact motion: a uniform B-spline of degree five over time for x, y, z, yaw, pitch and roll of
-/// base_link in map. All derivatives up to the fourth are continuous and exact.
+/// base_link in the map frame. All derivatives up to the fourth are continuous and exact.
 class SmoothTrajectory {
  public:
-  /// `control` holds (x, y, z, yaw, pitch, roll) every `step_s` seconds, yaw unwrapped; the curve
-  /// follows them closely, without touching them. At least seven.
+  /// `control` holds (x, y, z, yaw, pitch, roll) every `step_s` seconds in m and rad, with
+  /// unwrapped yaw. The curve is close to these points but does not pass through them. Throws
+  /// InputError for fewer than seven points.
   SmoothTrajectory(Stamp begin, double step_s, std::vector<Vector6d> control);
 
+  /// First instant, ns.
   Stamp begin() const { return begin_; }
+  /// Last instant, ns.
   Stamp end() const { return end_; }
   /// T_map_base. Throws InputError outside [begin, end].
   Pose pose(Stamp stamp) const;
+  /// Pose and derivatives. Throws InputError outside [begin, end].
   MotionState state(Stamp stamp) const;
-  /// Length of the way of base_link's origin between two stamps, m.
+  /// Path length of the origin of base_link between two stamps, m.
   double length(Stamp from, Stamp to) const;
 
  private:

@@ -9,23 +9,23 @@
 
 namespace lidar_mapping::simulation {
 
-/// A thing that moves: one of the world's shapes on a sampled way. Times are seconds after the
-/// drive's beginning; it exists only between its first and its last pose.
+/// A moving object: one of the shapes of the world on a sampled path. Times are seconds after the
+/// beginning of the drive; it exists only between its first and its last pose.
 struct Mover {
-  std::size_t shape = 0;
-  double begin_s = 0.0;
-  double step_s = 0.1;
-  std::vector<Pose> T_map_shape;
+  std::size_t shape = 0;          ///< Index into World::shapes.
+  double begin_s = 0.0;           ///< Time of the first pose, s.
+  double step_s = 0.1;            ///< Time between poses, s.
+  std::vector<Pose> T_map_shape;  ///< Poses in the map frame.
 
-  /// Interpolated pose, or nothing while the mover is not there.
+  /// Interpolated pose; none while the object does not exist.
   std::optional<Pose> pose(double seconds) const;
 };
 
-/// All that a ray can hit, in map.
+/// Everything that a ray can hit, in the map frame.
 struct World {
-  TriangleMesh fixed;
-  std::vector<TriangleMesh> shapes;
-  std::vector<Mover> movers;
+  TriangleMesh fixed;                ///< Everything that does not move.
+  std::vector<TriangleMesh> shapes;  ///< Shapes of moving objects, each in its own frame.
+  std::vector<Mover> movers;         ///< Moving objects.
 };
 
 }  // namespace lidar_mapping::simulation

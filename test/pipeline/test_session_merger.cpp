@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/pipeline/merge.hpp"
+#include "lidar_mapping/pipeline/session_merger.hpp"
 
 #include "temporary_folder.hpp"
 #include "town_session.hpp"
@@ -14,7 +14,7 @@ namespace {
 using lidar_mapping::test::TemporaryFolder;
 using session::Session;
 
-Merge merge_into(const TemporaryFolder& folder) {
+SessionMerger merger_into(const TemporaryFolder& folder) {
   return {Session::create_in(folder.path() / "merged"), {}, {}};
 }
 
@@ -22,7 +22,7 @@ Session merged_session(const TemporaryFolder& folder) {
   return Session::open(folder.path() / "merged", Session::Access::kRead);
 }
 
-/// Largest error of the positions, m, where the first key frame is true.
+/// Largest error of the positions relative to the first key frame, m.
 double largest_error(const KeyFramePoses& poses, const std::vector<Pose>& truth) {
   double largest = 0.0;
   for (std::size_t i = 0; i < poses.poses.size(); ++i) {
@@ -40,7 +40,7 @@ struct TwoDrives {
   std::vector<Pose> second = along({{60, -40}, {60, 60}, {-40, 60}});
 };
 
-TEST(Merge, TwoDrivesThroughOneTownBecomeOneMap) {
+TEST(SessionMerger, MergesTwoDrivesThroughOneTown) {
   const TwoDrives drives;
   const TemporaryFolder folder;
   Session first = record_drive(folder.path() / "a", drives.world, drives.first,
@@ -53,19 +53,19 @@ TEST(Merge, TwoDrivesThroughOneTownBecomeOneMap) {
   closing.covariance = diagonal_covariance(0.02, 0.002);
   first.add_loop(closing);
   first.set_loop_decision(1, last, LoopDecision::kAccept);
-  // The same stamps: two vehicles, or a simulation.
+  // Equal stamps, as from two vehicles or from a simulation.
   const Session second = record_drive(folder.path() / "b", drives.world, drives.second,
                                       drifting(drives.second, 0.999, -2e-4));
   {
-    Merge merge = merge_into(folder);
-    merge.add(first);
-    merge.add(second);
-    merge.finish();
-    ASSERT_EQ(merge.parts().size(), 2U);
-    EXPECT_TRUE(merge.parts()[1].joined);
-    EXPECT_GT(merge.parts()[1].new_loops, 5U);
-    EXPECT_EQ(merge.parts()[1].first, last + 1);
-    EXPECT_EQ(merge.parts()[1].shift, 1);
+    SessionMerger merger = merger_into(folder);
+    merger.add(first);
+    merger.add(second);
+    merger.finish();
+    ASSERT_EQ(merger.parts().size(), 2U);
+    EXPECT_TRUE(merger.parts()[1].is_connected);
+    EXPECT_GT(merger.parts()[1].new_loops, 5U);
+    EXPECT_EQ(merger.parts()[1].first, last + 1);
+    EXPECT_EQ(merger.parts()[1].stamp_offset, 1);
   }
   const Session merged = merged_session(folder);
   std::vector<Pose> truth = drives.first;
@@ -79,20 +79,20 @@ TEST(Merge, TwoDrivesThroughOneTownBecomeOneMap) {
   EXPECT_GT(std::filesystem::file_size(folder.path() / "merged/trajectory/optimized.tum"), 100U);
 }
 
-TEST(Merge, SaysWhereNothingJoinsTheDrives) {
+TEST(SessionMerger, ReportsUnconnectedDrives) {
   const TemporaryFolder folder;
   const ToyWorld here = make_town(60.0, 60.0, 4);
   const ToyWorld elsewhere = make_town(60.0, 60.0, 5);
-  const auto way = along({{-40, 0}, {40, 0}});
-  const Session first = record_drive(folder.path() / "a", here, way, way);
-  const Session second = record_drive(folder.path() / "b", elsewhere, way, way, kStart + 1);
-  Merge merge = merge_into(folder);
-  merge.add(first);
-  merge.add(second);
-  merge.finish();
-  EXPECT_TRUE(merge.parts()[0].joined);
-  EXPECT_FALSE(merge.parts()[1].joined);
-  EXPECT_EQ(merge.parts()[1].new_loops, 0U);
+  const auto path = along({{-40, 0}, {40, 0}});
+  const Session first = record_drive(folder.path() / "a", here, path, path);
+  const Session second = record_drive(folder.path() / "b", elsewhere, path, path, kStart + 1);
+  SessionMerger merger = merger_into(folder);
+  merger.add(first);
+  merger.add(second);
+  merger.finish();
+  EXPECT_TRUE(merger.parts()[0].is_connected);
+  EXPECT_FALSE(merger.parts()[1].is_connected);
+  EXPECT_EQ(merger.parts()[1].new_loops, 0U);
 }
 
 const GeodeticDatum kFirstDatum{49.0, 8.4, 110.0};
@@ -108,17 +108,17 @@ Session drive_with_gnss(const std::filesystem::path& folder, int number,
   const LocalCartesian local(own.latitude_deg, own.longitude_deg, own.altitude_m);
   Session session = Session::create_in(folder);
   if (datum) session.set_datum(*datum);
-  const auto way =
+  const auto path =
       along({{300.0 * number, 0.0}, {300.0 * number + 60.0, 0.0}, {300.0 * number + 60.0, 60.0}});
-  for (std::size_t i = 0; i < way.size(); ++i) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
     KeyFrame key_frame;
     key_frame.index = static_cast<KeyFrameIndex>(i);
     key_frame.stamp = kStart + number * 1'000'000'000'000 + static_cast<Stamp>(i) * 200'000'000;
-    key_frame.T_odom_base = way.front().inverse() * way[i];
+    key_frame.T_odom_base = path.front().inverse() * path[i];
     key_frame.motion_covariance = diagonal_covariance(0.02, 0.002);
     session.add_key_frame(key_frame);
     double latitude, longitude, altitude;
-    const Eigen::Vector3d& p = way[i].translation;
+    const Eigen::Vector3d& p = path[i].translation;
     first.Reverse(p.x(), p.y(), p.z(), latitude, longitude, altitude);
     GnssPosition position;
     position.stamp = key_frame.stamp;
@@ -130,33 +130,33 @@ Session drive_with_gnss(const std::filesystem::path& folder, int number,
   return session;
 }
 
-TEST(Merge, GnssJoinsDrivesWithDifferentDatums) {
+TEST(SessionMerger, GnssConnectsDrivesWithDifferentDatums) {
   const TemporaryFolder folder;
   const Session first = drive_with_gnss(folder.path() / "a", 0, kFirstDatum);
   const Session second = drive_with_gnss(folder.path() / "b", 1, kSecondDatum);
-  Merge merge = merge_into(folder);
-  merge.add(first);
-  merge.add(second);
-  merge.finish();
-  EXPECT_TRUE(merge.parts()[1].joined);
+  SessionMerger merger = merger_into(folder);
+  merger.add(first);
+  merger.add(second);
+  merger.finish();
+  EXPECT_TRUE(merger.parts()[1].is_connected);
   const Session merged = merged_session(folder);
   EXPECT_EQ(merged.datum(), kFirstDatum);
   const auto poses = merged.poses().poses;
-  const Eigen::Vector3d& begin = poses[merge.parts()[1].first].T_map_base.translation;
+  const Eigen::Vector3d& begin = poses[merger.parts()[1].first].T_map_base.translation;
   EXPECT_LT((begin - Eigen::Vector3d(300.0, 0.0, 0.0)).norm(), 0.1) << begin.transpose();
 }
 
-TEST(Merge, PositionsWithoutADatumAreLeftOutAndSaidSo) {
+TEST(SessionMerger, ReportsPositionsWithoutDatum) {
   const TemporaryFolder folder;
   const Session first = drive_with_gnss(folder.path() / "a", 0, kFirstDatum);
   const Session second = drive_with_gnss(folder.path() / "b", 1, std::nullopt);
-  Merge merge = merge_into(folder);
-  merge.add(first);
-  merge.add(second);
-  merge.finish();
-  EXPECT_FALSE(merge.parts()[1].joined);
-  ASSERT_EQ(merge.parts()[1].notices.size(), 1U);
-  EXPECT_NE(merge.parts()[1].notices[0].find("datum"), std::string::npos);
+  SessionMerger merger = merger_into(folder);
+  merger.add(first);
+  merger.add(second);
+  merger.finish();
+  EXPECT_FALSE(merger.parts()[1].is_connected);
+  ASSERT_EQ(merger.parts()[1].notices.size(), 1U);
+  EXPECT_NE(merger.parts()[1].notices[0].find("datum"), std::string::npos);
 }
 
 }  // namespace

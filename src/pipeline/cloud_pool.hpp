@@ -9,25 +9,26 @@
 
 namespace lidar_mapping::pipeline {
 
-/// Clouds that nobody needs any more, for the sake of their memory: fresh pages for each scan would
-/// take a good part of the time that reading it takes. Any threads.
-class SpareClouds {
+/// Pool of clouds that are not needed any more, whose memory is reused: allocating new pages for
+/// each scan would take a considerable part of the time of reading. Safe for any threads.
+class CloudPool {
  public:
-  /// A cloud of any content, empty if there is none to spare.
-  PointCloud take() {
+  /// A cloud of arbitrary content to be overwritten; empty if the pool is empty.
+  PointCloud acquire() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (clouds_.empty()) return {};
     PointCloud cloud = std::move(clouds_.back());
     clouds_.pop_back();
     return cloud;
   }
-  void give(PointCloud&& cloud) {
+  /// Returns a cloud to the pool.
+  void release(PointCloud&& cloud) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (clouds_.size() < kMost) clouds_.push_back(std::move(cloud));
+    if (clouds_.size() < kMaxClouds) clouds_.push_back(std::move(cloud));
   }
 
  private:
-  static constexpr std::size_t kMost = 4;
+  static constexpr std::size_t kMaxClouds = 4;
 
   std::mutex mutex_;
   std::vector<PointCloud> clouds_;

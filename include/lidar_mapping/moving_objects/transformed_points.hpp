@@ -12,21 +12,25 @@
 
 namespace lidar_mapping::moving_objects {
 
-constexpr float kFarthest = 300.0F;  // m; points of a key frame further away than this are ignored
+/// Points of a key frame that are further away than this are ignored, m.
+constexpr float kMaxRange = 300.0F;
 
-/// A square of a grid over the map's x-y plane.
+/// Cell of a grid over the x-y plane of the map, counted from the map's origin.
 struct CellIndex {
-  int x = 0;
-  int y = 0;
+  int x = 0;  ///< Number along x.
+  int y = 0;  ///< Number along y.
 };
 
-/// Points in axes parallel to the map's, relative to an origin that is a corner of every grid used
-/// here, so that floats hold them and cells are the same for all clouds. An array for each
-/// coordinate, as vectors are made of what is alike.
-struct PlacedPoints {
-  static constexpr double kOriginGrid = 6.0;  // m, a multiple of 0.3, 0.4, 0.5 and 0.6
+/// Points of a cloud in axes parallel to those of the map. They are relative to an origin near the
+/// vehicle, so that floats hold them; the origin is a corner of every grid used here, so that cells
+/// are the same for all clouds. Each coordinate has an array of its own, as vector instructions
+/// need it.
+struct TransformedPoints {
+  /// Spacing of possible origins, m; a multiple of the cells of 0.3, 0.4, 0.5 and 0.6 m.
+  static constexpr double kOriginGrid = 6.0;
 
-  PlacedPoints(const PointCloud& cloud, const Pose& T_map_base)
+  /// Transforms the points of a cloud in base_link.
+  TransformedPoints(const PointCloud& cloud, const Pose& T_map_base)
       : origin(((T_map_base.translation / kOriginGrid).array().floor() * kOriginGrid)),
         x(cloud.size()),
         y(cloud.size()),
@@ -41,26 +45,30 @@ struct PlacedPoints {
     }
   }
 
+  /// Number of points.
   std::size_t size() const { return x.size(); }
 
-  Eigen::Vector3d origin;
-  std::vector<float> x, y, z;
+  Eigen::Vector3d origin;  ///< Origin of the coordinates in the map frame, m.
+  std::vector<float> x;    ///< Relative to the origin, m.
+  std::vector<float> y;    ///< Relative to the origin, m.
+  std::vector<float> z;    ///< Relative to the origin, m.
 };
 
-/// The cells of the map's grid in which points lie, an array for each coordinate.
+/// Cells of a grid over the map in which points lie, with an array for each coordinate.
 class PointCells {
  public:
+  /// Number of a point that has no cell.
   static constexpr int kNone = std::numeric_limits<int>::min() / 2;
 
-  /// Points further than `farthest` from the origin have no cell, m.
-  PointCells(const PlacedPoints& points, double cell, float farthest)
+  /// Cells of edge `cell` (m). Points further than `max_range` (m) from their origin have no cell.
+  PointCells(const TransformedPoints& points, double cell, float max_range)
       : x_(points.size()), y_(points.size()) {
     const auto scale = static_cast<float>(1.0 / cell);
     const auto origin_x = static_cast<int>(std::lround(points.origin.x() / cell));
     const auto origin_y = static_cast<int>(std::lround(points.origin.y() / cell));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const int is_near =
-          (std::abs(points.x[i]) < farthest ? 1 : 0) & (std::abs(points.y[i]) < farthest ? 1 : 0);
+          (std::abs(points.x[i]) < max_range ? 1 : 0) & (std::abs(points.y[i]) < max_range ? 1 : 0);
       const float x = is_near != 0 ? points.x[i] : 0.0F;
       const float y = is_near != 0 ? points.y[i] : 0.0F;
       x_[i] = is_near != 0 ? floor_to_int(x * scale) + origin_x : kNone;
@@ -68,35 +76,39 @@ class PointCells {
     }
   }
 
+  /// Number of points.
   std::size_t size() const { return x_.size(); }
-  /// Of the i-th point; x is kNone if it is out of reach.
+  /// Cell of the i-th point; its x is kNone if the point has none.
   CellIndex at(std::size_t i) const { return {x_[i], y_[i]}; }
 
  private:
   std::vector<int> x_, y_;
 };
 
-/// The rectangle of cells in which some points lie, numbered row by row.
-class CellArea {
+/// Smallest rectangle of cells that holds some points; its cells are numbered row by row.
+class CellRectangle {
  public:
+  /// Number of all cells outside of the rectangle.
   static constexpr std::uint32_t kOutside = std::numeric_limits<std::uint32_t>::max();
 
-  explicit CellArea(const PointCells& cells) : CellArea(cells, [](std::size_t) { return true; }) {}
+  /// Rectangle around all points that have a cell.
+  explicit CellRectangle(const PointCells& cells)
+      : CellRectangle(cells, [](std::size_t) { return true; }) {}
 
-  /// Of those points that are `taken`, by their number.
-  template <typename Taken>
-  CellArea(const PointCells& cells, const Taken& taken) {
+  /// Rectangle around those points for whose numbers `is_selected` returns true.
+  template <typename Predicate>
+  CellRectangle(const PointCells& cells, const Predicate& is_selected) {
     constexpr int kLowest = std::numeric_limits<int>::min();
     constexpr int kHighest = std::numeric_limits<int>::max();
     CellIndex first = {kHighest, kHighest};
     CellIndex last = {kLowest, kLowest};
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const CellIndex cell = cells.at(i);
-      const bool counts = cell.x != PointCells::kNone && taken(i);
-      first = {std::min(first.x, counts ? cell.x : kHighest),
-               std::min(first.y, counts ? cell.y : kHighest)};
-      last = {std::max(last.x, counts ? cell.x : kLowest),
-              std::max(last.y, counts ? cell.y : kLowest)};
+      const bool is_used = cell.x != PointCells::kNone && is_selected(i);
+      first = {std::min(first.x, is_used ? cell.x : kHighest),
+               std::min(first.y, is_used ? cell.y : kHighest)};
+      last = {std::max(last.x, is_used ? cell.x : kLowest),
+              std::max(last.y, is_used ? cell.y : kLowest)};
     }
     if (last.x == kLowest) return;
     first_ = first;
@@ -104,35 +116,38 @@ class CellArea {
     height_ = last.y - first.y + 1;
   }
 
-  /// kOutside where none of the points is in reach.
-  std::uint32_t number_of(const CellIndex& cell) const {
+  /// Number of a cell of the rectangle, or kOutside.
+  std::uint32_t index_of(const CellIndex& cell) const {
     const auto column = static_cast<std::uint32_t>(cell.x) - static_cast<std::uint32_t>(first_.x);
     const auto row = static_cast<std::uint32_t>(cell.y) - static_cast<std::uint32_t>(first_.y);
     const bool is_inside =
         column < static_cast<std::uint32_t>(width_) && row < static_cast<std::uint32_t>(height_);
     return is_inside ? row * static_cast<std::uint32_t>(width_) + column : kOutside;
   }
-  /// Those of the cells of points.
-  std::vector<std::uint32_t> numbers_of(const PointCells& cells) const {
+  /// Numbers of the cells in which the points lie, or kOutside.
+  std::vector<std::uint32_t> indices_of(const PointCells& cells) const {
     std::vector<std::uint32_t> numbers(cells.size());
-    const CellArea area = *this;
-    for (std::size_t i = 0; i < cells.size(); ++i) numbers[i] = area.number_of(cells.at(i));
+    const CellRectangle rectangle = *this;
+    for (std::size_t i = 0; i < cells.size(); ++i) numbers[i] = rectangle.index_of(cells.at(i));
     return numbers;
   }
+  /// Cell of this number.
   CellIndex cell_at(std::size_t number) const {
     return {first_.x + static_cast<int>(number % width()),
             first_.y + static_cast<int>(number / width())};
   }
-  /// With so many cells more on each side.
-  CellArea widened(int cells) const {
-    CellArea wide = *this;
-    if (size() == 0) return wide;
-    wide.first_ = {first_.x - cells, first_.y - cells};
-    wide.width_ += 2 * cells;
-    wide.height_ += 2 * cells;
-    return wide;
+  /// The rectangle with `cells` more cells on each side; an empty one stays empty.
+  CellRectangle expanded(int cells) const {
+    CellRectangle expanded_rectangle = *this;
+    if (size() == 0) return expanded_rectangle;
+    expanded_rectangle.first_ = {first_.x - cells, first_.y - cells};
+    expanded_rectangle.width_ += 2 * cells;
+    expanded_rectangle.height_ += 2 * cells;
+    return expanded_rectangle;
   }
+  /// Number of cells along x.
   std::size_t width() const { return static_cast<std::size_t>(width_); }
+  /// Number of cells.
   std::size_t size() const {
     return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A street that was driven twice is one street in the map, and a wrong pass is found.
+// A street that was passed twice appears once in the map, and a displaced pass is found.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -13,16 +13,17 @@
 namespace lidar_mapping {
 namespace {
 
-constexpr double kBegin = 6.0;       // s; first pass of the street
-constexpr double kFirstEnd = 11.5;   // s
-constexpr double kSecond = 56.0;     // s; the same street again, after a turn round the block
+constexpr double kBegin = 6.0;      // s, first pass of the street
+constexpr double kFirstEnd = 11.5;  // s
+constexpr double kSecondBegin =
+    56.0;                            // s, second pass of the street, after a drive round the block
 constexpr double kEnd = 61.0;        // s
-constexpr double kGnssError = 0.12;  // m, standard deviation; independent after 50 m of way
+constexpr double kGnssError = 0.12;  // m, standard deviation; correlated over 50 m of path
 
-/// A drive round a block, its odometry and what GNSS says of it.
-class StreetTwice {
+/// A drive round a block with its odometry and GNSS positions.
+class TwicePassedStreet {
  public:
-  StreetTwice() : drive_(options()), frames_(drive_, kBegin, kEnd, 2.0, 4) {
+  TwicePassedStreet() : drive_(options()), frames_(drive_, kBegin, kEnd, 2.0, 4) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) { return sigma * normal(random); };
@@ -31,12 +32,14 @@ class StreetTwice {
     for (std::size_t i = 0; i < truth().size(); ++i) {
       if (i > 0) {
         const Pose motion = truth()[i - 1].T_map_base.inverse() * truth()[i].T_map_base;
-        Vector6d slip;
-        slip << noise(0.004), noise(0.004), noise(0.002), noise(1e-4), noise(1e-4), noise(2e-4);
-        T_odom_base = T_odom_base * perturbed(motion, slip);
-        const double kept = std::exp(-motion.translation.norm() / 50.0);
-        const double fresh = kGnssError * std::sqrt(1.0 - kept * kept);
-        gnss_error = kept * gnss_error + Eigen::Vector3d(noise(fresh), noise(fresh), noise(fresh));
+        Vector6d odometry_error;
+        odometry_error << noise(0.004), noise(0.004), noise(0.002), noise(1e-4), noise(1e-4),
+            noise(2e-4);
+        T_odom_base = T_odom_base * perturbed(motion, odometry_error);
+        const double correlation = std::exp(-motion.translation.norm() / 50.0);
+        const double new_error = kGnssError * std::sqrt(1.0 - correlation * correlation);
+        gnss_error = correlation * gnss_error +
+                     Eigen::Vector3d(noise(new_error), noise(new_error), noise(new_error));
       }
       add(truth()[i], T_odom_base, gnss_error);
     }
@@ -70,10 +73,10 @@ class StreetTwice {
     return result;
   }
 
-  /// Spread that 90 % of the walls of the street stay below.
+  /// 90 % quantile of the thickness of the walls of the street, m.
   double wall_thickness(const KeyFramePoses& poses, bool second_pass) {
     return map_quality::local_thickness(in_street(poses, second_pass), frames_, config())
-        .walls.high;
+        .walls.percentile_90;
   }
 
   double error(const KeyFramePoses& poses) const {
@@ -89,10 +92,10 @@ class StreetTwice {
     return map_quality::local_thickness(in_street(frames_.poses, true), frames_, config());
   }
 
-  /// The drive's clouds, and in those of the first pass a car parked at the kerb.
+  /// The clouds of the drive; those of the first pass contain a parked car.
   class WithParkedCar : public CloudSource {
    public:
-    explicit WithParkedCar(StreetTwice& street) : street_(street) {
+    explicit WithParkedCar(TwicePassedStreet& street) : street_(street) {
       const std::size_t middle = street.key_frames_of_first_pass() / 2;
       T_map_car_ = street.truth()[middle].T_map_base;
     }
@@ -101,7 +104,7 @@ class StreetTwice {
       auto cloud = std::make_shared<PointCloud>(*street_.frames_.cloud(index));
       if (street_.seconds(pose) > kFirstEnd) return cloud;
       const Pose T_base_car = pose.T_map_base.inverse() * T_map_car_;
-      for (int i = 0; i < 2000; ++i) {  // its side and its back, 3 m to the right
+      for (int i = 0; i < 2000; ++i) {  // side and back of the car, 3 m to the right
         const double along = 0.05 * (i % 80);
         const double up = 0.2 + 0.05 * (i / 80);
         for (const Eigen::Vector3d& p :
@@ -114,7 +117,7 @@ class StreetTwice {
     }
 
    private:
-    StreetTwice& street_;
+    TwicePassedStreet& street_;
     Pose T_map_car_;
   };
 
@@ -124,22 +127,24 @@ class StreetTwice {
     return count;
   }
 
-  /// How the second pass lies where it is moved like this in its own axes, place by place.
-  std::vector<map_quality::GhostVector> ghosts_of(const Pose& displacement) {
-    return ghosts_of(displacement, frames_);
+  /// Misalignments of the second pass when it is displaced like this in its own axes.
+  std::vector<map_quality::PassMisalignment> misalignments_of(const Pose& displacement) {
+    return misalignments_of(displacement, frames_);
   }
-  std::vector<map_quality::GhostVector> ghosts_of(const Pose& displacement, CloudSource& clouds) {
+  std::vector<map_quality::PassMisalignment> misalignments_of(const Pose& displacement,
+                                                              CloudSource& clouds) {
     KeyFramePoses poses = frames_.poses;
     for (KeyFramePose& pose : poses.poses) {
-      if (seconds(pose) < kSecond) continue;
+      if (seconds(pose) < kSecondBegin) continue;
       const Eigen::Quaterniond heading = exp_so3({0.0, 0.0, yaw_of(pose.T_map_base.rotation)});
       pose.T_map_base.translation += heading * displacement.translation;
       pose.T_map_base.rotation = displacement.rotation * pose.T_map_base.rotation;
     }
-    std::vector<map_quality::GhostVector> in_second_pass;
-    for (const map_quality::GhostVector& ghost :
-         map_quality::ghost_vectors(poses, clouds, config())) {
-      if (seconds(truth()[ghost.key_frame]) > kSecond + 1.0) in_second_pass.push_back(ghost);
+    std::vector<map_quality::PassMisalignment> in_second_pass;
+    for (const map_quality::PassMisalignment& misalignment :
+         map_quality::pass_misalignments(poses, clouds, config())) {
+      if (seconds(truth()[misalignment.key_frame]) > kSecondBegin + 1.0)
+        in_second_pass.push_back(misalignment);
     }
     return in_second_pass;
   }
@@ -182,7 +187,7 @@ class StreetTwice {
     KeyFramePoses chosen;
     for (const KeyFramePose& pose : poses.poses) {
       const bool first = seconds(pose) < kFirstEnd;
-      if (first || (second_pass && seconds(pose) > kSecond)) chosen.poses.push_back(pose);
+      if (first || (second_pass && seconds(pose) > kSecondBegin)) chosen.poses.push_back(pose);
     }
     return chosen;
   }
@@ -193,13 +198,13 @@ class StreetTwice {
   std::vector<GnssPosition> gnss_;
 };
 
-/// One drive for all tests: its scans take seconds.
-StreetTwice& street() {
-  static StreetTwice street;
+/// One drive for all tests, because its scans take seconds.
+TwicePassedStreet& street() {
+  static TwicePassedStreet street;
   return street;
 }
 
-TEST(Ghosting, LoopsMakeOneStreetOfTwoPassesUnderGnssErrors) {
+TEST(PassAlignment, LoopsAlignPassesDespiteGnssErrors) {
   const auto without = street().mapped(true, false);
   const auto with = street().mapped(true, true);
   ASSERT_GT(with.loops, 3U);
@@ -209,14 +214,14 @@ TEST(Ghosting, LoopsMakeOneStreetOfTwoPassesUnderGnssErrors) {
   EXPECT_NEAR(street().error(with.poses), street().error(without.poses), 0.05);
 }
 
-TEST(Ghosting, LoopsMakeOneStreetOfTwoPassesWithoutGnss) {
+TEST(PassAlignment, LoopsAlignPassesWithoutGnss) {
   const auto with = street().mapped(false, true);
   ASSERT_GT(with.loops, 3U);
   EXPECT_LT(street().wall_thickness(with.poses, true),
             1.3 * street().wall_thickness(with.poses, false));
 }
 
-TEST(Ghosting, ATrueMapIsAsThickAsTheNoise) {
+TEST(PassAlignment, TrueMapHasThicknessOfNoise) {
   const map_quality::LocalThickness thickness = street().true_thickness();
   EXPECT_GT(thickness.walls.cells, 300U);
   EXPECT_GT(thickness.ground.cells, 1000U);
@@ -224,14 +229,14 @@ TEST(Ghosting, ATrueMapIsAsThickAsTheNoise) {
   EXPECT_NEAR(thickness.walls.median_ratio, 1.0, 0.1);
 }
 
-TEST(Ghosting, ADisplacedPassIsFoundWithItsSize) {
+TEST(PassAlignment, SizeOfDisplacementIsFound) {
   const auto expect = [&](const Pose& displacement, double yaw_deg) {
-    const auto ghosts = street().ghosts_of(displacement);
-    ASSERT_GE(ghosts.size(), 3U);
-    for (const map_quality::GhostVector& ghost : ghosts) {
-      EXPECT_NEAR(ghost.left, displacement.translation.y(), 0.01) << ghost.key_frame;
-      EXPECT_NEAR(ghost.up, displacement.translation.z(), 0.01) << ghost.key_frame;
-      EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, yaw_deg, 0.05) << ghost.key_frame;
+    const auto misalignments = street().misalignments_of(displacement);
+    ASSERT_GE(misalignments.size(), 3U);
+    for (const map_quality::PassMisalignment& misalignment : misalignments) {
+      EXPECT_NEAR(misalignment.left, displacement.translation.y(), 0.01) << misalignment.key_frame;
+      EXPECT_NEAR(misalignment.up, displacement.translation.z(), 0.01) << misalignment.key_frame;
+      EXPECT_NEAR(misalignment.yaw * 180.0 / M_PI, yaw_deg, 0.05) << misalignment.key_frame;
     }
   };
   Pose displacement;
@@ -245,14 +250,14 @@ TEST(Ghosting, ADisplacedPassIsFoundWithItsSize) {
   expect(displacement, 0.2);
 }
 
-TEST(Ghosting, AParkedCarThatLeftIsNoDisplacedPass) {
-  StreetTwice::WithParkedCar clouds(street());
-  const auto ghosts = street().ghosts_of({}, clouds);
-  ASSERT_GE(ghosts.size(), 3U);
-  for (const map_quality::GhostVector& ghost : ghosts) {
-    EXPECT_NEAR(ghost.left, 0.0, 0.01) << ghost.key_frame;
-    EXPECT_NEAR(ghost.up, 0.0, 0.01) << ghost.key_frame;
-    EXPECT_NEAR(ghost.yaw * 180.0 / M_PI, 0.0, 0.05) << ghost.key_frame;
+TEST(PassAlignment, RemovedParkedCarIsNoDisplacement) {
+  TwicePassedStreet::WithParkedCar clouds(street());
+  const auto misalignments = street().misalignments_of({}, clouds);
+  ASSERT_GE(misalignments.size(), 3U);
+  for (const map_quality::PassMisalignment& misalignment : misalignments) {
+    EXPECT_NEAR(misalignment.left, 0.0, 0.01) << misalignment.key_frame;
+    EXPECT_NEAR(misalignment.up, 0.0, 0.01) << misalignment.key_frame;
+    EXPECT_NEAR(misalignment.yaw * 180.0 / M_PI, 0.0, 0.05) << misalignment.key_frame;
   }
 }
 
