@@ -59,6 +59,18 @@ build_package() {
   source_ros
 }
 
+# configure_for_clang: the folder of the build that scripts/check_clang and scripts/check_tidy share. It is
+# for what clang says of the code; nothing of it is run.
+configure_for_clang() {
+  build=${build}_clang
+  source_ros
+  local launcher=()
+  if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  logged configure.log cmake -S "$package_root" -B "$build" "${launcher[@]}" -DLIDAR_MAPPING_WERROR=ON \
+    -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
+}
+
 # logged FILE COMMAND ...: the output goes to a file; a terminal shows meanwhile how far it is; its
 # end is shown if the command fails
 logged() {

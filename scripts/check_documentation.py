@@ -33,7 +33,8 @@ PATIENCE = 120  # s, for one command
 # Commands that are not run: pattern, reason.
 NOT_RUN = (
     (r'^(scripts/(demo|test|build)|\.ci/run)\b', 'installs and builds; check_bare_debian runs what a user begins with'),
-    (r'^cmake |^scripts/fuzz\b', 'a second build takes too long'),
+    (r'^cmake |^scripts/(fuzz|check_sanitizers|check_clang|check_tidy|measure_coverage)\b',
+     'a second build takes too long'),
     (r'^source scripts/setup\.bash', 'done before every command'),
     (r'catkin_ws|^source devel/setup', 'scripts/check_workspace runs it'),
     (r'^docker ', 'scripts/check_container runs it'),

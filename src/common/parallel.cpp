@@ -6,6 +6,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "happens_before.hpp"
+
 namespace lidar_mapping {
 
 void parallel_chunks(std::size_t count, std::size_t grain, int threads,
@@ -21,7 +23,17 @@ void parallel_chunks(std::size_t count, std::size_t grain, int threads,
   // TBB complains aloud when an arena asks for more threads than there are cores.
   const int cores = tbb::this_task_arena::max_concurrency();
   tbb::task_arena arena(threads > 0 ? std::min(threads, cores) : tbb::task_arena::automatic);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });
+  // TBB keeps this order; two chunks have none.
+  HappensBefore begin, end;
+  begin.release();
+  arena.execute([&] {
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      begin.acquire();
+      run_chunk(chunk);
+      end.release();
+    });
+  });
+  end.acquire();
 }
 
 }  // namespace lidar_mapping

@@ -89,9 +89,10 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
       nothing.message = "there are no key frames yet; nothing to save";
       return answer->set_value(nothing);
     }
-    builder_.post(saves_, [this, answer, request, run = run_, poses = view_.track.poses()] {
-      answer->set_value(save(run, poses, request));
-    });
+    builder_.post(saves_,
+                  [this, answer, request, run = run_, poses = view_.track.poses(), datum = datum_] {
+                    answer->set_value(save(run, poses, datum, request));
+                  });
   });
   answer.reset();
   try {
@@ -103,10 +104,12 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
 }
 
 SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                                      const std::optional<GeodeticDatum>& datum,
                                       const SaveMap::Request& request) {
   SaveMap::Response response;
   try {
     MapOrder order = map_order(request);
+    order.options.datum = datum;
     complete(order.options);
     if (order.directory.empty()) order.directory = session_map();
     const map::Products products =
@@ -126,11 +129,10 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   return response;
 }
 
-/// What the session knows, or else this node. The session's datum comes first: a session that was
-/// gone on with keeps that of its first drive.
+/// What the session knows. Its datum comes before that of this node, which is there already: a
+/// session that was gone on with keeps that of its first drive.
 void MapViewerNode::complete(map::ProductOptions& options) const {
   options.frame = config_.node.map_frame;
-  options.datum = datum_;
   std::string folder;
   if (!context_.node.getParam("session_folder", folder)) return;
   try {

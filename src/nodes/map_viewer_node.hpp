@@ -62,6 +62,7 @@ class MapViewerNode {
   void take_newest_poses();
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
+                         const std::optional<GeodeticDatum>& datum,
                          const SaveMap::Request& request);
   void complete(map::ProductOptions& options) const;
   std::filesystem::path session_map() const;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <atomic>
 #include <fstream>
 #include <map>
 
@@ -10,7 +9,6 @@
 #include "lidar_mapping/pipeline/pipeline.hpp"
 
 #include "simulated_input.hpp"
-#include "stage_thread.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -219,34 +217,6 @@ TEST(Pipeline, ThrowsErrorOfDisk) {
         pipeline.finish();
       },
       FileError);
-}
-
-TEST(StageThread, KeepsOrderAndLimitsQueue) {
-  std::vector<int> processed;
-  std::atomic<int> waiting{0};
-  int largest = 0;
-  StageThread<int> stage(3, true, [&](int&& item) {
-    largest = std::max(largest, waiting--);
-    processed.push_back(item);
-  });
-  for (int i = 0; i < 1000; ++i) {
-    stage.push(i);
-    ++waiting;
-  }
-  stage.finish();
-  ASSERT_EQ(processed.size(), 1000U);
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(processed[static_cast<std::size_t>(i)], i);
-  EXPECT_LE(largest, 5);  // three in the queue, one being processed, one counted late
-}
-
-TEST(StageThread, ThrowsFromPushAndFinish) {
-  StageThread<int> stage(1, true, [](int&&) { throw InputError("no"); });
-  EXPECT_THROW(
-      {
-        for (int i = 0; i < 100; ++i) stage.push(i);
-      },
-      InputError);
-  EXPECT_THROW(stage.finish(), InputError);
 }
 
 }  // namespace

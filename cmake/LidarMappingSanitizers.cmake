@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sanitizers for all targets of the package, as LIDAR_MAPPING_SANITIZE says.
+if(LIDAR_MAPPING_SANITIZE STREQUAL "address")
+  # A number beyond the range of the type that it is put into is no error of `undefined`.
+  set(LIDAR_MAPPING_SANITIZERS address,undefined,float-cast-overflow)
+elseif(LIDAR_MAPPING_SANITIZE STREQUAL "thread")
+  set(LIDAR_MAPPING_SANITIZERS thread)
+elseif(LIDAR_MAPPING_SANITIZE)
+  message(FATAL_ERROR "LIDAR_MAPPING_SANITIZE is ${LIDAR_MAPPING_SANITIZE}; "
+                      "it has to be address, thread or OFF")
+endif()
+if(LIDAR_MAPPING_SANITIZE)
+  add_compile_options(-fsanitize=${LIDAR_MAPPING_SANITIZERS} -fno-sanitize-recover=all
+                      -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${LIDAR_MAPPING_SANITIZERS})
+endif()
