@@ -80,7 +80,7 @@ DoubtfulSection& TrackingSummary::section_for(Doubt doubt, const TrackedStep& st
   section.doubt = doubt;
   section.begin = step.stamp;
   section.path_begin = path_length_before_;
-  section.index = step.p_odom_base;
+  section.position = step.p_odom_base;
   sections_.push_back(section);
   variances_before_.push_back(variance_before_);
   return sections_.back();
