@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <future>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 
@@ -18,17 +19,21 @@ void ignore(const std::string&, const std::string&) {}
 class Stall {
  public:
   Stall(Worker& worker, Worker::ChannelId channel) {
-    std::promise<void> begun;
-    worker.post(channel, [this, &begun] {
-      begun.set_value();
-      release_.get_future().wait();
+    worker.post(channel, [gates = gates_] {
+      gates->begun.set_value();
+      gates->released.wait();
     });
-    begun.get_future().wait();
+    gates_->begun.get_future().wait();
   }
-  void release() { release_.set_value(); }
+  void release() { gates_->release.set_value(); }
 
  private:
-  std::promise<void> release_;
+  struct Gates {
+    std::promise<void> begun, release;
+    std::future<void> released = release.get_future();
+  };
+  /// The worker's too: it may still be on its way through a gate that others have passed.
+  std::shared_ptr<Gates> gates_ = std::make_shared<Gates>();
 };
 
 TEST(Worker, TakesTasksOfAllChannelsInOrderOfArrival) {
