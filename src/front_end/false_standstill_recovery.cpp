@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lidar_mapping/common/units.hpp"
+
 #include "degeneracy.hpp"
 #include "vertical_structure_search.hpp"
 
@@ -37,6 +39,18 @@ constexpr double kPoseSigma = 0.15;       // m
 constexpr double kPoseAngleSigma = 0.01;  // rad
 constexpr double kSpeedSigma = 0.5;       // m/s
 constexpr double kRateSigma = 0.1;        // rad/s
+
+/// The rings on the ground look the same elsewhere only if the sensor has neither risen nor tilted
+/// since the map began: a few decimetres of height move a ring by metres. A vehicle that pulls away
+/// nods by less than two degrees, and its body rises by less than a decimetre.
+constexpr double kMaxRise = 0.3;               // m
+constexpr double kMaxTilt = 3.0 * kRadPerDeg;  // rad
+
+bool is_level(const Pose& T_first_now) {
+  const Eigen::Vector3d up = T_first_now.rotation * Eigen::Vector3d::UnitZ();
+  return std::abs(T_first_now.translation.z()) < kMaxRise &&
+         std::hypot(up.x(), up.y()) < std::sin(kMaxTilt);
+}
 
 Matrix12d recovered_covariance() {
   Matrix12d covariance = Matrix12d::Zero();
@@ -95,7 +109,7 @@ std::optional<MotionFilter> FalseStandstillRecovery::detect(const SampledPoints&
   if (!single_place || !first_pose_) finish();
   if (finished_) return std::nullopt;
   since_hypothesis_ += seconds;
-  if (is_constrained(match)) {
+  if (is_constrained(match) || !is_level(first_pose_->inverse() * match.state.T_map_sensor)) {
     confirm(match.state.T_map_sensor);
     return std::nullopt;
   }
