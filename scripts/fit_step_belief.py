@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fits the coefficients of StepBelief to tables that `odometry_campaign --evidence` wrote.
 
-A logistic model of features() (the same as in step_belief.cpp) gives the probability that a step is
-right within three of its own standard deviations. Two power laws, that is linear ones of the
+Logistic models of features() (the same as in step_belief.cpp) give the probability that a step is
+right within three of its own standard deviations, and the probability that it is off by less than
+0.3 m and 1 degree, where no direction was left open. Two power laws, that is linear ones of the
 logarithms, give how far off it is expected to be, in metres and in radians; they are fitted to all
-errors, so steps that are right count as well. From both follows, by a logistic model once more, the
-probability that the step is off by less than 0.3 m and 1 degree, where no direction was left open.
+errors, so steps that are right count as well.
 Steps of methods other than NDT (method= in the case) have models of their own. With --output the
 coefficients are written as step_belief.cpp includes them. With --check nothing is fitted: the
 probabilities that the tables hold are compared with what is true, and --plot draws that as a
@@ -38,6 +38,9 @@ FEATURES = (
     ('unsteadiness', 1e-3),
     ('unsteadiness_angle', 1e-4),
     ('converged', None),
+    ('sweep_gap', 1e-3),
+    ('sweep_gap_angle', 1e-4),
+    ('turn', 1e-3),
 )
 RIDGE = 1.0
 # Errors below these differ by chance alone.
@@ -143,29 +146,20 @@ def fit_error(x, error, weight):
     return undo(np.linalg.solve(hessian, z.T @ (weight * np.log10(error))))
 
 
-def margins(error, error_angle, x):
-    """What safety follows from."""
-    a = x @ error - np.log10(WRONG_STEP)
-    b = x @ error_angle - np.log10(np.radians(WRONG_STEP_DEG))
-    return np.stack([np.ones(len(a)), a, b, np.maximum(a, b)], axis=1)
-
-
 def fit_model(table):
     """Coefficients by the names of Model in step_belief.cpp, in its order."""
     x, weight, closed = features(table), weights(table), ~is_open(table)
     errors = (np.maximum(table['error_m'], LEAST_ERROR),
               np.radians(np.maximum(table['error_deg'], LEAST_ERROR_DEG)))
     error, error_angle = (fit_error(x[closed], e[closed], weight[closed]) for e in errors)
-    safe = fit(margins(error, error_angle, x[closed]), is_safe(table)[closed].astype(float),
-               weight[closed])
+    safe = fit(x[closed], is_safe(table)[closed].astype(float), weight[closed])
     return {'probability': fit(x, is_right(table).astype(float), weight), 'error': error,
             'error_angle': error_angle, 'safety': safe}
 
 
 def safety(model, table):
     """Of each step, where no direction is open."""
-    x = features(table)
-    return probability(model['safety'], margins(model['error'], model['error_angle'], x))
+    return probability(model['safety'], features(table))
 
 
 def probability(coefficients, x):

@@ -29,10 +29,7 @@ std::vector<std::pair<std::string, pose_graph::RobustKernel>> kernels_in_any_cas
   return choices;
 }
 
-config::Schema<Config> make_schema() {
-  const auto kernels = kernels_in_any_case();
-  config::Schema<Config> schema("back_end",
-                                "Pose graph of the drive: constraints and when to solve");
+void add_triggers(config::Schema<Config>& schema) {
   schema.boolean("use_gnss", &Config::use_gnss, "Whether GNSS positions are used at all.")
       .boolean("georeference_only", &Config::georeference_only,
                "With use_gnss: GNSS only moves the whole map to East-North-Up, without bending it.")
@@ -45,6 +42,12 @@ config::Schema<Config> make_schema() {
                "Optimise after so many new loops.")
       .real("optimize_min_interval", &Config::optimize_min_interval, {0.0, 1e4}, "s",
             "Least time between optimisations, by the key frames' stamps.")
+      .alias("enable_gps", "use_gnss")
+      .alias("graph_update_interval", "optimize_min_interval");
+}
+
+void add_odometry_and_loops(config::Schema<Config>& schema) {
+  schema
       .real(
           "odometry_drift", &Config::odometry_drift, {0.0, 1.0}, "fraction of the distance",
           "Upper limit of the standard deviation that drift adds to a motion's translation. Where "
@@ -67,7 +70,11 @@ config::Schema<Config> make_schema() {
                "depends on the other constraints.")
       .reals("fix_first_node_stddev", &Config::fix_first_node_stddev, 6,
              "m and rad: x y z roll pitch yaw",
-             "With fix_first_node: standard deviations of its pose, in the axes of base_link.")
+             "With fix_first_node: standard deviations of its pose, in the axes of base_link.");
+}
+
+void add_constant_weights(config::Schema<Config>& schema) {
+  schema
       .boolean("use_const_inf_matrix", &Config::use_const_inf_matrix,
                "Weight all motions and loops by const_stddev_x and const_stddev_q instead of their "
                "covariances.")
@@ -86,7 +93,11 @@ config::Schema<Config> make_schema() {
       .real("max_stddev_q", &Config::max_stddev_q, kStddev, "half rad",
             "At inf_matrix_max_fitness.")
       .real("inf_matrix_max_fitness", &Config::inf_matrix_max_fitness, {1e-6, 1e6}, "m^2",
-            "Fitness at which the variances reach their maxima.")
+            "Fitness at which the variances reach their maxima.");
+}
+
+void add_gnss(config::Schema<Config>& schema) {
+  schema
       .real("gnss_min_stddev_m", &Config::gnss_min_stddev_m, kStddev, "m",
             "Least horizontal standard deviation of a GNSS position.")
       .real("gnss_min_stddev_altitude_m", &Config::gnss_min_stddev_altitude_m, kStddev, "m",
@@ -102,7 +113,11 @@ config::Schema<Config> make_schema() {
             "Largest standard deviation of the heading with which the track is aligned to "
             "East-North-Up.")
       .boolean("estimate_gnss_time_offset", &Config::estimate_gnss_time_offset,
-               "Correct GNSS stamps that are late or early relative to odometry.")
+               "Correct GNSS stamps that are late or early relative to odometry.");
+}
+
+void add_imu_and_floor(config::Schema<Config>& schema) {
+  schema
       .boolean("enable_imu_orientation", &Config::enable_imu_orientation,
                "Whether the tilt of the IMU's orientation keeps the map level.")
       .boolean("enable_imu_heading", &Config::enable_imu_heading,
@@ -128,7 +143,12 @@ config::Schema<Config> make_schema() {
       .real("floor_stddev_deg", &Config::floor_stddev_deg, kStddev, "deg",
             "How much the slope of the floor differs from the plane, added to its covariance.")
       .real("floor_stddev_m", &Config::floor_stddev_m, kStddev, "m",
-            "How much the height of the floor differs from the plane, added to its covariance.")
+            "How much the height of the floor differs from the plane, added to its covariance.");
+}
+
+void add_robust_kernels(config::Schema<Config>& schema) {
+  const auto kernels = kernels_in_any_case();
+  schema
       .choice("odometry_robust_kernel", &Config::odometry_robust_kernel, kernels,
               "Kernel of odometry constraints.")
       .choice("loop_robust_kernel", &Config::loop_robust_kernel, kernels,
@@ -138,15 +158,17 @@ config::Schema<Config> make_schema() {
       .choice("imu_robust_kernel", &Config::imu_robust_kernel, kernels,
               "Kernel of orientations, headings and accelerations.")
       .choice("floor_robust_kernel", &Config::floor_robust_kernel, kernels, "Kernel of floors.")
-      .alias("enable_gps", "use_gnss")
-      .alias("graph_update_interval", "optimize_min_interval")
       .alias("odometry_edge_robust_kernel", "odometry_robust_kernel")
       .alias("loop_closure_edge_robust_kernel", "loop_robust_kernel")
       .alias("gps_edge_robust_kernel", "gnss_robust_kernel")
       .alias("imu_orientation_edge_robust_kernel", "imu_robust_kernel")
       .alias("floor_edge_robust_kernel", "floor_robust_kernel")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
-            "Scale of the kernels: larger residuals get less weight.")
+            "Scale of the kernels: larger residuals get less weight.");
+}
+
+void add_checks(config::Schema<Config>& schema) {
+  schema
       .check([](const Config& c) {
         return c.use_const_inf_matrix && c.use_fitness_inf_matrix
                    ? std::string(
@@ -174,6 +196,18 @@ config::Schema<Config> make_schema() {
                    ? std::string("georeference_only needs use_gnss: true")
                    : std::string();
       });
+}
+
+config::Schema<Config> make_schema() {
+  config::Schema<Config> schema("back_end",
+                                "Pose graph of the drive: constraints and when to solve");
+  add_triggers(schema);
+  add_odometry_and_loops(schema);
+  add_constant_weights(schema);
+  add_gnss(schema);
+  add_imu_and_floor(schema);
+  add_robust_kernels(schema);
+  add_checks(schema);
   return schema;
 }
 

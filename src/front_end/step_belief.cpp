@@ -15,18 +15,14 @@ namespace {
 constexpr double kCostOfMissedDoubt = 1.5;
 constexpr double kCostOfMissedDoubtInDoubt = 9.0;
 
-constexpr std::size_t kFeatures = 19;
+constexpr std::size_t kFeatures = 22;
 using Coefficients = std::array<double, kFeatures>;
-
-/// Coefficients of the safety, which depends on the expected errors of the step: for a constant,
-/// for both errors in units of the limits, and for the larger one of these, all as logarithms.
-using SafetyCoefficients = std::array<double, 4>;
 
 struct Model {
   Coefficients probability;
   Coefficients error;        ///< log10 of it, m
   Coefficients error_angle;  ///< log10 of it, rad
-  SafetyCoefficients safety;
+  Coefficients safety;
 };
 
 // Written by scripts/fit_step_belief.py.
@@ -54,23 +50,18 @@ Coefficients features(const StepEvidence& e) {
           e.sectors,
           logarithm(e.motion_change, 1e-3),
           logarithm(e.motion_change_angle, 1e-4),
-          e.converged};
+          e.converged,
+          logarithm(e.sweep_gap, 1e-3),
+          logarithm(e.sweep_gap_angle, 1e-4),
+          logarithm(e.turn, 1e-3)};
 }
 
-template <typename Values>
-double weighted(const Values& coefficients, const Values& x) {
+double weighted(const Coefficients& coefficients, const Coefficients& x) {
   return std::inner_product(x.begin(), x.end(), coefficients.begin(), 0.0);
 }
 
-template <typename Values>
-double logistic(const Values& coefficients, const Values& x) {
+double logistic(const Coefficients& coefficients, const Coefficients& x) {
   return 1.0 / (1.0 + std::exp(-weighted(coefficients, x)));
-}
-
-double safety(const SafetyCoefficients& coefficients, double error, double error_angle) {
-  const double a = std::log10(error / kWrongStep);
-  const double b = std::log10(error_angle / kWrongStepAngle);
-  return logistic(coefficients, {1.0, a, b, std::max(a, b)});
 }
 
 }  // namespace
@@ -87,7 +78,7 @@ StepBelief evaluate_step(const StepEvidence& evidence, EvidenceSource source) {
   belief.probability = logistic(model.probability, x);
   belief.expected_error = std::pow(10.0, weighted(model.error, x));
   belief.expected_error_angle = std::pow(10.0, weighted(model.error_angle, x));
-  belief.safety = safety(model.safety, belief.expected_error, belief.expected_error_angle);
+  belief.safety = logistic(model.safety, x);
   return belief;
 }
 

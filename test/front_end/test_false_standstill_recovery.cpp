@@ -134,6 +134,26 @@ TEST(VerticalStructureMap, FindsThePoseWhereThePointsFit) {
   EXPECT_LT(map.count_near(world, ahead(5.0)), world.size() / 10) << "filters err now and then";
 }
 
+/// Whether a motion is detected while the matches stay at this pose.
+bool is_detected_from(const Pose& matched) {
+  const Points world = field(1);
+  StationaryMatches stationary(world, matched);
+  bool found = false;
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.01 * i * i;
+    found |= stationary.process(measured_from(world, ahead(x)));
+  }
+  return found;
+}
+
+// A drone that climbs or tilts sees other rings.
+TEST(FalseStandstillRecovery, IsOnlyOfALevelSensorAtTheSameHeight) {
+  EXPECT_TRUE(is_detected_from({Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.1}}));
+  EXPECT_FALSE(is_detected_from({Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}}));
+  EXPECT_TRUE(is_detected_from({exp_so3({0.0, 0.02, 0.0}), Eigen::Vector3d::Zero()}));
+  EXPECT_FALSE(is_detected_from({exp_so3({0.0, 0.08, 0.0}), Eigen::Vector3d::Zero()}));
+}
+
 TEST(FalseStandstillRecovery, DetectsAndTracksTheMotion) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Points world = field(seed);
