@@ -10,9 +10,9 @@ namespace lidar_mapping::moving_objects {
 namespace {
 
 constexpr std::size_t kRow = 2 * kRangeImageColumns;  // values of a row, two per pixel
-constexpr std::uint16_t kNothing = 65'535;
-constexpr std::size_t kExtendedRow =
-    kRangeImageColumns + 2;                   // pixels of a row with one more at each end
+constexpr std::uint16_t kNothing = 65'535;            // largest value, above kMaxUnit
+// Pixels of a row with one more at each end.
+constexpr std::size_t kExtendedRow = kRangeImageColumns + 2;
 constexpr std::size_t kPrefetchDistance = 8;  // windows that are prefetched
 
 /// Position of the upper left pixel of the 3x3 window around a pixel, in the extended rows.
