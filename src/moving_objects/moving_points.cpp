@@ -63,7 +63,7 @@ VoteCount vote_count_of(Vote vote) {
 /// number.
 class VoxelKeys {
  public:
-  static constexpr std::size_t kColumns = std::size_t{1} << 16U;
+  static constexpr std::size_t kColumns = std::size_t{1} << 16U;  ///< as 16 bits number
 
   VoxelKeys(const TransformedPoints& points, float voxel)
       : points_(points), scale_(1.0F / voxel), columns_(points.size()) {

@@ -144,7 +144,7 @@ void RangeImage::prefetch_window(int pixel) const {
 /// behind it.
 int RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
   using Ranges = std::uint16_t __attribute__((vector_size(16)));  // the ranges of four pixels
-  constexpr auto kAll = std::uint16_t{0xFFFF};
+  constexpr auto kAll = std::uint16_t{0xFFFF};                    // all bits of a range
   constexpr Ranges kThreePixels = {kAll, kAll, kAll, kAll, kAll, kAll, 0, 0};
   const auto low = static_cast<std::uint16_t>(nearest);
   const auto width = static_cast<std::uint16_t>(farthest - nearest);

@@ -21,7 +21,7 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 constexpr char kVersion[] = "#ROSBAG V2.0\n";
-constexpr std::size_t kVersionLength = sizeof kVersion - 1;
+constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // without the closing zero
 constexpr std::size_t kAnyVersionLength = 9;                    // "#ROSBAG V"
 constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
 constexpr std::uint64_t kAhead = 8'000'000;  // bytes that the disk is asked for early
