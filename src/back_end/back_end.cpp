@@ -64,6 +64,7 @@ class BackEnd::Impl {
  private:
   /// Until the map is aligned to East-North-Up, a solution is due after few positions.
   int gnss_optimization_step() const {
+    // Positions; chosen: fewer solve more often while the graph is small.
     constexpr int kStepBeforeAlignment = 5;
     return drive_.in_enu.back() ? config_.optimize_step_with_gnss
                                 : std::min(kStepBeforeAlignment, config_.optimize_step_with_gnss);
@@ -72,6 +73,7 @@ class BackEnd::Impl {
   /// Small graphs are always solved completely. Large ones are solved completely after each growth
   /// by 5 %, and if a window was not sufficient for the new constraints.
   bool full_solve_due() const {
+    // Key frames; chosen: more of them delay a solution, fewer give approximate poses earlier.
     constexpr std::size_t kSmallGraph = 4000;
     return full_solve_needed_ || drive_.nodes.size() < kSmallGraph ||
            20 * (drive_.nodes.size() - last_full_solve_) > drive_.nodes.size();

@@ -83,6 +83,7 @@ std::optional<Alignment> align_track(const std::vector<AlignmentSample>& samples
 }  // namespace
 
 void connect_segments(DriveGraph& drive) {
+  // Chosen: with more, false loops seem to agree; with less, drift separates true ones.
   constexpr double kAgreementDistance_m = 2.0;
   std::vector<int> connected = connected_segments(drive, false);
   const std::vector<int> connected_by_new_loops = connected_segments(drive, true);
@@ -141,6 +142,7 @@ Georeference georeference(DriveGraph& drive, const BackEndConfig& config, bool r
 
 void shift_to_gnss(const DriveGraph& drive, const BackEndConfig& config,
                    pose_graph::FactorGraph& graph) {
+  // Positions. Chosen: in longer sections drift bends the track, in shorter ones noise turns it.
   constexpr std::size_t kSectionSamples = 100;
   DriveGraph shifted = drive;
   for (std::size_t i = 0; i < shifted.nodes.size(); ++i) {

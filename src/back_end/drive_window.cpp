@@ -11,6 +11,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
+// Key frames. Chosen: a wider window costs more time, at a narrower one's border a correction has
+// not decayed; then the whole graph is solved.
 constexpr int kWindowSteps = 50;
 // A window can absorb corrections that decay within it. Larger corrections change the whole drive.
 constexpr double kSmallCorrection_m = 0.3;

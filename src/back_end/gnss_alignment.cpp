@@ -9,7 +9,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr int kIterations = 10;
+constexpr int kIterations = 10;  // of reweighting; chosen, each costs one pass over the positions
+// Pairs tried, each judged by all positions: bounds the time; chosen.
 constexpr std::size_t kMaxPairs = 300;
 // Drift deforms a long track by more than the noise of the fixes; the fixes must not be taken for
 // outliers because of that. As a fraction of the track's extent.

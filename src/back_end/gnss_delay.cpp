@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kMinSigma = 0.003;  // s
 constexpr Stamp kWindowDuration = from_seconds(12.0);
-constexpr double kMaxStepDuration =
-    2.0;  // s between key frames; without motion there is no velocity
+// Seconds between key frames; without motion there is no velocity. Chosen: a longer step says less
+// about the velocity in its middle.
+constexpr double kMaxStepDuration = 2.0;
 
 /// Position (m) and velocity (m/s) of the antenna in the axes of one base_link.
 struct AntennaState {

@@ -26,6 +26,7 @@ class PendingMeasurements {
   }
 
  private:
+  /// Values; chosen, bounds the memory if their key frames never come.
   static constexpr std::size_t kLimit = 1000;
 
   std::map<Stamp, Value> values_;

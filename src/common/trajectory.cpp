@@ -14,8 +14,8 @@ namespace lidar_mapping {
 namespace {
 
 constexpr Stamp kNanoseconds = 1'000'000'000;
-constexpr std::size_t kTumColumns = 8;
-constexpr std::size_t kKittiColumns = 12;
+constexpr std::size_t kTumColumns = 8;     // time x y z qx qy qz qw, by the TUM RGB-D benchmark
+constexpr std::size_t kKittiColumns = 12;  // 3 x 4 matrix by rows, by the KITTI odometry benchmark
 
 void append_number(std::string& line, double number, const char* format) {
   char text[40];

@@ -42,8 +42,9 @@ class Conversion {
   }
 
  private:
+  // Chosen: far above any file of parameters; aliases could multiply values without end.
   static constexpr int kMostValues = 100'000;
-  static constexpr int kDeepest = 30;
+  static constexpr int kDeepest = 30;  // levels; chosen: far above any file of parameters
 
   [[noreturn]] static void fail(const YAML::Node& node, const std::string& problem) {
     throw YAML::ParserException(node.Mark(), problem);
@@ -77,6 +78,7 @@ class Conversion {
 /// with the stack where somebody writes ten thousand of them.
 void check_nesting(const std::string& text, const std::string& origin) {
   constexpr std::size_t kLargest = 1'000'000;  // bytes
+  // Brackets; chosen: far above any list, far below the end of the stack.
   constexpr std::size_t kMostOpen = 100;
   constexpr std::size_t kWidest = 200;  // columns of indentation and indicators
   if (text.size() > kLargest) refuse(origin, 1, "it is larger than a file of parameters is");

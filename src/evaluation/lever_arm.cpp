@@ -9,6 +9,7 @@ namespace lidar_mapping::evaluation {
 
 namespace {
 
+// Chosen: steps between motion and lever arm, each of which solves for one with the other known.
 constexpr int kIterations = 30;
 /// Variance of the direction cosines over the drive below which a component is not determined.
 constexpr double kLeastTurning = 1e-3;

@@ -8,6 +8,7 @@
 namespace lidar_mapping::front_end {
 namespace {
 
+// Chosen: no sensor measures even a few ranges twice alike.
 constexpr std::size_t kSampledPoints = 256;
 /// Clouds with fewer points may be equal by chance, or because they are empty.
 constexpr std::size_t kMinPoints = 50;

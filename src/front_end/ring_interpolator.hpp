@@ -28,6 +28,7 @@ class RingInterpolator {
                    SampledPoints& points);
 
  private:
+  /// Of 1 degree. Chosen: narrower ones may have no point of a ring, wider ones bridge corners.
   static constexpr std::size_t kColumns = 360;
 
   /// A point relative to the sensor.

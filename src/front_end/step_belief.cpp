@@ -15,7 +15,7 @@ namespace {
 constexpr double kCostOfMissedDoubt = 1.5;
 constexpr double kCostOfMissedDoubtInDoubt = 9.0;
 
-constexpr std::size_t kFeatures = 22;
+constexpr std::size_t kFeatures = 22;  // the numbers that features() returns
 using Coefficients = std::array<double, kFeatures>;
 
 struct Model {

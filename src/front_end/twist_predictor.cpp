@@ -6,6 +6,8 @@
 namespace lidar_mapping::front_end {
 namespace {
 
+// Weight of the newest step in running means, so that they remember about ten steps. Chosen: fewer
+// steps make the forecast noisy, more make it late when the way of moving changes.
 constexpr double kLearningRate = 0.1;
 /// Lower bound of a squared change of the twist, which avoids a division by zero.
 constexpr double kMinSquaredChange = 1e-12;

@@ -11,7 +11,9 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
+// Chosen: with fewer the true place may be missing, each more costs a correlation.
 constexpr std::size_t kNearestKeys = 25;
+// Chosen: with fewer the true place may be missing, each more is compared from above.
 constexpr std::size_t kMaxSimilar = 10;
 using Key = SpectrumDescriptor::Key;
 

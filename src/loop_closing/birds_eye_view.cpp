@@ -10,17 +10,17 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr int kHalfWidth = BirdsEyeView::kWidth / 2;
-constexpr int kMaxShift = 15;  // cells
-constexpr int kShifts = 2 * kMaxShift + 1;
+constexpr int kHalfWidth = BirdsEyeView::kWidth / 2;  // cells
+constexpr int kMaxShift = 15;                         // cells
+constexpr int kShifts = 2 * kMaxShift + 1;            // along each axis
 constexpr int kMargin = kMaxShift + 1;  // cells around the target, so that no shift leaves the grid
-constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;
+constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;  // cells along an edge
 // Weight of an occupied cell; its neighbours have half of it.
 constexpr std::uint8_t kOccupiedWeight = 2;
 
 int cell_index(float coordinate) { return static_cast<int>(std::floor(coordinate)); }
 
-constexpr int kLanes = 16;
+constexpr int kLanes = 16;  // bytes in a register of 128 bits, which every processor has
 using Lanes = std::uint8_t __attribute__((vector_size(kLanes)));
 constexpr int kRowLanes = 32;  // lanes for the shifts along x; the last one is unused
 static_assert(kRowLanes == 2 * kLanes && kRowLanes > kShifts);

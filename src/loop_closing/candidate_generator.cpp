@@ -12,6 +12,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
+// Chosen: more than are registered, so that each source is heard.
 constexpr std::size_t kMaxPerSource = 10;
 constexpr double kMinSpacing = 8.0;      // m of path length between candidates of one pass
 constexpr double kSatisfiedError = 1.0;  // m; a loop with a smaller error is satisfied by the map

@@ -8,8 +8,8 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kStepSize =
-    1.0F / 128.0F;                  // harmonics of a descriptor of norm 1 are mostly below 1
+// Harmonics of a descriptor of norm 1 are mostly below 1, so they take half of the steps of a byte.
+constexpr float kStepSize = 1.0F / 128.0F;
 constexpr float kMaxStep = 255.0F;  // steps; a larger value adds to the rounding error
 constexpr float kRounding = 1e-4F;  // relative rounding error of a distance in single precision
 

@@ -10,9 +10,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
+// Points. Chosen: larger leaves measure more points in vain, smaller ones descend further.
 constexpr std::uint32_t kLeafSize = 16;
 constexpr std::uint32_t kLanes = 4;  // vector width that every processor has
-constexpr int kAxes = 3;
+constexpr int kAxes = 3;             // x, y, z
 
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 

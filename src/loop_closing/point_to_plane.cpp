@@ -22,8 +22,8 @@ constexpr std::array<Level, 4> kLevels = {
 
 constexpr double kStepTranslation = 5e-3;  // m; a level ends after a step below these
 constexpr double kStepRotation = 5e-4;     // rad
-constexpr int kMinPairs = 30;
-constexpr double kMinSigma = 0.02;  // m, standard deviation of a point about its plane
+constexpr int kMinPairs = 30;              // five for each of six unknowns; chosen
+constexpr double kMinSigma = 0.02;         // m, standard deviation of a point about its plane
 
 /// Normal equations of one iteration.
 struct Equations {

@@ -11,12 +11,14 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr int kColumns = 240;  // of 1.5 degrees
-constexpr int kRows = 90;      // of 2 degrees
-constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
+constexpr int kColumns = 240;                                       // of 1.5 degrees
+constexpr int kRows = 90;                                           // of 2 degrees
+constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
-constexpr float kViolationMargin =
-    1.5F;  // m; a block has to be this much behind a point to contradict it
+// Metres; a block has to be this much behind a point to contradict it. Chosen: more than the error
+// of a match, less than a room or a car is deep.
+constexpr float kViolationMargin = 1.5F;
+// Of the nine cells of a block; chosen: with more, sparse scans test nothing.
 constexpr int kMinReturns = 4;
 
 }  // namespace

@@ -9,9 +9,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kMaxKnownMatches = 100;
+constexpr std::size_t kMaxKnownMatches = 100;  // chosen, bounds the comparisons per match
 constexpr double kMaxSpeed = 40.0;             // m/s, of the vehicle while nothing was recorded
 constexpr double kTranslationTolerance = 0.5;  // m, plus 2 % of the path length between the matches
+// Of that path length; chosen: above the usual drift of odometry.
 constexpr double kDriftTolerance = 0.02;
 constexpr double kRotationTolerance = 0.1;  // rad
 

@@ -12,9 +12,9 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr int kBins = 128;  // of 1 m
-constexpr int kDirections = SpectrumDescriptor::kDirections;
-constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;
+constexpr int kBins = 128;                                      // of 1 m
+constexpr int kDirections = SpectrumDescriptor::kDirections;    // over half a turn
+constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;  // per direction
 using Spectra = Eigen::Matrix<float, kFrequencies, kDirections>;
 
 /// Histogram of the cells' distances along a direction; each cell is shared between the two nearest

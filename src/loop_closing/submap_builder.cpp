@@ -10,7 +10,7 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kMaxCachedPoints = 4'000'000;  // 48 MB: about 300 key frames of 64 beams
-constexpr std::size_t kMaxCachedSubmaps = 8;
+constexpr std::size_t kMaxCachedSubmaps = 8;  // chosen: memory against time to build them again
 // M; key frames further along the path observe other surroundings.
 constexpr double kMaxPathLength = 30.0;
 

@@ -11,7 +11,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kNeighbours = 10;
+constexpr std::size_t kNeighbours = 10;  // chosen: fewer are noisy, more round off edges
 constexpr float kPlanarity = 0.08F;      // largest ratio of smallest to middle eigenvalue
 constexpr float kClearance = 0.6F;       // m above the ground
 constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its centre
@@ -37,6 +37,7 @@ Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
 /// Square cells around the origin. The outermost cells are not used.
 class GroundCells {
  public:
+  // Cells; with one on each side that catches what lies outside.
   static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
   static constexpr int kCount = kWidth * kWidth;
 

@@ -14,8 +14,9 @@ namespace {
 /// frames.
 constexpr std::size_t kMaxEarlyPositions = 2000;
 
-constexpr double kMinHeightJump =
-    1.5;  // m; a larger change of the height at once is neither a ramp nor stairs
+// Metres; a larger change of the height at once is neither a ramp nor stairs. Chosen: lower, stairs
+// count as jumps, higher, jumps of a bad pose pass.
+constexpr double kMinHeightJump = 1.5;
 
 /// Difference of the height of a step from the slope of the previous step, if it is too large for a
 /// motion. Such a jump is an error, for instance a match on another storey.

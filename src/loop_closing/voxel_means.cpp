@@ -8,8 +8,8 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;
-constexpr std::size_t kMinSlots = 1 << 14;
+constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;  // no index: there are fewer voxels
+constexpr std::size_t kMinSlots = 1 << 14;         // 64 kB; chosen, it doubles when needed
 constexpr float kMaxCoordinate = 5e4F;  // m; with all permitted leaf sizes the cells fit into a key
 
 }  // namespace

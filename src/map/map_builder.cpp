@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kReferenceDistance = 50.0;  // m; see MapConfig::rebuild_distance
 constexpr std::size_t kBatchSize = 16;       // clouds in memory at a time
-constexpr double kRebuildAllFraction =
-    0.5;  // above it, a partial rebuild costs more than a whole one
+// Of the key frames; above it, a partial rebuild costs more than a whole one. Chosen.
+constexpr double kRebuildAllFraction = 0.5;
 
 bool are_equal(const Pose& a, const Pose& b) {
   return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();

@@ -25,8 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMaxCompressedPoints =
-    2'000'000;  // points; compression needs 33 bytes for each
+// Points. Compression needs 33 bytes for each, so 66 MB. Chosen: memory against size of the file.
+constexpr std::uint64_t kMaxCompressedPoints = 2'000'000;
 
 struct Extent {
   std::uint64_t points = 0;
@@ -193,7 +193,7 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
 }
 
 void check_range(const PointCloud& cloud) {
-  constexpr float kMaxDistance = 1e5F;
+  constexpr float kMaxDistance = 1e5F;  // m; the spacing of floats is 8 mm there and doubles beyond
   for (const Point& point : cloud.points) {
     if (point.position().cwiseAbs().maxCoeff() <= kMaxDistance) continue;
     throw InputError("the map reaches " +

@@ -57,7 +57,7 @@ class PointEvidence {
     }
   }
 
-  static constexpr std::uint8_t kMaxCount = 255;
+  static constexpr std::uint8_t kMaxCount = 255;  ///< largest value of a byte
 
   const GridBlock block_;
   std::vector<std::uint8_t> obstacles_;  ///< Points at the height of obstacles, up to kMaxCount.
@@ -73,7 +73,7 @@ std::uint8_t cell_value(int obstacles, bool has_ground, bool passed, const GridO
 
 /// The points of a block and those around it on which its ground depends.
 PointCloud points_around(const CloudParts& map, const GridFrame& frame, const GridBlock& block) {
-  constexpr double kMargin = static_cast<double>(GroundRaster::kSupportRadius);
+  constexpr double kMargin = static_cast<double>(GroundRaster::kSupportRadius);  // m
   const auto x_low = static_cast<float>(frame.x_of(block.column) - kMargin);
   const auto x_high = static_cast<float>(frame.x_of(block.column + block.columns) + kMargin);
   const auto y_low = static_cast<float>(frame.y_of(block.row) - kMargin);

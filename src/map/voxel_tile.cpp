@@ -10,7 +10,7 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kFirstSlots = 1024;
+constexpr std::size_t kFirstSlots = 1024;  // 4 kB; chosen, it doubles when needed
 
 /// Capacity of a grown list. If it doubled as vectors do, half of the memory of the tiles around
 /// the vehicle would be unused.

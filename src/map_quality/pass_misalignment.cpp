@@ -17,19 +17,19 @@ namespace {
 
 constexpr double kSectionLength = 10.0;    // m, length of a section of the later pass
 constexpr double kMaxPassDistance = 10.0;  // m, largest distance between the passes
-constexpr double kMaxHeightDifference =
-    2.0;  // m, larger height differences belong to another storey
+// Metres; larger height differences belong to another storey.
+constexpr double kMaxHeightDifference = 2.0;
 constexpr double kMinPathBetweenPasses = 40.0;     // m, least path length between the passes
 constexpr std::size_t kMaxPointsPerPass = 80'000;  // per pass and section
-constexpr int kIterations = 5;
-constexpr double kConverged = 0.001;         // m
-constexpr double kMaxThickness = 0.1;        // m, of a plane
-constexpr double kMinConstraints = 2.0;      // number of planes that have to face a direction
-constexpr double kLeverArm = 10.0;           // m
-constexpr double kAgreementDistance = 0.03;  // m
-constexpr double kClearMajority = 1.1;       // ratio of the numbers of agreeing walls
-constexpr std::size_t kMinPlanes = 15;
-constexpr double kCosSimilar = 0.94;  // normals within 20 degrees
+constexpr int kIterations = 5;                     // at most; chosen, bounds the time
+constexpr double kConverged = 0.001;               // m
+constexpr double kMaxThickness = 0.1;              // m, of a plane
+constexpr double kMinConstraints = 2.0;            // number of planes that have to face a direction
+constexpr double kLeverArm = 10.0;                 // m
+constexpr double kAgreementDistance = 0.03;        // m
+constexpr double kClearMajority = 1.1;             // ratio of the numbers of agreeing walls
+constexpr std::size_t kMinPlanes = 15;             // chosen, for four unknowns
+constexpr double kCosSimilar = 0.94;               // normals within 20 degrees
 
 /// A point with the direction of the ray that measured it.
 struct ObservedPoint {

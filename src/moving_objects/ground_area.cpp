@@ -9,8 +9,8 @@ namespace {
 
 using Flags = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMargin = GroundArea::kMargin;
-constexpr std::size_t kWindow = GroundArea::kWindow;
+constexpr std::size_t kMargin = GroundArea::kMargin;  // columns
+constexpr std::size_t kWindow = GroundArea::kWindow;  // columns
 
 /// Logical or of kWindow flags each, which are `step` apart; the input is longer by their distance.
 Flags dilated(const Flags& flags, std::size_t step) {

@@ -12,9 +12,9 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kWindow = GroundArea::kWindow;
+constexpr std::size_t kWindow = GroundArea::kWindow;  // columns
 constexpr float kDeeper = 0.2F;  // m, from here on the surroundings are believed instead
-constexpr float kNone = LowestPoints::kNone;
+constexpr float kNone = LowestPoints::kNone;  // no point
 constexpr float kNotComputed = std::numeric_limits<float>::quiet_NaN();
 
 /// Lower quartile of the known heights.

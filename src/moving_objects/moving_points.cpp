@@ -63,7 +63,7 @@ VoteCount vote_count_of(Vote vote) {
 /// number.
 class VoxelKeys {
  public:
-  static constexpr std::size_t kColumns = std::size_t{1} << 16U;
+  static constexpr std::size_t kColumns = std::size_t{1} << 16U;  ///< as 16 bits number
 
   VoxelKeys(const TransformedPoints& points, float voxel)
       : points_(points), scale_(1.0F / voxel), columns_(points.size()) {
@@ -83,6 +83,7 @@ class VoxelKeys {
   }
 
  private:
+  // Square root of kColumns: the number of a column fills 16 bits.
   static constexpr unsigned kWidth = 256;
   static std::uint16_t column(int x, int y) {
     return static_cast<std::uint16_t>(static_cast<unsigned>(x) % kWidth * kWidth +
@@ -206,7 +207,7 @@ class CellSet {
   bool has(std::uint32_t cell) const { return (words_[cell / kBits] & bit(cell)) != 0; }
 
  private:
-  static constexpr std::uint32_t kBits = 64;
+  static constexpr std::uint32_t kBits = 64;  // of a word
   static std::uint64_t bit(std::uint32_t cell) { return std::uint64_t{1} << (cell % kBits); }
 
   std::vector<std::uint64_t> words_;
@@ -215,7 +216,7 @@ class CellSet {
 /// Numbers of cells, stored in pages that are created on demand, because most cells have none.
 class CellNumbers {
  public:
-  static constexpr std::uint32_t kNone = 0;
+  static constexpr std::uint32_t kNone = 0;  // numbers of objects begin with 1
 
   explicit CellNumbers(std::size_t cells) : pages_(cells / kPage + 1, kNoPage) {}
 
@@ -233,6 +234,7 @@ class CellNumbers {
   }
 
  private:
+  // Cells, 128 bytes; chosen: memory of sparse pages against number of pages.
   static constexpr std::uint32_t kPage = 32;
   static constexpr std::uint32_t kNoPage = std::numeric_limits<std::uint32_t>::max();
 

@@ -12,8 +12,9 @@
 namespace lidar_mapping::moving_objects {
 namespace {
 
-constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);
-constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
+constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);            // rad
+constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);  // over a turn
+// Rows of 0.5 degrees. Chosen: a little more than the rings of 64 beams lie apart (0.4 degrees).
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
 constexpr float kMinLength = 1e-37F;      // m, above zero, because it is a divisor
 constexpr float kMargin = 0.2F;           // m
@@ -60,7 +61,7 @@ LIDAR_MAPPING_INLINE Direction direction_of(float x, float y, float z) {
 }
 
 LIDAR_MAPPING_INLINE int units_of(float range) {
-  constexpr auto kLargest = static_cast<float>(kMaxUnit);
+  constexpr auto kLargest = static_cast<float>(kMaxUnit);  // units
   const float units = range * kUnitsPerMeter;
   const float low = units > 1.0F ? units : 1.0F;
   return static_cast<int>(low < kLargest ? low : kLargest);

@@ -12,7 +12,7 @@ namespace {
 const ros::WallDuration kInterval(1.0);
 const ros::WallDuration kSilence(5.0);
 constexpr double kFixDistance = 1.0;  // m, between positions that are shown
-constexpr std::size_t kTasks = 20;
+constexpr std::size_t kTasks = 20;    // that wait; chosen: more would only show later
 
 bool is_silent(const DriveView& view) {
   return !view.state.empty() && ros::WallTime::now() - view.newest_scan > kSilence;

@@ -28,6 +28,7 @@ class CloudPool {
   }
 
  private:
+  /// Chosen: a few scans are under way at a time, more would be idle memory.
   static constexpr std::size_t kMaxClouds = 4;
 
   std::mutex mutex_;

@@ -18,7 +18,7 @@ constexpr const char* kHeader =
     "kind,begin_s,end_s,begin_ns,end_ns,scans,way_begin_m,way_m,way_of_drive_m,x,y,z,"
     "expected_error_m,lowest_probability,trusted";
 
-constexpr std::size_t kColumns = 15;
+constexpr std::size_t kColumns = 15;  // cells of kHeader
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> cells;
@@ -43,7 +43,7 @@ DoubtfulSection section_of_cells(const std::vector<std::string>& cells) {
   }
   const auto doubt = doubt_of_state(cells[0]);
   if (!doubt) throw InputError("there is no such kind of doubt");
-  constexpr std::int64_t kMaxScans = 1'000'000'000;
+  constexpr std::int64_t kMaxScans = 1'000'000'000;  // chosen: three years at 10 Hz
   DoubtfulSection section;
   section.doubt = *doubt;
   section.begin = stamp_of_nanoseconds(cells[3]);

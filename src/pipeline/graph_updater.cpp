@@ -24,7 +24,7 @@ bool should_store_poses(std::size_t key_frames, std::size_t stored_at) {
 /// stages, too. Loop closing does not depend on it, even in a drive of hours, because it keeps
 /// downsampled clouds of its own.
 std::size_t cloud_cache_bytes(std::size_t key_frames) {
-  constexpr std::size_t kPerKeyFrame = 15'000;
+  constexpr std::size_t kPerKeyFrame = 15'000;  // bytes; measured, see doc/results/pipeline.md
   constexpr std::size_t kFullCache = session::CloudStore::kDefaultCacheBytes;
   return kFullCache - std::min(kFullCache / 4 * 3, kPerKeyFrame * key_frames);
 }

@@ -116,6 +116,7 @@ Eigen::Quaterniond read_orientation(WordReader& words) {
 }
 
 Stamp read_stamp(WordReader& words) {
+  // Seconds up to 2112, as in sessions; the largest number of nanoseconds within a second.
   constexpr double kLatest = 4.5e9, kNanoseconds = 999'999'999;
   const std::int64_t seconds = words.whole_number(kLatest);
   return seconds * 1'000'000'000 + words.whole_number(kNanoseconds);

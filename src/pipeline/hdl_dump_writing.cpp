@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of the edge from the anchor. Chosen: it has no residual as long as nothing else in the graph is
+// absolute, whatever its weight is.
 constexpr double kAnchorStddev_m = 0.1;
 constexpr double kAnchorStddev_rad = 0.05;
 

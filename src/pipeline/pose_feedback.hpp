@@ -17,6 +17,7 @@ using MovedPoses = std::shared_ptr<const KeyFramePoses>;
 /// step n - kLag of the graph, however fast both are.
 class PoseFeedback {
  public:
+  /// Steps; chosen: a shorter lag makes the search wait, a longer one searches with older poses.
   static constexpr std::size_t kLag = 4;
 
   /// Reports that the graph has finished its next step.

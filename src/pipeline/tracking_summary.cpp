@@ -14,6 +14,7 @@ constexpr Stamp kGap = from_seconds(1.0);
 constexpr std::array kDoubts = {Doubt::kDoubtful, Doubt::kDegraded, Doubt::kRepeated,
                                 Doubt::kDegenerate, Doubt::kLost};
 
+// Of the path length; the limit of map_quality for odometry.
 constexpr double kAllowedFraction = 0.01;
 constexpr double kMinAllowedError = 0.5;  // m
 

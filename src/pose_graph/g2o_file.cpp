@@ -50,7 +50,7 @@ class Line {
 
   /// A coordinate of a pose: m, rad, or an element of a quaternion.
   double coordinate() {
-    constexpr double kFarthest = 1e9;
+    constexpr double kFarthest = 1e9;  // chosen: no map reaches it, and squares stay finite
     const double value = number();
     if (std::abs(value) > kFarthest) fail("a pose is beyond a million kilometres");
     return value;

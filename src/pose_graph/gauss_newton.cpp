@@ -39,6 +39,7 @@ std::pair<double, double> loss_at(const ceres::LossFunction* loss, double square
 template <int size>
 class NormalEquations {
  public:
+  // Columns of a Jacobian per node.
   static constexpr int kBlock = size == 6 ? kPoseBlockSize : kPlanarBlockSize;
   using Block = Eigen::Matrix<double, size, size>;
 

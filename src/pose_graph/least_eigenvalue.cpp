@@ -8,6 +8,7 @@
 namespace lidar_mapping::pose_graph {
 
 double least_eigenvalue(const FactorGraph& graph, const std::vector<bool>& selected) {
+  // Of the power iteration. Chosen: too few give too large a value where two eigenvalues are close.
   constexpr int kIterations = 30;
   const std::unique_ptr<BlockCholesky<6>> system = information_matrix(graph, selected);
   if (!system->factorize()) return 0.0;

@@ -10,7 +10,7 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-constexpr int kMaxRounds = 5;
+constexpr int kMaxRounds = 5;  // chosen: the choice may alternate without end
 // Real errors have heavier tails than a Gaussian, and false loops have much larger residuals. A
 // constraint is therefore refused only above twice the quantile; otherwise one per cent or more of
 // the true ones would be refused.

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Stamp kWindow = from_seconds(2.0);
 constexpr Stamp kMaxGap = from_seconds(0.5);
-constexpr int kMinSamples = 20;
+constexpr int kMinSamples = 20;  // 10 Hz; chosen: fewer give a poor mean
 /// Number of windows: no vehicle is in free fall or jumps for six seconds.
 constexpr int kMinWindows = 3;
 /// m/s^2: shocks and thrust change the mean acceleration, but not by a third over seconds.

@@ -29,6 +29,7 @@ class FixScatter {
   double variance_factor() const;
 
  private:
+  /// Second differences; chosen: more are steadier, but notice a change of the sky later.
   static constexpr std::size_t kMaxCount = 200;
 
   std::deque<LocalFix> last_fixes_;        ///< up to three

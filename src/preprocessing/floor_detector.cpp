@@ -27,7 +27,8 @@ constexpr double kHalfStripWidth = 2.0;      // m
 constexpr double kCellSize = 1.0;            // m, edge length of a cell whose slope is tested
 constexpr std::size_t kMinPointsOfCell = 8;  // points
 constexpr double kMaxLineRatio = 0.02;       // ratio of the eigenvalues, middle to largest
-constexpr int kSectors = 12;
+constexpr int kSectors = 12;                 // of 30 degrees
+// Chosen: with fewer a narrow patch passes, with more a floor ahead fails.
 constexpr int kMinSectorsOfFloor = 3;
 constexpr double kMinRadialExtent = 1.0;  // m
 // larger than on any street, except where a ramp begins

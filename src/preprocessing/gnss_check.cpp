@@ -23,7 +23,7 @@ constexpr double kMaxStepDuration = 1.5;  // s between fixes that are compared
 constexpr double kMaxOffsetSigma = 0.02;  // s
 constexpr double kPriorArmSigma = 3.0;    // m, standard deviation
 constexpr double kMinArmError = 0.4;      // m
-constexpr double kSigmas = 5.0;
+constexpr double kSigmas = 5.0;  // chosen: a false alarm sends a person to the vehicle to measure
 // interval over which the speeds of fixes are computed
 constexpr Stamp kSectionDuration = from_seconds(2.0);
 constexpr double kMinSectionLength = 4.0;  // m

@@ -9,7 +9,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kSigmas = 3.0;
+constexpr double kSigmas = 3.0;           // 99.7 % of a normal distribution, along an axis
 constexpr double kTolerance = 0.5;        // m
 constexpr double kDriftFraction = 0.012;  // of the path length since the last good fix
 constexpr double kMaxGrade = 0.12;        // height per path length

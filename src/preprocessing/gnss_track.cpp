@@ -9,10 +9,11 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr Stamp kJumpBack = from_seconds(2.0);
-constexpr std::size_t kMaxPending = 200;
+constexpr std::size_t kMaxPending = 200;    // fixes that wait for the motion, 20 s at 10 Hz; chosen
 constexpr double kMaxDeadReckoning = 10.0;  // s; after that dead reckoning is too inaccurate
-constexpr double kMinDistanceOfOtherStart =
-    1000.0;  // m from the first fix; a smaller error is corrected during the drive
+// Metres from the first fix; a smaller error is corrected during the drive. Chosen, far beyond the
+// errors of receivers.
+constexpr double kMinDistanceOfOtherStart = 1000.0;
 constexpr double kMaxDistanceOfAgreement = 20.0;  // m between two fixes
 constexpr double kMaxSpeed = 70.0;                // m/s
 constexpr double kMinDelayChange = 0.001;  // s; smaller changes of the correction are not applied

@@ -6,7 +6,7 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 constexpr Stamp kWindow = from_seconds(1.0);
-constexpr std::size_t kMinSamples = 8;
+constexpr std::size_t kMinSamples = 8;  // per window, 8 Hz; chosen: fewer say little of the scatter
 /// One estimate per second: this is more than a minute, longer than any scan waits.
 constexpr std::size_t kMaxEstimates = 64;
 constexpr double kMaxRateDeviation = 0.01;          // rad/s, standard deviation

@@ -13,9 +13,11 @@ namespace {
 constexpr double kMinSectionLength = 5.0;    // m
 constexpr double kMinSigmasOfSection = 8.0;  // course good to about 10 degrees
 constexpr double kMaxTurning = 0.35;         // rad of turning within a section
+// Chosen above the error of a course, which is about 10 degrees.
 constexpr double kAgreement = 15.0 * kRadPerDeg;
+// Chosen: between both nothing is decided.
 constexpr double kContradiction = 30.0 * kRadPerDeg;
-constexpr int kMinCount = 3;
+constexpr int kMinCount = 3;  // sections in a row; chosen: more decide later
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * kPi); }
 

@@ -15,15 +15,15 @@ namespace lidar_mapping::preprocessing {
 namespace {
 
 #if defined(__AVX512F__)
-constexpr int kLanes = 16;
+constexpr int kLanes = 16;  // floats in a register of 512 bits
 #elif defined(__AVX2__)
-constexpr int kLanes = 8;
+constexpr int kLanes = 8;  // floats in a register of 256 bits
 #else
-constexpr int kLanes = 4;
+constexpr int kLanes = 4;  // floats in a register of 128 bits, which every processor has
 #endif
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
-constexpr unsigned kAll = (1U << kLanes) - 1U;
+constexpr unsigned kAll = (1U << kLanes) - 1U;  // a bit per lane
 /// Points of four floats in a register.
 constexpr int kQuads = kLanes / 4;
 
@@ -312,6 +312,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
 template <bool has_times, bool keeps_times>
 void move_rest(const PointSource& source, std::size_t first, const KeepRule& rule,
                const Slots& slots, Done& done) {
+  // Bytes of x, y, z, and of these with the intensity.
   constexpr std::size_t kCoordinates = 3 * sizeof(float), kPoint = 4 * sizeof(float);
   unsigned char rest[kLanes * kPoint] = {};
   float times[kLanes] = {};

@@ -15,8 +15,8 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr int kPlaneIterations = 5;
-constexpr int kSurfaceIterations = 3;
+constexpr int kPlaneIterations = 5;    // chosen: Tukey's weights need a good start
+constexpr int kSurfaceIterations = 3;  // from the plane on; chosen, bounds the time
 // 1/m, standard deviation with which the surface stays a plane
 constexpr double kFlatCurvatureSigma = 1e-9;
 constexpr double kCurvatureSigma = 1.0 / 300.0;  // 1/m, standard deviation: crests of slow streets

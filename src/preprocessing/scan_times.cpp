@@ -41,7 +41,7 @@ double start_to_stamp(const PreprocessingConfig& config) {
   return 0.0;
 }
 
-constexpr std::size_t kLanes = 4;
+constexpr std::size_t kLanes = 4;  // floats in a register of 128 bits
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 
 /// Computes lane by lane; comparisons with NaN are false.

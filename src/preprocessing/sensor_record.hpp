@@ -35,6 +35,7 @@ struct TopicStatistics {
 /// The messages of a sensor: statistics of their headers and, up to a limit, the usable samples.
 template <typename Sample>
 struct SensorRecord {
+  /// Four minutes at 200 Hz; chosen, bounds the memory.
   static constexpr std::size_t kMaxSamples = 50000;
 
   TopicStatistics topic;

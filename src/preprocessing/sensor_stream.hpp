@@ -56,10 +56,10 @@ class SensorStream {
   }
 
  private:
-  static constexpr double kHorizon = 20.0;  // s
-  static constexpr std::size_t kCapacity = 20000;
-  static constexpr double kJumpBack = 2.0;  // s; longer than any network delay
-  static constexpr double kSilence = 1.0;   // s without a sample: the sensor is not active any more
+  static constexpr double kHorizon = 20.0;         // s
+  static constexpr std::size_t kCapacity = 20000;  // samples of kHorizon at 1 kHz
+  static constexpr double kJumpBack = 2.0;         // s; longer than any network delay
+  static constexpr double kSilence = 1.0;  // s without a sample: the sensor is not active any more
 
   std::string name_;
   bool enabled_;

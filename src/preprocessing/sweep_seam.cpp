@@ -13,9 +13,9 @@ constexpr float kMinRange = 3.0F;        // m; nearer points belong to the vehic
 constexpr float kMaxRange = 50.0F;       // m; beyond, neighbouring points are too far apart
 constexpr float kMinDifference = 0.15F;  // m
 constexpr float kMaxGap = 0.4F;          // m
-constexpr std::size_t kMinPoints = 4;
-constexpr std::size_t kMinScans = 10;
-constexpr double kMaxPause = 1.5;  // in units of the span of a sweep
+constexpr std::size_t kMinPoints = 4;    // with a clear vote; chosen: fewer may be a moving object
+constexpr std::size_t kMinScans = 10;    // with a majority; chosen: more decide later
+constexpr double kMaxPause = 1.5;        // in units of the span of a sweep
 
 float distance_to(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& point) {
   float nearest_squared = std::numeric_limits<float>::max();

@@ -14,12 +14,14 @@ namespace {
 constexpr double kMaxGap = 1.0;                // s between scans or fixes
 constexpr double kTurnDuration = 1.0;          // s
 constexpr double kMinSpeedForDirection = 2.0;  // m/s; at lower speeds the direction is not reliable
-constexpr double kMinSquaredTurning =
-    0.5;  // rad^2, sum of squares: a bend of 90 degrees in three seconds
+// Sum of squares, rad^2: a bend of 90 degrees in three seconds. Chosen: with less the noise of the
+// direction could decide.
+constexpr double kMinSquaredTurning = 0.5;
 constexpr double kForgetting = 0.98;          // factor of the old sums for each new turn
 constexpr double kMinSectionLength = 2.0;     // m
 constexpr double kMinSigmasOfSection = 20.0;  // for a scale accurate to a tenth
 constexpr double kMaxSectionDuration = 20.0;  // s
+// For a median without the outermost two; chosen: more decide later.
 constexpr std::size_t kSections = 5;
 // of the scale, largest difference of the middle values
 constexpr double kMaxScaleDifference = 0.2;

@@ -14,6 +14,7 @@
 namespace lidar_mapping::registration {
 namespace {
 
+// Of the trace; chosen: far below what points say, above the rounding of doubles.
 constexpr double kTinyShare = 1e-12;
 
 /// How well points fit, see NdtSums.

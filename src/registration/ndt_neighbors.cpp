@@ -75,6 +75,7 @@ void NdtNeighbors::update(const std::vector<std::int32_t>& cells, const RotatedP
 
 void NdtNeighbors::look_up(std::size_t neighbor, const RotatedPoints& points,
                            GaussianVoxelMap& map) {
+  // Look-ups between fetching a place and reading it; chosen, results do not depend on it.
   constexpr std::size_t kAhead = 32;
   const auto cell_at = [&](std::size_t k) -> Eigen::Vector3i {
     return unpacked(cells_[moved_[k]]) + offsets_[neighbor];

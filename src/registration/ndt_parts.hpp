@@ -23,6 +23,7 @@ class NdtParts {
                           const Eigen::Matrix3d& R_map_sensor);
 
  private:
+  /// Of points (x y z) and their planes (x y z and offset).
   static constexpr std::size_t kArrays = 7;
 
   void assign_parts(const NdtPoints& points, const PlaneArrays& planes);

@@ -10,6 +10,7 @@
 namespace lidar_mapping::registration {
 namespace {
 
+// Of a sweep: 6 ms at 10 Hz. Chosen: fewer blur fast turns, more fill up more lanes with nothing.
 constexpr std::size_t kSlices = 16;
 /// Outside of every map; see kMaxCellXY.
 constexpr float kFarAway = 1e6F;

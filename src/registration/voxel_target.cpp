@@ -21,7 +21,7 @@ std::size_t voxel_count(const PclCloud& cloud, double resolution) {
 }  // namespace
 
 GaussianVoxelMap voxel_target(const PclCloud& cloud, double resolution, const PlaneModel& model) {
-  constexpr std::size_t kLeastCapacity = 1024;
+  constexpr std::size_t kLeastCapacity = 1024;  // slots; chosen, for clouds of a few points
   // Half of the table stays empty.
   GaussianVoxelMap map(resolution, std::max(kLeastCapacity, 2 * voxel_count(cloud, resolution)),
                        model);

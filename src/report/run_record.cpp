@@ -94,6 +94,7 @@ json::Json to_json(const RunRecord& record) {
 /// The library would make a number of true, of 1e300 and of -1 as well.
 template <typename Number = std::int64_t>
 Number whole_number(const json::Json& json) {
+  // Largest value of the type.
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<Number>::max());
   const bool is_small = json.is_number_unsigned() && json.get<std::uint64_t>() <= kMost;
   const bool is_negative = json.is_number_integer() && !json.is_number_unsigned();

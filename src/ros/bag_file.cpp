@@ -21,9 +21,9 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 constexpr char kVersion[] = "#ROSBAG V2.0\n";
-constexpr std::size_t kVersionLength = sizeof kVersion - 1;
-constexpr std::size_t kAnyVersionLength = 9;  // "#ROSBAG V"
-constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // without the closing zero
+constexpr std::size_t kAnyVersionLength = 9;                    // "#ROSBAG V"
+constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
 constexpr std::uint64_t kAhead = 8'000'000;  // bytes that the disk is asked for early
 
 enum Operation : std::uint8_t {
@@ -149,6 +149,7 @@ void BagFile::fail_chunk(std::uint64_t position) const {
 }
 
 BagFile::Record BagFile::record_at(std::uint64_t position) const {
+  // Bytes; chosen: far above any header, whose fields are short.
   constexpr std::uint32_t kLongestHeader = 1'000'000;
   std::uint32_t length = 0;
   if (position >= size_) fail("its end is missing");
@@ -259,6 +260,7 @@ std::vector<BagEntry> BagFile::entries(const BagChunk& chunk) const {
 }
 
 void BagFile::add_entries(const Record& record, std::vector<BagEntry>& entries) const {
+  // Bytes of time and offset, by version 1 of index data in bag format 2.0.
   constexpr std::size_t kEntry = 12;
   const auto connection = record.number<std::uint32_t>(*this, "conn");
   if (connections_.count(connection) == 0) return;

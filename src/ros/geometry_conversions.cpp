@@ -30,7 +30,7 @@ Eigen::Matrix<double, 6, 6, Eigen::RowMajor> symmetric(const Covariance6& covari
 }  // namespace
 
 Eigen::Quaterniond unit(const Eigen::Quaterniond& rotation) {
-  constexpr double kRounding = 1e-14;
+  constexpr double kRounding = 1e-14;  // of the squared norm; 45 roundings of doubles (2.2e-16)
   if (std::abs(rotation.squaredNorm() - 1.0) < kRounding) return rotation;
   return rotation.normalized();
 }

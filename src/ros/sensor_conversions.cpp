@@ -10,7 +10,8 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-constexpr double kNone = -1.0;
+constexpr double kNone = -1.0;  // first element of what is not provided, by sensor_msgs/Imu
+// Element (3, 3) of 6 x 6 by rows, by geometry_msgs/PoseWithCovariance.
 constexpr std::size_t kRollRoll = 21;
 
 /// By sensor_msgs/Imu's definition.

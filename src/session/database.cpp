@@ -13,7 +13,7 @@ namespace lidar_mapping::session {
 
 namespace {
 
-constexpr int kBusyTimeoutMs = 5000;
+constexpr int kBusyTimeoutMs = 5000;     // chosen: longer than writing a chunk takes
 constexpr std::size_t kShownBytes = 40;  // bytes of a damaged cell that a message shows
 /// Limit for stored numbers, so that products of information and covariances do not overflow.
 constexpr double kMaxNumber = 1e100;
@@ -162,7 +162,7 @@ Eigen::Quaterniond Statement::read_quaternion() {
   const int column = column_;
   const Eigen::Vector3d xyz = read_vector();
   const Eigen::Quaterniond rotation(read_coordinate(), xyz.x(), xyz.y(), xyz.z());
-  constexpr double kNormTolerance = 0.5;
+  constexpr double kNormTolerance = 0.5;  // chosen: only damage is to be found
   require(std::abs(rotation.norm() - 1.0) < kNormTolerance, column, "a quaternion of unit length");
   return rotation;
 }

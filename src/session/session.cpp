@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Chosen: readers of an older one have time to finish; each takes space.
 constexpr std::int64_t kKeptRevisions = 10;
 
 std::string indented(const std::string& yaml) {

@@ -128,7 +128,7 @@ void add_ramp(TriangleMesh& mesh, double z) {
 
 /// A parapet around the storey; with a gate in the west wall of the ground floor.
 void add_parapet(TriangleMesh& mesh, double z, bool gate) {
-  constexpr double kHeight = 1.05, kThick = 0.2;
+  constexpr double kHeight = 1.05, kThick = 0.2;  // m; chosen, as of usual parapets
   const double top = z + kHeight;
   add_block(mesh, {0.0, 0.0, z}, {kLength, kThick, top}, kConcrete);
   add_block(mesh, {0.0, kWidth - kThick, z}, {kLength, kWidth, top}, kConcrete);

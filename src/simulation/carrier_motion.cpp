@@ -14,7 +14,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kStep = Track::kStep;
+constexpr double kStep = Track::kStep;  ///< s
 
 /// Steps slower than this push less, m/s.
 constexpr double kFirmStep = 0.6;

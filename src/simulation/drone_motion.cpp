@@ -14,15 +14,15 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kStep = Track::kStep;
+constexpr double kStep = Track::kStep;  ///< s
 constexpr double kHeightAtRest = 0.2;   ///< Height of base_link above the ground at rest, m.
 constexpr double kFlightHeight = 3.0;   ///< Mean height above the ground, m.
 constexpr double kWaveAmplitude = 0.8;  ///< Amplitude of vertical oscillations, m.
-constexpr double kWaveHz = 0.22;
-constexpr double kTakeOff = 3.0;       ///< Duration of the take-off and of the landing, s.
-constexpr double kTiltDuration = 1.0;  ///< Duration of a short roll or pitch, s.
-constexpr double kTiltAngle = 0.5;
-constexpr double kTiltPeriod = 4.0;  ///< s
+constexpr double kWaveHz = 0.22;        ///< Frequency of these oscillations, Hz; chosen.
+constexpr double kTakeOff = 3.0;        ///< Duration of the take-off and of the landing, s.
+constexpr double kTiltDuration = 1.0;   ///< Duration of a short roll or pitch, s.
+constexpr double kTiltAngle = 0.5;      ///< Largest angle of one, rad (29 degrees); chosen.
+constexpr double kTiltPeriod = 4.0;     ///< s
 
 double smooth_step(double u) {
   const double v = std::clamp(u, 0.0, 1.0);

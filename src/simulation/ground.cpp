@@ -8,6 +8,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
+/// Edge length, m; chosen: smaller ones follow slopes better and slow the rays.
 constexpr double kPatchCell = 2.5;
 
 int cells_of(double length, double cell) {

@@ -8,11 +8,11 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kRoomWidth = 6.0;
-constexpr double kCeiling = 2.8;
-constexpr double kDoor = 0.5;  ///< Half width of a door, m.
-constexpr double kDoorHeight = 2.1;
-constexpr double kWall = 0.12;
+constexpr double kRoomWidth = 6.0;   ///< m; chosen, as in usual offices, like those below
+constexpr double kCeiling = 2.8;     ///< m
+constexpr double kDoor = 0.5;        ///< Half width of a door, m.
+constexpr double kDoorHeight = 2.1;  ///< m
+constexpr double kWall = 0.12;       ///< Thickness, m.
 
 /// Adds a wall between two points, with or without a door in its middle.
 void add_wall(TriangleMesh& mesh, const Eigen::Vector2d& a, const Eigen::Vector2d& b, bool door,

@@ -26,7 +26,7 @@ class Path {
   /// The same path with slow lateral deviations of up to `amplitude` metres.
   Path weaving(double amplitude, double phase) const;
 
-  static constexpr double kSpacing = 0.1;
+  static constexpr double kSpacing = 0.1;  ///< m; chosen: far below any radius of a bend
 
  private:
   std::vector<Eigen::Vector2d> points_;

@@ -26,8 +26,8 @@ using Device = Handle<RTCDevice, rtcReleaseDevice>;
 using Scene = Handle<RTCScene, rtcReleaseScene>;
 using Geometry = Handle<RTCGeometry, rtcReleaseGeometry>;
 
-constexpr int kPacket = 8;
-constexpr unsigned kFixedId = 0;
+constexpr int kPacket = 8;        ///< rays of an RTCRayHit8 of Embree, for registers of 256 bits
+constexpr unsigned kFixedId = 0;  ///< the instance of what does not move; movers follow
 
 Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
   Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));

@@ -10,16 +10,16 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kHalfWidth = 1.3;  ///< Half width of corridors and stairwell, m.
-constexpr double kEast = 4.2;       ///< x of the end of the stairwell.
-constexpr double kSlab = 0.2;
-constexpr double kWall = 0.12;
-constexpr double kDoorHeight = 2.1;
-constexpr double kLiftDoor = 0.5;  ///< half width
-constexpr double kWell = 0.1;      ///< Half of the gap between the flights, m.
-constexpr int kSteps = 10;         ///< Steps of a flight.
+constexpr double kHalfWidth = 1.3;   ///< Half width of corridors and stairwell, m.
+constexpr double kEast = 4.2;        ///< x of the end of the stairwell.
+constexpr double kSlab = 0.2;        ///< Thickness, m; chosen, like those below.
+constexpr double kWall = 0.12;       ///< Thickness, m.
+constexpr double kDoorHeight = 2.1;  ///< m
+constexpr double kLiftDoor = 0.5;    ///< half width
+constexpr double kWell = 0.1;        ///< Half of the gap between the flights, m.
+constexpr int kSteps = 10;           ///< Steps of a flight.
 constexpr double kTread = kFlightLength / kSteps;
-constexpr double kRise = 0.5 * kStairStorey / kSteps;
+constexpr double kRise = 0.5 * kStairStorey / kSteps;  ///< m
 
 void add_block(TriangleMesh& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                Reflectivity reflectivity) {
@@ -139,6 +139,7 @@ std::vector<Ground> floor_in_stair_building(const Track& track) {
 }
 
 TriangleMesh make_lift_car() {
+  // Half width, half depth, height and thickness of the sheets, m; chosen, as of a large lift.
   constexpr double kHalf = 0.85, kDeep = 1.1, kHeight = 2.25, kSheet = 0.04;
   TriangleMesh car;
   for (const double z : {-0.1, kHeight}) {

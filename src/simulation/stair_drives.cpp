@@ -17,14 +17,15 @@ namespace {
 enum Stream : std::uint64_t { kMesh = 0x800, kMotion };
 
 using Points = std::vector<Eigen::Vector2d>;
-constexpr double kStep = Track::kStep;
+constexpr double kStep = Track::kStep;  ///< s
 
 constexpr SpeedLimits kWalking{1.1, 1.0, 1.0};
 
-constexpr double kLiftSpeed = 1.6;  ///< m/s
-constexpr double kDoorSeconds = 2.0;
-constexpr double kMoverStep = 0.05;  ///< s
-constexpr double kCarDoor = -1.06;   ///< y of the door of the car, relative to the car, m.
+constexpr double kLiftSpeed = 1.6;    ///< m/s
+constexpr double kDoorSeconds = 2.0;  ///< s, of opening and of closing; chosen
+constexpr double kMoverStep = 0.05;   ///< s
+constexpr double kCarDoor = -1.06;    ///< y of the door of the car, relative to the car, m.
+/// Doors of the storeys: their y, in the wall of the corridor, m.
 constexpr double kStoreyDoor = 1.42;
 
 Scenario building_scenario(const DriveOptions& options, const Track& track,

@@ -34,7 +34,7 @@ Frontage frontage(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return {a, along, {-along.y(), along.x()}, (b - a).norm(), std::atan2(along.y(), along.x())};
 }
 
-constexpr double kPavementWidth = 2.6;
+constexpr double kPavementWidth = 2.6;  ///< m; chosen, as in usual streets
 
 class BlockBuilder {
  public:

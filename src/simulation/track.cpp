@@ -11,7 +11,7 @@ namespace {
 
 /// Rises from 0 to 1 with rates and accelerations of 0 at both ends; the highest rate is 15/8.
 double smooth_step(double u) { return u * u * u * (10.0 + u * (6.0 * u - 15.0)); }
-constexpr double kPeakOfRate = 15.0 / 8.0;
+constexpr double kPeakOfRate = 15.0 / 8.0;  ///< Of its derivative, at u = 1/2.
 
 /// Stations without the rest at the beginning and end.
 std::vector<double> moving_part(const std::vector<double>& stations) {

@@ -20,16 +20,17 @@ namespace {
 
 enum Stream : std::uint64_t { kMesh = 0x300, kTraffic, kMotion };
 
+/// From the path to the middle of the road, m; chosen, as a lane of 3.5 m.
 constexpr double kLane = 1.75;
-constexpr double kRoadHalfWidth = 4.4;
-constexpr double kTubeHalfWidth = 5.2;
-constexpr double kWallHeight = 1.8;  ///< Height at which the arch begins, m.
-constexpr double kPortalIn = 160.0;  ///< Stations of the portals, m.
-constexpr double kPortalOut = 460.0;
+constexpr double kRoadHalfWidth = 4.4;  ///< m; chosen: two lanes and margins
+constexpr double kTubeHalfWidth = 5.2;  ///< m; chosen: the road and a walkway on each side
+constexpr double kWallHeight = 1.8;     ///< Height at which the arch begins, m.
+constexpr double kPortalIn = 160.0;     ///< Stations of the portals, m.
+constexpr double kPortalOut = 460.0;    ///< 300 m of tube; chosen, so that no portal is near
 
 /// Outline of the tube across the road: walls and an arch over them.
 std::vector<Eigen::Vector2d> tube_outline() {
-  constexpr int kArchFaces = 28;
+  constexpr int kArchFaces = 28;  // chosen: edges stay 1 cm off the circle
   std::vector<Eigen::Vector2d> outline = {{-kTubeHalfWidth, -0.3}};
   for (int i = 0; i <= kArchFaces; ++i) {
     const double angle = kPi * (1.0 - static_cast<double>(i) / kArchFaces);
@@ -47,7 +48,7 @@ Eigen::Vector3d across_road(const Path& path, double s, double across, double up
 
 void add_tube_walls(TriangleMesh& mesh, const Path& path) {
   const std::vector<Eigen::Vector2d> outline = tube_outline();
-  constexpr double kStep = 1.0;
+  constexpr double kStep = 1.0;  // m; chosen, the path is nearly straight there
   for (double s = kPortalIn; s < kPortalOut; s += kStep) {
     for (std::size_t i = 0; i + 1 < outline.size(); ++i) {
       const Eigen::Vector2d &a = outline[i], &b = outline[i + 1];
@@ -60,7 +61,7 @@ void add_tube_walls(TriangleMesh& mesh, const Path& path) {
 
 /// A wall around the mouth of the tube with wings on both sides.
 void add_portal(TriangleMesh& mesh, const Path& path, double s) {
-  constexpr double kTop = 10.0, kWing = 24.0;
+  constexpr double kTop = 10.0, kWing = 24.0;  // m, height and half width of the portal; chosen
   const std::vector<Eigen::Vector2d> outline = tube_outline();
   const auto at = [&](double across, double up) { return across_road(path, s, across, up); };
   for (std::size_t i = 0; i + 1 < outline.size(); ++i) {

@@ -14,7 +14,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kSpacing = Path::kSpacing;
+constexpr double kSpacing = Path::kSpacing;      ///< m
 constexpr double kRestAtStart = 3.0;             ///< s
 constexpr double kRestAtEnd = 2.0;               ///< s
 constexpr double kPitchPerAcceleration = 0.004;  ///< rad per m/s^2

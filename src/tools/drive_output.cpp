@@ -14,7 +14,7 @@ namespace lidar_mapping::tools {
 
 void for_each_scan(const simulation::Drive& drive, int threads,
                    const std::function<void(std::size_t, const simulation::SimulatedScan&)>& take) {
-  constexpr std::size_t kBatch = 16;
+  constexpr std::size_t kBatch = 16;  // scans in memory; chosen: a few for each thread
   ProgressBar progress("simulating scans", drive.scan_count());
   std::vector<simulation::SimulatedScan> batch(kBatch);
   for (std::size_t first = 0; first < drive.scan_count(); first += kBatch) {

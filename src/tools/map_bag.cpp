@@ -37,6 +37,7 @@ namespace {
 
 using session::Session;
 
+// Exit status, see doc/pipeline.md; the last is that of shells for a process that SIGINT ended.
 constexpr int kFailed = 1;
 constexpr int kStoppedEarly = 3;
 constexpr int kDoubtful = 4;
@@ -137,7 +138,7 @@ class EndOfPart {
   bool is_over() const { return scans_ >= kCertain; }
 
  private:
-  static constexpr int kCertain = 5;
+  static constexpr int kCertain = 5;  // scans; chosen: more read further than needed
   Stamp end_;
   int scans_ = 0;  ///< in a row behind the end
 };

@@ -16,14 +16,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kRefresh{200};
-constexpr double kMegabyte = 1e6;
+constexpr double kMegabyte = 1e6;  // bytes, by SI
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
 std::string bar_of(double share) {
-  constexpr std::size_t kWidth = 24;
+  constexpr std::size_t kWidth = 24;  // characters; chosen: the rest of the line is for figures
   std::string bar(static_cast<std::size_t>(share * kWidth), '=');
   bar.resize(kWidth, ' ');
   return "[" + bar + "]";

@@ -13,6 +13,8 @@ namespace lidar_mapping::tools {
 
 namespace {
 
+// Of malloc, which otherwise has eight per core, each with freed pages of its own. Chosen: with one
+// alone, threads would wait for each other.
 constexpr int kHeaps = 2;
 constexpr int kOwnMapping = 8'000'000;     // bytes; blocks so large go back when they are freed
 constexpr std::size_t kStep = 64'000'000;  // bytes that the process may grow by

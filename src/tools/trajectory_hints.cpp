@@ -16,10 +16,10 @@ namespace {
 using namespace evaluation;
 using Pairs = std::vector<PosePair>;
 
-constexpr double kWorthSaying = 0.5;  // of the error, that would be left at most
-constexpr double kLeastGain_m = 0.02;
-constexpr double kLeastGain_deg = 0.5;
-constexpr double kLeastLeverArm_m = 0.05;
+constexpr double kWorthSaying = 0.5;       // of the error, that would be left at most
+constexpr double kLeastGain_m = 0.02;      // chosen: smaller gains are not worth a hint
+constexpr double kLeastGain_deg = 0.5;     // chosen, as above
+constexpr double kLeastLeverArm_m = 0.05;  // chosen: about what is measured by hand
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {

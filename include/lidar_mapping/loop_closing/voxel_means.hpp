@@ -41,6 +41,8 @@ class VoxelMeans {
     VoxelKey key;
     Eigen::Vector3f offset;
   };
+  /// Points whose voxels are looked up together, so that the waits for memory overlap. Chosen; the
+  /// sums do not depend on it.
   static constexpr std::size_t kMaxPending = 32;
 
   void process_pending();
