@@ -23,10 +23,10 @@ TEST(PoseFeedback, GivesWhatTheGraphLeftFourStepsBefore) {
   PoseFeedback feedback;
   auto search = std::async(std::launch::async, [&] {
     std::vector<MovedPoses> seen;
-    for (std::uint32_t step = 0; step < kSteps; ++step) seen.push_back(feedback.take());
+    for (std::uint32_t step = 0; step < kSteps; ++step) seen.push_back(feedback.wait_for_step());
     return seen;
   });
-  for (std::uint32_t step = 0; step < kSteps; ++step) feedback.put(poses_of(step));
+  for (std::uint32_t step = 0; step < kSteps; ++step) feedback.add_step(poses_of(step));
   const std::vector<MovedPoses> seen = search.get();
   for (std::size_t step = 0; step < kSteps; ++step) {
     if (step < PoseFeedback::kLag) {
@@ -40,8 +40,8 @@ TEST(PoseFeedback, GivesWhatTheGraphLeftFourStepsBefore) {
 // The search waited for a graph that had failed.
 TEST(PoseFeedback, NobodyWaitsForAGraphThatFailed) {
   PoseFeedback feedback;
-  for (std::size_t step = 0; step < PoseFeedback::kLag; ++step) feedback.take();
-  auto search = std::async(std::launch::async, [&] { return feedback.take(); });
+  for (std::size_t step = 0; step < PoseFeedback::kLag; ++step) feedback.wait_for_step();
+  auto search = std::async(std::launch::async, [&] { return feedback.wait_for_step(); });
   feedback.close();
   EXPECT_EQ(search.get(), nullptr);
 }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "spare_clouds.hpp"
+#include "cloud_pool.hpp"
 
 namespace lidar_mapping::pipeline {
 namespace {
@@ -15,27 +15,27 @@ PointCloud cloud_of(std::size_t points) {
   return cloud;
 }
 
-TEST(SpareClouds, GivesEveryCloudOnce) {
-  SpareClouds spare;
-  EXPECT_EQ(spare.take().size(), 0U);
-  spare.give(cloud_of(7));
-  EXPECT_EQ(spare.take().size(), 7U);
-  EXPECT_EQ(spare.take().size(), 0U);
+TEST(CloudPool, GivesEveryCloudOnce) {
+  CloudPool pool;
+  EXPECT_EQ(pool.acquire().size(), 0U);
+  pool.release(cloud_of(7));
+  EXPECT_EQ(pool.acquire().size(), 7U);
+  EXPECT_EQ(pool.acquire().size(), 0U);
 }
 
-TEST(SpareClouds, MayBeUsedByTwoThreads) {
-  SpareClouds spare;
-  const auto use = [&spare] {
+TEST(CloudPool, MayBeUsedByTwoThreads) {
+  CloudPool pool;
+  const auto use = [&pool] {
     for (int i = 0; i < 1000; ++i) {
-      PointCloud cloud = spare.take();
+      PointCloud cloud = pool.acquire();
       cloud.points.resize(cloud.size() % 100 + 1);
-      spare.give(std::move(cloud));
+      pool.release(std::move(cloud));
     }
   };
   auto other = std::async(std::launch::async, use);
   use();
   other.get();
-  EXPECT_GT(spare.take().size(), 0U);
+  EXPECT_GT(pool.acquire().size(), 0U);
 }
 
 }  // namespace
