@@ -199,8 +199,8 @@ def draw(said, true, path):
     for mean, right, count in rows:
         axis.annotate(f'{int(count)}', (mean, right), textcoords='offset points', xytext=(6, -12),
                       fontsize=8)
-    axis.set_xlabel('probability that the step is right, as said')
-    axis.set_ylabel('share of these steps that is right')
+    axis.set_xlabel('probability that the step is right, as reported')
+    axis.set_ylabel('fraction of these steps that is right')
     axis.set_xlim(0, 1.02)
     axis.set_ylim(0, 1.02)
     figure.tight_layout()
