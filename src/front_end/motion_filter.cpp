@@ -28,6 +28,9 @@ constexpr double kForecastFraction = 0.3;
 /// (sweep_begin.hpp).
 constexpr double kIrregularityFactor = 0.1;
 constexpr double kIrregularityRate = 0.1;
+/// What a squared gap exceeds this multiple of its variance by is not noise: two standard
+/// deviations.
+constexpr double kExplainedGap = 4.0;
 
 /// Standard deviation of a pose relative to the part of the map that was inserted with it.
 constexpr double kAnchorSigma = 0.01;  // m
@@ -236,16 +239,20 @@ void MotionFilter::update_acceleration_sigmas(const MotionState& state,
                            turn.tail<3>().norm()));
 }
 
-void MotionFilter::update_irregularity(const MotionState& state, const Matrix12d& covariance) {
-  const double half = 0.5 * since_corrected_;
-  const Vector6d gap = gap_between({last_corrected_, state, since_corrected_});
-  const Covariance6 explained = pose_covariance(last_covariance_, last_corrected_.twist, half) +
-                                pose_covariance(covariance, state.twist, -half);
-  const Eigen::Vector2d squares(
-      gap.head<3>().squaredNorm() - explained.topLeftCorner<3, 3>().trace(),
-      gap.tail<3>().squaredNorm() - explained.bottomRightCorner<3, 3>().trace());
-  irregularity_ += kIrregularityRate * (squares.cwiseMax(0.0) / 3.0 - irregularity_);
-  step_of_irregularity_ = since_corrected_;
+void MotionFilter::learn_irregularity(const Matrix12d& reported) {
+  if (previous_match_) {
+    const double seconds = previous_match_->seconds_before;
+    const Vector6d gap = gap_between({previous_match_->state, state_, seconds});
+    const Covariance6 explained =
+        pose_covariance(last_reported_, previous_match_->state.twist, 0.5 * seconds) +
+        pose_covariance(reported, state_.twist, -0.5 * seconds);
+    const Eigen::Vector2d squares(
+        gap.head<3>().squaredNorm() - kExplainedGap * explained.topLeftCorner<3, 3>().trace(),
+        gap.tail<3>().squaredNorm() - kExplainedGap * explained.bottomRightCorner<3, 3>().trace());
+    irregularity_ += kIrregularityRate * (squares.cwiseMax(0.0) / 3.0 - irregularity_);
+    step_of_irregularity_ = seconds;
+  }
+  last_reported_ = reported;
 }
 
 /// A jump of the pose, for example when tracking is regained, is not an acceleration.
@@ -264,7 +271,6 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
   update_acceleration_sigmas(state, observed);
   if (since_corrected_ != 0.0) {
     previous_match_ = last_match();
-    if (has_match_) update_irregularity(state, covariance);
     const Vector6d mean_twist =
         twist_between(last_corrected_.T_map_sensor, state.T_map_sensor, since_corrected_);
     forecast_.update(mean_twist, state.twist, since_corrected_, observed);
@@ -276,7 +282,6 @@ void MotionFilter::correct(const MotionState& state, const Matrix12d& covariance
     corrected_ = true;
   }
   last_corrected_ = state;
-  last_covariance_ = covariance;
   has_match_ = true;
   since_corrected_ = 0.0;
   state_ = state;

@@ -95,6 +95,10 @@ class MotionFilter {
   void correct(const MotionState& state, const Matrix12d& covariance,
                const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
 
+  /// To be called after correct(), with the covariance that is reported for the match: learns how
+  /// irregularly the twist changes.
+  void learn_irregularity(const Matrix12d& reported);
+
   /// To be called when a scan was inserted at this pose. Along directions in which the pose was
   /// only predicted, the new part of the map has the same error: relative to it the pose is known.
   void anchor(const std::vector<Eigen::Vector3d>& directions);
@@ -122,7 +126,6 @@ class MotionFilter {
   void apply_turning(const MeasuredTurning& turning);
   Vector6d plausible_acceleration(const Vector6d& acceleration,
                                   const Eigen::Matrix3d& observed) const;
-  void update_irregularity(const MotionState& state, const Matrix12d& covariance);
   void update_acceleration_sigmas(const MotionState& state, const Eigen::Matrix3d& observed);
   void measure(const Vector12d& row, double innovation, double sigma);
 
@@ -137,8 +140,8 @@ class MotionFilter {
   AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
   TwistPredictor forecast_;
-  MotionState last_corrected_;                     ///< the state that was last corrected
-  Matrix12d last_covariance_ = Matrix12d::Zero();  ///< of that state
+  MotionState last_corrected_;                   ///< the state that was last corrected
+  Matrix12d last_reported_ = Matrix12d::Zero();  ///< covariance reported for it
   /// Running mean of the unexplained squared gap per axis: linear (m^2), angular (rad^2).
   Eigen::Vector2d irregularity_ = Eigen::Vector2d::Zero();
   double step_of_irregularity_ = 0.0;  ///< s between the sweeps of the last gap

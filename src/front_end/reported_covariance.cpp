@@ -18,7 +18,7 @@ namespace {
 /// distances are smaller, on hedges and rough ground larger. The square root of the residual
 /// variance is used: the mean between what the planes claim and what the residuals show, because a
 /// part of the planes' errors does not appear in the residuals.
-constexpr double kReportedWeight = 40.0;
+constexpr double kReportedWeight = 55.0;
 /// A map of one scan fits that scan too well.
 constexpr double kMinResidualVariance = 0.05;
 

@@ -44,6 +44,7 @@ void correct_motion(const SweepMatcher::Found& found, TrackerState& state) {
   state.filter.correct(match.state, match.information.inverse(),
                        projection_orthogonal_to(found.degenerate_directions));
   state.covariance = reported_covariance(match);
+  state.filter.learn_irregularity(state.covariance);
   state.drift_variance_factor = drift_variance_factor(state, match);
   state.last_matched_pose = match.state.T_map_sensor;
   state.lost_time = 0.0;
