@@ -216,11 +216,17 @@ Steps steps_of(const simulation::Drive& drive, std::size_t every) {
   return steps;
 }
 
-// Hand-held, a scan every 0.8 s: 9 to 13 silent steps before there was a belief.
+// Hand-held, a scan every 0.8 s: 9 to 13 of some 20 wrong steps were silent before there was a
+// belief.
 TEST(StepBelief, ReportsDoubtfulStepsOfAWalkWithFewScans) {
-  const Steps steps = steps_of(make_drive("walk", 30.0, 52), 8);
-  EXPECT_GT(steps.wrong, 0);
-  EXPECT_EQ(steps.silent, 0);
+  Steps all;
+  for (const std::uint64_t seed : {51U, 52U, 53U}) {
+    const Steps steps = steps_of(make_drive("walk", 30.0, seed), 8);
+    all.wrong += steps.wrong;
+    all.silent += steps.silent;
+  }
+  EXPECT_GT(all.wrong, 30);
+  EXPECT_LE(10 * all.silent, all.wrong);
 }
 
 TEST(StepBelief, DoubtsNoStepOfACleanDrive) {
