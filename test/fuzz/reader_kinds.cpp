@@ -212,10 +212,11 @@ Kind doubt() {
   return {"doubt", [](const fs::path& folder) { write_doubtful_stretches(folder / "doubt.csv"); },
           [](const fs::path& folder) {
             const auto found = pipeline::read_doubt(folder / "doubt.csv");
-            require(std::isfinite(found.way), "the length of a drive");
-            for (const auto& stretch : found.stretches) {
-              require(stretch.place.allFinite() && std::isfinite(stretch.way), "a stretch");
-              require(stretch.expected_error >= 0.0, "an error");
+            require(std::isfinite(found.path_length), "the length of a drive");
+            for (const auto& section : found.sections) {
+              require(section.position.allFinite() && std::isfinite(section.path_length),
+                      "a section");
+              require(section.expected_error >= 0.0, "an error");
             }
           }};
 }
