@@ -17,8 +17,8 @@
 #include "covariance_inflation.hpp"
 #include "isolated_point_filter.hpp"
 #include "key_frame_rule.hpp"
-#include "reported_covariance.hpp"
 #include "scan_sampler.hpp"
+#include "step_origin.hpp"
 #include "tracker.hpp"
 #include "vertical_ride_detector.hpp"
 
@@ -30,13 +30,6 @@ namespace {
 constexpr double kExternalError = 0.02;
 constexpr double kExternalSigma = 0.005;       // m
 constexpr double kExternalAngleSigma = 0.001;  // rad
-
-Covariance6 matched_covariance(const TrackedScan& from, const TrackedScan& to) {
-  const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
-  return motion_covariance(from.covariance, from.drift_variance_factor, T_from_to, to.covariance,
-                           to.drift_variance_factor) +
-         compose_covariance(from.sweep_covariance, T_from_to, to.sweep_covariance);
-}
 
 Covariance6 external_covariance(const TrackedScan& from, const TrackedScan& to) {
   const Pose T_from_to = from.T_odom_base.inverse() * to.T_odom_base;
@@ -274,7 +267,8 @@ class SensorOdometry {
   }
 
   Covariance6 covariance_since(const TrackedScan& from, const TrackedScan& to) const {
-    return tracker_ ? matched_covariance(from, to) : external_covariance(from, to);
+    return tracker_ ? step_covariance(estimate_of(from), estimate_of(to))
+                    : external_covariance(from, to);
   }
 
   bool key_frame_due(Stamp stamp, const PointCloud& cloud, const TrackedScan& tracked) const {

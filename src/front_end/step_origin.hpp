@@ -16,6 +16,11 @@ struct PoseEstimate {
   Covariance6 sweep_covariance = Covariance6::Zero();  ///< TrackedScan::sweep_covariance
 };
 
+PoseEstimate estimate_of(const TrackedScan& tracked);
+
+/// Covariance of the motion from one pose to the other, in the axes of the latter.
+Covariance6 step_covariance(const PoseEstimate& from, const PoseEstimate& to);
+
 /// Writes the standard deviations of the step from one pose to the other into the evidence.
 void set_step(const PoseEstimate& from, const PoseEstimate& to, double seconds,
               StepEvidence& evidence);
