@@ -20,7 +20,8 @@ const config::Schema<MapConfig>& MapConfig::schema() {
               "rebuild_distance", &MapConfig::rebuild_distance, {0.0, 10.0}, "m",
               "A key frame is put in again when a point 50 m away from it moved by more; 0 always.")
           .integer("threads", &MapConfig::threads, {0, 256}, "",
-                   "Upper limit of threads; 0 takes all cores. The result does not depend on it.");
+                   "Upper limit of threads; 0 takes all cores. The result does not depend on it.")
+          .alias("map_cloud_resolution", "resolution");
   return schema;
 }
 

@@ -20,7 +20,6 @@ struct MapViewerNodeConfig {
         config::Schema<Config>("map", map::MapConfig::schema().summary())
             .include(&Config::node, NodeFields::schema())
             .include(&Config::stage, map::MapConfig::schema())
-            .alias("map_cloud_resolution", "resolution")
             .real("map_cloud_update_interval", &Config::map_cloud_update_interval, {0.0, 3600.0},
                   "s",
                   "The map on display takes new key frames in once in so long, by the wall clock; "

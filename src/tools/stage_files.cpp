@@ -17,10 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Fields of nodes that mean nothing where there are none.
-const std::set<std::string> kOfNodes = {"map_frame",         "odom_frame", "queue_size",
-                                        "session_directory", "data_path",  "resume",
-                                        "lidar_frame"};
+/// Parameters that only the nodes have, and which a command accepts without effect. The schemas of
+/// the nodes need ROS, so a test (test_node_parameters.cpp) holds this list against them.
+const std::set<std::string> kNodeFields = {
+    "map_frame", "odom_frame", "queue_size",  "session_directory",
+    "data_path", "resume",     "lidar_frame", "map_cloud_update_interval"};
 
 /// A folder in config/ of the package: installed beside this program, or where it was built.
 fs::path config_folder(const std::string& name) {
@@ -58,7 +59,7 @@ class StageReader {
     add_overlay("sensor", sources.overlay);
     add_overlay("preset", sources.preset);
     for (const std::string& parameter : sources.parameters) add_parameter(parameter);
-    for (config::Source& nodes : overlay_parts("nodes")) pass_over_nodes(nodes);
+    for (config::Source& nodes : overlay_parts("nodes")) remove_node_fields(nodes);
   }
 
   template <typename Config>
@@ -74,7 +75,7 @@ class StageReader {
     for (const auto& [name, source] : parameters_) {
       if (name == stage) sources.push_back(source);
     }
-    for (config::Source& source : sources) pass_over_nodes(source);
+    for (config::Source& source : sources) remove_node_fields(source);
     const Config config = config::load<Config>(sources);
     result.texts[stage] = config::to_yaml(config);
     return config;
@@ -127,7 +128,7 @@ class StageReader {
     }
   }
 
-  /// What the overlays have of a stage; later ones go over earlier ones.
+  /// Parameters of a stage in the overlays; later ones have priority over earlier ones.
   std::vector<config::Source> overlay_parts(const std::string& stage) const {
     std::vector<config::Source> found;
     for (const config::Source& overlay : overlays_) {
@@ -138,10 +139,10 @@ class StageReader {
     return found;
   }
 
-  void pass_over_nodes(config::Source& source) {
+  void remove_node_fields(config::Source& source) {
     auto* values = std::get_if<config::Value::Map>(&source.values.data);
     if (values == nullptr) return;
-    for (const std::string& name : kOfNodes) values->erase(name);
+    for (const std::string& name : kNodeFields) values->erase(name);
     const auto base = values->find("base_frame");
     if (base == values->end()) return;
     result.base_frame = config::to_string(base->second);

@@ -18,7 +18,7 @@ struct StageFiles {
   std::map<std::string, std::string> texts;  ///< of each stage, all fields as YAML
 };
 
-/// Where parameters come from; later ones go over earlier ones.
+/// Sources of parameters; later ones have priority over earlier ones.
 struct ParameterSources {
   std::string config;   ///< folder of <stage>.yaml files or one of them; empty: defaults
   std::string overlay;  ///< a name in config/sensors, or the path of a file; empty: none
@@ -26,8 +26,8 @@ struct ParameterSources {
   std::vector<std::string> parameters;  ///< single ones, as "stage/name: value"
 };
 
-/// Reads the parameters of all stages, as the launch file does. What only nodes need is passed
-/// over. Throws ConfigError and FileError.
+/// Reads the parameters of all stages, as the launch file does. Parameters that only the nodes have
+/// are ignored. Throws ConfigError and FileError.
 StageFiles read_stage_files(const ParameterSources& sources);
 
 }  // namespace lidar_mapping::tools

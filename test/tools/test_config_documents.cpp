@@ -16,6 +16,7 @@
 
 #include "config_documents.hpp"
 #include "stage_files.hpp"
+#include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
 namespace {
@@ -96,6 +97,13 @@ TEST(Overlays, OfThePlaceGoOverThatOfTheSensorAndSingleParametersOverBoth) {
     EXPECT_NE(std::string(error.what()).find("there are indoor"), std::string::npos)
         << error.what();
   }
+}
+
+TEST(StageFiles, ReadsTheFileOfTheMapViewer) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "map.yaml")
+      << "map_frame: map\nmap_cloud_update_interval: 5.0\nmap_cloud_resolution: 0.3\n";
+  EXPECT_EQ(read_stage_files({folder.path(), "", "", {}}).map.resolution, 0.3);
 }
 
 TEST(ConfigDocuments, EveryFieldSaysWhatItMeans) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/front_end/front_end_config.hpp"
+#include "lidar_mapping/loop_closing/loop_closing_config.hpp"
+#include "lidar_mapping/preprocessing/floor_detection_config.hpp"
+#include "lidar_mapping/preprocessing/preprocessing_config.hpp"
+#include "lidar_mapping/ros/node_config.hpp"
+
+#include "back_end_node_config.hpp"
+#include "map_viewer_node_config.hpp"
+#include "stage_files.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+/// One file serves a node and map_bag, so the commands accept all that the node accepts.
+template <typename Config>
+void expect_commands_accept() {
+  const config::Schema<Config>& schema = Config::schema();
+  std::map<std::string, std::string> defaults;
+  for (const auto& field : schema.fields()) {
+    defaults[field.description.name] = field.description.default_value;
+  }
+  std::map<std::string, std::string> accepted = defaults;
+  for (const auto& [alias, name] : schema.aliases()) accepted[alias] = defaults.at(name);
+  for (const auto& [name, value] : accepted) {
+    const std::string parameter = schema.stage() + "/" + name + ": " + value;
+    EXPECT_NO_THROW(tools::read_stage_files({"", "", "", {parameter}})) << parameter;
+  }
+}
+
+TEST(NodeParameters, AreAcceptedByTheCommands) {
+  expect_commands_accept<NodeConfig<preprocessing::PreprocessingConfig>>();
+  expect_commands_accept<NodeConfig<preprocessing::FloorDetectionConfig>>();
+  expect_commands_accept<LidarNodeConfig<front_end::FrontEndConfig>>();
+  expect_commands_accept<LidarNodeConfig<loop_closing::LoopClosingConfig>>();
+  expect_commands_accept<BackEndNodeConfig>();
+  expect_commands_accept<MapViewerNodeConfig>();
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
