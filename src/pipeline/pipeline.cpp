@@ -89,6 +89,7 @@ class Pipeline::Impl {
     report.optimization = graph_updater_.finish();
     report.counters = preparation_.counters();
     report.scans_unreadable = preparation_.unreadable();
+    report.scans_before_newest = preparation_.before_newest();
     report.progress = progress();
     report.stage_seconds = {{"preprocessing", preparing_.seconds()},
                             {"front end", matching_.seconds()},

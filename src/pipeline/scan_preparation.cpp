@@ -61,7 +61,7 @@ void ScanPreparation::forward(std::vector<preprocessing::SyncedScan> scans) {
 
 /// Reports once that scans are dropped. A session maps one drive, in which time does not go back.
 void ScanPreparation::report_dropped(Stamp stamp) {
-  if (std::exchange(has_dropped_, true)) return;
+  if (++before_newest_ > 1) return;
   char text[240];
   std::snprintf(text, sizeof text,
                 "points: time went back to %.1f s before the newest scan; scans are left out until "

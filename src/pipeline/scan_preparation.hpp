@@ -35,6 +35,7 @@ class ScanPreparation {
 
   const preprocessing::PreprocessingCounters& counters() const { return stage_.counters(); }
   std::size_t unreadable() const { return unreadable_; }
+  std::size_t before_newest() const { return before_newest_; }
 
  private:
   void add(const RecordedScan& scan);
@@ -49,7 +50,7 @@ class ScanPreparation {
   std::optional<GeodeticDatum> datum_;           ///< Last value that was forwarded.
   std::optional<Stamp> last_;                    ///< Stamp of the newest scan that was forwarded.
   std::size_t unreadable_ = 0;
-  bool has_dropped_ = false;  ///< Whether scans were dropped because their stamps did not increase.
+  std::size_t before_newest_ = 0;  ///< Scans that were dropped because time went back.
 };
 
 }  // namespace lidar_mapping::pipeline

@@ -16,6 +16,28 @@ std::string line(const char* format, Values... values) {
   return text;
 }
 
+/// Numbers of data that were left out, by cause.
+json::Json left_out(const pipeline::PipelineReport& report) {
+  const preprocessing::PreprocessingCounters& counters = report.counters;
+  return {{"scans damaged", report.scans_unreadable},
+          {"scans without transform to base_link", counters.scans_without_extrinsic},
+          {"scans with too few points", counters.scans_without_points},
+          {"scans out of order", counters.scans_out_of_order + report.scans_before_newest},
+          {"scans waiting when time went back", counters.scans_forgotten},
+          {"samples of IMU or velocity", counters.samples_refused},
+          {"GNSS fixes", counters.gnss_refused}};
+}
+
+/// One line that names what was left out; empty if nothing was.
+std::string left_out_text(const json::Json& numbers) {
+  std::string text;
+  for (const auto& [cause, number] : numbers.items()) {
+    if (number == 0) continue;
+    text += (text.empty() ? "left out: " : ", ") + number.dump() + " " + cause;
+  }
+  return text.empty() ? "" : text + "\n";
+}
+
 }  // namespace
 
 json::Json mapping_figures(const pipeline::PipelineReport& report, double driven,
@@ -25,6 +47,7 @@ json::Json mapping_figures(const pipeline::PipelineReport& report, double driven
   json["scans"] = report.progress.scans;
   json["key_frames"] = report.optimization.key_frames;
   json["loops_used"] = report.optimization.loops_used;
+  json["left_out"] = left_out(report);
   json["seconds"] = {{"mapping", times.mapped},
                      {"of it reading and odometry", times.streamed},
                      {"map", times.map},
@@ -40,9 +63,10 @@ json::Json mapping_figures(const pipeline::PipelineReport& report, double driven
 std::string to_text(const json::Json& figures) {
   const auto& speed = figures["times_real_time"];
   std::string text =
-      line("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\nprocessor seconds:",
+      line("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\n",
            figures["scans"].get<std::size_t>(), figures["key_frames"].get<std::size_t>(),
            figures["loops_used"].get<std::size_t>(), figures["peak_megabytes"].get<double>());
+  text += left_out_text(figures["left_out"]) + "processor seconds:";
   for (const auto& [name, seconds] : figures["processor_seconds"].items()) {
     text += line(" %s %.1f;", name.c_str(), seconds.get<double>());
   }

@@ -18,7 +18,8 @@ struct RunTimes {
   double whole = 0.0;
 };
 
-/// Times, counts and memory of this process, after `driven` seconds of driving.
+/// Times, counts (also of data that were left out) and memory of this process, after `driven`
+/// seconds of driving.
 json::Json mapping_figures(const pipeline::PipelineReport& report, double driven,
                            const RunTimes& times);
 

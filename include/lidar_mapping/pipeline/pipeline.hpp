@@ -33,6 +33,8 @@ struct PipelineReport {
   preprocessing::PreprocessingCounters counters;  ///< What preprocessing accepted and dropped.
   Progress progress;                              ///< Numbers of scans, key frames and loops.
   std::size_t scans_unreadable = 0;  ///< Scans that were left out because their data are damaged.
+  /// Scans that were left out after time went back, because they are older than the newest one.
+  std::size_t scans_before_newest = 0;
   /// Name and processor time (s) of each stage.
   std::vector<std::pair<std::string, double>> stage_seconds;
 };
