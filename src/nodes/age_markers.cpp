@@ -12,17 +12,17 @@ namespace {
 
 using visualization_msgs::Marker;
 
-/// Of the scale of colours, for a drive that has lasted so long.
-Stamp scale_of(Stamp lasted) {
+/// Length of the colour scale: the smallest power of two in minutes that covers the drive.
+Stamp scale_of(Stamp duration) {
   Stamp scale = from_seconds(60.0);
-  while (scale < lasted) scale *= 2;
+  while (scale < duration) scale *= 2;
   return scale;
 }
 
-/// 0 is blue, a third cyan, a half green, 1 red.
-std_msgs::ColorRGBA color_of_age(double share) {
+/// Colour of an age from 0 to 1: 0 is blue, a quarter cyan, a half green, 1 red.
+std_msgs::ColorRGBA color_of_age(double age) {
   const auto ramp = [&](double peak) {
-    return static_cast<float>(std::clamp(2.0 - 4.0 * std::abs(share - peak), 0.0, 1.0));
+    return static_cast<float>(std::clamp(2.0 - 4.0 * std::abs(age - peak), 0.0, 1.0));
   };
   return color(ramp(1.0), ramp(0.5), ramp(0.0));
 }

@@ -21,21 +21,21 @@ std::string count_of(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
-/// Relative ones count from where the node was started.
-fs::path folder_of_person(const std::string& path) {
+/// Relative paths start at the working directory of the node.
+fs::path absolute_folder(const std::string& path) {
   return fs::absolute(path_of_person(path)).lexically_normal();
 }
 
-/// The graph as it is now, and the session that has the clouds.
+/// The current graph, and the session with the clouds.
 struct Snapshot {
   pose_graph::PoseGraph graph;
   fs::path session;
 };
 
-/// While the drive goes on: the session is read beside the one who writes it.
+/// May run during the drive: the session is opened for reading beside the writing worker.
 DumpGraph::Response dumped(const Snapshot& snapshot, const std::string& destination) {
   const fs::path directory =
-      destination.empty() ? snapshot.session / "hdl_dump" : folder_of_person(destination);
+      destination.empty() ? snapshot.session / "hdl_dump" : absolute_folder(destination);
   const Session session = Session::open(snapshot.session, Session::Access::kRead);
   pipeline::write_hdl_dump(session, snapshot.graph, directory);
   DumpGraph::Response answer;
@@ -57,11 +57,11 @@ LoadGraph::Response loaded(const Session& session, const fs::path& path) {
   answer.loops = static_cast<std::uint32_t>(session.loops().size());
   answer.message = count_of(answer.key_frames, "key frame") + " and " +
                    count_of(answer.loops, "loop") + " loaded from " + path.string() +
-                   "; the drive goes on in the session " + answer.session +
+                   "; the drive continues in the session " + answer.session +
                    ", in a new segment of the trajectory";
   if (!session.datum() && !session.gnss().empty()) {
     answer.message +=
-        "; its GNSS positions have no datum, so that those of a drive that goes on would lie "
+        "; its GNSS positions have no datum, so that those of a continued drive would lie "
         "elsewhere: leave GNSS out then (use_gnss: false)";
   }
   return answer;
@@ -69,7 +69,7 @@ LoadGraph::Response loaded(const Session& session, const fs::path& path) {
 
 }  // namespace
 
-/// Nothing if the node ends before it could answer. `make` must not throw.
+/// Runs `make`, which must not throw, in the worker's thread; empty if the node shuts down first.
 template <typename Answer>
 std::optional<Answer> BackEndNode::from_worker(std::function<Answer()> make) {
   auto answer = std::make_shared<std::promise<Answer>>();
@@ -106,33 +106,33 @@ bool BackEndNode::load_graph(LoadGraph::Request& request, LoadGraph::Response& r
   return true;
 }
 
-/// In the worker: no drive can begin meanwhile.
+/// Runs in the worker, so that no drive can begin meanwhile.
 LoadGraph::Response BackEndNode::load(const std::string& path) {
   LoadGraph::Response answer;
   const std::size_t known = run_ ? run_->session().key_frame_count() : 0;
   if (known > 0) {
     answer.message = "a drive is under way (" + count_of(known, "key frame") + " in " +
                      run_->session().directory().string() +
-                     "); start back_end_node again and load before the first scan";
+                     "); restart back_end_node and load before the first scan";
     return answer;
   }
   try {
-    run_.reset();  // lets go of an empty session
-    Session session = loaded_session(folder_of_person(path));
+    run_.reset();  // closes an empty session
+    Session session = loaded_session(absolute_folder(path));
     const std::string known_id = session.run_id();
     const std::string run_id =
         known_id.empty() ? session.directory().filename().string() : known_id;
-    use(std::move(session), run_id);
-    give_early();
-    files_are_old_ = true;
-    answer = loaded(run_->session(), folder_of_person(path));
+    set_session(std::move(session), run_id);
+    add_early_measurements();
+    files_outdated_ = true;
+    answer = loaded(run_->session(), absolute_folder(path));
   } catch (const std::exception& error) {
     answer.message = error.what();
   }
   return answer;
 }
 
-/// A session goes on where it is; of a dump a new one is made.
+/// A session is continued in its folder; a dump is converted into a new session.
 Session BackEndNode::loaded_session(const fs::path& path) const {
   if (fs::exists(path / "graph.g2o") && fs::is_directory(path / "000000")) {
     return session::create_filled(

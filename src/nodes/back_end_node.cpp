@@ -15,18 +15,19 @@
 #include "lidar_mapping/ros/run_state.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 
-// What comes in, the run that it belongs to, and its session.
+// Received messages, the run that they belong to, and its session.
 namespace lidar_mapping::ros_border {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Measurements that come before the first key frame, or after the last one that is to come.
+/// Largest number of measurements that are kept until the first key frame arrives.
 constexpr std::size_t kEarlyMeasurements = 1000;
-/// Loops that come before their key frames: a node that starts is given both again.
+/// Largest number of loops that are kept until their key frames arrive: a node that starts receives
+/// both again.
 constexpr std::size_t kEarlyLoops = 1000;
-/// Files are brought up to date when nothing has come for so long.
+/// Idle time after which the files of the session are updated.
 constexpr std::chrono::milliseconds kIdle{2000};
 
 /// Position and attitude of `T_map_base` with the covariance and the twist of odometry.
@@ -64,8 +65,8 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
       optimized_odom_(
           context.node.advertise<nav_msgs::Odometry>("optimized_odom", kPublisherQueue)),
       key_frames_([](const auto&) { return std::vector<RunKeyFrame>(); },
-                  [this](const RunKeyFrame& received) { take_key_frame(received.key_frame); },
-                  [this](const std::string& run_id) { return go_on_with(run_id); }),
+                  [this](const RunKeyFrame& received) { add_key_frame(received.key_frame); },
+                  [this](const std::string& run_id) { return continue_run(run_id); }),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
       solutions_(context.worker.add_channel("solutions", kPublisherQueue)),
       loops_(context.worker.add_channel("early loops", kEarlyLoops)),
@@ -80,10 +81,11 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
     write_files();
   });
   subscribe_all();
-  serve();
+  advertise_services();
 }
 
-/// The session of before this node was killed, or else the one that was asked for.
+/// Opens the session that this node had before it was killed, otherwise the one of the parameter
+/// `resume`.
 void BackEndNode::resume() {
   std::string folder;
   const bool was_killed =
@@ -95,21 +97,21 @@ void BackEndNode::resume() {
   auto session = session::Session::open(was_killed ? fs::path(folder) : asked,
                                         session::Session::Access::kWrite);
   const std::string run_id = session.run_id();
-  use(std::move(session), run_id);
+  set_session(std::move(session), run_id);
 }
 
 BackEndNode::~BackEndNode() {
   context_.node.deleteParam(kRunSession);
-  answers_.clear();  // who waits for an answer learns that there will be none
+  answers_.clear();  // callers that wait for an answer get an error
   next_answers_.clear();
   service_spinner_.stop();
   solver_.stop();
   try {
     finalize();
     write_files();
-    say_session();
+    print_session();
   } catch (const Error& error) {
-    say_at_end(error.what());
+    print_at_exit(error.what());
   }
 }
 
@@ -128,24 +130,24 @@ void BackEndNode::subscribe_all() {
       },
       Numbered::kYes);
   listen<LoopMessage>(
-      "loop", [this](const auto& m) { take_loop(m); }, Numbered::kYes);
+      "loop", [this](const auto& m) { add_loop(m); }, Numbered::kYes);
   listen<LoopVerdictMessage>("loop_verdict", [this](const auto& m) {
     if (run_ && m.run_id == run_id_) run_->session().add_verdict(from_message(m));
   });
-  listen<nav_msgs::Odometry>("synced_gnss", [this](const auto& m) { take_gnss(m); });
+  listen<nav_msgs::Odometry>("synced_gnss", [this](const auto& m) { add_gnss(m); });
   listen<sensor_msgs::Imu>("synced_imu", [this](const auto& m) {
-    measure([sample = from_message(m)](Run& run) { run.add_imu(sample); });
+    add_or_queue([sample = from_message(m)](Run& run) { run.add_imu(sample); });
   });
   listen<FloorMessage>("floor", [this](const auto& m) {
-    measure([floor = from_message(m)](Run& run) { run.add_floor(floor); });
+    add_or_queue([floor = from_message(m)](Run& run) { run.add_floor(floor); });
   });
   listen<sensor_msgs::NavSatFix>("gnss_datum", [this](const auto& m) {
     datum_ = GeodeticDatum{m.latitude, m.longitude, m.altitude};
     if (run_) run_->set_datum(*datum_);
   });
-  listen<nav_msgs::Odometry>("laser_odom", [this](const auto& m) { take_odometry(m); });
+  listen<nav_msgs::Odometry>("laser_odom", [this](const auto& m) { publish_in_map(m); });
   listen<FrontEndStatusMessage>("front_end_status", [this](const auto& m) {
-    measure([record = to_record(m)](Run& run) { run.session().add_scan(record); });
+    add_or_queue([record = to_record(m)](Run& run) { run.session().add_scan(record); });
   });
   const auto channel = context_.worker.add_channel("subscribers", kPublisherQueue);
   verdicts_ = context_.node.advertise<LoopVerdictMessage>("graph_verdict", 10 * kPublisherQueue,
@@ -157,32 +159,33 @@ void BackEndNode::subscribe_all() {
                                                           });
 }
 
-/// The first key frame that this run's session lacks.
-KeyFrameIndex BackEndNode::go_on_with(const std::string& run_id) {
+/// Returns the first key frame that the session of this run lacks.
+KeyFrameIndex BackEndNode::continue_run(const std::string& run_id) {
   if (!run_ || run_id != run_id_) begin_run(run_id);
   return next_index_;
 }
 
-void BackEndNode::take_key_frame(const KeyFrame& key_frame) {
+void BackEndNode::add_key_frame(const KeyFrame& key_frame) {
   context_.diagnostics.count_input(key_frame.stamp);
   next_index_ = key_frame.index + 1;
   run_->add_key_frame(key_frame);
-  files_are_old_ = true;
-  keep_sensor_origin();
+  files_outdated_ = true;
+  store_sensor_origin();
   context_.diagnostics.set("key frames", std::to_string(key_frame.index + 1));
-  say_state();
-  take_early_loops();
+  report_state();
+  add_early_loops();
   optimize_if_due();
 }
 
-/// At the end, where what was said at the start has long scrolled away.
-void BackEndNode::say_session() const {
+/// Prints the session's folder again at shutdown, because the first message is far up in the log by
+/// then.
+void BackEndNode::print_session() const {
   if (!run_) return;
-  say_at_end("session " + run_->session().directory().string() + ": " +
-             std::to_string(run_->session().key_frame_count()) + " key frames");
+  print_at_exit("session " + run_->session().directory().string() + ": " +
+                std::to_string(run_->session().key_frame_count()) + " key frames");
 }
 
-/// What waits for a key frame that will not come need wait no longer.
+/// Stops waiting for missing key frames and processes those after them.
 void BackEndNode::finalize() {
   const std::size_t before = key_frames_.missing();
   key_frames_.flush();
@@ -191,13 +194,13 @@ void BackEndNode::finalize() {
   }
 }
 
-void BackEndNode::keep_sensor_origin() {
+void BackEndNode::store_sensor_origin() {
   if (run_->session().sensor_origin()) return;
   const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
   if (origin) run_->session().set_sensor_origin(*origin);
 }
 
-void BackEndNode::take_loop(const LoopMessage& message) {
+void BackEndNode::add_loop(const LoopMessage& message) {
   if (!run_ || (message.run_id == run_id_ && std::max(message.from, message.to) >= next_index_)) {
     early_loops_.push_back(message);
     if (early_loops_.size() > kEarlyLoops) early_loops_.pop_front();
@@ -205,7 +208,7 @@ void BackEndNode::take_loop(const LoopMessage& message) {
   }
   if (message.run_id != run_id_) {
     throw InputError("the loop belongs to run '" + message.run_id + "', this is run '" + run_id_ +
-                     "'; start loop_closing_node again if it lasts");
+                     "'; restart loop_closing_node if this message continues");
   }
   const Loop loop = from_message(message);
   if (run_->has_loop(loop)) return;
@@ -213,18 +216,18 @@ void BackEndNode::take_loop(const LoopMessage& message) {
     throw InputError("the loop from key frame " + std::to_string(message.from) + " to " +
                      std::to_string(message.to) + " does not fit the graph");
   }
-  files_are_old_ = true;
+  files_outdated_ = true;
   optimize_if_due();
 }
 
-void BackEndNode::take_early_loops() {
+void BackEndNode::add_early_loops() {
   const std::deque<LoopMessage> loops = std::exchange(early_loops_, {});
   for (const LoopMessage& loop : loops) {
-    context_.worker.post(loops_, [this, loop] { take_loop(loop); });
+    context_.worker.post(loops_, [this, loop] { add_loop(loop); });
   }
 }
 
-void BackEndNode::take_gnss(const nav_msgs::Odometry& message) {
+void BackEndNode::add_gnss(const nav_msgs::Odometry& message) {
   const auto T_base_antenna =
       sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
   if (!T_base_antenna) {
@@ -232,14 +235,15 @@ void BackEndNode::take_gnss(const nav_msgs::Odometry& message) {
                      config_.node.base_frame + "': the antenna's place is not known");
   }
   const GnssPosition position = from_message(message, T_base_antenna->translation);
-  measure([position](Run& run) { run.add_gnss(position); });
+  add_or_queue([position](Run& run) { run.add_gnss(position); });
 }
 
-/// tf and odometry in the map, at the stamp of the odometry; never twice for one stamp.
-void BackEndNode::take_odometry(const nav_msgs::Odometry& message) {
+/// Publishes tf and odometry in the map at the stamp of the odometry, tf at most once for each
+/// stamp.
+void BackEndNode::publish_in_map(const nav_msgs::Odometry& message) {
   const Stamp stamp = from_ros(message.header.stamp);
   const Pose T_odom_base = from_message(message.pose.pose);
-  measure([stamp, T_odom_base](Run& run) { run.session().add_odometry(stamp, T_odom_base); });
+  add_or_queue([stamp, T_odom_base](Run& run) { run.session().add_odometry(stamp, T_odom_base); });
   const Pose T_map_odom = run_ ? run_->T_map_odom() : Pose::Identity();
   optimized_odom_.publish(moved(message, T_map_odom, config_.node.map_frame));
   if (stamp <= sent_transform_) return;
@@ -247,33 +251,34 @@ void BackEndNode::take_odometry(const nav_msgs::Odometry& message) {
   sent_transform_ = stamp;
 }
 
-/// A measurement may come before the first key frame, by which the run is known.
-void BackEndNode::measure(std::function<void(Run&)> add) {
+/// Measurements that arrive before the first key frame, which names the run, are queued.
+void BackEndNode::add_or_queue(std::function<void(Run&)> add) {
   if (run_) return add(*run_);
   early_.push_back(std::move(add));
   if (early_.size() > kEarlyMeasurements) early_.pop_front();
 }
 
-/// The run that this node knew before it was killed is gone on with; any other gets a session of
-/// its own.
+/// Continues the session of this run if there is one (restart of the node), otherwise creates a new
+/// session.
 void BackEndNode::begin_run(const std::string& run_id) {
   if (run_) write_files();
-  run_.reset();  // lets go of its session before another is opened
+  run_.reset();  // closes its session before another one is opened
   if (auto session = session_of(run_id)) {
-    use(std::move(*session), run_id);
+    set_session(std::move(*session), run_id);
   } else {
-    use(session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
+    set_session(
+        session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
         run_id);
   }
-  give_early();
+  add_early_measurements();
 }
 
-void BackEndNode::give_early() {
+void BackEndNode::add_early_measurements() {
   for (const auto& add : early_) add(*run_);
   early_.clear();
 }
 
-/// The newest session, if it is one of that run.
+/// The newest session, if it belongs to that run.
 std::optional<session::Session> BackEndNode::session_of(const std::string& run_id) const {
   const fs::path latest = path_of_person(config_.session_directory) / "latest";
   if (!fs::exists(latest / "session.db")) return std::nullopt;
@@ -286,7 +291,7 @@ std::optional<session::Session> BackEndNode::session_of(const std::string& run_i
   return std::nullopt;
 }
 
-void BackEndNode::use(session::Session session, const std::string& run_id) {
+void BackEndNode::set_session(session::Session session, const std::string& run_id) {
   const std::size_t known = session.key_frame_count();
   run_ = std::make_shared<Run>(std::move(session), config_.stage);
   run_id_ = run_id;
@@ -297,10 +302,10 @@ void BackEndNode::use(session::Session session, const std::string& run_id) {
   context_.node.setParam("session_folder", folder);
   context_.node.setParam(kRunSession, folder);
   context_.diagnostics.set("session", folder);
-  ROS_INFO_STREAM((known > 0 ? "going on with session " : "session ") << folder);
+  ROS_INFO_STREAM((known > 0 ? "continuing session " : "session ") << folder);
   if (known == 0) return;
-  say_state();
-  ROS_INFO_STREAM(known << " key frames of run " << run_id << " are there already");
+  report_state();
+  ROS_INFO_STREAM(known << " key frames of run " << run_id << " exist already");
   publish_poses();
 }
 

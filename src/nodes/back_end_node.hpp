@@ -26,7 +26,7 @@
 namespace lidar_mapping::ros_border {
 
 /// Subscribed: key_frame, loop, loop_verdict, synced_gnss, synced_imu, floor, gnss_datum,
-/// laser_odom, front_end_status. Published: key_frame_poses (latched, whole), optimized_odom,
+/// laser_odom, front_end_status. Published: key_frame_poses (latched, all poses), optimized_odom,
 /// graph_verdict (of all loops to a new subscriber, then of those that change), tf map -> odom.
 /// Services: optimize_map, get_key_frames, dump_graph, load_graph. The session's folder stands in
 /// the parameter session_folder beside the node.
@@ -43,43 +43,43 @@ class BackEndNode {
 
   void resume();
   void subscribe_all();
-  void serve();
+  void advertise_services();
   template <typename Message, typename Handle>
   void listen(const std::string& topic, Handle handle, Numbered numbered = Numbered::kNo);
 
-  KeyFrameIndex go_on_with(const std::string& run_id);
-  void take_key_frame(const KeyFrame& key_frame);
-  void take_early_loops();
+  KeyFrameIndex continue_run(const std::string& run_id);
+  void add_key_frame(const KeyFrame& key_frame);
+  void add_early_loops();
   void finalize();
-  void keep_sensor_origin();
-  void take_loop(const LoopMessage& message);
-  void take_gnss(const nav_msgs::Odometry& message);
-  void take_odometry(const nav_msgs::Odometry& message);
-  void measure(std::function<void(Run&)> add);
+  void store_sensor_origin();
+  void add_loop(const LoopMessage& message);
+  void add_gnss(const nav_msgs::Odometry& message);
+  void publish_in_map(const nav_msgs::Odometry& message);
+  void add_or_queue(std::function<void(Run&)> add);
 
   void begin_run(const std::string& run_id);
-  void give_early();
-  void use(session::Session session, const std::string& run_id);
+  void add_early_measurements();
+  void set_session(session::Session session, const std::string& run_id);
   std::optional<session::Session> session_of(const std::string& run_id) const;
-  void keep_configuration();
+  void store_configuration();
 
   void optimize_if_due();
   void start_solving(bool thorough);
-  void take_solution(const back_end::OptimizationSolution& solution, double seconds,
-                     const std::shared_ptr<Run>& solved_run);
-  void take_failure(const std::string& problem);
+  void apply_solution(const back_end::OptimizationSolution& solution, double seconds,
+                      const std::shared_ptr<Run>& solved_run);
+  void report_failure(const std::string& problem);
   void end_solving(OptimizeMap::Response answer);
-  void add_doubt(std::string& message) const;
-  void say_state();
+  void append_warnings(std::string& message) const;
+  void report_state();
   void publish_poses();
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
   void write_files();
-  void say_session() const;
+  void print_session() const;
 
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);
   bool get_key_frames(GetKeyFrames::Request& request, GetKeyFrames::Response& response);
   GetKeyFrames::Response key_frames_without_clouds(const std::vector<KeyFrameIndex>& wanted);
-  void add_what_else_there_is(GetKeyFrames::Response& response) const;
+  void add_loop_closing_state(GetKeyFrames::Response& response) const;
 
   bool dump_graph(DumpGraph::Request& request, DumpGraph::Response& response);
   bool load_graph(LoadGraph::Request& request, LoadGraph::Response& response);
@@ -97,7 +97,7 @@ class BackEndNode {
   ros::Publisher poses_, optimized_odom_, verdicts_;
   std::vector<ros::Subscriber> subscribers_;
 
-  // The worker's own: the graph, the session, and what waits for an optimisation.
+  // Used by the worker only: the graph, the session, and requests that wait for an optimisation.
   std::shared_ptr<Run> run_;
   std::string run_id_;
   KeyFrameIndex next_index_ = 0;
@@ -106,10 +106,10 @@ class BackEndNode {
   std::deque<LoopMessage> early_loops_;
   std::optional<GeodeticDatum> datum_;
   bool solving_ = false;
-  std::string failure_;                  ///< of the newest optimisation; empty: it succeeded
-  std::vector<OptimizeAnswer> answers_;  ///< to be given after the optimisation that runs
+  std::string failure_;                  ///< reason; empty if the newest optimisation succeeded
+  std::vector<OptimizeAnswer> answers_;  ///< given after the current optimisation
   std::vector<OptimizeAnswer> next_answers_;
-  bool files_are_old_ = false;
+  bool files_outdated_ = false;
 
   Worker::ChannelId requests_, solutions_, loops_;
   Worker solver_;

@@ -12,7 +12,7 @@ struct BackEndNodeConfig {
   back_end::BackEndConfig stage;
   /// Folder in which every run gets a folder of its own; ~ is the home folder.
   std::string session_directory = "~/.ros/lidar_mapping";
-  /// Session to go on with: a folder, or latest; empty begins a new one.
+  /// Session to continue: a folder, or latest; empty creates a new one.
   std::string resume;
   /// Frame of the LiDAR in tf, kept for the removal of moving objects; may be empty.
   std::string lidar_frame;
@@ -27,7 +27,7 @@ struct BackEndNodeConfig {
                   "Folder in which every run gets a folder of its own; ~ is the home folder.")
             .alias("data_path", "session_directory")
             .text("resume", &Config::resume,
-                  "Session to go on with: a folder, or latest; empty begins a new one.")
+                  "Session to continue: a folder, or latest; empty creates a new one.")
             .text(
                 "lidar_frame", &Config::lidar_frame,
                 "Frame of the LiDAR in tf, kept for the removal of moving objects; may be empty.");

@@ -14,8 +14,9 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Loop closing has judged candidates of the key frames below, and nothing there is open: what
-/// waits for a confirmation would be forgotten otherwise.
+/// Index below which loop closing has decided on all candidates. Key frames with a candidate that
+/// still waits for confirmation are searched again after a restart, because the candidate would be
+/// lost otherwise.
 KeyFrameIndex searched_key_frames(const std::vector<LoopVerdict>& verdicts) {
   KeyFrameIndex searched = 0;
   std::set<std::pair<KeyFrameIndex, KeyFrameIndex>> open;  // by the newer key frame
@@ -32,8 +33,8 @@ KeyFrameIndex searched_key_frames(const std::vector<LoopVerdict>& verdicts) {
 
 }  // namespace
 
-/// Services wait for the worker, so they have threads of their own.
-void BackEndNode::serve() {
+/// Services wait for the worker, so they run in threads of their own.
+void BackEndNode::advertise_services() {
   ros::NodeHandle node(context_.node);
   node.setCallbackQueue(&service_queue_);
   services_ = {node.advertiseService("optimize_map", &BackEndNode::optimize_map, this),
@@ -106,11 +107,11 @@ GetKeyFrames::Response BackEndNode::key_frames_without_clouds(
     if (const auto key_frame = run_->session().key_frame(index)) give(*key_frame);
   }
   response.poses = to_message(run_->poses(), run_id_, config_.node.map_frame);
-  if (wanted.empty()) add_what_else_there_is(response);
+  if (wanted.empty()) add_loop_closing_state(response);
   return response;
 }
 
-void BackEndNode::add_what_else_there_is(GetKeyFrames::Response& response) const {
+void BackEndNode::add_loop_closing_state(GetKeyFrames::Response& response) const {
   const session::Session& session = run_->session();
   for (const Loop& loop : session.loops()) {
     response.loops.push_back(to_message(loop, run_id_, config_.node.base_frame));

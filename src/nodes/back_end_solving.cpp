@@ -3,7 +3,7 @@
 
 #include "back_end_node.hpp"
 
-// When the graph is solved, and what becomes of the solution.
+// When the graph is optimised, and how the solution is applied.
 namespace lidar_mapping::ros_border {
 
 void BackEndNode::optimize_if_due() {
@@ -12,7 +12,7 @@ void BackEndNode::optimize_if_due() {
 
 void BackEndNode::start_solving(bool thorough) {
   solving_ = true;
-  say_state();
+  report_state();
   solver_.post(problems_, [this, problem = run_->problem(thorough), run = run_] {
     const ros::WallTime begin = ros::WallTime::now();
     std::shared_ptr<const back_end::OptimizationSolution> solution;
@@ -24,13 +24,13 @@ void BackEndNode::start_solving(bool thorough) {
     }
     const double seconds = (ros::WallTime::now() - begin).toSec();
     context_.worker.post(solutions_, [this, solution, seconds, run, problem_text] {
-      solution ? take_solution(*solution, seconds, run) : take_failure(problem_text);
+      solution ? apply_solution(*solution, seconds, run) : report_failure(problem_text);
     });
   });
 }
 
-void BackEndNode::take_solution(const back_end::OptimizationSolution& solution, double seconds,
-                                const std::shared_ptr<Run>& solved_run) {
+void BackEndNode::apply_solution(const back_end::OptimizationSolution& solution, double seconds,
+                                 const std::shared_ptr<Run>& solved_run) {
   MapOptimization done;
   done.report = back_end::report_of(solution);
   done.report.seconds = seconds;
@@ -42,7 +42,7 @@ void BackEndNode::take_solution(const back_end::OptimizationSolution& solution, 
     done.corrected = back_end::change_between(run_->odometry(), applied.poses);
     if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;
     done.session = run_->session().directory().string();
-    files_are_old_ = true;
+    files_outdated_ = true;
     publish_poses();
     publish_verdicts(applied.verdicts);
   }
@@ -57,8 +57,8 @@ void BackEndNode::take_solution(const back_end::OptimizationSolution& solution, 
   end_solving(to_answer(done));
 }
 
-/// The poses stay as they were.
-void BackEndNode::take_failure(const std::string& problem) {
+/// The poses stay unchanged.
+void BackEndNode::report_failure(const std::string& problem) {
   failure_ = "the optimisation failed: " + problem;
   ROS_ERROR_STREAM(failure_);
   OptimizeMap::Response answer;
@@ -66,13 +66,14 @@ void BackEndNode::take_failure(const std::string& problem) {
   end_solving(answer);
 }
 
-/// Gives the answers that waited for this optimisation, and begins the next that was asked for.
+/// Answers the requests that waited for this optimisation, and starts the next one if it was
+/// requested.
 void BackEndNode::end_solving(OptimizeMap::Response answer) {
   solving_ = false;
-  say_state();
+  report_state();
   if (!answers_.empty()) {
     write_files();
-    add_doubt(answer.message);
+    append_warnings(answer.message);
   }
   for (OptimizeAnswer& waiting : answers_) waiting.set_value(answer);
   answers_ = std::move(next_answers_);
@@ -80,8 +81,9 @@ void BackEndNode::end_solving(OptimizeMap::Response answer) {
   if (!answers_.empty()) start_solving(true);
 }
 
-/// With every key frame too: a drive of the LiDAR alone without loops is never optimised unasked.
-void BackEndNode::say_state() {
+/// Called with every key frame as well, because a drive without loops and GNSS is only optimised on
+/// request.
+void BackEndNode::report_state() {
   if (solving_) {
     context_.diagnostics.set_state(Diagnostics::Level::kOk, "optimising");
   } else if (!failure_.empty()) {
@@ -91,8 +93,8 @@ void BackEndNode::say_state() {
   }
 }
 
-/// Who asks for the map is told where not to trust it.
-void BackEndNode::add_doubt(std::string& message) const {
+/// Appends the warnings about doubtful sections to the answer.
+void BackEndNode::append_warnings(std::string& message) const {
   if (!run_) return;
   for (const std::string& warning : run_->warnings()) {
     ROS_WARN_STREAM(warning);
@@ -114,13 +116,13 @@ void BackEndNode::publish_verdicts(const std::vector<LoopVerdict>& verdicts) {
 }
 
 void BackEndNode::write_files() {
-  if (!run_ || !files_are_old_) return;
-  keep_configuration();
+  if (!run_ || !files_outdated_) return;
+  store_configuration();
   run_->write_files();
-  files_are_old_ = false;
+  files_outdated_ = false;
 }
 
-void BackEndNode::keep_configuration() {
+void BackEndNode::store_configuration() {
   if (!ros::ok()) return;  // the parameter server may be gone
   for (const auto& [stage, yaml] : effective_configurations(context_.node)) {
     run_->session().set_configuration(stage, yaml);

@@ -60,27 +60,27 @@ ros::Publisher DriveDisplay::advertise(const std::string& topic, bool latched,
 }
 
 void DriveDisplay::graph_changed() {
-  graph_is_old_ = paths_are_old_ = true;
+  graph_outdated_ = paths_outdated_ = true;
   status_changed();
 }
 
 void DriveDisplay::status_changed() {
-  markers_are_old_ = true;
+  markers_outdated_ = true;
   show_if_due();
 }
 
 /// At the latest by the timer, so that the newest of a flood is shown too.
 void DriveDisplay::show_if_due() {
-  if (is_silent(view_()) != was_silent_) markers_are_old_ = true;
+  if (is_silent(view_()) != was_silent_) markers_outdated_ = true;
   const ros::WallTime now = ros::WallTime::now();
-  if (!markers_are_old_ || now - shown_at_ < kInterval) return;
+  if (!markers_outdated_ || now - shown_at_ < kInterval) return;
   shown_at_ = now;
-  if (paths_are_old_) show_paths();
+  if (paths_outdated_) show_paths();
   show_markers();
 }
 
 void DriveDisplay::show_paths() {
-  paths_are_old_ = false;
+  paths_outdated_ = false;
   const map::KeyFrameTrack& track = view_().track;
   if (track.size() == 0) return;
   if (odom_path_.getNumSubscribers() > 0) {
@@ -92,11 +92,11 @@ void DriveDisplay::show_paths() {
 }
 
 void DriveDisplay::show_markers() {
-  markers_are_old_ = false;
+  markers_outdated_ = false;
   if (graph_markers_.getNumSubscribers() == 0) return;
   const visualization_msgs::MarkerArray changes = feed_.changes(markers());
   if (!changes.markers.empty()) graph_markers_.publish(changes);
-  markers_are_old_ = feed_.has_more();
+  markers_outdated_ = feed_.has_more();
 }
 
 /// Somebody has come who knows nothing yet.
@@ -104,7 +104,7 @@ void DriveDisplay::show_all_markers() { graph_markers_.publish(feed_.whole(marke
 
 MarkerFeed::Markers DriveDisplay::markers() {
   const DriveView& view = view_();
-  if (std::exchange(graph_is_old_, false)) {
+  if (std::exchange(graph_outdated_, false)) {
     graph_ = graph_markers(view.track, view.loops, view.candidates, fields_.map_frame);
     for (const MarkerFeed::Markers& more :
          {age_markers(view.track, fields_.map_frame),

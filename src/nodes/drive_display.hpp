@@ -64,9 +64,9 @@ class DriveDisplay {
   Worker::ChannelId tasks_;
   MarkerFeed feed_;
   MarkerFeed::Markers graph_;  ///< of the newest graph that was shown
-  bool graph_is_old_ = true;
-  bool paths_are_old_ = true;
-  bool markers_are_old_ = true;
+  bool graph_outdated_ = true;
+  bool paths_outdated_ = true;
+  bool markers_outdated_ = true;
   bool was_silent_ = false;
   ros::WallTime shown_at_;
   ros::Publisher odom_path_, optimized_path_, graph_markers_;

@@ -22,11 +22,12 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// A scan that waits for its other sensors is taken as it is when nothing has come for so long.
+/// Idle time after which a scan is processed without the sensors that it waits for.
 constexpr std::chrono::milliseconds kIdle{500};
-/// Scans come late or twice by less than this.
-constexpr Stamp kPlayedAgain = from_seconds(0.5);
-/// Key frames that are given again to who comes: those of some seconds, while a node starts.
+/// Scans that are late or repeated are older than the newest one by less than this time.
+constexpr Stamp kReplayTolerance = from_seconds(0.5);
+/// Number of key frames that are sent again to a new subscriber: those of the seconds in which a
+/// node starts.
 constexpr std::uint32_t kRepeatedKeyFrames = 30;
 
 std::string new_run_id() {
@@ -52,17 +53,17 @@ class FrontEndNode {
 
  private:
   void subscribe_sensors();
-  void take_cloud(const sensor_msgs::PointCloud2& message);
+  void add_cloud(const sensor_msgs::PointCloud2& message);
   void move_to_lidar(PointCloud& cloud);
-  bool is_played_again(Stamp stamp);
-  void take_gnss(const nav_msgs::Odometry& message);
-  void take_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  bool is_replayed(Stamp stamp);
+  void add_gnss(const nav_msgs::Odometry& message);
+  void set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void process(std::vector<AssembledScan> scans);
   void process(const AssembledScan& assembled);
   void begin_run();
   void finalize();
   void publish(const front_end::FrontEndResult& result, const PointCloud& cloud);
-  void publish_verdict(const front_end::FrontEndResult& result);
+  void publish_final(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
   void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
   void report(const front_end::FrontEndResult& result);
@@ -79,8 +80,8 @@ class FrontEndNode {
   std::string run_id_;
   Covariance6 covariance_ = Covariance6::Zero();  ///< of T_odom_base, axes of base_link
   std::optional<front_end::FrontEndResult> previous_;
-  std::size_t scans_played_again_ = 0;
-  std::uint32_t lost_before_ = 0;  ///< scans that did not come to preprocessing, or not through it
+  std::size_t scans_replayed_ = 0;
+  std::uint32_t scans_lost_upstream_ = 0;  ///< scans that were lost before or in preprocessing
   ros::Publisher laser_odom_, status_, current_scan_, local_map_;
   RepeatingPublisher<KeyFrameMessage> key_frame_;
   std::vector<ros::Subscriber> subscribers_;
@@ -108,7 +109,7 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
 
 void FrontEndNode::subscribe_sensors() {
   const int capacity = config_.node.queue_size;
-  const auto go_on = [this](auto&& add) {
+  const auto then_process = [this](auto&& add) {
     return [this, add](const auto& message) {
       add(*message);
       process(assembler_.take_ready());
@@ -116,37 +117,37 @@ void FrontEndNode::subscribe_sensors() {
   };
   subscribers_ = {
       subscribe<sensor_msgs::PointCloud2>(context_, "synced_cloud", capacity,
-                                          go_on([this](const auto& m) { take_cloud(m); }),
+                                          then_process([this](const auto& m) { add_cloud(m); }),
                                           Numbered::kYes),
       subscribe<SyncedInputsMessage>(
-          context_, "synced_inputs", capacity, go_on([this](const auto& m) {
+          context_, "synced_inputs", capacity, then_process([this](const auto& m) {
             assembler_.add_inputs(
                 from_ros(m.header.stamp),
                 {m.imu != 0, m.velocity != 0, m.gnss != 0, uneven_turning_of(m), felt_force_of(m)});
           })),
-      subscribe<sensor_msgs::Imu>(context_, "synced_imu", capacity, go_on([this](const auto& m) {
-                                    assembler_.add_imu(from_message(m));
-                                  })),
+      subscribe<sensor_msgs::Imu>(
+          context_, "synced_imu", capacity,
+          then_process([this](const auto& m) { assembler_.add_imu(from_message(m)); })),
       subscribe<geometry_msgs::TwistStamped>(
           context_, "synced_velocity", capacity,
-          go_on([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
+          then_process([this](const auto& m) { assembler_.add_velocity(from_message(m)); })),
       subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
-                                    go_on([this](const auto& m) { take_gnss(m); })),
+                                    then_process([this](const auto& m) { add_gnss(m); })),
       subscribe<std_msgs::UInt32>(context_, "scans_lost", 1,
-                                  [this](const auto& m) { lost_before_ = m->data; })};
+                                  [this](const auto& m) { scans_lost_upstream_ = m->data; })};
   subscribers_.push_back(subscribe<geometry_msgs::PoseWithCovarianceStamped>(
-      context_, "initialpose", capacity, [this](const auto& m) { take_initial_pose(*m); }));
+      context_, "initialpose", capacity, [this](const auto& m) { set_initial_pose(*m); }));
   if (config_.stage.odometry != front_end::OdometrySource::kExternal) return;
   subscribers_.push_back(subscribe<nav_msgs::Odometry>(
-      context_, "external_odom", 10 * capacity, go_on([this](const auto& m) {
+      context_, "external_odom", 10 * capacity, then_process([this](const auto& m) {
         assembler_.add_odometry(from_ros(m.header.stamp), from_message(m.pose.pose));
       })));
 }
 
-void FrontEndNode::take_cloud(const sensor_msgs::PointCloud2& message) {
+void FrontEndNode::add_cloud(const sensor_msgs::PointCloud2& message) {
   Scan scan{from_ros(message.header.stamp), from_message(message)};
   context_.diagnostics.count_input(scan.stamp);
-  if (is_played_again(scan.stamp)) return;
+  if (is_replayed(scan.stamp)) return;
   if (scan.cloud.empty()) throw InputError("the scan has no point with finite coordinates");
   const auto T_base_scan = sensor_frames_.lookup(config_.node.base_frame, message.header.frame_id);
   if (!T_base_scan) {
@@ -162,7 +163,8 @@ void FrontEndNode::take_cloud(const sensor_msgs::PointCloud2& message) {
   assembler_.add_scan(std::move(scan));
 }
 
-/// Preprocessing leaves scans in the LiDAR's frame; others may have moved them to base_link.
+/// Preprocessing publishes scans in the LiDAR's frame; another program may have transformed them to
+/// base_link.
 void FrontEndNode::move_to_lidar(PointCloud& cloud) {
   if (config_.lidar_frame.empty()) return;
   const auto T_base_lidar = sensor_frames_.lookup(config_.node.base_frame, config_.lidar_frame);
@@ -172,34 +174,35 @@ void FrontEndNode::move_to_lidar(PointCloud& cloud) {
   front_end_.set_sensor_pose(T_base_scan_);
 }
 
-/// Time that goes far back means a recording that begins anew: said once, not scan by scan.
-bool FrontEndNode::is_played_again(Stamp stamp) {
-  if (!previous_ || stamp > previous_->stamp - kPlayedAgain) {
-    scans_played_again_ = 0;
+/// A large jump back in time means that the recording was restarted. It is reported once, not for
+/// each scan.
+bool FrontEndNode::is_replayed(Stamp stamp) {
+  if (!previous_ || stamp > previous_->stamp - kReplayTolerance) {
+    scans_replayed_ = 0;
     return false;
   }
   const std::string advice =
       "time went back: one start of the nodes maps one drive; start them again for another one, or "
       "for the same bag";
-  if (scans_played_again_++ == 0) {
+  if (scans_replayed_++ == 0) {
     ROS_ERROR_STREAM(advice << " (by " << to_seconds(previous_->stamp - stamp)
                             << " s; scans are left out until it is past the last one)");
   }
   context_.diagnostics.set_state(Diagnostics::Level::kError, advice);
-  context_.diagnostics.set("scans played again", std::to_string(scans_played_again_));
+  context_.diagnostics.set("scans played again", std::to_string(scans_replayed_));
   return true;
 }
 
-void FrontEndNode::take_gnss(const nav_msgs::Odometry& message) {
+void FrontEndNode::add_gnss(const nav_msgs::Odometry& message) {
   if (previous_) return;
   const auto T_base_antenna =
       sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
   if (T_base_antenna) assembler_.add_gnss(from_message(message, T_base_antenna->translation));
 }
 
-/// rviz's "2D Pose Estimate", or a person's. Odometry cannot be moved once it has begun: other
-/// nodes hold what it said.
-void FrontEndNode::take_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+/// Uses the initial pose from rviz ("2D Pose Estimate") or from a user. Odometry cannot be moved
+/// once it has begun, because other nodes have stored its poses.
+void FrontEndNode::set_initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   const std::string frame = frame_name(message.header.frame_id);
   if (frame != config_.node.map_frame && frame != config_.node.odom_frame) {
     throw InputError("the initial pose is in frame '" + frame + "'; give it in '" +
@@ -229,43 +232,42 @@ void FrontEndNode::process(std::vector<AssembledScan> scans) {
 void FrontEndNode::process(const AssembledScan& assembled) {
   if (run_id_.empty()) begin_run();
   const front_end::FrontEndResult result = front_end_.process(assembled.scan, assembled.prior);
-  for (const front_end::FrontEndResult& finalized : result.finalized) publish_verdict(finalized);
+  for (const front_end::FrontEndResult& finalized : result.finalized) publish_final(finalized);
   publish(result, assembled.scan.cloud);
   report(result);
   previous_ = result;
 }
 
-/// Nothing comes any more: what waits to be looked at again is all that there will be.
+/// No scan has arrived for a while, so the provisional scans become final.
 void FrontEndNode::finalize() {
-  for (const front_end::FrontEndResult& finalized : front_end_.finalize())
-    publish_verdict(finalized);
+  for (const front_end::FrontEndResult& finalized : front_end_.finalize()) publish_final(finalized);
 }
 
-/// What is to stay: others keep it.
-void FrontEndNode::publish_verdict(const front_end::FrontEndResult& result) {
+/// Publishes a final result; subscribers store it.
+void FrontEndNode::publish_final(const front_end::FrontEndResult& result) {
   if (result.key_frame) {
     key_frame_.publish(to_message(*result.key_frame, run_id_, config_.node.base_frame));
   }
   const auto dropped =
-      lost_before_ + static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
+      scans_lost_upstream_ + static_cast<std::uint32_t>(context_.worker.losses("synced_cloud"));
   status_.publish(to_message(result, dropped, config_.node.base_frame));
 }
 
-/// Indices of different runs never mix: a front end that comes back goes on with the run that the
-/// back end has; otherwise it begins a new one.
+/// A restarted front end continues the run of the back end, so that indices of different runs are
+/// never mixed; otherwise it starts a new run.
 void FrontEndNode::begin_run() {
-  const auto state = back_end_.run_that_goes_on();
+  const auto state = back_end_.wait_for_run();
   run_id_ = state && !state->run_id.empty() ? state->run_id : new_run_id();
   if (!state || state->key_frames.empty()) return;
   const KeyFrame& last = state->key_frames.back();
   front_end_.resume(last.index + 1, last.segment + 1, last.T_odom_base);
-  ROS_WARN_STREAM("going on with run " << run_id_ << " at key frame " << last.index + 1
-                                       << ", in a new segment of the trajectory");
+  ROS_WARN_STREAM("continuing run " << run_id_ << " at key frame " << last.index + 1
+                                    << ", in a new segment of the trajectory");
 }
 
 void FrontEndNode::publish(const front_end::FrontEndResult& result, const PointCloud& cloud) {
   publish_odometry(result);
-  if (!result.provisional) publish_verdict(result);
+  if (!result.provisional) publish_final(result);
   publish_clouds(result, cloud);
 }
 
@@ -320,7 +322,7 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   if (result.status.gyro_distrusted && limiter_.due("gyro"))
     ROS_WARN_STREAM(front_end::gyro_message());
   if (result.status.unseen_way > 0.0) {
-    context_.diagnostics.set("way up or down that no points showed, m",
+    context_.diagnostics.set("vertical distance not observed by the points, m",
                              std::to_string(result.status.unseen_way));
     if (limiter_.due("ride")) ROS_WARN_STREAM(front_end::ride_message());
   }
@@ -328,7 +330,7 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
     if (limiter_.due("repeated")) {
       ROS_WARN(
           "the same scan came again under a new stamp: the LiDAR's driver hangs; the pose is a "
-          "guess until new points come");
+          "prediction until new points arrive");
     }
   } else if (poor && limiter_.due(front_end::to_string(state))) {
     ROS_WARN_STREAM("odometry is " << front_end::to_string(state) << ": overlap "

@@ -17,13 +17,13 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Loops that are given again to a back end that starts again.
+/// Number of loops that are sent again to a restarted back end.
 constexpr std::uint32_t kRepeatedLoops = 100;
-/// The newest count of loops is said when no key frame has come for so long.
+/// Idle time after which the newest count of loops is logged.
 constexpr std::chrono::milliseconds kIdle{10000};
 
 /// A line for the log: the count so far, and the newest loop.
-std::string news_of(const Loop& loop, std::size_t count) {
+std::string loop_summary(const Loop& loop, std::size_t count) {
   std::ostringstream text;
   text.precision(2);
   text << "loops: " << count << "; the newest: key frame " << loop.to << " sees key frame "
@@ -32,7 +32,7 @@ std::string news_of(const Loop& loop, std::size_t count) {
   return text.str();
 }
 
-void say(const std::optional<std::string>& line) {
+void log_line(const std::optional<std::string>& line) {
   if (line) ROS_INFO_STREAM(*line);
 }
 
@@ -46,7 +46,7 @@ class LoopClosingNode {
 
   LoopClosingNode(const Config& config, NodeContext& context);
   ~LoopClosingNode() {
-    if (const auto line = news_.rest()) say_at_end(*line);
+    if (const auto line = loop_log_.rest()) print_at_exit(*line);
   }
 
  private:
@@ -59,11 +59,11 @@ class LoopClosingNode {
   };
 
   void begin_run(const std::string& run_id);
-  void recall();
-  void take_key_frame(const RunKeyFrame& received);
-  void tell_sensor_origin();
-  void take_poses(const KeyFramePosesMessage& message);
-  void take_gnss(const nav_msgs::Odometry& message);
+  void restore_graph();
+  void add_key_frame(const RunKeyFrame& received);
+  void update_sensor_origin();
+  void update_poses(const KeyFramePosesMessage& message);
+  void add_gnss(const nav_msgs::Odometry& message);
   void publish(const loop_closing::LoopClosingResult& result);
   void report();
 
@@ -75,10 +75,11 @@ class LoopClosingNode {
   std::size_t runs_ = 0;
   std::unique_ptr<Run> run_;
   KeyFrameClient back_end_;
-  std::optional<RunState> memory_;  ///< of a run that goes on, until its old key frames are back
+  std::optional<RunState>
+      stored_run_;  ///< stored state of a resumed run, until its old key frames are restored
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
-  LineLimiter news_;
+  LineLimiter loop_log_;
   RepeatingPublisher<LoopMessage> loop_;
   ros::Publisher verdict_;
   KeyFrameSubscription key_frames_;
@@ -92,40 +93,40 @@ LoopClosingNode::LoopClosingNode(const Config& config, NodeContext& context)
       loop_(context.node, "loop", kRepeatedLoops),
       verdict_(context.node.advertise<LoopVerdictMessage>("loop_verdict", kPublisherQueue)),
       key_frames_(context, config.node.queue_size,
-                  [this](const RunKeyFrame& received) { take_key_frame(received); }) {
+                  [this](const RunKeyFrame& received) { add_key_frame(received); }) {
   subscribers_ = {
       subscribe<KeyFramePosesMessage>(context, "key_frame_poses", config.node.queue_size,
-                                      [this](const auto& message) { take_poses(*message); }),
+                                      [this](const auto& message) { update_poses(*message); }),
       subscribe<nav_msgs::Odometry>(context, "synced_gnss", config.node.queue_size,
-                                    [this](const auto& message) { take_gnss(*message); })};
-  context.worker.set_idle_task(kIdle, [this] { say(news_.rest()); });
+                                    [this](const auto& message) { add_gnss(*message); })};
+  context.worker.set_idle_task(kIdle, [this] { log_line(loop_log_.rest()); });
 }
 
 void LoopClosingNode::begin_run(const std::string& run_id) {
   run_id_ = run_id;
   run_ = std::make_unique<Run>(config_, scratch_.path() / std::to_string(++runs_));
-  memory_ = back_end_.run();
-  if (memory_ && memory_->run_id != run_id) memory_.reset();
+  stored_run_ = back_end_.run();
+  if (stored_run_ && stored_run_->run_id != run_id) stored_run_.reset();
 }
 
-/// The old key frames are back, by restore(): so are loops, fixes and poses.
-void LoopClosingNode::recall() {
-  run_->closer.restore(memory_->loops, memory_->gnss, memory_->poses);
-  if (memory_->searched > 0) {
-    ROS_INFO_STREAM("going on at key frame " << memory_->searched << " with "
-                                             << memory_->loops.size() << " loops that are known");
+/// Restores loops, positions and poses after all old key frames have been restored.
+void LoopClosingNode::restore_graph() {
+  run_->closer.restore(stored_run_->loops, stored_run_->gnss, stored_run_->poses);
+  if (stored_run_->searched > 0) {
+    ROS_INFO_STREAM("continuing at key frame " << stored_run_->searched << " with "
+                                               << stored_run_->loops.size() << " known loops");
   }
-  memory_.reset();
+  stored_run_.reset();
 }
 
-void LoopClosingNode::take_key_frame(const RunKeyFrame& received) {
+void LoopClosingNode::add_key_frame(const RunKeyFrame& received) {
   if (!run_ || received.run_id != run_id_) begin_run(received.run_id);
   const KeyFrame& key_frame = received.key_frame;
   context_.diagnostics.count_input(key_frame.stamp);
-  tell_sensor_origin();
+  update_sensor_origin();
   if (key_frame.cloud) run_->clouds.put(key_frame.index, key_frame.cloud);
-  if (memory_ && key_frame.index >= memory_->searched) recall();
-  if (memory_) {
+  if (stored_run_ && key_frame.index >= stored_run_->searched) restore_graph();
+  if (stored_run_) {
     run_->closer.restore(key_frame);
   } else {
     publish(run_->closer.process(key_frame));
@@ -134,17 +135,17 @@ void LoopClosingNode::take_key_frame(const RunKeyFrame& received) {
   report();
 }
 
-void LoopClosingNode::tell_sensor_origin() {
+void LoopClosingNode::update_sensor_origin() {
   const auto origin = sensor_frames_.origin_of(config_.lidar_frame, config_.node.base_frame);
   if (origin) run_->closer.set_sensor_origin(*origin);
 }
 
-void LoopClosingNode::take_poses(const KeyFramePosesMessage& message) {
+void LoopClosingNode::update_poses(const KeyFramePosesMessage& message) {
   key_frames_.note({message.run_id, message.indices});
   if (run_ && message.run_id == run_id_) run_->closer.update_poses(from_message(message));
 }
 
-void LoopClosingNode::take_gnss(const nav_msgs::Odometry& message) {
+void LoopClosingNode::add_gnss(const nav_msgs::Odometry& message) {
   if (!run_) return;
   const auto T_base_antenna =
       sensor_frames_.lookup(config_.node.base_frame, message.child_frame_id);
@@ -154,7 +155,7 @@ void LoopClosingNode::take_gnss(const nav_msgs::Odometry& message) {
 void LoopClosingNode::publish(const loop_closing::LoopClosingResult& result) {
   for (const Loop& loop : result.loops) {
     loop_.publish(to_message(loop, run_id_, config_.node.base_frame));
-    say(news_.add(news_of(loop, ++accepted_), ros::WallTime::now().toSec()));
+    log_line(loop_log_.add(loop_summary(loop, ++accepted_), ros::WallTime::now().toSec()));
   }
   for (const LoopVerdict& verdict : result.verdicts) {
     verdict_.publish(to_message(verdict, run_id_, config_.node.base_frame));

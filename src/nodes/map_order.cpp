@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a file that holds a map, in small letters.
+/// Format of a map file by its extension, in lower case.
 std::string format_of(const fs::path& file) {
   std::string format = file.extension().string();
   if (!format.empty()) format.erase(0, 1);
@@ -37,7 +37,7 @@ void name_file(const SaveMap::Request& request, MapOrder& order) {
   order.directory = file.parent_path();
   order.options.name = file.stem().string();
   order.options.formats = {format};
-  // The extension is written in small letters, whatever it was asked for in.
+  // The extension is written in lower case, whatever was requested.
   order.destination = order.directory / (order.options.name + "." + format);
   for (const fs::path& other : {order.destination, fs::path(order.destination.string() + ".utm"),
                                 order.directory / (order.options.name + ".yaml")}) {

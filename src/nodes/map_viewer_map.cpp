@@ -12,7 +12,7 @@
 #include "map_order.hpp"
 #include "map_viewer_node.hpp"
 
-// The map: on display, and on the disk by the service save_map.
+// The map: its display, and the service save_map that writes it to disk.
 namespace lidar_mapping::ros_border {
 
 namespace {
@@ -27,7 +27,7 @@ map::MapConfig with_resolution(const map::MapConfig& stage, double resolution) {
 
 }  // namespace
 
-/// A map that has no listener is not made, but when somebody comes.
+/// The map is only built while there are subscribers; a new subscriber triggers it.
 ros::Publisher MapViewerNode::advertise_map() {
   const auto task = [this] {
     if (run_) show_map(true);
@@ -37,21 +37,21 @@ ros::Publisher MapViewerNode::advertise_map() {
       ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
 }
 
-/// Without moved poses the map on display grows in steps.
+/// As long as no poses move, the displayed map is updated at intervals.
 void MapViewerNode::refresh_at_intervals() {
   if (config_.map_cloud_update_interval == 0.0) return;
   const auto task = [this] {
-    if (run_ && map_is_old_) show_map(false);
+    if (run_ && map_outdated_) show_map(false);
   };
   refresh_timer_ = context_.node.createWallTimer(
       ros::WallDuration(config_.map_cloud_update_interval),
       [this, task](const ros::WallTimerEvent&) { context_.worker.post(requests_, task); });
 }
 
-/// A map that waits to be built is replaced by a newer one.
+/// A request that still waits in the queue is replaced by this newer one.
 void MapViewerNode::show_map(bool always) {
   if (global_map_.getNumSubscribers() == 0) return;
-  map_is_old_ = false;
+  map_outdated_ = false;
   builder_.post(builds_, [this, run = run_, poses = view_.track.poses(), always] {
     build_and_publish(run, poses, always);
   });
@@ -70,9 +70,9 @@ void MapViewerNode::build_and_publish(const std::shared_ptr<Run>& run, const Key
   context_.diagnostics.set("clouds missing", std::to_string(run->builder.missing_clouds()));
 }
 
-/// Poses on their way in a topic may be late: a map that is saved after optimize_map has answered
-/// is that of the optimised poses, with all their key frames.
-void MapViewerNode::take_newest_poses() {
+/// Poses on the topic may arrive late, so the newest ones are fetched by the service: a map saved
+/// after optimize_map then has the optimised poses with all their key frames.
+void MapViewerNode::fetch_newest_poses() {
   const auto state = back_end_.run();
   if (!state) return;
   key_frames_.note(state->indices());
@@ -83,7 +83,7 @@ bool MapViewerNode::save_map(SaveMap::Request& request, SaveMap::Response& respo
   auto answer = std::make_shared<std::promise<SaveMap::Response>>();
   std::future<SaveMap::Response> future = answer->get_future();
   context_.worker.post(requests_, [this, answer, request] {
-    take_newest_poses();
+    fetch_newest_poses();
     if (!run_) {
       SaveMap::Response nothing;
       nothing.message = "there are no key frames yet; nothing to save";
@@ -129,8 +129,8 @@ SaveMap::Response MapViewerNode::save(const std::shared_ptr<Run>& run, const Key
   return response;
 }
 
-/// What the session knows. Its datum comes before that of this node, which is there already: a
-/// session that was gone on with keeps that of its first drive.
+/// Adds sensor origin and datum from the session. Its datum has priority over that of this node,
+/// because a resumed session keeps the datum of its first drive.
 void MapViewerNode::complete(map::ProductOptions& options) const {
   options.frame = config_.node.map_frame;
   std::string folder;
@@ -140,7 +140,7 @@ void MapViewerNode::complete(map::ProductOptions& options) const {
     options.p_base_sensor = session.sensor_origin();
     if (session.datum()) options.datum = session.datum();
   } catch (const FileError&) {
-    // The back end is on another machine: nobody knows from where the LiDAR saw what it saw.
+    // The session is on another machine, so the sensor origin is unknown.
   }
 }
 

@@ -9,7 +9,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
-// What comes in, and what is shown of the graph.
+// Received messages, and the display of the graph.
 namespace lidar_mapping::ros_border {
 
 MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
@@ -25,7 +25,7 @@ MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
       global_map_(advertise_map()),
       display_(context, config.node, [this]() -> const DriveView& { return view_; }),
       key_frames_(context, config.node.queue_size,
-                  [this](const RunKeyFrame& received) { take_key_frame(received); }) {
+                  [this](const RunKeyFrame& received) { add_key_frame(received); }) {
   subscribe_all();
   context.worker.post(requests_, [this] { catch_up(); });
   ros::NodeHandle node(context.node);
@@ -36,7 +36,7 @@ MapViewerNode::MapViewerNode(const Config& config, NodeContext& context)
 }
 
 MapViewerNode::~MapViewerNode() {
-  builder_.stop();  // who waits for an answer learns that there will be none
+  builder_.stop();  // callers that wait for an answer get an error
   service_spinner_.stop();
 }
 
@@ -44,12 +44,12 @@ void MapViewerNode::subscribe_all() {
   const int capacity = config_.node.queue_size;
   subscribers_ = {
       subscribe<KeyFramePosesMessage>(context_, "key_frame_poses", capacity,
-                                      [this](const auto& m) { take_poses(*m); }),
-      subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { take_loop(*m); }),
+                                      [this](const auto& m) { update_poses(*m); }),
+      subscribe<LoopMessage>(context_, "loop", capacity, [this](const auto& m) { add_loop(*m); }),
       subscribe<LoopVerdictMessage>(context_, "loop_verdict", 10 * capacity,
-                                    [this](const auto& m) { take_candidate(*m); }),
+                                    [this](const auto& m) { update_candidate(*m); }),
       subscribe<LoopVerdictMessage>(context_, "graph_verdict", 10 * capacity,
-                                    [this](const auto& m) { take_verdict(*m); }),
+                                    [this](const auto& m) { update_verdict(*m); }),
       subscribe<nav_msgs::Odometry>(context_, "synced_gnss", capacity,
                                     [this](const auto& m) {
                                       if (view_.add_fix(from_message(m->pose.pose).translation))
@@ -60,15 +60,16 @@ void MapViewerNode::subscribe_all() {
                                 if (view_.floors.add(from_message(*m))) display_.graph_changed();
                               }),
       subscribe<FrontEndStatusMessage>(context_, "front_end_status", capacity,
-                                       [this](const auto& m) { take_status(*m); }),
+                                       [this](const auto& m) { update_status(*m); }),
       subscribe<diagnostic_msgs::DiagnosticArray>(context_, "/diagnostics", capacity,
-                                                  [this](const auto& m) { take_diagnostics(*m); }),
+                                                  [this](const auto& m) { update_problem(*m); }),
       subscribe<sensor_msgs::NavSatFix>(context_, "gnss_datum", 1, [this](const auto& m) {
         datum_ = GeodeticDatum{m->latitude, m->longitude, m->altitude};
       })};
 }
 
-/// What was there before this node came; key frames catch up by themselves.
+/// Fetches loops, positions and floors from before this node started; key frames are fetched by
+/// KeyFrameSubscription.
 void MapViewerNode::catch_up() {
   const auto state = back_end_.run();
   if (!state || (run_ && state->run_id != run_id_)) return;
@@ -83,14 +84,14 @@ void MapViewerNode::catch_up() {
   display_.graph_changed();
 }
 
-/// What came before the first key frame belongs to its run.
+/// Data that arrived before the first key frame belong to its run.
 void MapViewerNode::begin_run(const std::string& run_id) {
   if (run_) view_ = {};
   run_id_ = run_id;
   run_ = std::make_shared<Run>(config_.stage, scratch_.path() / std::to_string(++runs_));
 }
 
-void MapViewerNode::take_key_frame(const RunKeyFrame& received) {
+void MapViewerNode::add_key_frame(const RunKeyFrame& received) {
   if (!run_ || received.run_id != run_id_) begin_run(received.run_id);
   const KeyFrame& key_frame = received.key_frame;
   context_.diagnostics.count_input(key_frame.stamp);
@@ -100,11 +101,11 @@ void MapViewerNode::take_key_frame(const RunKeyFrame& received) {
   context_.diagnostics.set_state(Diagnostics::Level::kOk, "following the drive");
   context_.diagnostics.set("key frames", std::to_string(view_.track.size()));
   display_.graph_changed();
-  map_is_old_ = true;
+  map_outdated_ = true;
   if (config_.map_cloud_update_interval == 0.0) show_map(false);
 }
 
-void MapViewerNode::take_poses(const KeyFramePosesMessage& message) {
+void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
   key_frames_.note({message.run_id, message.indices});
   if (!run_ || message.run_id != run_id_) return;
   view_.track.update(from_message(message));
@@ -112,7 +113,7 @@ void MapViewerNode::take_poses(const KeyFramePosesMessage& message) {
   show_map(false);
 }
 
-void MapViewerNode::take_loop(const LoopMessage& message) {
+void MapViewerNode::add_loop(const LoopMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
   LoopVerdict verdict;
   verdict.from = message.from;
@@ -121,7 +122,7 @@ void MapViewerNode::take_loop(const LoopMessage& message) {
   display_.graph_changed();
 }
 
-void MapViewerNode::take_candidate(const LoopVerdictMessage& message) {
+void MapViewerNode::update_candidate(const LoopVerdictMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
   const LoopVerdict verdict = from_message(message);
   if (verdict.verdict == Verdict::kAccepted) {
@@ -132,19 +133,19 @@ void MapViewerNode::take_candidate(const LoopVerdictMessage& message) {
   display_.graph_changed();
 }
 
-void MapViewerNode::take_verdict(const LoopVerdictMessage& message) {
+void MapViewerNode::update_verdict(const LoopVerdictMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
   view_.loops[{message.from, message.to}] = from_message(message);
   display_.graph_changed();
 }
 
-void MapViewerNode::take_status(const FrontEndStatusMessage& message) {
+void MapViewerNode::update_status(const FrontEndStatusMessage& message) {
   view_.newest_scan = ros::WallTime::now();
   if (std::exchange(view_.state, message.state) != message.state) display_.status_changed();
 }
 
-/// Why nothing comes is said where people look.
-void MapViewerNode::take_diagnostics(const diagnostic_msgs::DiagnosticArray& message) {
+/// Shows in rviz why no scans arrive.
+void MapViewerNode::update_problem(const diagnostic_msgs::DiagnosticArray& message) {
   if (!view_.state.empty()) return;
   for (const auto& status : message.status) {
     const bool has_reason = status.level != diagnostic_msgs::DiagnosticStatus::OK &&

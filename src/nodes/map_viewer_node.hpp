@@ -27,8 +27,8 @@ namespace lidar_mapping::ros_border {
 
 /// Subscribed: key_frame, key_frame_poses, loop, loop_verdict, graph_verdict, synced_gnss,
 /// gnss_datum, floor, front_end_status, /diagnostics. Published: global_map, odom_path,
-/// optimized_path (latched), graph_markers (changes; the whole to late ones). Service: save_map.
-/// Asks get_key_frames for what it missed; a restart loses nothing.
+/// optimized_path (latched), graph_markers (changes; all of them to a new subscriber). Service:
+/// save_map. Missed data are fetched by get_key_frames, so that a restart loses nothing.
 class MapViewerNode {
  public:
   using Config = MapViewerNodeConfig;
@@ -37,7 +37,7 @@ class MapViewerNode {
   ~MapViewerNode();
 
  private:
-  /// The clouds of one run, and the map of them; both belong to the thread that builds.
+  /// The clouds of one run and their map; used by the building thread only.
   struct Run {
     Run(const map::MapConfig& config, const std::filesystem::path& folder)
         : clouds(folder), builder(config, clouds) {}
@@ -49,17 +49,17 @@ class MapViewerNode {
   void subscribe_all();
   void catch_up();
   void begin_run(const std::string& run_id);
-  void take_key_frame(const RunKeyFrame& received);
-  void take_poses(const KeyFramePosesMessage& message);
-  void take_loop(const LoopMessage& message);
-  void take_candidate(const LoopVerdictMessage& message);
-  void take_verdict(const LoopVerdictMessage& message);
-  void take_status(const FrontEndStatusMessage& message);
-  void take_diagnostics(const diagnostic_msgs::DiagnosticArray& message);
+  void add_key_frame(const RunKeyFrame& received);
+  void update_poses(const KeyFramePosesMessage& message);
+  void add_loop(const LoopMessage& message);
+  void update_candidate(const LoopVerdictMessage& message);
+  void update_verdict(const LoopVerdictMessage& message);
+  void update_status(const FrontEndStatusMessage& message);
+  void update_problem(const diagnostic_msgs::DiagnosticArray& message);
   void refresh_at_intervals();
   void show_map(bool always);
   void build_and_publish(const std::shared_ptr<Run>& run, const KeyFramePoses& poses, bool always);
-  void take_newest_poses();
+  void fetch_newest_poses();
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   SaveMap::Response save(const std::shared_ptr<Run>& run, const KeyFramePoses& poses,
                          const std::optional<GeodeticDatum>& datum,
@@ -80,7 +80,7 @@ class MapViewerNode {
   Worker builder_;
   Worker::ChannelId builds_, saves_;
   ros::Publisher global_map_;
-  bool map_is_old_ = false;  ///< on display
+  bool map_outdated_ = false;  ///< whether the displayed map lacks key frames
   ros::WallTimer refresh_timer_;
   DriveDisplay display_;
   KeyFrameSubscription key_frames_;

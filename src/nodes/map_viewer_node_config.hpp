@@ -10,8 +10,8 @@ namespace lidar_mapping::ros_border {
 struct MapViewerNodeConfig {
   NodeFields node;
   map::MapConfig stage;
-  /// [s] The map on display takes new key frames in once in so long, by the wall clock; 0: with
-  /// each. Moved poses show at once.
+  /// [s] Interval (wall clock) at which new key frames are added to the displayed map; 0: with each
+  /// key frame. Moved poses are shown at once.
   double map_cloud_update_interval = 10.0;
 
   static const config::Schema<MapViewerNodeConfig>& schema() {
@@ -22,8 +22,8 @@ struct MapViewerNodeConfig {
             .include(&Config::stage, map::MapConfig::schema())
             .real("map_cloud_update_interval", &Config::map_cloud_update_interval, {0.0, 3600.0},
                   "s",
-                  "The map on display takes new key frames in once in so long, by the wall clock; "
-                  "0: with each. Moved poses show at once.");
+                  "Interval (wall clock) at which new key frames are added to the displayed map; "
+                  "0: with each key frame. Moved poses are shown at once.");
     return schema;
   }
 };

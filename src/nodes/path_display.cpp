@@ -11,61 +11,62 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// What lies nearer to the straight line between its neighbours is of no worth to the shape.
-constexpr double kStraight = 0.001;  // m
+/// Points nearer to the line between their neighbours are not needed, m (chosen: far below what
+/// rviz can show).
+constexpr double kStraight = 0.001;
 
 double distance_to_line(const Eigen::Vector3d& point, const Eigen::Vector3d& begin,
                         const Eigen::Vector3d& end) {
   const Eigen::Vector3d line = end - begin;
   const double squared = line.squaredNorm();
-  const double share =
+  const double fraction =
       squared > 0.0 ? std::clamp((point - begin).dot(line) / squared, 0.0, 1.0) : 0.0;
-  return (point - begin - share * line).norm();
+  return (point - begin - fraction * line).norm();
 }
 
-/// A stretch of the path whose ends are in the outline, and what the worthier of them is worth.
-struct Stretch {
+/// A section between two points of the simplified path, and the smaller importance of its ends.
+struct Section {
   std::size_t begin = 0;
   std::size_t end = 0;
-  double worth = std::numeric_limits<double>::infinity();
+  double importance = std::numeric_limits<double>::infinity();
 };
 
-/// By how much the outline would miss each pose if it were left out; never more than what the pose
-/// is worth at which the stretch around it begins.
-std::vector<double> worth_of(const std::vector<KeyFramePose>& poses) {
-  std::vector<double> worth(poses.size(), 0.0);
-  worth.front() = worth.back() = std::numeric_limits<double>::infinity();
-  std::vector<Stretch> open = {{0, poses.size() - 1}};
+/// The distance of each pose from the line of its section at which it is added (Douglas and Peucker
+/// 1973), limited by that of the ends of the section.
+std::vector<double> importances_of(const std::vector<KeyFramePose>& poses) {
+  std::vector<double> importances(poses.size(), 0.0);
+  importances.front() = importances.back() = std::numeric_limits<double>::infinity();
+  std::vector<Section> open = {{0, poses.size() - 1}};
   while (!open.empty()) {
-    const Stretch stretch = open.back();
+    const Section section = open.back();
     open.pop_back();
-    std::size_t farthest = stretch.begin;
+    std::size_t farthest = section.begin;
     double largest = kStraight;
-    for (std::size_t i = stretch.begin + 1; i < stretch.end; ++i) {
+    for (std::size_t i = section.begin + 1; i < section.end; ++i) {
       const double distance = distance_to_line(poses[i].T_map_base.translation,
-                                               poses[stretch.begin].T_map_base.translation,
-                                               poses[stretch.end].T_map_base.translation);
+                                               poses[section.begin].T_map_base.translation,
+                                               poses[section.end].T_map_base.translation);
       if (distance <= largest) continue;
       largest = distance;
       farthest = i;
     }
-    if (farthest == stretch.begin) continue;
-    worth[farthest] = std::min(stretch.worth, largest);
-    open.push_back({stretch.begin, farthest, worth[farthest]});
-    open.push_back({farthest, stretch.end, worth[farthest]});
+    if (farthest == section.begin) continue;
+    importances[farthest] = std::min(section.importance, largest);
+    open.push_back({section.begin, farthest, importances[farthest]});
+    open.push_back({farthest, section.end, importances[farthest]});
   }
-  return worth;
+  return importances;
 }
 
-/// Positions of the poses that stay, in order.
-std::vector<std::size_t> outline(const std::vector<KeyFramePose>& poses, std::size_t limit) {
+/// Positions of the poses of the simplified path, in order.
+std::vector<std::size_t> simplified(const std::vector<KeyFramePose>& poses, std::size_t limit) {
   std::vector<std::size_t> kept(poses.size());
   for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = i;
   if (kept.size() <= limit) return kept;
-  const std::vector<double> worth = worth_of(poses);
+  const std::vector<double> importances = importances_of(poses);
   const auto end = kept.begin() + static_cast<std::ptrdiff_t>(limit);
   std::nth_element(kept.begin(), end, kept.end(), [&](std::size_t a, std::size_t b) {
-    return worth[a] != worth[b] ? worth[a] > worth[b] : a < b;
+    return importances[a] != importances[b] ? importances[a] > importances[b] : a < b;
   });
   kept.erase(end, kept.end());
   std::sort(kept.begin(), kept.end());
@@ -77,7 +78,7 @@ std::vector<std::size_t> outline(const std::vector<KeyFramePose>& poses, std::si
 nav_msgs::Path to_path(const KeyFramePoses& poses, const std::string& frame, std::size_t limit) {
   nav_msgs::Path path;
   path.header.frame_id = frame;
-  for (const std::size_t i : outline(poses.poses, limit)) {
+  for (const std::size_t i : simplified(poses.poses, limit)) {
     geometry_msgs::PoseStamped stamped;
     stamped.header.frame_id = frame;
     stamped.header.stamp = to_ros(poses.poses[i].stamp);

@@ -32,18 +32,20 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Scans that wait for other sensors leave as they are when nothing has come for so long.
+/// Idle time after which scans that wait for other sensors are published without them.
 constexpr std::chrono::milliseconds kIdle{1000};
-/// IMUs send ten times as often as LiDARs and more.
+/// Queue length of the other sensors for each queued scan: IMUs publish at least ten times as often
+/// as LiDARs.
 constexpr int kSamplesPerScan = 20;
-/// Duration of the data after which the input validator reports.
-constexpr double kLook = 5.0;
-/// Wall time after which it says why nothing came; again when the reason is another one.
-constexpr double kPatience = 5.0;
-/// So often it looks, once scans come, for sensors under other names: drivers start one by one.
-constexpr int kLooks = 12;
+/// Duration of the data after which the input validator reports, s.
+constexpr double kValidationTime = 5.0;
+/// Wall time (s) without scans after which the reason is logged, and logged again when it changes.
+constexpr double kSilenceTime = 5.0;
+/// Number of searches for sensors on other topics after the first scan; drivers start one after the
+/// other.
+constexpr int kMaxSearches = 12;
 
-/// Whole: a master may round numbers.
+/// As text with all digits, because a ROS master may round numbers.
 std::string to_text(const GeodeticDatum& datum) {
   std::ostringstream text;
   text.precision(17);
@@ -51,7 +53,8 @@ std::string to_text(const GeodeticDatum& datum) {
   return text.str();
 }
 
-/// The map's frame must stay where it is when this node starts again in mid-drive.
+/// Uses the datum of the current run, so that the map's frame stays in place when this node is
+/// restarted during a drive.
 preprocessing::PreprocessingConfig with_datum_of_the_run(preprocessing::PreprocessingConfig config,
                                                          const ros::NodeHandle& node) {
   std::string text;
@@ -61,7 +64,7 @@ preprocessing::PreprocessingConfig with_datum_of_the_run(preprocessing::Preproce
   if (!(numbers >> datum[0] >> datum[1] >> datum[2])) return config;
   config.use_datum = true;
   config.datum = datum;
-  ROS_WARN_STREAM("going on with the GNSS datum " << text << " of before");
+  ROS_WARN_STREAM("continuing with the GNSS datum " << text << " of the run before the restart");
   return config;
 }
 
@@ -91,23 +94,23 @@ class PreprocessingNode {
  private:
   void advertise();
   void subscribe_sensors();
-  void take(const SensorInput<ImuSample>& input);
-  void take(const SensorInput<VelocitySample>& input);
-  void take(const SensorInput<GnssFix>& input);
+  void add(const SensorInput<ImuSample>& input);
+  void add(const SensorInput<VelocitySample>& input);
+  void add(const SensorInput<GnssFix>& input);
   void follow_transforms();
   template <typename Sample>
-  void take_if_read(const std::string& topic, const topic_tools::ShapeShifter& message,
-                    const std::optional<SensorInput<Sample>>& input);
+  void add_if_readable(const std::string& topic, const topic_tools::ShapeShifter& message,
+                       const std::optional<SensorInput<Sample>>& input);
   void publish(std::vector<preprocessing::SyncedScan> scans);
   void publish(const preprocessing::SyncedScan& scan);
   void publish_datum(Stamp stamp);
   void report();
   std::optional<Pose> T_base(const std::string& frame);
-  void look_at(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded);
-  void say_what_was_found();
-  void tick();
-  void say_if_nothing_came();
-  void look_for_other_sensors();
+  void validate(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded);
+  void report_validation();
+  void check_inputs();
+  void warn_without_scans();
+  void warn_of_overlooked_sensors();
   std::set<std::string> own_topics() const;
   OverlookedSensors optional_inputs() const;
   void count_losses();
@@ -116,26 +119,26 @@ class PreprocessingNode {
   Config config_;
   NodeContext& context_;
   SensorFrames frames_;
-  std::unique_ptr<preprocessing::InputValidator> input_validator_;  ///< until it has spoken
+  std::unique_ptr<preprocessing::InputValidator> input_validator_;  ///< until it has reported
   std::optional<Stamp> first_scan_;
   std::atomic<bool> has_scans_{false};
-  ros::WallTimer patience_;
-  std::string said_;  ///< why there are no scans
+  ros::WallTimer input_timer_;
+  std::string last_reason_;  ///< reason for missing scans that was logged last
   OverlookedSensors overlooked_;
-  int looks_ = 0;
+  int searches_ = 0;
   std::mutex numbers_mutex_;
-  ScanNumbers numbers_;         ///< of the scans that arrive
-  std::size_t missing_ = 0;     ///< scans that were said to be missing
-  std::size_t scans_lost_ = 0;  ///< that were published
+  ScanNumbers numbers_;         ///< of the received scans
+  std::size_t missing_ = 0;     ///< missing scans that were logged
+  std::size_t scans_lost_ = 0;  ///< newest published value
   WarningLimiter limiter_;
   preprocessing::Preprocessor stage_;
-  PointCloud spare_;  ///< memory of a cloud that has been sent, for the next one
+  PointCloud spare_cloud_;  ///< memory of a published cloud, reused for the next one
   std::string antenna_frame_;
   std::optional<GeodeticDatum> datum_;  ///< that was published
   ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_, synced_inputs_;
   ros::Publisher gnss_datum_, lost_;
-  Worker looker_;  ///< asks the master, who may be slow
-  Worker::ChannelId look_;
+  Worker search_worker_;  ///< queries the ROS master, which may be slow
+  Worker::ChannelId searching_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -146,18 +149,19 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
       overlooked_(optional_inputs()),
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
-      looker_([](const std::string& what, const std::string& problem) {
+      search_worker_([](const std::string& what, const std::string& problem) {
         ROS_WARN_STREAM(what << ": " << problem);
       }),
-      look_(looker_.add_channel("looking for sensors", 1)) {
+      searching_(search_worker_.add_channel("looking for sensors", 1)) {
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
-  patience_ = context.node.createWallTimer(ros::WallDuration(kPatience),
-                                           [this](const ros::WallTimerEvent&) { tick(); });
+  input_timer_ = context.node.createWallTimer(
+      ros::WallDuration(kSilenceTime), [this](const ros::WallTimerEvent&) { check_inputs(); });
 }
 
-/// Who ends as asked ends the run; who was killed goes on with it.
+/// A regular shutdown ends the run, so its datum is removed. After a crash the datum stays, and the
+/// restarted node continues the run.
 PreprocessingNode::~PreprocessingNode() { context_.node.deleteParam(kRunDatum); }
 
 void PreprocessingNode::advertise() {
@@ -177,31 +181,31 @@ void PreprocessingNode::subscribe_sensors() {
   const int samples = kSamplesPerScan * scans;
   subscribers_ = {
       subscribe<sensor_msgs::Imu>(context_, "imu", samples,
-                                  [this](const auto& message) { take(input_of(*message)); }),
+                                  [this](const auto& message) { add(input_of(*message)); }),
       subscribe<topic_tools::ShapeShifter>(
           context_, "gnss", samples,
-          [this](const auto& message) { take_if_read("gnss", *message, read_gnss(*message)); }),
+          [this](const auto& message) { add_if_readable("gnss", *message, read_gnss(*message)); }),
       subscribe<sensor_msgs::PointCloud2>(
           context_, "points", scans,
           [this](const auto& message) {
             context_.diagnostics.count_input(from_ros(message->header.stamp));
-            DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_));
-            look_at(*message, decoded);
+            DecodedCloud decoded = decode_lazily(message, config_.stage, std::move(spare_cloud_));
+            validate(*message, decoded);
             publish(stage_.process(std::move(decoded.scan)));
           },
           Numbered::kNo,
           [this](const sensor_msgs::PointCloud2& message) {
             const std::lock_guard<std::mutex> lock(numbers_mutex_);
-            numbers_.take(message.header.seq);
+            numbers_.add(message.header.seq);
           })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
       context_, "velocity", samples, [this](const auto& message) {
-        take_if_read("velocity", *message, read_velocity(*message));
+        add_if_readable("velocity", *message, read_velocity(*message));
       }));
 }
 
-/// The velocity of a wheel odometry that is known by its transforms.
+/// Uses the velocity of a wheel odometry that is published as transforms.
 void PreprocessingNode::follow_transforms() {
   if (config_.stage.robot_odom_frame_id == config_.node.odom_frame) {
     throw ConfigError("robot_odom_frame_id: '" + config_.node.odom_frame +
@@ -214,27 +218,27 @@ void PreprocessingNode::follow_transforms() {
       context_, "/tf", kSamplesPerScan * config_.node.queue_size,
       [this, odometry](const auto& message) {
         for (const VelocitySample& sample : odometry->add(*message)) {
-          take(SensorInput<VelocitySample>{sample, config_.node.base_frame});
+          add(SensorInput<VelocitySample>{sample, config_.node.base_frame});
         }
       }));
 }
 
-void PreprocessingNode::take(const SensorInput<ImuSample>& input) {
-  overlooked_.heard("imu");
+void PreprocessingNode::add(const SensorInput<ImuSample>& input) {
+  overlooked_.mark_received("imu");
   if (input_validator_) input_validator_->add_imu(input.sample, input.frame_id);
   stage_.add_imu(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
-void PreprocessingNode::take(const SensorInput<VelocitySample>& input) {
-  overlooked_.heard("velocity");
+void PreprocessingNode::add(const SensorInput<VelocitySample>& input) {
+  overlooked_.mark_received("velocity");
   if (input_validator_) input_validator_->add_velocity(input.sample, input.frame_id);
   stage_.add_velocity(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
-void PreprocessingNode::take(const SensorInput<GnssFix>& input) {
-  overlooked_.heard("gnss");
+void PreprocessingNode::add(const SensorInput<GnssFix>& input) {
+  overlooked_.mark_received("gnss");
   if (input_validator_) input_validator_->add_gnss(input.sample, input.frame_id);
   antenna_frame_ = frame_name(input.frame_id);
   stage_.add_gnss(input.sample, antenna_frame_);
@@ -242,10 +246,10 @@ void PreprocessingNode::take(const SensorInput<GnssFix>& input) {
 }
 
 template <typename Sample>
-void PreprocessingNode::take_if_read(const std::string& topic,
-                                     const topic_tools::ShapeShifter& message,
-                                     const std::optional<SensorInput<Sample>>& input) {
-  if (input) return take(*input);
+void PreprocessingNode::add_if_readable(const std::string& topic,
+                                        const topic_tools::ShapeShifter& message,
+                                        const std::optional<SensorInput<Sample>>& input) {
+  if (input) return add(*input);
   if (is_velocity_type(message.getDataType()) || is_gnss_type(message.getDataType())) return;
   ROS_ERROR_STREAM_ONCE(context_.node.resolveName(topic)
                         << " holds " << message.getDataType()
@@ -257,18 +261,18 @@ std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {
   return frames_.lookup(config_.node.base_frame, frame);
 }
 
-void PreprocessingNode::look_at(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded) {
+void PreprocessingNode::validate(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded) {
   has_scans_ = true;
   if (!input_validator_) return;
   decoded.scan.unpack();
   input_validator_->add_scan(summary_of(message, decoded));
   if (!first_scan_) first_scan_ = decoded.scan.stamp;
-  if (to_seconds(decoded.scan.stamp - *first_scan_) < kLook) return;
-  say_what_was_found();
+  if (to_seconds(decoded.scan.stamp - *first_scan_) < kValidationTime) return;
+  report_validation();
   input_validator_.reset();
 }
 
-void PreprocessingNode::say_what_was_found() {
+void PreprocessingNode::report_validation() {
   for (const auto& input :
        input_validator_->report([this](const auto& frame) { return T_base(frame); })) {
     ROS_INFO_STREAM(input.input << ": " << input.found);
@@ -300,28 +304,29 @@ OverlookedSensors PreprocessingNode::optional_inputs() const {
           own_topics()};
 }
 
-void PreprocessingNode::tick() {
-  if (!has_scans_) return say_if_nothing_came();
-  // The others have had as long as the scans at least.
-  if (++looks_ > kLooks || overlooked_.done()) return patience_.stop();
-  if (looks_ > 1) looker_.post(look_, [this] { look_for_other_sensors(); });
+void PreprocessingNode::check_inputs() {
+  if (!has_scans_) return warn_without_scans();
+  // The other sensors have had at least as much time to start as the LiDAR.
+  if (++searches_ > kMaxSearches || overlooked_.is_complete()) return input_timer_.stop();
+  if (searches_ > 1) search_worker_.post(searching_, [this] { warn_of_overlooked_sensors(); });
 }
 
-/// A sensor under another name would be lost without a word: only the points are needed.
-void PreprocessingNode::look_for_other_sensors() {
-  for (const auto& [input, line] : overlooked_.look(published_topics())) {
+/// Without this warning a sensor on another topic would be ignored silently, because only the
+/// points are required.
+void PreprocessingNode::warn_of_overlooked_sensors() {
+  for (const auto& [input, line] : overlooked_.search(published_topics())) {
     ROS_WARN_STREAM(input << ": " << line);
     context_.diagnostics.set(input, line);
   }
 }
 
-/// In roscpp's thread: nothing has arrived, so nothing else is running.
-void PreprocessingNode::say_if_nothing_came() {
+/// Runs in roscpp's thread. No message has arrived, so the worker is idle.
+void PreprocessingNode::warn_without_scans() {
   std::string reason = why_silent_here("points", "sensor_msgs/PointCloud2");
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";
   }
-  if (std::exchange(said_, reason) == reason) return;
+  if (std::exchange(last_reason_, reason) == reason) return;
   ROS_WARN_STREAM("no scans yet: " << reason);
   context_.diagnostics.set_state(Diagnostics::Level::kWarning, reason);
 }
@@ -329,7 +334,7 @@ void PreprocessingNode::say_if_nothing_came() {
 void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
   for (preprocessing::SyncedScan& scan : scans) {
     publish(scan);
-    spare_ = std::move(scan.scan.cloud);
+    spare_cloud_ = std::move(scan.scan.cloud);
   }
   for (const preprocessing::Diagnostic& diagnostic : stage_.take_diagnostics()) {
     const bool is_info = diagnostic.level == preprocessing::Diagnostic::Level::kInfo;
@@ -341,14 +346,15 @@ void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
   report();
 }
 
-/// Scans that did not come this far, so that nobody takes a map with holes for a whole one.
+/// Counts scans that never reached this node, so that a map with gaps is recognised as such.
 void PreprocessingNode::count_losses() {
   ScanNumbers numbers;
   {
     const std::lock_guard<std::mutex> lock(numbers_mutex_);
     numbers = numbers_;
   }
-  // A vehicle's driver has sent scans before anybody wanted them; a recording has them all.
+  // On a vehicle the driver has published scans before this node started, which is no loss; of a
+  // recording all scans should arrive.
   const std::size_t missing = ros::Time::isSimTime() ? numbers.missing() : numbers.between();
   context_.diagnostics.set("scans missing by their numbers", std::to_string(missing));
   if (missing != missing_ && limiter_.due("missing")) {
@@ -379,7 +385,7 @@ void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
   context_.diagnostics.count_output(synced.scan.stamp);
 }
 
-/// Once, and again where a new run has another origin.
+/// Publishes the datum when it becomes known and when it changes with a new run.
 void PreprocessingNode::publish_datum(Stamp stamp) {
   const std::optional<GeodeticDatum> datum = stage_.datum();
   if (!datum || datum_ == datum) return;
@@ -390,7 +396,8 @@ void PreprocessingNode::publish_datum(Stamp stamp) {
   message.latitude = datum->latitude_deg;
   message.longitude = datum->longitude_deg;
   message.altitude = datum->altitude_m;
-  // First: who has heard of the datum relies on it, even if this node is killed now.
+  // The parameter is set before publishing, because subscribers rely on the datum even if this node
+  // is killed now.
   context_.node.setParam(kRunDatum, to_text(*datum));
   gnss_datum_.publish(message);
 }

@@ -198,7 +198,7 @@ class BagInput::Impl {
 
   std::optional<Input> read(const BagMessage& message) const {
     const ros::Time recorded = ros_border::to_ros(message.recorded);
-    if (message.holds<sensor_msgs::PointCloud2>()) {
+    if (message.is<sensor_msgs::PointCloud2>()) {
       const RecordedCloud cloud = ros_border::read_cloud(message);
       const Stamp stamp =
           given_or_recorded(ros_border::from_ros(cloud.message.header.stamp), recorded);

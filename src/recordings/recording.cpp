@@ -95,7 +95,7 @@ class BagRecording {
     message.recorded = place.entry.recorded;
     message.data = bag_.message(content_, place.entry);
     message.memory = content_.bytes;
-    if (!message.holds<sensor_msgs::PointCloud2>()) {
+    if (!message.is<sensor_msgs::PointCloud2>()) {
       throw InputError(message.topic() + " holds no PointCloud2");
     }
     try {

@@ -24,7 +24,7 @@ constexpr char kVersion[] = "#ROSBAG V2.0\n";
 constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // without the closing zero
 constexpr std::size_t kAnyVersionLength = 9;                    // "#ROSBAG V"
 constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
-constexpr std::uint64_t kAhead = 8'000'000;  // bytes that the disk is asked for early
+constexpr std::uint64_t kAhead = 8'000'000;  // bytes that are requested from the disk in advance
 
 enum Operation : std::uint8_t {
   kMessage = 2,
@@ -49,8 +49,8 @@ Stamp time_at(const std::uint8_t* bytes) {
 
 using HeaderFields = std::map<std::string, std::string>;
 
-/// A header's fields, each with its length before it and "name=value" in it; nothing if they do not
-/// fill the bytes. ros::Header believes the lengths and reads on behind the end.
+/// The fields of a header, each with its length and "name=value"; empty if they do not fill the
+/// bytes. (ros::Header does not check the lengths and reads past the end.)
 std::optional<HeaderFields> header_fields(ByteRange bytes) {
   HeaderFields fields;
   while (bytes.size > 0) {
@@ -69,7 +69,7 @@ std::optional<HeaderFields> header_fields(ByteRange bytes) {
 
 }  // namespace
 
-/// "name=value" fields, and where the data that follow them lie.
+/// Record of a bag: "name=value" fields, and the position of the data after them.
 struct BagFile::Record {
   std::uint64_t position = 0;
   HeaderFields fields;
@@ -100,7 +100,7 @@ BagFile::BagFile(const std::string& path) : BagFile(path, nullptr) {}
 BagFile::BagFile(const std::string& path, const std::vector<std::string>& topics)
     : BagFile(path, &topics) {}
 
-/// With all topics if there is no list of them.
+/// Without a list of topics all are read.
 BagFile::BagFile(const std::string& path, const std::vector<std::string>* topics) : path_(path) {
   const std::string problem = "cannot read the bag " + path + ": ";
   if (std::filesystem::is_directory(path)) {
@@ -198,7 +198,7 @@ void BagFile::read_index(const std::vector<std::string>* topics) {
   std::sort(chunks_.begin(), chunks_.end(), earlier);
 }
 
-/// A recording that was killed leaves 0 there.
+/// Position of the index; 0 if the recording was killed.
 std::uint64_t BagFile::index_position(const Record& header) const {
   const auto position = header.number<std::uint64_t>(*this, "index_pos");
   if (position == 0) {
@@ -228,7 +228,7 @@ void BagFile::add_connection(const Record& record, const std::vector<std::string
   if (md5sum != fields->end()) connection.md5sum = md5sum->second;
 }
 
-/// Its data say how many messages each connection has in the chunk.
+/// The data of the record have the number of messages of each connection in the chunk.
 void BagFile::add_chunk(const Record& record) {
   std::vector<std::uint8_t> counts(record.size / 8 * 8);
   read_bytes(record.data, counts.data(), counts.size());

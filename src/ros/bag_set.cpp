@@ -9,7 +9,7 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Makes the times those of the messages of a chunk too, which lie in the order of their times.
+/// Extends the times by those of the messages of a chunk, which are sorted by time.
 void extend(std::optional<std::pair<Stamp, Stamp>>& times, const std::vector<BagEntry>& entries) {
   if (entries.empty()) return;
   const Stamp first = entries.front().recorded;
@@ -47,7 +47,7 @@ std::optional<std::pair<Stamp, Stamp>> BagSet::times_of(
       try {
         extend(times, bag.entries(chunk));
       } catch (const FileError&) {
-        // Who reads the messages is told.
+        // Damage is reported when the messages are read.
       }
     }
   }

@@ -8,7 +8,8 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Chunks that are decompressed at a time: of bags that were written topic by topic, one for each.
+/// Number of chunks that are decompressed at a time: a bag that was written topic by topic needs
+/// one for each topic.
 constexpr std::ptrdiff_t kContents = 8;
 
 }  // namespace
@@ -20,13 +21,13 @@ BagStream::BagStream(const std::vector<std::string>& paths,
 
 std::optional<BagMessage> BagStream::next() {
   for (auto at = earliest(); at != open_.end(); at = earliest()) {
-    if (auto message = taken(at)) return message;
+    if (auto message = message_at(at)) return message;
   }
   return std::nullopt;
 }
 
 /// The next message of a chunk; nothing if it, or the whole chunk, is damaged.
-std::optional<BagMessage> BagStream::taken(OpenChunks::iterator at) try {
+std::optional<BagMessage> BagStream::message_at(OpenChunks::iterator at) try {
   const BagFile& file = *bags_[std::get<1>(at->first)].file;
   const BagEntry& entry = at->second.entries[at->second.next];
   const ChunkContent& chunk = content(at);
@@ -38,7 +39,7 @@ std::optional<BagMessage> BagStream::taken(OpenChunks::iterator at) try {
   advance(at);
   return message;
 } catch (const FileError& error) {
-  note(std::get<0>(at->first), error);
+  add_damage(std::get<0>(at->first), error);
   if (at->second.content) {
     advance(at);
   } else {
@@ -47,7 +48,7 @@ std::optional<BagMessage> BagStream::taken(OpenChunks::iterator at) try {
   return std::nullopt;
 }
 
-void BagStream::note(Stamp stamp, const FileError& error) {
+void BagStream::add_damage(Stamp stamp, const FileError& error) {
   if (++damage_.places > 1) return;
   damage_.first = stamp;
   damage_.reason = error.what();
@@ -76,10 +77,10 @@ void BagStream::open_next_chunk(std::size_t bag) try {
   opened.chunk = bags_[bag].file->chunks()[bags_[bag].next_chunk++];
   opened.entries = bags_[bag].file->entries(opened.chunk);
   if (opened.entries.empty()) return;
-  const Place place{opened.entries.front().recorded, bag, opened.chunk.position};
-  open_.emplace(place, std::move(opened));
+  const ChunkPosition position{opened.entries.front().recorded, bag, opened.chunk.position};
+  open_.emplace(position, std::move(opened));
 } catch (const FileError& error) {
-  note(bags_[bag].file->chunks()[bags_[bag].next_chunk - 1].begin, error);
+  add_damage(bags_[bag].file->chunks()[bags_[bag].next_chunk - 1].begin, error);
 }
 
 void BagStream::advance(OpenChunks::iterator at) {
@@ -93,15 +94,16 @@ void BagStream::advance(OpenChunks::iterator at) {
 const ChunkContent& BagStream::content(OpenChunks::iterator at) {
   OpenChunk& chunk = at->second;
   if (!chunk.content) {
-    forget_farthest();
+    evict_farthest();
     const Bag& bag = bags_[std::get<1>(at->first)];
     chunk.content = bag.file->read(chunk.chunk, memory_);
   }
   return *chunk.content;
 }
 
-/// Leaves room for one more content: that which is wanted last is read again then.
-void BagStream::forget_farthest() {
+/// Makes room for one more content. The evicted one, whose next message is the latest, is read
+/// again later.
+void BagStream::evict_farthest() {
   const auto is_there = [](const auto& open) { return open.second.content.has_value(); };
   if (std::count_if(open_.begin(), open_.end(), is_there) < kContents) return;
   std::find_if(open_.rbegin(), open_.rend(), is_there)->second.content.reset();

@@ -24,7 +24,7 @@ unsigned char to_byte(Diagnostics::Level level) {
   }
 }
 
-/// What a lag or a loss belongs to. A node has no hardware but the computer that it runs on.
+/// Name of the computer, as hardware ID: a node has no other hardware.
 std::string computer() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown computer";
@@ -68,19 +68,19 @@ void Diagnostics::count_output(Stamp stamp) {
 }
 
 void Diagnostics::tick() {
-  say_losses(worker_.statistics());
+  report_losses(worker_.statistics());
   // Not update(): its interval is measured with simulated time, which may stand still.
   updater_.force_update();
 }
 
-void Diagnostics::say_losses(const std::vector<Worker::ChannelStatistics>& channels) {
+void Diagnostics::report_losses(const std::vector<Worker::ChannelStatistics>& channels) {
   for (const auto& channel : channels) {
-    std::size_t& said = said_losses_[channel.name];
-    if (losses(channel) == said || !limiter_.due(channel.name)) continue;
-    ROS_WARN_STREAM(channel.name << ": " << losses(channel) - said << " messages lost ("
+    std::size_t& reported = reported_losses_[channel.name];
+    if (losses(channel) == reported || !limiter_.due(channel.name)) continue;
+    ROS_WARN_STREAM(channel.name << ": " << losses(channel) - reported << " messages lost ("
                                  << losses(channel) << " since the start): the node does not keep "
                                  << "up; play slower (rosbag play -r) or raise ~queue_size");
-    said = losses(channel);
+    reported = losses(channel);
   }
 }
 

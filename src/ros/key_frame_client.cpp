@@ -14,10 +14,11 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 const char* const kService = "get_key_frames";
-/// Poses may overtake the key frame that they belong to: that is nothing to tell.
+/// Number of fetched key frames that is not logged: poses may arrive before the key frame that they
+/// belong to.
 constexpr KeyFrameIndex kOvertaken = 1;
-/// A back end that was killed is there again in this time, if it comes back.
-constexpr double kComesBack = 15.0;  // s
+/// Time in which a killed back end has been restarted, if it is restarted at all, s.
+constexpr double kRestartTime = 15.0;
 
 }  // namespace
 
@@ -55,8 +56,8 @@ std::optional<RunState> KeyFrameClient::run() {
   return state;
 }
 
-std::optional<RunState> KeyFrameClient::run_that_goes_on() {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kComesBack);
+std::optional<RunState> KeyFrameClient::wait_for_run() {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kRestartTime);
   const std::string service = node_.resolveName(kService);
   while (ros::ok() && node_.hasParam(kRunSession) && !ros::service::exists(service, false)) {
     if (ros::WallTime::now() > end) break;
@@ -104,7 +105,7 @@ void KeyFrameSubscription::catch_up() {
 }
 
 void KeyFrameSubscription::note(RunIndices known) {
-  // The front end may have begun a run of which the back end has not heard yet.
+  // The front end may have begun a run that the back end does not know yet.
   const bool other_run = !feed_.run_id().empty() && feed_.run_id() != known.run_id;
   if (known.indices.empty() || other_run) return;
   std::sort(known.indices.begin(), known.indices.end());

@@ -7,10 +7,11 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Bounds the size of one answer: key frames of 64 beams have about a megabyte.
+/// Number of key frames in a request; limits the size of an answer, because a key frame of 64 beams
+/// has about a megabyte.
 constexpr std::size_t kChunk = 10;
-/// So many newer key frames wait for a missing one.
-constexpr std::size_t kPatience = 5;
+/// A missing key frame is skipped after this number of newer ones.
+constexpr std::size_t kMaxNewerPending = 5;
 
 std::vector<std::vector<KeyFrameIndex>> chunks_of(const std::vector<KeyFrameIndex>& indices) {
   std::vector<std::vector<KeyFrameIndex>> chunks;
@@ -33,14 +34,14 @@ void KeyFrameFeed::push(RunKeyFrame key_frame) {
   pending_.emplace(index, std::move(key_frame));
   deliver_pending();
   fetch_gap();
-  while (pending_.size() > kPatience) give_up_first();
+  while (pending_.size() > kMaxNewerPending) skip_missing();
 }
 
 void KeyFrameFeed::flush() {
-  while (!pending_.empty()) give_up_first();
+  while (!pending_.empty()) skip_missing();
 }
 
-void KeyFrameFeed::give_up_first() {
+void KeyFrameFeed::skip_missing() {
   missing_ += pending_.begin()->first - next_;
   deliver_first();
   deliver_pending();
@@ -54,7 +55,7 @@ void KeyFrameFeed::catch_up(const RunIndices& known) {
   }
   for (const auto& chunk : chunks_of(wanted)) {
     fetch(chunk);
-    // What does not exist need not be waited for.
+    // Indices that the back end does not have are skipped.
     while (!pending_.empty() && pending_.begin()->first <= chunk.back()) deliver_first();
   }
   deliver_pending();

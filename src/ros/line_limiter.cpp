@@ -10,12 +10,12 @@ constexpr double kInterval = 10.0;  // s
 }
 
 std::optional<std::string> LineLimiter::add(std::string line, double now) {
-  unsaid_ = std::move(line);
-  if (said_at_ && now - *said_at_ < kInterval) return std::nullopt;
-  said_at_ = now;
+  pending_ = std::move(line);
+  if (printed_at_ && now - *printed_at_ < kInterval) return std::nullopt;
+  printed_at_ = now;
   return rest();
 }
 
-std::optional<std::string> LineLimiter::rest() { return std::exchange(unsaid_, std::nullopt); }
+std::optional<std::string> LineLimiter::rest() { return std::exchange(pending_, std::nullopt); }
 
 }  // namespace lidar_mapping::ros_border

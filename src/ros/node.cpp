@@ -16,13 +16,13 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// A line each, so that no log viewer cuts the list.
-void say_fatal(const std::string& text) {
+/// Logs each line by itself, so that no log viewer truncates the list.
+void log_fatal(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) ROS_FATAL_STREAM(line);
 }
 
-/// Messages that differ in their figures only are of one kind.
+/// Key of a kind of message: messages that differ only in their numbers are of one kind.
 std::string without_digits(std::string text) {
   text.erase(std::remove_if(text.begin(), text.end(),
                             [](unsigned char c) { return std::isdigit(c) != 0; }),
@@ -30,8 +30,8 @@ std::string without_digits(std::string text) {
   return text;
 }
 
-/// roscpp asks the master for this parameter at the first line that is logged, and a master that
-/// does not answer would hold up the scans then. Asked for once, it is known.
+/// Reads a parameter that roscpp requests from the master at the first logged line, and then
+/// caches. Otherwise a master that does not answer would delay the scans at that time.
 void prepare_log() {
   bool is_disabled = false;
   ros::param::getCached("/rosout_disable_topics_generation", is_disabled);
@@ -45,9 +45,9 @@ void run_to_end(const std::function<std::shared_ptr<void>(NodeContext&)>& make) 
   context.worker.stop();
 }
 
-/// What is wrong stays wrong, however often the node is started.
-void stay(const std::string& problem) {
-  ROS_FATAL("this node does nothing: mend what stands above, end the launch and start it again");
+/// Keeps the node alive without work, because a restart by roslaunch would fail in the same way.
+void idle_with_error(const std::string& problem) {
+  ROS_FATAL("this node does nothing: correct the error above, end the launch and start it again");
   NodeContext context;
   context.diagnostics.set_state(Diagnostics::Level::kError, "did not start: " + problem);
   ros::spin();
@@ -64,14 +64,14 @@ NodeContext::NodeContext()
 
 std::size_t SequenceGaps::check(const std::string& publisher, std::uint32_t sequence) {
   if (sequence == 0) return 0;
-  const bool goes_on = publisher == publisher_ && sequence > newest_;
-  const std::size_t missing = goes_on ? sequence - newest_ - 1 : 0;
+  const bool is_continuous = publisher == publisher_ && sequence > newest_;
+  const std::size_t missing = is_continuous ? sequence - newest_ - 1 : 0;
   publisher_ = publisher;
   newest_ = sequence;
   return missing;
 }
 
-void say_at_end(const std::string& line) {
+void print_at_exit(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);
 }
@@ -100,17 +100,17 @@ NodeOptions start_ros(int argc, char** argv, const std::string& name, const std:
 }
 
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error) {
-  // Without a node handle roscpp shuts down, and its log with it.
-  const ros::NodeHandle keeps_log;
+  // As long as there is a node handle, roscpp and its log keep running.
+  const ros::NodeHandle log_handle;
   prepare_log();
   try {
     run_to_end(make);
     return 0;
   } catch (const Error& error) {
-    say_fatal(error.what());
-    if (on_error == OnError::kStay) stay(error.what());
+    log_fatal(error.what());
+    if (on_error == OnError::kStay) idle_with_error(error.what());
   } catch (const std::exception& error) {
-    say_fatal(std::string("unexpected error: ") + error.what());
+    log_fatal(std::string("unexpected error: ") + error.what());
   }
   return 1;
 }

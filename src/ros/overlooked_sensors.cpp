@@ -29,14 +29,14 @@ std::string candidates(const OptionalInput& input, const std::vector<PublishedTo
 OverlookedSensors::OverlookedSensors(std::vector<OptionalInput> inputs, std::set<std::string> own)
     : inputs_(std::move(inputs)), own_(std::move(own)) {}
 
-void OverlookedSensors::heard(const std::string& input) {
+void OverlookedSensors::mark_received(const std::string& input) {
   const std::lock_guard<std::mutex> lock(mutex_);
   inputs_.erase(std::remove_if(inputs_.begin(), inputs_.end(),
                                [&](const OptionalInput& other) { return other.name == input; }),
                 inputs_.end());
 }
 
-std::map<std::string, std::string> OverlookedSensors::look(
+std::map<std::string, std::string> OverlookedSensors::search(
     const std::vector<PublishedTopic>& published) {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::map<std::string, std::string> lines;
@@ -54,7 +54,7 @@ std::map<std::string, std::string> OverlookedSensors::look(
   return lines;
 }
 
-bool OverlookedSensors::done() const {
+bool OverlookedSensors::is_complete() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return inputs_.empty();
 }

@@ -29,7 +29,7 @@ config::Value from_group(XmlRpc::XmlRpcValue& value) {
   return {map};
 }
 
-/// An empty group where the server holds nothing of that name.
+/// The parameters of that name on the server, or an empty group.
 config::Source source_at(const ros::NodeHandle& node, const std::string& name) {
   XmlRpc::XmlRpcValue values;
   const std::string origin = node.resolveName(name);

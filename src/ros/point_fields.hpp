@@ -11,7 +11,7 @@
 
 namespace lidar_mapping::ros_border {
 
-// Names under which drivers write what a point has beside its place.
+// Names that drivers give to the fields of a point beside its coordinates.
 constexpr std::array<const char*, 3> kIntensityNames = {"intensity", "i", "reflectivity"};
 constexpr std::array<const char*, 6> kTimeNames = {"time",       "t",           "timestamp",
                                                    "time_stamp", "offset_time", "time_offset"};
@@ -21,7 +21,7 @@ std::size_t size_of(std::uint8_t datatype);
 
 /// The field of that name, or null. Throws InputError if it lies outside of the point.
 const sensor_msgs::PointField* find_field(const CloudView& message, const std::string& name);
-/// The first of the names that is there, or null.
+/// The field of the first name that exists, or null.
 template <std::size_t count>
 const sensor_msgs::PointField* find_any_field(const CloudView& message,
                                               const std::array<const char*, count>& names) {
@@ -30,14 +30,14 @@ const sensor_msgs::PointField* find_any_field(const CloudView& message,
   }
   return nullptr;
 }
-/// x, y or z. Throws InputError if it is not there or no floating-point number.
+/// Field x, y or z. Throws InputError if it does not exist or is no floating-point number.
 const sensor_msgs::PointField& coordinate_field(const CloudView& message, const std::string& name);
 /// "x y z intensity", in the message's order.
 std::string field_names(const CloudView& message);
 
 /// Throws InputError for big-endian data and for data that are shorter than the header says.
 void check_size(const CloudView& message);
-/// No bytes between the rows.
+/// Whether there are no bytes between the rows.
 bool is_contiguous(const CloudView& message);
 
 /// Calls body(address, index) for every point.

@@ -17,11 +17,12 @@ namespace {
 using preprocessing::PointTimeUnit;
 using sensor_msgs::PointField;
 
-/// A scan whose times span less or more of its period than this has them in another unit.
+/// Limits of the time span of a scan relative to its period; outside of them the times have another
+/// unit.
 constexpr double kShortestShare = 0.1;
 constexpr double kLongestShare = 2.5;
-/// Absolute times lie this near to the stamp.
-constexpr double kSameClock = 2.0;  // s
+/// Largest difference of absolute times of the same clock from the stamp, s.
+constexpr double kSameClock = 2.0;
 
 struct Unit {
   const char* name;
@@ -95,7 +96,7 @@ void decode_times(const CloudView& message, const PointField& field,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result) {
   std::vector<float>& times = result.scan.cloud.times;
   const Bounds bounds = read ? Bounds{read->begin, read->end} : bounds_of(message, field);
-  if (!(bounds.max > bounds.min)) {  // a field that nobody fills
+  if (!(bounds.max > bounds.min)) {  // the driver does not fill the field
     times.clear();
     return;
   }

@@ -12,9 +12,9 @@ namespace lidar_mapping::ros_border {
 /// The field of the points' times, or null.
 const sensor_msgs::PointField* time_field(const CloudView& message);
 
-/// Makes seconds of the points' times, finds their unit and says what they are relative to. With
-/// the span `read` scan.cloud.times hold them as they are written, else they are read here. No
-/// times if nobody filled the field.
+/// Converts the points' times to seconds and finds their unit and reference. With the span `read`
+/// scan.cloud.times have the values of the field, else they are read here. There are no times if
+/// the driver does not fill the field.
 void decode_times(const CloudView& message, const sensor_msgs::PointField& field,
                   const preprocessing::PreprocessingConfig& config,
                   const std::optional<preprocessing::TimeSpan>& read, DecodedCloud& result);

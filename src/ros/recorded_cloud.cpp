@@ -8,8 +8,8 @@ namespace {
 /// An empty name, offset, datatype and count.
 constexpr std::uint32_t kShortestField = 4 + 4 + 1 + 4;
 
-/// Not by the library, which makes as many fields as a damaged number says before it looks whether
-/// they are there.
+/// Not by the library, which allocates the number of fields before it checks that the data have
+/// them, so that a damaged number could exhaust the memory.
 void read_fields(ros::serialization::IStream& stream,
                  std::vector<sensor_msgs::PointField>& fields) {
   std::uint32_t count = 0;

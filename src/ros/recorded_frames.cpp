@@ -8,13 +8,13 @@
 namespace lidar_mapping::ros_border {
 
 std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded) {
-  if (!recorded.holds<tf2_msgs::TFMessage>()) return std::nullopt;
+  if (!recorded.is<tf2_msgs::TFMessage>()) return std::nullopt;
   // The shortest: two empty names, number and stamp, translation and rotation.
   constexpr std::uint32_t kShortest = 4 + 8 + 4 + 4 + 7 * 8;
   ros::serialization::IStream stream = recorded.stream();
   std::uint32_t count = 0;
   stream.next(count);
-  // The library makes as many as the number says before it looks whether they are there.
+  // The library allocates this number of transforms before it checks that the data have them.
   if (count > stream.getLength() / kShortest) ros::serialization::throwStreamOverrun();
   return recorded.instantiate<tf2_msgs::TFMessage>();
 }

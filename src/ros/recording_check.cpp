@@ -26,7 +26,7 @@ using preprocessing::CheckDiagnostic;
 using preprocessing::InputReport;
 using preprocessing::Severity;
 
-/// Messages that hold a LiDAR's data, but no cloud, and what makes one of them.
+/// Types of messages with raw data of a LiDAR instead of a cloud, and how to convert them.
 const std::map<std::string, std::string> kRawScans = {
     {"livox_ros_driver/CustomMsg", "set xfer_format of the driver to 0 when recording"},
     {"livox_ros_driver2/CustomMsg", "set xfer_format of the driver to 0 when recording"},
@@ -39,12 +39,12 @@ const CheckDiagnostic kNoClouds = {Severity::kFault,
                                    "no topic of the recording holds sensor_msgs/PointCloud2",
                                    "record the clouds that the LiDAR's driver publishes"};
 
-/// Messages that hold a receiver's data, but no fix.
+/// Types of messages with raw data of a GNSS receiver instead of a fix, and the remedy.
 const std::map<std::string, std::string> kRawFixes = {
     {"ublox_msgs/NavPVT", "convert them with ublox_gps, which publishes sensor_msgs/NavSatFix"},
     {"novatel_gps_msgs/NovatelPosition", "record novatel_gps_driver's fix beside them"}};
 
-/// What to do about a recording without what `known` could be made into.
+/// The remedy for a recording that has only raw data of the sensor.
 std::optional<CheckDiagnostic> raw_data_in(const BagSet& bags,
                                            const std::map<std::string, std::string>& known,
                                            Severity severity, const std::string& wanted) {
@@ -66,7 +66,7 @@ std::string other_clouds(const RecordingCheck& recording) {
   return names.empty() ? names : "; other clouds: " + names;
 }
 
-/// Up to where it is looked at.
+/// End of the checked part.
 Stamp end_of(const RecordingCheck& recording) {
   constexpr Stamp kForever = std::numeric_limits<Stamp>::max();
   if (recording.seconds <= 0.0) return kForever;
@@ -74,14 +74,15 @@ Stamp end_of(const RecordingCheck& recording) {
   return times ? times->first + from_seconds(recording.seconds) : kForever;
 }
 
-class Examination {
+class RecordingValidator {
  public:
-  Examination(const RecordingCheck& recording, const preprocessing::PreprocessingConfig& config)
+  RecordingValidator(const RecordingCheck& recording,
+                     const preprocessing::PreprocessingConfig& config)
       : config_(config), input_validator_(config), frames_(recording.base_frame) {}
 
-  void see(const BagMessage& message) try {
-    if (message.holds<sensor_msgs::PointCloud2>()) {
-      see(read_cloud(message), message.recorded);
+  void add(const BagMessage& message) try {
+    if (message.is<sensor_msgs::PointCloud2>()) {
+      add(read_cloud(message), message.recorded);
     } else if (const auto imu = message.instantiate<sensor_msgs::Imu>()) {
       input_validator_.add_imu(from_message(*imu), imu->header.frame_id);
     } else if (const auto velocity = read_velocity(message)) {
@@ -95,8 +96,8 @@ class Examination {
     if (damaged_++ == 0) damage_ = "a message on " + message.topic() + ": " + error.what();
   }
 
-  /// What of the bags themselves could not be read.
-  void see(const BagDamage& damage) {
+  /// Adds damage of the bags themselves.
+  void add(const BagDamage& damage) {
     if (damage.places > 0) damage_ = damage.reason;
     damaged_ += damage.places;
   }
@@ -120,7 +121,7 @@ class Examination {
   }
 
  private:
-  void see(const RecordedCloud& cloud, Stamp delivery) try {
+  void add(const RecordedCloud& cloud, Stamp delivery) try {
     const CloudView view = cloud.view();
     preprocessing::CloudSummary summary = summary_of(view, decode(view, config_));
     summary.delay = to_seconds(delivery - summary.stamp);
@@ -133,9 +134,9 @@ class Examination {
   preprocessing::InputValidator input_validator_;
   RecordedFrames frames_;
   std::size_t unreadable_ = 0;
-  std::string problem_;  ///< of the first of them
+  std::string problem_;  ///< reason of the first of them
   std::size_t damaged_ = 0;
-  std::string damage_;  ///< one of them
+  std::string damage_;  ///< reason of one of them
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -144,9 +145,9 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Looks whether the topic that is wanted is there; if none is, takes the usual one if that is.
-void settle(std::string& wanted, const std::string& usual, const std::vector<std::string>& types,
-            const BagSet& bags) {
+/// Checks that a requested topic exists; without a request takes the usual topic if it exists.
+void resolve_topic(std::string& wanted, const std::string& usual,
+                   const std::vector<std::string>& types, const BagSet& bags) {
   if (wanted.empty()) {
     if (bags.has(usual, types)) wanted = usual;
   } else if (!bags.has(wanted, types)) {
@@ -158,10 +159,10 @@ void settle(std::string& wanted, const std::string& usual, const std::vector<std
 }  // namespace
 
 SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
-  settle(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
-  settle(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
-  settle(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
-  settle(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
+  resolve_topic(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
+  resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
+  resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
+  resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
   const std::vector<std::string> clouds = cloud_topics(bags);
   if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
   const auto fill = [&](std::string& topic, const std::string& type) {
@@ -179,13 +180,13 @@ std::vector<InputReport> check(const RecordingCheck& recording,
   const Stamp end = end_of(recording);
   BagStream messages =
       recording.bags->messages_of({t.points, t.imu, t.velocity, t.gnss, "/tf", "/tf_static"});
-  Examination examination(recording, config);
+  RecordingValidator validator(recording, config);
   for (auto message = messages.next(); message && message->recorded <= end;
        message = messages.next()) {
-    examination.see(*message);
+    validator.add(*message);
   }
-  examination.see(messages.damage());
-  std::vector<InputReport> reports = examination.reports();
+  validator.add(messages.damage());
+  std::vector<InputReport> reports = validator.reports();
   reports.front().found += other_clouds(recording);
   if (t.points.empty()) {
     const auto raw = raw_data_in(*recording.bags, kRawScans, Severity::kFault, "PointCloud2");

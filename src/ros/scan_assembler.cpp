@@ -11,13 +11,13 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// An outside odometry that lags more than so many scans is not waited for.
+/// A scan does not wait for an external odometry that lags by more than this number of scans.
 constexpr std::size_t kMostWaiting = 50;
-/// What has not come when so many more scans are there (1 s of most sensors) has been lost.
+/// An input is taken as lost after this number of newer scans (1 s with most sensors).
 constexpr std::size_t kLost = 10;
-/// No pose is made up over a longer gap of the outside odometry.
+/// Longest gap of the external odometry over which poses are interpolated.
 constexpr Stamp kLongestGap = from_seconds(0.5);
-/// Samples without a scan are forgotten beyond this number.
+/// Largest number of samples that are kept without a scan.
 constexpr std::size_t kMostSamples = 200;
 constexpr std::size_t kMostOdometry = 5000;
 
@@ -111,7 +111,7 @@ bool ScanAssembler::ready(Stamp stamp) {
   return imu && velocity && gnss;
 }
 
-/// Of GNSS only the first pose is used.
+/// The front end uses only the first pose of GNSS.
 bool ScanAssembler::has_named_samples(Stamp stamp, const SyncedInputs& inputs) const {
   return (!inputs.imu || imu_.has(stamp)) && (!inputs.velocity || velocity_.has(stamp)) &&
          (!inputs.gnss || has_begun_ || gnss_.has(stamp));

@@ -32,7 +32,7 @@ std::map<std::string, std::size_t> topics_of(const BagSet& bags, const std::stri
   return sizes;
 }
 
-/// What the fields of a cloud say of its sensor; the larger, the surer it is a LiDAR.
+/// Kind of sensor by the cloud's fields; a larger value is more likely a LiDAR.
 enum class Kind { kUnknown, kReflecting, kScanning };
 
 Kind kind_of(const CloudView& cloud) try {
@@ -55,7 +55,7 @@ const std::vector<std::string>& own_outputs() {
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic) {
   BagStream messages = bags.messages_of({topic});
   while (const auto message = messages.next()) {
-    if (!message->holds<sensor_msgs::PointCloud2>()) continue;
+    if (!message->is<sensor_msgs::PointCloud2>()) continue;
     try {
       return read_cloud(*message);
     } catch (const ros::Exception&) {

@@ -10,10 +10,11 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Over a longer one a mean says little of the motion at any instant.
-constexpr double kLongestGap = 0.5;  // s
+/// Longest time between two poses, s: over a longer one the mean velocity differs too much from
+/// that at any instant.
+constexpr double kLongestGap = 0.5;
 
-/// Nothing where it is no pose: others publish what they like.
+/// Empty for an invalid transform.
 std::optional<Pose> pose_of(const geometry_msgs::Transform& transform) try {
   return from_message(transform);
 } catch (const InputError&) {
@@ -56,7 +57,7 @@ std::optional<VelocitySample> TransformOdometry::follow(const Known& now) {
   const Eigen::Vector3d turn = log_so3(motion.rotation);
   VelocitySample sample;
   sample.stamp = before->stamp + (now.stamp - before->stamp) / 2;
-  // The axes of the middle of the motion, where the sample is.
+  // The axes at the middle of the motion, because the sample has that stamp.
   sample.linear = exp_so3(0.5 * turn).conjugate() * motion.translation / seconds;
   sample.angular = turn / seconds;
   return sample;

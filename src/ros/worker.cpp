@@ -96,7 +96,7 @@ class Worker::Impl {
     }
   }
 
-  /// The channel whose first task came first.
+  /// The channel with the oldest waiting task.
   std::optional<ChannelId> next_channel() const {
     std::optional<ChannelId> next;
     for (ChannelId id = 0; id < channels_.size(); ++id) {

@@ -86,7 +86,7 @@ TEST_P(EveryNode, StaysAndDoesNothingWhereItWouldBeStartedAgain) {
         });
   };
   EXPECT_TRUE(wait_until(reported)) << node.output();
-  EXPECT_NE(node.output().find("mend what stands above"), std::string::npos) << node.output();
+  EXPECT_NE(node.output().find("correct the error above"), std::string::npos) << node.output();
   node.stop();
   EXPECT_EQ(node.wait(0.0), 1);
 }

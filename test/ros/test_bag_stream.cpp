@@ -155,7 +155,7 @@ TEST_P(BagStreamTest, KnowsTypes) {
   BagStream stream({path("a.bag")}, kTopics);
   const auto message = stream.next();
   EXPECT_EQ(message->getDataType(), "std_msgs/String");
-  EXPECT_TRUE(message->holds<std_msgs::String>());
+  EXPECT_TRUE(message->is<std_msgs::String>());
   EXPECT_FALSE(message->instantiate<std_msgs::Header>());
 }
 

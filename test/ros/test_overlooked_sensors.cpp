@@ -18,30 +18,31 @@ TEST(OverlookedSensors, NamesTopicsThatCouldBeMeantOnce) {
                                                  {"/map_datum", "geographic_msgs/GeoPointStamped"},
                                                  {"/scan", "sensor_msgs/LaserScan"},
                                                  {"/synced_imu", "sensor_msgs/Imu"}};
-  const auto lines = overlooked.look(published);
+  const auto lines = overlooked.search(published);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines.at("imu"),
             "nobody publishes /imu, so the map is made without; published and not used: /imu/data "
             "(sensor_msgs/Imu) (choose one with imu:=TOPIC)");
   EXPECT_NE(lines.at("gnss").find("/map_datum (geographic_msgs/GeoPointStamped)"),
             std::string::npos);
-  EXPECT_TRUE(overlooked.look(published).empty()) << "said once";
-  EXPECT_TRUE(overlooked.done());
+  EXPECT_TRUE(overlooked.search(published).empty()) << "said once";
+  EXPECT_TRUE(overlooked.is_complete());
 }
 
 TEST(OverlookedSensors, GivesNoFalseAlarm) {
   OverlookedSensors overlooked = sensors();
   EXPECT_TRUE(overlooked
-                  .look({{"/synced_imu", "sensor_msgs/Imu"},
-                         {"/gnss_datum", "sensor_msgs/NavSatFix"},
-                         {"/points", "sensor_msgs/PointCloud2"}})
+                  .search({{"/synced_imu", "sensor_msgs/Imu"},
+                           {"/gnss_datum", "sensor_msgs/NavSatFix"},
+                           {"/points", "sensor_msgs/PointCloud2"}})
                   .empty())
       << "a LiDAR alone, and what this package publishes itself";
-  EXPECT_TRUE(overlooked.look({{"/imu", "sensor_msgs/Imu"}, {"/imu_2", "sensor_msgs/Imu"}}).empty())
+  EXPECT_TRUE(
+      overlooked.search({{"/imu", "sensor_msgs/Imu"}, {"/imu_2", "sensor_msgs/Imu"}}).empty())
       << "the first fix of a drive may be long in coming";
-  EXPECT_FALSE(overlooked.done());
-  overlooked.heard("imu");
-  EXPECT_TRUE(overlooked.look({{"/imu_2", "sensor_msgs/Imu"}}).empty()) << "it is there";
+  EXPECT_FALSE(overlooked.is_complete());
+  overlooked.mark_received("imu");
+  EXPECT_TRUE(overlooked.search({{"/imu_2", "sensor_msgs/Imu"}}).empty()) << "it is there";
 }
 
 }  // namespace

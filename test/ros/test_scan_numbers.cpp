@@ -8,7 +8,7 @@ namespace {
 
 ScanNumbers after(const std::vector<std::uint32_t>& numbers) {
   ScanNumbers result;
-  for (const std::uint32_t number : numbers) result.take(number);
+  for (const std::uint32_t number : numbers) result.add(number);
   return result;
 }
 

@@ -13,15 +13,15 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What is sent on a topic by one publisher.
+/// Connection of a bag: the messages of one publisher on a topic.
 struct BagConnection {
   std::string topic;           ///< name, as recorded
-  std::string type;            ///< package/Name; empty if the bag does not say
+  std::string type;            ///< package/Name; empty if unknown
   std::string md5sum;          ///< of the type
-  std::uint64_t messages = 0;  ///< their number, as the index says
+  std::uint64_t messages = 0;  ///< number of messages by the index
 };
 
-/// A part of a bag that is read as a whole.
+/// Chunk of a bag, the unit of reading.
 struct BagChunk {
   std::uint64_t position = 0;  ///< of its record, bytes from the beginning of the file
   Stamp begin = 0;             ///< when its first message was recorded
@@ -34,27 +34,27 @@ struct BagEntry {
   std::uint32_t connection = 0;  ///< key in BagFile::connections()
 };
 
-/// The content of a chunk: a view of memory that comes back when nobody holds it.
+/// Decompressed content of a chunk; the memory is reused after the last pointer to it is gone.
 struct ChunkContent {
   std::shared_ptr<std::uint8_t> bytes;  ///< decompressed
   std::size_t size = 0;                 ///< number of bytes
 };
 
-/// A bag of version 2.0 (wiki.ros.org/Bags/Format/2.0), or some topics of it, chunk by chunk. What
-/// rosbag does not offer is to leave messages where they were decompressed, and to believe no
-/// length, offset or count of a damaged bag: here each is held against what is there. Throws
-/// FileError with the position in the file and what to do.
+/// A bag of version 2.0 (wiki.ros.org/Bags/Format/2.0), or some topics of it, chunk by chunk.
+/// Unlike rosbag it leaves messages where they were decompressed, and checks each length, offset
+/// and count against the data, so that damaged bags are safe to read. Throws FileError with the
+/// position in the file and the remedy.
 class BagFile {
  public:
   /// Reads the index of all topics.
   explicit BagFile(const std::string& path);
-  /// Reads the index of some topics; those that are not there are passed over.
+  /// Reads the index of some topics; topics that do not exist are ignored.
   BagFile(const std::string& path, const std::vector<std::string>& topics);
   ~BagFile();
   BagFile(const BagFile&) = delete;
   BagFile& operator=(const BagFile&) = delete;
 
-  /// As it was given to the constructor.
+  /// Path that was given to the constructor.
   const std::string& path() const { return path_; }
   /// Connections of the topics, by the numbers that the bag gives them.
   const std::map<std::uint32_t, BagConnection>& connections() const { return connections_; }
@@ -64,10 +64,10 @@ class BagFile {
   std::vector<BagEntry> entries(const BagChunk& chunk) const;
   /// The content of a chunk, decompressed into `memory`. One thread calls it at a time.
   ChunkContent read(const BagChunk& chunk, ChunkMemory& memory);
-  /// Where the message lies in the content, as it is on the wire.
+  /// Serialised data of the message in the content.
   ByteRange message(const ChunkContent& content, const BagEntry& entry) const;
 
-  /// Throws FileError with the path, the reason and what to do.
+  /// Throws FileError with the path, the reason and the remedy.
   [[noreturn]] void fail(const std::string& reason) const;
 
  private:

@@ -12,29 +12,28 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What is recorded of one topic with one type of message.
+/// The recorded messages of one topic and type.
 struct BagTopic {
   std::string name;            ///< as recorded
   std::string type;            ///< package/Name
-  std::uint64_t messages = 0;  ///< as the index says
+  std::uint64_t messages = 0;  ///< number by the index
 };
 
-/// The bags of one drive, by their indexes. Nothing stays open. Throws FileError, which says what
-/// to do, where there is no such file, where it is no bag, where the recording was broken off and
-/// where its index is damaged.
+/// The bags of one drive, by their indexes. No file stays open. Throws FileError with the remedy if
+/// a file does not exist, is no bag, was not closed by the recording or has a damaged index.
 class BagSet {
  public:
   /// Reads the indexes of these files.
   explicit BagSet(std::vector<std::string> paths);
 
-  /// As they were given to the constructor.
+  /// Paths that were given to the constructor.
   const std::vector<std::string>& paths() const { return paths_; }
-  /// What is recorded, each topic and type once, in the order of their names and types.
+  /// Recorded topics, each topic and type once, sorted by name and type.
   const std::vector<BagTopic>& topics() const { return topics_; }
-  /// The topic is recorded with one of the types.
+  /// Whether the topic is recorded with one of the types.
   bool has(const std::string& topic, const std::vector<std::string>& types) const;
-  /// When the first and the last message of the topics were recorded; nothing if there is none.
-  /// What is damaged is passed over.
+  /// Times of recording of the first and the last message of the topics; empty if there is none.
+  /// Damaged parts are ignored.
   std::optional<std::pair<Stamp, Stamp>> times_of(const std::vector<std::string>& topics) const;
   /// The messages of the topics, in the order of their times.
   BagStream messages_of(const std::vector<std::string>& topics) const { return {paths_, topics}; }

@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Bytes that somebody else keeps.
+/// Bytes in memory that is owned elsewhere.
 struct ByteRange {
   const std::uint8_t* first = nullptr;  ///< null only if there are none
   std::size_t size = 0;                 ///< number of bytes

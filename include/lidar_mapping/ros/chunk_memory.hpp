@@ -9,11 +9,11 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Memory for chunks of a bag, which goes from one to the next as soon as nobody holds the last:
-/// fresh pages would cost as much as copying. May be given back by any thread.
+/// Memory for chunks of a bag, which is reused when the last pointer to a chunk is gone, because
+/// fresh pages would cost as much time as copying. Any thread may release it.
 class ChunkMemory {
  public:
-  /// Memory of at least so many bytes, with any content; comes back with the last copy of the
+  /// Memory of at least this number of bytes, with any content; released with the last copy of the
   /// pointer.
   std::shared_ptr<std::uint8_t> take(std::size_t bytes) {
     std::unique_ptr<Block> block = state_->spare();

@@ -16,8 +16,8 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A node's line on /diagnostics, once a second: state, rates, lag of the data, waiting, dropped
-/// and refused messages. New losses are also said in the log, at most once in 5 s, with their
+/// A node's status on /diagnostics, once a second: state, rates, lag of the data, waiting, dropped
+/// and refused messages. New losses are also reported in the log, at most once in 5 s, with their
 /// number. Any thread may call it.
 class Diagnostics {
  public:
@@ -49,7 +49,7 @@ class Diagnostics {
 
   void tick();
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void say_losses(const std::vector<Worker::ChannelStatistics>& channels);
+  void report_losses(const std::vector<Worker::ChannelStatistics>& channels);
 
   const Worker& worker_;
   mutable std::mutex mutex_;
@@ -58,7 +58,7 @@ class Diagnostics {
   std::map<std::string, std::string> values_;
   Flow input_;
   Flow output_;
-  std::map<std::string, std::size_t> said_losses_;
+  std::map<std::string, std::size_t> reported_losses_;
   ros::WallTime reported_at_;
   WarningLimiter limiter_;
   diagnostic_updater::Updater updater_;

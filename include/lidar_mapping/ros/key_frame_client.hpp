@@ -16,7 +16,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What the back end has of the run.
+/// State of the run in the back end.
 struct RunState {
   std::string run_id;                ///< empty if no run has begun
   std::vector<KeyFrame> key_frames;  ///< by index, without clouds
@@ -37,12 +37,12 @@ class KeyFrameClient {
   /// The service is looked up in the namespace of `node`.
   explicit KeyFrameClient(const ros::NodeHandle& node);
 
-  /// What the back end has now; nothing if there is none. Throws InputError for an answer that
-  /// contradicts itself.
+  /// The present state of the back end; empty if there is no back end. Throws InputError for an
+  /// inconsistent answer.
   std::optional<RunState> run();
-  /// As run(); waits up to 15 s for a back end that was killed in mid-drive and is about to start
-  /// again.
-  std::optional<RunState> run_that_goes_on();
+  /// As run(); waits up to 15 s for a back end that was killed during a drive and is being
+  /// restarted.
+  std::optional<RunState> wait_for_run();
   /// These key frames with their clouds; empty if there is no back end.
   std::vector<RunKeyFrame> fetch(const std::vector<KeyFrameIndex>& indices);
 
@@ -52,17 +52,17 @@ class KeyFrameClient {
   ros::NodeHandle node_;
 };
 
-/// The topic key_frame without holes: a KeyFrameFeed on the worker that fetches from the back end
-/// what this node missed, at the start and whenever there is a gap.
+/// Subscription of the topic key_frame without gaps: a KeyFrameFeed in the worker that fetches
+/// missing key frames from the back end, at the start and whenever there is a gap.
 class KeyFrameSubscription {
  public:
   /// Up to `capacity` messages may wait. `deliver` is called in the worker's thread.
   KeyFrameSubscription(NodeContext& context, int capacity, KeyFrameFeed::Deliver deliver);
 
-  /// To be called in the worker's thread with what the back end knows, as key_frame_poses names it:
-  /// key frames of which this node has not heard are fetched.
+  /// Fetches the key frames of `known` that this node has not received. It is called in the
+  /// worker's thread with the indices of key_frame_poses.
   void note(RunIndices known);
-  /// What was handed on so far; for the worker's thread.
+  /// State of the delivery; for the worker's thread.
   const KeyFrameFeed& feed() const { return feed_; }
 
  private:

@@ -17,48 +17,49 @@ struct RunKeyFrame {
   KeyFrame key_frame;  ///< with or without its cloud
 };
 
-/// Which key frames of which run exist.
+/// Indices of the key frames of a run that exist.
 struct RunIndices {
   std::string run_id;                  ///< names the run
   std::vector<KeyFrameIndex> indices;  ///< increasing
 };
 
-/// Hands on every key frame of a run once, in the order of the indices: those that arrive, and
-/// those that this node missed, because it started late, was started again, or the transport lost
-/// them. What is missing is asked for; when nobody has it while five more key frames have come, it
-/// is given up and counted. A key frame of another run begins that run. One thread calls it.
+/// Delivers every key frame of a run once, in the order of the indices: those that arrive, and
+/// those that this node missed because it was started late, was restarted, or lost messages in
+/// transport. Missing key frames are requested; one that is not received before five newer ones
+/// have arrived is skipped and counted. A key frame of another run begins that run. One thread
+/// calls it.
 class KeyFrameFeed {
  public:
-  /// Key frames with these indices, those that are known; nothing if nobody answers.
+  /// Returns the known ones of the key frames with these indices; empty if there is no answer.
   using Fetch = std::function<std::vector<RunKeyFrame>(const std::vector<KeyFrameIndex>& indices)>;
-  /// Takes a key frame that is handed on.
+  /// Receives a delivered key frame.
   using Deliver = std::function<void(const RunKeyFrame&)>;
-  /// A run begins; returns the index of its first key frame that is still to be handed on.
+  /// Called when a run begins; returns the index of its first key frame that is to be delivered.
   using Begin = std::function<KeyFrameIndex(const std::string& run_id)>;
 
-  /// Without `begin` every run is handed on from index 0.
+  /// Without `begin` every run is delivered from index 0.
   KeyFrameFeed(
       Fetch fetch, Deliver deliver, Begin begin = [](const std::string&) { return 0U; });
 
-  /// A key frame has arrived.
+  /// Adds a received key frame.
   void push(RunKeyFrame key_frame);
-  /// These key frames exist; fetches and hands on those that were not yet.
+  /// Fetches and delivers those of the existing key frames that were not yet delivered.
   void catch_up(const RunIndices& known);
-  /// Gives up what is missing, and hands on what waits for it.
+  /// Skips missing key frames and delivers those after them.
   void flush();
 
-  /// The run whose key frames are handed on; empty before the first.
+  /// The run whose key frames are delivered; empty before the first.
   const std::string& run_id() const { return run_id_; }
-  /// One more than the newest index that was handed on.
+  /// One more than the newest delivered index.
   KeyFrameIndex next_index() const { return next_; }
-  /// Key frames that were given up.
+  /// Number of skipped key frames.
   std::size_t missing() const { return missing_; }
 
  private:
   void begin_run(const std::string& run_id);
   void fetch(const std::vector<KeyFrameIndex>& indices);
   void fetch_gap();
-  void give_up_first();
+  void skip_missing();
   void deliver_pending();
   void deliver_first();
 

@@ -6,18 +6,18 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Thins a log in which one line replaces the one before, as a count that grows: the first is said
-/// at once, then at most one in 10 s, always the newest. One thread calls it.
+/// Limits the rate of log lines of which each replaces the one before, such as a growing count: the
+/// first is printed at once, then at most one in 10 s, always the newest. One thread calls it.
 class LineLimiter {
  public:
-  /// What to say now, if anything; `now` is any clock's time in s.
+  /// Returns the line if it is to be printed now; `now` is any clock's time in s.
   std::optional<std::string> add(std::string line, double now);
-  /// The newest line if it has not been said: when no other follows.
+  /// Returns the newest line if it has not been printed: for the end, when no other follows.
   std::optional<std::string> rest();
 
  private:
-  std::optional<double> said_at_;
-  std::optional<std::string> unsaid_;
+  std::optional<double> printed_at_;
+  std::optional<std::string> pending_;
 };
 
 }  // namespace lidar_mapping::ros_border

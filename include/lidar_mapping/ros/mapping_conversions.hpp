@@ -12,8 +12,8 @@
 #include "lidar_mapping/ros/messages.hpp"
 
 // This package's own messages <-> the values of its stages. Both directions keep all fields; the
-// frame and the run's name, which values do not carry, are arguments. What cannot be right (indices
-// that do not fit together, covariances that are not finite) throws InputError.
+// frame and the run's name, which values do not carry, are arguments. Inconsistent messages
+// (indices that do not fit together, covariances that are not finite) throw InputError.
 namespace lidar_mapping::ros_border {
 
 /// A key frame with its cloud, if it has one.
@@ -28,15 +28,15 @@ KeyFramePosesMessage to_message(const KeyFramePoses& poses, const std::string& r
 /// Poses of key frames. Throws InputError if the lists of the message differ in length.
 KeyFramePoses from_message(const KeyFramePosesMessage& message);
 
-/// A loop without a person's decision, which stays with the back end.
+/// A loop without the user's decision, which stays with the back end.
 LoopMessage to_message(const Loop& loop, const std::string& run_id, const std::string& base_frame);
-/// A loop that no person has decided on. Throws InputError for a source that is not known.
+/// A loop without a decision of the user. Throws InputError for a source that is not known.
 Loop from_message(const LoopMessage& message);
 
-/// What became of a candidate.
+/// The decision about a candidate.
 LoopVerdictMessage to_message(const LoopVerdict& verdict, const std::string& run_id,
                               const std::string& base_frame);
-/// What became of a candidate. Throws InputError for a source or a verdict that is not known.
+/// The decision about a candidate. Throws InputError for a source or a verdict that is not known.
 LoopVerdict from_message(const LoopVerdictMessage& message);
 
 /// A floor in `base_frame`.

@@ -16,23 +16,24 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What every node has.
+/// Objects that every node has.
 struct NodeContext {
   /// Starts the worker, whose errors go into the log. roscpp has to be initialised.
   NodeContext();
 
   ros::NodeHandle node;                                 ///< the node's namespace
-  ros::NodeHandle private_node{"~"};                    ///< the node's own names
+  ros::NodeHandle private_node{"~"};                    ///< the node's private names
   Worker worker;                                        ///< the thread that computes
-  Diagnostics diagnostics{node, private_node, worker};  ///< its line on /diagnostics
+  Diagnostics diagnostics{node, private_node, worker};  ///< its status on /diagnostics
 };
 
-/// Counts messages that were lost on the way: roscpp numbers what a publisher sends.
+/// Counts messages that were lost in transport, by the numbers that roscpp gives to the messages of
+/// a publisher.
 class SequenceGaps {
  public:
-  /// Messages that are missing before this one. A new publisher, or one that starts again, begins
-  /// anew; sources that do not number (always the same number) have no gaps, and what a
-  /// RepeatingPublisher gives again (number 0) is none.
+  /// Returns the number of messages that are missing before this one. A new or restarted publisher
+  /// has no gap; neither have sources that do not number their messages (always the same number)
+  /// and the repeated messages of a RepeatingPublisher (number 0).
   std::size_t check(const std::string& publisher, std::uint32_t sequence);
 
  private:
@@ -46,12 +47,13 @@ enum class Numbered {
   kYes  ///< gaps in the numbers are lost messages
 };
 
-/// Messages that roscpp holds for a callback. The callback only posts, so they go on at once; a
-/// longer queue than any burst leaves all dropping, and its counting, to the worker.
+/// Length of roscpp's queue. Callbacks only post to the worker, so it is longer than any burst and
+/// all dropping is done and counted by the worker.
 constexpr std::uint32_t kTransportQueue = 100;
 
-/// Subscribes `topic`; `handle` gets the messages in the worker's thread. Up to `capacity` messages
-/// may wait there. `arrived` sees each when it arrives, also those that are dropped later.
+/// Subscribes `topic`; `handle` is called for each message in the worker's thread. Up to `capacity`
+/// messages may wait there. `arrived` is called for each message on arrival, also for those that
+/// are dropped later.
 template <typename Message>
 ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int capacity,
                           std::function<void(const boost::shared_ptr<const Message>&)> handle,
@@ -78,32 +80,32 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
   return context.node.subscribe(options);
 }
 
-/// Prints a line of a node that is about to go: roscpp's log has ended with roscpp by then.
-void say_at_end(const std::string& line);
+/// Prints a line of a node that is shutting down, when roscpp's log has already ended.
+void print_at_exit(const std::string& line);
 
-/// Queue of a publisher: subscribers take messages in at once, so few ever wait.
+/// Queue length of a publisher: subscribers accept messages at once, so that few ever wait.
 constexpr std::uint32_t kPublisherQueue = 100;
 
-/// What a node does that cannot start: end, or, where something would only start it again, stay and
-/// do nothing until it is asked to end.
+/// Behaviour of a node that cannot start: end, or, if it would only be restarted, idle until it is
+/// shut down.
 enum class OnError {
   kEnd,  ///< with exit status 1
-  kStay  ///< and say so on /diagnostics
+  kStay  ///< idle, with the error on /diagnostics
 };
 
 /// Calls `make` for the node, which may return null to end at once, spins until the end and stops
-/// the worker before the node goes. Errors of configuration and files are said once, a line each.
-/// Returns the program's exit status.
+/// the worker before the node is destroyed. Errors of configuration and files are logged, a line
+/// each. Returns the program's exit status.
 int run(const std::function<std::shared_ptr<void>(NodeContext&)>& make, OnError on_error);
 
-/// What stands on a node's command line beside ROS's own words.
+/// Options on a node's command line beside those of ROS.
 struct NodeOptions {
   bool print_config = false;         ///< print the configuration in force and end
   OnError on_error = OnError::kEnd;  ///< if the node cannot start
-  std::optional<int> exit_status;    ///< with which the program ends at once: help, a wrong option
+  std::optional<int> exit_status;    ///< set if the program ends at once: help, a wrong option
 };
 
-/// Starts roscpp as `name`, which takes ROS's own words off the command line, and reads the rest.
+/// Starts roscpp as `name`, which removes ROS's options from the command line, and reads the rest.
 /// Needs no ROS master.
 NodeOptions start_ros(int argc, char** argv, const std::string& name, const std::string& stage);
 

@@ -26,7 +26,7 @@ struct NodeFields {
 /// Configuration of a node whose only parameters beside NodeFields are those of its stage.
 template <typename StageConfig>
 struct NodeConfig {
-  NodeFields node;    ///< what every node has
+  NodeFields node;    ///< parameters that every node has
   StageConfig stage;  ///< parameters of the stage
 
   /// The fields of both; stage and summary are those of the stage.
@@ -39,12 +39,12 @@ struct NodeConfig {
   }
 };
 
-/// The same for nodes that need to know from where points were seen.
+/// The same for nodes that need the origin of the sensor.
 template <typename StageConfig>
 struct LidarNodeConfig {
-  /// What every node has.
+  /// Parameters that every node has.
   NodeFields node;
-  /// Frame of the LiDAR in tf, whose place is where points were seen from; may be empty.
+  /// Frame of the LiDAR in tf; its position is that from which points were measured. May be empty.
   std::string lidar_frame;
   /// Parameters of the stage.
   StageConfig stage;

@@ -10,9 +10,9 @@
 
 namespace lidar_mapping::ros_border {
 
-/// to_message(cloud, stamp, frame_id) for a publisher of PointCloud2, which writes the points from
-/// where they lie into what it sends: large clouds are not copied twice. The cloud must stay as it
-/// is until publish() has returned.
+/// to_message(cloud, stamp, frame_id) for a publisher of PointCloud2, which serialises the points
+/// directly, so that large clouds are not copied twice. The cloud must not change until publish()
+/// has returned.
 struct OutgoingCloud {
   /// The points in `frame_id` at `stamp`.
   OutgoingCloud(const PointCloud& points, Stamp stamp, const std::string& frame_id);

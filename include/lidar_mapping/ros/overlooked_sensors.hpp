@@ -11,31 +11,31 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A sensor that may be there or not: its input, with the types of message that it is read from.
+/// Input of an optional sensor, with the types of message that it is read from.
 struct OptionalInput {
-  std::string name;                ///< of the launch file's argument, too
+  std::string name;                ///< also that of the launch file's argument
   std::string topic;               ///< resolved
   std::vector<std::string> types;  ///< package/Name
 };
 
-/// Finds out that a sensor is published under another name than the one that is listened to. Any
-/// thread may call it.
+/// Finds sensors that are published on another topic than the subscribed one. Any thread may call
+/// it.
 class OverlookedSensors {
  public:
-  /// `inputs`: those that are listened to; `own`: topics that this package publishes, resolved.
+  /// `inputs`: the subscribed ones; `own`: topics that this package publishes, resolved.
   OverlookedSensors(std::vector<OptionalInput> inputs, std::set<std::string> own);
 
-  /// A message of that input has come.
-  void heard(const std::string& input);
-  /// For each input of which nothing has come, that nobody publishes, and for which topics of its
-  /// types are published: a line that names them. Each input once.
-  std::map<std::string, std::string> look(const std::vector<PublishedTopic>& published);
-  /// Nothing is left to look for.
-  bool done() const;
+  /// Records that a message of this input was received.
+  void mark_received(const std::string& input);
+  /// Returns a line with the candidates for each input without messages and publisher for which
+  /// topics of its types are published. Each input is reported once.
+  std::map<std::string, std::string> search(const std::vector<PublishedTopic>& published);
+  /// Whether all inputs were received or reported.
+  bool is_complete() const;
 
  private:
   mutable std::mutex mutex_;
-  std::vector<OptionalInput> inputs_;  ///< not heard, not spoken of
+  std::vector<OptionalInput> inputs_;  ///< neither received nor reported
   std::set<std::string> own_;
 };
 

@@ -16,18 +16,18 @@ namespace lidar_mapping::ros_border {
 /// takes for words, become numbers again. Throws ConfigError for binary data and dates.
 config::Value from_xmlrpc(const XmlRpc::XmlRpcValue& value);
 
-/// What the parameter server holds for a stage, read once, in growing precedence: the group `nodes`
-/// beside the node with what all nodes share, the node's private parameters, and the group of the
-/// stage's name beside the node, into which launch files load sensor overlays.
+/// The parameters of a stage on the parameter server, read once, in growing precedence: the group
+/// `nodes` beside the node with what all nodes share, the node's private parameters, and the group
+/// of the stage's name beside the node, into which launch files load sensor overlays.
 std::vector<config::Source> parameter_sources(const ros::NodeHandle& node,
                                               const ros::NodeHandle& private_node,
                                               const std::string& stage);
 
-/// Leaves the configuration that is in force on the parameter server, for the session to keep:
+/// Stores the effective configuration on the parameter server, from where the session copies it:
 /// effective_configuration/STAGE, a YAML text.
 void publish_effective_configuration(const ros::NodeHandle& node, const std::string& stage,
                                      const std::string& yaml);
-/// What all nodes have left there: YAML texts by stage.
+/// The effective configurations of all nodes: YAML texts by stage.
 std::map<std::string, std::string> effective_configurations(const ros::NodeHandle& node);
 
 }  // namespace lidar_mapping::ros_border

@@ -12,7 +12,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What was found in a cloud, for people.
+/// Format of a cloud, for messages to the user.
 struct CloudFormat {
   std::string fields;           ///< "x y z intensity ring time", in the message's order
   std::string intensity_field;  ///< empty if there is none
@@ -24,7 +24,7 @@ struct CloudFormat {
   double last_time = 0.0;       ///< s, as first_time
 };
 
-/// A cloud as preprocessing takes it, and what it was.
+/// A cloud as input of preprocessing, and its format.
 struct DecodedCloud {
   preprocessing::RawScan scan;  ///< points (m) and times (s)
   CloudFormat format;           ///< what the message held
@@ -33,9 +33,9 @@ struct DecodedCloud {
 /// A PointCloud2 of any driver: x y z as FLOAT32 or FLOAT64, intensity from `intensity`, `i` or
 /// `reflectivity`, times from `time`, `t`, `timestamp`, `time_stamp`, `offset_time` or
 /// `time_offset` of any number type, in the unit that fits the scan's period (or point_time_unit),
-/// relative or absolute. Points are taken as they are, in their order, also those that are not
-/// finite. Throws InputError for big-endian data, missing coordinates, fields outside of the point
-/// and data that are shorter than the header says. The memory of `buffer` is used again.
+/// relative or absolute. All points are kept in their order, also those that are not finite. Throws
+/// InputError for big-endian data, missing coordinates, fields outside of the point and data that
+/// are shorter than the header says. The memory of `buffer` is used again.
 DecodedCloud decode(const CloudView& message, const preprocessing::PreprocessingConfig& config,
                     PointCloud buffer = {});
 /// The same, but points of the usual layout stay packed in the message's data, which `memory` keeps

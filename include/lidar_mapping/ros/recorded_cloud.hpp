@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A cloud that was left where it lies in the recording.
+/// A cloud whose data stay in the memory of the recording.
 struct RecordedCloud {
   sensor_msgs::PointCloud2 message;    ///< without the data
   ByteRange data;                      ///< of the message

@@ -12,11 +12,11 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What a message of /tf or /tf_static holds; nothing if it holds another type. Throws
+/// The transforms in a message of /tf or /tf_static; empty if it is of another type. Throws
 /// ros::Exception if it is damaged.
 std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded);
 
-/// The transforms of a recording, put together.
+/// The tree of the transforms of a recording.
 class RecordedFrames {
  public:
   /// `base_frame` stands for the vehicle.
@@ -24,10 +24,10 @@ class RecordedFrames {
 
   /// The frame that stands for the vehicle.
   const std::string& base_frame() const { return base_frame_; }
-  /// From now on this frame stands for the vehicle.
+  /// Uses this frame for the vehicle from now on.
   void set_base_frame(std::string frame) { base_frame_ = std::move(frame); }
 
-  /// Takes a message of /tf_static (`is_static`) or /tf.
+  /// Adds a message of /tf_static (`is_static`) or /tf.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// The newest pose of a frame on the vehicle, or nothing if no chain of transforms leads there.
   std::optional<Pose> T_base(const std::string& frame) const;

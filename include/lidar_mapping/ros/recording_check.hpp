@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Topics of the sensors; an empty one is not there.
+/// Topics of the sensors; empty if there is none.
 struct SensorTopics {
   std::string points;    ///< sensor_msgs/PointCloud2
   std::string imu;       ///< sensor_msgs/Imu
@@ -18,23 +18,24 @@ struct SensorTopics {
   std::string gnss;      ///< one of gnss_types()
 };
 
-/// What is to be looked at.
+/// A recording and the part of it that is checked.
 struct RecordingCheck {
   const BagSet* bags = nullptr;          ///< of one drive
   SensorTopics topics;                   ///< see topics_in()
   std::string base_frame = "base_link";  ///< the vehicle's
-  double seconds = 0.0;                  ///< s of the beginning; 0: all of it
+  double seconds = 0.0;  ///< length of the checked part from the beginning, s; 0: all of it
 };
 
-/// `wanted`, and of each sensor that it leaves out the launch file's topic if the bags have it,
-/// else the one of its type with most messages; of clouds the one that is most likely a LiDAR's,
-/// see cloud_topics(). Throws InputError if a topic that is wanted is not there with such a type.
+/// Completes `wanted`: each sensor without a topic gets that of the launch file if the bags have
+/// it, else the topic of its type with most messages; for clouds that which is most likely a
+/// LiDAR's, see cloud_topics(). Throws InputError if a requested topic does not exist with such a
+/// type.
 SensorTopics topics_in(const BagSet& bags, SensorTopics wanted = {});
 
-/// Looks at the messages of a recording and says, for points, imu, velocity and gnss in this order,
-/// what came and what is wrong with it: see preprocessing::InputValidator. Transforms are those of
-/// /tf and /tf_static. What of the bags is damaged is left out, and a fault of the points. Throws
-/// FileError if a bag cannot be read at all.
+/// Checks the messages of a recording and reports, for points, imu, velocity and gnss in this
+/// order, what was received and its faults: see preprocessing::InputValidator. Transforms are read
+/// from /tf and /tf_static. Damaged parts of the bags are left out and reported as a fault of the
+/// points. Throws FileError if a bag cannot be read at all.
 std::vector<preprocessing::InputReport> check(const RecordingCheck& recording,
                                               const preprocessing::PreprocessingConfig& config);
 

@@ -12,9 +12,9 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A publisher that gives its newest `count` messages again to every subscriber that comes. A node
-/// that starts late, or again, so hears of all that was sent while it was connecting; receivers
-/// take no notice of what they know already. Any thread may publish.
+/// A publisher that sends its newest `count` messages again to every new subscriber, so that a node
+/// that is started late or restarted receives the messages that were sent while it was connecting.
+/// Subscribers ignore repeated messages. Any thread may publish.
 template <typename Message>
 class RepeatingPublisher {
  public:
@@ -28,7 +28,7 @@ class RepeatingPublisher {
     publisher_ = node.advertise<Message>(topic, kPublisherQueue + count, repeat);
   }
 
-  /// Sends a message now, and again to each of those that come later.
+  /// Sends a message now, and again to each later subscriber.
   void publish(Message message) {
     const std::lock_guard<std::mutex> lock(newest_->mutex);
     publisher_.publish(message);

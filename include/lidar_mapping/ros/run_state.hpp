@@ -3,8 +3,9 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Parameters beside the nodes that hold what a run needs when nodes are killed and start again. A
-/// node that ends as asked deletes its own; mapping.launch deletes all at its start.
+/// Parameters in the namespace of the nodes with the state of a run, for nodes that are killed and
+/// restarted. A node deletes its own at a regular shutdown; mapping.launch deletes all at its
+/// start.
 constexpr const char* kRunDatum = "run_state/gnss_datum";  ///< latitude, longitude, altitude
 constexpr const char* kRunSession = "run_state/session";   ///< its folder
 

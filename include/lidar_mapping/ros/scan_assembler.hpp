@@ -13,31 +13,31 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A scan with what the other sensors said of its stamp.
+/// A scan with the data of the other sensors at its stamp.
 struct AssembledScan {
-  Scan scan;                     ///< as it came
+  Scan scan;                     ///< as received
   front_end::MotionPrior prior;  ///< for FrontEnd::process()
 };
 
-/// Which sensors have a sample of the scan's stamp.
+/// Sensors that have a sample of the scan's stamp.
 struct SyncedInputs {
-  bool imu = false;       ///< a sample of the IMU comes
-  bool velocity = false;  ///< a velocity comes
-  bool gnss = false;      ///< a position comes
+  bool imu = false;       ///< whether an IMU sample is sent
+  bool velocity = false;  ///< whether a velocity is sent
+  bool gnss = false;      ///< whether a position is sent
   /// The non-uniform rotation that was removed from the scan by the gyro.
   std::optional<UnevenTurning> uneven_turning = std::nullopt;
   /// Mean specific force since the previous scan.
   std::optional<FeltForce> felt = std::nullopt;
 };
 
-/// Puts together what preprocessing sends about one scan on several topics, which arrive in any
-/// order: by equality of stamps, never by arrival. A scan waits for its SyncedInputs and for the
-/// samples that these name. They are sent for every scan, so the result does not depend on the
-/// order of arrival; what a full queue has lost is waited for until ten more scans are there.
-/// Whoever sends scans without them has each scan wait for a topic until the next scan is there; a
-/// topic that let a scan pass is not waited for until it speaks again. With an odometry from
-/// outside, a scan waits until that odometry has passed its stamp, and gets the pose between the
-/// two samples around it. One thread calls it.
+/// Assembles the messages about one scan that preprocessing publishes on several topics, by equal
+/// stamps, whatever the order of arrival. A scan waits for its SyncedInputs and for the samples
+/// that these name. They are sent for every scan, so the result does not depend on the order of
+/// arrival; a message that was lost in a full queue is waited for until ten newer scans have
+/// arrived. Without SyncedInputs (scans of another program) a scan waits for each topic until the
+/// next scan; a topic without a message for a scan is not waited for until its next message. With
+/// an external odometry a scan waits until that odometry has passed its stamp, and gets the pose
+/// interpolated between the two samples around it. One thread calls it.
 class ScanAssembler {
  public:
   /// `external_odometry`: scans need a pose of add_odometry().
@@ -51,16 +51,16 @@ class ScanAssembler {
   void add_velocity(const VelocitySample& sample_base);
   /// A position at a scan's stamp.
   void add_gnss(const GnssPosition& position);
-  /// A pose of the outside odometry, at any stamp.
+  /// A pose of the external odometry, at any stamp.
   void add_odometry(Stamp stamp, const Pose& T_external_base);
   /// A scan. Throws InputError if the stamp does not increase.
   void add_scan(Scan scan);
 
-  /// The scans that are waited for no longer, oldest first.
+  /// The scans that are complete or no longer wait, oldest first.
   std::vector<AssembledScan> take_ready();
-  /// All that wait: for when nothing has come for a while.
+  /// All waiting scans, to be processed when no message has arrived for a while.
   std::vector<AssembledScan> flush();
-  /// Scans for which the outside odometry had no pose; they were left out.
+  /// Number of scans that were left out because the external odometry had no pose.
   std::size_t scans_without_odometry() const { return without_odometry_; }
 
  private:
@@ -82,7 +82,7 @@ class ScanAssembler {
   std::optional<Pose> odometry_at(Stamp stamp) const;
 
   bool external_odometry_;
-  bool has_begun_ = false;  ///< a scan has left
+  bool has_begun_ = false;  ///< whether a scan was returned
   Stream<SyncedInputs> inputs_;
   Stream<ImuSample> imu_;
   Stream<VelocitySample> velocity_;

@@ -6,9 +6,9 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A folder for files that a node needs only while it runs: TMPDIR/lidar_mapping-NAME-PID. It
-/// goes with this object; what a killed process of the same name left behind goes when the next
-/// one starts. Throws FileError if it cannot be made.
+/// A folder for files that a node needs only while it runs: TMPDIR/lidar_mapping-NAME-PID. It is
+/// removed with this object; that of a killed process of the same name is removed when the next one
+/// starts. Throws FileError if it cannot be made.
 class ScratchFolder {
  public:
   /// `name` is that of the node; slashes of namespaces are replaced.

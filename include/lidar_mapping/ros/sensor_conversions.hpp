@@ -15,8 +15,9 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A sample in the axes of the message's frame. What has -1 in the first element of its covariance
-/// is not provided (sensor_msgs/Imu); an orientation also where the quaternion has no length.
+/// A sample in the axes of the message's frame. Quantities with -1 in the first element of their
+/// covariance are not provided (sensor_msgs/Imu); neither is an orientation whose quaternion is
+/// zero.
 ImuSample from_message(const sensor_msgs::Imu& message);
 /// A sample in the axes of `frame_id`; covariances are 0 (unknown), or -1 for what is not provided.
 sensor_msgs::Imu to_message(const ImuSample& sample, const std::string& frame_id);
@@ -40,13 +41,13 @@ nav_msgs::Odometry to_message(const GnssPosition& position, const std::string& m
 /// child_frame_id.
 GnssPosition from_message(const nav_msgs::Odometry& message, const Eigen::Vector3d& p_base_antenna);
 
-/// Puts into synced_inputs what the gyro has taken out of the scan. Bit for bit.
+/// Writes the rotation that was removed from the scan by the gyro into synced_inputs, bit for bit.
 void fill(SyncedInputsMessage& message, const UnevenTurning& turning);
-/// Puts into synced_inputs what the accelerometer felt before the scan. Bit for bit.
+/// Writes the mean specific force before the scan into synced_inputs, bit for bit.
 void fill(SyncedInputsMessage& message, const FeltForce& felt);
-/// What the gyro has taken out of the scan; nothing if the message holds none.
+/// The rotation that was removed from the scan by the gyro; empty if the message has none.
 std::optional<UnevenTurning> uneven_turning_of(const SyncedInputsMessage& message);
-/// What the accelerometer felt before the scan; nothing if the message holds none.
+/// The mean specific force before the scan; empty if the message has none.
 std::optional<FeltForce> felt_force_of(const SyncedInputsMessage& message);
 
 }  // namespace lidar_mapping::ros_border

@@ -18,8 +18,8 @@
 namespace lidar_mapping::ros_border {
 
 /// Types of message that a velocity is read from; of nav_msgs/Odometry it is the twist, in the axes
-/// of its child_frame_id. Only the first is taken for a velocity unasked: the others often hold
-/// something else (a velocity in East-North-Up, an odometry that leaves its twist empty).
+/// of its child_frame_id. Only the first is used as a velocity without request: the others often
+/// hold something else (a velocity in East-North-Up, an odometry that leaves its twist empty).
 const std::vector<std::string>& velocity_types();
 
 /// Types of message that fixes are read from; the earlier are preferred. A GeoPoint has neither
@@ -48,7 +48,7 @@ SensorInput<GnssFix> input_of(const GeoPointStamped& message);
 /// The fix in a sentence; nothing in one that holds none, as most do.
 std::optional<SensorInput<GnssFix>> input_of(const NmeaSentence& message);
 
-/// What a message of any type holds if it is one of `Messages`. `AnyMessage` is
+/// The data in a message of any type if it is one of `Messages`. `AnyMessage` is
 /// rosbag::MessageInstance or topic_tools::ShapeShifter.
 template <typename Sample, typename Message, typename... Messages, typename AnyMessage>
 std::optional<SensorInput<Sample>> read_one_of(const AnyMessage& any) {

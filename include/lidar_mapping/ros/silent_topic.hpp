@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// A topic that somebody publishes, and the type of its messages.
+/// A published topic, and the type of its messages.
 struct PublishedTopic {
   std::string name;  ///< resolved
   std::string type;  ///< package/Name
@@ -20,7 +20,7 @@ std::string why_silent(const std::string& topic, const std::string& type,
                        const std::vector<PublishedTopic>& published,
                        const std::set<std::string>& own, const std::string& remedy);
 
-/// What is published, as the master knows it now, in the order of the names.
+/// Topics that are published now by the record of the master, sorted by name.
 std::vector<PublishedTopic> published_topics();
 
 }  // namespace lidar_mapping::ros_border

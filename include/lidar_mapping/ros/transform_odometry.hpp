@@ -11,16 +11,17 @@
 
 namespace lidar_mapping::ros_border {
 
-/// The velocity of base_link from an odometry that is known by its transforms alone, as that of
-/// wheels often is. One thread calls it.
+/// The velocity of base_link from an odometry that is only published as transforms, as wheel
+/// odometry often is. One thread calls it.
 class TransformOdometry {
  public:
-  /// Throws ConfigError if `odom_frame` is empty or the vehicle's.
+  /// Throws ConfigError if `odom_frame` is empty or that of the vehicle.
   TransformOdometry(const std::string& odom_frame, const std::string& base_frame);
 
   /// The mean velocities from one pose to the next, in the axes of base_link and at the middle of
-  /// the time between. Only transforms between the two frames count, whichever is the parent; poses
-  /// that come again, go back, or come after a gap of more than half a second give none.
+  /// the time between. Only transforms between the two frames are used, whichever is the parent;
+  /// poses that are repeated, go back in time, or follow a gap of more than half a second give
+  /// none.
   std::vector<VelocitySample> add(const tf2_msgs::TFMessage& message);
 
  private:

@@ -15,15 +15,15 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Poses of sensors on the vehicle, from tf. They do not move: a pose that was found once is kept,
-/// and a jump back of time cannot take it away. One thread calls it.
+/// Poses of sensors on the vehicle, from tf. Sensors are fixed to the vehicle, so a pose that was
+/// found once is kept, also when time jumps back. One thread calls it.
 class SensorFrames {
  public:
-  /// Pose T_target_source, or nothing while tf does not know it. Never waits. Warns, naming both
-  /// frames, when a pair has been missing for 1 s, and at most once in 5 s. Frames may have tf 1's
-  /// leading slash.
+  /// Pose T_target_source; empty while tf does not have it. Never waits. Warns, naming both frames,
+  /// when a pair has been missing for 1 s, and at most once in 5 s. Frames may have tf 1's leading
+  /// slash.
   std::optional<Pose> lookup(const std::string& target, const std::string& source);
-  /// Where a sensor sits on the vehicle (m, in base_frame); nothing too if its frame is empty.
+  /// Position of a sensor on the vehicle (m, in base_frame); empty also if its frame is empty.
   std::optional<Eigen::Vector3d> origin_of(const std::string& sensor_frame,
                                            const std::string& base_frame);
 
@@ -34,7 +34,7 @@ class SensorFrames {
   tf2_ros::TransformListener listener_{buffer_};
   std::map<std::pair<std::string, std::string>, Pose> found_;
   WarningLimiter limiter_{
-      ros::WallDuration(1.0)};  // /tf_static comes a moment after the first scan
+      ros::WallDuration(1.0)};  // /tf_static may arrive shortly after the first scan
 };
 
 /// Broadcasts T_parent_child at a stamp of the data.

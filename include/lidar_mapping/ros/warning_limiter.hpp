@@ -8,15 +8,15 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Keeps repeated warnings down to one in 5 s for each subject, by the wall clock: simulated time,
-/// by which roscpp's own throttle goes, may stand still. One thread calls it.
+/// Limits repeated warnings to one in 5 s for each subject, by the wall clock, because the
+/// simulated time of roscpp's own throttle may stand still. One thread calls it.
 class WarningLimiter {
  public:
-  /// A subject is first spoken of when it has been one for `patience`.
+  /// A subject is first reported when it has lasted for `patience`.
   explicit WarningLimiter(ros::WallDuration patience = ros::WallDuration(0.0))
       : patience_(patience) {}
 
-  /// True if the subject may be spoken of now.
+  /// True if the subject may be reported now.
   bool due(const std::string& subject);
 
  private:

@@ -10,13 +10,13 @@
 
 namespace lidar_mapping::ros_border {
 
-/// The one thread of a node that computes. Callbacks post tasks and return at once; the thread
-/// takes them in the order of their arrival. Every source of tasks has a channel with a bound: when
-/// it is full its oldest task is dropped and counted, so that a slow node stays fresh and its
-/// memory bounded. A long bound makes a node lossless and late instead.
+/// The computing thread of a node. Callbacks post tasks and return at once; the thread runs them in
+/// the order of their arrival. Every source of tasks has a channel of limited length: when it is
+/// full its oldest task is dropped and counted, so that a slow node uses recent data and limited
+/// memory. A long channel makes a node lossless, but late.
 class Worker {
  public:
-  using Task = std::function<void()>;  ///< what the thread calls once
+  using Task = std::function<void()>;  ///< called once by the thread
   using ChannelId = std::size_t;       ///< number of a channel of this worker
 
   /// What stop() does with tasks that wait.
@@ -25,17 +25,18 @@ class Worker {
     kDrain     ///< they are done first
   };
 
-  /// What has become of the tasks of a channel since the start.
+  /// Numbers of tasks of a channel since the start.
   struct ChannelStatistics {
     std::string name;         ///< of the channel
     std::size_t waiting = 0;  ///< now
     std::size_t handled = 0;  ///< done
-    std::size_t dropped = 0;  ///< pushed out of the full channel, or discarded at the end
+    std::size_t dropped = 0;  ///< dropped from the full channel, or discarded at the end
     std::size_t lost = 0;     ///< never arrived here; see add_lost()
     std::size_t refused = 0;  ///< ended with an exception
   };
 
-  /// `on_error(channel, what)` hears of tasks that ended with an exception; the thread goes on.
+  /// `on_error(channel, what)` is called for tasks that ended with an exception; the thread
+  /// continues.
   explicit Worker(std::function<void(const std::string&, const std::string&)> on_error);
   /// Stops.
   ~Worker();
@@ -51,7 +52,7 @@ class Worker {
   /// Sets what stop() does; at first it discards.
   void set_on_stop(OnStop policy);
 
-  /// Ends the thread after the task at hand, or after all that wait. May be called again.
+  /// Ends the thread after the present task, or after all waiting ones. May be called again.
   void stop();
   /// Of all channels, in the order of their making.
   std::vector<ChannelStatistics> statistics() const;
