@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <atomic>
-#include <mutex>
-#include <set>
 #include <sstream>
 #include <utility>
 
-#include <std_msgs/UInt32.h>
 #include <tf2_msgs/TFMessage.h>
 #include <topic_tools/shape_shifter.h>
 
@@ -17,16 +13,15 @@
 #include "lidar_mapping/ros/node.hpp"
 #include "lidar_mapping/ros/node_config.hpp"
 #include "lidar_mapping/ros/outgoing_cloud.hpp"
-#include "lidar_mapping/ros/overlooked_sensors.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/run_state.hpp"
-#include "lidar_mapping/ros/scan_numbers.hpp"
 #include "lidar_mapping/ros/sensor_conversions.hpp"
 #include "lidar_mapping/ros/sensor_inputs.hpp"
-#include "lidar_mapping/ros/silent_topic.hpp"
-#include "lidar_mapping/ros/topic_choice.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
 #include "lidar_mapping/ros/transforms.hpp"
+
+#include "input_watch.hpp"
+#include "scan_loss_counter.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -39,11 +34,6 @@ constexpr std::chrono::milliseconds kIdle{1000};
 constexpr int kSamplesPerScan = 20;
 /// Duration of the data after which the input validator reports, s.
 constexpr double kValidationTime = 5.0;
-/// Wall time (s) without scans after which the reason is logged, and logged again when it changes.
-constexpr double kSilenceTime = 5.0;
-/// Number of searches for sensors on other topics after the first scan; drivers start one after the
-/// other.
-constexpr int kMaxSearches = 12;
 
 /// As text with all digits, because a ROS master may round numbers.
 std::string to_text(const GeodeticDatum& datum) {
@@ -108,37 +98,20 @@ class PreprocessingNode {
   std::optional<Pose> T_base(const std::string& frame);
   void validate(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded);
   void report_validation();
-  void check_inputs();
-  void warn_without_scans();
-  void warn_of_overlooked_sensors();
-  std::set<std::string> own_topics() const;
-  OverlookedSensors optional_inputs() const;
-  void count_losses();
-  std::string why_silent_here(const std::string& input, const std::string& type) const;
 
   Config config_;
   NodeContext& context_;
   SensorFrames frames_;
   std::unique_ptr<preprocessing::InputValidator> input_validator_;  ///< until it has reported
   std::optional<Stamp> first_scan_;
-  std::atomic<bool> has_scans_{false};
-  ros::WallTimer input_timer_;
-  std::string last_reason_;  ///< reason for missing scans that was logged last
-  OverlookedSensors overlooked_;
-  int searches_ = 0;
-  std::mutex numbers_mutex_;
-  ScanNumbers numbers_;         ///< of the received scans
-  std::size_t missing_ = 0;     ///< missing scans that were logged
-  std::size_t scans_lost_ = 0;  ///< newest published value
-  WarningLimiter limiter_;
   preprocessing::Preprocessor stage_;
   PointCloud spare_cloud_;  ///< memory of a published cloud, reused for the next one
   std::string antenna_frame_;
-  std::optional<GeodeticDatum> datum_;  ///< that was published
+  std::optional<GeodeticDatum> datum_;  ///< newest published value
   ros::Publisher synced_cloud_, synced_imu_, synced_velocity_, synced_gnss_, synced_inputs_;
-  ros::Publisher gnss_datum_, lost_;
-  Worker search_worker_;  ///< queries the ROS master, which may be slow
-  Worker::ChannelId searching_;
+  ros::Publisher gnss_datum_;
+  ScanLossCounter losses_;
+  InputWatch watch_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -146,18 +119,13 @@ PreprocessingNode::PreprocessingNode(const Config& config, NodeContext& context)
     : config_(config),
       context_(context),
       input_validator_(std::make_unique<preprocessing::InputValidator>(config.stage)),
-      overlooked_(optional_inputs()),
       stage_(with_datum_of_the_run(config.stage, context.node),
              [this](const std::string& frame) { return T_base(frame); }),
-      search_worker_([](const std::string& what, const std::string& problem) {
-        ROS_WARN_STREAM(what << ": " << problem);
-      }),
-      searching_(search_worker_.add_channel("looking for sensors", 1)) {
+      losses_(context),
+      watch_(context) {
   advertise();
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] { publish(stage_.flush()); });
-  input_timer_ = context.node.createWallTimer(
-      ros::WallDuration(kSilenceTime), [this](const ros::WallTimerEvent&) { check_inputs(); });
 }
 
 /// A regular shutdown ends the run, so its datum is removed. After a crash the datum stays, and the
@@ -173,7 +141,6 @@ void PreprocessingNode::advertise() {
   synced_gnss_ = node.advertise<nav_msgs::Odometry>("synced_gnss", kPublisherQueue);
   synced_inputs_ = node.advertise<SyncedInputsMessage>("synced_inputs", kPublisherQueue);
   gnss_datum_ = node.advertise<sensor_msgs::NavSatFix>("gnss_datum", 1, true);
-  lost_ = node.advertise<std_msgs::UInt32>("scans_lost", 1, true);
 }
 
 void PreprocessingNode::subscribe_sensors() {
@@ -194,10 +161,7 @@ void PreprocessingNode::subscribe_sensors() {
             publish(stage_.process(std::move(decoded.scan)));
           },
           Numbered::kNo,
-          [this](const sensor_msgs::PointCloud2& message) {
-            const std::lock_guard<std::mutex> lock(numbers_mutex_);
-            numbers_.add(message.header.seq);
-          })};
+          [this](const sensor_msgs::PointCloud2& message) { losses_.add(message.header.seq); })};
   if (config_.stage.enable_robot_odometry_init_guess) return follow_transforms();
   subscribers_.push_back(subscribe<topic_tools::ShapeShifter>(
       context_, "velocity", samples, [this](const auto& message) {
@@ -224,21 +188,21 @@ void PreprocessingNode::follow_transforms() {
 }
 
 void PreprocessingNode::add(const SensorInput<ImuSample>& input) {
-  overlooked_.mark_received("imu");
+  watch_.mark_received("imu");
   if (input_validator_) input_validator_->add_imu(input.sample, input.frame_id);
   stage_.add_imu(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
 void PreprocessingNode::add(const SensorInput<VelocitySample>& input) {
-  overlooked_.mark_received("velocity");
+  watch_.mark_received("velocity");
   if (input_validator_) input_validator_->add_velocity(input.sample, input.frame_id);
   stage_.add_velocity(input.sample, frame_name(input.frame_id));
   publish(stage_.take_complete());
 }
 
 void PreprocessingNode::add(const SensorInput<GnssFix>& input) {
-  overlooked_.mark_received("gnss");
+  watch_.mark_received("gnss");
   if (input_validator_) input_validator_->add_gnss(input.sample, input.frame_id);
   antenna_frame_ = frame_name(input.frame_id);
   stage_.add_gnss(input.sample, antenna_frame_);
@@ -262,7 +226,7 @@ std::optional<Pose> PreprocessingNode::T_base(const std::string& frame) {
 }
 
 void PreprocessingNode::validate(const sensor_msgs::PointCloud2& message, DecodedCloud& decoded) {
-  has_scans_ = true;
+  watch_.mark_scan();
   if (!input_validator_) return;
   decoded.scan.unpack();
   input_validator_->add_scan(summary_of(message, decoded));
@@ -283,54 +247,6 @@ void PreprocessingNode::report_validation() {
   }
 }
 
-std::set<std::string> PreprocessingNode::own_topics() const {
-  std::set<std::string> own;
-  for (const std::string& name : own_outputs()) own.insert(context_.node.resolveName(name));
-  return own;
-}
-
-std::string PreprocessingNode::why_silent_here(const std::string& input,
-                                               const std::string& type) const {
-  return why_silent(context_.node.resolveName(input), type, published_topics(), own_topics(),
-                    input);
-}
-
-OverlookedSensors PreprocessingNode::optional_inputs() const {
-  const auto input = [this](const char* name, const std::vector<std::string>& types) {
-    return OptionalInput{name, context_.node.resolveName(name), types};
-  };
-  return {{input("imu", {ros::message_traits::DataType<sensor_msgs::Imu>::value()}),
-           input("velocity", velocity_types()), input("gnss", gnss_types())},
-          own_topics()};
-}
-
-void PreprocessingNode::check_inputs() {
-  if (!has_scans_) return warn_without_scans();
-  // The other sensors have had at least as much time to start as the LiDAR.
-  if (++searches_ > kMaxSearches || overlooked_.is_complete()) return input_timer_.stop();
-  if (searches_ > 1) search_worker_.post(searching_, [this] { warn_of_overlooked_sensors(); });
-}
-
-/// Without this warning a sensor on another topic would be ignored silently, because only the
-/// points are required.
-void PreprocessingNode::warn_of_overlooked_sensors() {
-  for (const auto& [input, line] : overlooked_.search(published_topics())) {
-    ROS_WARN_STREAM(input << ": " << line);
-    context_.diagnostics.set(input, line);
-  }
-}
-
-/// Runs in roscpp's thread. No message has arrived, so the worker is idle.
-void PreprocessingNode::warn_without_scans() {
-  std::string reason = why_silent_here("points", "sensor_msgs/PointCloud2");
-  if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
-    reason += "; use_sim_time is set, but nobody publishes /clock: play the bag with --clock";
-  }
-  if (std::exchange(last_reason_, reason) == reason) return;
-  ROS_WARN_STREAM("no scans yet: " << reason);
-  context_.diagnostics.set_state(Diagnostics::Level::kWarning, reason);
-}
-
 void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
   for (preprocessing::SyncedScan& scan : scans) {
     publish(scan);
@@ -342,33 +258,8 @@ void PreprocessingNode::publish(std::vector<preprocessing::SyncedScan> scans) {
                    ROSCONSOLE_DEFAULT_NAME, diagnostic.text);
   }
   if (scans.empty()) return;
-  count_losses();
+  losses_.report();
   report();
-}
-
-/// Counts scans that never reached this node, so that a map with gaps is recognised as such.
-void PreprocessingNode::count_losses() {
-  ScanNumbers numbers;
-  {
-    const std::lock_guard<std::mutex> lock(numbers_mutex_);
-    numbers = numbers_;
-  }
-  // On a vehicle the driver has published scans before this node started, which is no loss; of a
-  // recording all scans should arrive.
-  const std::size_t missing = ros::Time::isSimTime() ? numbers.missing() : numbers.between();
-  context_.diagnostics.set("scans missing by their numbers", std::to_string(missing));
-  if (missing != missing_ && limiter_.due("missing")) {
-    missing_ = missing;
-    ROS_WARN_STREAM("scans that the recording has and that never came: "
-                    << missing << " (by their numbers), " << numbers.before_first()
-                    << " of them before the first one: play with -d 3, which gives the nodes the "
-                       "time to connect; slower (-r 0.5) where some are missing later");
-  }
-  const std::size_t lost = missing + context_.worker.losses("points");
-  if (std::exchange(scans_lost_, lost) == lost) return;
-  std_msgs::UInt32 message;
-  message.data = static_cast<std::uint32_t>(lost);
-  lost_.publish(message);
 }
 
 void PreprocessingNode::publish(const preprocessing::SyncedScan& synced) {
