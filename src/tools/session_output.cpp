@@ -14,10 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 using session::Session;
 
-constexpr const char* kAside = ".resumed";
+constexpr const char* kStagingFolder = ".resumed";
 
-/// A process that was killed at once leaves these alone.
-bool holds_more_than_beginnings(const fs::path& folder) {
+/// Whether the folder has more than the files that a process leaves which was killed at its start.
+bool has_results(const fs::path& folder) {
   const fs::directory_iterator entries(folder);
   return std::any_of(begin(entries), end(entries), [](const auto& entry) {
     const fs::path name = entry.path().filename();
@@ -30,10 +30,10 @@ void check_new(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw FileError(folder.string() + " is no folder; name a new one");
   }
-  if (!holds_more_than_beginnings(folder)) return;
+  if (!has_results(folder)) return;
   throw FileError(folder.string() +
-                  " is not empty; name a new folder, or give --resume to go on with a session that "
-                  "was broken off");
+                  " is not empty; name a new folder, or give --resume to continue a session that "
+                  "was interrupted");
 }
 
 void refuse_edited(const Session& session) {
@@ -42,18 +42,19 @@ void refuse_edited(const Session& session) {
     return loop.decision != LoopDecision::kAuto || loop.source == LoopSource::kManual;
   });
   if (!is_edited) return;
-  throw InputError("in " + session.directory().string() +
-                   " a person has decided about loops, which would be lost if it were made again; "
-                   "--quick-resume goes on with it as it is");
+  throw InputError(
+      "in " + session.directory().string() +
+      " a user has decided about loops; the decisions would be lost if it were mapped again; "
+      "--quick-resume continues it as it is");
 }
 
-/// Database logs of a session that nobody writes to any more; beside another database they would be
-/// taken for its own.
+/// Removes the logs of the database of a closed session; beside another database they would be read
+/// as its own.
 void remove_logs(const fs::path& folder) {
   for (const char* log : {"session.db-wal", "session.db-shm"}) fs::remove(folder / log);
 }
 
-/// What write_atomically() leaves of a file when the process is killed.
+/// Removes unfinished files, which write_atomically() leaves when the process is killed.
 void remove_unfinished(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -66,28 +67,28 @@ void remove_unfinished(const fs::path& folder) {
 }  // namespace
 
 SessionOutput::SessionOutput(fs::path folder, Resume resume)
-    : folder_(std::move(folder)), aside_(folder_ / kAside), resume_(resume) {
+    : folder_(std::move(folder)), staging_folder_(folder_ / kStagingFolder), resume_(resume) {
   if (resume_ == Resume::kNo || !fs::exists(folder_ / "session.db")) {
     check_new(folder_);
     return;
   }
-  is_there_ = true;
-  old_ = Session::open(folder_, Session::Access::kWrite);
-  key_frames_before_ = old_->key_frame_count();
-  parameters_ = old_->configurations();
+  exists_ = true;
+  existing_ = Session::open(folder_, Session::Access::kWrite);
+  key_frames_before_ = existing_->key_frame_count();
+  parameters_ = existing_->configurations();
   record_ = report::read_run_record(folder_);
-  if (resume_ == Resume::kExact) refuse_edited(*old_);
+  if (resume_ == Resume::kExact) refuse_edited(*existing_);
 }
 
 SessionOutput::~SessionOutput() {
-  if (!is_made_again()) return;
+  if (!is_mapped_again()) return;
   std::error_code ignored;
-  fs::remove_all(aside_, ignored);
+  fs::remove_all(staging_folder_, ignored);
 }
 
 void SessionOutput::check(const report::RunRecord& record,
                           const std::map<std::string, std::string>& parameters) const {
-  if (!is_there_) return;
+  if (!exists_) return;
   const std::string remedy = "; name a new folder for this recording";
   if (!record_ && resume_ == Resume::kExact && key_frames_before_ > 0) {
     throw InputError("nothing in " + folder_.string() +
@@ -109,15 +110,15 @@ void SessionOutput::check(const report::RunRecord& record,
 }
 
 Session SessionOutput::open(const report::RunRecord& record) {
-  if (is_made_again()) {
-    fs::remove_all(aside_);
-    return Session::create_in(aside_);
+  if (is_mapped_again()) {
+    fs::remove_all(staging_folder_);
+    return Session::create_in(staging_folder_);
   }
-  if (is_there_) {
-    old_.reset();
+  if (exists_) {
+    existing_.reset();
     return Session::open(folder_, Session::Access::kWrite);
   }
-  if (fs::exists(folder_ / "session.db")) {  // begun by this run, and to be begun anew
+  if (fs::exists(folder_ / "session.db")) {  // created by this run before a restart
     return Session::open(folder_, Session::Access::kWrite);
   }
   report::write_run_record(folder_, record);
@@ -125,7 +126,7 @@ Session SessionOutput::open(const report::RunRecord& record) {
 }
 
 bool SessionOutput::commit(const report::RunRecord& record, std::size_t key_frames) {
-  if (is_made_again()) {
+  if (is_mapped_again()) {
     if (key_frames < key_frames_before_) return false;
     move_into_place();
   }
@@ -133,21 +134,22 @@ bool SessionOutput::commit(const report::RunRecord& record, std::size_t key_fram
   return true;
 }
 
-/// Clouds first: those that the old session names have the same bytes.
+/// Moves the clouds first: those of the existing session have the same bytes, so that it stays
+/// valid until its database is replaced.
 void SessionOutput::move_into_place() {
-  old_.reset();
+  existing_.reset();
   fs::create_directories(folder_ / "key_frames");
   for (const char* part : {"key_frames", "trajectory"}) {
-    if (!fs::exists(aside_ / part)) continue;
+    if (!fs::exists(staging_folder_ / part)) continue;
     fs::create_directories(folder_ / part);
-    for (const auto& entry : fs::directory_iterator(aside_ / part)) {
+    for (const auto& entry : fs::directory_iterator(staging_folder_ / part)) {
       fs::rename(entry.path(), folder_ / part / entry.path().filename());
     }
     remove_unfinished(folder_ / part);
   }
   remove_unfinished(folder_);
   remove_logs(folder_);
-  for (const auto& entry : fs::directory_iterator(aside_)) {
+  for (const auto& entry : fs::directory_iterator(staging_folder_)) {
     if (!entry.is_regular_file() || entry.path().filename() == "lock") continue;
     fs::rename(entry.path(), folder_ / entry.path().filename());
   }

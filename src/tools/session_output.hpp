@@ -12,56 +12,59 @@
 
 namespace lidar_mapping::tools {
 
-/// What is done about a session that lies in the output folder already.
+/// How an existing session in the output folder is treated.
 enum class Resume {
-  kNo,     ///< it is left alone: the folder must be new
-  kExact,  ///< the recording is mapped from its beginning: the same bytes as in an undisturbed run
-  kQuick   ///< its end is gone on from
+  kNo,     ///< not at all: the folder must be new
+  kExact,  ///< mapped again from the beginning, with the same bytes as in an uninterrupted run
+  kQuick   ///< continued near its end
 };
 
-/// The folder that a recording is mapped into. With Resume::kExact the new session grows aside, in
-/// a hidden folder, and takes the place of the old one when it reaches at least as far: a run that
-/// is broken off, too, takes nothing away.
+/// The folder that a recording is mapped into. With Resume::kExact the new session is written to a
+/// hidden staging folder, and replaces the existing one when it reaches at least as far, so that an
+/// interrupted run loses nothing.
 class SessionOutput {
  public:
-  /// Throws FileError if the folder may not be written to, InputError for a session that a person
-  /// has edited and that therefore cannot be made again.
+  /// Throws FileError if the folder may not be written to, InputError for a session that a user has
+  /// edited and that therefore cannot be mapped again.
   SessionOutput(std::filesystem::path folder, Resume resume);
   ~SessionOutput();
   SessionOutput(const SessionOutput&) = delete;
   SessionOutput& operator=(const SessionOutput&) = delete;
 
-  /// Throws InputError if there is a session that was made from another recording or with other
+  /// Throws InputError if the existing session was made from another recording or with other
   /// parameters (texts of the stages; those of the map may differ).
   void check(const report::RunRecord& record,
              const std::map<std::string, std::string>& parameters) const;
-  /// The session that is there has the whole recording.
+  /// Whether the existing session has the whole recording.
   bool is_complete() const { return record_ && record_->is_complete; }
-  /// Of the session that is there.
+  /// Number of key frames of the existing session.
   std::size_t key_frames_before() const { return key_frames_before_; }
-  bool is_resumed() const { return is_there_; }
+  /// Whether there is an existing session that is resumed.
+  bool is_resumed() const { return exists_; }
 
-  /// Of a session that is complete: parameters of its map.
-  void set_map_parameters(const std::string& yaml) { old_->set_configuration("map", yaml); }
+  /// Stores the parameters of the map in a complete session.
+  void set_map_parameters(const std::string& yaml) { existing_->set_configuration("map", yaml); }
 
-  /// The session to be written, each time as if it were the first. Nobody may hold the one before.
+  /// Opens the session for writing, each time from the beginning. The one returned before must be
+  /// closed.
   session::Session open(const report::RunRecord& record);
-  /// Puts what was written, so many key frames, in its place when nobody writes to it any more.
-  /// False if the old session reaches farther and stays.
+  /// Moves the written session, with this number of key frames, into place; it must be closed.
+  /// Returns false if the existing session reaches farther and is kept.
   bool commit(const report::RunRecord& record, std::size_t key_frames);
 
  private:
-  bool is_made_again() const { return is_there_ && resume_ == Resume::kExact; }
+  bool is_mapped_again() const { return exists_ && resume_ == Resume::kExact; }
   void move_into_place();
 
   const std::filesystem::path folder_;
-  const std::filesystem::path aside_;
+  const std::filesystem::path staging_folder_;
   const Resume resume_;
-  bool is_there_ = false;
+  bool exists_ = false;
   std::size_t key_frames_before_ = 0;
-  std::map<std::string, std::string> parameters_;  ///< of the session that is there
-  std::optional<report::RunRecord> record_;        ///< of the session that is there
-  std::optional<session::Session> old_;            ///< keeps others from writing to it
+  std::map<std::string, std::string> parameters_;  ///< of the existing session
+  std::optional<report::RunRecord> record_;        ///< of the existing session
+  std::optional<session::Session>
+      existing_;  ///< open, so that its lock keeps other programs from writing to it
 };
 
 }  // namespace lidar_mapping::tools

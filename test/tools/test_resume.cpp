@@ -111,7 +111,7 @@ TEST_F(Resume, GivesTheBytesOfAnUndisturbedRunAfterAPart) {
   const TemporaryFolder parent;
   const fs::path folder = broken_off(parent);
   EXPECT_EQ(map({"-o", folder, "--resume", "--formats", "pcd,ply,png"}), 0) << said();
-  EXPECT_TRUE(has_said("key frames; they are made again")) << said();
+  EXPECT_TRUE(has_said("key frames; they are mapped again")) << said();
   expect_same_bytes(folder);
 }
 
@@ -206,7 +206,7 @@ TEST_F(Resume, KeepsWhatAPersonDecided) {
     session.set_loop_decision(0, 2, LoopDecision::kRefuse);
   }
   EXPECT_EQ(map({"-o", folder, "--resume"}), 1);
-  EXPECT_TRUE(has_said("a person has decided about loops")) << said();
+  EXPECT_TRUE(has_said("a user has decided about loops")) << said();
 }
 
 TEST_F(Resume, KeepsTheSessionWholeOnAFullDisk) {
