@@ -87,8 +87,8 @@ DriveDoubt read_doubt(const std::filesystem::path& path) {
       doubt.path_length = coordinate(cells[8]);
     } catch (const InputError& error) {
       throw InputError(path.string() + ":" + std::to_string(number) + ": '" + line +
-                       "' is no doubtful stretch (" + error.what() +
-                       "); optimize_session writes the file anew");
+                       "' is no doubtful section (" + error.what() +
+                       "); optimize_session writes the file again");
     }
   }
   return doubt;

@@ -73,7 +73,7 @@ std::vector<std::string> warnings(const DriveDoubt& doubt) {
   }
   if (worst.size() > kMaxWarnings) {
     messages.push_back(
-        text("There are %zu more such stretches in doubt.csv", worst.size() - kMaxWarnings));
+        text("There are %zu more such sections in doubt.csv", worst.size() - kMaxWarnings));
   }
   return messages;
 }

@@ -61,7 +61,7 @@ void ResumedOdometry::align_to_session(const front_end::FrontEndResult& result) 
   const Pose error = expected.inverse() * T_first_.inverse() * result.T_odom_base;
   if (!newest_ || error.translation.norm() > kTolerance ||
       rotation_angle(error.rotation) > kAngleTolerance) {
-    throw ResumeFailure("the last stretch of the session came out otherwise than before");
+    throw ResumeFailure("the last section of the session has another result than before");
   }
   T_session_front_end_ = point_.last.T_odom_base * result.T_odom_base.inverse();
   // Unsigned differences may wrap, and the addition wraps back.

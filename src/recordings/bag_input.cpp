@@ -34,13 +34,13 @@ using ros_border::BagStream;
 using ros_border::RecordedCloud;
 using ros_border::SensorTopics;
 
-/// Sensors are bolted on: what /tf says of them at the beginning stays.
-constexpr Stamp kFramesLook = from_seconds(20.0);
+/// Part of the recording whose /tf is read for sensor poses, which are fixed to the vehicle.
+constexpr Stamp kFramesTime = from_seconds(20.0);
 
-/// Simulators begin at 0, where a stamp of 0 is one.
+/// Up to this time (s) a stamp of 0 may be a real one, because simulators start at 0.
 const ros::Time kSimulatedUntil(1e6);
 
-/// The stamp, or where the driver sets none the time of recording.
+/// The stamp, or the time of recording if the driver sets no stamp.
 Stamp given_or_recorded(Stamp stamp, const ros::Time& recorded) {
   const bool is_missing = stamp == 0 && recorded > kSimulatedUntil;
   return is_missing ? ros_border::from_ros(recorded) : stamp;
@@ -75,17 +75,17 @@ class BagInput::Impl {
   std::optional<Input> next() {
     if (!waiting_.empty()) return take_waiting();
     while (const auto message = stream().next()) {
-      mention_damage();
+      report_damage();
       if (auto input = readable(*message)) return input;
     }
     if (std::exchange(ended_, true) || damaged() == 0) return std::nullopt;
-    mention_damage();
-    notices_.push_back("damaged places of the recording that were left out: " +
-                       std::to_string(damaged()));
+    report_damage();
+    messages_.push_back("damaged places of the recording that were left out: " +
+                        std::to_string(damaged()));
     return std::nullopt;
   }
 
-  std::vector<std::string> take_messages() { return std::exchange(notices_, {}); }
+  std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
 
   std::vector<preprocessing::InputReport> examine(double seconds) const {
     return ros_border::check({&bags_, topics_, frames_.base_frame(), seconds}, config_);
@@ -119,10 +119,10 @@ class BagInput::Impl {
                std::numeric_limits<Stamp>::max());
     const auto scans = bags_.times_of({topics_.points});
     const Stamp from = scans ? scans->first : 0;
-    add_frames({"/tf"}, from, from + kFramesLook);
+    add_frames({"/tf"}, from, from + kFramesTime);
   }
 
-  /// What was recorded from one time until another; damaged messages are passed over.
+  /// Adds the transforms that were recorded in a time span; damaged messages are ignored.
   void add_frames(const std::vector<std::string>& topics, Stamp from, Stamp until) {
     BagStream messages = bags_.messages_of(topics);
     messages.skip_to(from);
@@ -137,7 +137,7 @@ class BagInput::Impl {
     }
   }
 
-  /// Where nothing says where the LiDAR is on the vehicle, its frame stands for the vehicle's.
+  /// Without a transform to base_link the LiDAR's frame is used as base_link.
   void choose_base_frame() {
     const auto cloud = ros_border::first_cloud(bags_, topics_.points);
     if (!cloud) return;
@@ -162,14 +162,14 @@ class BagInput::Impl {
 
   std::size_t damaged() const { return stream_->damage().places + damaged_messages_; }
 
-  /// The first that is met; of the others, the number is told at the end.
-  void mention_damage() {
+  /// Reports the first damage; the total is reported at the end.
+  void report_damage() {
     const BagDamage& damage = stream_->damage();
-    if (damage.places == 0 || std::exchange(damage_mentioned_, true)) return;
+    if (damage.places == 0 || std::exchange(damage_reported_, true)) return;
     std::ostringstream text;
     text << std::fixed << std::setprecision(3) << damage.reason << "; what was recorded at "
          << to_seconds(damage.first) << " s is left out";
-    notices_.push_back(text.str());
+    messages_.push_back(text.str());
   }
 
   std::optional<Input> take_waiting() {
@@ -219,15 +219,16 @@ class BagInput::Impl {
   SensorTopics topics_;
   ros_border::RecordedFrames frames_;
   std::string frames_notice_;
-  std::optional<ros_border::TransformOdometry> wheels_;  ///< where the velocity comes from tf
-  std::deque<Input> waiting_;                            ///< of a message that held several
+  std::optional<ros_border::TransformOdometry> wheels_;  ///< set if the velocity is read from tf
+  std::deque<Input> waiting_;                            ///< further samples of the last message
   Stamp begin_ = 0;
   Stamp end_ = 0;
   std::optional<BagStream> stream_;
-  std::size_t damaged_messages_ = 0;  ///< whole, but not what their type says
-  bool damage_mentioned_ = false;
+  std::size_t damaged_messages_ =
+      0;  ///< undamaged in the bag, but not of the structure of their type
+  bool damage_reported_ = false;
   bool ended_ = false;
-  std::vector<std::string> notices_;
+  std::vector<std::string> messages_;
 };
 
 BagInput::BagInput(const std::vector<std::string>& paths, const SensorTopics& wanted,

@@ -10,11 +10,10 @@
 
 namespace lidar_mapping::recordings {
 
-/// A drive in one or several bags, which are read as one in the order of their times. Of each
-/// sensor the topic is read that `wanted` names; where it names none, the one of the launch file,
-/// and where the bags lack that one, the topic of the sensor's type with most messages. Frames come
-/// from /tf_static and the beginning of /tf. Throws FileError for what cannot be read, InputError
-/// for a topic that no bag has.
+/// A drive in one or several bags, which are read as one in the order of their times. The topic of
+/// a sensor is that of `wanted`, else that of the launch file, else the topic of the sensor's type
+/// with most messages. Frames are read from /tf_static and the beginning of /tf. Throws FileError
+/// for unreadable files, InputError for a topic that no bag has.
 class BagInput : public pipeline::InputSource {
  public:
   BagInput(const std::vector<std::string>& paths, const ros_border::SensorTopics& wanted,
@@ -29,10 +28,10 @@ class BagInput : public pipeline::InputSource {
   std::vector<std::string> take_messages() override;
 
   const ros_border::SensorTopics& topics() const;
-  /// What is to be said where no transform leads from the scans to `base_frame`, so that their
-  /// frame stands for it; else empty.
+  /// Message for the user if no transform leads from the scans to `base_frame`, so that their frame
+  /// is used instead; else empty.
   const std::string& frames_notice() const;
-  /// What the first seconds of the recording say about the sensors.
+  /// Checks the sensors in the first seconds of the recording.
   std::vector<preprocessing::InputReport> examine(double seconds) const;
 
  private:

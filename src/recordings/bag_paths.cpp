@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> bags_in(const fs::path& folder) {
   std::vector<std::string> bags;
-  std::error_code unreadable;  // whoever opens the folder then says so
+  std::error_code unreadable;  // reported when the folder is opened later
   for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
     if (entry.is_regular_file() && entry.path().extension() == ".bag") bags.push_back(entry.path());
   }

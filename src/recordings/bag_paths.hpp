@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::recordings {
 
-/// The paths with the bags (*.bag, by name) of a folder in the place of each folder that holds any.
+/// Replaces each folder that has bags by its bags (*.bag, sorted by name).
 std::vector<std::string> with_bags_of_folders(const std::vector<std::string>& paths);
 
 }  // namespace lidar_mapping::recordings

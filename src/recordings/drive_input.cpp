@@ -14,7 +14,7 @@ namespace lidar_mapping::recordings {
 
 namespace {
 
-constexpr double kLook = 5.0;  // s that are looked at before mapping begins
+constexpr double kCheckedTime = 5.0;  // s at the beginning that are checked before mapping starts
 
 OpenDrive open_folder(const DriveSelection& selection,
                       const preprocessing::PreprocessingConfig& config) {
@@ -31,14 +31,14 @@ OpenDrive open_folder(const DriveSelection& selection,
   return drive;
 }
 
-/// "points    /topic: what was found", and what is wrong with it.
+/// "points    /topic: data", and the faults that were found.
 std::vector<std::string> lines_about(const BagInput& bags) try {
   const ros_border::SensorTopics& topics = bags.topics();
   const std::string names[] = {topics.points, topics.imu, topics.velocity, topics.gnss};
   std::vector<std::string> lines;
   if (!bags.frames_notice().empty()) lines.push_back("frames    " + bags.frames_notice());
   std::size_t index = 0;
-  for (const preprocessing::InputReport& report : bags.examine(kLook)) {
+  for (const preprocessing::InputReport& report : bags.examine(kCheckedTime)) {
     const std::string& topic = names[index++];
     std::string name = report.input;
     name.resize(10, ' ');
@@ -49,7 +49,7 @@ std::vector<std::string> lines_about(const BagInput& bags) try {
     }
   }
   return lines;
-} catch (const FileError& error) {  // damage in the first seconds is no reason to lose the rest
+} catch (const FileError& error) {  // damage at the beginning must not prevent the mapping
   return {std::string("the recording was not checked: ") + error.what()};
 }
 

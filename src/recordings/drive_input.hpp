@@ -11,15 +11,15 @@
 
 namespace lidar_mapping::recordings {
 
-/// Where a drive is, and what is to be read of it.
+/// Paths, topics and frames of a drive that is to be read.
 struct DriveSelection {
   std::vector<std::string> paths;  ///< bags, folders of bags, or one folder of scans
   ros_border::SensorTopics topics;
   std::string base_frame = "base_link";
-  double sensor_height = 1.73;  ///< of folders, m
+  double sensor_height = 1.73;  ///< height of the LiDAR over base_link for folders of scans, m
 };
 
-/// A drive that is open, and what is to be said of it before it is mapped.
+/// An open drive, and messages about it for the user.
 struct OpenDrive {
   std::unique_ptr<pipeline::InputSource> input;
   std::vector<std::string> lines;
@@ -27,7 +27,7 @@ struct OpenDrive {
   std::map<std::string, std::string> topics;  ///< by sensor; empty for folders of scans
 };
 
-/// Opens bags or a folder and looks at the first seconds with the rules of check_bag. Throws
+/// Opens bags or a folder and checks the first seconds with the rules of check_bag. Throws
 /// FileError and InputError.
 OpenDrive open_drive(const DriveSelection& selection,
                      const preprocessing::PreprocessingConfig& config);

@@ -110,14 +110,14 @@ class BagRecording {
     Pose T_frame_sensor;
     for (std::size_t steps = 0; frame != "base_link"; ++steps) {
       const auto known = frames_.find(frame);
-      if (known == frames_.end() || steps > frames_.size()) return Pose::Identity();  // or a ring
+      if (known == frames_.end() || steps > frames_.size()) return Pose::Identity();  // or a cycle
       T_frame_sensor = known->second.second * T_frame_sensor;
       frame = known->second.first;
     }
     return T_frame_sensor;
   }
 
-  /// Sensors put what they do not see into their origin, or make it NaN.
+  /// Invalid points of sensors are at their origin or NaN.
   static PointCloud without_empty_returns(const PointCloud& cloud) {
     PointCloud seen;
     for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -14,7 +14,7 @@ namespace lidar_mapping::recordings {
 struct Recording {
   std::size_t size = 0;
   std::function<Scan(std::size_t)> scan;
-  Pose T_base_sensor;  ///< as the recording says it, else none
+  Pose T_base_sensor;  ///< by the transforms of the recording, else the identity
 };
 
 /// A folder as KITTI lays it out, or a bag with a topic of PointCloud2 (the first one, unless

@@ -8,11 +8,11 @@ namespace lidar_mapping::report {
 
 namespace {
 
-constexpr float kReach = 15.0F;               // m to the side and along
+constexpr float kReach = 15.0F;               // shown distance to the side and along, m
 constexpr std::size_t kPicturePoints = 9000;  // of a pass and place
-constexpr std::size_t kFewestShown = 300;     // of a pass, where a wider slice has more
+constexpr std::size_t kFewestShown = 300;     // points of a pass; with fewer a wider slice is shown
 
-/// Which points of a place a picture shows, m in the axes of the vehicle.
+/// Limits of the points that a picture shows, m in the axes of the vehicle.
 struct Slice {
   Eigen::Vector3f low;
   Eigen::Vector3f high;
@@ -21,7 +21,7 @@ struct Slice {
 
 constexpr float kAll = 1000.0F;  // m
 
-/// Narrow ones show best how far passes lie apart, but there is not everywhere something in them.
+/// Slices from narrow to wide: a narrow one shows the distance of passes best, but may be empty.
 const std::vector<Slice>& slices(View view) {
   static const std::vector<Slice> above = {
       {{-kReach, -kReach, 0.5F}, {kReach, kReach, 3.0F}, "From above, 0.5 to 3 m up"},
@@ -47,7 +47,7 @@ std::vector<Eigen::Vector3f> inside(const std::vector<Eigen::Vector3f>& points,
   return chosen;
 }
 
-/// (along, left) from above or (left, up) across, mm.
+/// Coordinates in a picture, mm: (along, left) from above or (left, up) across.
 json::Json rows_of(const std::vector<Eigen::Vector3f>& points, View view) {
   const bool from_above = view == View::kFromAbove;
   json::Json rows = json::Json::array();

@@ -22,7 +22,7 @@ PoseOf by_index(const KeyFramePoses& poses) {
   return found;
 }
 
-/// The newest verdict on a pair of key frames that is not about another candidate.
+/// The newest verdict on a loop, without those on other candidates of the same two key frames.
 std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest_verdicts(
     const session::Session& session) {
   std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict> newest;

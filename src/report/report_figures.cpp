@@ -18,10 +18,10 @@ namespace lidar_mapping::report {
 namespace {
 
 constexpr double kRelativeDelta = 10.0;  // m, of the relative pose error
-constexpr std::size_t kFewestPairs = 3;  // that can be aligned
+constexpr std::size_t kFewestPairs = 3;  // needed for an alignment
 
-/// Scans in a row that were not tracked.
-json::Json stretches(const std::vector<session::ScanRecord>& scans) {
+/// Sections of consecutive scans that were not tracked.
+json::Json untracked_sections(const std::vector<session::ScanRecord>& scans) {
   json::Json found = json::Json::array();
   std::string state = "tracking";
   for (const session::ScanRecord& scan : scans) {
@@ -37,7 +37,7 @@ json::Json stretches(const std::vector<session::ScanRecord>& scans) {
   return found;
 }
 
-/// Poses beside the truth, moved rigidly onto it.
+/// Pairs of poses and truth, after rigid alignment.
 std::vector<evaluation::PosePair> aligned_pairs(const Trajectory& truth,
                                                 const KeyFramePoses& poses) {
   Trajectory estimate;
@@ -119,7 +119,7 @@ json::Json scan_figures(const ReportInput& input) {
   return {{"scans", scans.size()},
           {"dropped", scans.empty() ? 0 : scans.back().scans_dropped},
           {"states", states},
-          {"stretches", stretches(scans)},
+          {"stretches", untracked_sections(scans)},
           {"front_end_median_s", quantile(seconds, 0.5)},
           {"front_end_p99_s", quantile(seconds, 0.99)},
           {"optimisations", revisions.size()},
@@ -158,7 +158,7 @@ json::Json truth_figures(const ReportInput& input) {
 
 namespace {
 
-/// Without the place of the sensor nobody knows how beams met the surfaces: no ratio then.
+/// Without the position of the sensor the angles of incidence are unknown, so there is no ratio.
 json::Json thickness_json(const map_quality::Thickness& thickness, bool has_ratio) {
   return {{"cells", thickness.cells},
           {"median_m", thickness.median},
@@ -175,16 +175,17 @@ json::Json to_json(const map_quality::LocalThickness& thickness, bool has_ratio)
           {"planar_share", thickness.planar_fraction}};
 }
 
-json::Json to_json(const map_quality::PassMisalignment& ghost) {
-  return {{"key_frame", ghost.key_frame},
-          {"position", {ghost.position.x(), ghost.position.y(), ghost.position.z()}},
-          {"along_m", ghost.forward},
-          {"left_m", ghost.left},
-          {"up_m", ghost.up},
-          {"yaw_deg", ghost.yaw * kDegPerRad},
-          {"size_m", ghost.distance()},
-          {"planes", ghost.planes},
-          {"residual_m", ghost.residual}};
+json::Json to_json(const map_quality::PassMisalignment& misalignment) {
+  return {{"key_frame", misalignment.key_frame},
+          {"position",
+           {misalignment.position.x(), misalignment.position.y(), misalignment.position.z()}},
+          {"along_m", misalignment.forward},
+          {"left_m", misalignment.left},
+          {"up_m", misalignment.up},
+          {"yaw_deg", misalignment.yaw * kDegPerRad},
+          {"size_m", misalignment.distance()},
+          {"planes", misalignment.planes},
+          {"residual_m", misalignment.residual}};
 }
 
 json::Json to_json(const map_quality::MapEntropy& entropy) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Below it a stamp counts from the start of a simulator or of a sensor: it is no date.
+/// Smallest stamp that is a date; smaller ones count from the start of a simulator or a sensor.
 constexpr Stamp kFirstDate = from_seconds(1e8);
 
 json::Json date_of(const ReportInput& input) {
@@ -22,7 +22,7 @@ json::Json date_of(const ReportInput& input) {
   return utc(static_cast<std::time_t>(to_seconds(input.poses.poses.front().stamp)));
 }
 
-/// Metres and axes of all coordinates of map and trajectories.
+/// Describes unit and axes of the coordinates of map and trajectories.
 std::string coordinates_of(const ReportInput& input) {
   const auto datum = input.session.datum();
   if (!datum) return "local, m: the first key frame is the origin, x forward, y left, z up";
@@ -34,7 +34,7 @@ std::string coordinates_of(const ReportInput& input) {
   return std::string("local, m, not georeferenced (GNSS is not used); its datum is ") + text;
 }
 
-/// The numbers behind "name: [" in a map's description.
+/// The numbers after "name: [" in the description of a map.
 json::Json list_in(const std::string& text, const std::string& name) {
   const std::size_t begin = text.find(name + ": [");
   double x = 0.0;
@@ -56,7 +56,7 @@ std::uintmax_t bytes_of(const fs::path& path) {
   return bytes;
 }
 
-/// What each file is for, in the order of the page.
+/// Purpose of each file, in the order of the page.
 const std::pair<const char*, const char*> kProducts[] = {
     {"map/map.pcd", "point cloud of the map (PCD)"},
     {"map/map.ply", "point cloud of the map (PLY)"},

@@ -24,7 +24,7 @@ back_end::BackEndConfig configuration_of(const session::Session& session) {
       {pipeline::stored_configuration<back_end::BackEndConfig>(session)});
 }
 
-/// Key frames that a believed loop or a GNSS position constrains.
+/// Key frames that are constrained by a used loop or a GNSS position.
 std::set<KeyFrameIndex> constrained_ones(const ReportInput& input,
                                          const back_end::BackEnd& back_end, bool use_gnss) {
   std::set<KeyFrameIndex> constrained;
@@ -56,11 +56,11 @@ json::Json longest_gap(const ReportInput& input, const std::set<KeyFrameIndex>& 
   return {{"length_m", longest}, {"begin_m", at}};
 }
 
-/// A key frame of the map with what the graph knows of it.
+/// A key frame of the map with its uncertainty by the graph.
 struct Place {
   const KeyFramePose* pose = nullptr;
   const KeyFrameDeviation* deviation = nullptr;
-  double distance = 0.0;  ///< of the way to it, m
+  double distance = 0.0;  ///< path length to it, m
 };
 
 std::vector<Place> places_of(const ReportInput& input,
@@ -77,7 +77,7 @@ std::vector<Place> places_of(const ReportInput& input,
   return places;
 }
 
-/// The largest standard deviation of a position that is known at all, and where; null for none.
+/// The largest known standard deviation of a position and its key frame; null if none is known.
 json::Json largest(const std::vector<Place>& places,
                    back_end::PoseDeviation KeyFrameDeviation::*which) {
   const Place* worst = nullptr;

@@ -8,17 +8,17 @@ namespace lidar_mapping::report {
 
 namespace {
 
-// Beyond these a person should look.
-constexpr double kMaxRatio = 1.5;          // thickness to what the noise gives
-constexpr double kMaxPoseShare = 1.3;      // thickness to that of single groups
-constexpr double kMaxGhostSide = 0.05;     // m, left and up
-constexpr double kMaxGhostAlong = 0.2;     // m
-constexpr double kMaxGhostYaw = 0.2;       // deg
-constexpr double kMaxLoopResidual = 0.15;  // m
-constexpr double kMaxCorrection = 0.01;    // of the distance travelled
-constexpr double kMaxSigma = 0.5;          // m
-constexpr double kMaxGnssSigmas = 4.0;     // 95 % of the residuals, against the stated sigma
-constexpr double kMinGnssResidual = 0.1;   // m, never called too much
+// Limits beyond which a user should check the map.
+constexpr double kMaxRatio = 1.5;               // thickness to what the noise gives
+constexpr double kMaxPoseRatio = 1.3;           // thickness to that of single groups
+constexpr double kMaxMisalignmentAside = 0.05;  // m, left and up
+constexpr double kMaxMisalignmentAlong = 0.2;   // m
+constexpr double kMaxMisalignmentYaw = 0.2;     // deg
+constexpr double kMaxLoopResidual = 0.15;       // m
+constexpr double kMaxCorrection = 0.01;         // of the distance travelled
+constexpr double kMaxSigma = 0.5;               // m
+constexpr double kMaxGnssSigmas = 4.0;          // 95 % of the residuals, against the stated sigma
+constexpr double kMinGnssResidual = 0.1;        // m, never called too much
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {
@@ -27,7 +27,7 @@ std::string text(const char* format, Values... values) {
   return buffer;
 }
 
-/// `limit` says what is good.
+/// A row of the report; `limit` describes good values.
 json::Json line(const char* name, const std::string& value, const json::Json& good,
                 const std::string& note, const std::string& limit = "") {
   return {{"name", name}, {"value", value}, {"good", good}, {"note", note}, {"limit", limit}};
@@ -39,37 +39,37 @@ json::Json thickness_line(const char* name, const json::Json& thickness) {
   const double within = thickness["median_within_m"];
   const double from_poses = median / std::max(within, 1e-6);
   const json::Json& ratio = thickness["median_ratio_to_noise"];
-  const bool good = from_poses < kMaxPoseShare && (ratio.is_null() || ratio < kMaxRatio);
+  const bool good = from_poses < kMaxPoseRatio && (ratio.is_null() || ratio < kMaxRatio);
   const std::string value = text("%.1f mm", 1000.0 * median);
   const std::string own = text("single passes of a few metres alone: %.1f mm", 1000.0 * within);
-  const std::string share = text("below %.1f times that of single passes", kMaxPoseShare);
-  if (ratio.is_null()) return line(name, value, good, own, share);
+  const std::string ratio_limit = text("below %.1f times that of single passes", kMaxPoseRatio);
+  if (ratio.is_null()) return line(name, value, good, own, ratio_limit);
   return line(name, value + text(", %.2f of the noise", ratio.get<double>()), good, own,
-              text("below %.1f of the noise and ", kMaxRatio) + share);
+              text("below %.1f of the noise and ", kMaxRatio) + ratio_limit);
 }
 
-bool is_alarming(const json::Json& ghost) {
-  const auto beyond = [&](const char* part, double limit) {
-    return std::abs(ghost[part].get<double>()) > limit;
+bool is_beyond_limits(const json::Json& misalignment) {
+  const auto exceeds = [&](const char* part, double limit) {
+    return std::abs(misalignment[part].get<double>()) > limit;
   };
-  return beyond("left_m", kMaxGhostSide) || beyond("up_m", kMaxGhostSide) ||
-         beyond("along_m", kMaxGhostAlong) || beyond("yaw_deg", kMaxGhostYaw);
+  return exceeds("left_m", kMaxMisalignmentAside) || exceeds("up_m", kMaxMisalignmentAside) ||
+         exceeds("along_m", kMaxMisalignmentAlong) || exceeds("yaw_deg", kMaxMisalignmentYaw);
 }
 
-json::Json ghost_line(const json::Json& ghosts) {
+json::Json misalignment_line(const json::Json& misalignments) {
   const char* name = "Repeated passes";
-  if (ghosts.empty()) {
+  if (misalignments.empty()) {
     return line(name, "no place was driven twice", nullptr, "only local quality could be judged");
   }
-  std::size_t alarming = 0;
-  for (const json::Json& ghost : ghosts) alarming += is_alarming(ghost) ? 1 : 0;
-  const double worst = ghosts.front()["size_m"];
-  const double median = ghosts[ghosts.size() / 2]["size_m"];
-  return line(name, text("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst),
-              alarming == 0,
-              text("%zu places, %zu of them beyond the limits", ghosts.size(), alarming),
-              text("below %.0f mm aside and up, %.0f mm along, %.1f deg", 1000.0 * kMaxGhostSide,
-                   1000.0 * kMaxGhostAlong, kMaxGhostYaw));
+  std::size_t beyond = 0;
+  for (const json::Json& one : misalignments) beyond += is_beyond_limits(one) ? 1 : 0;
+  const double worst = misalignments.front()["size_m"];
+  const double median = misalignments[misalignments.size() / 2]["size_m"];
+  return line(
+      name, text("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst), beyond == 0,
+      text("%zu places, %zu of them beyond the limits", misalignments.size(), beyond),
+      text("below %.0f mm aside and up, %.0f mm along, %.1f deg", 1000.0 * kMaxMisalignmentAside,
+           1000.0 * kMaxMisalignmentAlong, kMaxMisalignmentYaw));
 }
 
 json::Json loop_line(const json::Json& loops) {
@@ -124,7 +124,7 @@ json::Json scan_line(const json::Json& scans) {
               "all tracked, none dropped");
 }
 
-/// In words, of a key frame.
+/// Name and position of a key frame in words.
 std::string place(const json::Json& of) {
   return text("key frame %u at %.1f, %.1f", of["key_frame"].get<unsigned>(), of["x"].get<double>(),
               of["y"].get<double>());
@@ -153,21 +153,21 @@ json::Json uncertainty_line(const json::Json& uncertainty) {
   return line(name, value, sigma < kMaxSigma && not_tied == 0 && doubtful == 0, note, limit);
 }
 
-/// The worst of what is not to be relied on.
+/// The worst section that cannot be trusted.
 json::Json doubt_line(const json::Json& doubt) {
   const char* name = "Motion observed";
   const std::string limit =
-      "parts of the map joined, and errors of the way that nothing observed below 1 % of it";
+      "parts of the map connected, and errors of the unobserved path below 1 % of its length";
   const json::Json* worst = nullptr;
   std::size_t untrusted = 0;
-  for (const json::Json& stretch : doubt["stretches"]) {
-    if (stretch["trusted"]) continue;
+  for (const json::Json& section : doubt["stretches"]) {
+    if (section["trusted"]) continue;
     ++untrusted;
-    // Null is unknown, and worse than any error.
+    // Null is an unknown error, which counts as larger than any other.
     const auto is_worse = [](const json::Json& a, const json::Json& b) {
       return !b.is_null() && (a.is_null() || a.get<double>() > b.get<double>());
     };
-    if (worst == nullptr || is_worse(stretch["error_m"], (*worst)["error_m"])) worst = &stretch;
+    if (worst == nullptr || is_worse(section["error_m"], (*worst)["error_m"])) worst = &section;
   }
   if (worst == nullptr) {
     return line(name, "all along", true,
@@ -176,10 +176,10 @@ json::Json doubt_line(const json::Json& doubt) {
   const json::Json& error = (*worst)["error_m"];
   const std::string value =
       error.is_null()
-          ? text("lost at %.1f s, parts not joined", (*worst)["begin_s"].get<double>())
+          ? text("lost at %.1f s, parts not connected", (*worst)["begin_s"].get<double>())
           : text("not between %.1f and %.1f s, error %.1f m", (*worst)["begin_s"].get<double>(),
                  (*worst)["end_s"].get<double>(), error.get<double>());
-  return line(name, value, false, text("%zu stretches are not to be trusted", untrusted), limit);
+  return line(name, value, false, text("%zu sections cannot be trusted", untrusted), limit);
 }
 
 json::Json truth_line(const json::Json& truth) {
@@ -197,7 +197,7 @@ json::Json truth_line(const json::Json& truth) {
 json::Json verdicts(const json::Json& report) {
   json::Json lines = {thickness_line("Walls", report["thickness"]["walls"]),
                       thickness_line("Ground", report["thickness"]["ground"]),
-                      ghost_line(report["ghosts"]),
+                      misalignment_line(report["ghosts"]),
                       loop_line(report["loops"]),
                       gnss_line(report["gnss"]),
                       odometry_line(report),
@@ -214,8 +214,7 @@ std::string overall_verdict(const json::Json& report) {
     if (line["good"] != false) continue;
     faults += (faults.empty() ? "" : ", ") + line["name"].get<std::string>();
   }
-  std::string text =
-      faults.empty() ? "Good: nothing that a person would have to look at" : "Look at: " + faults;
+  std::string text = faults.empty() ? "Good: nothing that has to be checked" : "Look at: " + faults;
   if (report["ghosts"].empty()) {
     text += "; no place was driven twice, so only local quality could be judged";
   }

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFile = "run.json";
 
-/// FNV-1a, 64 bits: enough to tell recordings apart, which nobody forges.
+/// FNV-1a with 64 bits: enough to distinguish recordings, as no forgery is expected.
 class Digest {
  public:
   void add(const std::string& bytes) {
@@ -41,7 +41,7 @@ class Digest {
   std::uint64_t value_ = 0xCBF29CE484222325U;
 };
 
-/// Both ends of a file are enough: the index of a bag lies at its end.
+/// Digest of both ends of a file, which is enough because the index of a bag is at its end.
 std::string digest_of(const fs::path& file, std::uintmax_t bytes) {
   constexpr std::uintmax_t kEnd = 65'536;
   std::ifstream stream(file, std::ios::binary);
@@ -91,7 +91,7 @@ json::Json to_json(const RunRecord& record) {
           {"complete", record.is_complete}};
 }
 
-/// The library would make a number of true, of 1e300 and of -1 as well.
+/// Reads a number strictly: the library would also convert true, 1e300 and -1.
 template <typename Number = std::int64_t>
 Number whole_number(const json::Json& json) {
   // Largest value of the type.
@@ -122,7 +122,7 @@ RunRecord record_of(const json::Json& json) {
   return record;
 }
 
-/// In the order of what is in them, as a person may name the parts of a drive in any.
+/// Sorts the files by content, because a user may name the parts of a drive in any order.
 std::vector<RecordedFile> by_content(std::vector<RecordedFile> files) {
   std::sort(files.begin(), files.end(),
             [](const auto& a, const auto& b) { return a.digest < b.digest; });

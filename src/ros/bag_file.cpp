@@ -175,7 +175,7 @@ void BagFile::read_index(const std::vector<std::string>* topics) {
                     ": it is no bag; rosbag info says what one holds");
   }
   if (std::memcmp(version, kVersion, sizeof version) != 0) {
-    fail("it is not of version 2.0 (rosbag fix writes it anew)");
+    fail("it is not of version 2.0 (rosbag fix converts it)");
   }
   const Record bag = record_at(kVersionLength);
   if (!bag.is(*this, kBagHeader)) fail_at(bag.position);

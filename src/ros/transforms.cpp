@@ -32,10 +32,11 @@ std::optional<Pose> SensorFrames::ask(const std::string& target, const std::stri
     return from_message(buffer_.lookupTransform(target, source, ros::Time(0)).transform);
   } catch (const std::exception& error) {
     if (limiter_.due(target + " " + source)) {
-      ROS_WARN_STREAM("no transform from frame '" << source << "' to '" << target
-                                                  << "' yet: publish it on /tf_static, or mend the "
-                                                     "frame names ("
-                                                  << error.what() << ")");
+      ROS_WARN_STREAM("no transform from frame '"
+                      << source << "' to '" << target
+                      << "' yet: publish it on /tf_static, or correct the "
+                         "frame names ("
+                      << error.what() << ")");
     }
     return std::nullopt;
   }

@@ -8,12 +8,13 @@
 
 namespace lidar_mapping::tools {
 
-/// Odometry as the articles on lidar_localization describe it, made of PCL's parts: the base line
-/// of odometry_benchmark. A window of 20 key frames, two metres apart by Manhattan distance, is
-/// joined anew at each of them, thinned out to 0.6 m from the tenth on, and given to PCL's NDT as
-/// its target; each scan, thinned out to 1.3 m, is matched from where the last step, repeated,
-/// would have led. Nothing is judged, and poses are float matrices. The transformation epsilon has
-/// the meaning of the articles, a length: PCL 1.13 would stop after a step with theirs.
+/// Odometry as described by the articles on lidar_localization, with PCL's classes: the baseline of
+/// odometry_benchmark. At each key frame the clouds of the last 20 key frames, two metres apart by
+/// Manhattan distance, are merged, filtered to voxels of 0.6 m from the tenth on, and set as target
+/// of PCL's NDT; each scan, filtered to voxels of 1.3 m, is matched from the pose that the last
+/// step, repeated, would give. Matches are not checked, and poses are float matrices. The
+/// transformation epsilon is a length as in the articles: PCL 1.13 would stop after one step with
+/// their value.
 class ArticleOdometry {
  public:
   ArticleOdometry();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Looks at the sensors' messages in bags and says what is wrong with them.
+// Checks the sensors' messages in bags and reports faults with their remedies.
 
 #include <cstdio>
 #include <string>
@@ -47,7 +47,7 @@ void print(const preprocessing::InputReport& report, const std::string& topic) {
   }
 }
 
-/// A line per input and its findings; true if there are none.
+/// Prints a line for each input and its faults; true if there are no faults.
 bool run(const Options& options) {
   const std::string file = tools::only_stage_file(options.config, "preprocessing");
   const PreprocessingConfig config =
@@ -71,7 +71,7 @@ bool run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Looks at the sensors' messages in bags and says what is wrong with them"};
+  CLI::App app{"Checks the sensors' messages in bags and reports faults with their remedies"};
   app.footer("Ends with 0 if nothing is wrong, 1 if something is, 2 if a bag cannot be read.");
   add_arguments(app, options);
   CLI11_PARSE(app, argc, argv);

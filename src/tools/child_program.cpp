@@ -24,7 +24,7 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-/// What waitpid() said of the end of a program, in words; empty for success.
+/// The status of a program by waitpid() in words; empty for success.
 std::string problem_of(int status) {
   if (WIFSIGNALED(status)) return std::string("was ended by: ") + strsignal(WTERMSIG(status));
   const int code = WEXITSTATUS(status);

@@ -6,7 +6,7 @@
 
 namespace lidar_mapping::tools {
 
-/// Everything about the parameters of one stage that follows from its schema.
+/// Documents about the parameters of one stage, made from its schema.
 struct ConfigDocument {
   std::string stage;     ///< also the name of the file: config/<stage>.yaml
   std::string yaml;      ///< the shipped file: all fields with their defaults, and comments

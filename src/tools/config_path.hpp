@@ -5,15 +5,16 @@
 
 namespace lidar_mapping::tools {
 
-/// What --config says in the help of every command.
+/// Text about --config in the help of every command.
 constexpr const char* kConfigHelp = "folder of <stage>.yaml files, or one of them";
 
-/// The file of a stage in what --config names: a folder of <stage>.yaml files, or one such file.
-/// Empty if it has none of that stage, or nothing is named. Throws FileError if there is neither.
+/// The file of a stage by --config, which names a folder of <stage>.yaml files or one such file.
+/// Empty if there is none of that stage, or without --config. Throws FileError if the path does not
+/// exist.
 std::string stage_file(const std::string& config, const std::string& stage);
 
-/// The same for a command that knows this stage alone, to which a file of any name is that of the
-/// stage. Throws FileError, too, for a folder without it.
+/// The same for a command with this stage only, for which a file of any name is that of the stage.
+/// Throws FileError also for a folder without it.
 std::string only_stage_file(const std::string& config, const std::string& stage);
 
 }  // namespace lidar_mapping::tools

@@ -33,8 +33,8 @@ constexpr char kAntennaFrame[] = "gnss_link";
 constexpr Stamp kGnssDelay = 50'000'000;
 const Eigen::Vector3d kAntennaError(1.2, -0.9, 0.0);  // m
 
-/// Steps of coordinates (m, a fifth of the range noise) and intensities in the bag: lz4 finds the
-/// zeros and repetitions that they leave in the floats.
+/// Steps to which coordinates (m, a fifth of the range noise) and intensities in the bag are
+/// rounded, so that their floats have zeros that lz4 can compress.
 constexpr float kPointStep = 1.0F / 256.0F;
 constexpr float kIntensityStep = 4.0F;
 
@@ -69,18 +69,18 @@ sensor_msgs::PointCloud2 cloud_message(const SimulatedScan& scan, const BagConte
   return ros_border::to_message(cloud, stamp, slash + kLidarFrame);
 }
 
-ImuSample spoilt(ImuSample sample, const BagContent& content) {
+ImuSample with_fault(ImuSample sample, const BagContent& content) {
   if (content.has(BagFault::kImuInG)) sample.linear_acceleration /= kStandardGravity;
   if (content.has(BagFault::kGyroInDegrees)) sample.angular_velocity *= kDegPerRad;
   return sample;
 }
 
-VelocitySample spoilt(VelocitySample sample, const BagContent& content) {
+VelocitySample with_fault(VelocitySample sample, const BagContent& content) {
   if (content.has(BagFault::kVelocityInKmh)) sample.linear *= 3.6;
   return sample;
 }
 
-GnssFix spoilt(GnssFix fix, const BagContent& content) {
+GnssFix with_fault(GnssFix fix, const BagContent& content) {
   if (content.has(BagFault::kGnssLate)) fix.stamp += kGnssDelay;
   if (content.has(BagFault::kGnssTooConfident) && fix.covariance) *fix.covariance *= 0.01;
   return fix;
@@ -124,14 +124,15 @@ tf2_msgs::TFMessage extrinsics(const Drive& drive, const BagContent& content) {
   return message;
 }
 
-/// Writes messages in the order of their delivery: small ones wait here for the scans.
+/// Writes messages in the order of their delivery; small ones are kept until the scans before them
+/// are written.
 class BagWriter {
  public:
   explicit BagWriter(const std::string& path) : bag_(path, rosbag::bagmode::Write) {
     bag_.setCompression(rosbag::compression::LZ4);
   }
 
-  /// Has `message` written once all that is delivered before `delivery` is.
+  /// Queues `message`; it is written after all messages that are delivered before `delivery`.
   template <typename Message>
   void add(const char* topic, Stamp delivery, Message message) {
     message.header.seq = sequence_[topic]++;
@@ -168,17 +169,19 @@ class BagWriter {
 void add_samples(BagWriter& writer, const Drive& drive, const BagContent& content) {
   if (content.imu) {
     for (const ImuSample& s : drive.imu()) {
-      writer.add(kImuTopic, s.stamp, imu_message(spoilt(s, content)));
+      writer.add(kImuTopic, s.stamp, imu_message(with_fault(s, content)));
     }
   }
   if (content.velocity) {
     for (const VelocitySample& s : drive.velocity()) {
-      writer.add(kVelocityTopic, s.stamp, ros_border::to_message(spoilt(s, content), kImuFrame));
+      writer.add(kVelocityTopic, s.stamp,
+                 ros_border::to_message(with_fault(s, content), kImuFrame));
     }
   }
   if (content.gnss) {
     for (const GnssFix& fix : drive.gnss()) {
-      writer.add(kFixTopic, fix.stamp, ros_border::to_message(spoilt(fix, content), kAntennaFrame));
+      writer.add(kFixTopic, fix.stamp,
+                 ros_border::to_message(with_fault(fix, content), kAntennaFrame));
     }
   }
   for (std::size_t i = 0; i < drive.scan_count(); ++i) {

@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::tools {
 
-/// What goes wrong between a sensor and a bag.
+/// Faults of drivers and recordings.
 enum class BagFault {
   kImuInG,            ///< accelerations in g
   kGyroInDegrees,     ///< rates in degrees/s
@@ -22,14 +22,14 @@ enum class BagFault {
   kNoStamps,          ///< the stamps of clouds are 0
   kStampInTheMiddle,  ///< stamps of the middle of the scan with times from its start
   kLeadingSlash,      ///< frame /velo_link
-  kAntennaElsewhere,  ///< /tf_static has the antenna 1.5 m beside its place
+  kAntennaElsewhere,  ///< /tf_static has the antenna 1.5 m from its position
   kGnssLate,          ///< fixes stamped 50 ms late
-  kGnssTooConfident   ///< variances a hundredth of what they are
+  kGnssTooConfident   ///< variances a hundredth of the true ones
 };
-/// By the names that --fault takes.
+/// The faults by the names of --fault.
 const std::map<std::string, BagFault>& bag_faults();
 
-/// Which streams go into a bag, and what is wrong with them.
+/// Streams of a bag, and their faults.
 struct BagContent {
   bool lidar = true;
   bool imu = true;

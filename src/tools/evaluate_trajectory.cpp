@@ -52,13 +52,13 @@ Json to_json(const PoseErrors& errors) {
           {"rotation_deg", to_json(errors.rotation_deg)}};
 }
 
-/// How the estimate was laid onto the truth.
+/// Describes the alignment of the estimate with the truth.
 struct Alignment {
   std::string name = "none";
   double scale = 1.0;
 };
 
-/// T_estimate_truth of the frame in which the truth was measured.
+/// T_estimate_truth: pose of the frame of the truth on the vehicle.
 Pose lever_arm_of(const Options& options) {
   Pose pose;
   if (!options.lever_arm.empty()) pose.translation = Eigen::Vector3d(options.lever_arm.data());
@@ -71,7 +71,7 @@ Pose lever_arm_of(const Options& options) {
   return pose;
 }
 
-/// As evo has it: a scale alone, a rigid motion, or both, from all poses or the first ones.
+/// Alignment as by evo: a scale, a rigid motion, or both, from all poses or the first ones.
 Alignment align(const Options& options, std::vector<PosePair>& pairs) {
   std::vector<PosePair> first = pairs;
   if (options.to_align > 0 && options.to_align < first.size()) first.resize(options.to_align);
@@ -142,7 +142,7 @@ void write_text(const std::string& path, const std::string& text) {
   if (!file.flush()) throw FileError("cannot write " + path);
 }
 
-/// The plot is made by a script beside this program, from a file of all poses.
+/// Draws the plot by a script beside this program, from a file of all poses.
 void plot(const std::string& picture, const std::vector<PosePair>& pairs) {
   Json poses = Json::array();
   const std::vector<double> distance = travelled_distances(pairs);

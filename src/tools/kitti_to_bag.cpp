@@ -53,7 +53,7 @@ geometry_msgs::TransformStamped fixed(const char* parent, const char* child, con
   return message;
 }
 
-/// The receiver and the IMU are where the poses are: in the LiDAR.
+/// Receiver and IMU have the frame of the poses: that of the LiDAR.
 tf2_msgs::TFMessage extrinsics(const Options& options, Stamp stamp) {
   Pose T_base_lidar;
   T_base_lidar.translation.z() = options.sensor_height;
@@ -89,7 +89,7 @@ sensor_msgs::Imu attitude_at(const Pose& T_enu_lidar, Stamp stamp) {
       T_enu_lidar.rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, kStandardGravity);
   sensor_msgs::Imu message = ros_border::to_message(sample, kImuFrame);
   for (std::size_t i = 0; i < 9; i += 4) message.orientation_covariance[i] = kSigma * kSigma;
-  // No gyro in these poses: sensor_msgs/Imu says so by -1.
+  // These poses have no gyro, which sensor_msgs/Imu marks by -1.
   message.angular_velocity_covariance[0] = -1.0;
   return message;
 }

@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::tools {
 
-/// What is made of a session: the command line's side of map::ProductOptions.
+/// Options for the map of a session, as given on the command line.
 struct MapOutput {
   std::string folder;                ///< for the files; empty: map/ of the session
   std::optional<double> resolution;  ///< m; none: as in the drive
@@ -23,11 +23,11 @@ struct MapOutput {
   map::ProductOptions products;
 };
 
-/// Throws ConfigError or InputError if a number is not allowed, which is better known before the
-/// drive is mapped.
+/// Throws ConfigError or InputError if a number is not allowed. It is called before the drive is
+/// mapped, so that a mistake is reported at once.
 void check_numbers(const MapOutput& output);
 
-/// Of the session's key frames: optimised poses, and odometry behind the last of them.
+/// Poses of the session's key frames: optimised ones, and odometry after the last of them.
 KeyFramePoses key_frame_poses(const session::Session& session);
 /// The same, or where the trajectory that `output` names has them, between two of its poses at most
 /// half a second apart. Throws FileError, and InputError if that has none of them.
@@ -36,10 +36,10 @@ KeyFramePoses key_frame_poses(const session::Session& session, const MapOutput& 
 /// The folder for the files.
 std::filesystem::path map_folder(const session::Session& session, const MapOutput& output);
 
-/// Builds the map from the session's newest poses and writes it; prints what it makes of it.
-/// Returns the files. Throws FileError, and InputError for a session without points.
+/// Builds the map from the session's newest poses and writes it; prints messages. Returns the
+/// files. Throws FileError, and InputError for a session without points.
 map::Files write_map(const session::Session& session, const MapOutput& output);
-/// The same of other clouds than those of the key frames; `name` says in the plural what they are.
+/// The same with other clouds than those of the key frames; `name` is their name in the plural.
 map::Files write_map(const session::Session& session, const MapOutput& output,
                      const KeyFramePoses& poses, CloudSource& clouds, const std::string& name);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tells how good the map of a session is, without truth; as lines, JSON or a report to look at.
+// Measures the quality of the map of a session, without truth; as text, JSON or a report in HTML.
 
 #include "lidar_mapping/map_quality/map_quality.hpp"
 
@@ -38,26 +38,26 @@ struct Options {
   bool report = false;
 };
 
-constexpr std::size_t kPictures = 6;  // places that are shown
+constexpr std::size_t kPictures = 6;  // number of places with pictures
 
-/// From the command line, or else from the session.
+/// Sensor origin from the command line, or else from the session.
 std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Session& session) {
   if (options.sensor_origin.size() == 3) return Eigen::Vector3d(options.sensor_origin.data());
   return session.sensor_origin();
 }
 
-struct Judged {
+struct QualityResult {
   map_quality::LocalThickness thickness;
-  std::vector<map_quality::PassMisalignment> ghosts;  ///< worst first
+  std::vector<map_quality::PassMisalignment> misalignments;  ///< worst first
   bool has_ratio = false;
 };
 
-Judged judged(const report::ReportInput& input, const map_quality::QualityConfig& config,
-              bool has_ratio) {
+QualityResult quality_of(const report::ReportInput& input, const map_quality::QualityConfig& config,
+                         bool has_ratio) {
   CloudSource& clouds = input.session.clouds();
-  Judged result{map_quality::local_thickness(input.poses, clouds, config),
-                map_quality::pass_misalignments(input.poses, clouds, config), has_ratio};
-  std::stable_sort(result.ghosts.begin(), result.ghosts.end(),
+  QualityResult result{map_quality::local_thickness(input.poses, clouds, config),
+                       map_quality::pass_misalignments(input.poses, clouds, config), has_ratio};
+  std::stable_sort(result.misalignments.begin(), result.misalignments.end(),
                    [](const auto& a, const auto& b) { return a.distance() > b.distance(); });
   return result;
 }
@@ -68,41 +68,42 @@ void print(const char* name, const map_quality::Thickness& thickness, bool has_r
   has_ratio ? std::printf(", %.2f of the noise\n", thickness.median_ratio) : std::printf("\n");
 }
 
-void print(const std::vector<map_quality::PassMisalignment>& ghosts, std::size_t places) {
-  if (ghosts.empty()) {
+void print(const std::vector<map_quality::PassMisalignment>& misalignments, std::size_t places) {
+  if (misalignments.empty()) {
     std::printf("no place was driven twice, so only local quality could be judged\n");
     return;
   }
-  std::printf("%zu places were driven twice; how the later pass lies, worst first:\n",
-              ghosts.size());
+  std::printf("%zu places were driven twice; position of the later pass relative to the earlier one, worst first:\n",
+              misalignments.size());
   std::printf("  key frame       x       y   along mm  left mm   up mm  yaw deg  planes\n");
-  for (std::size_t i = 0; i < std::min(places, ghosts.size()); ++i) {
-    const map_quality::PassMisalignment& ghost = ghosts[i];
-    std::printf("  %9u %7.1f %7.1f   %8.1f %8.1f %7.1f  %7.3f  %6zu\n", ghost.key_frame,
-                ghost.position.x(), ghost.position.y(), 1000.0 * ghost.forward, 1000.0 * ghost.left,
-                1000.0 * ghost.up, ghost.yaw * kDegPerRad, ghost.planes);
+  for (std::size_t i = 0; i < std::min(places, misalignments.size()); ++i) {
+    const map_quality::PassMisalignment& misalignment = misalignments[i];
+    std::printf("  %9u %7.1f %7.1f   %8.1f %8.1f %7.1f  %7.3f  %6zu\n", misalignment.key_frame,
+                misalignment.position.x(), misalignment.position.y(), 1000.0 * misalignment.forward,
+                1000.0 * misalignment.left, 1000.0 * misalignment.up, misalignment.yaw * kDegPerRad,
+                misalignment.planes);
   }
 }
 
-void print(const Judged& found, std::size_t places) {
+void print(const QualityResult& found, std::size_t places) {
   print("ground", found.thickness.ground, found.has_ratio);
   print("wall", found.thickness.walls, found.has_ratio);
-  std::printf("planar share %.2f\n", found.thickness.planar_fraction);
-  print(found.ghosts, places);
+  std::printf("planar fraction %.2f\n", found.thickness.planar_fraction);
+  print(found.misalignments, places);
 }
 
-Json to_json(const Judged& found, const map_quality::QualityConfig& config) {
+Json to_json(const QualityResult& found, const map_quality::QualityConfig& config) {
   Json figures = {{"range_noise_m", config.range_noise},
                   {"thickness", report::to_json(found.thickness, found.has_ratio)},
                   {"ghosts", Json::array()}};
-  for (const map_quality::PassMisalignment& ghost : found.ghosts) {
-    figures["ghosts"].push_back(report::to_json(ghost));
+  for (const map_quality::PassMisalignment& misalignment : found.misalignments) {
+    figures["ghosts"].push_back(report::to_json(misalignment));
   }
   return figures;
 }
 
-/// Everything that is known of the drive and its map.
-Json report_of(const report::ReportInput& input, const Judged& found,
+/// All figures of the drive and its map.
+Json report_of(const report::ReportInput& input, const QualityResult& found,
                const map_quality::QualityConfig& config, const back_end::BackEnd& graph,
                const std::vector<back_end::KeyFrameDeviation>& deviations) {
   Json report = {{"format", 2},
@@ -125,14 +126,15 @@ Json report_of(const report::ReportInput& input, const Judged& found,
   return report;
 }
 
-/// What the pictures of the report need beside its figures: files in `directory`.
-void write_picture_data(const report::ReportInput& input, const Judged& found,
+/// Writes the files in `directory` that the pictures of the report need beside its figures.
+void write_picture_data(const report::ReportInput& input, const QualityResult& found,
                         const map_quality::QualityConfig& config,
                         const std::filesystem::path& directory) {
   CloudSource& clouds = input.session.clouds();
   Json places = Json::array();
-  for (std::size_t i = 0; i < std::min(kPictures, found.ghosts.size()); ++i) {
-    const auto points = map_quality::pass_points(input.poses, clouds, config, found.ghosts[i]);
+  for (std::size_t i = 0; i < std::min(kPictures, found.misalignments.size()); ++i) {
+    const auto points =
+        map_quality::pass_points(input.poses, clouds, config, found.misalignments[i]);
     places.push_back({{"across", report::place_picture(points, report::View::kAcross)},
                       {"above", report::place_picture(points, report::View::kFromAbove)}});
   }
@@ -156,7 +158,7 @@ void print_verdicts(const Json& report) {
   }
 }
 
-void write_report(const report::ReportInput& input, const Judged& found,
+void write_report(const report::ReportInput& input, const QualityResult& found,
                   const map_quality::QualityConfig& config, const Json& report) {
   const std::filesystem::path directory = input.session.directory();
   write_text_atomically(directory / "report.json", json::dumped(report) + "\n");
@@ -172,7 +174,7 @@ void write_report(const report::ReportInput& input, const Judged& found,
 
 void judge(const Options& options) {
   const Session session = Session::open(options.session, Session::Access::kRead);
-  // Before all that takes long: a truth that cannot be read is noticed at once.
+  // Read first, so that an unreadable truth is reported at once.
   std::optional<Trajectory> truth;
   if (!options.truth.empty()) truth = read_trajectory(options.truth);
   map_quality::QualityConfig config;
@@ -185,7 +187,7 @@ void judge(const Options& options) {
                  "surface apart\n";
   }
   const report::ReportInput input = report::report_input(session, truth);
-  const Judged found = judged(input, config, sensor.has_value());
+  const QualityResult found = quality_of(input, config, sensor.has_value());
   const auto graph = report::solved_graph(session);
   const auto deviations = back_end::key_frame_deviations(*graph->problem(true));
   const Json report = report_of(input, found, config, *graph, deviations);
@@ -215,8 +217,9 @@ int main(int argc, char** argv) {
   app.add_option("--places", options.places, "places to print; 10 if left out");
   app.add_option("--sensor-origin", options.sensor_origin, "the LiDAR in base_link, m; as recorded")
       ->expected(3);
-  app.add_option("--json", options.json,
-                 "write thickness, ghost vectors, verdicts, uncertainty and errors to this file");
+  app.add_option(
+      "--json", options.json,
+      "write thickness, misalignments of passes, verdicts, uncertainty and errors to this file");
   app.add_option("--key-frames", options.key_frames,
                  "write how well the graph knows each key frame to this CSV file");
   app.add_flag("--report", options.report, "write report.html and report.json to the session");

@@ -11,7 +11,7 @@ namespace lidar_mapping::tools {
 
 /// Times of a run of map_bag, s.
 struct RunTimes {
-  double reading = 0.0;   ///< of a processor
+  double reading = 0.0;   ///< processor time of reading
   double streamed = 0.0;  ///< until the last scan went in
   double mapped = 0.0;    ///< until the last optimisation
   double map = 0.0;       ///< for the map alone
@@ -23,7 +23,7 @@ struct RunTimes {
 json::Json mapping_figures(const pipeline::PipelineReport& report, double driven,
                            const RunTimes& times);
 
-/// The same in lines for people.
+/// The same as text for the terminal.
 std::string to_text(const json::Json& figures);
 
 }  // namespace lidar_mapping::tools

@@ -44,9 +44,9 @@ void MappingProgress::show(const pipeline::Progress& progress) {
   if (progress.scans == 0) return;
   const double whole = std::max(1e-3, to_seconds(end_ - begin_));
   const double driven = std::clamp(to_seconds(progress.newest - begin_), 0.0, whole);
-  const double share = driven / whole;
+  const double fraction = driven / whole;
   const auto now = Clock::now();
-  const int tenth = static_cast<int>(10.0 * share);
+  const int tenth = static_cast<int>(10.0 * fraction);
   if (terminal_ ? now - shown_ < kRefresh : tenth == shown_tenth_) return;
   shown_ = now;
   shown_tenth_ = tenth;
@@ -57,8 +57,8 @@ void MappingProgress::show(const pipeline::Progress& progress) {
                "%s%s %3.0f %%, %.0f of %.0f s driven, %.1f x real time, %zu key frames, "
                "%zu loops, %.0f MB, %.0f s left%s",
                terminal_ ? "\r\033[K" : "",
-               terminal_ ? bar_of(share).c_str() : "mapping:", 100.0 * share, driven, whole, speed,
-               progress.key_frames, progress.loops,
+               terminal_ ? bar_of(fraction).c_str() : "mapping:", 100.0 * fraction, driven, whole,
+               speed, progress.key_frames, progress.loops,
                static_cast<double>(resident_bytes()) / kMegabyte, left, terminal_ ? "" : "\n");
   open_line_ = terminal_;
 }

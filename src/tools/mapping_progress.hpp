@@ -7,16 +7,17 @@
 
 namespace lidar_mapping::tools {
 
-/// Shows how far a drive is mapped: a bar on a terminal, a line for every tenth of the drive
-/// elsewhere; both on stderr.
+/// Shows the progress of mapping on stderr: a bar on a terminal, otherwise a line for every tenth
+/// of the drive.
 class MappingProgress {
  public:
   MappingProgress(Stamp begin, Stamp end);
 
-  /// What lies before was mapped by an earlier run: it counts as driven, but not for the speed.
+  /// Sets the beginning of this run. The part before was mapped by an earlier run and does not
+  /// count for the speed.
   void begin_at(Stamp stamp) { mapped_from_ = stamp; }
   void show(const pipeline::Progress& progress);
-  /// Ends the bar's line, so that other text can follow.
+  /// Ends the line of the bar, so that other text can follow.
   void end_line();
   /// Wall time since the beginning, s.
   double seconds() const;

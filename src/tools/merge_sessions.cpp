@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Joins sessions to one, by what they saw of the same places or by GNSS.
+// Merges sessions by loops between them or by GNSS.
 
 #include <iostream>
 
@@ -22,7 +22,7 @@ struct Options {
   std::string config;
 };
 
-/// What was in force during the first drive, and over it the stage's file in --config.
+/// Parameters of the first drive, overridden by the stage's file in --config.
 template <typename Config>
 Config make_config(const Options& options, const Session& first) {
   std::vector<config::Source> sources{pipeline::stored_configuration<Config>(first)};
@@ -41,7 +41,7 @@ void print(const pipeline::MergedSession& part, const std::string& name) {
   for (const std::string& notice : part.notices) std::printf("  %s\n", notice.c_str());
 }
 
-/// Throws if there is a session that nothing ties to the first.
+/// Throws if a session is not connected to the first one.
 void check_joined(const Options& options, const std::vector<pipeline::MergedSession>& parts) {
   for (std::size_t i = 1; i < parts.size(); ++i) {
     if (parts[i].is_connected) continue;
@@ -54,7 +54,7 @@ void check_joined(const Options& options, const std::vector<pipeline::MergedSess
   }
 }
 
-/// Throws if a session would be merged with itself, or if --config names nothing that is used.
+/// Throws if a session would be merged with itself, or if --config has no file that is used.
 void check_arguments(const Options& options) {
   namespace fs = std::filesystem;
   std::error_code none;

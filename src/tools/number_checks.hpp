@@ -7,7 +7,7 @@
 
 namespace lidar_mapping::tools {
 
-/// CLI11's own checks tell the user the largest double as the upper limit.
+/// Checks without upper limit, because CLI11's own checks print the largest double as the limit.
 inline CLI::Validator at_least(double least, bool itself, const std::string& allowed) {
   return CLI::Validator(
       [=](std::string& text) {

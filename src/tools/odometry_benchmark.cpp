@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs the front end over recorded scans and tells how fast and how accurate it was.
+// Runs the front end over recorded scans and reports its speed and accuracy.
 
 #include <chrono>
 #include <cmath>
@@ -28,7 +28,7 @@ using namespace lidar_mapping;
 using campaign::ScanRecord;
 using json::Json;
 
-/// The name of no method but of a whole front end, that of the articles (article_odometry.hpp).
+/// Name of a whole front end instead of a method: that of the articles (article_odometry.hpp).
 const std::string kArticles = "LIDAR_LOCALIZATION";
 
 struct Options {
@@ -49,7 +49,8 @@ struct Options {
   std::string json;
 };
 
-/// Defaults, then the file, then the method, then single parameters.
+/// Configuration from the defaults, the file, the method and single parameters, in growing
+/// priority.
 front_end::FrontEndConfig make_config(const Options& options) {
   std::vector<config::Source> sources;
   const std::string file = tools::only_stage_file(options.config, "front_end");
@@ -79,7 +80,7 @@ Process make_process(const Options& options, const front_end::FrontEndConfig& co
   return [front_end](const Scan& scan) { return front_end->process(scan); };
 }
 
-/// The last of the records become what they are to stay.
+/// Makes the last records final.
 void finalize(const std::vector<front_end::FrontEndResult>& finalized,
               std::vector<ScanRecord>& records) {
   auto record = records.end() - static_cast<std::ptrdiff_t>(finalized.size());
@@ -90,7 +91,7 @@ void finalize(const std::vector<front_end::FrontEndResult>& finalized,
   }
 }
 
-/// Time counts from the cloud in memory to the pose.
+/// The time of a scan is that from the cloud in memory to the pose.
 void add_timed(const Process& process, const Scan& scan, std::vector<ScanRecord>& records) {
   const double cpu_before = campaign::cpu_time_ms();
   const auto before = std::chrono::steady_clock::now();

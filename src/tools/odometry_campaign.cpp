@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs the front end over simulated drives with faults and tells where it was wrong in silence.
+// Runs the front end over simulated drives with faults and reports errors without a warning.
 
 #include <algorithm>
 #include <cstdio>
@@ -36,7 +36,7 @@ struct Options {
   std::string evidence;
 };
 
-/// Every case with every sensor and seed that it does not fix itself, then the random ones.
+/// Every case with every sensor and seed that the case does not fix, then the random cases.
 std::vector<CampaignCase> all_runs(const Options& options) {
   std::vector<CampaignCase> cases;
   if (!options.cases.empty()) cases = campaign::read_cases(options.cases);
@@ -75,10 +75,10 @@ void print(const CampaignFigures& f, const std::string& line) {
   std::fflush(stdout);
 }
 
-/// Of all runs together.
+/// Totals of all runs.
 struct Totals {
   std::size_t runs = 0, scans = 0, silent = 0, wrong = 0, lost = 0, steps = 0;
-  std::size_t clean_scans = 0, clean_alarms = 0;  ///< of runs at full rate without faults
+  std::size_t clean_scans = 0, clean_alarms = 0;  ///< in runs at full rate without faults
   double squared_error = 0.0;
 
   void add(const CampaignCase& c, const CampaignFigures& f) {

@@ -29,7 +29,7 @@ struct Options {
   std::string output;
 };
 
-/// What was in force during the drive, then the file, then single parameters.
+/// Parameters of the drive, overridden by the file and then by single parameters.
 BackEndConfig make_config(const Options& options, const Session& session) {
   std::vector<config::Source> sources{pipeline::stored_configuration<BackEndConfig>(session)};
   const std::string file = tools::only_stage_file(options.config, "back_end");
@@ -46,7 +46,7 @@ BackEndConfig make_config(const Options& options, const Session& session) {
   return config::load<BackEndConfig>(sources);
 }
 
-/// The loops about which the list says something; none without a list.
+/// The edits of the list of loops; none without a list.
 std::vector<Loop> decided_loops(const Options& options, const Session& session) {
   if (options.loops.empty()) return {};
   using loop_closing::LoopClosingConfig;
@@ -90,7 +90,7 @@ void print(const back_end::OptimizationReport& report, const Session& session,
   std::printf("trajectories in %s\n", (directory / "trajectory").c_str());
 }
 
-/// The session stays as it is; the results go elsewhere.
+/// Writes the results to another folder; the session stays unchanged.
 bool solve_aside(const Options& options) {
   const Session session = Session::open(options.session, Session::Access::kRead);
   back_end::BackEnd back_end(make_config(options, session));
@@ -103,7 +103,7 @@ bool solve_aside(const Options& options) {
   return solved.report.success;
 }
 
-/// The session gets a new revision of its poses.
+/// Adds a new revision of the poses to the session.
 bool solve_inside(const Options& options) {
   Session session = Session::open(options.session, Session::Access::kWrite);
   const BackEndConfig config = make_config(options, session);

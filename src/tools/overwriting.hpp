@@ -9,8 +9,8 @@
 
 namespace lidar_mapping::tools {
 
-/// Throws FileError if one of the files that are to be written (empty: none) exists, unless
-/// `force` says that it may be overwritten.
+/// Throws FileError if one of the output files (empty: none) exists, unless `force` allows to
+/// overwrite it.
 inline void check_overwriting(const std::vector<std::string>& files, bool force) {
   for (const std::string& file : files) {
     if (force || file.empty() || !std::filesystem::exists(file)) continue;

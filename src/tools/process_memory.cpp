@@ -13,11 +13,13 @@ namespace lidar_mapping::tools {
 
 namespace {
 
-// Of malloc, which otherwise has eight per core, each with freed pages of its own. Chosen: with one
-// alone, threads would wait for each other.
+// Number of heaps of malloc (M_ARENA_MAX), which by default has eight for each core, each with
+// freed pages of its own. Chosen: with only one, threads would wait for each other.
 constexpr int kHeaps = 2;
-constexpr int kOwnMapping = 8'000'000;     // bytes; blocks so large go back when they are freed
-constexpr std::size_t kStep = 64'000'000;  // bytes that the process may grow by
+constexpr int kOwnMapping =
+    8'000'000;  // bytes; larger blocks are returned to the system when freed
+constexpr std::size_t kStep =
+    64'000'000;  // bytes; growth of the process at which memory is returned
 constexpr std::chrono::milliseconds kPeriod{100};
 
 }  // namespace
@@ -37,8 +39,8 @@ std::size_t peak_bytes() {
 
 ReturnedMemory::ReturnedMemory() {
   mallopt(M_ARENA_MAX, kHeaps);
-  // Grids and images of a few megabytes are made for each key frame: fetched from the system each
-  // time, they cost a quarter of the processor time of build_map.
+  // Grids and images of a few megabytes are allocated for each key frame; if the system had to
+  // provide them each time, this would take a quarter of the processor time of build_map.
   mallopt(M_MMAP_THRESHOLD, kOwnMapping);
   mallopt(M_TRIM_THRESHOLD, kStep);
   thread_ = std::thread([this] { watch(); });

@@ -8,14 +8,14 @@
 
 namespace lidar_mapping::tools {
 
-/// Memory of this process in bytes: now, and at most so far.
+/// Memory of this process in bytes: present and peak.
 std::size_t resident_bytes();
 std::size_t peak_bytes();
 
-/// Clouds that one thread makes and another lets go leave holes in the heap, which would add up
-/// over hours. While this object lives they go back to the system as soon as the process has grown
-/// by some tens of megabytes, and threads share two heaps instead of having many. To be made before
-/// other threads are.
+/// Returns freed memory to the system. Clouds that are allocated by one thread and freed by another
+/// leave gaps in the heap, which would accumulate over hours. During the lifetime of this object
+/// they are returned as soon as the process has grown by some tens of megabytes, and threads share
+/// two heaps instead of having many. It has to be created before other threads.
 class ReturnedMemory {
  public:
   ReturnedMemory();

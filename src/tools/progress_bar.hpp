@@ -9,7 +9,7 @@
 
 namespace lidar_mapping::tools {
 
-/// A bar on a terminal, a line every tenth elsewhere; both on stderr.
+/// Progress on stderr: a bar on a terminal, otherwise a line for every tenth.
 class ProgressBar {
  public:
   ProgressBar(std::string what, std::size_t total) : what_(std::move(what)), total_(total) {}

@@ -22,7 +22,7 @@ Config stored(const Session& session) {
   return config::load<Config>({pipeline::stored_configuration<Config>(session)});
 }
 
-/// With the topics that the drive was mapped from, where the session knows them.
+/// Opens the recording with the topics that were mapped, if the session has them.
 recordings::DriveSelection selection_of(const Session& session, const ScanMapInput& input) {
   recordings::DriveSelection selection;
   selection.paths = input.recording;

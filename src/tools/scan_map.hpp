@@ -9,10 +9,10 @@
 
 namespace lidar_mapping::tools {
 
-/// Which scans of a recording go into a map, and how dense.
+/// Selection of the scans of a recording for a map, and their density.
 struct ScanMapInput {
-  std::vector<std::string> recording;  ///< as map_bag takes it
-  int every = 1;                       ///< each so many-th scan
+  std::vector<std::string> recording;  ///< paths as for map_bag
+  int every = 1;                       ///< uses every n-th scan
   std::optional<double> resolution;    ///< m, of the scans' voxels; none: as the key frames have it
 };
 

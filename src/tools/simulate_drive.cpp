@@ -51,7 +51,7 @@ std::string fault_names() {
   return names;
 }
 
-/// What is wrong with the bag, or else with scans or the IMU.
+/// Adds a fault of the bag, of the scans or of the IMU.
 void add_fault(const std::string& text, Options& options) {
   const auto of_bag = tools::bag_faults().find(text);
   if (of_bag != tools::bag_faults().end()) {
@@ -97,7 +97,7 @@ void add_arguments(CLI::App& app, Options& options) {
       ->check(CLI::IsMember(simulation::imu_names()))
       ->capture_default_str();
   app.add_option("--fault", options.faults,
-                 "spoil the scans, the IMU or the bag (repeatable): " + fault_names())
+                 "faults of the scans, the IMU or the bag (repeatable): " + fault_names())
       ->allow_extra_args(false);
   without("--no-lidar", options.content.lidar, "leave the clouds out");
   without("--no-imu", options.content.imu, "leave the IMU out");
@@ -120,7 +120,7 @@ void add_arguments(CLI::App& app, Options& options) {
   app.add_flag("--force", options.force, "overwrite files that exist");
 }
 
-/// What of the drive is written, which --start and --duration may cut.
+/// The part of the drive that is written, by --start and --duration.
 void print(const Options& options, const simulation::Drive& drive) {
   const std::size_t scans = drive.scan_count();
   const Stamp begin = scans > 0 ? drive.scan_stamp(0) : 0;

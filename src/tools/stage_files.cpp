@@ -23,7 +23,7 @@ const std::set<std::string> kNodeFields = {
     "map_frame", "odom_frame", "queue_size",  "session_directory",
     "data_path", "resume",     "lidar_frame", "map_cloud_update_interval"};
 
-/// A folder in config/ of the package: installed beside this program, or where it was built.
+/// A folder in config/ of the package: installed with this program, or in the source tree.
 fs::path config_folder(const std::string& name) {
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
   const fs::path installed = programs / "../../share/lidar_mapping/config" / name;
@@ -81,7 +81,7 @@ class StageReader {
     return config;
   }
 
-  /// Throws if something that was given has had no effect. Call it when all stages are read.
+  /// Throws if a given parameter had no effect. It is called when all stages are read.
   void finish() {
     std::string stages;
     for (const auto& [stage, text] : result.texts) stages += (stages.empty() ? "" : ", ") + stage;

@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::tools {
 
-/// The parameters of all stages, as the nodes would have them.
+/// The parameters of all stages, with the values that the nodes would use.
 struct StageFiles {
   pipeline::PipelineConfig pipeline;
   map::MapConfig map;
@@ -22,7 +22,7 @@ struct StageFiles {
 struct ParameterSources {
   std::string config;   ///< folder of <stage>.yaml files or one of them; empty: defaults
   std::string overlay;  ///< a name in config/sensors, or the path of a file; empty: none
-  std::string preset;   ///< the same in config/presets; goes over that of the sensor
+  std::string preset;   ///< the same in config/presets; has priority over that of the sensor
   std::vector<std::string> parameters;  ///< single ones, as "stage/name: value"
 };
 

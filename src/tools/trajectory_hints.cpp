@@ -16,7 +16,7 @@ namespace {
 using namespace evaluation;
 using Pairs = std::vector<PosePair>;
 
-constexpr double kWorthSaying = 0.5;       // of the error, that would be left at most
+constexpr double kMaxRemaining = 0.5;      // fraction of the error that remains with a hint
 constexpr double kLeastGain_m = 0.02;      // chosen: smaller gains are not worth a hint
 constexpr double kLeastGain_deg = 0.5;     // chosen, as above
 constexpr double kLeastLeverArm_m = 0.05;  // chosen: about what is measured by hand
@@ -33,7 +33,7 @@ double angle_error(const Pairs& pairs) { return absolute_pose_error(pairs).rotat
 
 Pairs rigidly_aligned(const Pairs& pairs) { return aligned(pairs, rigid_alignment(pairs)); }
 
-/// A way to compare the trajectories, and what is left then.
+/// An option to compare the trajectories, and the remaining error.
 struct Proposal {
   double error = 0.0;
   bool align = false;
@@ -51,7 +51,8 @@ Proposal with_lever_arm(const Pairs& pairs, bool align) {
   return proposal;
 }
 
-/// From the simplest to the one with most freedom; a later one has to halve what is left.
+/// From the simplest option to that with most freedom; a later one has to halve the remaining
+/// error.
 Proposal best_proposal(const Pairs& pairs, const AppliedOptions& applied) {
   std::vector<Proposal> proposals;
   if (!applied.alignment) {
@@ -63,7 +64,7 @@ Proposal best_proposal(const Pairs& pairs, const AppliedOptions& applied) {
   }
   Proposal best{position_error(pairs), false, Eigen::Vector3d::Zero()};
   for (const Proposal& proposal : proposals) {
-    if (proposal.error < kWorthSaying * best.error && proposal.error < best.error - kLeastGain_m) {
+    if (proposal.error < kMaxRemaining * best.error && proposal.error < best.error - kLeastGain_m) {
       best = proposal;
     }
   }
@@ -105,7 +106,7 @@ std::vector<std::string> trajectory_hints(const Pairs& pairs, const AppliedOptio
   const Eigen::Quaterniond turn = estimated_turn(compared);
   const double before = angle_error(compared);
   const double after = angle_error(moved_on_vehicle(compared, {turn, Eigen::Vector3d::Zero()}));
-  if (after > kWorthSaying * before || after > before - kLeastGain_deg) return hints;
+  if (after > kMaxRemaining * before || after > before - kLeastGain_deg) return hints;
   const Eigen::Vector3d angles = angles_of(turn);
   hints.push_back(
       text("the angles would be %.2f deg off instead of %.2f deg with%s --lever-rotation %.1f %.1f "

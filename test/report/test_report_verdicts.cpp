@@ -45,7 +45,7 @@ json::Json good_report() {
           {"truth", nullptr}};
 }
 
-json::Json stretch(bool trusted, const json::Json& error) {
+json::Json section(bool trusted, const json::Json& error) {
   return {{"kind", "degenerate"},
           {"begin_s", 12.3},
           {"end_s", 40.1},
@@ -86,15 +86,15 @@ TEST(ReportVerdicts, SayWhereToLook) {
 
 TEST(ReportVerdicts, CannotBeGoodWhereTheMotionWasNotObserved) {
   json::Json report = good_report();
-  report["doubt"]["stretches"].push_back(stretch(true, 0.2));
+  report["doubt"]["stretches"].push_back(section(true, 0.2));
   EXPECT_EQ(verdict_on(report, "Motion observed"), true);
-  report["doubt"]["stretches"].push_back(stretch(false, 20.0));
+  report["doubt"]["stretches"].push_back(section(false, 20.0));
   report["verdicts"] = verdicts(report);
   EXPECT_EQ(verdict_on(report, "Motion observed"), false);
   EXPECT_EQ(report["verdicts"].back()["value"], "not between 12.3 and 40.1 s, error 20.0 m");
   EXPECT_EQ(overall_verdict(report), "Look at: Motion observed");
-  report["doubt"]["stretches"].push_back(stretch(false, nullptr));
-  EXPECT_EQ(verdicts(report).back()["value"], "lost at 12.3 s, parts not joined");
+  report["doubt"]["stretches"].push_back(section(false, nullptr));
+  EXPECT_EQ(verdicts(report).back()["value"], "lost at 12.3 s, parts not connected");
 }
 
 TEST(ReportVerdicts, SayWhereThePosesAreKnownLeast) {
@@ -149,7 +149,7 @@ TEST(ReportVerdicts, DoNotPraiseOdometryForAgreeingWithItself) {
 TEST(ReportVerdicts, AreSummedUp) {
   json::Json report = good_report();
   report["verdicts"] = verdicts(report);
-  EXPECT_EQ(overall_verdict(report), "Good: nothing that a person would have to look at");
+  EXPECT_EQ(overall_verdict(report), "Good: nothing that has to be checked");
   report["scans"]["dropped"] = 2;
   report["uncertainty"]["largest"]["sigma_m"] = 0.6;
   report["ghosts"] = json::Json::array();
