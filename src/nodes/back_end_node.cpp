@@ -68,12 +68,10 @@ BackEndNode::BackEndNode(const Config& config, NodeContext& context)
                   [this](const RunKeyFrame& received) { add_key_frame(received.key_frame); },
                   [this](const std::string& run_id) { return continue_run(run_id); }),
       requests_(context.worker.add_channel("requests", kPublisherQueue)),
-      solutions_(context.worker.add_channel("solutions", kPublisherQueue)),
       loops_(context.worker.add_channel("early loops", kEarlyLoops)),
-      solver_([](const std::string&, const std::string& what) {
-        ROS_ERROR_STREAM("optimisation failed: " << what);
-      }),
-      problems_(solver_.add_channel("problems", 1)) {
+      solver_(context.worker, [this](const SolvedProblem& solved) {
+        solved.solution ? apply_solution(solved) : report_failure(solved.failure);
+      }) {
   resume();
   context.worker.set_on_stop(Worker::OnStop::kDrain);
   context.worker.set_idle_task(kIdle, [this] {
@@ -102,8 +100,7 @@ void BackEndNode::resume() {
 
 BackEndNode::~BackEndNode() {
   context_.node.deleteParam(kRunSession);
-  answers_.clear();  // callers that wait for an answer get an error
-  next_answers_.clear();
+  solver_.drop_requests();
   service_spinner_.stop();
   solver_.stop();
   try {

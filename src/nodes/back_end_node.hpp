@@ -22,6 +22,7 @@
 
 #include "back_end_node_config.hpp"
 #include "optimization_answer.hpp"
+#include "solver_queue.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -39,7 +40,6 @@ class BackEndNode {
 
  private:
   using Run = pipeline::RecordedBackEnd;
-  using OptimizeAnswer = std::promise<OptimizeMap::Response>;
 
   void resume();
   void subscribe_all();
@@ -65,8 +65,7 @@ class BackEndNode {
 
   void optimize_if_due();
   void start_solving(bool thorough);
-  void apply_solution(const back_end::OptimizationSolution& solution, double seconds,
-                      const std::shared_ptr<Run>& solved_run);
+  void apply_solution(const SolvedProblem& solved);
   void report_failure(const std::string& problem);
   void end_solving(OptimizeMap::Response answer);
   void append_warnings(std::string& message) const;
@@ -93,11 +92,10 @@ class BackEndNode {
   SensorFrames sensor_frames_;
   TransformPublisher transforms_;
   Stamp sent_transform_ = 0;
-  WarningLimiter limiter_;
   ros::Publisher poses_, optimized_odom_, verdicts_;
   std::vector<ros::Subscriber> subscribers_;
 
-  // Used by the worker only: the graph, the session, and requests that wait for an optimisation.
+  // Used by the worker only: the graph, the session, and data that wait for it.
   std::shared_ptr<Run> run_;
   std::string run_id_;
   KeyFrameIndex next_index_ = 0;
@@ -105,15 +103,11 @@ class BackEndNode {
   std::deque<std::function<void(Run&)>> early_;
   std::deque<LoopMessage> early_loops_;
   std::optional<GeodeticDatum> datum_;
-  bool solving_ = false;
-  std::string failure_;                  ///< reason; empty if the newest optimisation succeeded
-  std::vector<OptimizeAnswer> answers_;  ///< given after the current optimisation
-  std::vector<OptimizeAnswer> next_answers_;
+  std::string failure_;  ///< reason; empty if the newest optimisation succeeded
   bool files_outdated_ = false;
 
-  Worker::ChannelId requests_, solutions_, loops_;
-  Worker solver_;
-  Worker::ChannelId problems_;
+  Worker::ChannelId requests_, loops_;
+  SolverQueue solver_;
   ros::CallbackQueue service_queue_;
   std::vector<ros::ServiceServer> services_;
   ros::AsyncSpinner service_spinner_{2, &service_queue_};

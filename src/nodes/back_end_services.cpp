@@ -45,7 +45,7 @@ void BackEndNode::advertise_services() {
 }
 
 bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& response) {
-  auto answer = std::make_shared<OptimizeAnswer>();
+  auto answer = std::make_shared<SolverQueue::Answer>();
   std::future<OptimizeMap::Response> future = answer->get_future();
   context_.worker.post(requests_, [this, answer] {
     if (!run_) {
@@ -54,8 +54,8 @@ bool BackEndNode::optimize_map(OptimizeMap::Request&, OptimizeMap::Response& res
       return answer->set_value(nothing);
     }
     finalize();
-    (solving_ ? next_answers_ : answers_).push_back(std::move(*answer));
-    if (!solving_) start_solving(true);
+    solver_.add_request(std::move(*answer));
+    if (!solver_.is_solving()) start_solving(true);
   });
   answer.reset();
   try {

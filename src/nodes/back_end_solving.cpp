@@ -7,37 +7,22 @@
 namespace lidar_mapping::ros_border {
 
 void BackEndNode::optimize_if_due() {
-  if (!solving_ && run_->optimization_due()) start_solving(false);
+  if (!solver_.is_solving() && run_->optimization_due()) start_solving(false);
 }
 
 void BackEndNode::start_solving(bool thorough) {
-  solving_ = true;
+  solver_.solve(run_, thorough);
   report_state();
-  solver_.post(problems_, [this, problem = run_->problem(thorough), run = run_] {
-    const ros::WallTime begin = ros::WallTime::now();
-    std::shared_ptr<const back_end::OptimizationSolution> solution;
-    std::string problem_text;
-    try {
-      solution = back_end::solve(*problem);
-    } catch (const std::exception& error) {
-      problem_text = error.what();
-    }
-    const double seconds = (ros::WallTime::now() - begin).toSec();
-    context_.worker.post(solutions_, [this, solution, seconds, run, problem_text] {
-      solution ? apply_solution(*solution, seconds, run) : report_failure(problem_text);
-    });
-  });
 }
 
-void BackEndNode::apply_solution(const back_end::OptimizationSolution& solution, double seconds,
-                                 const std::shared_ptr<Run>& solved_run) {
+void BackEndNode::apply_solution(const SolvedProblem& solved) {
   MapOptimization done;
-  done.report = back_end::report_of(solution);
-  done.report.seconds = seconds;
+  done.report = back_end::report_of(*solved.solution);
+  done.report.seconds = solved.seconds;
   done.save_map = context_.node.resolveName("save_map");
-  if (solved_run == run_) {
+  if (solved.run == run_) {
     const KeyFramePoses before = run_->poses();
-    const pipeline::AppliedSolution applied = run_->apply(solution, seconds);
+    const pipeline::AppliedSolution applied = run_->apply(*solved.solution, solved.seconds);
     done.moved = back_end::change_between(before, applied.poses);
     done.corrected = back_end::change_between(run_->odometry(), applied.poses);
     if (!applied.poses.poses.empty()) done.begin = applied.poses.poses.front().stamp;
@@ -51,7 +36,7 @@ void BackEndNode::apply_solution(const back_end::OptimizationSolution& solution,
   context_.diagnostics.set("loops refused", std::to_string(report.loops_refused));
   context_.diagnostics.set("GNSS positions used", std::to_string(report.gnss_used));
   context_.diagnostics.set("GNSS positions refused", std::to_string(report.gnss_refused));
-  context_.diagnostics.set("seconds per optimisation", std::to_string(seconds));
+  context_.diagnostics.set("seconds per optimisation", std::to_string(solved.seconds));
   context_.diagnostics.set("last optimisation", report.message);
   failure_ = report.success ? "" : report.message;
   end_solving(to_answer(done));
@@ -69,22 +54,20 @@ void BackEndNode::report_failure(const std::string& problem) {
 /// Answers the requests that waited for this optimisation, and starts the next one if it was
 /// requested.
 void BackEndNode::end_solving(OptimizeMap::Response answer) {
-  solving_ = false;
+  solver_.finish();
   report_state();
-  if (!answers_.empty()) {
+  if (solver_.has_requests()) {
     write_files();
     append_warnings(answer.message);
   }
-  for (OptimizeAnswer& waiting : answers_) waiting.set_value(answer);
-  answers_ = std::move(next_answers_);
-  next_answers_.clear();
-  if (!answers_.empty()) start_solving(true);
+  solver_.answer(answer);
+  if (solver_.has_requests()) start_solving(true);
 }
 
 /// Called with every key frame as well, because a drive without loops and GNSS is only optimised on
 /// request.
 void BackEndNode::report_state() {
-  if (solving_) {
+  if (solver_.is_solving()) {
     context_.diagnostics.set_state(Diagnostics::Level::kOk, "optimising");
   } else if (!failure_.empty()) {
     context_.diagnostics.set_state(Diagnostics::Level::kWarning, failure_);
