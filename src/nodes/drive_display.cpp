@@ -11,8 +11,8 @@ namespace {
 
 const ros::WallDuration kInterval(1.0);
 const ros::WallDuration kSilence(5.0);
-constexpr double kFixDistance = 1.0;  // m, between positions that are shown
-constexpr std::size_t kTasks = 20;    // that wait; chosen: more would only show later
+constexpr double kFixDistance = 1.0;  // m, between displayed positions
+constexpr std::size_t kTasks = 20;    // waiting tasks; chosen: more would only delay the display
 
 bool is_silent(const DriveView& view) {
   return !view.state.empty() && ros::WallTime::now() - view.newest_scan > kSilence;
@@ -33,6 +33,13 @@ bool DriveView::add_fix(const Eigen::Vector3d& position) {
   if (!gnss.empty() && (position - gnss.back()).norm() < kFixDistance) return false;
   gnss.push_back(position);
   return true;
+}
+
+void DriveView::add_loop(KeyFrameIndex from, KeyFrameIndex to) {
+  LoopVerdict verdict;
+  verdict.from = from;
+  verdict.to = to;
+  loops.try_emplace({from, to}, verdict);
 }
 
 DriveDisplay::DriveDisplay(NodeContext& context, const NodeFields& fields,
@@ -69,7 +76,7 @@ void DriveDisplay::status_changed() {
   show_if_due();
 }
 
-/// At the latest by the timer, so that the newest of a flood is shown too.
+/// Called by the timer as well, so that the last of many changes in a short time is displayed too.
 void DriveDisplay::show_if_due() {
   if (is_silent(view_()) != was_silent_) markers_outdated_ = true;
   const ros::WallTime now = ros::WallTime::now();
@@ -99,7 +106,7 @@ void DriveDisplay::show_markers() {
   markers_outdated_ = feed_.has_more();
 }
 
-/// Somebody has come who knows nothing yet.
+/// For a new subscriber.
 void DriveDisplay::show_all_markers() { graph_markers_.publish(feed_.whole(markers())); }
 
 MarkerFeed::Markers DriveDisplay::markers() {

@@ -18,33 +18,35 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What is known of a drive, as far as it is shown without clouds.
+/// The state of a drive that is displayed, without clouds.
 struct DriveView {
   map::KeyFrameTrack track;
-  Verdicts loops;                     ///< with what the graph thinks of them
-  Verdicts candidates;                ///< that matching did not accept
+  Verdicts loops;                     ///< with the verdicts of the graph
+  Verdicts candidates;                ///< not accepted by matching
   std::vector<Eigen::Vector3d> gnss;  ///< antenna positions in the map, at least a metre apart
   DriveFloors floors;
-  std::string state;          ///< of the front end at the newest scan; empty: none has come
-  std::string problem;        ///< why no scan has come
-  ros::WallTime newest_scan;  ///< when it came
+  std::string state;          ///< of the front end at the newest scan; empty before the first scan
+  std::string problem;        ///< why there are no scans
+  ros::WallTime newest_scan;  ///< time of its arrival
 
-  /// True if it is shown.
+  /// Adds an antenna position unless it is too near to the last one; returns whether it was added.
   bool add_fix(const Eigen::Vector3d& position);
+  /// Adds a loop without verdict, unless it is known.
+  void add_loop(KeyFrameIndex from, KeyFrameIndex to);
 };
 
-/// Publishes odom_path and optimized_path (at most kPathPoses poses) and graph_markers (what has
-/// changed; the whole when somebody subscribes), at most once a second each. What has no subscriber
-/// is not made. All but the constructor is called in the worker's thread.
+/// Publishes odom_path and optimized_path (at most kPathPoses poses) and graph_markers (changes;
+/// all of them to a new subscriber), at most once a second each, and only for subscribers. All but
+/// the constructor is called in the worker's thread.
 class DriveDisplay {
  public:
-  /// `view` gives what is to be shown now.
+  /// `view` returns the state to be displayed.
   DriveDisplay(NodeContext& context, const NodeFields& fields,
                std::function<const DriveView&()> view);
 
-  /// Poses, loops or positions are others now.
+  /// Called when poses, loops or positions have changed.
   void graph_changed();
-  /// The text is another one now.
+  /// Called when the text has changed.
   void status_changed();
 
  private:
@@ -63,7 +65,7 @@ class DriveDisplay {
   std::function<const DriveView&()> view_;
   Worker::ChannelId tasks_;
   MarkerFeed feed_;
-  MarkerFeed::Markers graph_;  ///< of the newest graph that was shown
+  MarkerFeed::Markers graph_;  ///< of the newest displayed graph
   bool graph_outdated_ = true;
   bool paths_outdated_ = true;
   bool markers_outdated_ = true;

@@ -9,10 +9,10 @@ namespace {
 
 using visualization_msgs::Marker;
 
-/// Floors of so many scans may wait for a key frame, which may be seconds late.
+/// Number of floors that are kept without key frame, which may be seconds late.
 constexpr std::size_t kWaiting = 1000;
 constexpr double kHalfEdge = 1.0;  // m, of a square on the floor
-/// Fewer than of dots: a floor has ten points.
+/// Key frames in a marker; fewer than with dots, because a floor has ten points.
 constexpr std::size_t kPerPiece = 20;
 
 void add_square(Marker& marker, const Pose& T_map_base, const Floor& floor) {
@@ -44,7 +44,7 @@ bool DriveFloors::add(const Floor& floor) {
   return false;
 }
 
-/// Key frames come in the order of their stamps: what is older has none.
+/// Key frames arrive in the order of their stamps, so older floors will get none.
 void DriveFloors::add_key_frame(KeyFrameIndex index, Stamp stamp) {
   key_frames_[stamp] = index;
   const auto floor = waiting_.find(stamp);

@@ -12,11 +12,11 @@
 
 namespace lidar_mapping::ros_border {
 
-/// The floors below key frames, of all that are found in scans. A floor may come before its key
-/// frame or after it.
+/// Selects the floors below key frames from those of all scans. A floor may arrive before or after
+/// its key frame.
 class DriveFloors {
  public:
-  /// True if it is below a key frame that is known.
+  /// Adds a floor; true if it is below a known key frame.
   bool add(const Floor& floor);
   void add_key_frame(KeyFrameIndex index, Stamp stamp);
 
@@ -24,12 +24,12 @@ class DriveFloors {
 
  private:
   std::map<Stamp, KeyFrameIndex> key_frames_;
-  std::map<Stamp, Floor> waiting_;  ///< for their key frames
+  std::map<Stamp, Floor> waiting_;  ///< floors without key frame so far
   std::map<KeyFrameIndex, Floor> below_;
 };
 
 /// Floors below key frames, namespace floors: a post down from the graph, and around its foot a
-/// square of 2 m that lies in the plane that was found.
+/// square of 2 m in the plane of the floor.
 std::vector<visualization_msgs::Marker> floor_markers(const map::KeyFrameTrack& track,
                                                       const std::map<KeyFrameIndex, Floor>& floors,
                                                       const std::string& frame);

@@ -14,7 +14,7 @@ constexpr double kTextHeight = 5.0;      // m, of a capital
 constexpr double kOverVehicle = 12.0;    // m; chosen: clear of the vehicle and of what is near
 constexpr std::size_t kLineLength = 45;  // characters; chosen: longer lines leave the view
 
-/// Broken between words: a reason can be a long sentence.
+/// Breaks the text between words, because a reason can be a long sentence.
 std::string broken(const std::string& text) {
   std::istringstream words(text);
   std::string result;

@@ -8,12 +8,12 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What a person who looks at the map wants to know of the drive.
+/// State of the drive for the display.
 struct DriveStatus {
   std::string state;    ///< of the front end: tracking, degenerate, doubtful, degraded or lost;
                         ///< empty: no scan
-  bool silent = false;  ///< scans have come, but no longer do
-  std::string problem;  ///< why no scans come, where somebody knows
+  bool silent = false;  ///< whether scans have stopped
+  std::string problem;  ///< why there are no scans, if known
   std::size_t key_frames = 0;
   double length = 0.0;  ///< m, along the key frames
   std::size_t loops_used = 0;
@@ -21,8 +21,8 @@ struct DriveStatus {
 };
 
 /// The status as a text that faces the viewer, namespace status: over the vehicle in `base_frame`
-/// once there are key frames, before that at the origin of `map_frame`. White where all is well,
-/// orange where odometry is poor, red where it is lost.
+/// once there are key frames, before that at the origin of `map_frame`. White if all is well,
+/// orange if odometry is poor, red if it is lost.
 visualization_msgs::Marker status_text(const DriveStatus& status, const std::string& map_frame,
                                        const std::string& base_frame);
 

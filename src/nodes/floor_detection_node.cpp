@@ -10,8 +10,9 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Subscribed: synced_cloud, tf. Published: floor, for every scan, also where there is none; for
-/// who subscribes floor_filtered_points (in which it is sought) and floor_points (on its plane).
+/// Subscribed: synced_cloud, tf. Published: floor for every scan, also if none is found; for
+/// subscribers floor_filtered_points (in which the floor is searched) and floor_points (on its
+/// plane).
 class FloorDetectionNode {
  public:
   using Config = NodeConfig<preprocessing::FloorDetectionConfig>;

@@ -10,8 +10,9 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr double kBridge = 3.0;  // m, above the path
-/// Odometry sees least of the motion in tunnels, whose roof would hide what shows it.
-constexpr double kOverRoofs = 10.0;  // m
+/// Height of the marks of degenerate sections, m: mostly in tunnels, whose roof would hide the
+/// marks.
+constexpr double kOverRoofs = 10.0;
 
 std_msgs::ColorRGBA color_of(Verdict verdict) {
   switch (verdict) {
@@ -25,8 +26,8 @@ std_msgs::ColorRGBA color_of(Verdict verdict) {
   return {};
 }
 
-/// Posts on both key frames and a beam between them: seen also where both passes lie side by side
-/// under the line of the path.
+/// Posts on both key frames and a beam between them, which is visible also if both passes are side
+/// by side below the line of the path.
 void add_bridge(Marker& marker, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d up(0.0, 0.0, kBridge);
   add_line(marker, from, from + up);

@@ -16,16 +16,15 @@ namespace lidar_mapping::ros_border {
 /// Loops or candidates by their two key frames.
 using Verdicts = std::map<std::pair<KeyFrameIndex, KeyFrameIndex>, LoopVerdict>;
 
-/// The graph in pieces of this many key frames: a piece is the least that is sent again when
-/// something in it has changed.
+/// Number of key frames in a marker. When one of them changes, the marker is sent again.
 constexpr KeyFrameIndex kKeyFramesPerMarker = 100;
 
-/// Everything there is to see of the graph, in namespaces that rviz switches on and off, a marker
-/// per piece (its id): key_frames as dots; odometry between them as lines; degenerate, the
-/// stretches along which it did not see all of the motion, as thick orange lines; loops as bridges
-/// over the path, in pink those that the graph uses, in red those that it leaves out, in yellow
-/// those on which it has not judged yet; candidates as thin lines, red those that matching refused,
-/// yellow the undecided. Stamps are zero: rviz shows them wherever its clock stands.
+/// Markers of the graph, in namespaces that rviz switches on and off, with the number of the piece
+/// of the path as id: key_frames as dots; odometry between them as lines; degenerate, the sections
+/// along which odometry did not observe all of the motion, as thick orange lines; loops as bridges
+/// over the path, pink if the graph uses them, red if not, yellow without verdict; candidates as
+/// thin lines, red if matching refused them, yellow if undecided. Stamps are zero, so that rviz
+/// shows the markers at any time.
 std::vector<visualization_msgs::Marker> graph_markers(const map::KeyFrameTrack& track,
                                                       const Verdicts& loops,
                                                       const Verdicts& candidates,

@@ -75,12 +75,7 @@ void MapViewerNode::catch_up() {
   if (!state || (run_ && state->run_id != run_id_)) return;
   for (const GnssPosition& position : state->gnss) view_.add_fix(position.p_enu_antenna);
   for (const Floor& floor : state->floors) view_.floors.add(floor);
-  for (const Loop& loop : state->loops) {
-    LoopVerdict verdict;
-    verdict.from = loop.from;
-    verdict.to = loop.to;
-    view_.loops.try_emplace({loop.from, loop.to}, verdict);
-  }
+  for (const Loop& loop : state->loops) view_.add_loop(loop.from, loop.to);
   display_.graph_changed();
 }
 
@@ -115,10 +110,7 @@ void MapViewerNode::update_poses(const KeyFramePosesMessage& message) {
 
 void MapViewerNode::add_loop(const LoopMessage& message) {
   if (!run_ || message.run_id != run_id_) return;
-  LoopVerdict verdict;
-  verdict.from = message.from;
-  verdict.to = message.to;
-  view_.loops.try_emplace({message.from, message.to}, verdict);
+  view_.add_loop(message.from, message.to);
   display_.graph_changed();
 }
 

@@ -14,8 +14,9 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-/// Nobody sees a smaller step in a drive on display.
-constexpr double kStep = 0.05;  // m
+/// Smallest motion of a point that is sent, m; smaller ones are not visible in the display of a
+/// drive.
+constexpr double kStep = 0.05;
 
 bool is_elsewhere(const geometry_msgs::Point& a, const geometry_msgs::Point& b) {
   return std::abs(a.x - b.x) > kStep || std::abs(a.y - b.y) > kStep || std::abs(a.z - b.z) > kStep;
@@ -62,7 +63,7 @@ void MarkerFeed::delete_gone(const Index& now, Outgoing& outgoing) {
   }
 }
 
-/// The vehicle is there.
+/// Sends the newest markers first, because they are at the vehicle.
 void MarkerFeed::send_newest(const Index& now, Outgoing& outgoing) {
   for (auto entry = now.begin(); entry != now.end(); ++entry) {
     const auto next = std::next(entry);
@@ -71,7 +72,7 @@ void MarkerFeed::send_newest(const Index& now, Outgoing& outgoing) {
   }
 }
 
-/// From where the message before ended, so that none waits for good.
+/// Continues after the end of the last message, so that no marker waits forever.
 void MarkerFeed::send_in_turn(const Index& now, Outgoing& outgoing) {
   const auto send_all = [&](auto begin, auto end) {
     for (auto entry = begin; entry != end; ++entry) {
@@ -83,7 +84,7 @@ void MarkerFeed::send_in_turn(const Index& now, Outgoing& outgoing) {
   send_all(now.begin(), begin);
 }
 
-/// False if there is nothing new in it, or no room for it.
+/// False if the marker has not changed, or does not fit into the message.
 bool MarkerFeed::send(const Key& key, const Marker& marker, Outgoing& outgoing) {
   const auto known = sent_.find(key);
   if (known != sent_.end() && !has_changed(known->second, marker)) return false;

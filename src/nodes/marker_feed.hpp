@@ -11,23 +11,23 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Keeps subscribers of a topic of markers up to date with what has changed: a message has at most
-/// `kMarkerBytes`, however long the drive is, so that a correction of a whole long drive goes out
-/// over some messages. A late subscriber is given the whole.
+/// Sends changes of markers to the subscribers of a topic: a message has at most `kMarkerBytes`,
+/// however long the drive is, so that a correction of a whole long drive is divided into several
+/// messages. A new subscriber receives all markers.
 class MarkerFeed {
  public:
   using Markers = std::vector<visualization_msgs::Marker>;
 
-  /// About how large a message of changes may be.
+  /// Approximate limit for the size of a message of changes.
   static constexpr std::size_t kMarkerBytes = 64 * 1024;
 
-  /// What differs from what was sent: new or changed markers, and DELETE for those that are gone;
-  /// the newest piece of each namespace first, then the others in turn. Points that moved by less
-  /// than 5 cm have not changed. `now` has each pair of namespace and id once.
+  /// Returns the differences from the sent markers: new or changed ones, and DELETE for removed
+  /// ones; the newest marker of each namespace first, then the others in turn. A motion of points
+  /// by less than 5 cm is no change. `now` has each pair of namespace and id once.
   visualization_msgs::MarkerArray changes(const Markers& now);
-  /// All of them, with a DELETEALL before: what subscribers show afterwards is `now` and no more.
+  /// Returns all markers after a DELETEALL, so that subscribers show `now` and nothing else.
   visualization_msgs::MarkerArray whole(const Markers& now);
-  /// True if the newest changes() left something for the next.
+  /// Whether the last changes() left changes for the next message.
   bool has_more() const { return has_more_; }
 
  private:
@@ -44,7 +44,7 @@ class MarkerFeed {
   bool send(const Key& key, const visualization_msgs::Marker& marker, Outgoing& outgoing);
 
   std::map<Key, visualization_msgs::Marker> sent_;
-  Key last_;  ///< that was sent, of those that went out in turn
+  Key last_;  ///< last marker that was sent in turn
   bool has_more_ = false;
 };
 

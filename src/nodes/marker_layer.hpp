@@ -13,8 +13,8 @@
 
 namespace lidar_mapping::ros_border {
 
-/// The graph floats above the road, whose points would hide it.
-constexpr double kMarkerLift = 3.0;  // m
+/// Height of the graph above the road, whose points would hide it, m.
+constexpr double kMarkerLift = 3.0;
 
 inline geometry_msgs::Point to_point(const Eigen::Vector3d& vector) {
   geometry_msgs::Point point;
@@ -39,7 +39,7 @@ inline void add_line(visualization_msgs::Marker& marker, const Eigen::Vector3d& 
   marker.points.push_back(to_point(end));
 }
 
-/// One namespace: a marker for each piece that has something to show.
+/// The markers of one namespace, one for each piece of the path that has any.
 class MarkerLayer {
  public:
   using Marker = visualization_msgs::Marker;

@@ -9,8 +9,8 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Below it nobody sees that a pose has moved.
-constexpr double kUnmoved = 0.001;  // m
+/// Largest motion of a pose that counts as none, m; it is not visible.
+constexpr double kUnmoved = 0.001;
 
 std::string with_unit(double value, int digits, const char* unit) {
   char text[64];
@@ -23,7 +23,7 @@ std::string metres(double length) {
   return with_unit(length, length < 1.0 ? 3 : 2, "m");
 }
 
-/// Where in the drive, as one finds it in a player and in rviz.
+/// Position in the drive as time and coordinates, by which it is found in a player and in rviz.
 std::string place(const back_end::PoseChange& change, Stamp begin) {
   return "key frame " + std::to_string(change.farthest) + ", " +
          with_unit(to_seconds(change.stamp - begin), 1, "s") + " into the drive";

@@ -9,7 +9,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What an optimisation that was asked for did to the map.
+/// Effects of a requested optimisation on the map.
 struct MapOptimization {
   back_end::OptimizationReport report;
   back_end::PoseChange moved;      ///< by this optimisation
@@ -19,7 +19,7 @@ struct MapOptimization {
   std::string save_map;            ///< name of the service that writes the map
 };
 
-/// The answer of optimize_map: figures, and sentences for people.
+/// The answer of optimize_map: figures, and sentences for the user.
 OptimizeMap::Response to_answer(const MapOptimization& optimization);
 
 }  // namespace lidar_mapping::ros_border

@@ -9,6 +9,8 @@
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 
+#include "by_stamp.hpp"
+
 namespace lidar_mapping::pipeline {
 
 namespace {
@@ -39,13 +41,6 @@ class File {
   fs::path path_;
   std::ofstream stream_;
 };
-
-template <typename Value>
-std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
-  std::map<Stamp, Value> result;
-  for (const Value& value : values) result.emplace(value.stamp, value);
-  return result;
-}
 
 class DumpWriter {
  public:

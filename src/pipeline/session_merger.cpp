@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/loop_closing/loop_closer.hpp"
 
+#include "by_stamp.hpp"
 #include "datum.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -24,13 +25,6 @@ Stamp unique_stamp_offset(const std::vector<KeyFrame>& session_part, const std::
   };
   while (std::any_of(session_part.begin(), session_part.end(), is_known)) ++stamp_offset;
   return stamp_offset;
-}
-
-template <typename Value>
-std::map<Stamp, Value> by_stamp(const std::vector<Value>& values) {
-  std::map<Stamp, Value> result;
-  for (const Value& value : values) result.emplace(value.stamp, value);
-  return result;
 }
 
 /// Calls `add` with the value of this stamp, whose stamp is shifted; does nothing if there is

@@ -29,6 +29,13 @@ Eigen::Matrix<double, 6, 6, Eigen::RowMajor> symmetric(const Covariance6& covari
 
 }  // namespace
 
+std_msgs::Header header_of(Stamp stamp, const std::string& frame_id) {
+  std_msgs::Header header;
+  header.stamp = to_ros(stamp);
+  header.frame_id = frame_id;
+  return header;
+}
+
 Eigen::Quaterniond unit(const Eigen::Quaterniond& rotation) {
   constexpr double kRounding = 1e-14;  // of the squared norm; 45 roundings of doubles (2.2e-16)
   if (std::abs(rotation.squaredNorm() - 1.0) < kRounding) return rotation;

@@ -11,13 +11,6 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-std_msgs::Header header_of(Stamp stamp, const std::string& frame_id) {
-  std_msgs::Header header;
-  header.stamp = to_ros(stamp);
-  header.frame_id = frame_id;
-  return header;
-}
-
 std::vector<geometry_msgs::Vector3> to_messages(const std::vector<Eigen::Vector3d>& vectors) {
   std::vector<geometry_msgs::Vector3> messages;
   messages.reserve(vectors.size());

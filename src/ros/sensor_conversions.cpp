@@ -27,13 +27,6 @@ std::optional<Eigen::Quaterniond> orientation_of(const sensor_msgs::Imu& message
   return unit(rotation);
 }
 
-std_msgs::Header header_of(Stamp stamp, const std::string& frame_id) {
-  std_msgs::Header header;
-  header.stamp = to_ros(stamp);
-  header.frame_id = frame_id;
-  return header;
-}
-
 }  // namespace
 
 ImuSample from_message(const sensor_msgs::Imu& message) {

@@ -9,6 +9,7 @@
 #include <geometry_msgs/Twist.h>
 #include <geometry_msgs/Vector3.h>
 #include <ros/time.h>
+#include <std_msgs/Header.h>
 
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/stamp.hpp"
@@ -23,6 +24,8 @@ using CovarianceArray = boost::array<double, 36>;
 ros::Time to_ros(Stamp stamp);
 /// The stamp of a time of ROS, bit for bit.
 Stamp from_ros(const ros::Time& time);
+/// The header of a message with this stamp and frame.
+std_msgs::Header header_of(Stamp stamp, const std::string& frame_id);
 
 /// The quaternion, of length 1. One that has it but for rounding stays as it is, bit for bit: to
 /// divide it by its length once more would change its last digits with every message that it
