@@ -90,8 +90,8 @@ void BackEndNode::resume() {
       context_.node.getParam(kRunSession, folder) && fs::exists(fs::path(folder) / "session.db");
   if (!was_killed && config_.resume.empty()) return;
   const fs::path asked = config_.resume == "latest"
-                             ? path_of_person(config_.session_directory) / "latest"
-                             : path_of_person(config_.resume);
+                             ? expanded_path(config_.session_directory) / "latest"
+                             : expanded_path(config_.resume);
   auto session = session::Session::open(was_killed ? fs::path(folder) : asked,
                                         session::Session::Access::kWrite);
   const std::string run_id = session.run_id();
@@ -264,7 +264,7 @@ void BackEndNode::begin_run(const std::string& run_id) {
     set_session(std::move(*session), run_id);
   } else {
     set_session(
-        session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
+        session::Session::create(expanded_path(config_.session_directory), std::time(nullptr)),
         run_id);
   }
   add_early_measurements();
@@ -277,7 +277,7 @@ void BackEndNode::add_early_measurements() {
 
 /// The newest session, if it belongs to that run.
 std::optional<session::Session> BackEndNode::session_of(const std::string& run_id) const {
-  const fs::path latest = path_of_person(config_.session_directory) / "latest";
+  const fs::path latest = expanded_path(config_.session_directory) / "latest";
   if (!fs::exists(latest / "session.db")) return std::nullopt;
   try {
     auto session = session::Session::open(latest, session::Session::Access::kWrite);
