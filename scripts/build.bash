@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Functions shared by the scripts: install what is missing, build the package in a folder of its
+# Functions shared by the scripts: install missing packages, build the package in a folder of its
 # own. Meant to be sourced.
 
 package_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -60,7 +60,7 @@ build_package() {
 }
 
 # configure_for_clang: the folder of the build that scripts/check_clang and scripts/check_tidy share. It is
-# for what clang says of the code; nothing of it is run.
+# for the warnings of clang; its programs are not run.
 configure_for_clang() {
   build=${build}_clang
   source_ros
@@ -71,7 +71,7 @@ configure_for_clang() {
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
 }
 
-# logged FILE COMMAND ...: the output goes to a file; a terminal shows meanwhile how far it is; its
+# logged FILE COMMAND ...: the output goes to a file; a terminal shows the progress meanwhile; its
 # end is shown if the command fails
 logged() {
   local log=$build/$1
@@ -84,7 +84,7 @@ logged() {
   fi || { tail -n 60 "$log"; echo "Failed; all of the output: $log" >&2; return 1; }
 }
 
-# show_progress FILE: writes its input to a file, and the newest line that tells of progress (of make,
+# show_progress FILE: writes its input to a file, and the newest line about progress (of make,
 # of apt-get, of a test program) to standard error, each over the one before
 show_progress() {
   local line columns

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Holds that every numeric constant has a comment: what it is, in which unit, where its value comes from.
+"""Checks that every numeric constant has a comment: meaning, unit, origin of the value.
 
 The comment stands in a line of the constant, or above it or its group of constants one below another.
 A constant that is made of others, without a number of its own, needs none.

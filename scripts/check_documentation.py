@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run the commands of README.md, CONTRIBUTING.md and doc/ as they are written, and look up what the pages name.
+"""Run the commands of README.md, CONTRIBUTING.md and doc/ as they are written, and check the names in the pages.
 
 Each command of a bash block is run in a folder that holds a short simulated drive under the names that
 the pages use (drive.bag, SESSION, monday, ...), with a home and a ROS master of its own. It fails when
@@ -213,7 +213,7 @@ class Block:
             self.problems.add(command, 'does not start', log.read_text(errors='replace'))
 
     def _is_up(self, text, process):
-        """Whether what the command offers is there, in the end."""
+        """Whether the service of the command is available in the end."""
         if text.startswith('roslaunch'):
             asked, wanted = ['rosservice', 'list'], {'/optimize_map', '/save_map'}
             if 'DISPLAY' in self.environment and 'rviz:=false' not in text:
@@ -275,7 +275,7 @@ class Commands:
 
     @staticmethod
     def _is_command(span):
-        """Inline code without what a reader has to fill in."""
+        """Inline code without placeholders."""
         return re.match(r'^(rosrun|rosservice|rosbag) \S+ ', span) and not re.search(r'\.\.\.|[\[<|]', span)
 
     def _is_run(self, command):
@@ -409,7 +409,7 @@ class Names:
 
 
 def clean_environment(home):
-    """Only what a terminal has after `source scripts/setup.bash`."""
+    """The environment of a terminal after `source scripts/setup.bash` only."""
     kept = {name: os.environ[name] for name in
             ('PATH', 'DISPLAY', 'XAUTHORITY', 'XDG_RUNTIME_DIR', 'LIBGL_ALWAYS_SOFTWARE', 'QT_X11_NO_MITSHM',
              'LIDAR_MAPPING_BUILD')
@@ -422,7 +422,7 @@ def clean_environment(home):
 
 
 def check_the_check(environment, folder):
-    """A page of faults, each of which says what is to be found; stops if one is overlooked."""
+    """Check a page of faults, each with the expected finding; stops if one is not found."""
     page = Page(FAULTY_PAGE, str(FAULTY_PAGE.relative_to(ROOT)))
     with open(os.devnull, 'w') as nothing, contextlib.redirect_stdout(nothing):
         problems = Problems()

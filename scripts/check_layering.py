@@ -15,7 +15,7 @@ CONFIGURED = {'common', 'config'}
 MATCHING = CONFIGURED | {'registration'}
 DRIVING = MATCHING | {'front_end', 'preprocessing'}
 MAPPING = DRIVING | {'loop_closing', 'pose_graph', 'back_end', 'session'}
-# From the ground up: what a stage is, and the stages that it may include.
+# From the bottom to the top: purpose of a stage, and the stages that it may include.
 STAGES = {
     'common': ('time, poses, point clouds, covariances, units, voxel keys, errors', set()),
     'config': ('fields, YAML files, checks', {'common'}),

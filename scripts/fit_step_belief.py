@@ -18,7 +18,7 @@ import csv
 
 import numpy as np
 
-# Name and least value of what counts by its logarithm; None: it counts as it is.
+# Name and smallest value of a column of which the logarithm is used; None: the value itself is used.
 FEATURES = (
     ('sigma', 1e-4),
     ('sigma_angle', 1e-5),
@@ -112,13 +112,13 @@ def weights(table):
 
 
 def standardised(x):
-    """Columns with mean 0 and deviation 1 but the first, and what undoes that to coefficients."""
+    """Normalise all columns but the first to mean 0 and deviation 1; return them and the inverse for coefficients."""
     mean, scale = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-6)
     mean[0], scale[0] = 0.0, 1.0
 
     def undo(beta):
         result = beta / scale
-        # What never varies says nothing.
+        # A constant column has no information.
         result[1:][scale[1:] <= 1e-6] = 0.0
         result[0] -= (result * mean)[1:].sum()
         return result
@@ -236,7 +236,7 @@ def report_states(table, said):
 
 
 def check(table, plot):
-    """What the tables say against what is true."""
+    """Compare the predictions of the tables with the true errors."""
     report('right within three standard deviations', table['probability'], is_right(table))
     report_states(table, np.isin(table['state'], ('doubtful', 'degraded')))
     if plot:

@@ -78,9 +78,9 @@ def draw_loops(axis, report, at, verdict, label, **style):
 def draw_doubt(axis, report, trajectory):
     """Stretches of the way that are doubtful, under the trajectory."""
     labels = {True: 'doubtful', False: 'not to be trusted'}
-    for stretch in sorted(report['doubt']['stretches'], key=lambda s: not s['trusted']):
-        rows = slice(stretch['rows'][0], stretch['rows'][1] + 1)
-        trusted = stretch['trusted']
+    for section in sorted(report['doubt']['stretches'], key=lambda s: not s['trusted']):
+        rows = slice(section['rows'][0], section['rows'][1] + 1)
+        trusted = section['trusted']
         axis.plot(trajectory['x'][rows], trajectory['y'][rows], '-',
                   color=YELLOW if trusted else RED, linewidth=6, alpha=0.55, solid_capstyle='round',
                   label=labels.pop(trusted, None), zorder=1.5)
@@ -115,7 +115,7 @@ def plan(report, trajectory):
 
 
 def widen(axis, least):
-    """Let the axis show at least so much: what is smaller is rounding, and no figure."""
+    """Let the axis show at least this range, because smaller values are rounding errors."""
     low, high = axis.get_ylim()
     if high - low < least:
         middle = 0.5 * (low + high)
@@ -149,12 +149,12 @@ def histogram(values, xlabel, least, colour=BLUE):
     return embedded(figure)
 
 
-def ghost_plan(report, trajectory):
+def misalignment_plan(report, trajectory):
     """Where the map was driven twice, and how far the passes lie apart."""
     figure, axis = plt.subplots(figsize=plan_size(trajectory))
     axis.plot(trajectory['x'], trajectory['y'], color='#cbd2d9', linewidth=1.2)
-    places = np.array([ghost['position'][:2] for ghost in report['ghosts']])
-    sizes = 1000.0 * np.array([ghost['size_m'] for ghost in report['ghosts']])
+    places = np.array([one['position'][:2] for one in report['ghosts']])
+    sizes = 1000.0 * np.array([one['size_m'] for one in report['ghosts']])
     dots = axis.scatter(places[:, 0], places[:, 1], c=sizes, s=42, cmap='viridis_r', vmin=0,
                         vmax=max(20.0, sizes.max()), edgecolors='white', linewidths=0.6, zorder=3)
     for number, place in enumerate(places[:6]):
@@ -239,7 +239,7 @@ def pictures(report, data_directory):
             [(uncertainty['distance'], uncertainty['sigma_m'], BLUE, None, '-')],
             'standard deviation (m)', 0.01, from_zero=True)
     if report['ghosts']:
-        images['ghosts'] = ghost_plan(report, trajectory)
+        images['ghosts'] = misalignment_plan(report, trajectory)
     if report['truth']:
         truth = table(report['truth'])
         images['truth'] = along([(truth['distance'], 1000.0 * truth['error_m'], RED, None, '-')],

@@ -18,7 +18,7 @@ TRUTH, ESTIMATE, ERROR = '0.55', '#0b6fb8', '#c2410c'
 
 
 def plan_height(points):
-    """Height in inches of a plan that is 11 inches wide, within what a page bears."""
+    """Height in inches of a plan that is 11 inches wide, within the limits of a page."""
     width, depth = np.ptp(points[:, :2], axis=0)
     return float(np.clip(11.0 * depth / max(width, 1.0), 2.5, 8.0))
 

@@ -177,7 +177,7 @@ def evaluate(session, truth, variants):
 
 
 def map_again(bag, folder, played):
-    """Map the same bag in one process; return the times that it tells."""
+    """Map the same bag in one process; return the times that it reports."""
     say('Mapping the same bag without waiting')
     shutil.rmtree(folder, ignore_errors=True)
     figures = folder.with_suffix('.json')
