@@ -73,8 +73,10 @@ void print(const std::vector<map_quality::PassMisalignment>& misalignments, std:
     std::printf("no place was driven twice, so only local quality could be judged\n");
     return;
   }
-  std::printf("%zu places were driven twice; position of the later pass relative to the earlier one, worst first:\n",
-              misalignments.size());
+  std::printf(
+      "%zu places were driven twice; position of the later pass relative to the earlier one, worst "
+      "first:\n",
+      misalignments.size());
   std::printf("  key frame       x       y   along mm  left mm   up mm  yaw deg  planes\n");
   for (std::size_t i = 0; i < std::min(places, misalignments.size()); ++i) {
     const map_quality::PassMisalignment& misalignment = misalignments[i];

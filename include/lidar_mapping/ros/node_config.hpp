@@ -44,7 +44,7 @@ template <typename StageConfig>
 struct LidarNodeConfig {
   /// Parameters that every node has.
   NodeFields node;
-  /// Frame of the LiDAR in tf; its position is that from which points were measured. May be empty.
+  /// Frame of the LiDAR in tf, from whose position points were measured; may be empty.
   std::string lidar_frame;
   /// Parameters of the stage.
   StageConfig stage;
@@ -55,9 +55,9 @@ struct LidarNodeConfig {
         config::Schema<LidarNodeConfig>(StageConfig::schema().stage(),
                                         StageConfig::schema().summary())
             .include(&LidarNodeConfig::node, NodeFields::schema())
-            .text("lidar_frame", &LidarNodeConfig::lidar_frame,
-                  "Frame of the LiDAR in tf, whose place is where points were seen from; may be "
-                  "empty.")
+            .text(
+                "lidar_frame", &LidarNodeConfig::lidar_frame,
+                "Frame of the LiDAR in tf, from whose position points were measured; may be empty.")
             .include(&LidarNodeConfig::stage, StageConfig::schema());
     return schema;
   }
