@@ -139,40 +139,7 @@ class RecordingValidator {
   std::string damage_;  ///< reason of one of them
 };
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " or ") + word;
-  return text;
-}
-
-/// Checks that a requested topic exists; without a request takes the usual topic if it exists.
-void resolve_topic(std::string& wanted, const std::string& usual,
-                   const std::vector<std::string>& types, const BagSet& bags) {
-  if (wanted.empty()) {
-    if (bags.has(usual, types)) wanted = usual;
-  } else if (!bags.has(wanted, types)) {
-    throw InputError("there is no topic " + wanted + " of type " + joined(types) +
-                     " in the bags; rosbag info shows what there is");
-  }
-}
-
 }  // namespace
-
-SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
-  resolve_topic(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
-  resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
-  resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
-  resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
-  const std::vector<std::string> clouds = cloud_topics(bags);
-  if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
-  const auto fill = [&](std::string& topic, const std::string& type) {
-    if (topic.empty()) topic = busiest_topic(bags, type);
-  };
-  fill(wanted.imu, "sensor_msgs/Imu");
-  fill(wanted.velocity, velocity_types().front());
-  for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
-  return wanted;
-}
 
 std::vector<InputReport> check(const RecordingCheck& recording,
                                const preprocessing::PreprocessingConfig& config) {

@@ -10,6 +10,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
+#include "lidar_mapping/ros/sensor_inputs.hpp"
 
 #include "point_fields.hpp"
 
@@ -40,6 +41,23 @@ Kind kind_of(const CloudView& cloud) try {
   return find_any_field(cloud, kIntensityNames) ? Kind::kReflecting : Kind::kUnknown;
 } catch (const InputError&) {
   return Kind::kUnknown;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " or ") + word;
+  return text;
+}
+
+/// Checks that a requested topic exists; without a request takes the usual topic if it exists.
+void resolve_topic(std::string& wanted, const std::string& usual,
+                   const std::vector<std::string>& types, const BagSet& bags) {
+  if (wanted.empty()) {
+    if (bags.has(usual, types)) wanted = usual;
+  } else if (!bags.has(wanted, types)) {
+    throw InputError("there is no topic " + wanted + " of type " + joined(types) +
+                     " in the bags; rosbag info shows what there is");
+  }
 }
 
 }  // namespace
@@ -84,6 +102,22 @@ std::vector<std::string> cloud_topics(const BagSet& bags) {
   std::vector<std::string> topics;
   for (const Candidate& candidate : candidates) topics.push_back(std::get<2>(candidate));
   return topics;
+}
+
+SensorTopics topics_in(const BagSet& bags, SensorTopics wanted) {
+  resolve_topic(wanted.points, "/kitti/velo/pointcloud", {"sensor_msgs/PointCloud2"}, bags);
+  resolve_topic(wanted.imu, "/kitti/oxts/imu", {"sensor_msgs/Imu"}, bags);
+  resolve_topic(wanted.velocity, "/kitti/oxts/gps/vel", velocity_types(), bags);
+  resolve_topic(wanted.gnss, "/kitti/oxts/gps/fix", gnss_types(), bags);
+  const std::vector<std::string> clouds = cloud_topics(bags);
+  if (wanted.points.empty() && !clouds.empty()) wanted.points = clouds.front();
+  const auto fill = [&](std::string& topic, const std::string& type) {
+    if (topic.empty()) topic = busiest_topic(bags, type);
+  };
+  fill(wanted.imu, "sensor_msgs/Imu");
+  fill(wanted.velocity, velocity_types().front());
+  for (const std::string& type : gnss_types()) fill(wanted.gnss, type);
+  return wanted;
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -10,20 +10,34 @@
 
 namespace lidar_mapping::ros_border {
 
-/// What this package's nodes, and its simulator, publish with the types of sensors' messages,
-/// without namespace: it may be in a recording, and is no sensor.
+/// Topics of the sensors; empty if there is none.
+struct SensorTopics {
+  std::string points;    ///< sensor_msgs/PointCloud2
+  std::string imu;       ///< sensor_msgs/Imu
+  std::string velocity;  ///< one of velocity_types()
+  std::string gnss;      ///< one of gnss_types()
+};
+
+/// Topics, without namespace, that this package's nodes and its simulator publish with the types of
+/// sensors' messages. They may be in a recording, but belong to no sensor.
 const std::vector<std::string>& own_outputs();
 
-/// The topic of that type with most messages, not counting what this package publishes; empty if
+/// The topic of that type with most messages, without those that this package publishes; empty if
 /// there is none.
 std::string busiest_topic(const BagSet& bags, const std::string& type);
 
-/// The first cloud of a topic that can be read; nothing if there is none.
+/// The first readable cloud of a topic; empty if there is none.
 std::optional<RecordedCloud> first_cloud(const BagSet& bags, const std::string& topic);
 
-/// Topics of sensor_msgs/PointCloud2, that which is most likely a LiDAR's first: clouds whose
-/// points have times or rings before clouds with intensities and those before others (depth
-/// cameras, radars), among equals the one with most data. What this package publishes is left out.
+/// Topics of sensor_msgs/PointCloud2, the one most likely of a LiDAR first: clouds whose points
+/// have times or rings before clouds with intensities and those before others (depth cameras,
+/// radars), among equals the one with most data. Topics that this package publishes are left out.
 std::vector<std::string> cloud_topics(const BagSet& bags);
+
+/// Completes `wanted`: each sensor without a topic gets that of the launch file if the bags have
+/// it, else the topic of its type with most messages; for clouds that which is most likely a
+/// LiDAR's, see cloud_topics(). Throws InputError if a requested topic does not exist with such a
+/// type.
+SensorTopics topics_in(const BagSet& bags, SensorTopics wanted = {});
 
 }  // namespace lidar_mapping::ros_border
