@@ -24,21 +24,21 @@ std::string warning_on(const DoubtfulSection& section, const DriveDoubt& drive) 
   const double end = to_seconds(section.end - drive.begin);
   if (section.doubt == Doubt::kLost) {
     return text(
-        "Do not trust how the parts of this map lie to each other: at %.1f s (%.0f m of %.0f m of "
-        "way) the odometry was lost, and no loop or GNSS joins what came before and after",
+        "Do not trust the relative pose of the parts of this map: at %.1f s (%.0f m of %.0f m of "
+        "path) the odometry was lost, and no loop or GNSS connects the parts before and after",
         begin, section.path_begin, drive.path_length);
   }
   if (section.doubt != Doubt::kDegenerate) {
     return text(
-        "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of way): %zu of its "
-        "steps "
-        "are %s, and nothing else holds it there; expected error %.*f m",
+        "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of path): %zu of its "
+        "steps are %s, and no other constraint corrects them; expected error %.*f m",
         begin, end, section.path_length, drive.path_length, section.scans, to_string(section.doubt),
         section.expected_error < 3.0 ? 1 : 0, section.expected_error);
   }
   return text(
-      "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of way): nothing observed "
-      "the motion along the way; expected error %.*f m",
+      "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of path): nothing "
+      "observed "
+      "the motion along the path; expected error %.*f m",
       begin, end, section.path_length, drive.path_length, section.expected_error < 3.0 ? 1 : 0,
       section.expected_error);
 }

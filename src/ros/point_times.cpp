@@ -19,8 +19,8 @@ using sensor_msgs::PointField;
 
 /// Limits of the time span of a scan relative to its period; outside of them the times have another
 /// unit.
-constexpr double kShortestShare = 0.1;
-constexpr double kLongestShare = 2.5;
+constexpr double kMinSpanRatio = 0.1;
+constexpr double kMaxSpanRatio = 2.5;
 /// Largest difference of absolute times of the same clock from the stamp, s.
 constexpr double kSameClock = 2.0;
 
@@ -30,7 +30,7 @@ struct Unit {
 };
 constexpr std::array<Unit, 4> kUnits = {{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
 
-/// Smallest and largest finite value of a field, as it is written.
+/// Smallest and largest finite value of a field, in its own unit.
 struct Bounds {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
@@ -54,13 +54,14 @@ std::optional<Unit> configured_unit(PointTimeUnit unit) {
   return kUnits[static_cast<std::size_t>(unit) - 1];
 }
 
-/// The unit in which the times span about a turn; where none does, the usual one of the type.
+/// The unit in which the times span about one turn of the LiDAR; if there is none, the usual one of
+/// the type.
 Unit unit_of(const PointField& field, const Bounds& bounds,
              const preprocessing::PreprocessingConfig& config) {
   if (const auto unit = configured_unit(config.point_time_unit)) return *unit;
   for (const Unit& unit : kUnits) {
-    const double share = (bounds.max - bounds.min) * unit.seconds / config.scan_period;
-    if (share > kShortestShare && share < kLongestShare) return unit;
+    const double ratio = (bounds.max - bounds.min) * unit.seconds / config.scan_period;
+    if (ratio > kMinSpanRatio && ratio < kMaxSpanRatio) return unit;
   }
   const bool counts = size_of(field.datatype) == 4 && field.datatype != PointField::FLOAT32;
   return counts ? kUnits[3] : kUnits[0];
@@ -101,7 +102,7 @@ void decode_times(const CloudView& message, const PointField& field,
     return;
   }
   const Unit unit = unit_of(field, bounds, config);
-  const double longest = kLongestShare * config.scan_period;
+  const double longest = kMaxSpanRatio * config.scan_period;
   const double first = bounds.min * unit.seconds;
   const double from_stamp = since_stamp(bounds.min, unit.seconds, message.header.stamp);
   CloudFormat& format = result.format;

@@ -74,9 +74,10 @@ void add_arguments(CLI::App& app, MappingOptions& options) {
                "end with status 0 even if parts of the map cannot be trusted");
   app.add_option("--figures", options.figures, "write times and counts to this JSON file");
   app.footer(
-      "exit status: 0 all is well; 1 no map, the message says why; 3 stopped early by Ctrl-C, what "
-      "was mapped is whole; 4 parts of the map cannot be trusted (said at the end, and in "
-      "doubt.csv), unless --allow-doubt; 130 ended at once by a second Ctrl-C");
+      "exit status: 0 success; 1 no map, the message has the reason; 3 stopped early by Ctrl-C, "
+      "with "
+      "a complete map of the drive so far; 4 parts of the map cannot be trusted (listed at the end "
+      "and in doubt.csv), unless --allow-doubt; 130 ended at once by a second Ctrl-C");
 }
 
 }  // namespace

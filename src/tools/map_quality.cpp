@@ -209,7 +209,7 @@ void judge(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Tells how good the map of a session is, without truth"};
+  CLI::App app{"Measures the quality of the map of a session, without truth"};
   Options options;
   app.add_option("session", options.session, "folder of the session, or a folder with `latest`")
       ->required();

@@ -150,7 +150,7 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Odometry over simulated drives with faults: drift, wrong steps, what was said"};
+  CLI::App app{"Odometry over simulated drives with faults: drift, wrong steps, reported states"};
   Options options;
   app.add_option("--lidars", options.lidars, "sensors, with commas between")
       ->check(CLI::IsMember(simulation::lidar_names()))

@@ -120,8 +120,8 @@ TEST(DriveDoubt, DoesNotTrustUnobservedTravel) {
   EXPECT_LT((section.position - position_of(100)).norm(), 1.0);
   ASSERT_EQ(warnings(doubt).size(), 1U);
   EXPECT_EQ(warnings(doubt).front(),
-            "Do not trust this map between 10.0 s and 29.9 s (200 m of 399 m of way): nothing "
-            "observed the motion along the way; expected error 10 m");
+            "Do not trust this map between 10.0 s and 29.9 s (200 m of 399 m of path): nothing "
+            "observed the motion along the path; expected error 10 m");
 }
 
 TEST(DriveDoubt, TrustsUnobservedTravelConstrainedByLoops) {
@@ -217,8 +217,8 @@ TEST(DriveDoubt, DoesNotTrustUnconnectedParts) {
   EXPECT_FALSE(doubt.sections.front().is_trusted);
   EXPECT_TRUE(std::isinf(doubt.sections.front().expected_error));
   EXPECT_EQ(warnings(doubt).front(),
-            "Do not trust how the parts of this map lie to each other: at 10.0 s (99 m of 399 m "
-            "of way) the odometry was lost, and no loop or GNSS joins what came before and after");
+            "Do not trust the relative pose of the parts of this map: at 10.0 s (99 m of 399 m of "
+            "path) the odometry was lost, and no loop or GNSS connects the parts before and after");
   EXPECT_TRUE(doubt_of(drive, {loop_between(40, 80), loop_between(44, 84)}).is_trusted());
 }
 
