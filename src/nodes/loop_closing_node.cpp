@@ -75,8 +75,7 @@ class LoopClosingNode {
   std::size_t runs_ = 0;
   std::unique_ptr<Run> run_;
   KeyFrameClient back_end_;
-  std::optional<RunState>
-      stored_run_;  ///< stored state of a resumed run, until its old key frames are restored
+  std::optional<RunState> stored_run_;  ///< of a resumed run, until its key frames are restored
   std::size_t accepted_ = 0;
   std::size_t refused_ = 0;
   LineLimiter loop_log_;

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "solver_queue.hpp"
+#include "temporary_folder.hpp"
+
+namespace lidar_mapping::ros_border {
+namespace {
+
+OptimizeMap::Response response(const std::string& message) {
+  OptimizeMap::Response response;
+  response.message = message;
+  return response;
+}
+
+class SolverQueueOfARun : public testing::Test {
+ protected:
+  /// Adds a request and returns its future answer.
+  std::future<OptimizeMap::Response> request() {
+    SolverQueue::Answer answer;
+    std::future<OptimizeMap::Response> future = answer.get_future();
+    queue_.add_request(std::move(answer));
+    return future;
+  }
+
+  test::TemporaryFolder folder_;
+  std::shared_ptr<pipeline::RecordedBackEnd> run_ = std::make_shared<pipeline::RecordedBackEnd>(
+      session::Session::create_in(folder_.path() / "session"), back_end::BackEndConfig());
+  std::promise<SolvedProblem> solved_;
+  Worker worker_{[](const std::string&, const std::string&) {}};
+  SolverQueue queue_{worker_, [this](const SolvedProblem& solved) { solved_.set_value(solved); }};
+};
+
+// A request has to be answered with data that were there when it came.
+TEST_F(SolverQueueOfARun, AnswersARequestAfterTheNextOptimization) {
+  auto before = request();
+  queue_.solve(run_, true);
+  EXPECT_TRUE(queue_.is_solving());
+  auto during = request();
+  const SolvedProblem solved = solved_.get_future().get();
+  EXPECT_EQ(solved.run, run_);
+  EXPECT_TRUE(solved.solution != nullptr || !solved.failure.empty());
+  queue_.finish();
+  EXPECT_FALSE(queue_.is_solving());
+  queue_.answer(response("first"));
+  EXPECT_EQ(before.get().message, "first");
+  EXPECT_TRUE(queue_.has_requests());
+  queue_.answer(response("second"));
+  EXPECT_EQ(during.get().message, "second");
+  EXPECT_FALSE(queue_.has_requests());
+}
+
+TEST_F(SolverQueueOfARun, CallersOfDroppedRequestsGetAnError) {
+  auto answer = request();
+  queue_.drop_requests();
+  EXPECT_FALSE(queue_.has_requests());
+  EXPECT_THROW(answer.get(), std::future_error);
+}
+
+}  // namespace
+}  // namespace lidar_mapping::ros_border
