@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
+#include "lidar_mapping/common/formatted.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -12,30 +11,23 @@ namespace {
 /// More sentences would not be read; the file holds all sections.
 constexpr std::size_t kMaxWarnings = 2;
 
-template <typename... Values>
-std::string text(const char* format, Values... values) {
-  std::array<char, 320> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return buffer.data();
-}
-
 std::string warning_on(const DoubtfulSection& section, const DriveDoubt& drive) {
   const double begin = to_seconds(section.begin - drive.begin);
   const double end = to_seconds(section.end - drive.begin);
   if (section.doubt == Doubt::kLost) {
-    return text(
+    return formatted(
         "Do not trust the relative pose of the parts of this map: at %.1f s (%.0f m of %.0f m of "
         "path) the odometry was lost, and no loop or GNSS connects the parts before and after",
         begin, section.path_begin, drive.path_length);
   }
   if (section.doubt != Doubt::kDegenerate) {
-    return text(
+    return formatted(
         "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of path): %zu of its "
         "steps are %s, and no other constraint corrects them; expected error %.*f m",
         begin, end, section.path_length, drive.path_length, section.scans, to_string(section.doubt),
         section.expected_error < 3.0 ? 1 : 0, section.expected_error);
   }
-  return text(
+  return formatted(
       "Do not trust this map between %.1f s and %.1f s (%.0f m of %.0f m of path): nothing "
       "observed "
       "the motion along the path; expected error %.*f m",
@@ -52,8 +44,8 @@ std::string section_counts(const DriveDoubt& drive, Doubt doubt) {
     ++section_count;
   }
   if (section_count == 0) return {};
-  return text("%zu %s %s in %zu %s", scans, scans == 1 ? "scan" : "scans", to_string(doubt),
-              section_count, section_count == 1 ? "place" : "places");
+  return formatted("%zu %s %s in %zu %s", scans, scans == 1 ? "scan" : "scans", to_string(doubt),
+                   section_count, section_count == 1 ? "place" : "places");
 }
 
 }  // namespace
@@ -73,7 +65,7 @@ std::vector<std::string> warnings(const DriveDoubt& doubt) {
   }
   if (worst.size() > kMaxWarnings) {
     messages.push_back(
-        text("There are %zu more such sections in doubt.csv", worst.size() - kMaxWarnings));
+        formatted("There are %zu more such sections in doubt.csv", worst.size() - kMaxWarnings));
   }
   return messages;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <cstdio>
+
+#include "lidar_mapping/common/formatted.hpp"
 
 #include "report_figures.hpp"
 
@@ -20,13 +21,6 @@ constexpr double kMaxSigma = 0.5;               // m
 constexpr double kMaxGnssSigmas = 4.0;          // 95 % of the residuals, against the stated sigma
 constexpr double kMinGnssResidual = 0.1;        // m, never called too much
 
-template <typename... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[240];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 /// A row of the report; `limit` describes good values.
 json::Json line(const char* name, const std::string& value, const json::Json& good,
                 const std::string& note, const std::string& limit = "") {
@@ -40,12 +34,14 @@ json::Json thickness_line(const char* name, const json::Json& thickness) {
   const double from_poses = median / std::max(within, 1e-6);
   const json::Json& ratio = thickness["median_ratio_to_noise"];
   const bool good = from_poses < kMaxPoseRatio && (ratio.is_null() || ratio < kMaxRatio);
-  const std::string value = text("%.1f mm", 1000.0 * median);
-  const std::string own = text("single passes of a few metres alone: %.1f mm", 1000.0 * within);
-  const std::string ratio_limit = text("below %.1f times that of single passes", kMaxPoseRatio);
+  const std::string value = formatted("%.1f mm", 1000.0 * median);
+  const std::string own =
+      formatted("single passes of a few metres alone: %.1f mm", 1000.0 * within);
+  const std::string ratio_limit =
+      formatted("below %.1f times that of single passes", kMaxPoseRatio);
   if (ratio.is_null()) return line(name, value, good, own, ratio_limit);
-  return line(name, value + text(", %.2f of the noise", ratio.get<double>()), good, own,
-              text("below %.1f of the noise and ", kMaxRatio) + ratio_limit);
+  return line(name, value + formatted(", %.2f of the noise", ratio.get<double>()), good, own,
+              formatted("below %.1f of the noise and ", kMaxRatio) + ratio_limit);
 }
 
 bool is_beyond_limits(const json::Json& misalignment) {
@@ -65,11 +61,12 @@ json::Json misalignment_line(const json::Json& misalignments) {
   for (const json::Json& one : misalignments) beyond += is_beyond_limits(one) ? 1 : 0;
   const double worst = misalignments.front()["size_m"];
   const double median = misalignments[misalignments.size() / 2]["size_m"];
-  return line(
-      name, text("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst), beyond == 0,
-      text("%zu places, %zu of them beyond the limits", misalignments.size(), beyond),
-      text("below %.0f mm aside and up, %.0f mm along, %.1f deg", 1000.0 * kMaxMisalignmentAside,
-           1000.0 * kMaxMisalignmentAlong, kMaxMisalignmentYaw));
+  return line(name, formatted("%.0f mm apart, worst %.0f mm", 1000.0 * median, 1000.0 * worst),
+              beyond == 0,
+              formatted("%zu places, %zu of them beyond the limits", misalignments.size(), beyond),
+              formatted("below %.0f mm aside and up, %.0f mm along, %.1f deg",
+                        1000.0 * kMaxMisalignmentAside, 1000.0 * kMaxMisalignmentAlong,
+                        kMaxMisalignmentYaw));
 }
 
 json::Json loop_line(const json::Json& loops) {
@@ -78,11 +75,11 @@ json::Json loop_line(const json::Json& loops) {
   const std::size_t refused = loops["refused_or_undecided"];
   const double worst = loops["max_residual_m"];
   const std::string note =
-      text("%zu dropped by the graph, %zu refused or undecided", dropped, refused);
+      formatted("%zu dropped by the graph, %zu refused or undecided", dropped, refused);
   if (used + dropped == 0) return line("Loops", "none", nullptr, note);
-  return line("Loops", text("%zu used, residual up to %.0f mm", used, 1000.0 * worst),
+  return line("Loops", formatted("%zu used, residual up to %.0f mm", used, 1000.0 * worst),
               dropped == 0 && worst < kMaxLoopResidual, note,
-              text("none dropped, residuals below %.0f mm", 1000.0 * kMaxLoopResidual));
+              formatted("none dropped, residuals below %.0f mm", 1000.0 * kMaxLoopResidual));
 }
 
 json::Json gnss_line(const json::Json& gnss) {
@@ -90,13 +87,14 @@ json::Json gnss_line(const json::Json& gnss) {
   const double residual = gnss["p95_horizontal_m"];
   const double stated = gnss["median_stated_sigma_m"];
   const double limit = std::max(kMinGnssResidual, kMaxGnssSigmas * stated);
-  return line("GNSS",
-              text("%.0f mm horizontally in the median, 95 %% below %.0f mm",
-                   1000.0 * gnss["median_horizontal_m"].get<double>(), 1000.0 * residual),
-              residual < limit,
-              text("stated standard deviation %.0f mm; %s", 1000.0 * stated,
-                   gnss["used_by_graph"] ? "used by the graph" : "not used, aligned to the map"),
-              text("95 %% below %.0f mm", 1000.0 * limit));
+  return line(
+      "GNSS",
+      formatted("%.0f mm horizontally in the median, 95 %% below %.0f mm",
+                1000.0 * gnss["median_horizontal_m"].get<double>(), 1000.0 * residual),
+      residual < limit,
+      formatted("stated standard deviation %.0f mm; %s", 1000.0 * stated,
+                gnss["used_by_graph"] ? "used by the graph" : "not used, aligned to the map"),
+      formatted("95 %% below %.0f mm", 1000.0 * limit));
 }
 
 json::Json odometry_line(const json::Json& report) {
@@ -110,46 +108,46 @@ json::Json odometry_line(const json::Json& report) {
     return line(name, "not known", nullptr,
                 "the map is the odometry: no loop and no GNSS position corrected it");
   }
-  return line(name, text("up to %.2f m apart", farthest), farthest < limit,
-              text("up to %.2f m in height, over %.0f m", vertical, length),
-              text("below %.1f m on a path of this length", limit));
+  return line(name, formatted("up to %.2f m apart", farthest), farthest < limit,
+              formatted("up to %.2f m in height, over %.0f m", vertical, length),
+              formatted("below %.1f m on a path of this length", limit));
 }
 
 json::Json scan_line(const json::Json& scans) {
   const std::size_t all = scans["scans"];
   const std::size_t dropped = scans["dropped"];
   const std::size_t tracked = scans["states"].value("tracking", std::size_t{0});
-  return line("Scans", text("%zu, %zu of them tracked", all, tracked),
-              dropped == 0 && tracked == all, text("%zu dropped", dropped),
+  return line("Scans", formatted("%zu, %zu of them tracked", all, tracked),
+              dropped == 0 && tracked == all, formatted("%zu dropped", dropped),
               "all tracked, none dropped");
 }
 
 /// Name and position of a key frame in words.
 std::string place(const json::Json& of) {
-  return text("key frame %u at %.1f, %.1f", of["key_frame"].get<unsigned>(), of["x"].get<double>(),
-              of["y"].get<double>());
+  return formatted("key frame %u at %.1f, %.1f", of["key_frame"].get<unsigned>(),
+                   of["x"].get<double>(), of["y"].get<double>());
 }
 
 json::Json uncertainty_line(const json::Json& uncertainty) {
   const char* name = "Pose uncertainty";
   const json::Json& gap = uncertainty["longest_without_constraint"];
-  const std::string note = text("longest path without loop or GNSS: %.0f m, from %.0f m on",
-                                gap["length_m"].get<double>(), gap["begin_m"].get<double>());
-  const std::string limit =
-      text("below %.1f m, all tied and none doubtful; loops or GNSS on that path make it smaller",
-           kMaxSigma);
+  const std::string note = formatted("longest path without loop or GNSS: %.0f m, from %.0f m on",
+                                     gap["length_m"].get<double>(), gap["begin_m"].get<double>());
+  const std::string limit = formatted(
+      "below %.1f m, all tied and none doubtful; loops or GNSS on that path make it smaller",
+      kMaxSigma);
   const json::Json& first = uncertainty["largest"];
   const json::Json& step = uncertainty["largest_step"];
   if (first.is_null() || step.is_null()) return line(name, "not known", nullptr, note);
   const double sigma = first["sigma_m"];
-  std::string value = text("standard deviation up to %.2f m from the first key frame (%s), ", sigma,
-                           place(first).c_str()) +
-                      text("up to %.2f m from a neighbour (%s)", step["sigma_m"].get<double>(),
-                           place(step).c_str());
+  std::string value = formatted("standard deviation up to %.2f m from the first key frame (%s), ",
+                                sigma, place(first).c_str()) +
+                      formatted("up to %.2f m from a neighbour (%s)", step["sigma_m"].get<double>(),
+                                place(step).c_str());
   const std::size_t not_tied = uncertainty["not_tied"];
   const std::size_t doubtful = uncertainty["doubtful"];
-  if (not_tied > 0) value += text("; %zu key frames are not tied to the first", not_tied);
-  if (doubtful > 0) value += text("; %zu are doubtful", doubtful);
+  if (not_tied > 0) value += formatted("; %zu key frames are not tied to the first", not_tied);
+  if (doubtful > 0) value += formatted("; %zu are doubtful", doubtful);
   return line(name, value, sigma < kMaxSigma && not_tied == 0 && doubtful == 0, note, limit);
 }
 
@@ -171,25 +169,27 @@ json::Json doubt_line(const json::Json& doubt) {
   }
   if (worst == nullptr) {
     return line(name, "all along", true,
-                text("%zu remarks in doubt.csv", doubt["stretches"].size()), limit);
+                formatted("%zu remarks in doubt.csv", doubt["stretches"].size()), limit);
   }
   const json::Json& error = (*worst)["error_m"];
   const std::string value =
       error.is_null()
-          ? text("lost at %.1f s, parts not connected", (*worst)["begin_s"].get<double>())
-          : text("not between %.1f and %.1f s, error %.1f m", (*worst)["begin_s"].get<double>(),
-                 (*worst)["end_s"].get<double>(), error.get<double>());
-  return line(name, value, false, text("%zu sections cannot be trusted", untrusted), limit);
+          ? formatted("lost at %.1f s, parts not connected", (*worst)["begin_s"].get<double>())
+          : formatted("not between %.1f and %.1f s, error %.1f m",
+                      (*worst)["begin_s"].get<double>(), (*worst)["end_s"].get<double>(),
+                      error.get<double>());
+  return line(name, value, false, formatted("%zu sections cannot be trusted", untrusted), limit);
 }
 
 json::Json truth_line(const json::Json& truth) {
-  return line("Against the truth",
-              text("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
-                   1000.0 * truth["ape_max_m"].get<double>()),
-              nullptr,
-              text("after rigid alignment; RPE over %.0f m %.1f mm, %.3f deg",
-                   truth["rpe_delta_m"].get<double>(), 1000.0 * truth["rpe_rmse_m"].get<double>(),
-                   truth["rpe_rmse_deg"].get<double>()));
+  return line(
+      "Against the truth",
+      formatted("APE %.0f mm, at most %.0f mm", 1000.0 * truth["ape_rmse_m"].get<double>(),
+                1000.0 * truth["ape_max_m"].get<double>()),
+      nullptr,
+      formatted("after rigid alignment; RPE over %.0f m %.1f mm, %.3f deg",
+                truth["rpe_delta_m"].get<double>(), 1000.0 * truth["rpe_rmse_m"].get<double>(),
+                truth["rpe_rmse_deg"].get<double>()));
 }
 
 }  // namespace

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_figures.hpp"
 
-#include <cstdio>
+#include "lidar_mapping/common/formatted.hpp"
 
 #include "process_memory.hpp"
 
 namespace lidar_mapping::tools {
 
 namespace {
-
-template <typename... Values>
-std::string line(const char* format, Values... values) {
-  char text[240];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 /// Numbers of data that were left out, by cause.
 json::Json left_out(const pipeline::PipelineReport& report) {
@@ -63,15 +56,15 @@ json::Json mapping_figures(const pipeline::PipelineReport& report, double driven
 std::string to_text(const json::Json& figures) {
   const auto& speed = figures["times_real_time"];
   std::string text =
-      line("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\n",
-           figures["scans"].get<std::size_t>(), figures["key_frames"].get<std::size_t>(),
-           figures["loops_used"].get<std::size_t>(), figures["peak_megabytes"].get<double>());
+      formatted("%zu scans, %zu key frames, %zu loops; peak memory %.0f MB\n",
+                figures["scans"].get<std::size_t>(), figures["key_frames"].get<std::size_t>(),
+                figures["loops_used"].get<std::size_t>(), figures["peak_megabytes"].get<double>());
   text += left_out_text(figures["left_out"]) + "processor seconds:";
   for (const auto& [name, seconds] : figures["processor_seconds"].items()) {
-    text += line(" %s %.1f;", name.c_str(), seconds.get<double>());
+    text += formatted(" %s %.1f;", name.c_str(), seconds.get<double>());
   }
   return text +
-         line(
+         formatted(
              "\n%.0f s of driving mapped in %.1f s (%.1f times real time), with the map %.1f s "
              "(%.1f times)\n",
              figures["driven_seconds"].get<double>(), figures["seconds"]["mapping"].get<double>(),

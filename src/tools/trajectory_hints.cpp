@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "lidar_mapping/common/formatted.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
@@ -20,13 +20,6 @@ constexpr double kMaxRemaining = 0.5;      // fraction of the error that remains
 constexpr double kLeastGain_m = 0.02;      // chosen: smaller gains are not worth a hint
 constexpr double kLeastGain_deg = 0.5;     // chosen, as above
 constexpr double kLeastLeverArm_m = 0.05;  // chosen: about what is measured by hand
-
-template <typename... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 double position_error(const Pairs& pairs) { return absolute_pose_error(pairs).translation_m.rmse; }
 double angle_error(const Pairs& pairs) { return absolute_pose_error(pairs).rotation_deg.rmse; }
@@ -76,11 +69,11 @@ std::string sentence(const Proposal& proposal, double now) {
   std::string reason = "the trajectories lie in different frames";
   if (proposal.has_lever_arm()) {
     const Eigen::Vector3d& l = proposal.lever_arm;
-    options += text(" --lever-arm %.2f %.2f %.2f", l.x(), l.y(), l.z());
+    options += formatted(" --lever-arm %.2f %.2f %.2f", l.x(), l.y(), l.z());
     reason = "the truth seems to be that of another point of the vehicle";
   }
-  return text("the APE would be %.3f m instead of %.3f m with%s: %s", proposal.error, now,
-              options.c_str(), reason.c_str());
+  return formatted("the APE would be %.3f m instead of %.3f m with%s: %s", proposal.error, now,
+                   options.c_str(), reason.c_str());
 }
 
 /// Roll, pitch and yaw in degrees.
@@ -108,10 +101,10 @@ std::vector<std::string> trajectory_hints(const Pairs& pairs, const AppliedOptio
   const double after = angle_error(moved_on_vehicle(compared, {turn, Eigen::Vector3d::Zero()}));
   if (after > kMaxRemaining * before || after > before - kLeastGain_deg) return hints;
   const Eigen::Vector3d angles = angles_of(turn);
-  hints.push_back(
-      text("the angles would be %.2f deg off instead of %.2f deg with%s --lever-rotation %.1f %.1f "
-           "%.1f: the axes of the truth seem to be others",
-           after, before, best.align ? " --align" : "", angles.x(), angles.y(), angles.z()));
+  hints.push_back(formatted(
+      "the angles would be %.2f deg off instead of %.2f deg with%s --lever-rotation %.1f %.1f "
+      "%.1f: the axes of the truth seem to be others",
+      after, before, best.align ? " --align" : "", angles.x(), angles.y(), angles.z()));
   return hints;
 }
 
