@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <future>
-#include <utility>
 
 #include <sensor_msgs/PointCloud2.h>
 

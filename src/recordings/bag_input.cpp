@@ -10,7 +10,6 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/PointCloud2.h>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"

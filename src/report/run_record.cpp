@@ -2,7 +2,6 @@
 #include "run_record.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <fstream>
 #include <limits>

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 namespace lidar_mapping::ros_border {

@@ -6,8 +6,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lidar_mapping/common/errors.hpp"
-
 #include "number_checks.hpp"
 #include "process_memory.hpp"
 #include "scan_map.hpp"

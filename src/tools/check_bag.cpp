@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/ros/bag_set.hpp"
 #include "lidar_mapping/ros/recording_check.hpp"

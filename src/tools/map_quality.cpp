@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 
 #include "lidar_mapping/common/atomic_file.hpp"
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"

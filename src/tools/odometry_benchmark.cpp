@@ -2,7 +2,6 @@
 // Runs the front end over recorded scans and reports its speed and accuracy.
 
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <functional>
 #include <iostream>

@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/loop_edits.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
