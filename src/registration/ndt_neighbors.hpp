@@ -32,11 +32,11 @@ struct RotatedPoints {
   }
 };
 
-/// The planes that each point is matched with. They are remembered between iterations and looked up
+/// The planes that each point is matched with. They are kept between iterations and looked up
 /// again only for points that have moved to another voxel.
 class NdtNeighbors {
  public:
-  /// Forgets all planes.
+  /// Discards all planes.
   void begin(std::size_t points, NeighborSearch search);
   /// Brings the planes up to date with the packed cells of the points (ndt_kernels.hpp).
   void update(const std::vector<std::int32_t>& cells, const RotatedPoints& points,
@@ -55,7 +55,7 @@ class NdtNeighbors {
   std::vector<std::int32_t> cells_;
   std::vector<std::uint32_t> moved_;  ///< the first moved_count_ of them
   std::size_t moved_count_ = 0;
-  std::vector<GaussianVoxelMap::Place> places_;
+  std::vector<VoxelTable::Slot> slots_;
 };
 
 }  // namespace lidar_mapping::registration
