@@ -9,7 +9,7 @@ namespace lidar_mapping {
 
 namespace fs = std::filesystem;
 
-fs::path path_of_person(const std::string& text) {
+fs::path expanded_path(const std::string& text) {
   if (text.empty()) return {};
   if (text[0] != '~') return fs::absolute(text).lexically_normal();
   if (text.size() > 1 && text[1] != '/') {

@@ -23,7 +23,7 @@ std::string count_of(std::size_t count, const std::string& thing) {
 
 /// Relative ones count from where the node was started.
 fs::path folder_of_person(const std::string& path) {
-  return fs::absolute(path_of_person(path)).lexically_normal();
+  return fs::absolute(expanded_path(path)).lexically_normal();
 }
 
 /// The graph as it is now, and the session that has the clouds.
@@ -136,7 +136,7 @@ LoadGraph::Response BackEndNode::load(const std::string& path) {
 Session BackEndNode::loaded_session(const fs::path& path) const {
   if (fs::exists(path / "graph.g2o") && fs::is_directory(path / "000000")) {
     return session::create_filled(
-        path_of_person(config_.session_directory), std::time(nullptr),
+        expanded_path(config_.session_directory), std::time(nullptr),
         [&](Session& session) { pipeline::read_hdl_dump(path, session); });
   }
   Session session = Session::open(path, Session::Access::kWrite);

@@ -90,8 +90,8 @@ void BackEndNode::resume() {
       context_.node.getParam(kRunSession, folder) && fs::exists(fs::path(folder) / "session.db");
   if (!was_killed && config_.resume.empty()) return;
   const fs::path asked = config_.resume == "latest"
-                             ? path_of_person(config_.session_directory) / "latest"
-                             : path_of_person(config_.resume);
+                             ? expanded_path(config_.session_directory) / "latest"
+                             : expanded_path(config_.resume);
   auto session = session::Session::open(was_killed ? fs::path(folder) : asked,
                                         session::Session::Access::kWrite);
   const std::string run_id = session.run_id();
@@ -262,7 +262,7 @@ void BackEndNode::begin_run(const std::string& run_id) {
   if (auto session = session_of(run_id)) {
     use(std::move(*session), run_id);
   } else {
-    use(session::Session::create(path_of_person(config_.session_directory), std::time(nullptr)),
+    use(session::Session::create(expanded_path(config_.session_directory), std::time(nullptr)),
         run_id);
   }
   give_early();
@@ -275,7 +275,7 @@ void BackEndNode::give_early() {
 
 /// The newest session, if it is one of that run.
 std::optional<session::Session> BackEndNode::session_of(const std::string& run_id) const {
-  const fs::path latest = path_of_person(config_.session_directory) / "latest";
+  const fs::path latest = expanded_path(config_.session_directory) / "latest";
   if (!fs::exists(latest / "session.db")) return std::nullopt;
   try {
     auto session = session::Session::open(latest, session::Session::Access::kWrite);

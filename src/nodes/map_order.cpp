@@ -32,7 +32,7 @@ void name_file(const SaveMap::Request& request, MapOrder& order) {
   if (!request.directory.empty() || !request.formats.empty()) {
     throw InputError("destination names one file; leave directory and formats empty");
   }
-  const fs::path file = fs::absolute(path_of_person(request.destination)).lexically_normal();
+  const fs::path file = fs::absolute(expanded_path(request.destination)).lexically_normal();
   const std::string format = format_of(file);
   order.directory = file.parent_path();
   order.options.name = file.stem().string();
@@ -58,7 +58,7 @@ MapOrder map_order(const SaveMap::Request& request) {
     return order;
   }
   if (!request.formats.empty()) order.options.formats = request.formats;
-  if (!request.directory.empty()) order.directory = path_of_person(request.directory);
+  if (!request.directory.empty()) order.directory = expanded_path(request.directory);
   return order;
 }
 

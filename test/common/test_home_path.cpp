@@ -30,22 +30,22 @@ class Home {
 // `~/maps`, given to a service, became a folder of the name ~ below the node's working directory.
 TEST(PathOfPerson, KnowsTheHomeFolder) {
   const Home home("/home/somebody");
-  EXPECT_EQ(path_of_person("~"), fs::path("/home/somebody"));
-  EXPECT_EQ(path_of_person("~/maps"), fs::path("/home/somebody/maps"));
-  EXPECT_EQ(path_of_person("~/maps/../town"), fs::path("/home/somebody/town"));
+  EXPECT_EQ(expanded_path("~"), fs::path("/home/somebody"));
+  EXPECT_EQ(expanded_path("~/maps"), fs::path("/home/somebody/maps"));
+  EXPECT_EQ(expanded_path("~/maps/../town"), fs::path("/home/somebody/town"));
 }
 
 TEST(PathOfPerson, MakesPathsAbsoluteAndLeavesOthersAlone) {
-  EXPECT_EQ(path_of_person("/data/maps"), fs::path("/data/maps"));
-  EXPECT_EQ(path_of_person("maps"), fs::current_path() / "maps");
-  EXPECT_EQ(path_of_person("a~b"), fs::current_path() / "a~b");
-  EXPECT_TRUE(path_of_person("").empty());
+  EXPECT_EQ(expanded_path("/data/maps"), fs::path("/data/maps"));
+  EXPECT_EQ(expanded_path("maps"), fs::current_path() / "maps");
+  EXPECT_EQ(expanded_path("a~b"), fs::current_path() / "a~b");
+  EXPECT_TRUE(expanded_path("").empty());
 }
 
 TEST(PathOfPerson, RefusesWhatItCannotKnow) {
-  EXPECT_THROW(path_of_person("~somebody/maps"), InputError);
+  EXPECT_THROW(expanded_path("~somebody/maps"), InputError);
   const Home home(nullptr);
-  EXPECT_THROW(path_of_person("~/maps"), InputError);
+  EXPECT_THROW(expanded_path("~/maps"), InputError);
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 
 namespace lidar_mapping {
 
-/// The absolute path that a person means by `text`: a `~` or `~/` at its beginning is the home
-/// folder, which no shell has put there where the text came through a service or a parameter; what
-/// is relative is so to the present working directory. An empty text stays empty. Throws InputError
+/// The absolute path of `text`. A leading `~` or `~/` is the home folder, because no shell expands
+/// it in a text that comes through a service or a parameter; a relative path begins at the present
+/// working directory. An empty text stays empty. Throws InputError
 /// for another user's home (`~name`) and where no home folder is known.
-std::filesystem::path path_of_person(const std::string& text);
+std::filesystem::path expanded_path(const std::string& text);
 
 }  // namespace lidar_mapping
