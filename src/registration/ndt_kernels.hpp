@@ -6,7 +6,8 @@
 
 namespace lidar_mapping::registration {
 
-/// Arrays given to the kernels hold a multiple of this number of elements.
+/// Arrays given to the kernels hold a multiple of this number of elements: the floats of a register
+/// of 256 bits (AVX2).
 constexpr std::size_t kNdtLanes = 8;
 
 /// Motion of the sensor during a sweep: p_map = R p(s) + t, p(s) = exp(s twist) p, row-major R.

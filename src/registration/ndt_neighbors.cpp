@@ -8,7 +8,7 @@
 namespace lidar_mapping::registration {
 namespace {
 
-/// No cell packs to this.
+/// A value that no packed cell has: its vertical part would lie outside of the map (kMaxCellZ).
 constexpr std::int32_t kNoCell = -1;
 
 Eigen::Vector3i unpacked(std::int32_t packed) {
