@@ -8,12 +8,16 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
+// Length of a window. Chosen: longer than a bump of the road, and it bounds how late a fault is
+// found.
 constexpr Stamp kWindow = from_seconds(2.0);
+// Longer gaps between samples begin a new window: its mean would hide what happened in between.
 constexpr Stamp kMaxGap = from_seconds(0.5);
 constexpr int kMinSamples = 20;  // 10 Hz; chosen: fewer give a poor mean
 /// Number of windows: no vehicle is in free fall or jumps for six seconds.
 constexpr int kMinWindows = 3;
-/// m/s^2: shocks and thrust change the mean acceleration, but not by a third over seconds.
+/// m/s^2, gravity (9.81) less and plus about a third: shocks and thrust change the mean
+/// acceleration, but not by that much over seconds.
 constexpr double kMinGravity = 6.5;
 constexpr double kMaxGravity = 13.5;
 /// m/s^2: an axis must follow gravity when gravity on it changes by this much (a tilt of 0.1 rad).

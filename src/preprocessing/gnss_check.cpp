@@ -17,20 +17,31 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMinOutage = 3.0;        // s
-constexpr double kMaxSpeed = 70.0;        // m/s
-constexpr double kMaxStepDuration = 1.5;  // s between fixes that are compared
-constexpr double kMaxOffsetSigma = 0.02;  // s
-constexpr double kPriorArmSigma = 3.0;    // m, standard deviation
-constexpr double kMinArmError = 0.4;      // m
+// s without a fix that are reported. Chosen: shorter ones are bridged by odometry within a few
+// centimetres (1 % of the path).
+constexpr double kMinOutage = 3.0;
+// m/s without a measured velocity: faster than any car on a road (250 km/h).
+constexpr double kMaxSpeed = 70.0;
+// s between fixes that are compared: the slowest usual rate is 1 Hz, and a lost fix is an outage.
+constexpr double kMaxStepDuration = 1.5;
+// s: the delay is known below this standard deviation. Chosen: 0.3 m at 15 m/s.
+constexpr double kMaxOffsetSigma = 0.02;
+constexpr double kPriorArmSigma = 3.0;  // m, standard deviation: half of the length of a vehicle
+// m: smaller errors of the antenna's place cost less than the noise of most receivers. Chosen.
+constexpr double kMinArmError = 0.4;
 constexpr double kSigmas = 5.0;  // chosen: a false alarm sends a person to the vehicle to measure
-// interval over which the speeds of fixes are computed
+// Interval over which the speeds of fixes are computed. Chosen: longer ones cut bends short,
+// shorter ones hold more noise.
 constexpr Stamp kSectionDuration = from_seconds(2.0);
-constexpr double kMinSectionLength = 4.0;  // m
-constexpr double kMinScatterRatio = 8.0;   // times
-constexpr std::size_t kMinSections = 10;
-constexpr double kMaxSigmaRatio = 3.0;      // multiple of the sigma in the messages
-constexpr double kUsualAcceleration = 1.0;  // m/s^2, which also bends the path between fixes
+// m in that interval: below walking pace (2 m/s) the noise of the fixes decides.
+constexpr double kMinSectionLength = 4.0;
+// Length of the interval in multiples of the scatter: the speed is then good to about a fifth.
+constexpr double kMinScatterRatio = 8.0;
+constexpr std::size_t kMinSections = 10;  // for a median; chosen
+// Multiple of the sigma in the messages. Chosen: receivers are often wrong by a factor of two.
+constexpr double kMaxSigmaRatio = 3.0;
+constexpr double kUsualAcceleration =
+    1.0;  // m/s^2, of traffic; it also bends the path between fixes
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);

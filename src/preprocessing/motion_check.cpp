@@ -91,7 +91,8 @@ void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
 
 void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
                   InputReport& report) {
-  constexpr double kSignificantOffset = 0.02;  // s
+  // s. Chosen: at 1 rad/s the ends of a scan are then off by 1 degree.
+  constexpr double kSignificantOffset = 0.02;
   if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
       std::abs(offset->seconds) < 4.0 * offset->sigma || offset->sigma > 0.02) {
     return;

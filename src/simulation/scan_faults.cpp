@@ -152,8 +152,6 @@ ScanFault parse_scan_fault(const std::string& text) {
   return parse_fault(text, kDescriptions, default_fault, read);
 }
 
-std::vector<std::string> scan_fault_names() { return fault_names(kDescriptions); }
-
 ScanFaults::ScanFaults(std::vector<ScanFault> faults, std::uint64_t seed)
     : faults_(std::move(faults)), seed_(seed) {}
 
