@@ -17,7 +17,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// The poses are then within a fraction of a millimetre of the minimum.
+// Relative change of the cost at which the search ends. Chosen: the poses are then within a
+// fraction of a millimetre of the minimum.
 constexpr double kCostTolerance = 1e-5;
 // Below this eigenvalue, some motion of the map by metres hardly changes the cost.
 constexpr double kWeaklyConstrained = 1e-8;

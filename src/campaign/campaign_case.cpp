@@ -13,8 +13,8 @@ namespace lidar_mapping::campaign {
 
 namespace {
 
-constexpr double kLargestSeed = 9e15;  // of the whole numbers that a double holds
-constexpr double kLongestDrive = 1e6;  // s
+constexpr double kMaxSeed = 9e15;     // below 2^53, up to which a double holds all whole numbers
+constexpr double kMaxDuration = 1e6;  // s; chosen: eleven days, more is a mistake
 
 /// The value of a key, within what the simulation can do.
 double number_of(const std::string& key, const std::string& text, double least, double most) {
@@ -50,9 +50,9 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
   } else if (key == "lidar") {
     result.lidar = value;
   } else if (key == "seed") {
-    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kLargestSeed));
+    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kMaxSeed));
   } else if (key == "start") {
-    result.start = number_of(key, value, 0.0, kLongestDrive);
+    result.start = number_of(key, value, 0.0, kMaxDuration);
   } else if (key == "scan_rate") {
     result.scan_rate = number_of(key, value, 1.0, 50.0);
   } else if (key == "range_noise") {

@@ -8,6 +8,8 @@ namespace lidar_mapping {
 
 namespace {
 
+/// 64 bits for each axis, unlike VoxelKey: the filter serves clouds in any coordinates, UTM with
+/// small voxels among them.
 struct Cell {
   std::int64_t x, y, z;
   bool operator==(const Cell& other) const { return x == other.x && y == other.y && z == other.z; }

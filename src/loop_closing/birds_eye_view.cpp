@@ -11,11 +11,13 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr int kHalfWidth = BirdsEyeView::kWidth / 2;  // cells
-constexpr int kMaxShift = 15;                         // cells
-constexpr int kShifts = 2 * kMaxShift + 1;            // along each axis
+// Cells; chosen: the largest distance at which a descriptor still finds the place.
+constexpr int kMaxShift = 15;
+constexpr int kShifts = 2 * kMaxShift + 1;  // along each axis, with zero
 constexpr int kMargin = kMaxShift + 1;  // cells around the target, so that no shift leaves the grid
-constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;  // cells along an edge
-// Weight of an occupied cell; its neighbours have half of it.
+constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;  // cells along an edge: view and margins
+// Weight of an occupied cell; its neighbours have half of it, the least whole number. Chosen: a
+// point near an edge of its cell also fits the next cell.
 constexpr std::uint8_t kOccupiedWeight = 2;
 
 int cell_index(float coordinate) { return static_cast<int>(std::floor(coordinate)); }

@@ -22,7 +22,9 @@ using Color = std::array<double, 3>;
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr double kMaxHeight = 10.0;  // m above the ground; higher points have the last colour
-constexpr double kGroundCell = 8.0;  // m, edge of the cells in which the ground has one height
+// m, edge of the cells in which the ground has one height. Chosen: below every car there is ground,
+// and the steepest streets (12 %) rise by less than 1 m.
+constexpr double kGroundCell = 8.0;
 // fraction of the points of a cell that may lie below its ground: mirrored ones
 constexpr double kGroundQuantile = 0.03;
 constexpr std::size_t kMaxHeightSamples = 4'000'000;  // from which the ground is computed
