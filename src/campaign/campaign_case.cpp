@@ -83,18 +83,18 @@ const T& one_of(const std::vector<T>& values, simulation::Random& random) {
 }
 
 std::string random_fault(simulation::Random& random) {
-  const auto share = [&](double most) {
+  const auto fraction = [&](double most) {
     return "=" + text_of(std::round(100.0 * random.uniform(0.01, most)) / 100.0);
   };
   switch (random.integer(0, 6)) {
     case 0:
-      return "outliers" + share(0.35);
+      return "outliers" + fraction(0.35);
     case 1:
-      return "rain" + share(0.35);
+      return "rain" + fraction(0.35);
     case 2:
       return "wall";
     case 3:
-      return "jitter" + share(0.03);
+      return "jitter" + fraction(0.03);
     case 4:
       return "frozen=" + std::to_string(random.integer(1, 15)) + ",8";
     case 5:

@@ -93,11 +93,11 @@ void AntennaFit::finish_window() {
   std::vector<TrackedFix> window;
   window.swap(window_);
   if (window.size() < kMinFixes) return;
-  double way = 0.0;
+  double path_length = 0.0;
   for (std::size_t i = 1; i < window.size(); ++i) {
-    way += (window[i].p_dr_base - window[i - 1].p_dr_base).norm();
+    path_length += (window[i].p_dr_base - window[i - 1].p_dr_base).norm();
   }
-  if (way < kMinPathLength) return;
+  if (path_length < kMinPathLength) return;
   const Rows rows = equations(window);
   const auto shared = without_own(rows);
   const double variance = kRepetition * (unexplained(rows) + kNoiseFloor * kNoiseFloor);

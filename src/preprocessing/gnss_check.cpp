@@ -156,7 +156,7 @@ bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
               text("the fixes move as those of an antenna at (%.1f, %.1f) m in base_link, tf has "
                    "it at (%.1f, %.1f)",
                    arm.x(), arm.y(), p_base_antenna.x(), p_base_antenna.y()),
-              "mend the transform of the frame of GNSS");
+              "correct the transform of the frame of GNSS");
   }
   return true;
 }

@@ -125,7 +125,7 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
         aligned->center_enu + aligned->R_enu_dr * (p_dr.head<2>() - aligned->center_dr);
     const double off = (fix.p_enu.head<2>() - expected).norm();
     const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
-    return off > limit ? jump_text("beside the measured way", off, limit) : "";
+    return off > limit ? jump_text("beside the measured path", off, limit) : "";
   }
   const double distance_travelled = (p_dr - last_match_.p_dr).head<2>().norm();
   const double difference = std::abs(step.head<2>().norm() - distance_travelled);

@@ -32,7 +32,7 @@ void InputDiagnostics::motion(MotionSource source, bool has_times) {
 void InputDiagnostics::time_went_back(const std::string& input, Stamp jump) {
   reset("reset");
   warn("reset", input + text(": time went back by %.1f s", to_seconds(jump)) +
-                    "; all buffers are empty now (a recording that begins anew?)");
+                    "; all buffers are empty now (a recording that starts again?)");
 }
 
 void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {

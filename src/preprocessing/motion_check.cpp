@@ -63,10 +63,10 @@ void check_gravity(const Eigen::Vector3d& mean, double gravity,
     add_fault(report, "its accelerations are in g", "set imu_acceleration_unit to G");
   } else if (gravity < 8.8 || gravity > 10.8) {
     add_fault(report, text("mean acceleration of %.2f m/s2 is not gravity", gravity),
-              "gravity was taken off, or the unit is another; mend the driver");
+              "gravity was taken off, or the unit is another; correct the driver");
   } else if (T_base_imu && (T_base_imu->rotation * mean).z() < 0.0) {
     add_fault(report, "gravity has the wrong sign, or the IMU is mounted upside down",
-              "an IMU at rest reports +g upward (REP 145); mend the driver or the transform");
+              "an IMU at rest reports +g upward (REP 145); correct the driver or the transform");
   }
 }
 
@@ -81,7 +81,7 @@ void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   if (degrees && unit == AngularUnit::kRadians) {
     add_fault(report, "its rates are in degrees/s", "set imu_angular_unit to DEG_PER_S");
   } else if (scale && *scale < 0.0) {
-    add_fault(report, "it turns against the velocity's turning", "mend the transform");
+    add_fault(report, "it turns against the velocity's turning", "correct the transform");
   } else {
     check_offset(time_offset(reference, rates), "imu_time_offset", report);
   }
@@ -140,7 +140,7 @@ InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
   if (sideways > 0.25 * ahead && fastest > 2.0) {
     add_fault(report, "it points aside as much as ahead",
               "it is not in the axes of its frame (of the map instead?), or the transform is "
-              "wrong; mend one of them");
+              "wrong; correct one of them");
   }
   const auto scale = speed_scale(velocity, gnss, config);
   if (scale && !is_true_scale(*scale)) {

@@ -29,7 +29,7 @@ void check_span(double span, double rate, const PreprocessingConfig& config, Inp
   const std::string problem =
       text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
   if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {
-    add_fault(report, problem, "mend scan_period or point_time_unit");
+    add_fault(report, problem, "correct scan_period or point_time_unit");
   } else if (config.scan_stamp != ScanStamp::kStart) {
     add_fault(report, problem, "set scan_period, from which scan_stamp counts");
   }

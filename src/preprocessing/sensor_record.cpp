@@ -69,14 +69,14 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
   }
   if (frame != topic.frame_id) {
     add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
-                "it is left out here; mend the driver");
+                "it is left out here; correct the driver");
   }
   if (topic.newest == 0) {
     add_fault(report, "the stamps are 0",
               "the driver must stamp its messages; map_bag takes the times of their recording");
   } else if (topic.backward > 0) {
     add_fault(report, text("%zu of %zu stamps do not increase", topic.backward, topic.count),
-              "two publishers on one topic, or a recording that begins anew; keep one of them");
+              "two publishers on one topic, or a recording that starts again; keep one of them");
   }
   return report;
 }

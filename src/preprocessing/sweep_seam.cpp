@@ -13,7 +13,7 @@ constexpr std::size_t kMaxPoints = 400;
 constexpr float kMinRange = 3.0F;   // m; nearer points belong to the vehicle
 constexpr float kMaxRange = 50.0F;  // m; beyond, neighbouring points are too far apart
 // m between the distances to both beginnings, so that a vote is clear: several times the range
-// noise (0.02 m), and the way of a vehicle at 1.5 m/s during a sweep of 0.1 s.
+// noise (0.02 m), and the path of a vehicle at 1.5 m/s during a sweep of 0.1 s.
 constexpr float kMinDifference = 0.15F;
 // m to the nearer beginning: the spacing of neighbouring points at kMaxRange (0.4 degrees: 0.35 m).
 constexpr float kMaxGap = 0.4F;
