@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include <ceres/loss_function.h>
+
 #include "lidar_mapping/pose_graph/block_cholesky.hpp"
 
 namespace lidar_mapping::pose_graph {

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cmath>
 
+#include <ceres/loss_function.h>
+
 #include "lidar_mapping/common/errors.hpp"
 
 namespace lidar_mapping::pose_graph {
