@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
       ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--tolerance", arguments.tolerance,
-                 "end with the step that is expected to gain less than this share of the cost")
+                 "end with the step that is expected to gain less than this fraction of the cost")
       ->check(tools::above_zero())
       ->capture_default_str();
   app.add_option("--json", arguments.json, "file for the figures");
