@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -137,8 +139,8 @@ double roofed_fraction(const Submap& submap) {
   const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = points[i] - submap.p_base_lidar;
-    const int x = static_cast<int>(std::floor(p.x() / kCellSize + 0.5F * kCellsPerAxis));
-    const int y = static_cast<int>(std::floor(p.y() / kCellSize + 0.5F * kCellsPerAxis));
+    const int x = floor_to_int(p.x() / kCellSize + 0.5F * kCellsPerAxis);
+    const int y = floor_to_int(p.y() / kCellSize + 0.5F * kCellsPerAxis);
     if (x < 0 || y < 0 || x >= kCellsPerAxis || y >= kCellsPerAxis) continue;
     const auto cell = static_cast<std::size_t>(y * kCellsPerAxis + x);
     occupied[cell] = true;
