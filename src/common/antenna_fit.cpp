@@ -59,7 +59,7 @@ Rows equations(const std::vector<TrackedFix>& window) {
   return rows;
 }
 
-/// Mean square of what no choice of the unknowns explains, m^2.
+/// Mean square of the residuals at the least-squares solution, m^2.
 double unexplained(const Rows& rows) {
   const Eigen::MatrixXd factors = rows.leftCols<kOwn + kShared>();
   const Eigen::VectorXd right = rows.col(kOwn + kShared);
@@ -67,7 +67,7 @@ double unexplained(const Rows& rows) {
   return (factors * solution - right).squaredNorm() / static_cast<double>(rows.rows());
 }
 
-/// The shared unknowns' equations without the part that the window's own unknowns can take.
+/// The equations of the shared unknowns after the elimination of the window's own ones.
 Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> without_own(const Rows& rows) {
   const Eigen::MatrixXd own = rows.leftCols<kOwn>();
   const Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> rest = rows.rightCols<kShared + 1>();

@@ -10,7 +10,7 @@ namespace lidar_mapping::evaluation {
 
 namespace {
 
-/// What is left of the estimated motion from i to j after the true one.
+/// The estimated motion from i to j relative to the true one.
 Pose motion_error(const std::vector<PosePair>& pairs, std::size_t i, std::size_t j) {
   const Pose truth = pairs[i].truth.inverse() * pairs[j].truth;
   const Pose estimate = pairs[i].estimate.inverse() * pairs[j].estimate;

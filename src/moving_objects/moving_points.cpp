@@ -11,8 +11,8 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-// m, points below have no vote. Chosen: the height of a kerb; lower objects cannot be told from
-// errors of the ground.
+// m, points below have no vote. Chosen: the height of a kerb; lower objects cannot be
+// distinguished from errors of the ground.
 constexpr float kGroundHeight = 0.12F;
 // m, above are branches that connect objects; cars and pedestrians are lower.
 constexpr float kBodyHeight = 2.5F;

@@ -22,7 +22,7 @@ class SensorStream {
 
   /// Rejects duplicates and samples that are older than all samples in the buffer. If the stamps
   /// have jumped back so far that the recording must have started again, nothing is inserted, and
-  /// the result tells so.
+  /// the result is kTimeWentBack.
   Insertion insert(Sample sample, const std::string& frame_id) {
     if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - from_seconds(kJumpBack)) {
       return Insertion::kTimeWentBack;

@@ -62,7 +62,7 @@ void NdtNeighbors::update(const std::vector<std::int32_t>& cells, const RotatedP
   const std::int32_t* const before = cells_.data();
   std::size_t count = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    // Without a branch: write always, go on if the point has moved.
+    // Without a branch: always write, advance if the point has moved.
     moved[count] = static_cast<std::uint32_t>(i);
     count += static_cast<std::size_t>(all | (now[i] != before[i]));
   }

@@ -25,7 +25,7 @@ struct RotatedPoints {
   Eigen::Vector3f position(std::size_t i) const {
     return Eigen::Vector3f(x[i], y[i], z[i]) + translation;
   }
-  /// From the point to the sensor; zero, which tells nothing, where that is not known.
+  /// From the point to the sensor; zero if unknown.
   Eigen::Vector3f view(std::size_t i) const {
     if (!viewpoint) return Eigen::Vector3f::Zero();
     return *viewpoint - Eigen::Vector3f(x[i], y[i], z[i]);
