@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -13,6 +12,7 @@
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::map {
 
@@ -140,10 +140,8 @@ std::vector<Rgb> palette() {
 }
 
 std::string world_file(const TopView& view) {
-  char text[256];
-  std::snprintf(text, sizeof text, "%.9f\n0.0\n0.0\n%.9f\n%.6f\n%.6f\n", view.pixel_m,
-                -view.pixel_m, view.x_min + 0.5 * view.pixel_m, view.y_max - 0.5 * view.pixel_m);
-  return text;
+  return formatted("%.9f\n0.0\n0.0\n%.9f\n%.6f\n%.6f\n", view.pixel_m, -view.pixel_m,
+                   view.x_min + 0.5 * view.pixel_m, view.y_max - 0.5 * view.pixel_m);
 }
 
 }  // namespace

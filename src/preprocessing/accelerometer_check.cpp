@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
@@ -81,15 +82,13 @@ std::string AccelerometerCheck::sentence() const {
     return "an axis of the accelerometer says the same however the sensor tilts; accelerations are "
            "not used (look for a driver that fills in made-up values)";
   }
-  std::array<char, 240> text{};
-  std::snprintf(text.data(), text.size(),
-                "its accelerations are %.2f m/s2 in the mean, which is not gravity; they are not "
-                "used (%s)",
-                mean_size_,
-                mean_size_ > 0.8 && mean_size_ < 1.25
-                    ? "they are in g: set imu_acceleration_unit to G"
-                    : "an axis is dead, gravity was taken off, or the unit is another");
-  return text.data();
+  return formatted(
+      "its accelerations are %.2f m/s2 in the mean, which is not gravity; they are not "
+      "used (%s)",
+      mean_size_,
+      mean_size_ > 0.8 && mean_size_ < 1.25
+          ? "they are in g: set imu_acceleration_unit to G"
+          : "an axis is dead, gravity was taken off, or the unit is another");
 }
 
 }  // namespace lidar_mapping::preprocessing

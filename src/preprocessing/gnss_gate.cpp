@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -43,9 +44,7 @@ Pose leveled(const Pose& pose) {
 }
 
 std::string jump_text(const char* what, double distance, double limit) {
-  char text[120];
-  std::snprintf(text, sizeof(text), "a jump: %.1f m %s, %.1f m allowed", distance, what, limit);
-  return text;
+  return formatted("a jump: %.1f m %s, %.1f m allowed", distance, what, limit);
 }
 
 }  // namespace

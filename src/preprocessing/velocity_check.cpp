@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/text.hpp"
+
 #include "sensor_record.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -45,8 +47,8 @@ bool is_true_scale(double scale) { return scale > 0.7 && scale < 1.4; }
 
 std::string scale_sentence(double scale) {
   const bool is_kilometres_per_hour = scale > 3.2 && scale < 4.0;
-  return text("its speeds are %.2f times those of the fixes%s", scale,
-              is_kilometres_per_hour ? ": they are in km/h" : "");
+  return formatted("its speeds are %.2f times those of the fixes%s", scale,
+                   is_kilometres_per_hour ? ": they are in km/h" : "");
 }
 
 void VelocityCheck::add_turn_rate(Stamp stamp, const Eigen::Vector3d& velocity, double rate) {
