@@ -7,7 +7,7 @@
 namespace lidar_mapping {
 
 /// A text of any length, formatted like printf() does it.
-__attribute__((format(printf, 1, 2))) std::string formatted(const char* format, ...);
+std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 /// The parts one after the other, with `separator` between them.
 std::string joined(const std::vector<std::string>& parts, const std::string& separator = ", ");
