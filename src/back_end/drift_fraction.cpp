@@ -11,7 +11,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Lower bound: a few minutes of good agreement do not prove that the odometry is perfect.
+/// Lower bounds of the fraction of the configured drift and of the scatter. Chosen: a few minutes
+/// of good agreement do not prove that the odometry is perfect.
 constexpr double kMinFraction = 0.1;
 constexpr double kMinScatter = 1e-3;
 /// Least number of sections for a mean square, and least length in motions of the longest sections,

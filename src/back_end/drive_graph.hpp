@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/usage_counts.hpp"
 
 namespace lidar_mapping::back_end {
 
@@ -107,13 +108,7 @@ Pose motion_to(const DriveGraph& drive, std::size_t node);
 Covariance6 motion_covariance_to(const DriveGraph& drive, std::size_t node,
                                  const BackEndConfig& config);
 
-/// Numbers of loops and positions that the graph uses and does not use.
-struct UsageCounts {
-  std::size_t loops_used = 0;
-  std::size_t loops_refused = 0;
-  std::size_t gnss_used = 0;
-  std::size_t gnss_refused = 0;
-};
+/// Counts what the graph uses of its loops and positions.
 UsageCounts count_usage(const DriveGraph& drive);
 
 /// The rotation that makes the map's z axis vertical, from the IMU at all nodes of the selected

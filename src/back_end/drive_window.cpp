@@ -14,7 +14,8 @@ namespace {
 // Key frames. Chosen: a wider window costs more time, at a narrower one's border a correction has
 // not decayed; then the whole graph is solved.
 constexpr int kWindowSteps = 50;
-// A window can absorb corrections that decay within it. Larger corrections change the whole drive.
+// m and rad: corrections that a window can absorb, because they decay within it. Chosen: 1 % of a
+// window of 30 m (kWindowSteps at small steps); larger corrections change the whole drive.
 constexpr double kSmallCorrection_m = 0.3;
 constexpr double kSmallCorrection_rad = 0.02;
 

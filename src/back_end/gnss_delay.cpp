@@ -11,7 +11,9 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-constexpr double kMinSigma = 0.003;  // s
+// s, least standard deviation of the delay. Chosen: a longer drive does not make it more certain,
+// since the delay itself varies.
+constexpr double kMinSigma = 0.003;
 constexpr Stamp kWindowDuration = from_seconds(12.0);
 // Seconds between key frames; without motion there is no velocity. Chosen: a longer step says less
 // about the velocity in its middle.

@@ -2,6 +2,7 @@
 #include "optimization.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 #include "lidar_mapping/pose_graph/least_eigenvalue.hpp"
@@ -17,7 +18,8 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-// The poses are then within a fraction of a millimetre of the minimum.
+// Relative change of the cost at which the search ends. Chosen: the poses are then within a
+// fraction of a millimetre of the minimum.
 constexpr double kCostTolerance = 1e-5;
 // Below this eigenvalue, some motion of the map by metres hardly changes the cost.
 constexpr double kWeaklyConstrained = 1e-8;
@@ -34,8 +36,8 @@ void chain_odometry(const DriveGraph& drive, pose_graph::FactorGraph& graph) {
 /// Solves from the current poses with all constraints that were used and all new ones. True if no
 /// constraint contradicts the result.
 bool solve_from_current(DriveFactors& factors, pose_graph::RobustSolution& solution) {
-  solution =
-      pose_graph::solve_selected(factors.graph, factors.selected, {50, 1e10, kCostTolerance});
+  solution = pose_graph::solve_selected(factors.graph, factors.selected,
+                                        {50, std::nullopt, kCostTolerance});
   if (!solution.success) return false;
   const std::vector<bool> consistent = pose_graph::consistent_constraints(factors.graph);
   for (std::size_t i = 0; i < consistent.size(); ++i) {

@@ -117,8 +117,8 @@ json::Json steps_of(const std::vector<evaluation::PosePair>& pairs,
   StepChecker steps;
   std::uint32_t segment = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    steps.take(pairs[i].truth, pairs[i].estimate, records[i].status.state,
-               records[i].segment != segment);
+    steps.add(pairs[i].truth, pairs[i].estimate, records[i].status.state,
+              records[i].segment != segment);
     segment = records[i].segment;
   }
   return {{"wrong_steps", steps.wrong()},

@@ -13,8 +13,8 @@ namespace lidar_mapping::campaign {
 
 namespace {
 
-constexpr double kLargestSeed = 9e15;  // of the whole numbers that a double holds
-constexpr double kLongestDrive = 1e6;  // s
+constexpr double kMaxSeed = 9e15;     // below 2^53, up to which a double holds all whole numbers
+constexpr double kMaxDuration = 1e6;  // s; chosen: eleven days, more is a mistake
 
 /// The value of a key, within what the simulation can do.
 double number_of(const std::string& key, const std::string& text, double least, double most) {
@@ -50,9 +50,9 @@ void set(CampaignCase& result, const std::string& key, const std::string& value)
   } else if (key == "lidar") {
     result.lidar = value;
   } else if (key == "seed") {
-    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kLargestSeed));
+    result.seed = static_cast<std::uint64_t>(number_of(key, value, 0.0, kMaxSeed));
   } else if (key == "start") {
-    result.start = number_of(key, value, 0.0, kLongestDrive);
+    result.start = number_of(key, value, 0.0, kMaxDuration);
   } else if (key == "scan_rate") {
     result.scan_rate = number_of(key, value, 1.0, 50.0);
   } else if (key == "range_noise") {
@@ -83,18 +83,18 @@ const T& one_of(const std::vector<T>& values, simulation::Random& random) {
 }
 
 std::string random_fault(simulation::Random& random) {
-  const auto share = [&](double most) {
+  const auto fraction = [&](double most) {
     return "=" + text_of(std::round(100.0 * random.uniform(0.01, most)) / 100.0);
   };
   switch (random.integer(0, 6)) {
     case 0:
-      return "outliers" + share(0.35);
+      return "outliers" + fraction(0.35);
     case 1:
-      return "rain" + share(0.35);
+      return "rain" + fraction(0.35);
     case 2:
       return "wall";
     case 3:
-      return "jitter" + share(0.03);
+      return "jitter" + fraction(0.03);
     case 4:
       return "frozen=" + std::to_string(random.integer(1, 15)) + ",8";
     case 5:

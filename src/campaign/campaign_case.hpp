@@ -12,8 +12,7 @@
 
 namespace lidar_mapping::campaign {
 
-/// A world, a motion, its sensors and what is wrong with them: what a campaign runs the front end
-/// over.
+/// A case of a campaign: a world, a motion, its sensors and their faults.
 struct CampaignCase {
   std::string name;
   std::string drive = "town";

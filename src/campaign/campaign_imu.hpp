@@ -11,7 +11,7 @@
 
 namespace lidar_mapping::campaign {
 
-/// The scans of a drive and what its IMU says of them, as preprocessing gives them.
+/// The scans of a drive with the motion by its IMU, as preprocessing gives them.
 class ImuFeed {
  public:
   explicit ImuFeed(const simulation::Drive& drive);

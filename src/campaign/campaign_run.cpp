@@ -81,7 +81,7 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     count(result.status.state, figures);
     const auto error =
-        steps.take(T_map_base, result.T_odom_base, result.status.state, result.segment != segment);
+        steps.add(T_map_base, result.T_odom_base, result.status.state, result.segment != segment);
     if (error) score({result.stamp, result.status, *error}, figures);
     if (error && checked != nullptr) checked->push_back({result.stamp, result.status, *error});
     segment = result.segment;
@@ -95,7 +95,7 @@ CampaignFigures run_case(const CampaignCase& c, double duration,
   figures.false_alarms = steps.false_alarms();
   figures.largest_error = steps.largest_error();
   figures.largest_error_deg = steps.largest_error_deg();
-  figures.way = evaluation::travelled_distances(pairs).back();
+  figures.path_length = evaluation::travelled_distances(pairs).back();
   const auto fitted = evaluation::aligned(pairs, evaluation::rigid_alignment(pairs));
   figures.ape = evaluation::absolute_pose_error(fitted).translation_m.rmse;
   const auto drift = evaluation::kitti_errors(pairs, evaluation::usual_segment_lengths(pairs), 1);

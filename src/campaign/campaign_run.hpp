@@ -23,12 +23,13 @@ struct CampaignFigures {
   std::size_t degenerate = 0;
   double largest_error = 0.0;      ///< m, of a step that is called tracking
   double largest_error_deg = 0.0;  ///< likewise
-  /// Of the probability that a step is right, summed over `steps` steps; lost ones say nothing.
+  /// Squared error of the probability that a step is right, summed over `steps` steps without lost
+  /// ones.
   double squared_error = 0.0;
   std::size_t steps = 0;
-  double cpu_ms = 0.0;  ///< per scan
-  double way = 0.0;     ///< m
-  double ape = 0.0;     ///< m, root mean square after alignment
+  double cpu_ms = 0.0;       ///< per scan
+  double path_length = 0.0;  ///< m
+  double ape = 0.0;          ///< m, root mean square after alignment
 };
 
 /// Simulates the case and runs the front end over `duration` seconds of it; every step goes into

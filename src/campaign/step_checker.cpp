@@ -15,8 +15,8 @@ bool CheckedStep::is_right() const {
          error.degrees * kRadPerDeg <= 3.0 * status.evidence.sigma_angle;
 }
 
-std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T_odom_base,
-                                           TrackingState state, bool new_segment) {
+std::optional<StepError> StepChecker::add(const Pose& T_map_base, const Pose& T_odom_base,
+                                          TrackingState state, bool new_segment) {
   if (new_segment) last_.reset();
   std::optional<StepError> error;
   if (last_) {
@@ -32,8 +32,8 @@ std::optional<StepError> StepChecker::take(const Pose& T_map_base, const Pose& T
 
 void StepChecker::count(const StepError& error, TrackingState state) {
   wrong_ += error.is_wrong() ? 1 : 0;
-  const bool said = state != TrackingState::kTracking && state != TrackingState::kDegenerate;
-  false_alarms_ += !error.is_wrong() && said ? 1 : 0;
+  const bool warned = state != TrackingState::kTracking && state != TrackingState::kDegenerate;
+  false_alarms_ += !error.is_wrong() && warned ? 1 : 0;
   if (state != TrackingState::kTracking) return;
   silent_ += error.is_wrong() ? 1 : 0;
   largest_error_ = std::max(largest_error_, error.metres);

@@ -10,11 +10,12 @@
 
 namespace lidar_mapping::campaign {
 
-/// A step is wrong from here on.
+/// A step with a larger error is wrong: the definition that the model of the front end is fitted
+/// with (kWrongStep of step_belief.hpp).
 constexpr double kWrongStep = 0.3;       // m
 constexpr double kWrongStepAngle = 1.0;  // deg
 
-/// How far off a step from the last scan that claimed its pose is.
+/// Error of a step from the last scan that claimed its pose.
 struct StepError {
   double metres = 0.0;
   double degrees = 0.0;
@@ -22,7 +23,7 @@ struct StepError {
   bool is_wrong() const { return metres > kWrongStep || degrees > kWrongStepAngle; }
 };
 
-/// One step: what was said of it, and what is true.
+/// One step: the claimed status and the true error.
 struct CheckedStep {
   Stamp stamp = 0;
   front_end::FrontEndStatus status;
@@ -32,14 +33,14 @@ struct CheckedStep {
   bool is_right() const;
 };
 
-/// Tells wrong steps that are called right. A step leads from the last scan that was not called
-/// lost or degraded: a guess in between claims nothing.
+/// Counts wrong steps that the status calls right. A step leads from the last scan that was neither
+/// lost nor degraded, because a guess in between claims nothing.
 class StepChecker {
  public:
-  /// The pose of the next scan and what was said of it, `new_segment` where the poses before do not
-  /// hang together with it. Returns the error of the step that ends there, none where none does.
-  std::optional<StepError> take(const Pose& T_map_base, const Pose& T_odom_base,
-                                front_end::TrackingState state, bool new_segment);
+  /// Adds the pose of the next scan with its state; `new_segment` is true where the poses before
+  /// are not connected to it. Returns the error of the step that ends there; empty if none does.
+  std::optional<StepError> add(const Pose& T_map_base, const Pose& T_odom_base,
+                               front_end::TrackingState state, bool new_segment);
   std::size_t silent() const { return silent_; }
   std::size_t wrong() const { return wrong_; }
   std::size_t false_alarms() const { return false_alarms_; }

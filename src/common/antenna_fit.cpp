@@ -10,16 +10,26 @@ namespace lidar_mapping {
 
 namespace {
 
-constexpr double kWindow = 12.0;         // s
-constexpr std::size_t kFewest = 10;      // fixes in a window
-constexpr double kShortestWay = 10.0;    // m; a window that hardly moves says nothing
-constexpr double kNoiseFloor = 0.02;     // m; dead reckoning is no better
-constexpr double kRepetition = 10.0;     // errors of neighbouring fixes are alike
-constexpr double kDelayPrior = 0.3;      // s
-constexpr double kKnownSigma = 0.008;    // s, from which on a delay counts as known
-constexpr double kSmallestDelay = 0.01;  // s; less is left alone
-constexpr int kOwn = 5;                  // cos, sin, shift x, shift y, gyro bias
-constexpr int kShared = 3;               // arm x, arm y, delay
+// s. Chosen: holds a turn or a change of speed, while the drift of dead reckoning is still linear.
+constexpr double kWindow = 12.0;
+// Fixes in a window: 20 rows for its five unknowns and the shared ones. Chosen.
+constexpr std::size_t kMinFixes = 10;
+// m, path of a window; a standing vehicle gives no information. Chosen: above the noise of most
+// fixes.
+constexpr double kMinPathLength = 10.0;
+constexpr double kNoiseFloor = 0.02;  // m; dead reckoning is no better
+// Factor of the variances, because errors of neighbouring fixes are alike: so many fixes count as
+// one (1 s at 10 Hz). Chosen.
+constexpr double kRepetition = 10.0;
+constexpr double kDelayPrior = 0.3;  // s, standard deviation: receivers deliver that late at most
+// s, standard deviation from which on a delay counts as known. Chosen: 0.1 m at 15 m/s.
+constexpr double kKnownSigma = 0.008;
+constexpr double kMinDelay =
+    0.01;  // s; a smaller delay is not corrected: it is that of the estimate
+// Unknowns of a window: cos, sin, shift x, shift y, gyro bias.
+constexpr int kOwn = 5;
+// Unknowns of all windows: arm x, arm y, delay.
+constexpr int kShared = 3;
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kOwn + kShared + 1>;
 
@@ -49,7 +59,7 @@ Rows equations(const std::vector<TrackedFix>& window) {
   return rows;
 }
 
-/// Mean square of what no choice of the unknowns explains, m^2.
+/// Mean square of the residuals at the least-squares solution, m^2.
 double unexplained(const Rows& rows) {
   const Eigen::MatrixXd factors = rows.leftCols<kOwn + kShared>();
   const Eigen::VectorXd right = rows.col(kOwn + kShared);
@@ -57,7 +67,7 @@ double unexplained(const Rows& rows) {
   return (factors * solution - right).squaredNorm() / static_cast<double>(rows.rows());
 }
 
-/// The shared unknowns' equations without the part that the window's own unknowns can take.
+/// The equations of the shared unknowns after the elimination of the window's own ones.
 Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> without_own(const Rows& rows) {
   const Eigen::MatrixXd own = rows.leftCols<kOwn>();
   const Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> rest = rows.rightCols<kShared + 1>();
@@ -69,7 +79,7 @@ Eigen::Matrix<double, Eigen::Dynamic, kShared + 1> without_own(const Rows& rows)
 bool AntennaFit::Result::delay_is_known() const { return delay_sigma <= kKnownSigma; }
 
 bool AntennaFit::Result::is_late() const {
-  return std::abs(delay) > std::max(kSmallestDelay, 4.0 * delay_sigma);
+  return std::abs(delay) > std::max(kMinDelay, 4.0 * delay_sigma);
 }
 
 void AntennaFit::add(const TrackedFix& fix) {
@@ -82,12 +92,12 @@ void AntennaFit::begin_window() { finish_window(); }
 void AntennaFit::finish_window() {
   std::vector<TrackedFix> window;
   window.swap(window_);
-  if (window.size() < kFewest) return;
-  double way = 0.0;
+  if (window.size() < kMinFixes) return;
+  double path_length = 0.0;
   for (std::size_t i = 1; i < window.size(); ++i) {
-    way += (window[i].p_dr_base - window[i - 1].p_dr_base).norm();
+    path_length += (window[i].p_dr_base - window[i - 1].p_dr_base).norm();
   }
-  if (way < kShortestWay) return;
+  if (path_length < kMinPathLength) return;
   const Rows rows = equations(window);
   const auto shared = without_own(rows);
   const double variance = kRepetition * (unexplained(rows) + kNoiseFloor * kNoiseFloor);

@@ -27,10 +27,6 @@ Covariance6 in_parent_axes(const Covariance6& covariance, const Pose& T_parent_c
   return rotated(covariance, T_parent_child.rotation_matrix());
 }
 
-Covariance6 in_child_axes(const Covariance6& covariance, const Pose& T_parent_child) {
-  return rotated(covariance, T_parent_child.rotation_matrix().transpose());
-}
-
 Matrix6d adjoint(const Pose& T) {
   const Eigen::Matrix3d R = T.rotation_matrix();
   Matrix6d result = Matrix6d::Zero();

@@ -14,10 +14,14 @@ namespace lidar_mapping {
 
 namespace {
 
-constexpr double kFarthest = 1e9;      // m
-constexpr double kLatest = 4.5e9;      // s, in the year 2112; ROS knows no later ones
-constexpr double kNotRotation = 0.05;  // of the products of axes
-constexpr std::size_t kShown = 40;     // characters of a word that are repeated
+// m: farther than any point on Earth from any other; more is a damaged number.
+constexpr double kMaxCoordinate = 1e9;
+// s, in the year 2112; ROS has no later ones, because its seconds are 32 bits without a sign
+// (2106).
+constexpr double kMaxTime = 4.5e9;
+// Largest error of the products of axes of a rotation. Chosen: files with three digits have 0.003.
+constexpr double kMaxRotationError = 0.05;
+constexpr std::size_t kShown = 40;  // characters of a word that are repeated
 
 std::string quoted(const std::string& word) {
   return "'" + word.substr(0, kShown) + (word.size() > kShown ? "..." : "") + "'";
@@ -36,7 +40,7 @@ double finite_number(const std::string& word) {
 
 double coordinate(const std::string& word) {
   const double value = finite_number(word);
-  if (std::abs(value) > kFarthest) throw InputError(quoted(word) + " m is no place on Earth");
+  if (std::abs(value) > kMaxCoordinate) throw InputError(quoted(word) + " m is no place on Earth");
   return value;
 }
 
@@ -52,12 +56,12 @@ std::int64_t whole_number(const std::string& word, std::int64_t least, std::int6
 }
 
 Stamp stamp_of_nanoseconds(const std::string& word) {
-  constexpr Stamp kMost = from_seconds(kLatest);
+  constexpr Stamp kMost = from_seconds(kMaxTime);
   return whole_number(word, -kMost, kMost);
 }
 
 Stamp stamp_of_seconds(double seconds) {
-  if (!(std::abs(seconds) < kLatest)) {
+  if (!(std::abs(seconds) < kMaxTime)) {
     throw InputError(std::to_string(seconds) + " s is no time; wanted seconds since 1970");
   }
   return from_seconds(seconds);
@@ -67,7 +71,7 @@ Pose rigid_pose(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d axes = matrix.topLeftCorner<3, 3>();
   const Eigen::Matrix3d products = axes.transpose() * axes;
   const double off = (products - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off < kNotRotation) || axes.determinant() < 0.0) {
+  if (!(off < kMaxRotationError) || axes.determinant() < 0.0) {
     throw InputError("the matrix holds no rotation");
   }
   return Pose::from_matrix(matrix);

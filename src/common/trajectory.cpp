@@ -116,7 +116,7 @@ Trajectory read_trajectory(const std::string& path) {
       append_line(trajectory, words);
     } catch (const std::exception& error) {
       throw InputError(path + ":" + std::to_string(number) + ": " + error.what() +
-                       "; mend or remove the line");
+                       "; correct or remove the line");
     }
   }
   return trajectory;

@@ -12,8 +12,9 @@ namespace lidar_mapping {
 
 namespace {
 
-/// Northings of the southern half begin at that, those of the northern at zero.
-constexpr double kFalseNorthing = 1e7;  // m
+/// m, by the definition of UTM: the northing of the equator for the southern half; for the northern
+/// half it is zero.
+constexpr double kFalseNorthing = 1e7;
 
 }  // namespace
 

@@ -8,6 +8,8 @@ namespace lidar_mapping {
 
 namespace {
 
+/// 64 bits for each axis, unlike VoxelKey: the filter serves clouds in any coordinates, UTM with
+/// small voxels among them.
 struct Cell {
   std::int64_t x, y, z;
   bool operator==(const Cell& other) const { return x == other.x && y == other.y && z == other.z; }
@@ -91,11 +93,11 @@ PointCloud voxel_filtered(const PointCloud& cloud, double resolution) {
   PointCloud result;
   result.points.reserve(voxels.size());
   for (const Sums& sums : voxels) {
-    const double share = 1.0 / static_cast<double>(sums.count);
-    const Eigen::Vector3f centroid = (sums.first + share * sums.offset).cast<float>();
-    result.points.push_back(
-        {centroid.x(), centroid.y(), centroid.z(), static_cast<float>(share * sums.intensity)});
-    if (cloud.has_times()) result.times.push_back(static_cast<float>(share * sums.time));
+    const double inverse_count = 1.0 / static_cast<double>(sums.count);
+    const Eigen::Vector3f centroid = (sums.first + inverse_count * sums.offset).cast<float>();
+    result.points.push_back({centroid.x(), centroid.y(), centroid.z(),
+                             static_cast<float>(inverse_count * sums.intensity)});
+    if (cloud.has_times()) result.times.push_back(static_cast<float>(inverse_count * sums.time));
   }
   return result;
 }

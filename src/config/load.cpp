@@ -69,12 +69,6 @@ std::string bad_value_problem(const FieldDescription& field, const Value& value,
          "; allowed: " + field.allowed + (field.unit.empty() ? "" : " (" + field.unit + ")");
 }
 
-std::string joined(const std::vector<std::string>& problems) {
-  std::string text;
-  for (const std::string& problem : problems) text += (text.empty() ? "" : "\n") + problem;
-  return text;
-}
-
 std::string yaml_document(const std::string& summary, const std::vector<FieldDescription>& fields,
                           const std::vector<std::string>& values) {
   std::string text = "# " + summary + "\n";

@@ -10,7 +10,7 @@ namespace lidar_mapping::evaluation {
 
 namespace {
 
-/// What is left of the estimated motion from i to j after the true one.
+/// The estimated motion from i to j relative to the true one.
 Pose motion_error(const std::vector<PosePair>& pairs, std::size_t i, std::size_t j) {
   const Pose truth = pairs[i].truth.inverse() * pairs[j].truth;
   const Pose estimate = pairs[i].estimate.inverse() * pairs[j].estimate;
@@ -27,12 +27,13 @@ PoseErrors pose_errors(const std::vector<Pose>& errors) {
   return {statistics_of(std::move(metres)), statistics_of(std::move(degrees))};
 }
 
-/// First pose that lies at least `length` behind pose `first` on the way; the size if there is
+/// First pose that lies at least `length` behind pose `first` on the path; the size if there is
 /// none.
-std::size_t end_of_segment(const std::vector<double>& way, std::size_t first, double length) {
-  return static_cast<std::size_t>(std::lower_bound(way.begin() + static_cast<std::ptrdiff_t>(first),
-                                                   way.end(), way[first] + length) -
-                                  way.begin());
+std::size_t end_of_segment(const std::vector<double>& distances, std::size_t first, double length) {
+  return static_cast<std::size_t>(
+      std::lower_bound(distances.begin() + static_cast<std::ptrdiff_t>(first), distances.end(),
+                       distances[first] + length) -
+      distances.begin());
 }
 
 }  // namespace
@@ -65,10 +66,10 @@ PoseErrors absolute_pose_error(const std::vector<PosePair>& pairs) {
 }
 
 PoseErrors relative_pose_error(const std::vector<PosePair>& pairs, double delta_m) {
-  const std::vector<double> way = travelled_distances(pairs);
+  const std::vector<double> distances = travelled_distances(pairs);
   std::vector<Pose> errors;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const std::size_t j = delta_m > 0.0 ? end_of_segment(way, i, delta_m) : i + 1;
+    const std::size_t j = delta_m > 0.0 ? end_of_segment(distances, i, delta_m) : i + 1;
     if (j < pairs.size()) errors.push_back(motion_error(pairs, i, j));
   }
   return pose_errors(errors);
@@ -76,14 +77,14 @@ PoseErrors relative_pose_error(const std::vector<PosePair>& pairs, double delta_
 
 KittiErrors kitti_errors(const std::vector<PosePair>& pairs, const std::vector<double>& lengths_m,
                          std::size_t step) {
-  const std::vector<double> way = travelled_distances(pairs);
+  const std::vector<double> distances = travelled_distances(pairs);
   KittiErrors result;
   double translation = 0.0;
   double rotation = 0.0;
   for (const double length : lengths_m) {
     const std::size_t before = result.segments;
     for (std::size_t i = 0; i < pairs.size(); i += std::max<std::size_t>(step, 1)) {
-      const std::size_t j = end_of_segment(way, i, length);
+      const std::size_t j = end_of_segment(distances, i, length);
       if (j >= pairs.size()) break;
       const Pose error = motion_error(pairs, i, j);
       translation += error.translation.norm() / length;
@@ -100,19 +101,20 @@ KittiErrors kitti_errors(const std::vector<PosePair>& pairs, const std::vector<d
 }
 
 std::vector<double> usual_segment_lengths(const std::vector<PosePair>& pairs) {
-  const std::vector<double> way = travelled_distances(pairs);
-  if (way.empty() || way.back() < 400.0) return {50.0, 100.0, 150.0, 200.0};
+  const std::vector<double> distances = travelled_distances(pairs);
+  if (distances.empty() || distances.back() < 400.0) return {50.0, 100.0, 150.0, 200.0};
   return {100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0};
 }
 
 std::vector<double> travelled_distances(const std::vector<PosePair>& pairs) {
-  std::vector<double> way;
+  std::vector<double> distances;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    way.push_back(
+    distances.push_back(
         i == 0 ? 0.0
-               : way.back() + (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm());
+               : distances.back() +
+                     (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm());
   }
-  return way;
+  return distances;
 }
 
 }  // namespace lidar_mapping::evaluation

@@ -109,8 +109,8 @@ void LocalMap::insert(const SampledPoints& points, const registration::MotionSta
 void LocalMap::set_center(const Eigen::Vector3d& position) {
   if ((position - fine_.origin()).cwiseAbs().maxCoeff() > kOriginStep) move_origin(position);
   const Eigen::Vector3f center = (position - fine_.origin()).cast<float>();
-  fine_.forget_beyond(center, static_cast<float>(radius_), kAgeingFraction);
-  coarse_.forget_beyond(center, static_cast<float>(radius_), kAgeingFraction);
+  fine_.remove_beyond(center, static_cast<float>(radius_), kAgeingFraction);
+  coarse_.remove_beyond(center, static_cast<float>(radius_), kAgeingFraction);
 }
 
 void LocalMap::move_origin(const Eigen::Vector3d& position) {

@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 using Json = nlohmann::json;
 #endif
 
-/// As text. Names of files and texts of a damaged session may hold bytes that are no UTF-8, at
-/// which the library's own dump() fails: a sign that says so stands for them.
+/// The value as text. Names of files and texts of a damaged session may contain bytes that are not
+/// UTF-8, for which the library's own dump() throws; they become U+FFFD.
 inline std::string dumped(const Json& json, int indentation = -1) {
   return json.dump(indentation, ' ', false, Json::error_handler_t::replace);
 }

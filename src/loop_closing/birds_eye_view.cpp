@@ -6,19 +6,21 @@
 #include <cmath>
 #include <cstring>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
 constexpr int kHalfWidth = BirdsEyeView::kWidth / 2;  // cells
-constexpr int kMaxShift = 15;                         // cells
-constexpr int kShifts = 2 * kMaxShift + 1;            // along each axis
+// Cells; chosen: the largest distance at which a descriptor still finds the place.
+constexpr int kMaxShift = 15;
+constexpr int kShifts = 2 * kMaxShift + 1;  // along each axis, with zero
 constexpr int kMargin = kMaxShift + 1;  // cells around the target, so that no shift leaves the grid
-constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;  // cells along an edge
-// Weight of an occupied cell; its neighbours have half of it.
+constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;  // cells along an edge: view and margins
+// Weight of an occupied cell; its neighbours have half of it, the least whole number. Chosen: a
+// point near an edge of its cell also fits the next cell.
 constexpr std::uint8_t kOccupiedWeight = 2;
-
-int cell_index(float coordinate) { return static_cast<int>(std::floor(coordinate)); }
 
 constexpr int kLanes = 16;  // bytes in a register of 128 bits, which every processor has
 using Lanes = std::uint8_t __attribute__((vector_size(kLanes)));
@@ -63,8 +65,8 @@ std::vector<int> first_cells_of(const std::vector<Eigen::Vector2f>& source, doub
   first_cells.reserve(source.size());
   for (const auto& cell : source) {
     const Eigen::Vector2f rotated = R * cell;
-    const int x = cell_index(rotated.x()) - kMaxShift + kGrid / 2;
-    const int y = cell_index(rotated.y()) - kMaxShift + kGrid / 2;
+    const int x = floor_to_int(rotated.x()) - kMaxShift + kGrid / 2;
+    const int y = floor_to_int(rotated.y()) - kMaxShift + kGrid / 2;
     first_cells.push_back(y * kGrid + x);
   }
   return first_cells;
@@ -83,8 +85,8 @@ BirdsEyeView::BirdsEyeView(const std::vector<Eigen::Vector3f>& points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float range = points[i].head<2>().norm();
     if (!above_ground[i] || range >= static_cast<float>(kHalfWidth)) continue;
-    occupied_.set((cell_index(points[i].y()) + kHalfWidth) * kWidth + cell_index(points[i].x()) +
-                  kHalfWidth);
+    occupied_.set((floor_to_int(points[i].y()) + kHalfWidth) * kWidth +
+                  floor_to_int(points[i].x()) + kHalfWidth);
   }
 }
 
@@ -101,8 +103,8 @@ std::vector<Eigen::Vector2f> BirdsEyeView::cells() const {
 ViewCorrelator::ViewCorrelator(const BirdsEyeView& target) : weights_(kGrid * kGrid + kLanes, 0) {
   const auto cells = target.cells();
   for (const auto& cell : cells) {
-    const int x = cell_index(cell.x()) + kGrid / 2;
-    const int y = cell_index(cell.y()) + kGrid / 2;
+    const int x = floor_to_int(cell.x()) + kGrid / 2;
+    const int y = floor_to_int(cell.y()) + kGrid / 2;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         std::uint8_t& weight = weights_[(y + dy) * kGrid + x + dx];

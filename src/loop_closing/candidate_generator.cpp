@@ -14,13 +14,16 @@ namespace {
 
 // Chosen: more than are registered, so that each source is heard.
 constexpr std::size_t kMaxPerSource = 10;
-constexpr double kMinSpacing = 8.0;      // m of path length between candidates of one pass
+// m of path length between candidates of one pass; chosen: less than the reach of a match
+// (kMaxShift of the view, 15 m).
+constexpr double kMinSpacing = 8.0;
 constexpr double kSatisfiedError = 1.0;  // m; a loop with a smaller error is satisfied by the map
-// M; a fix may have this error and still give its candidates.
+// m; a fix may have this error and still give its candidates: the largest errors by reflections in
+// streets. Chosen.
 constexpr double kMaxGnssError = 30.0;
-// M of path length from a candidate to the key frames that may replace it.
+// m of path length from a candidate to the key frames that may replace it.
 constexpr double kMaxShiftAlongPass = 25.0;
-constexpr double kMaxStartError = 3.0;  // m; expected error of a starting pose
+constexpr double kMaxStartError = 3.0;  // m; expected error of a starting pose; chosen
 
 Eigen::Vector2d horizontal(const Pose& pose) { return pose.translation.head<2>(); }
 

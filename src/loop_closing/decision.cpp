@@ -84,7 +84,7 @@ FailedCheck check_storey(const MatchFigures& figures, const Prior& prior) {
   condition << "odometry jumped " << std::setprecision(3) << prior.height_jumps
             << " m in height between the two: the storey is unknown";
   return Decision{Verdict::kUndecided,
-                  figure_sentence("share of the place under a roof", figures.roofed, "above",
+                  figure_sentence("fraction of the place under a roof", figures.roofed, "above",
                                   kMaxRoofedFraction, condition.str())};
 }
 

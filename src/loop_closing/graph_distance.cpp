@@ -10,7 +10,9 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kUnconnected = std::numeric_limits<double>::infinity();
-constexpr int kMaxLoopsPerPath = 8;  // number of loops in a row along one shortest path
+// Number of loops in a row along one shortest path. Chosen: bounds the rounds of the search, and
+// each loop adds an error of its own.
+constexpr int kMaxLoopsPerPath = 8;
 
 /// Lowers `distance` to the distance via a neighbour, if that is smaller. Returns true if it was.
 bool relax(double& distance, double via_neighbour) {

@@ -10,7 +10,9 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr double kCellSize = 20.0;  // m
+// m. Chosen: twice the default radius of a search (LoopClosingConfig::detect_area), so that it
+// visits few cells.
+constexpr double kCellSize = 20.0;
 
 std::int64_t cell_of(double coordinate) {
   return static_cast<std::int64_t>(std::floor(coordinate / kCellSize));

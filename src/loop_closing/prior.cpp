@@ -15,6 +15,8 @@ namespace {
 // Root of the 99 % quantile of chi-square, two degrees of freedom.
 constexpr double kQuantile99 = 3.03;
 // Error of the estimate that remains next to a constraint, by contradictions between constraints.
+// Chosen: smaller values refuse true loops while others are still wrong, larger ones admit the
+// neighbouring lane or storey.
 constexpr double kMinHorizontalSigma = 0.5;  // m
 constexpr double kMinVerticalSigma = 0.3;    // m
 constexpr double kMinRotationSigma = 0.04;   // rad

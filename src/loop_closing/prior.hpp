@@ -17,7 +17,7 @@ struct Distance {
   double sigma = 0.0;  ///< standard deviation, m
 };
 
-/// What is known about the relative pose of two key frames before they are matched.
+/// Prior of the relative pose of two key frames, before they are matched.
 struct Prior {
   /// Constraints connect the two; otherwise the estimate gives no information.
   bool anchored = false;

@@ -10,11 +10,13 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kMaxKnownMatches = 100;  // chosen, bounds the comparisons per match
-constexpr double kMaxSpeed = 40.0;             // m/s, of the vehicle while nothing was recorded
-constexpr double kTranslationTolerance = 0.5;  // m, plus 2 % of the path length between the matches
-// Of that path length; chosen: above the usual drift of odometry.
+constexpr double kMaxSpeed =
+    40.0;  // m/s (144 km/h), of the vehicle while nothing was recorded; chosen
+// m, between two matches that confirm each other; chosen: the sum of the errors of both.
+constexpr double kTranslationTolerance = 0.5;
+// Added fraction of the path length between the matches; chosen: above the usual drift of odometry.
 constexpr double kDriftTolerance = 0.02;
-constexpr double kRotationTolerance = 0.1;  // rad
+constexpr double kRotationTolerance = 0.1;  // rad (6 degrees); chosen in the same way
 
 struct Ends {
   Trajectory::NodeId from;

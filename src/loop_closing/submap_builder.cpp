@@ -9,9 +9,11 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::size_t kMaxCachedPoints = 4'000'000;  // 48 MB: about 300 key frames of 64 beams
+constexpr std::size_t kMaxCachedPoints =
+    4'000'000;                                // 48 MB, about 300 key frames of 64 beams; chosen
 constexpr std::size_t kMaxCachedSubmaps = 8;  // chosen: memory against time to build them again
-// M; key frames further along the path observe other surroundings.
+// m; key frames further along the path observe other surroundings. Chosen: half of the range at
+// which sensors with few beams see walls.
 constexpr double kMaxPathLength = 30.0;
 
 Eigen::Isometry3f isometry(const Pose& pose) {
@@ -102,7 +104,7 @@ std::optional<QueryScan> SubmapBuilder::query(const Trajectory& trajectory) {
   const Trajectory::NodeId node = trajectory.size() - 1;
   const Points own_points = newest_scan(trajectory[node].index);
   QueryScan query;
-  query.image = RangeImage(own_points, p_base_lidar_);
+  query.image = FreeSpaceImage(own_points, p_base_lidar_);
   query.points = merged_points(trajectory, node, own_points, kQueryKeyFrames - 1, 0, scan_leaf());
   query.above_ground = above_ground(query.points);
   return query;
@@ -119,7 +121,7 @@ std::shared_ptr<const Submap> SubmapBuilder::around(const Trajectory& trajectory
   submap->surface =
       SurfaceCloud(merged_points(trajectory, node, *own_points, extent, extent, map_leaf()));
   submap->above_ground = above_ground(submap->surface.tree().points());
-  submap->image = RangeImage(*own_points, p_base_lidar_);
+  submap->image = FreeSpaceImage(*own_points, p_base_lidar_);
   submap->p_base_lidar = p_base_lidar_;
   return submap_cache_.insert(index, std::move(submap), 1);
 }

@@ -12,11 +12,19 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;  // chosen: fewer are noisy, more round off edges
-constexpr float kPlanarity = 0.08F;      // largest ratio of smallest to middle eigenvalue
-constexpr float kClearance = 0.6F;       // m above the ground
-constexpr double kGroundCell = 2.5;      // m; a 3 x 3 block reaches 3.75 m from its centre
-constexpr double kGroundExtent = 250.0;  // m; points further away count as ground
+// Largest ratio of smallest to middle eigenvalue, 1 : 3.5 in thickness and breadth. Chosen: bushes
+// are thicker.
+constexpr float kPlanarity = 0.08F;
+// m above the ground. Chosen: kerbs and slopes within a block are lower, cars and walls higher.
+constexpr float kClearance = 0.6F;
+// m; a 3 x 3 block reaches 3.75 m from its centre. Chosen: under a truck (2.5 m wide) it finds the
+// road.
+constexpr double kGroundCell = 2.5;
+// m; points further away count as ground: beyond the range of the LiDARs.
+constexpr double kGroundExtent = 250.0;
 
+/// Normal of the plane through neighbours; zero if they lie in none. In single precision, unlike
+/// PlaneFit, because it is computed for every point of a submap.
 Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
                               const std::vector<KdTree::Neighbour>& neighbours) {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
@@ -37,7 +45,7 @@ Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
 /// Square cells around the origin. The outermost cells are not used.
 class GroundCells {
  public:
-  // Cells; with one on each side that catches what lies outside.
+  // Cells along an edge, with one more on each side for all points beyond the extent.
   static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
   static constexpr int kCount = kWidth * kWidth;
 

@@ -7,21 +7,25 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kTestRange = 40.0F;    // m from the scan; beyond it points are too sparse
-constexpr float kPairDistance = 0.3F;  // m
-constexpr float kPairSearch = 0.6F;    // m, for pairs that are side by side on one plane
+constexpr float kTestRange = 40.0F;  // m from the scan; beyond it points are too sparse
+// m. Chosen: voxel size of a submap plus the error of a match.
+constexpr float kPairDistance = 0.3F;
+// m, for pairs that are side by side on one plane: twice kPairDistance; chosen
+constexpr float kPairSearch = 0.6F;
 
 /// Counts the points that contradict a range image.
 class FreeSpaceCounter {
  public:
-  void add(RangeImage::FreeSpaceTest test_free_space) {
-    if (test_free_space == RangeImage::FreeSpaceTest::kUntested) return;
+  void add(FreeSpaceImage::FreeSpaceTest test_free_space) {
+    if (test_free_space == FreeSpaceImage::FreeSpaceTest::kUntested) return;
     ++tested_;
-    if (test_free_space == RangeImage::FreeSpaceTest::kViolation) ++violating_;
+    if (test_free_space == FreeSpaceImage::FreeSpaceTest::kViolation) ++violating_;
   }
   double violation_fraction() const {
     return tested_ == 0 ? 0.0 : static_cast<double>(violating_) / tested_;
@@ -125,16 +129,18 @@ double violation_of_submap(const QueryScan& query, const Submap& submap,
 }  // namespace
 
 double roofed_fraction(const Submap& submap) {
-  constexpr int kCellsPerAxis = 15;     // along each axis
-  constexpr float kCellSize = 2.0F;     // m
+  // Cells of 2 m, 30 m around the LiDAR. Chosen: beyond, ceilings are seen too flat to have
+  // normals, and smaller cells stay empty between rings.
+  constexpr int kCellsPerAxis = 15;
+  constexpr float kCellSize = 2.0F;
   constexpr float kMinHeight = 0.5F;    // m above the LiDAR
-  constexpr float kMinNormalZ = 0.95F;  // cosine of the largest tilt
+  constexpr float kMinNormalZ = 0.95F;  // cosine of the largest tilt, 18 degrees; ramps are flatter
   std::bitset<kCellsPerAxis * kCellsPerAxis> occupied, roofed;
   const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = points[i] - submap.p_base_lidar;
-    const int x = static_cast<int>(std::floor(p.x() / kCellSize + 0.5F * kCellsPerAxis));
-    const int y = static_cast<int>(std::floor(p.y() / kCellSize + 0.5F * kCellsPerAxis));
+    const int x = floor_to_int(p.x() / kCellSize + 0.5F * kCellsPerAxis);
+    const int y = floor_to_int(p.y() / kCellSize + 0.5F * kCellsPerAxis);
     if (x < 0 || y < 0 || x >= kCellsPerAxis || y >= kCellsPerAxis) continue;
     const auto cell = static_cast<std::size_t>(y * kCellsPerAxis + x);
     occupied[cell] = true;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "free_space_image.hpp"
 #include "point_to_plane.hpp"
-#include "range_image.hpp"
 
 namespace lidar_mapping::loop_closing {
 
@@ -12,14 +12,14 @@ namespace lidar_mapping::loop_closing {
 struct QueryScan {
   std::vector<Eigen::Vector3f> points;
   std::vector<bool> above_ground;  ///< per point
-  RangeImage image;                ///< of this key frame alone
+  FreeSpaceImage image;            ///< of this key frame alone
 };
 
 /// The surroundings of an older key frame, in its base_link.
 struct Submap {
   SurfaceCloud surface;
   std::vector<bool> above_ground;  ///< per point of surface.tree().points()
-  RangeImage image;                ///< of the middle key frame alone
+  FreeSpaceImage image;            ///< of the middle key frame alone
   /// Position of the LiDAR in base_link, m.
   Eigen::Vector3f p_base_lidar = Eigen::Vector3f::Zero();
 };

@@ -13,7 +13,9 @@ namespace lidar_mapping::map {
 namespace {
 
 constexpr std::size_t kBatchSize = 8;  // clouds in memory at a time; a batch takes twice their size
-constexpr std::size_t kVoxelsInMemory = 500'000;  // besides those of the current batch
+// Voxels besides those of the current batch. Chosen: about the tiles around the vehicle; more only
+// save reading from the disk.
+constexpr std::size_t kVoxelsInMemory = 500'000;
 
 /// Tiles that are filled in the order of the drive. The least recently used ones are stored on the
 /// disk and read again when they are needed.

@@ -11,7 +11,8 @@ namespace lidar_mapping::map {
 
 namespace {
 
-// m, longest part of a ray; further out its height is too uncertain
+// m, longest part of a ray. Chosen: further out, an attitude that is wrong by 0.2 degrees puts its
+// height off by more than the lowest obstacles (0.2 m).
 constexpr double kMaxRayLength = 50.0;
 constexpr std::size_t kBatch = 16;  // clouds in memory at a time
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -2,11 +2,11 @@
 #include "grid_frame.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include <Eigen/Geometry>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::map {
 
@@ -23,12 +23,10 @@ GridFrame::GridFrame(const CloudParts& map, double cell_size) : cell(cell_size) 
 }
 
 std::string GridFrame::yaml() const {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "image: grid.pgm\nresolution: %.9g\norigin: [%.6f, %.6f, 0.0]\nnegate: 0\n"
-                "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                cell, x_min, y_min);
-  return text;
+  return formatted(
+      "image: grid.pgm\nresolution: %.9g\norigin: [%.6f, %.6f, 0.0]\nnegate: 0\n"
+      "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
+      cell, x_min, y_min);
 }
 
 }  // namespace lidar_mapping::map

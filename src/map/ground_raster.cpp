@@ -11,7 +11,9 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr int kFillSteps = 5;  // columns by which known ground is extended
+// Columns by which known ground is extended, 3 m. Chosen: the gap between the rings of 16 beams at
+// 15 m; ground may change its height beyond.
+constexpr int kFillSteps = 5;
 
 moving_objects::PointCells cells_of(const moving_objects::TransformedPoints& points) {
   return {points, moving_objects::GroundArea::kColumnSize, std::numeric_limits<float>::infinity()};

@@ -10,7 +10,8 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kReferenceDistance = 50.0;  // m; see MapConfig::rebuild_distance
+constexpr double kReferenceDistance = 50.0;  // m from the LiDAR, where most walls of a street lie
+                                             // within; see MapConfig::rebuild_distance
 constexpr std::size_t kBatchSize = 16;       // clouds in memory at a time
 // Of the key frames; above it, a partial rebuild costs more than a whole one. Chosen.
 constexpr double kRebuildAllFraction = 0.5;

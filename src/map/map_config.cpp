@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/map/map_config.hpp"
 
-#include <cstdio>
-
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::map {
 
@@ -28,12 +27,10 @@ const config::Schema<MapConfig>& MapConfig::schema() {
 double grid_cell(const MapConfig& config) {
   if (config.grid_cell == 0.0) return config.resolution;
   if (config.grid_cell >= config.resolution) return config.grid_cell;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "cells of %g m are smaller than the map's voxels of %g m, and walls would have "
+  throw InputError(
+      formatted("cells of %g m are smaller than the map's voxels of %g m, and walls would have "
                 "gaps; choose larger cells or a finer resolution",
-                config.grid_cell, config.resolution);
-  throw InputError(text);
+                config.grid_cell, config.resolution));
 }
 
 }  // namespace lidar_mapping::map

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/parallel.hpp"
 #include "lidar_mapping/common/pcd_header.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "map_formats.hpp"
 
@@ -42,35 +42,29 @@ Extent extent_of(const CloudParts& map) {
   return extent;
 }
 
-std::string line(const char* format, double a, double b, double c) {
-  char text[160];
-  std::snprintf(text, sizeof text, format, a, b, c);
-  return text;
-}
-
 std::string to_yaml(const Extent& extent, const MapDescription& description) {
-  const auto bound = [](const char* format, const Eigen::Vector3f& p) {
-    return line(format, static_cast<double>(p.x()), static_cast<double>(p.y()),
-                static_cast<double>(p.z()));
+  const auto bound = [](const char* name, const Eigen::Vector3f& p) {
+    return formatted("%s: [%.4f, %.4f, %.4f]\n", name, static_cast<double>(p.x()),
+                     static_cast<double>(p.y()), static_cast<double>(p.z()));
   };
   std::string text = "# Map in metres, x east, y north, z up where there is a datum.\n";
   text += "frame: " + (description.utm ? std::string("utm") : description.frame) + "\n";
   if (description.utm) {
     const Eigen::Vector3d& origin = description.utm->origin();
     text += "epsg: " + std::to_string(description.utm->epsg()) + "\n";
-    text += line("utm_origin: [%.6f, %.6f, %.6f]\n", origin.x(), origin.y(), origin.z());
+    text += formatted("utm_origin: [%.6f, %.6f, %.6f]\n", origin.x(), origin.y(), origin.z());
   }
   if (description.datum) {
-    text += line("datum: {latitude: %.10f, longitude: %.10f, altitude: %.4f}\n",
-                 description.datum->latitude_deg, description.datum->longitude_deg,
-                 description.datum->altitude_m);
+    text += formatted("datum: {latitude: %.10f, longitude: %.10f, altitude: %.4f}\n",
+                      description.datum->latitude_deg, description.datum->longitude_deg,
+                      description.datum->altitude_m);
   } else {
     text += "datum: null\n";
   }
-  text += line("resolution: %.6g\n", description.resolution, 0.0, 0.0);
+  text += formatted("resolution: %.6g\n", description.resolution);
   text += "points: " + std::to_string(extent.points) + "\n";
-  text += bound("min: [%.4f, %.4f, %.4f]\n", extent.bounds.min());
-  text += bound("max: [%.4f, %.4f, %.4f]\n", extent.bounds.max());
+  text += bound("min", extent.bounds.min());
+  text += bound("max", extent.bounds.max());
   return text;
 }
 
@@ -142,7 +136,7 @@ void write_utm_origin(const fs::path& file, const std::optional<UtmFrame>& utm) 
     return;
   }
   const Eigen::Vector3d& origin = utm->origin();
-  write_text_atomically(path, line("%.6f %.6f %.6f\n", origin.x(), origin.y(), origin.z()));
+  write_text_atomically(path, formatted("%.6f %.6f %.6f\n", origin.x(), origin.y(), origin.z()));
 }
 
 /// Writer of a format that holds points alone; null for other formats.

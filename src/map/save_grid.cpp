@@ -17,7 +17,8 @@ namespace lidar_mapping::map {
 
 namespace {
 
-// Values that map_server reads as occupied, free and unknown.
+// Values that map_server reads as occupied, free and unknown, by its mode "trinary" and the
+// thresholds that are written beside the picture.
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFree = 254;
 constexpr std::uint8_t kUnknown = 205;
@@ -57,7 +58,8 @@ class PointEvidence {
     }
   }
 
-  static constexpr std::uint8_t kMaxCount = 255;  ///< largest value of a byte
+  static constexpr std::uint8_t kMaxCount =
+      255;  ///< the largest value of a byte: counting ends there
 
   const GridBlock block_;
   std::vector<std::uint8_t> obstacles_;  ///< Points at the height of obstacles, up to kMaxCount.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <cstdio>
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "map_products.hpp"
 
@@ -14,11 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string tile_file_name(const Eigen::Vector3d& origin) {
-  char name[64];
-  std::snprintf(name, sizeof name, "%lld_%lld.pcd",
-                static_cast<long long>(std::llround(origin.x())),
-                static_cast<long long>(std::llround(origin.y())));
-  return name;
+  return formatted("%lld_%lld.pcd", static_cast<long long>(std::llround(origin.x())),
+                   static_cast<long long>(std::llround(origin.y())));
 }
 
 constexpr const char* kMetadata = "pointcloud_map_metadata.yaml";
@@ -34,17 +31,14 @@ void replace_folder(const fs::path& finished, const fs::path& directory) {
 
 Files write_tiles(const TileSource& tiles, double tile_size, const fs::path& directory) {
   Files names;
-  char line[160];
-  std::snprintf(line, sizeof line, "x_resolution: %.9g\ny_resolution: %.9g\n", tile_size,
-                tile_size);
-  std::string metadata = line;
+  std::string metadata =
+      formatted("x_resolution: %.9g\ny_resolution: %.9g\n", tile_size, tile_size);
   tiles([&](const MapTile& tile) {
     if (tile.cloud.empty()) return;
     names.emplace_back(tile_file_name(tile.origin));
     write_pcd(directory / names.back(), in_map_frame(tile));
-    std::snprintf(line, sizeof line, "%s: [%.9g, %.9g]\n", names.back().c_str(), tile.origin.x(),
-                  tile.origin.y());
-    metadata += line;
+    metadata +=
+        formatted("%s: [%.9g, %.9g]\n", names.back().c_str(), tile.origin.x(), tile.origin.y());
   });
   names.emplace_back(kMetadata);
   write_text_atomically(directory / kMetadata, metadata);

@@ -2,12 +2,11 @@
 #include "lidar_mapping/map/write_products.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <cstdio>
 #include <map>
 #include <memory>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/map/map_builder.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 #include "lidar_mapping/moving_objects/moving_objects.hpp"
@@ -23,30 +22,19 @@ bool contains(const std::string& format, const std::vector<std::string>& formats
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
-std::string to_lower_case(std::string text) {
-  for (char& letter : text) {
-    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  }
-  return text;
-}
-
 /// The names in lower case. Throws InputError for an unknown one.
 std::vector<std::string> known_formats(const std::vector<std::string>& formats) {
   std::vector<std::string> result;
   for (const std::string& format : formats) {
-    result.push_back(to_lower_case(format));
+    result.push_back(lower_case(format));
     if (find_format(result.back()) != nullptr) continue;
-    std::string known;
-    for (const std::string& name : product_formats()) known += (known.empty() ? "" : ", ") + name;
-    throw InputError("map format '" + format + "' is not known; use " + known);
+    throw InputError("map format '" + format + "' is not known; use " + joined(product_formats()));
   }
   return result;
 }
 
 std::string text_of(const Eigen::Vector3d& p) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%g, %g, %g)", p.x(), p.y(), p.z());
-  return text;
+  return formatted("(%g, %g, %g)", p.x(), p.y(), p.z());
 }
 
 /// The parts of the clouds that lie in a box of the map.

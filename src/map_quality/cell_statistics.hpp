@@ -22,7 +22,9 @@ struct Plane {
 
 Plane plane_of(const PointMoments& moments);
 
+/// True up to a slope of 26 degrees (0.9 is its cosine): ramps, roads and floors.
 inline bool is_ground(const Plane& plane) { return std::abs(plane.normal.z()) > 0.9; }
+/// True up to 14 degrees from the vertical (0.25 is their sine).
 inline bool is_wall(const Plane& plane) { return std::abs(plane.normal.z()) < 0.25; }
 
 /// Key of the cell of edge `size` (m) in which a point lies.

@@ -12,13 +12,21 @@ namespace lidar_mapping::map_quality {
 
 namespace {
 
-constexpr double kCell = 0.5;        // m
-constexpr double kMinExtent = 0.15;  // of the cell
-// ratio of thickness to extent of the group that gives the plane
+// m, edge of a cell. Chosen: larger ones hold more than one surface or a curved one, smaller ones
+// too few points.
+constexpr double kCell = 0.5;
+// Second largest standard deviation of the points of a plane, in edges of the cell; a square that
+// fills the cell has 0.29. Below half of that the points are closer to a line than to a surface.
+constexpr double kMinExtent = 0.15;
+// Ratio of thickness to extent of the group that gives the plane. Chosen: vegetation is thicker,
+// and a wall with the range noise of a LiDAR (0.02 m) is thinner even if it covers half a cell.
 constexpr double kMaxFlatness = 0.2;
-constexpr double kMaxPlaneDistance =
-    0.3;  // m, groups farther from the plane belong to another surface
-constexpr double kMinPlanePoints = 15;  // of the group that gives the plane
+// m; groups farther from the plane belong to another surface. Chosen a little above half a cell,
+// because such a group is in the cell with a part of its points only.
+constexpr double kMaxPlaneDistance = 0.3;
+// Points of the group that gives the plane: five for each of its three unknowns; chosen.
+constexpr double kMinPlanePoints = 15;
+// Points of a group that is measured against the plane: only its mean and a variance are needed.
 constexpr double kMinGroupPoints = 5;
 
 /// Points of one group in a cell, and the sum of the outer products of their ray directions.

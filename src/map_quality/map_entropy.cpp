@@ -14,12 +14,18 @@ namespace lidar_mapping::map_quality {
 
 namespace {
 
-constexpr double kRadius = 0.3;  // m, radius of the neighbourhood
-// m, radius around a key frame in which the entropy is computed
+// m, radius of the neighbourhood: the one of Razlaw et al. 2015.
+constexpr double kRadius = 0.3;
+// m, radius around a key frame in which the entropy is computed. Chosen: near the path the points
+// are dense enough for kMinNeighbours with any sensor.
 constexpr double kLocationRadius = 8.0;
-constexpr double kKeyFrameRadius = 30.0;  // m, key frames within this distance provide the points
-constexpr std::size_t kLocations = 60;    // along the whole path
-constexpr std::size_t kPointsPerLocation = 1500;  // points per location
+// m, key frames within this distance provide the points: the default of QualityConfig::max_range.
+constexpr double kKeyFrameRadius = 30.0;
+// Locations along the whole path, and points per location. Chosen: they bound the time, while the
+// mean is one of up to 90,000 neighbourhoods.
+constexpr std::size_t kLocations = 60;
+constexpr std::size_t kPointsPerLocation = 1500;
+// A covariance of three dimensions needs four points; one more is chosen against chance.
 constexpr double kMinNeighbours = 5.0;
 
 struct EntropySum {

@@ -13,7 +13,9 @@ namespace lidar_mapping::moving_objects {
 namespace {
 
 constexpr std::size_t kWindow = GroundArea::kWindow;  // columns
-constexpr float kDeeper = 0.2F;  // m, from here on the surroundings are believed instead
+// m; if the surroundings are deeper by more, the column has no ground (a car, a bush) and theirs is
+// used. Chosen above the height of a kerb (0.15 m) and below the floor of a car.
+constexpr float kDeeper = 0.2F;
 constexpr float kNone = LowestPoints::kNone;  // no point
 constexpr float kNotComputed = std::numeric_limits<float>::quiet_NaN();
 

@@ -18,10 +18,17 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kBatchSize = 16;  // key frames that are processed together, one per thread
-constexpr int kGroundNeighbours = 10;   // neighbours whose points give the near ground
-constexpr int kGroundStep = 3;          // every n-th of the further ones gives the wide ground
-constexpr double kMinRainFraction = 0.002;  // of the points isolated: it rains or snows
+// Key frames that are processed together, one per thread. Chosen: more need more memory, and few
+// processors have more cores.
+constexpr std::size_t kBatchSize = 16;
+// Neighbours on each side whose points give the near ground. Chosen: 20 key frames cover the
+// surroundings of one, and farther ones see its ground from the other side of a crest.
+constexpr int kGroundNeighbours = 10;
+// Every n-th of the further ones gives the wide ground. Chosen: consecutive ones see much the same.
+constexpr int kGroundStep = 3;
+// Fraction of the points that are isolated, from which on it rains or snows. Chosen: about a
+// hundred points of 64 beams, more than the tips of leaves give.
+constexpr double kMinRainFraction = 0.002;
 
 /// Points on the ground or at the base of an object need no votes.
 std::vector<std::uint32_t> voted_points(const std::vector<Layer>& layers) {

@@ -9,8 +9,9 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kRow = 2 * kRangeImageColumns;  // values of a row, two per pixel
-constexpr std::uint16_t kNothing = 65'535;            // largest value, above kMaxUnit
+constexpr std::size_t kRow =
+    2 * kRangeImageColumns;                 // values of a row: nearest and farthest range per pixel
+constexpr std::uint16_t kNothing = 65'535;  // largest value, above kMaxUnit
 // Pixels of a row with one more at each end.
 constexpr std::size_t kExtendedRow = kRangeImageColumns + 2;
 constexpr std::size_t kPrefetchDistance = 8;  // windows that are prefetched

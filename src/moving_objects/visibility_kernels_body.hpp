@@ -12,8 +12,9 @@
 namespace lidar_mapping::moving_objects {
 namespace {
 
-constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);            // rad
-constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);  // over a turn
+constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
+constexpr float kColumnsPerRadian =
+    kRangeImageColumns / (2.0F * kHalfTurn);  // the image is a full turn
 // Rows of 0.5 degrees. Chosen: a little more than the rings of 64 beams lie apart (0.4 degrees).
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
 constexpr float kMinLength = 1e-37F;      // m, above zero, because it is a divisor

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "lidar_mapping/common/formatted.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 
 namespace lidar_mapping::pipeline {

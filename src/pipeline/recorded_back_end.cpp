@@ -19,10 +19,7 @@ session::RevisionRecord record_of(const back_end::OptimizationReport& report,
   session::RevisionRecord record;
   record.revision = revision;
   record.key_frames = report.key_frames;
-  record.loops_used = report.loops_used;
-  record.loops_refused = report.loops_refused;
-  record.gnss_used = report.gnss_used;
-  record.gnss_refused = report.gnss_refused;
+  static_cast<UsageCounts&>(record) = report;
   record.cost_before = report.cost_before;
   record.cost_after = report.cost_after;
   record.seconds = seconds;

@@ -25,11 +25,14 @@ ceres::SparseLinearAlgebraLibraryType sparse_library() {
              : ceres::EIGEN_SPARSE;
 }
 
+// Radius of a trust region that does not limit steps: larger than any drive, m.
+constexpr double kWideRadius = 1e10;
+
 ceres::Solver::Options solver_options(const MinimizerSettings& settings) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.sparse_linear_algebra_library_type = sparse_library();
-  options.initial_trust_region_radius = settings.initial_radius;
+  options.initial_trust_region_radius = settings.initial_radius.value_or(kWideRadius);
   options.max_trust_region_radius = 1e32;
   // Ceres discards the step with which this test ends; ConvergenceCallback ends one step earlier.
   options.function_tolerance = 1e-3 * settings.tolerance;
@@ -41,9 +44,6 @@ ceres::Solver::Options solver_options(const MinimizerSettings& settings) {
   options.logging_type = ceres::SILENT;
   return options;
 }
-
-// Radius of the trust region from which on it does not limit steps.
-constexpr double kUndamped = 1e10;
 
 /// Ends a minimisation one step before the test of Ceres. Near the minimum the ratio of the next
 /// gain to the last one is at most that of the last gain to the one before.
@@ -190,7 +190,7 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used) {
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings) {
   MinimizerSummary undamped;
-  if (settings.initial_radius >= kUndamped) {
+  if (!settings.initial_radius) {
     undamped = gauss_newton(graph, used, loss_of, settings);
     if (undamped.usable) return undamped;
   }

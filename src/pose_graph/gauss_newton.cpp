@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include <ceres/loss_function.h>
+
 #include "lidar_mapping/pose_graph/block_cholesky.hpp"
 
 namespace lidar_mapping::pose_graph {
@@ -17,7 +19,8 @@ namespace {
 constexpr double kDiagonalScaling = 1e-10;
 constexpr double kRefactorizeGain =
     1e-3;  // fraction of the cost: after a larger expected gain the factor is computed again
-// Fraction of the cost by which it may seem to rise at the minimum.
+// Fraction of the cost by which it may seem to rise at the minimum. Chosen: far above the rounding
+// of sums of doubles, far below the tolerance at which the search ends.
 constexpr double kCostRounding = 1e-9;
 
 /// A constraint with its loss.
@@ -39,7 +42,7 @@ std::pair<double, double> loss_at(const ceres::LossFunction* loss, double square
 template <int size>
 class NormalEquations {
  public:
-  // Columns of a Jacobian per node.
+  // Columns of a Jacobian per node: the layout of Ceres, which has one per number of the state.
   static constexpr int kBlock = size == 6 ? kPoseBlockSize : kPlanarBlockSize;
   using Block = Eigen::Matrix<double, size, size>;
 

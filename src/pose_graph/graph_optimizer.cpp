@@ -2,6 +2,7 @@
 #include "lidar_mapping/pose_graph/graph_optimizer.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "lidar_mapping/pose_graph/robust_solver.hpp"
 
@@ -59,7 +60,7 @@ RobustSolution solve(FactorGraph& factors, const GraphOptions& options) {
   if (options.graduated) return solve_graduated(factors);
   const std::vector<bool> all(factors.constraints.size(), true);
   // With a robust kernel, undamped steps may jump to distant minima.
-  const double radius = options.kernel == RobustKernel::kNone ? 1e10 : 1e4;
+  const auto radius = options.kernel == RobustKernel::kNone ? std::nullopt : std::optional(1e4);
   return solve_selected(factors, all, {100, radius, options.tolerance});
 }
 

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include <ceres/loss_function.h>
+
 namespace lidar_mapping::pose_graph {
 
 LinearisedConstraint linearise(const FactorGraph& graph, const Constraint& constraint) {

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
+#include <ceres/loss_function.h>
+
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::pose_graph {
 
@@ -132,11 +134,6 @@ class WelschLoss : public ceres::LossFunction {
   double c2_;
 };
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 }  // namespace
 
 const std::vector<std::pair<std::string, RobustKernel>>& robust_kernel_names() {
@@ -155,12 +152,12 @@ const std::vector<std::pair<std::string, RobustKernel>>& robust_kernel_names() {
 }
 
 RobustKernel robust_kernel_of(const std::string& name) {
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& [known, kernel] : robust_kernel_names()) {
-    if (lower(known) == lower(name)) return kernel;
-    names += (names.empty() ? "" : ", ") + known;
+    if (lower_case(known) == lower_case(name)) return kernel;
+    names.push_back(known);
   }
-  throw InputError("'" + name + "' is no robust kernel; there are " + names);
+  throw InputError("'" + name + "' is no robust kernel; there are " + joined(names));
 }
 
 std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double size) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include <ceres/loss_function.h>
+
 namespace lidar_mapping::pose_graph {
 
 namespace {

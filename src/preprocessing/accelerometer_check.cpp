@@ -3,17 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
 
+// Length of a window. Chosen: longer than a bump of the road, and it bounds how late a fault is
+// found.
 constexpr Stamp kWindow = from_seconds(2.0);
+// Longer gaps between samples begin a new window: its mean would hide what happened in between.
 constexpr Stamp kMaxGap = from_seconds(0.5);
 constexpr int kMinSamples = 20;  // 10 Hz; chosen: fewer give a poor mean
 /// Number of windows: no vehicle is in free fall or jumps for six seconds.
 constexpr int kMinWindows = 3;
-/// m/s^2: shocks and thrust change the mean acceleration, but not by a third over seconds.
+/// m/s^2, gravity (9.81) less and plus about a third: shocks and thrust change the mean
+/// acceleration, but not by that much over seconds.
 constexpr double kMinGravity = 6.5;
 constexpr double kMaxGravity = 13.5;
 /// m/s^2: an axis must follow gravity when gravity on it changes by this much (a tilt of 0.1 rad).
@@ -77,15 +82,13 @@ std::string AccelerometerCheck::sentence() const {
     return "an axis of the accelerometer says the same however the sensor tilts; accelerations are "
            "not used (look for a driver that fills in made-up values)";
   }
-  std::array<char, 240> text{};
-  std::snprintf(text.data(), text.size(),
-                "its accelerations are %.2f m/s2 in the mean, which is not gravity; they are not "
-                "used (%s)",
-                mean_size_,
-                mean_size_ > 0.8 && mean_size_ < 1.25
-                    ? "they are in g: set imu_acceleration_unit to G"
-                    : "an axis is dead, gravity was taken off, or the unit is another");
-  return text.data();
+  return formatted(
+      "its accelerations are %.2f m/s2 in the mean, which is not gravity; they are not "
+      "used (%s)",
+      mean_size_,
+      mean_size_ > 0.8 && mean_size_ < 1.25
+          ? "they are in g: set imu_acceleration_unit to G"
+          : "an axis is dead, gravity was taken off, or the unit is another");
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -15,7 +15,6 @@
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/units.hpp"
 
-#include "lower_scatter.hpp"
 #include "plane_search.hpp"
 #include "road_surface.hpp"
 
@@ -23,15 +22,23 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kHalfStripWidth = 2.0;      // m
-constexpr double kCellSize = 1.0;            // m, edge length of a cell whose slope is tested
-constexpr std::size_t kMinPointsOfCell = 8;  // points
-constexpr double kMaxLineRatio = 0.02;       // ratio of the eigenvalues, middle to largest
-constexpr int kSectors = 12;                 // of 30 degrees
+// m: half of a lane, which is 3.5 m to 4 m wide; kerbs and pavements lie beyond.
+constexpr double kHalfStripWidth = 2.0;
+// m, edge length of a cell whose slope is tested. Chosen: larger ones mix floor and kerb, smaller
+// ones have too few points of 16 beams.
+constexpr double kCellSize = 1.0;
+// Points for the slope of a cell, which has three unknowns; cells with fewer are kept. Chosen.
+constexpr std::size_t kMinPointsOfCell = 8;
+// Ratio of the eigenvalues, middle to largest, below which the points of a cell lie on one ring
+// (1:7 in breadth and length) and do not determine its slope. Chosen.
+constexpr double kMaxLineRatio = 0.02;
+// Sectors of 30 degrees. Chosen: wide enough that each holds points of two rings.
+constexpr int kSectors = 12;
 // Chosen: with fewer a narrow patch passes, with more a floor ahead fails.
 constexpr int kMinSectorsOfFloor = 3;
-constexpr double kMinRadialExtent = 1.0;  // m
-// larger than on any street, except where a ramp begins
+// m from the nearest to the farthest point of a sector: more than the foot of a wall is thick.
+constexpr double kMinRadialExtent = 1.0;
+// 1/m, of a circle of 400 m: larger than on any street, except where a ramp begins.
 constexpr double kMaxCurvature = 1.0 / 400.0;
 
 using Points = std::vector<Eigen::Vector3d>;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "gnss_track.hpp"
 #include "input_checks.hpp"
@@ -17,20 +18,31 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMinOutage = 3.0;        // s
-constexpr double kMaxSpeed = 70.0;        // m/s
-constexpr double kMaxStepDuration = 1.5;  // s between fixes that are compared
-constexpr double kMaxOffsetSigma = 0.02;  // s
-constexpr double kPriorArmSigma = 3.0;    // m, standard deviation
-constexpr double kMinArmError = 0.4;      // m
+// s without a fix that are reported. Chosen: shorter ones are bridged by odometry within a few
+// centimetres (1 % of the path).
+constexpr double kMinOutage = 3.0;
+// m/s without a measured velocity: faster than any car on a road (250 km/h).
+constexpr double kMaxSpeed = 70.0;
+// s between fixes that are compared: the slowest usual rate is 1 Hz, and a lost fix is an outage.
+constexpr double kMaxStepDuration = 1.5;
+// s: the delay is known below this standard deviation. Chosen: 0.3 m at 15 m/s.
+constexpr double kMaxOffsetSigma = 0.02;
+constexpr double kPriorArmSigma = 3.0;  // m, standard deviation: half of the length of a vehicle
+// m: smaller errors of the antenna's place cost less than the noise of most receivers. Chosen.
+constexpr double kMinArmError = 0.4;
 constexpr double kSigmas = 5.0;  // chosen: a false alarm sends a person to the vehicle to measure
-// interval over which the speeds of fixes are computed
+// Interval over which the speeds of fixes are computed. Chosen: longer ones cut bends short,
+// shorter ones hold more noise.
 constexpr Stamp kSectionDuration = from_seconds(2.0);
-constexpr double kMinSectionLength = 4.0;  // m
-constexpr double kMinScatterRatio = 8.0;   // times
-constexpr std::size_t kMinSections = 10;
-constexpr double kMaxSigmaRatio = 3.0;      // multiple of the sigma in the messages
-constexpr double kUsualAcceleration = 1.0;  // m/s^2, which also bends the path between fixes
+// m in that interval: below walking pace (2 m/s) the noise of the fixes decides.
+constexpr double kMinSectionLength = 4.0;
+// Length of the interval in multiples of the scatter: the speed is then good to about a fifth.
+constexpr double kMinScatterRatio = 8.0;
+constexpr std::size_t kMinSections = 10;  // for a median; chosen
+// Multiple of the sigma in the messages. Chosen: receivers are often wrong by a factor of two.
+constexpr double kMaxSigmaRatio = 3.0;
+constexpr double kUsualAcceleration =
+    1.0;  // m/s^2, of traffic; it also bends the path between fixes
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);
@@ -122,14 +134,15 @@ void check_scatter(const FixScatter& scatter, const GnssRecord& gnss,
   const double acceleration_scatter = kUsualAcceleration / std::pow(gnss.usable.topic.rate(), 2);
   if (scatter.measured() < kMaxSigmaRatio * stated_by_messages + acceleration_scatter) return;
   const bool is_covered = scatter.variance_factor() <= 1.0;
-  add_warning(report,
-              text("fixes scatter by %.2f m, their covariance says %.3f m", scatter.measured(),
-                   stated_by_messages),
-              is_covered
-                  ? text("gnss_sigma_floor_xy (%.2f m) stands in", config.gnss_sigma_floor_xy)
-                  : text("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
-                         "beginning",
-                         std::ceil(scatter.measured() * 10.0) / 10.0));
+  add_warning(
+      report,
+      formatted("fixes scatter by %.2f m, their covariance says %.3f m", scatter.measured(),
+                stated_by_messages),
+      is_covered
+          ? formatted("gnss_sigma_floor_xy (%.2f m) stands in", config.gnss_sigma_floor_xy)
+          : formatted("it is raised to what they do; gnss_sigma_floor_xy %.1f does so from the "
+                      "beginning",
+                      std::ceil(scatter.measured() * 10.0) / 10.0));
 }
 
 /// False if too little is known of the antenna to check the stamps.
@@ -141,11 +154,12 @@ bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
   const double off = result.arm_error.norm();
   if (off > std::max(kMinArmError, kSigmas * result.arm_sigma)) {
     const Eigen::Vector2d arm = p_base_antenna.head<2>() + result.arm_error;
-    add_fault(report,
-              text("the fixes move as those of an antenna at (%.1f, %.1f) m in base_link, tf has "
-                   "it at (%.1f, %.1f)",
-                   arm.x(), arm.y(), p_base_antenna.x(), p_base_antenna.y()),
-              "mend the transform of the frame of GNSS");
+    add_fault(
+        report,
+        formatted("the fixes move as those of an antenna at (%.1f, %.1f) m in base_link, tf has "
+                  "it at (%.1f, %.1f)",
+                  arm.x(), arm.y(), p_base_antenna.x(), p_base_antenna.y()),
+        "correct the transform of the frame of GNSS");
   }
   return true;
 }
@@ -179,22 +193,23 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
   InputReport report = check_headers("gnss", gnss.topic, lookup);
   if (gnss.topic.count == 0) return report;
   const TopicStatistics& usable = gnss.usable.topic;
-  report.found += text(", %zu of %zu fixes usable", usable.count, gnss.topic.count);
+  report.found += formatted(", %zu of %zu fixes usable", usable.count, gnss.topic.count);
   for (const auto& [problem, count] : gnss.rejected) {
-    add_warning(report, text("%zu fixes refused: %s", count, problem.c_str()),
+    add_warning(report, formatted("%zu fixes refused: %s", count, problem.c_str()),
                 "they are left out; the map leans on odometry and loops there");
   }
   if (gnss.usable.samples.empty()) return report;
   const double gap = to_seconds(usable.longest_gap);
   if (gap > kMinOutage) {
     add_warning(report,
-                text("no usable fix for %.1f s, from %.1f s after the first on", gap,
-                     to_seconds(usable.gap_begin - usable.first)),
+                formatted("no usable fix for %.1f s, from %.1f s after the first on", gap,
+                          to_seconds(usable.gap_begin - usable.first)),
                 "expect drift there unless loops close over it");
   }
   if (!gnss.covariance_known) {
-    add_warning(report, "fixes without covariance",
-                text("gnss_unknown_sigma_xy (%.1f m) stands in", config.gnss_unknown_sigma_xy));
+    add_warning(
+        report, "fixes without covariance",
+        formatted("gnss_unknown_sigma_xy (%.1f m) stands in", config.gnss_unknown_sigma_xy));
   }
   const Extrinsics extrinsics(lookup);
   GnssTrack track(config, extrinsics);
@@ -204,7 +219,7 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
   const Steps steps = steps_of(local_fixes(gnss, config), speeds_of(velocity),
                                scatter.is_known() ? scatter.measured() : 0.0);
   if (steps.jumps > 0) {
-    add_warning(report, text("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
+    add_warning(report, formatted("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
                 "reflections or wrong ambiguities; keep gnss_gating on");
   }
   const auto T_base_antenna = extrinsics.T_base(gnss.topic.frame());

@@ -3,22 +3,35 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kSigmas = 3.0;           // 99.7 % of a normal distribution, along an axis
-constexpr double kTolerance = 0.5;        // m
-constexpr double kDriftFraction = 0.012;  // of the path length since the last good fix
-constexpr double kMaxGrade = 0.12;        // height per path length
-constexpr double kMaxSpeed = 70.0;        // m/s
-constexpr double kWindowLength = 60.0;    // m, path length that is aligned with the fixes
-// m; after that the old fixes do not determine the new ones
+constexpr double kSigmas = 3.0;  // 99.7 % of a normal distribution, along an axis
+// m that are always allowed. Chosen: smaller jumps do little harm, and dead reckoning errs by as
+// much.
+constexpr double kTolerance = 0.5;
+// Of the path length since the last good fix: drift of dead reckoning by a gyro and wheels. Chosen
+// above the scale error of a wheel (1 %).
+constexpr double kDriftFraction = 0.012;
+// Height per path length, because dead reckoning takes the vehicle as level: the steepest roads
+// that design standards allow are about as steep.
+constexpr double kMaxGrade = 0.12;
+constexpr double kMaxSpeed = 70.0;  // m/s: faster than any car on a road (250 km/h)
+// m, path length that is aligned with the fixes. Chosen: long enough for a heading, short enough
+// for the drift of dead reckoning.
+constexpr double kWindowLength = 60.0;
+// m without a good fix after which any is accepted: dead reckoning has drifted by the usual size of
+// a jump then (kDriftFraction: 1.8 m), and the old fixes do not determine the new ones.
 constexpr double kMaxPathWithoutFix = 150.0;
-constexpr double kMinMatchSpacing = 0.5;       // m, path length between the fixes that are used
-constexpr double kMinExtentForRotation = 5.0;  // m
+// m, path length between the fixes that are used: nearer ones add time and no information. Chosen.
+constexpr double kMinMatchSpacing = 0.5;
+// Extent of the window, m and in standard deviations of the fixes, from which on its heading is
+// estimated. Chosen: the heading is then good to about 1 / 5 rad or better.
+constexpr double kMinExtentForRotation = 5.0;
 constexpr double kMinSigmasForRotation = 5.0;
 
 double horizontal_sigma(const LocalFix& fix) {
@@ -31,9 +44,7 @@ Pose leveled(const Pose& pose) {
 }
 
 std::string jump_text(const char* what, double distance, double limit) {
-  char text[120];
-  std::snprintf(text, sizeof(text), "a jump: %.1f m %s, %.1f m allowed", distance, what, limit);
-  return text;
+  return formatted("a jump: %.1f m %s, %.1f m allowed", distance, what, limit);
 }
 
 }  // namespace
@@ -113,7 +124,7 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
         aligned->center_enu + aligned->R_enu_dr * (p_dr.head<2>() - aligned->center_dr);
     const double off = (fix.p_enu.head<2>() - expected).norm();
     const double limit = kSigmas * std::hypot(sigma, drift) + kTolerance;
-    return off > limit ? jump_text("beside the measured way", off, limit) : "";
+    return off > limit ? jump_text("beside the measured path", off, limit) : "";
   }
   const double distance_travelled = (p_dr - last_match_.p_dr).head<2>().norm();
   const double difference = std::abs(step.head<2>().norm() - distance_travelled);

@@ -8,15 +8,21 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
+// Stamps that go back by more mean another recording; longer than any network delay.
 constexpr Stamp kJumpBack = from_seconds(2.0);
-constexpr std::size_t kMaxPending = 200;    // fixes that wait for the motion, 20 s at 10 Hz; chosen
-constexpr double kMaxDeadReckoning = 10.0;  // s; after that dead reckoning is too inaccurate
-// Metres from the first fix; a smaller error is corrected during the drive. Chosen, far beyond the
+constexpr std::size_t kMaxPending = 200;  // fixes that wait for the motion, 20 s at 10 Hz; chosen
+// s of dead reckoning between two scans; after that it is too inaccurate to judge a fix (0.1 m/s of
+// an error of the speed are 1 m). Chosen.
+constexpr double kMaxDeadReckoning = 10.0;
+// m from the first fix; a smaller error is corrected during the drive. Chosen, far beyond the
 // errors of receivers.
 constexpr double kMinDistanceOfOtherStart = 1000.0;
-constexpr double kMaxDistanceOfAgreement = 20.0;  // m between two fixes
-constexpr double kMaxSpeed = 70.0;                // m/s
-constexpr double kMinDelayChange = 0.001;  // s; smaller changes of the correction are not applied
+// m between two fixes that confirm each other against the first: the scatter of receivers without
+// corrections, and far below kMinDistanceOfOtherStart. Chosen.
+constexpr double kMaxDistanceOfAgreement = 20.0;
+constexpr double kMaxSpeed = 70.0;  // m/s: faster than any car on a road (250 km/h)
+// s; smaller changes of the correction are not applied: at 70 m/s they are 7 cm.
+constexpr double kMinDelayChange = 0.001;
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }
 

@@ -51,7 +51,6 @@ class GnssTrack {
                        bool backwards);
 
   const SensorStream<LocalFix>& stream() const { return stream_; }
-  bool has_fixes() const { return !stream_.buffer().empty() || !pending_fixes_.empty(); }
   const HeadingCheck& heading_check() const { return heading_check_; }
   const AntennaFit& antenna_fit() const { return antenna_fit_; }
   const FixScatter& scatter() const { return scatter_; }

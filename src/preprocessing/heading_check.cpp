@@ -10,9 +10,13 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMinSectionLength = 5.0;    // m
-constexpr double kMinSigmasOfSection = 8.0;  // course good to about 10 degrees
-constexpr double kMaxTurning = 0.35;         // rad of turning within a section
+// Length of a section, m and in standard deviations of a position. With the latter the course is
+// good to about 10 degrees (sqrt(2) / 8 rad).
+constexpr double kMinSectionLength = 5.0;
+constexpr double kMinSigmasOfSection = 8.0;
+// rad (20 degrees) of turning within a section: the chord then has the direction of its middle to
+// less than a degree.
+constexpr double kMaxTurning = 0.35;
 // Chosen above the error of a course, which is about 10 degrees.
 constexpr double kAgreement = 15.0 * kRadPerDeg;
 // Chosen: between both nothing is decided.
@@ -39,8 +43,7 @@ void HeadingCheck::add(const Eigen::Vector3d& p_enu, double sigma,
 }
 
 void HeadingCheck::update(const Eigen::Vector3d& step, double yaw) {
-  last_difference_ = wrapped(std::atan2(step.y(), step.x()) - yaw);
-  const double size = std::abs(last_difference_);
+  const double size = std::abs(wrapped(std::atan2(step.y(), step.x()) - yaw));
   agreements_ = size < kAgreement ? agreements_ + 1 : 0;
   contradictions_ = size > kContradiction ? contradictions_ + 1 : 0;
   if (agreements_ >= kMinCount) agrees_ = true;

@@ -18,8 +18,6 @@ class HeadingCheck {
   /// True after three successive sections of the path agreed, false after three successive ones did
   /// not; empty before.
   std::optional<bool> agrees() const { return agrees_; }
-  /// Course minus heading over the last section, rad.
-  double last_difference() const { return last_difference_; }
 
  private:
   void update(const Eigen::Vector3d& step, double yaw);
@@ -28,7 +26,6 @@ class HeadingCheck {
   double section_start_yaw_ = 0.0;
   int agreements_ = 0;
   int contradictions_ = 0;
-  double last_difference_ = 0.0;
   std::optional<bool> agrees_;
 };
 

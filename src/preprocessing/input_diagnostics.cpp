@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/text.hpp"
+
 #include "sensor_record.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -31,15 +33,16 @@ void InputDiagnostics::motion(MotionSource source, bool has_times) {
 
 void InputDiagnostics::time_went_back(const std::string& input, Stamp jump) {
   reset("reset");
-  warn("reset", input + text(": time went back by %.1f s", to_seconds(jump)) +
-                    "; all buffers are empty now (a recording that begins anew?)");
+  warn("reset", input + formatted(": time went back by %.1f s", to_seconds(jump)) +
+                    "; all buffers are empty now (a recording that starts again?)");
 }
 
 void InputDiagnostics::stray_stamp(const std::string& input, Stamp jump) {
   warn("stray " + input,
-       input + text(": a stamp %.1f s %s all before was dropped (if the next ones agree with it, "
-                    "they are taken)",
-                    std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
+       input +
+           formatted(": a stamp %.1f s %s all before was dropped (if the next ones agree with it, "
+                     "they are taken)",
+                     std::abs(to_seconds(jump)), jump > 0 ? "after" : "before"));
 }
 
 void InputDiagnostics::rejected_fix(const std::string& problem) {
@@ -73,9 +76,10 @@ void InputDiagnostics::implausible_gyro() {
 
 void InputDiagnostics::clipped_gyro(double limit) {
   warn("gyro limit",
-       text("imu: its rates end at %.1f rad/s, where the sensor turns faster; scans meanwhile are "
-            "taken as without gyro (set a larger range in its driver)",
-            limit));
+       formatted(
+           "imu: its rates end at %.1f rad/s, where the sensor turns faster; scans meanwhile are "
+           "taken as without gyro (set a larger range in its driver)",
+           limit));
 }
 
 void InputDiagnostics::rejected_acceleration(const std::string& sentence) {
@@ -99,8 +103,8 @@ void InputDiagnostics::other_clock(const std::string& input, Stamp ahead, Stamp 
   const Stamp most = std::max(ahead, behind);
   if (most <= kOtherClock) return;
   warn("clock " + input, input +
-                             text(": its stamps are %.1f s %s those of the scans", to_seconds(most),
-                                  ahead > 0 ? "ahead of" : "behind") +
+                             formatted(": its stamps are %.1f s %s those of the scans",
+                                       to_seconds(most), ahead > 0 ? "ahead of" : "behind") +
                              "; is it another clock? (" + input + "_time_offset)");
 }
 

@@ -5,9 +5,10 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMaxSpeed = 200.0;          // m/s
+// Values beyond these are no measurements but damaged messages.
+constexpr double kMaxSpeed = 200.0;          // m/s: 720 km/h
 constexpr double kMaxTurnRate = 5000.0;      // rad/s; even as degrees/s more than any gyro measures
-constexpr double kMaxAcceleration = 5000.0;  // m/s^2
+constexpr double kMaxAcceleration = 5000.0;  // m/s^2: 500 g, more than any accelerometer of an IMU
 
 /// Fraction of the time from a to b, 0 for equal stamps. The difference is computed in integers.
 double fraction(Stamp a, Stamp b, Stamp stamp) {

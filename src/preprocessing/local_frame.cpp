@@ -3,23 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <Eigen/Cholesky>
 #include <GeographicLib/LocalCartesian.hpp>
+
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Acceleration and jerk of a vehicle in traffic.
+// Largest usual acceleration and jerk of a vehicle in traffic; the comfort limits of road and rail
+// design are about as large.
 constexpr double kAcceleration = 2.0;  // m/s^2
 constexpr double kJerk = 2.0;          // m/s^3
 /// Smallest distance in time between the first two of three fixes, as a fraction of that between
 /// the last two: otherwise their noise would be amplified.
 constexpr double kMinStepRatio = 0.5;
 constexpr double kMaxHeight = 12000.0;  // m; above the altitude of airliners
-constexpr double kMinHeight = -2000.0;  // m
+constexpr double kMinHeight = -2000.0;  // m; below all land
 
 bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
   return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&
@@ -47,12 +49,6 @@ Eigen::Matrix3d bounded_covariance(const GnssFix& fix, const PreprocessingConfig
   return positive ? covariance : Eigen::Matrix3d(covariance.diagonal().asDiagonal());
 }
 
-std::string text(const char* format, double value, double limit) {
-  char buffer[160];
-  std::snprintf(buffer, sizeof(buffer), format, value, limit);
-  return buffer;
-}
-
 LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   const double f = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
   // The errors of neighbouring fixes are strongly correlated, so the mean is not more accurate than
@@ -77,12 +73,12 @@ std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
     return "latitude or longitude out of range";
   }
   if (fix.altitude_m < kMinHeight || fix.altitude_m > kMaxHeight) {
-    return text("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kMaxHeight);
+    return formatted("height %.0f m is implausible (at most %.0f m)", fix.altitude_m, kMaxHeight);
   }
   if (fix.covariance && is_usable_covariance(*fix.covariance) &&
       horizontal_sigma(*fix.covariance) > config.gnss_max_sigma) {
-    return text("standard deviation of %.1f m exceeds gnss_max_sigma (%.1f m)",
-                horizontal_sigma(*fix.covariance), config.gnss_max_sigma);
+    return formatted("standard deviation of %.1f m exceeds gnss_max_sigma (%.1f m)",
+                     horizontal_sigma(*fix.covariance), config.gnss_max_sigma);
   }
   return "";
 }

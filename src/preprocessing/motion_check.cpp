@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 
 #include "input_checks.hpp"
@@ -62,11 +63,11 @@ void check_gravity(const Eigen::Vector3d& mean, double gravity,
   if (gravity > 0.9 && gravity < 1.1) {
     add_fault(report, "its accelerations are in g", "set imu_acceleration_unit to G");
   } else if (gravity < 8.8 || gravity > 10.8) {
-    add_fault(report, text("mean acceleration of %.2f m/s2 is not gravity", gravity),
-              "gravity was taken off, or the unit is another; mend the driver");
+    add_fault(report, formatted("mean acceleration of %.2f m/s2 is not gravity", gravity),
+              "gravity was taken off, or the unit is another; correct the driver");
   } else if (T_base_imu && (T_base_imu->rotation * mean).z() < 0.0) {
     add_fault(report, "gravity has the wrong sign, or the IMU is mounted upside down",
-              "an IMU at rest reports +g upward (REP 145); mend the driver or the transform");
+              "an IMU at rest reports +g upward (REP 145); correct the driver or the transform");
   }
 }
 
@@ -81,7 +82,7 @@ void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
   if (degrees && unit == AngularUnit::kRadians) {
     add_fault(report, "its rates are in degrees/s", "set imu_angular_unit to DEG_PER_S");
   } else if (scale && *scale < 0.0) {
-    add_fault(report, "it turns against the velocity's turning", "mend the transform");
+    add_fault(report, "it turns against the velocity's turning", "correct the transform");
   } else {
     check_offset(time_offset(reference, rates), "imu_time_offset", report);
   }
@@ -91,15 +92,16 @@ void check_rates(const ImuRecord& imu, const VelocityRecord& velocity,
 
 void check_offset(const std::optional<TimeOffset>& offset, const std::string& parameter,
                   InputReport& report) {
-  constexpr double kSignificantOffset = 0.02;  // s
+  // s. Chosen: at 1 rad/s the ends of a scan are then off by 1 degree.
+  constexpr double kSignificantOffset = 0.02;
   if (!offset || std::abs(offset->seconds) < kSignificantOffset ||
       std::abs(offset->seconds) < 4.0 * offset->sigma || offset->sigma > 0.02) {
     return;
   }
   add_fault(report,
-            text("its stamps are %.0f ms %s than those of the velocity for the same motion",
-                 1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
-            text("set %s to %.3f", parameter.c_str(), -offset->seconds));
+            formatted("its stamps are %.0f ms %s than those of the velocity for the same motion",
+                      1e3 * std::abs(offset->seconds), offset->seconds > 0.0 ? "later" : "earlier"),
+            formatted("set %s to %.3f", parameter.c_str(), -offset->seconds));
 }
 
 InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
@@ -115,8 +117,9 @@ InputReport check(const ImuRecord& imu, const VelocityRecord& velocity,
   const bool has_orientation =
       std::any_of(imu.samples.begin(), imu.samples.end(),
                   [](const ImuSample& sample) { return sample.orientation.has_value(); });
-  report.found += text(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
-                       max_turn_rate(imu.samples), has_orientation ? "with" : "without");
+  report.found +=
+      formatted(", gravity %.2f m/s2, turning up to %.2f rad/s, %s orientation", gravity,
+                max_turn_rate(imu.samples), has_orientation ? "with" : "without");
   if (has_acceleration) check_gravity(mean, gravity, lookup(imu.topic.frame()), report);
   check_rates(imu, velocity, lookup, config.imu_angular_unit, report);
   return report;
@@ -135,11 +138,11 @@ InputReport check(const VelocityRecord& velocity, const GnssRecord& gnss,
     sideways += v.y() * v.y();
     fastest = std::max(fastest, v.norm());
   }
-  report.found += text(", up to %.1f m/s", fastest);
+  report.found += formatted(", up to %.1f m/s", fastest);
   if (sideways > 0.25 * ahead && fastest > 2.0) {
     add_fault(report, "it points aside as much as ahead",
               "it is not in the axes of its frame (of the map instead?), or the transform is "
-              "wrong; mend one of them");
+              "wrong; correct one of them");
   }
   const auto scale = speed_scale(velocity, gnss, config);
   if (scale && !is_true_scale(*scale)) {

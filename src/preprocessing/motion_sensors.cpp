@@ -13,11 +13,12 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMaxStandingSpeed = 0.05;  // m/s
-/// A shock is shorter than this number of samples.
+// m/s: above the resolution of wheel encoders and of Doppler velocities, below any motion.
+constexpr double kMaxStandingSpeed = 0.05;
+/// Samples in a row beyond kMaxVehicleTurnRate: 0.1 s at 200 Hz. Chosen: a shock is shorter.
 constexpr int kMaxShockSamples = 20;
 constexpr double kMinTurnRate = 0.02;  // rad/s; above the noise of gyros
-/// A gyro in degrees/s gives 57 times the rate of the velocity.
+/// A gyro in degrees/s gives 57 times the rate of the velocity; chosen between that and 1.
 constexpr double kMaxTurnRatio = 20.0;
 /// A filtered velocity shows a turn later than the gyro, but not later than this.
 constexpr Stamp kMaxLag = from_seconds(0.5);

@@ -24,7 +24,7 @@ constexpr int kLanes = 4;  // floats in a register of 128 bits, which every proc
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 constexpr unsigned kAll = (1U << kLanes) - 1U;  // a bit per lane
-/// Points of four floats in a register.
+/// Number of points of four floats in a register.
 constexpr int kQuads = kLanes / 4;
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
@@ -174,8 +174,8 @@ LIDAR_MAPPING_INLINE Places moved_within(const MotionSlot& slot, const Floats& s
   return {plus(p.x, since, dx), plus(p.y, since, dy), plus(p.z, since, dz)};
 }
 
-/// Distance from a slot's middle, in slots, up to which the slot may be used: at 1 rad/s and 100 m
-/// the error there is 0.05 mm.
+/// Distance from a slot's middle, in slots of 1 ms, up to which a point may use the slot. Chosen:
+/// the error of a straight motion is then at most (0.001 s * 1 rad/s)^2 / 2 * 100 m = 0.05 mm.
 constexpr float kReach = 1.0F;
 
 /// Finds the slots of a motion by time.

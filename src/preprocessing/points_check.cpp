@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "input_checks.hpp"
 
@@ -27,9 +28,9 @@ bool is_one_turn(double span, double period) {
 void check_span(double span, double rate, const PreprocessingConfig& config, InputReport& report) {
   if (is_one_turn(span, config.scan_period)) return;
   const std::string problem =
-      text("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
+      formatted("the points' times span %.3g s, scan_period is %.3g s", span, config.scan_period);
   if (rate <= 0.0 || !is_one_turn(span, 1.0 / rate)) {
-    add_fault(report, problem, "mend scan_period or point_time_unit");
+    add_fault(report, problem, "correct scan_period or point_time_unit");
   } else if (config.scan_stamp != ScanStamp::kStart) {
     add_fault(report, problem, "set scan_period, from which scan_stamp counts");
   }
@@ -46,9 +47,10 @@ void check_times(const CloudSummary& cloud, double rate, const PreprocessingConf
     }
     return;
   }
-  report.found += text(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
-                       cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
-                       cloud.first_time, cloud.last_time);
+  report.found +=
+      formatted(", times in `%s` (%s, %s) from %.4f to %.4f s", cloud.time_field.c_str(),
+                cloud.time_unit.c_str(), cloud.absolute_times ? "absolute" : "relative",
+                cloud.first_time, cloud.last_time);
   check_span(cloud.last_time - cloud.first_time, rate, config, report);
   if (cloud.foreign_clock) {
     add_warning(report, "the points' times are of another clock than the stamps",
@@ -70,10 +72,10 @@ void check_stamps(const PointsRecord& points, const PreprocessingConfig& config,
   if (delay < kMinDelay || delay > kMaxDelayOfMiddle * span) return;
   add_warning(
       report,
-      text("clouds came %.0f ms after their stamps, with points of up to %.0f ms after them",
-           1e3 * delay, 1e3 * cloud.last_time),
-      text("set scan_stamp to %s; or the sensor's clock is ahead, synchronise it",
-           delay < kMaxDelayOfEnd * span ? "END" : "MIDDLE"));
+      formatted("clouds came %.0f ms after their stamps, with points of up to %.0f ms after them",
+                1e3 * delay, 1e3 * cloud.last_time),
+      formatted("set scan_stamp to %s; or the sensor's clock is ahead, synchronise it",
+                delay < kMaxDelayOfEnd * span ? "END" : "MIDDLE"));
 }
 
 }  // namespace
@@ -85,7 +87,8 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
     add_fault(report, "nothing came on the topic of the points", "remap `points`");
     return report;
   }
-  report.found += text(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
+  report.found +=
+      formatted(", fields %s, %zu points", points.cloud.fields.c_str(), points.cloud.points);
   check_times(points.cloud, points.topic.rate(), config, report);
   check_stamps(points, config, report);
   if (points.seam.is_compensated() && config.point_times != PointTimes::kNone) {
@@ -94,7 +97,7 @@ InputReport check(const PointsRecord& points, const ExtrinsicLookup& lookup,
   }
   const double gap = to_seconds(points.topic.longest_gap);
   if (gap > kMaxMissingPeriods / std::max(points.topic.rate(), 1e-3)) {
-    add_warning(report, text("%.1f s without a scan", gap),
+    add_warning(report, formatted("%.1f s without a scan", gap),
                 "scans were lost when recording: record with a larger buffer (rosbag record -b)");
   }
   return report;

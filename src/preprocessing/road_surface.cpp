@@ -17,13 +17,16 @@ namespace {
 
 constexpr int kPlaneIterations = 5;    // chosen: Tukey's weights need a good start
 constexpr int kSurfaceIterations = 3;  // from the plane on; chosen, bounds the time
-// 1/m, standard deviation with which the surface stays a plane
+// 1/m, standard deviation with which the surface stays a plane: 1e-9 m at 1 m, numerically zero
 constexpr double kFlatCurvatureSigma = 1e-9;
-constexpr double kCurvatureSigma = 1.0 / 300.0;  // 1/m, standard deviation: crests of slow streets
-constexpr double kPatchSize = 1.0;               // m: the errors of nearer points are equal
+// 1/m, standard deviation: crests of slow streets have radii from about 300 m on
+constexpr double kCurvatureSigma = 1.0 / 300.0;
+// m: points that are nearer to each other have the same error (range, attitude, surface). Chosen.
+constexpr double kPatchSize = 1.0;
 // m, lower bound for heights: roads are not flat to the millimetre
 constexpr double kMinHeightSigma = 0.01;
-constexpr double kMinSpread = 0.25;  // m^2: points on a line do not determine one rotation
+// m^2, variance of 0.5 m: points on a line do not determine one rotation. Chosen.
+constexpr double kMinSpread = 0.25;
 
 /// Weighted sums over points, from which everything else is computed. Thirteen scalar sums stay in
 /// registers; a matrix would be read and written in memory for each point.

@@ -19,8 +19,8 @@ namespace {
 /// Points without an echo lie at the sensor's origin; no LiDAR measures a range of a centimetre.
 constexpr float kMinRange = 0.01F;
 
-/// Time slots per step of the motion: at 1 rad/s, the error of a straight line in the middle of 1
-/// ms is 1e-7 rad.
+/// Time slots per step of 2 ms of the motion. Chosen: within 1 ms and at 1 rad/s, the middle of a
+/// bend lies 1e-7 rad (0.01 mm at 100 m) beside a straight line.
 constexpr int kSlotsPerStep = 2;
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;

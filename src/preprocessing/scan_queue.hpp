@@ -22,7 +22,7 @@ class ScanQueue {
  public:
   /// Rejects a scan whose stamp is in the queue already, or not after all scans that were released.
   /// If time has gone back so far that the recording must have started again, nothing is inserted,
-  /// and the result tells so.
+  /// and the result is kTimeWentBack.
   Insertion insert(WaitingScan&& scan);
 
   bool empty() const { return scans_.empty(); }

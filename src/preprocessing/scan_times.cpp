@@ -2,10 +2,10 @@
 #include "lidar_mapping/preprocessing/scan_times.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/preprocessing/scan_pass.hpp"
 
 #include "times_kernel.hpp"
@@ -20,12 +20,10 @@ constexpr double kMaxScanDuration = 0.6;  // s
 constexpr double kSlack = 0.02;
 
 std::string implausible(const TimeSpan& span, const PreprocessingConfig& config) {
-  char text[240];
-  std::snprintf(text, sizeof(text),
-                "point times from %.6g to %.6g s do not fit a scan of %.3g s: the scan is taken "
-                "without times; check point_time_unit and scan_period",
-                span.begin, span.end, config.scan_period);
-  return text;
+  return formatted(
+      "point times from %.6g to %.6g s do not fit a scan of %.3g s: the scan is taken "
+      "without times; check point_time_unit and scan_period",
+      span.begin, span.end, config.scan_period);
 }
 
 /// Offset between times relative to the scan's start and times relative to its stamp.

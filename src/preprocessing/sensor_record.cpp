@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensor_record.hpp"
 
-#include <cstdarg>
-#include <cstdio>
+#include "lidar_mapping/common/text.hpp"
 
 namespace lidar_mapping::preprocessing {
-
-std::string text(const char* format, ...) {
-  char buffer[400];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 std::string without_leading_slash(const std::string& frame_id) {
   return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
@@ -53,8 +43,8 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
                           const ExtrinsicLookup& lookup) {
   InputReport report{input, "nothing came", {}};
   if (topic.count == 0) return report;
-  report.found = text("%.1f Hz, frame %s", topic.rate(),
-                      topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
+  report.found = formatted("%.1f Hz, frame %s", topic.rate(),
+                           topic.frame_id.empty() ? "(none)" : topic.frame_id.c_str());
   const std::string frame = topic.frame();
   const std::string without = input == "points"
                                   ? "map_bag takes the frame of the scans for that of the vehicle; "
@@ -69,14 +59,14 @@ InputReport check_headers(const std::string& input, const TopicStatistics& topic
   }
   if (frame != topic.frame_id) {
     add_warning(report, "frame '" + topic.frame_id + "' has a leading slash, which tf2 refuses",
-                "it is left out here; mend the driver");
+                "it is left out here; correct the driver");
   }
   if (topic.newest == 0) {
     add_fault(report, "the stamps are 0",
               "the driver must stamp its messages; map_bag takes the times of their recording");
   } else if (topic.backward > 0) {
-    add_fault(report, text("%zu of %zu stamps do not increase", topic.backward, topic.count),
-              "two publishers on one topic, or a recording that begins anew; keep one of them");
+    add_fault(report, formatted("%zu of %zu stamps do not increase", topic.backward, topic.count),
+              "two publishers on one topic, or a recording that starts again; keep one of them");
   }
   return report;
 }

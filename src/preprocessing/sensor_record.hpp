@@ -11,9 +11,6 @@
 
 namespace lidar_mapping::preprocessing {
 
-/// Formats a text like printf.
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
-
 /// The name of the frame as tf2 uses it: without a leading slash.
 std::string without_leading_slash(const std::string& frame_id);
 

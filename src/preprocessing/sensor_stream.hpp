@@ -22,7 +22,7 @@ class SensorStream {
 
   /// Rejects duplicates and samples that are older than all samples in the buffer. If the stamps
   /// have jumped back so far that the recording must have started again, nothing is inserted, and
-  /// the result tells so.
+  /// the result is kTimeWentBack.
   Insertion insert(Sample sample, const std::string& frame_id) {
     if (!buffer_.empty() && sample.stamp < buffer_.newest().stamp - from_seconds(kJumpBack)) {
       return Insertion::kTimeWentBack;
@@ -56,7 +56,8 @@ class SensorStream {
   }
 
  private:
-  static constexpr double kHorizon = 20.0;         // s
+  // s of samples. Chosen: longer than any scan waits (30 scans, 3 s at 10 Hz).
+  static constexpr double kHorizon = 20.0;
   static constexpr std::size_t kCapacity = 20000;  // samples of kHorizon at 1 kHz
   static constexpr double kJumpBack = 2.0;         // s; longer than any network delay
   static constexpr double kSilence = 1.0;  // s without a sample: the sensor is not active any more

@@ -33,7 +33,7 @@ class StampGuard {
  private:
   static bool follows(Stamp before, Stamp stamp) {
     constexpr Stamp kMaxBackward = from_seconds(2.0);  // longer than any network delay
-    constexpr Stamp kMaxForward = from_seconds(10.0);
+    constexpr Stamp kMaxForward = from_seconds(10.0);  // longer than a pause of a sensor; chosen
     return stamp >= before - kMaxBackward && stamp <= before + kMaxForward;
   }
 

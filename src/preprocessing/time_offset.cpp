@@ -8,8 +8,10 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMaxGap = 0.25;         // s between values of the reference
-constexpr double kSlopeInterval = 0.2;   // s over which a slope is computed, to reduce noise
+// s between values of the reference. Chosen: traffic changes its course little in a quarter second.
+constexpr double kMaxGap = 0.25;
+// s over which a slope is computed, to reduce noise. Chosen: below the duration of a turn.
+constexpr double kSlopeInterval = 0.2;
 constexpr std::size_t kMinValues = 100;  // a second at 100 Hz; chosen: fewer may hold no turn
 
 std::optional<double> value_at(const std::vector<TimedValue>& values, Stamp stamp) {

@@ -5,25 +5,36 @@
 #include <array>
 #include <cmath>
 
+#include "lidar_mapping/common/text.hpp"
+
 #include "sensor_record.hpp"
 
 namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMaxGap = 1.0;                // s between scans or fixes
-constexpr double kTurnDuration = 1.0;          // s
-constexpr double kMinSpeedForDirection = 2.0;  // m/s; at lower speeds the direction is not reliable
+// s between scans or fixes; longer pauses begin a new section. Chosen: the slowest usual rate of
+// fixes.
+constexpr double kMaxGap = 1.0;
+// s over which rotations are compared. Chosen: a bend lasts longer, and the noise of single samples
+// averages out.
+constexpr double kTurnDuration = 1.0;
+// m/s; at lower speeds the direction is not reliable: noise of 0.1 m/s turns it by 3 degrees.
+constexpr double kMinSpeedForDirection = 2.0;
 // Sum of squares, rad^2: a bend of 90 degrees in three seconds. Chosen: with less the noise of the
 // direction could decide.
 constexpr double kMinSquaredTurning = 0.5;
-constexpr double kForgetting = 0.98;          // factor of the old sums for each new turn
-constexpr double kMinSectionLength = 2.0;     // m
-constexpr double kMinSigmasOfSection = 20.0;  // for a scale accurate to a tenth
-constexpr double kMaxSectionDuration = 20.0;  // s
+// Factor of the old sums for each new turn: the last 50 turns count. Chosen.
+constexpr double kForgetting = 0.98;
+// Length of a section between fixes, m and in standard deviations: the scale is then good to a
+// tenth (sqrt(2) / 20).
+constexpr double kMinSectionLength = 2.0;
+constexpr double kMinSigmasOfSection = 20.0;
+// s for a section; a vehicle that needs longer hardly moves. Chosen.
+constexpr double kMaxSectionDuration = 20.0;
 // For a median without the outermost two; chosen: more decide later.
 constexpr std::size_t kSections = 5;
-// of the scale, largest difference of the middle values
+// Of the scale, largest difference of the middle values: twice the error of one (a tenth).
 constexpr double kMaxScaleDifference = 0.2;
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
@@ -36,8 +47,8 @@ bool is_true_scale(double scale) { return scale > 0.7 && scale < 1.4; }
 
 std::string scale_sentence(double scale) {
   const bool is_kilometres_per_hour = scale > 3.2 && scale < 4.0;
-  return text("its speeds are %.2f times those of the fixes%s", scale,
-              is_kilometres_per_hour ? ": they are in km/h" : "");
+  return formatted("its speeds are %.2f times those of the fixes%s", scale,
+                   is_kilometres_per_hour ? ": they are in km/h" : "");
 }
 
 void VelocityCheck::add_turn_rate(Stamp stamp, const Eigen::Vector3d& velocity, double rate) {

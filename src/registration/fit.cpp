@@ -14,17 +14,20 @@ namespace lidar_mapping::registration {
 
 namespace {
 
-// Enough for a share in steps of 0.1 % and for a Hessian; a whole scan would cost more than
-// matching.
+// Points of the source. Enough for fractions in steps of 0.1 % and for a Hessian; a whole scan
+// would cost more than matching.
 constexpr std::size_t kMaxPoints = 1000;
+// Neighbours for a plane, which has three unknowns. Chosen: few enough to lie on one surface.
 constexpr int kPlanePoints = 8;
-// A ring of the sensor that crosses a surface is a line: it says nothing about the surface.
+// A ring of the sensor that crosses a surface is a line and gives no information about its normal.
+// Chosen: standard deviations in a ratio of 1 : 4.5 (breadth) and 1 : 3 (thickness).
 constexpr double kLeastBreadth = 0.05;      // second axis / first axis, of variances
 constexpr double kGreatestThickness = 0.1;  // third axis / second axis, of variances
-// Shares of max_range up to which a distance is believed: to a surface, and to a point where the
-// target is too sparse for a surface.
-constexpr double kSurfaceShare = 0.2;
-constexpr double kPointShare = 0.5;
+// Fractions of max_range up to which a point is an inlier, by its distance to a surface and, where
+// the target is too sparse for a surface, to a point. Chosen: neighbouring points of a sparse
+// target are farther from each other than a surface is from a point that lies on it.
+constexpr double kSurfaceFraction = 0.2;
+constexpr double kPointFraction = 0.5;
 constexpr double kLeastSigma = 0.01;  // m: no scanner of this class is better
 
 /// Distance of a point to the target's plane, and its derivative by the pose's perturbation.
@@ -45,7 +48,7 @@ Residual residual_of(const Plane& plane, const Eigen::Vector3d& p_source, const 
 double scale_of(const std::vector<Residual>& residuals) {
   std::vector<double> sizes;
   for (const Residual& r : residuals) sizes.push_back(std::abs(r.value));
-  return std::max(1.4826 * median(std::move(sizes)), kLeastSigma);
+  return std::max(kSigmaPerMad * median(std::move(sizes)), kLeastSigma);
 }
 
 Matrix6d hessian_of(const std::vector<Residual>& residuals) {
@@ -59,7 +62,7 @@ Matrix6d hessian_of(const std::vector<Residual>& residuals) {
   return hessian;
 }
 
-/// A point of the source and what the target has near it.
+/// A point of the source and its nearest neighbours in the target.
 struct Match {
   double squared_distance;
   std::optional<Residual> residual;
@@ -89,9 +92,9 @@ class Matcher {
   std::vector<float> squared_distances_;
 };
 
-bool is_believed(const Match& match, double max_range) {
-  if (match.residual) return std::abs(match.residual->value) < kSurfaceShare * max_range;
-  return std::sqrt(match.squared_distance) < kPointShare * max_range;
+bool is_inlier(const Match& match, double max_range) {
+  if (match.residual) return std::abs(match.residual->value) < kSurfaceFraction * max_range;
+  return std::sqrt(match.squared_distance) < kPointFraction * max_range;
 }
 
 }  // namespace
@@ -112,7 +115,7 @@ Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud&
                  const Pose& T_target_source, double max_range) {
   Fit fit;
   const std::size_t stride = (source.size() + kMaxPoints - 1) / kMaxPoints;
-  double tried = 0.0, paired = 0.0, believed = 0.0;
+  double tried = 0.0, paired = 0.0, inliers = 0.0;
   std::vector<Residual> residuals;
   Matcher matcher(tree, T_target_source);
   for (std::size_t i = 0; i < source.size(); i += stride) {
@@ -121,18 +124,18 @@ Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud&
     if (!match) continue;
     paired += 1.0;
     fit.fitness += match->squared_distance;
-    if (is_believed(*match, max_range)) believed += 1.0;
+    if (is_inlier(*match, max_range)) inliers += 1.0;
     if (match->residual) residuals.push_back(*match->residual);
   }
   if (paired == 0.0) return fit;
   fit.fitness /= paired;
   fit.overlap = paired / tried;
-  fit.inlier_fraction = believed / tried;
+  fit.inlier_fraction = inliers / tried;
   fit.hessian = hessian_of(residuals);
   return fit;
 }
 
-void take_over(const Fit& fit, RegistrationResult& result) {
+void copy_figures(const Fit& fit, RegistrationResult& result) {
   result.fitness = fit.fitness;
   result.inlier_fraction = fit.inlier_fraction;
   result.overlap = fit.overlap;

@@ -12,7 +12,8 @@
 
 namespace lidar_mapping::registration {
 
-/// Fewer points than this have no neighbourhoods from which a method could take a surface.
+/// Least number of points of a cloud: as many as generalised ICP takes for one covariance (default
+/// of correspondence_randomness).
 constexpr std::size_t kLeastPoints = 20;
 
 struct Plane {
@@ -31,13 +32,13 @@ struct Fit {
   Matrix6d hessian = Matrix6d::Zero();
 };
 
-/// Judges T_target_source by the nearest neighbours of the source's points in the target, whose
-/// search tree is `tree`, up to `max_range` (m). Methods that only return a pose are measured alike
-/// by it. The Hessian is that of the distances to the planes through the neighbours.
+/// Evaluates T_target_source by the nearest neighbours of the source's points in the target, whose
+/// search tree is `tree`, up to `max_range` (m). So methods that only return a pose have the same
+/// figures as others. The Hessian is that of the distances to the planes through the neighbours.
 Fit evaluate_fit(const pcl::search::KdTree<pcl::PointXYZ>& tree, const PclCloud& source,
                  const Pose& T_target_source, double max_range);
 
-/// Writes the figures of a fit into a result.
-void take_over(const Fit& fit, RegistrationResult& result);
+/// Copies the figures of a fit into a result.
+void copy_figures(const Fit& fit, RegistrationResult& result);
 
 }  // namespace lidar_mapping::registration

@@ -6,7 +6,8 @@
 
 namespace lidar_mapping::registration {
 
-/// Arrays given to the kernels hold a multiple of this number of elements.
+/// Arrays given to the kernels hold a multiple of this number of elements: the floats of a register
+/// of 256 bits (AVX2).
 constexpr std::size_t kNdtLanes = 8;
 
 /// Motion of the sensor during a sweep: p_map = R p(s) + t, p(s) = exp(s twist) p, row-major R.
@@ -55,8 +56,8 @@ const NdtKernels& portable_ndt_kernels();
 /// Null where the compiler or the processor knows no AVX2.
 const NdtKernels* avx2_ndt_kernels();
 
-/// Cells are packed into 32 bits: 11 for x, 11 for y, 10 for z, each plus its offset. What is
-/// beyond the largest cell is put there; so no cell packs to -1.
+/// Cells are packed into 32 bits: 11 for x, 11 for y, 10 for z, each plus its offset. Points
+/// beyond the largest cell are put into it, so no cell packs to -1.
 constexpr int kCellOffsetXY = 1024;
 constexpr int kCellOffsetZ = 512;
 constexpr int kMaxCellXY = 1022;

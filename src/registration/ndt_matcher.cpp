@@ -14,8 +14,9 @@
 namespace lidar_mapping::registration {
 namespace {
 
-// Of the trace; chosen: far below what points say, above the rounding of doubles.
-constexpr double kTinyShare = 1e-12;
+// Fraction of the trace that is added to each diagonal element; chosen: far below the information
+// of points, above the rounding of doubles.
+constexpr double kMinTrace = 1e-12;
 
 /// How well points fit, see NdtSums.
 struct FitSums {
@@ -85,12 +86,12 @@ Eigen::MatrixXd motions_along(const std::vector<Eigen::Vector3d>& directions) {
   return along;
 }
 
-/// Takes out what the points say about moving along the directions while all else adapts, and no
-/// more: in a bend of a tunnel the heading still goes with the place.
-void leave_out(const std::vector<Eigen::Vector3d>& directions, NormalEquations& sum) {
+/// Marginalises the information of the points along the directions out, and no more: in a bend of a
+/// tunnel the heading is still correlated with the position.
+void marginalise_out(const std::vector<Eigen::Vector3d>& directions, NormalEquations& sum) {
   if (directions.empty()) return;
-  // Points without times say nothing about the twist: a trace of it makes that invertible.
-  const Matrix12d H = sum.hessian + kTinyShare * sum.hessian.trace() * Matrix12d::Identity();
+  // Points without times give no information about the twist; the term makes H invertible.
+  const Matrix12d H = sum.hessian + kMinTrace * sum.hessian.trace() * Matrix12d::Identity();
   const Eigen::MatrixXd along = motions_along(directions);
   const Eigen::MatrixXd response = H.ldlt().solve(along);
   const Eigen::MatrixXd marginal = (along.transpose() * response).inverse();
@@ -98,7 +99,7 @@ void leave_out(const std::vector<Eigen::Vector3d>& directions, NormalEquations& 
   sum.hessian -= along * marginal * along.transpose();
 }
 
-void judge(const FitSums& sum, std::size_t points, NdtMatch& match) {
+void write_figures(const FitSums& sum, std::size_t points, NdtMatch& match) {
   const double count = std::max<double>(1.0, static_cast<double>(points));
   match.quality = sum.weight / count;
   match.inlier_fraction = sum.inliers / count;
@@ -134,7 +135,7 @@ class NdtMatcher::Impl {
       ++match.iterations;
       R_map_sensor = match.state.T_map_sensor.rotation_matrix();
       sum = normal_equations(points, map, match.state, kernel);
-      leave_out(options.blind_directions, sum);
+      marginalise_out(options.blind_directions, sum);
       match.points_information = options.data_weight * sum.hessian;
       match.information = match.points_information + prior.information;
       const Vector12d gradient = options.data_weight * sum.gradient +
@@ -148,7 +149,7 @@ class NdtMatcher::Impl {
       kernel = std::max(final_kernel, kernel / options.kernel_fall);
     }
     match.pose_hessian = sum.pose_hessian;
-    judge(sum.fit, points.size(), match);
+    write_figures(sum.fit, points.size(), match);
     if (options.parts) {
       match.parts = parts_.of(points, rotated_, neighbors_.planes(0),
                               static_cast<float>(final_kernel), R_map_sensor);
@@ -168,7 +169,7 @@ class NdtMatcher::Impl {
       sum.add(
           slice_sums(all, neighbor, motion, static_cast<float>(options.kernel * options.kernel)));
     }
-    judge(sum, points.size(), match);
+    write_figures(sum, points.size(), match);
     return match;
   }
 

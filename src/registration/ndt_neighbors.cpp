@@ -8,7 +8,7 @@
 namespace lidar_mapping::registration {
 namespace {
 
-/// No cell packs to this.
+/// A value that no packed cell has: its vertical part would lie outside of the map (kMaxCellZ).
 constexpr std::int32_t kNoCell = -1;
 
 Eigen::Vector3i unpacked(std::int32_t packed) {
@@ -62,7 +62,7 @@ void NdtNeighbors::update(const std::vector<std::int32_t>& cells, const RotatedP
   const std::int32_t* const before = cells_.data();
   std::size_t count = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    // Without a branch: write always, go on if the point has moved.
+    // Without a branch: always write, advance if the point has moved.
     moved[count] = static_cast<std::uint32_t>(i);
     count += static_cast<std::size_t>(all | (now[i] != before[i]));
   }
@@ -75,22 +75,22 @@ void NdtNeighbors::update(const std::vector<std::int32_t>& cells, const RotatedP
 
 void NdtNeighbors::look_up(std::size_t neighbor, const RotatedPoints& points,
                            GaussianVoxelMap& map) {
-  // Look-ups between fetching a place and reading it; chosen, results do not depend on it.
+  // Look-ups between fetching a slot and reading it; chosen, results do not depend on it.
   constexpr std::size_t kAhead = 32;
   const auto cell_at = [&](std::size_t k) -> Eigen::Vector3i {
     return unpacked(cells_[moved_[k]]) + offsets_[neighbor];
   };
   PlaneArrays& planes = planes_[neighbor];
-  places_.resize(std::max(places_.size(), moved_count_));
+  slots_.resize(std::max(slots_.size(), moved_count_));
   for (std::size_t k = 0; k < moved_count_ + kAhead; ++k) {
     if (k < moved_count_) {
-      places_[k] = map.place_of(cell_at(k));
-      map.prefetch(places_[k]);
+      slots_[k] = map.slot_of(cell_at(k));
+      map.prefetch(slots_[k]);
     }
     if (k < kAhead) continue;
     const std::size_t ready = k - kAhead;
     const std::size_t i = moved_[ready];
-    WeightedPlane plane = map.plane(cell_at(ready), places_[ready], points.view(i));
+    WeightedPlane plane = map.plane(cell_at(ready), slots_[ready], points.view(i));
     if (search_ == NeighborSearch::kKdTree && !is_near(cell_at(ready), points.position(i), map)) {
       plane = {};
     }

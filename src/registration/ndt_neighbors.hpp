@@ -25,18 +25,18 @@ struct RotatedPoints {
   Eigen::Vector3f position(std::size_t i) const {
     return Eigen::Vector3f(x[i], y[i], z[i]) + translation;
   }
-  /// From the point to the sensor; zero, which tells nothing, where that is not known.
+  /// From the point to the sensor; zero if unknown.
   Eigen::Vector3f view(std::size_t i) const {
     if (!viewpoint) return Eigen::Vector3f::Zero();
     return *viewpoint - Eigen::Vector3f(x[i], y[i], z[i]);
   }
 };
 
-/// The planes that each point is matched with. They are remembered between iterations and looked up
+/// The planes that each point is matched with. They are kept between iterations and looked up
 /// again only for points that have moved to another voxel.
 class NdtNeighbors {
  public:
-  /// Forgets all planes.
+  /// Discards all planes.
   void begin(std::size_t points, NeighborSearch search);
   /// Brings the planes up to date with the packed cells of the points (ndt_kernels.hpp).
   void update(const std::vector<std::int32_t>& cells, const RotatedPoints& points,
@@ -55,7 +55,7 @@ class NdtNeighbors {
   std::vector<std::int32_t> cells_;
   std::vector<std::uint32_t> moved_;  ///< the first moved_count_ of them
   std::size_t moved_count_ = 0;
-  std::vector<GaussianVoxelMap::Place> places_;
+  std::vector<VoxelTable::Slot> slots_;
 };
 
 }  // namespace lidar_mapping::registration

@@ -14,7 +14,7 @@ namespace lidar_mapping::registration {
 /// The sums, turned from the axes of the map into those of the sensor.
 NdtPart part_of(const NdtSums& sums, const Eigen::Matrix3d& R_map_sensor);
 
-/// What the parts of a scan say, each for itself. Keeps only scratch memory between calls.
+/// Normal equations of the parts of a scan. Only scratch memory is kept between calls.
 class NdtParts {
  public:
   /// `planes` are those of the points at the pose at which these were rotated.
@@ -23,7 +23,7 @@ class NdtParts {
                           const Eigen::Matrix3d& R_map_sensor);
 
  private:
-  /// Of points (x y z) and their planes (x y z and offset).
+  /// Number of arrays: those of the points (x y z) and of their planes (x y z and offset).
   static constexpr std::size_t kArrays = 7;
 
   void assign_parts(const NdtPoints& points, const PlaneArrays& planes);

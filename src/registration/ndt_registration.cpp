@@ -11,13 +11,16 @@ namespace lidar_mapping::registration {
 
 namespace {
 
-// A match of this quality is not looked for anew with coarser voxels.
+// Fraction of inliers from which on the search is not repeated with coarser voxels. Chosen: a start
+// outside of the basin of convergence has far fewer, occlusions seldom cost a third.
 constexpr double kGoodInliers = 0.7;
 // Edges of the voxels of all levels, in those of the finest; the finest is the last one.
 constexpr double kLevels[] = {4.0, 2.0, 1.0};
-// Planes of large voxels are thick: far points are to pull all the same.
-constexpr double kCoarseSigma = 0.1;  // m
-// A sweep without times does not determine a twist.
+// m, standard deviation of planes of large voxels, which are thick. Chosen: distant points then
+// still have weight.
+constexpr double kCoarseSigma = 0.1;
+// Information of a twist of zero, (m/s)^-2 and (rad/s)^-2: clouds without times do not determine a
+// twist, and 1 mm/s is as good as none.
 constexpr double kTwistInformation = 1e6;
 
 PlaneModel model_of(double level) {
@@ -87,8 +90,8 @@ class NdtRegistration : public Registration {
     // Without a single pair there is no step either.
     result.converged = match.converged && match.overlap > 0.0;
     result.iterations = iterations;
-    take_over(evaluate_fit(tree_, cloud, result.T_target_source, config_.fitness_max_range),
-              result);
+    copy_figures(evaluate_fit(tree_, cloud, result.T_target_source, config_.fitness_max_range),
+                 result);
     return result;
   }
 

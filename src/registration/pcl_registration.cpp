@@ -37,7 +37,7 @@ RegistrationResult PclRegistration::align(const PointCloud& source,
   const Outcome outcome = this->outcome();
   result.converged = outcome.converged;
   result.iterations = outcome.iterations;
-  take_over(
+  copy_figures(
       evaluate_fit(*method().getSearchMethodTarget(), *cloud, T_middle_source, fitness_max_range_),
       result);
   return result;

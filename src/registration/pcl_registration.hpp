@@ -11,8 +11,8 @@
 
 namespace lidar_mapping::registration {
 
-/// What all of PCL's methods share: conversion, refusal of empty clouds, and a judgement of their
-/// own, because PCL calls a search converged whose iterations ran out.
+/// Common part of PCL's methods: conversion, refusal of empty clouds, and an own test of
+/// convergence, because PCL reports a search as converged whose iterations ran out.
 class PclRegistration : public Registration {
  public:
   void set_target(const PointCloud& target) final;

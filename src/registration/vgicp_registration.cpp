@@ -18,9 +18,13 @@ namespace lidar_mapping::registration {
 
 namespace {
 
-// Variance of a surface across itself, where along itself it is 1.
+// Variance of a surface across itself, where along itself it is 1: the value of generalised ICP
+// (Segal et al. 2009).
 constexpr double kThickness = 1e-3;
+// Points of a task. Chosen: a task takes long enough for its start to be negligible; sums are made
+// per task, so the result depends on it.
 constexpr std::size_t kGrain = 512;
+// Values of the damping that are tried per step. Chosen: ten change it by orders of magnitude.
 constexpr int kMaxTries = 10;
 
 /// Covariance of a plane with a unit normal; a normal of zero gives a ball.
@@ -112,8 +116,8 @@ class VgicpRegistration : public Registration {
       result.converged = step.head<3>().norm() < config_.transformation_epsilon &&
                          step.tail<3>().norm() < config_.rotation_epsilon;
     }
-    take_over(evaluate_fit(tree_, *cloud, result.T_target_source, config_.fitness_max_range),
-              result);
+    copy_figures(evaluate_fit(tree_, *cloud, result.T_target_source, config_.fitness_max_range),
+                 result);
     return result;
   }
 

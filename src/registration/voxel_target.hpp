@@ -7,7 +7,8 @@
 
 namespace lidar_mapping::registration {
 
-/// The voxels of a whole cloud, large enough a table for any cloud, with the origin in its middle.
+/// The voxels of a cloud, in a table that is large enough for all of its points, with the origin in
+/// the middle of the cloud.
 GaussianVoxelMap voxel_target(const PclCloud& cloud, double resolution, const PlaneModel& model);
 
 }  // namespace lidar_mapping::registration

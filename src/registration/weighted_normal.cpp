@@ -17,7 +17,7 @@ double ramp(double value, double none, double all) {
 }  // namespace
 
 Eigen::Vector3d weighted_normal(const Gaussian& gaussian, const PlaneModel& model,
-                                double lone_rings) {
+                                double ring_isolation) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect(gaussian.covariance);
   const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(0.0);
@@ -30,7 +30,7 @@ Eigen::Vector3d weighted_normal(const Gaussian& gaussian, const PlaneModel& mode
   const double trust = ramp(roundness, model.line_floor, model.line_ratio) *
                        ramp(std::sqrt(values[1]), model.least_breadth, model.sure_breadth);
   const double ratio = values[1] > 0.0 ? std::sqrt(values[0] / values[1]) : 1.0;
-  const double steepness = 1.0 - lone_rings * ramp(ratio, model.thin_ratio, model.thick_ratio);
+  const double steepness = 1.0 - ring_isolation * ramp(ratio, model.thin_ratio, model.thick_ratio);
   const Eigen::Vector3d normal = solver.eigenvectors().col(0) * (trust / std::sqrt(variance));
   return {normal.x(), normal.y(), steepness * normal.z()};
 }

@@ -29,7 +29,7 @@ enum Stream : std::uint64_t {
 /// Time after which every sensor has delivered samples; the first scan begins then, ns.
 constexpr Stamp kFirstScanAfter = 200'000'000;
 
-constexpr double kShortestDrive = 1.0;  ///< s
+constexpr double kMinDuration = 1.0;  ///< s; chosen: ten scans
 
 struct NamedDrive {
   const char* name;
@@ -54,7 +54,7 @@ Scenario make_scenario(const DriveOptions& options) {
   require(
       options.scan_rate >= 1.0 && options.scan_rate <= 50.0,
       "scan_rate " + std::to_string(options.scan_rate) + " is outside 1 to 50 turns per second");
-  require(!options.duration || *options.duration >= kShortestDrive,
+  require(!options.duration || *options.duration >= kMinDuration,
           "duration is shorter than 1 s; ask for more");
   require(options.start >= 0.0, "start is negative; use 0 or more seconds");
   require(options.rounds >= 1, "rounds " + std::to_string(options.rounds) + "; use 1 or more");
@@ -87,7 +87,7 @@ class Drive::Impl {
     const Stamp cut =
         options.duration ? scenario_.trajectory.begin() + from_seconds(*options.duration) : last;
     end_ = std::min(cut, last);
-    require(to_seconds(end_ - begin()) >= kShortestDrive,
+    require(to_seconds(end_ - begin()) >= kMinDuration,
             "start " + std::to_string(options.start) +
                 " s leaves less than 1 s of a drive that ends at " +
                 std::to_string(to_seconds(end_ - scenario_.trajectory.begin())) +

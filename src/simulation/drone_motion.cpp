@@ -14,6 +14,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
+// Dimensions of the flight, chosen as those of a small drone that maps in a hurry.
 constexpr double kStep = Track::kStep;  ///< s
 constexpr double kHeightAtRest = 0.2;   ///< Height of base_link above the ground at rest, m.
 constexpr double kFlightHeight = 3.0;   ///< Mean height above the ground, m.

@@ -14,9 +14,10 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kMargin = 35.0;       ///< Width of the forest around the path, m.
-constexpr double kAreaPerTree = 22.0;  ///< Area per tree, m^2.
-constexpr double kCrownSpread = 0.9;   ///< Radius of a bush per metre of height, m.
+constexpr double kMargin =
+    35.0;  ///< Width of the forest around the path, m; chosen: one sees no farther.
+constexpr double kAreaPerTree = 22.0;  ///< Area per tree, m^2: 450 to a hectare, a usual forest.
+constexpr double kCrownSpread = 0.9;   ///< Radius of a bush per metre of height, m; chosen.
 
 struct Area {
   Eigen::Vector2d low, high;

@@ -18,7 +18,7 @@ enum Stream : std::uint64_t { kPath = 0x700, kTerrain, kMesh, kMotion };
 
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr double kClearOnFoot = 0.9;    ///< Free space beside the path on foot, m.
+constexpr double kClearOnFoot = 0.9;    ///< Free space beside the path on foot, m; chosen.
 constexpr double kClearInFlight = 1.6;  ///< The same of a drone, m; chosen: rotors need more.
 
 Terrain forest_floor(const DriveOptions& options) {

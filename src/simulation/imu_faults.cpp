@@ -21,7 +21,7 @@ using Kind = ImuFault::Kind;
 using Samples = std::vector<ImuSample>;
 
 constexpr double kNoLimit = 1e9;            ///< s; later than any drive ends
-constexpr double kDefaultGapPeriod = 20.0;  ///< s
+constexpr double kDefaultGapPeriod = 20.0;  ///< s; chosen: several gaps per drive
 
 struct Description {
   const char* name;
@@ -32,7 +32,7 @@ struct Description {
 };
 constexpr Description kDescriptions[] = {
     {"imu_vibration", Kind::kVibration, "imu_vibration=M_PER_S2 from 0.01 to 200", 0.01, 200.0},
-    {"imu_scale", Kind::kScale, "imu_scale=SHARE from -0.9 to 9", -0.9, 9.0},
+    {"imu_scale", Kind::kScale, "imu_scale=FRACTION from -0.9 to 9", -0.9, 9.0},
     {"imu_axis", Kind::kAxis, "imu_axis=gx, gy, gz, ax, ay or az", 0.0, 0.0},
     {"imu_clip", Kind::kClip, "imu_clip=G or imu_clip=G,RAD_PER_S, both 0.01 or more", 0.01, 1e6},
     {"imu_frame", Kind::kFrame, "imu_frame without a number", 0.0, 0.0},
@@ -71,7 +71,8 @@ bool read(const Description& known, const std::optional<std::string>& value, Imu
 }
 
 void vibrate(Samples& samples, double amount, Stamp begin, std::uint64_t seed) {
-  // Frequency of the rotors; the housing transmits their vibration to the gyroscope as well.
+  // Frequency of the rotors (5000 turns a minute) and its strongest harmonic; the housing transmits
+  // their vibration to the gyroscope as well. Chosen.
   constexpr double kHz = 83.0;
   constexpr double kHarmonic = 2.0;
   constexpr double kRatePerAcceleration = 0.01;  // rad/s per m/s^2

@@ -8,7 +8,8 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kRoomWidth = 6.0;   ///< m; chosen, as in usual offices, like those below
+// Dimensions, chosen as in usual office buildings.
+constexpr double kRoomWidth = 6.0;   ///< m
 constexpr double kCeiling = 2.8;     ///< m
 constexpr double kDoor = 0.5;        ///< Half width of a door, m.
 constexpr double kDoorHeight = 2.1;  ///< m

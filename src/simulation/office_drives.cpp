@@ -14,7 +14,7 @@ enum Stream : std::uint64_t { kMesh = 0x600, kMotion };
 
 using Points = std::vector<Eigen::Vector2d>;
 
-/// Distance from the middle of a corridor to that of a room, m.
+/// Distance from the middle of a corridor to that of a room, m, by the dimensions of the building.
 constexpr double kRoom = kOfficeCorridor + 0.5 * kOfficeRoomDepth;
 constexpr double kL = kOfficeLength, kW = kOfficeWidth;
 

@@ -32,16 +32,16 @@ constexpr double kMinDropRange = 1.0;  // m
 constexpr double kMaxDropRange = 8.0;  // m
 constexpr float kDropIntensity = 8.0F;
 
-// A truck with a trailer on the lane to the left, in the frame of the LiDAR, m.
+// A truck with a trailer on the lane to the left, in the frame of the LiDAR, m: 18 m long and 4 m
+// high, about what European law allows, and bright (intensity of 255).
 constexpr double kTruckSide = 2.5;
 constexpr double kTruckHalfLength = 9.0;
 constexpr double kTruckBottom = -1.5;
 constexpr double kTruckTop = 2.5;
 constexpr float kTruckIntensity = 90.0F;
 
-/// The order of the stamps is kept.
-constexpr double kMaxJitter = 0.45;            // of a turn
-constexpr double kDefaultFrozenPeriod = 10.0;  // s
+constexpr double kMaxJitter = 0.45;  // of a turn: below a half, so that stamps stay in their order
+constexpr double kDefaultFrozenPeriod = 10.0;  // s; chosen: several of them per drive
 
 struct Description {
   const char* name;
@@ -51,9 +51,10 @@ struct Description {
   double max;
 };
 constexpr Description kDescriptions[] = {
-    {"outliers", Kind::kOutliers, "outliers=SHARE with a share of the points from 0.001 to 0.9",
-     0.001, 0.9},
-    {"rain", Kind::kRain, "rain=SHARE with a share of the rays from 0.001 to 0.9", 0.001, 0.9},
+    {"outliers", Kind::kOutliers,
+     "outliers=FRACTION with a fraction of the points from 0.001 to 0.9", 0.001, 0.9},
+    {"rain", Kind::kRain, "rain=FRACTION with a fraction of the rays from 0.001 to 0.9", 0.001,
+     0.9},
     {"wall", Kind::kWall, "wall without a number", 0.0, 0.0},
     {"jitter", Kind::kJitter, "jitter=SECONDS from 0.0001 to 1", 0.0001, 1.0},
     {"frozen", Kind::kFrozen, "frozen=TIMES or frozen=TIMES,EVERY_SECONDS, both 1 or more", 1.0,
@@ -151,8 +152,6 @@ ScanFault parse_scan_fault(const std::string& text) {
   };
   return parse_fault(text, kDescriptions, default_fault, read);
 }
-
-std::vector<std::string> scan_fault_names() { return fault_names(kDescriptions); }
 
 ScanFaults::ScanFaults(std::vector<ScanFault> faults, std::uint64_t seed)
     : faults_(std::move(faults)), seed_(seed) {}

@@ -8,7 +8,8 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kGolden = 0.618033988749895;  ///< Multiples of it are spread best over [0, 1).
+constexpr double kGolden =
+    0.618033988749895;  ///< The golden ratio less 1: its multiples are spread best over [0, 1).
 
 // Mid-360: ten turns per frame. Each turn is shifted against the previous one by a fraction of a
 // column and a fraction of a quarter of the swing, both golden, so that turns and frames fill the
@@ -18,12 +19,14 @@ constexpr double kSwingsPerTurn = 17.0 + 0.25 * kGolden;
 constexpr double kSwingLow = -7.0 * kRadPerDeg, kSwingHigh = 52.0 * kRadPerDeg;
 
 // Avia: turns of its two prisms per frame of 0.1 s (7294 and 4664 a minute, in opposite
-// directions), the largest deflection by both together, and the fan of its beams.
+// directions), the largest deflection by both together, and the fan of its beams: field of view and
+// rates by the manufacturer's manual.
 constexpr double kFirstPrism = 12.15667, kSecondPrism = 7.77333;
 constexpr double kDeflection = 35.2 * kRadPerDeg;
 constexpr double kFan = 6.8 * kRadPerDeg;
 
-// M1: five fields side by side, each of 120 x 125 points at 0.2 degrees.
+// M1: five fields side by side, each of 120 x 125 points at 0.2 degrees: field of view (120 x 25
+// degrees) and resolution by the data sheet.
 constexpr int kRasterColumns = 120, kRasterRows = 125;
 constexpr double kRasterStep = 0.2 * kRadPerDeg;
 

@@ -13,7 +13,8 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-/// Four continuous derivatives: neither acceleration nor jerk has a jump.
+/// Degree of the spline. Chosen: with four continuous derivatives, neither acceleration nor jerk
+/// has a jump.
 constexpr int kDegree = 5;
 
 /// Weights of degree + 1 control points at u in [0, 1] of a span (recursion of Cox and de Boor,

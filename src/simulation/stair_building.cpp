@@ -10,6 +10,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
+// Dimensions, chosen as in usual buildings: steps of 16 cm by 28 cm.
 constexpr double kHalfWidth = 1.3;   ///< Half width of corridors and stairwell, m.
 constexpr double kEast = 4.2;        ///< x of the end of the stairwell.
 constexpr double kSlab = 0.2;        ///< Thickness, m; chosen, like those below.

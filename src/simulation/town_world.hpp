@@ -13,7 +13,8 @@ namespace lidar_mapping::simulation {
 
 /// Height of a pavement above the carriageway, m.
 constexpr double kKerbHeight = 0.12;
-/// Distance of the middle of a lane from the middle of the street, m.
+/// Distance of the middle of a lane from the middle of the street, m: lanes of 3.5 m, as by design
+/// standards.
 constexpr double kLaneOffset = 1.75;
 
 /// The fixed world of a town: streets, blocks with houses and gardens, street furniture and parked

@@ -11,11 +11,12 @@ namespace {
 
 /// Rises from 0 to 1 with rates and accelerations of 0 at both ends; the highest rate is 15/8.
 double smooth_step(double u) { return u * u * u * (10.0 + u * (6.0 * u - 15.0)); }
-constexpr double kPeakOfRate = 15.0 / 8.0;  ///< Of its derivative, at u = 1/2.
+constexpr double kPeakOfRate =
+    15.0 / 8.0;  ///< Largest value of its derivative, at u = 1/2, by calculus.
 
 /// Stations without the rest at the beginning and end.
 std::vector<double> moving_part(const std::vector<double>& stations) {
-  constexpr double kAtRest = 1e-4;  // m
+  constexpr double kAtRest = 1e-4;  // m; chosen: far below the errors of sensors
   std::vector<double> moving;
   for (const double s : stations) {
     if (s > stations.front() + kAtRest && s < stations.back() - kAtRest) moving.push_back(s);

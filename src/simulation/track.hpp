@@ -41,8 +41,8 @@ class Track {
   const std::vector<TrackState>& states() const { return states_; }
   double seconds() const { return static_cast<double>(states_.size()) * kStep; }
 
-  static constexpr double kStep = 0.005;          ///< s
-  static constexpr double kDefaultYawRate = 1.5;  ///< rad/s
+  static constexpr double kStep = 0.005;          ///< s; chosen: the period of an IMU of 200 Hz
+  static constexpr double kDefaultYawRate = 1.5;  ///< rad/s, of a person who turns; chosen
 
  private:
   std::vector<TrackState> states_;

@@ -14,11 +14,12 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kSpacing = Path::kSpacing;      ///< m
-constexpr double kRestAtStart = 3.0;             ///< s
-constexpr double kRestAtEnd = 2.0;               ///< s
-constexpr double kPitchPerAcceleration = 0.004;  ///< rad per m/s^2
-constexpr double kRollPerAcceleration = 0.006;   ///< rad per m/s^2
+constexpr double kSpacing = Path::kSpacing;  ///< m
+constexpr double kRestAtStart = 3.0;         ///< s; chosen: enough for the bias of a gyro
+constexpr double kRestAtEnd = 2.0;           ///< s; chosen
+// rad per m/s^2, of the suspension. Chosen as of a car: 2 to 3 degrees when it brakes hard.
+constexpr double kPitchPerAcceleration = 0.004;
+constexpr double kRollPerAcceleration = 0.006;
 
 /// Highest speed at each node of the path within all limits.
 std::vector<double> speeds(const Path& path, double begin, double end, const SpeedLimits& limits,

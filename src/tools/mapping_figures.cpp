@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_figures.hpp"
 
-#include "lidar_mapping/common/formatted.hpp"
+#include "lidar_mapping/common/text.hpp"
 
 #include "process_memory.hpp"
 

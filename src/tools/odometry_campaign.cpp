@@ -70,7 +70,7 @@ void print(const CampaignFigures& f, const std::string& line) {
   if (f.drift_percent) std::snprintf(drift, sizeof(drift), "%.4f", *f.drift_percent);
   std::printf("%8s %5zu %6zu %5zu %5zu %5zu %8zu %8zu %10zu %9.3f %9.2f %7.2f %7.4f %6.1f  %s\n",
               drift, f.scans, f.silent, f.wrong, f.false_alarms, f.lost, f.degraded, f.doubtful,
-              f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape, f.way,
+              f.degenerate, f.largest_error, f.largest_error_deg, f.cpu_ms, f.ape, f.path_length,
               line.c_str());
   std::fflush(stdout);
 }
@@ -118,7 +118,7 @@ Json to_json(const CampaignFigures& f, const std::string& line) {
                {"largest_error_deg", f.largest_error_deg},
                {"cpu_ms", f.cpu_ms},
                {"ape_m", f.ape},
-               {"way_m", f.way}};
+               {"way_m", f.path_length}};
   if (f.drift_percent) json["drift_percent"] = *f.drift_percent;
   return json;
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_mapping/common/formatted.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/evaluation/lever_arm.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"

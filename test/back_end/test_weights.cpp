@@ -2,6 +2,8 @@
 #include <cmath>
 #include <random>
 
+#include <ceres/loss_function.h>
+
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/pose_graph/residuals.hpp"
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"

@@ -20,46 +20,46 @@ Pose at(double x, double yaw = 0.0) { return {exp_so3({0.0, 0.0, yaw}), {x, 0.0,
 
 TEST(StepChecker, CountsWrongStepsThatAreCalledTracking) {
   StepChecker steps;
-  steps.take(at(0.0), at(0.0), TrackingState::kTracking, false);
-  steps.take(at(1.0), at(1.29), TrackingState::kTracking, false);
+  steps.add(at(0.0), at(0.0), TrackingState::kTracking, false);
+  steps.add(at(1.0), at(1.29), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 0U);
-  steps.take(at(2.0), at(2.65), TrackingState::kTracking, false);
+  steps.add(at(2.0), at(2.65), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 1U);
   EXPECT_NEAR(steps.largest_error(), 0.36, 1e-9);
-  steps.take(at(3.0), at(3.65, 0.02), TrackingState::kTracking, false);
+  steps.add(at(3.0), at(3.65, 0.02), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 2U) << "1.1 degrees";
-  steps.take(at(4.0), at(9.0), TrackingState::kDegenerate, false);
+  steps.add(at(4.0), at(9.0), TrackingState::kDegenerate, false);
   EXPECT_EQ(steps.silent(), 2U) << "it was said";
 }
 
 TEST(StepChecker, LeavesOutWhatIsCalledLostAndComparesAcrossIt) {
   StepChecker steps;
-  steps.take(at(0.0), at(0.0), TrackingState::kTracking, false);
-  steps.take(at(1.0), at(7.0), TrackingState::kLost, false);
-  steps.take(at(2.0), at(2.0), TrackingState::kTracking, false);
+  steps.add(at(0.0), at(0.0), TrackingState::kTracking, false);
+  steps.add(at(1.0), at(7.0), TrackingState::kLost, false);
+  steps.add(at(2.0), at(2.0), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 0U);
-  steps.take(at(3.0), at(3.0), TrackingState::kLost, false);
-  steps.take(at(4.0), at(5.0), TrackingState::kTracking, false);
+  steps.add(at(3.0), at(3.0), TrackingState::kLost, false);
+  steps.add(at(4.0), at(5.0), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 1U) << "found again at a wrong place";
-  steps.take(at(5.0), at(0.0), TrackingState::kLost, true);
-  steps.take(at(6.0), at(1.0), TrackingState::kTracking, false);
+  steps.add(at(5.0), at(0.0), TrackingState::kLost, true);
+  steps.add(at(6.0), at(1.0), TrackingState::kTracking, false);
   EXPECT_EQ(steps.silent(), 1U) << "a new segment hangs together with nothing before it";
 }
 
 TEST(StepChecker, CountsWhatIsDoubtedWithoutNeed) {
   StepChecker steps;
-  EXPECT_FALSE(steps.take(at(0.0), at(0.0), TrackingState::kTracking, false));
-  const auto error = steps.take(at(1.0), at(1.1), TrackingState::kDoubtful, false);
+  EXPECT_FALSE(steps.add(at(0.0), at(0.0), TrackingState::kTracking, false));
+  const auto error = steps.add(at(1.0), at(1.1), TrackingState::kDoubtful, false);
   ASSERT_TRUE(error);
   EXPECT_NEAR(error->metres, 0.1, 1e-9);
   EXPECT_EQ(steps.false_alarms(), 1U);
   // A doubtful pose claims to be right within its covariance: the next step leads from it.
-  steps.take(at(2.0), at(2.8), TrackingState::kDoubtful, false);
-  steps.take(at(3.0), at(3.8), TrackingState::kTracking, false);
+  steps.add(at(2.0), at(2.8), TrackingState::kDoubtful, false);
+  steps.add(at(3.0), at(3.8), TrackingState::kTracking, false);
   EXPECT_EQ(steps.false_alarms(), 1U);
   EXPECT_EQ(steps.wrong(), 1U);
   EXPECT_EQ(steps.silent(), 0U);
-  steps.take(at(4.0), at(4.8), TrackingState::kDegraded, false);
+  steps.add(at(4.0), at(4.8), TrackingState::kDegraded, false);
   EXPECT_EQ(steps.false_alarms(), 2U);
 }
 
@@ -167,7 +167,7 @@ TEST(CampaignRun, HandsTheImuOfACaseToTheFrontEnd) {
   EXPECT_EQ(with.scans, without.scans);
   EXPECT_NE(with.ape, without.ape);
   EXPECT_LT(with.ape, 0.05);
-  EXPECT_NEAR(with.way, without.way, 1e-9);
+  EXPECT_NEAR(with.path_length, without.path_length, 1e-9);
 }
 
 }  // namespace

@@ -98,7 +98,8 @@ TEST(Covariance, ParentAxesAndBack) {
   const Pose T{exp_so3({0.1, 0.2, 1.5}), {1.0, 2.0, 3.0}};
   Covariance6 covariance = diagonal_covariance(0.1, 0.01);
   covariance(0, 0) = 4.0;
-  EXPECT_LT((in_child_axes(in_parent_axes(covariance, T), T) - covariance).norm(), 1e-12);
+  EXPECT_LT((in_parent_axes(in_parent_axes(covariance, T), T.inverse()) - covariance).norm(),
+            1e-12);
 }
 
 TEST(Covariance, RefusesWhatIsNone) {

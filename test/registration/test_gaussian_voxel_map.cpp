@@ -99,7 +99,7 @@ GaussianVoxelMap three_rings_in_a_voxel(float depth, double ring_spacing) {
 float steepness_seen_from(float distance, GaussianVoxelMap map) {
   const Eigen::Vector3i cell = Eigen::Vector3i::Zero();
   const Eigen::Vector3f view(-distance, 0.0F, 0.0F);
-  const Eigen::Vector3f normal = map.plane(cell, map.place_of(cell), view).normal;
+  const Eigen::Vector3f normal = map.plane(cell, map.slot_of(cell), view).normal;
   EXPECT_GT(normal.norm(), 0.0F);
   return std::abs(normal.z()) / normal.norm();
 }
@@ -132,7 +132,7 @@ void insert_plate(float height, const Eigen::Vector3f& viewpoint, std::uint32_t 
 std::optional<float> height_seen(const Eigen::Vector3f& viewpoint, GaussianVoxelMap& map) {
   const Eigen::Vector3i cell = Eigen::Vector3i::Zero();
   const Eigen::Vector3f middle(0.5F, 0.5F, 0.5F);
-  const WeightedPlane plane = map.plane(cell, map.place_of(cell), viewpoint - middle);
+  const WeightedPlane plane = map.plane(cell, map.slot_of(cell), viewpoint - middle);
   if (plane.normal.norm() == 0.0F) return std::nullopt;
   return (plane.offset - plane.normal.head<2>().dot(middle.head<2>())) / plane.normal.z();
 }
@@ -159,7 +159,7 @@ TEST(GaussianVoxelMap, ForgetsWhatIsFarAwayAndNothingElse) {
     const Eigen::Vector3f p(static_cast<float>(x) + 0.5F, 0.5F, 0.5F);
     map.insert(&p.x(), &p.y(), &p.z(), 1);
   }
-  for (int step = 0; step < 8; ++step) map.forget_beyond({0.0F, 0.0F, 0.0F}, 100.0F, 0.25);
+  for (int step = 0; step < 8; ++step) map.remove_beyond({0.0F, 0.0F, 0.0F}, 100.0F, 0.25);
   EXPECT_EQ(map.size(), 100U);
   for (int x = 0; x < 1000; ++x) {
     ASSERT_EQ(map.gaussian({x, 0, 0}).count, x < 100 ? 1 : 0) << x;
@@ -176,7 +176,7 @@ TEST(GaussianVoxelMap, StaysOfOneSizeOverALongDrive) {
       const Eigen::Vector3f p(0.5F, static_cast<float>(y) + 0.5F, 0.5F);
       map.insert(&p.x(), &p.y(), &p.z(), 1);
     }
-    map.forget_beyond({0.0F, 0.0F, 0.0F}, 50.0F, 1.0 / 16.0);
+    map.remove_beyond({0.0F, 0.0F, 0.0F}, 50.0F, 1.0 / 16.0);
     largest = std::max(largest, map.size());
   }
   EXPECT_LT(largest, 20U * 70U);
@@ -197,7 +197,7 @@ TEST(GaussianVoxelMap, ClearingLeavesNothing) {
   GaussianVoxelMap map(1.0, 4096);
   for (const int voxels : {500, 2000, 500}) {
     insert_row(0, voxels, map);
-    map.forget_beyond({0.0F, 0.0F, 0.0F}, 200.0F, 1.0);
+    map.remove_beyond({0.0F, 0.0F, 0.0F}, 200.0F, 1.0);
     insert_row(-300, 100, map);
     map.clear();
     EXPECT_EQ(map.size(), 0U);

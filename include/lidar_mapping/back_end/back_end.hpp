@@ -11,24 +11,20 @@
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/usage_counts.hpp"
 #include "lidar_mapping/pose_graph/pose_graph.hpp"
 
 namespace lidar_mapping::back_end {
 
 /// The result of an optimisation in figures; the answer of /optimize_map.
-struct OptimizationReport {
-  bool success = false;           ///< false if the solver failed; the poses are then unchanged
-  std::string message;            ///< summary for the user, or why the optimisation failed
-  std::size_t key_frames = 0;     ///< number of key frames in the whole graph
-  std::size_t loops_used = 0;     ///< number of loops that the graph uses
-  std::size_t loops_refused = 0;  ///< number of loops that contradict the graph or were refused
-  std::size_t gnss_used = 0;      ///< number of GNSS positions that the graph uses
-  /// Number of GNSS positions that contradict the graph, are too uncertain or are not finite.
-  std::size_t gnss_refused = 0;
-  double cost_before = 0.0;  ///< chi2 of the used constraints at the start poses, without unit
-  double cost_after = 0.0;   ///< chi2 of the used constraints at the solution, without unit
-  int iterations = 0;        ///< solver steps, summed over all rounds
-  double gnss_rms = 0.0;     ///< horizontal RMS error of the last alignment to East-North-Up, m
+struct OptimizationReport : UsageCounts {
+  bool success = false;        ///< false if the solver failed; the poses are then unchanged
+  std::string message;         ///< summary for the user, or why the optimisation failed
+  std::size_t key_frames = 0;  ///< number of key frames in the whole graph
+  double cost_before = 0.0;    ///< chi2 of the used constraints at the start poses, without unit
+  double cost_after = 0.0;     ///< chi2 of the used constraints at the solution, without unit
+  int iterations = 0;          ///< solver steps, summed over all rounds
+  double gnss_rms = 0.0;       ///< horizontal RMS error of the last alignment to East-North-Up, m
   /// Smallest eigenvalue of the information matrix after a thorough solution
   /// (least_eigenvalue.hpp): it shows how well the least constrained motion of the map is
   /// determined. 0 if it was not computed, or if a motion is not constrained at all.

@@ -22,19 +22,20 @@ struct TrackedFix {
   double applied_delay = 0.0;  ///< s that were taken off the stamp already
 };
 
-/// How late a receiver's stamps are and where its antenna is, from windows in which fixes are laid
-/// over dead reckoning. In a window of 12 s, with heading, origin and gyro bias of its own,
+/// Estimates how late a receiver's stamps are and where its antenna is, from windows in which fixes
+/// are aligned with dead reckoning. In a window of 12 s, with heading, origin and gyro bias of its
+/// own,
 ///   R(yaw)^T p_enu - s = p_dr + R_dr (l + dl) - v_dr d + b q,   q = sum of t J dp_dr,
-/// is linear in all unknowns; what is left of each window after its own ones are eliminated goes
-/// into the normal equations of d (late by, s) and dl (antenna beside tf's, m).
+/// is linear in all unknowns. The unknowns of each window are eliminated, and the rest is added to
+/// the normal equations of d (late by, s) and dl (antenna beside tf's, m).
 class AntennaFit {
  public:
   /// Adds the next fix, in the order of the stamps; one that lies more than 12 s behind the first
   /// of the window begins a new window.
   void add(const TrackedFix& fix);
-  /// The next fix is not joined to those before by dead reckoning.
+  /// Begins a window, because dead reckoning does not connect the next fix to those before.
   void begin_window();
-  /// Forgets all windows.
+  /// Removes all windows.
   void clear() { *this = {}; }
 
   /// The fit of all windows that are complete.

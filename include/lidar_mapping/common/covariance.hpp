@@ -12,10 +12,9 @@ using Covariance6 = Matrix6d;
 /// Diagonal covariance from standard deviations: `sigma_m` for each axis and `sigma_rad`.
 Covariance6 diagonal_covariance(double sigma_m, double sigma_rad);
 
-/// The covariance in the axes of the parent frame, as nav_msgs/Odometry wants it.
+/// The covariance in the axes of the parent frame, as nav_msgs/Odometry wants it. The inverse pose
+/// gives the reverse.
 Covariance6 in_parent_axes(const Covariance6& covariance, const Pose& T_parent_child);
-/// The inverse of in_parent_axes(): from the axes of the parent frame to those of the child.
-Covariance6 in_child_axes(const Covariance6& covariance, const Pose& T_parent_child);
 
 /// 6x6 adjoint of T for perturbations (translation, rotation): T * exp(d) = exp(adjoint(T) d) * T.
 Matrix6d adjoint(const Pose& T);

@@ -7,12 +7,12 @@
 
 namespace lidar_mapping {
 
-/// What an accelerometer has felt between two instants.
+/// Mean specific force between two instants, as the accelerometer measured it.
 struct FeltForce {
   Stamp since = 0;  ///< begin of the time over which the mean is taken
   /// Mean specific force, m/s^2 (+g upward at rest), axes of base_link.
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Vector3d p_base_imu = Eigen::Vector3d::Zero();  ///< where it was felt, m
+  Eigen::Vector3d p_base_imu = Eigen::Vector3d::Zero();  ///< place of the accelerometer, m
 };
 
 }  // namespace lidar_mapping

@@ -9,10 +9,10 @@
 
 namespace lidar_mapping {
 
-/// Number of a key frame; counts on over a whole run, also over restarts of the front end.
+/// Number of a key frame in a run; it continues after a restart of the front end.
 using KeyFrameIndex = std::uint32_t;
 
-/// A scan that was chosen for the map. The front end alone makes and numbers key frames.
+/// A scan that was chosen for the map. Only the front end creates and numbers key frames.
 struct KeyFrame {
   KeyFrameIndex index = 0;    ///< its number in the run
   std::uint32_t segment = 0;  ///< no odometry constraint joins two segments
@@ -21,17 +21,17 @@ struct KeyFrame {
   /// Of the motion since the previous key frame, in the axes of base_link at this one.
   Covariance6 motion_covariance = Covariance6::Identity();
   std::vector<Eigen::Vector3d> degenerate_directions;  ///< in base_link, unit length
-  /// A step of that motion may be wrong by more than its match says; the covariance has its
-  /// expected error.
+  /// A step of that motion may be wrong by more than the covariance of its match; motion_covariance
+  /// contains the expected error.
   bool doubtful = false;
-  PointCloudPtr cloud;  ///< in base_link, deskewed to the stamp; null where it is kept elsewhere
+  PointCloudPtr cloud;  ///< in base_link, deskewed to the stamp; null where it is stored elsewhere
 };
 
 /// Pose of a key frame in the map.
 struct KeyFramePose {
   KeyFrameIndex index = 0;  ///< that of the key frame
   Stamp stamp = 0;          ///< that of the key frame
-  Pose T_map_base;          ///< as the back end has it now
+  Pose T_map_base;          ///< newest estimate of the back end
 };
 
 /// All poses (whole), or those that moved, ordered by index.

@@ -7,22 +7,22 @@
 
 namespace lidar_mapping {
 
-/// Where the suspicion came from that two key frames see the same place.
+/// How a loop candidate was found.
 enum class LoopSource {
   kPosition,    ///< their estimated poses lie near each other
   kGnss,        ///< GNSS places them near each other
   kAppearance,  ///< their clouds look alike
-  kManual       ///< a person named them
+  kManual       ///< named by the user
 };
 
-/// What a person said of a loop. It stands above what the graph thinks of it.
+/// Decision of the user about a loop; it overrides that of the graph.
 enum class LoopDecision {
-  kAuto,    ///< nothing: the graph decides
+  kAuto,    ///< none: the graph decides
   kAccept,  ///< the loop is right
   kRefuse   ///< the loop is wrong and left out
 };
 
-/// Two key frames that see the same place, and how they lie to each other.
+/// Two key frames that observe the same place, and their relative pose.
 struct Loop {
   KeyFrameIndex from = 0;  ///< the older one
   KeyFrameIndex to = 0;    ///< the newer one
@@ -30,33 +30,33 @@ struct Loop {
   Pose T_from_to;          ///< as matched: pose of base_link at `to` in base_link at `from`
   Covariance6 covariance = Covariance6::Identity();  ///< of T_from_to, axes of base_link at `to`
   double fitness = 0.0;  ///< mean squared distance of paired points, m^2
-  double overlap = 0.0;  ///< share of the scan that the submap explains, 0 to 1
-  LoopSource source = LoopSource::kPosition;    ///< of the suspicion
-  LoopDecision decision = LoopDecision::kAuto;  ///< of a person
+  double overlap = 0.0;  ///< fraction of the scan that the submap explains, 0 to 1
+  LoopSource source = LoopSource::kPosition;    ///< how it was found
+  LoopDecision decision = LoopDecision::kAuto;  ///< of the user
 };
 
-/// What is thought of a loop candidate.
+/// Decision about a loop candidate.
 enum class Verdict {
-  kAccepted,  ///< the two key frames see the same place, as matched
-  kRefused,   ///< they do not, or the match may as well be wrong
-  kUndecided  ///< the evidence does not suffice, or not yet
+  kAccepted,  ///< the two key frames observe the same place, as matched
+  kRefused,   ///< they do not, or the match may be wrong
+  kUndecided  ///< the evidence is not sufficient, or not yet
 };
 
-/// What became of a loop candidate, and why.
+/// Decision about a loop candidate with its reason and figures.
 struct LoopVerdict {
   KeyFrameIndex from = 0;                     ///< the older key frame
   KeyFrameIndex to = 0;                       ///< the newer key frame
   Stamp stamp = 0;                            ///< of `to`
-  LoopSource source = LoopSource::kPosition;  ///< of the suspicion
+  LoopSource source = LoopSource::kPosition;  ///< how it was found
   Verdict verdict = Verdict::kUndecided;      ///< the decision
   std::string reason;                         ///< one sentence: figure, limit, parameter
   double distance = 0.0;                      ///< between the poses before matching, m
   double fitness = 0.0;                       ///< mean squared distance of paired points, m^2
-  /// Share of the points above ground with a partner, 0 to 1.
+  /// Fraction of the points above ground with a partner, 0 to 1.
   double overlap = 0.0;
-  /// Share of the points above ground that stand in what the other side saw to be free, 0 to 1.
+  /// Fraction of the points above ground in space that the other side observed as free, 0 to 1.
   double free_space_violation = 0.0;
-  /// How well the walls pin the horizontal position: 0.5 at best, 0 in a smooth tunnel.
+  /// How well the walls constrain the horizontal position: 0.5 at best, 0 in a smooth tunnel.
   double horizontal_eigenvalue = 0.0;
   double innovation = 0.0;  ///< squared, normalised by the prior's covariance, 6 degrees of freedom
 };

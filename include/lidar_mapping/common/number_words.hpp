@@ -19,7 +19,7 @@ double finite_number(const std::string& word);
 /// away in any frame, and squares of it stay far from the end of the numbers.
 double coordinate(const std::string& word);
 
-/// A whole number between two others. Throws InputError for whatever else the word holds.
+/// A whole number between two others. Throws InputError for any other word.
 std::int64_t whole_number(const std::string& word, std::int64_t least, std::int64_t most);
 
 /// Nanoseconds since any epoch as a time. Throws InputError beyond 142 years.

@@ -9,6 +9,10 @@
 
 namespace lidar_mapping {
 
+/// Standard deviation of a normal distribution divided by the median of the absolute deviations
+/// (MAD): 1 / (the 75 % quantile of the standard normal distribution).
+constexpr double kSigmaPerMad = 1.4826;
+
 /// The value that a `fraction` (0 to 1) of those in [begin, end) lie below, without interpolation:
 /// one of the values, of two in the middle the greater. Reorders the range, which may not be empty.
 template <typename Iterator>

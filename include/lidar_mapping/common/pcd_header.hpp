@@ -36,10 +36,10 @@ struct PcdHeader {
   bool has_more_fields() const;
 };
 
-/// Reads the header and holds it against the file: each line there once, in the format's order,
-/// with as many words as there are fields; WIDTH times HEIGHT points; a file that is long enough
-/// for them. PCL's reader believes what it finds and writes beyond its memory where that is wrong,
-/// so only what comes through here is given to it. Throws FileError with the line.
+/// Reads the header and checks it against the file: each line occurs once, in the format's order,
+/// with as many words as there are fields; there are WIDTH times HEIGHT points; the file is long
+/// enough for them. PCL's reader does not check this and writes beyond its memory if it is wrong,
+/// so only files that pass are given to it. Throws FileError with the line.
 PcdHeader read_pcd_header(const std::filesystem::path& path);
 
 }  // namespace lidar_mapping

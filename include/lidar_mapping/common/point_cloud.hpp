@@ -23,7 +23,7 @@ struct Point {
 
 /// Points and, where the sensor gives them, their times.
 struct PointCloud {
-  std::vector<Point> points;  ///< in the frame that the holder says
+  std::vector<Point> points;  ///< in the frame that the owner documents
   /// Seconds relative to the scan's stamp; empty if unknown or if all points refer to the stamp.
   std::vector<float> times;
 
@@ -35,11 +35,11 @@ struct PointCloud {
   bool has_times() const { return !times.empty(); }
 };
 
-/// A cloud that several share and nobody changes; may be null.
+/// A shared cloud that is never changed; may be null.
 using PointCloudPtr = std::shared_ptr<const PointCloud>;
 
-/// One turn of the LiDAR, in its frame or as said; `stamp` is the instant to which points are
-/// deskewed, or to which cloud.times refer.
+/// One turn of the LiDAR, in its frame unless documented otherwise; `stamp` is the instant to which
+/// points are deskewed, or to which cloud.times refer.
 struct Scan {
   Stamp stamp = 0;   ///< the instant that the cloud belongs to
   PointCloud cloud;  ///< with times, or deskewed to the stamp

@@ -8,14 +8,14 @@
 
 namespace lidar_mapping {
 
-/// Inertial measurement; the frame is that of the sensor or base_link, as the holder says.
+/// Inertial measurement; the frame is that of the sensor or base_link, as the owner documents.
 struct ImuSample {
   Stamp stamp = 0;                                             ///< of the measurement
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s
   Eigen::Vector3d linear_acceleration =
       Eigen::Vector3d::Zero();                    ///< m/s^2, +g upward at rest (REP 145)
   std::optional<Eigen::Quaterniond> orientation;  ///< R_world_sensor, East-North-Up
-  // What the sensor does not measure is zero here, and nobody may take it for rest.
+  // Quantities that the sensor does not measure are zero here; that does not mean standstill.
   bool has_angular_velocity = true;     ///< false: the sensor has no gyro
   bool has_linear_acceleration = true;  ///< false: the sensor has no accelerometer
 };

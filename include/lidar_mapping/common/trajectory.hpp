@@ -9,7 +9,7 @@
 
 namespace lidar_mapping {
 
-/// A pose of a trajectory, in the frame that its holder says.
+/// A pose of a trajectory, in the frame that its owner documents.
 struct StampedPose {
   Stamp stamp = 0;  ///< or the line number, see Trajectory::has_stamps
   Pose pose;        ///< of the moving frame in the fixed one
@@ -26,8 +26,9 @@ std::string to_tum(const Trajectory& trajectory);
 /// A line of the 12 numbers of [R|t], row by row, per pose.
 std::string to_kitti(const Trajectory& trajectory);
 
-/// Reads either format, told apart by the numbers in a line; lines that begin with # are skipped.
-/// Throws FileError if it cannot be read, InputError naming the line if it is malformed.
+/// Reads either format, distinguished by the count of numbers in a line; lines that begin with #
+/// are skipped. Throws FileError if it cannot be read, InputError naming the line if it is
+/// malformed.
 Trajectory read_trajectory(const std::string& path);
 
 }  // namespace lidar_mapping

@@ -7,7 +7,7 @@
 
 namespace lidar_mapping {
 
-/// What a gyro says of the turning during a sweep beside its mean: exp(-w t) R(t) at equal steps of
+/// Rotation during a sweep by the gyro, without its mean rate w: exp(-w t) R(t) at equal steps of
 /// time (s, relative to the scan's stamp; R(t) from the axes at time t to those at the stamp).
 struct UnevenTurning {
   double begin = 0.0;  ///< time of the first knot, s
@@ -20,8 +20,8 @@ struct UnevenTurning {
   double mean_rate() const;
 };
 
-/// The points as they were seen before `turning` was taken out of their sweep, in the same axes as
-/// `turning`. A cloud without times is returned as it is.
+/// The points as they were measured, before `turning` was removed from their sweep, in the same
+/// axes as `turning`. A cloud without times is returned as it is.
 PointCloud put_back(const UnevenTurning& turning, PointCloud cloud);
 
 }  // namespace lidar_mapping

@@ -20,7 +20,7 @@ class UtmFrame {
 
   /// Easting, northing, height of a point in East-North-Up about the datum; all m.
   Eigen::Vector3d from_enu(const Eigen::Vector3d& p_enu) const;
-  /// The inverse of from_enu(). Throws InputError for what is no place of the zone.
+  /// The inverse of from_enu(). Throws InputError for points outside of the zone.
   Eigen::Vector3d to_enu(const Eigen::Vector3d& p_utm) const;
   /// Easting, northing, height of the datum itself, m.
   const Eigen::Vector3d& origin() const;

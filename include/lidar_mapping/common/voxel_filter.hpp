@@ -7,8 +7,9 @@ namespace lidar_mapping {
 
 /// One point per occupied voxel of edge `resolution` (m): the centroid with the mean intensity
 /// (and the mean time where there are times). Voxels come in the order of their first point, so the
-/// result does not depend on hashing. Keys have 64 bits: no extent makes the filter give up. Points
-/// that are not finite are left out. A resolution of 0 or less returns the cloud as it is.
+/// result does not depend on hashing. Indices have 64 bits for each axis, so the extent is not
+/// limited. Points that are not finite are left out. A resolution of 0 or less returns the cloud as
+/// it is.
 PointCloud voxel_filtered(const PointCloud& cloud, double resolution);
 
 }  // namespace lidar_mapping

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/text.hpp"
 #include "lidar_mapping/config/schema.hpp"
 
 namespace lidar_mapping::config {
@@ -20,8 +21,6 @@ std::string twice_given_problem(const std::string& first, const std::string& sec
 /// One line for a value that its field refuses.
 std::string bad_value_problem(const FieldDescription& field, const Value& value,
                               const std::string& problem, const std::string& origin);
-/// Joins problems to the text of one error, a line each.
-std::string joined(const std::vector<std::string>& problems);
 /// A commented YAML file of fields with the given values (one for each field, as print_value()
 /// writes it); `summary` is its heading.
 std::string yaml_document(const std::string& summary, const std::vector<FieldDescription>& fields,
@@ -71,7 +70,7 @@ Config load(const std::vector<Source>& sources) {
     const std::string problem = check(config);
     if (!problem.empty()) problems.push_back(schema.stage() + ": " + problem);
   }
-  if (!problems.empty()) throw ConfigError(joined(problems));
+  if (!problems.empty()) throw ConfigError(joined(problems, "\n"));
   return config;
 }
 

@@ -158,7 +158,7 @@ class Schema {
     aliases_[other] = name;
     return *this;
   }
-  /// A condition between fields: returns what is wrong and how to mend it, or an empty text.
+  /// A condition between fields: returns what is wrong and how to correct it, or an empty text.
   Schema& check(std::function<std::string(const Config&)> condition) {
     checks_.push_back(std::move(condition));
     return *this;

@@ -15,8 +15,9 @@ std::vector<PosePair> moved_on_vehicle(std::vector<PosePair> pairs, const Pose& 
 
 /// Where on the vehicle the true positions were measured, in the axes of the estimated frame (m),
 /// found as the point whose estimated positions come nearest to the true ones in the least-squares
-/// sense; with `align` after a rigid motion that is found along with it. Components that no turn
-/// of the vehicle tells from such a motion are zero. Nothing with less than three pairs.
+/// sense; with `align` after a rigid motion that is found along with it. Components that
+/// cannot be distinguished from such a motion, because the vehicle did not turn, are zero. Empty
+/// with fewer than three pairs.
 std::optional<Eigen::Vector3d> estimated_lever_arm(const std::vector<PosePair>& pairs, bool align);
 
 /// The turn R_estimate_truth on the vehicle that brings estimated orientations nearest to the true

@@ -49,7 +49,7 @@ KittiErrors kitti_errors(const std::vector<PosePair>& pairs, const std::vector<d
 /// 100, 200 ... 800 m as in the benchmark; for paths under 400 m 50, 100, 150 and 200 m.
 std::vector<double> usual_segment_lengths(const std::vector<PosePair>& pairs);
 
-/// Way along the true path to each pose, m.
+/// Length of the true path up to each pose, m.
 std::vector<double> travelled_distances(const std::vector<PosePair>& pairs);
 
 }  // namespace lidar_mapping::evaluation

@@ -12,7 +12,7 @@ namespace lidar_mapping::loop_closing {
 /// above the ground. 1.8 kB.
 class BirdsEyeView {
  public:
-  static constexpr int kWidth = 120;  ///< number of cells along x and along y
+  static constexpr int kWidth = 120;  ///< number of cells of 1 m along x and along y; chosen
 
   BirdsEyeView() = default;
   /// The view of those points (in base_link, m) whose entry in `above_ground` is true.

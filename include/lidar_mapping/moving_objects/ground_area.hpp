@@ -14,9 +14,12 @@ namespace lidar_mapping::moving_objects {
 /// neighbours in a row have consecutive numbers.
 class GroundArea {
  public:
-  static constexpr double kColumnSize = 0.6;  ///< Edge of a column, m.
-  static constexpr std::size_t kMargin = 2;   ///< Columns that are added on each side of a point.
-  /// Columns along an edge of the neighbourhood of a column.
+  /// Edge of a column, m. Chosen: smaller ones hold no ground point between two rings, larger ones
+  /// mix road and pavement.
+  static constexpr double kColumnSize = 0.6;
+  /// Chosen: the neighbourhood (3 m) then reaches beyond a parked car (1.8 m wide).
+  static constexpr std::size_t kMargin = 2;  ///< Columns added on each side of a point.
+  /// Columns along an edge of the neighbourhood of a column: kMargin on both sides and itself.
   static constexpr std::size_t kWindow = 2 * kMargin + 1;
   static constexpr std::uint32_t kOutside =
       CellRectangle::kOutside;  ///< Number of everything outside.

@@ -26,7 +26,8 @@ struct CellIndex {
 /// are the same for all clouds. Each coordinate has an array of its own, as vector instructions
 /// need it.
 struct TransformedPoints {
-  /// Spacing of possible origins, m; a multiple of the cells of 0.3, 0.4, 0.5 and 0.6 m.
+  /// Spacing of possible origins, m: the least common multiple of the cells of 0.3, 0.4, 0.5 and
+  /// 0.6 m.
   static constexpr double kOriginGrid = 6.0;
 
   /// Transforms the points of a cloud in base_link.
@@ -57,7 +58,7 @@ struct TransformedPoints {
 /// Cells of a grid over the map in which points lie, with an array for each coordinate.
 class PointCells {
  public:
-  /// Number of a point that has no cell.
+  /// Number of a point that has no cell; half of the range, so that differences do not overflow.
   static constexpr int kNone = std::numeric_limits<int>::min() / 2;
 
   /// Cells of edge `cell` (m). Points further than `max_range` (m) from their origin have no cell.

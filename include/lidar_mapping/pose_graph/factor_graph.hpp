@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,9 +61,9 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used);
 /// steps only if these fail.
 struct MinimizerSettings {
   int max_iterations = 50;  ///< limit for the number of steps
-  /// Initial radius of the trust region, in the units of the states. From 1e10 on the steps are not
-  /// limited, and undamped steps are tried first.
-  double initial_radius = 1e10;
+  /// Initial radius of the trust region of damped steps, in the units of the states. Without it
+  /// undamped steps are tried first.
+  std::optional<double> initial_radius;
   /// The minimisation ends if the next steps are expected to lower the cost by less than this
   /// fraction.
   double tolerance = 1e-7;
@@ -82,9 +83,9 @@ struct MinimizerSummary {
 using LossOf = std::function<ceres::LossFunction*(const Constraint&)>;
 
 /// Minimises the cost of the constraints with `used` true and updates the states. Gauss-Newton
-/// steps (gauss_newton.hpp) are used if the trust region does not limit them. If these fail, or if
-/// the settings ask for damping, Ceres solves by Levenberg-Marquardt (Nocedal & Wright 2006). Both
-/// use a sparse Cholesky factorisation.
+/// steps (gauss_newton.hpp) are used unless the settings give a trust region. If these fail, or
+/// with a trust region, Ceres solves by Levenberg-Marquardt (Nocedal & Wright 2006). Both use a
+/// sparse Cholesky factorisation.
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings);
 

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <ceres/loss_function.h>
+namespace ceres {
+class LossFunction;
+}  // namespace ceres
 
 namespace lidar_mapping::pose_graph {
 
@@ -35,7 +37,7 @@ RobustKernel robust_kernel_of(const std::string& name);
 
 /// The kernel as a loss function of the squared whitened norm; null for kNone. `size` is the scale
 /// c of doc/back_end.md in standard deviations; its square is the constant Phi of DCS. The
-/// derivative of all losses is 1 at zero.
+/// derivative of all losses is 1 at zero. Callers include <ceres/loss_function.h>.
 std::unique_ptr<ceres::LossFunction> make_kernel(RobustKernel kernel, double size);
 
 /// The 99 % quantile of the chi-square distribution with 1 to 6 degrees of freedom. The limits

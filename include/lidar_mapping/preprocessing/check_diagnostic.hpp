@@ -28,7 +28,7 @@ std::string sentence(const CheckDiagnostic& diagnostic);
 /// The report of an input: one line about its data, and its problems.
 struct InputReport {
   std::string input;  ///< points, imu, velocity, gnss
-  std::string found;  ///< what came: rate, frame, fields or units, number of messages
+  std::string found;  ///< the received data: rate, frame, fields or units, number of messages
   std::vector<CheckDiagnostic> diagnostics;  ///< its problems; empty if it is good
 };
 

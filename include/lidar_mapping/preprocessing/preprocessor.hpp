@@ -98,7 +98,7 @@ class Preprocessor {
 
   /// Origin of the East-North-Up frame; empty until there was a good fix.
   std::optional<GeodeticDatum> datum() const;
-  /// What has become of the data so far.
+  /// Counts of the data processed, dropped and refused so far.
   const PreprocessingCounters& counters() const;
   /// Messages about observations and problems since the last call; each one is reported once.
   std::vector<Diagnostic> take_diagnostics();

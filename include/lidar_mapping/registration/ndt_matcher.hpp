@@ -29,7 +29,7 @@ MotionState perturbed(const MotionState& state, const Vector12d& d);
 /// The d for which perturbed(a, d) equals b.
 Vector12d difference(const MotionState& a, const MotionState& b);
 
-/// What is known before the match; an information of zero means nothing.
+/// Prior of a match; an information of zero is no prior.
 struct MotionBelief {
   MotionState state;                          ///< the most likely one
   Matrix12d information = Matrix12d::Zero();  ///< inverse of its covariance
@@ -50,21 +50,23 @@ struct NdtOptions {
   double rotation_epsilon = 5e-5;     ///< rad
   /// Weight of a residual against the prior: below one because neighbouring points err together.
   double data_weight = 0.3;
-  /// Unit vectors in the sensor's axes: what the points say about moving along them, while all else
-  /// adapts, is left out. There the prior decides.
+  /// Directions (unit vectors in the sensor's axes) along which the points are ignored: their
+  /// information is marginalised out, and the prior decides there.
   std::vector<Eigen::Vector3d> blind_directions;
   /// Whether NdtMatch::parts is wanted.
   bool parts = false;
 };
 
-/// What one part of the points says of the pose, at the state before the last step and with the
-/// robust weights there, for independent residuals: hessian * d = -gradient, axes of the sensor.
+/// Normal equations of one part of the points for the pose, at the state before the last step and
+/// with the robust weights there, for independent residuals: hessian * d = -gradient, axes of the
+/// sensor.
 struct NdtPart {
   Matrix6d hessian = Matrix6d::Zero();   ///< Gauss-Newton, for perturbed() of the pose
   Vector6d gradient = Vector6d::Zero();  ///< of half the weighted sum of squared residuals
 };
 
-/// Sectors of equal angle around the sensor into which the points of a match are parted.
+/// Number of sectors of equal angle around the sensor into which the points of a match are divided.
+/// Chosen: 45 degrees, so that a wall or a vehicle beside the sensor is in few of them.
 constexpr std::size_t kNdtSectors = 8;
 /// Parts of a match: the sectors with their points that are nearer than the mean range, then the
 /// sectors with the farther ones.
@@ -77,14 +79,15 @@ struct NdtMatch {
   int iterations = 0;      ///< number of steps
   /// Gauss-Newton Hessian of the points alone for the pose, for independent residuals.
   Matrix6d pose_hessian = Matrix6d::Zero();
-  /// What the points say, weighted against the prior: NdtOptions::data_weight times their Hessian.
+  /// Information of the points, weighted against the prior: NdtOptions::data_weight times their
+  /// Hessian.
   Matrix12d points_information = Matrix12d::Zero();
-  /// What points and prior say together: the inverse of the state's covariance.
+  /// Information of points and prior together: the inverse of the state's covariance.
   Matrix12d information = Matrix12d::Zero();
   double quality = 0.0;          ///< mean robust weight of all points, 0 to 1
-  double inlier_fraction = 0.0;  ///< points that the kernel believes / points
+  double inlier_fraction = 0.0;  ///< inliers of the kernel / points
   double overlap = 0.0;          ///< points with a plane / points
-  /// Mean squared distance of the points to their planes, in units of what the planes claim.
+  /// Mean squared distance of the points to their planes, in units of the planes' variances.
   double residual_variance = 0.0;
   double fitness = 0.0;  ///< mean squared distance of the inliers to their planes, m^2
   /// kNdtParts of them if they were asked for, else none.
@@ -92,8 +95,8 @@ struct NdtMatch {
 };
 
 /// Aligns points with a GaussianVoxelMap: point to plane of the voxel that a point falls into, with
-/// a robust weight and analytic derivatives, for pose and twist together (doc/front_end.md). Keeps
-/// only scratch memory between calls. One thread at a time uses a matcher.
+/// a robust weight and analytic derivatives, for pose and twist together (doc/front_end.md). Only
+/// scratch memory is kept between calls. One thread at a time uses a matcher.
 class NdtMatcher {
  public:
   /// Chooses the kernels that the processor can run.

@@ -66,7 +66,8 @@ const std::vector<std::pair<std::string, Method>>& method_names();
 /// The method of this package that does the work of `method`.
 Method implemented_by(Method method);
 
-/// One sentence that says so where the name asked for is another system's; else an empty text.
+/// A sentence that names the method in use, if the configured name is that of another system; else
+/// empty.
 std::string method_notice(const RegistrationConfig& config);
 
 /// The name of a method as configuration files write it.

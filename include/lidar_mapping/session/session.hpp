@@ -14,6 +14,7 @@
 #include "lidar_mapping/common/key_frame.hpp"
 #include "lidar_mapping/common/loop.hpp"
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/usage_counts.hpp"
 #include "lidar_mapping/session/cloud_store.hpp"
 
 namespace lidar_mapping::session {
@@ -38,16 +39,12 @@ struct ScanRecord {
 };
 
 /// The result of one optimisation in figures, as in OptimizationReport.
-struct RevisionRecord {
-  std::uint32_t revision = 0;     ///< number of the optimisation, increasing
-  std::size_t key_frames = 0;     ///< number of key frames in the graph
-  std::size_t loops_used = 0;     ///< number of loops that the graph uses
-  std::size_t loops_refused = 0;  ///< number of loops that it does not use
-  std::size_t gnss_used = 0;      ///< number of GNSS positions that the graph uses
-  std::size_t gnss_refused = 0;   ///< number of GNSS positions that it does not use
-  double cost_before = 0.0;       ///< chi2 before the optimisation, without unit
-  double cost_after = 0.0;        ///< chi2 after the optimisation, without unit
-  double seconds = 0.0;           ///< computing time
+struct RevisionRecord : UsageCounts {
+  std::uint32_t revision = 0;  ///< number of the optimisation, increasing
+  std::size_t key_frames = 0;  ///< number of key frames in the graph
+  double cost_before = 0.0;    ///< chi2 before the optimisation, without unit
+  double cost_after = 0.0;     ///< chi2 after the optimisation, without unit
+  double seconds = 0.0;        ///< computing time
 };
 
 /// All stored data of a drive, in a folder of its own: session.db (SQLite) and files such as

@@ -35,8 +35,6 @@ struct ScanFault {
 /// "times=none" or "times=negated". Throws ConfigError for any other name, and for a value that is
 /// missing or out of range.
 ScanFault parse_scan_fault(const std::string& text);
-/// Names of all faults: "outliers", "rain" and so on.
-std::vector<std::string> scan_fault_names();
 
 /// Applies faults to simulated scans. The result for a scan depends on the faults, the seed and its
 /// index.

@@ -11,6 +11,8 @@ constexpr double kAccelerometerNoise = 0.03;  ///< Noise of accelerations, m/s^2
 constexpr double kAccelerometerBias = 0.04;   ///< Bias of accelerations, m/s^2.
 constexpr double kOrientationNoise = 0.001;   ///< Noise of the orientation, rad.
 constexpr double kVelocityNoise = 0.02;       ///< Noise of the velocity, m/s.
-constexpr double kGravity = 9.81;  ///< Gravity along -z of the map frame in these worlds, m/s^2.
+/// Gravity along -z of the map frame in these worlds, m/s^2. Rounded, unlike kStandardGravity: the
+/// results on record were measured with it, and true gravity differs from the standard by as much.
+constexpr double kGravity = 9.81;
 
 }  // namespace lidar_mapping::simulation

@@ -9,11 +9,11 @@ namespace lidar_mapping::loop_closing {
 
 /// Range image of one scan: the nearest range per direction (1.5 by 2 degrees). A point contradicts
 /// the scan if it is clearly nearer than all ranges around its direction: the space there was free.
-class RangeImage {
+class FreeSpaceImage {
  public:
-  RangeImage() = default;
+  FreeSpaceImage() = default;
   /// Points and position of the sensor in the same frame, m.
-  RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor);
+  FreeSpaceImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor);
 
   enum class FreeSpaceTest { kUntested, kConsistent, kViolation };
   /// Tests a point in the same frame. The point is untested unless its own cell has a return and

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "range_image.hpp"
+#include "free_space_image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr int kColumns = 240;                                       // of 1.5 degrees
-constexpr int kRows = 90;                                           // of 2 degrees
+// Columns of 1.5 degrees over a turn, rows of 2 degrees over half a turn. Chosen: a row holds a
+// ring of 16 beams (2 degrees apart), and thinned clouds still have a return in most cells.
+constexpr int kColumns = 240;
+constexpr int kRows = 90;
 constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
 constexpr float kEmpty = std::numeric_limits<float>::infinity();
 // Metres; a block has to be this much behind a point to contradict it. Chosen: more than the error
@@ -23,7 +25,8 @@ constexpr int kMinReturns = 4;
 
 }  // namespace
 
-RangeImage::RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor)
+FreeSpaceImage::FreeSpaceImage(const std::vector<Eigen::Vector3f>& points,
+                               const Eigen::Vector3f& sensor)
     : sensor_(sensor), ranges_(kRows * kColumns, kEmpty) {
   for (const auto& p : points) {
     const Cell cell = cell_of(p);
@@ -32,7 +35,7 @@ RangeImage::RangeImage(const std::vector<Eigen::Vector3f>& points, const Eigen::
   }
 }
 
-RangeImage::Cell RangeImage::cell_of(const Eigen::Vector3f& p) const {
+FreeSpaceImage::Cell FreeSpaceImage::cell_of(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f d = p - sensor_;
   const float elevation = std::atan2(d.z(), std::hypot(d.x(), d.y()));
   const float azimuth = std::atan2(d.y(), d.x());
@@ -44,7 +47,7 @@ RangeImage::Cell RangeImage::cell_of(const Eigen::Vector3f& p) const {
   return cell;
 }
 
-RangeImage::FreeSpaceTest RangeImage::test_free_space(const Eigen::Vector3f& p) const {
+FreeSpaceImage::FreeSpaceTest FreeSpaceImage::test_free_space(const Eigen::Vector3f& p) const {
   if (ranges_.empty()) return FreeSpaceTest::kUntested;
   const Cell cell = cell_of(p);
   if (ranges_[cell.row * kColumns + cell.column] == kEmpty) return FreeSpaceTest::kUntested;

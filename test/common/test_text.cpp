@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstddef>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/text.hpp"
+
+namespace lidar_mapping {
+namespace {
+
+TEST(Text, FormatsLikePrintf) {
+  EXPECT_EQ(formatted("%.2f m in %zu of %s", 1.5, std::size_t{3}, "ten"), "1.50 m in 3 of ten");
+  EXPECT_EQ(formatted("%s", ""), "");
+}
+
+TEST(Text, CutsNothingOff) {
+  const std::string word(5000, 'x');
+  EXPECT_EQ(formatted("%s!", word.c_str()), word + "!");
+}
+
+TEST(Text, JoinsWithASeparator) {
+  EXPECT_EQ(joined({}), "");
+  EXPECT_EQ(joined({"pcd"}), "pcd");
+  EXPECT_EQ(joined({"pcd", "ply", "las"}), "pcd, ply, las");
+  EXPECT_EQ(joined({"one", "two"}, "\n"), "one\ntwo");
+}
+
+TEST(Text, LowerCase) { EXPECT_EQ(lower_case("GemanMcClure 2_A"), "gemanmcclure 2_a"); }
+
+}  // namespace
+}  // namespace lidar_mapping
