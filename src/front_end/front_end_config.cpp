@@ -45,7 +45,10 @@ void describe_sequential_ndt(config::Schema<Config>& schema) {
             "After being lost for this long a new local map and a new segment are begun.")
       .boolean("calibrate_elevation", &Config::calibrate_elevation,
                "Find out whether all elevations of the sensor are off by the same angle, and turn "
-               "its points by that once it is sure.");
+               "its points by that once it is sure.")
+      .boolean("check_point_times", &Config::check_point_times,
+               "Find out whether points without times were motion-compensated before, and whether "
+               "times have the right sign, and correct the times if not.");
 }
 
 config::Schema<Config> make_schema() {

@@ -319,6 +319,11 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
   if (jitter > 0.0 && limiter_.due("jitter")) {
     ROS_WARN_STREAM(front_end::jitter_message(jitter));
   }
+  const front_end::SweepTimes times = result.status.sweep_times;
+  if (times != front_end::SweepTimes::kAsGiven) {
+    context_.diagnostics.set("times of the points", front_end::to_string(times));
+    if (limiter_.due("sweep times")) ROS_WARN_STREAM(front_end::sweep_times_message(times));
+  }
   if (result.status.gyro_distrusted && limiter_.due("gyro"))
     ROS_WARN_STREAM(front_end::gyro_message());
   if (result.status.unseen_way > 0.0) {

@@ -99,6 +99,10 @@ void ScanOdometry::report_status(const front_end::FrontEndStatus& status) {
     jitter_reported_ = true;
     report_(front_end::jitter_message(status.stamp_jitter));
   }
+  if (status.sweep_times != sweep_times_) {
+    sweep_times_ = status.sweep_times;
+    report_(front_end::sweep_times_message(sweep_times_));
+  }
   if (status.gyro_distrusted && !gyro_reported_) {
     gyro_reported_ = true;
     report_(front_end::gyro_message());

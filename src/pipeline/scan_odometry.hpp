@@ -46,6 +46,7 @@ class ScanOdometry {
   double elevation_shift_ = 0.0;        ///< Last value that was reported, rad.
   std::size_t map_points_dropped_ = 0;  ///< Last value that was reported.
   bool jitter_reported_ = false;
+  front_end::SweepTimes sweep_times_ = front_end::SweepTimes::kAsGiven;  ///< as last reported
   bool gyro_reported_ = false;
   bool ride_reported_ = false;
   /// Scans whose results are provisional.

@@ -63,6 +63,9 @@ struct FrontEndConfig {
   /// Find out whether all elevations of the sensor are off by the same angle, and turn its points
   /// by that once it is sure.
   bool calibrate_elevation = true;
+  /// Find out whether points without times were motion-compensated before, and whether times have
+  /// the right sign, and correct the times if not.
+  bool check_point_times = true;
 
   // The sliding window of the other methods.
   /// [key frames] Size of the sliding window: of NDT with local_map_method: sliding_window, and of

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "lidar_mapping/front_end/step_evidence.hpp"
+#include "lidar_mapping/front_end/sweep_times.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -52,6 +53,9 @@ struct FrontEndStatus {
   /// Standard deviation of the stamps, s, if they are so irregular that whole turns of the sensor
   /// are counted instead (SweepClock); otherwise 0.
   double stamp_jitter = 0.0;
+  /// Where the times of the points come from; other than as given if these were found wrong
+  /// (SweepTimesTrial).
+  SweepTimes sweep_times = SweepTimes::kAsGiven;
   /// The gyro predicts the matches worse than a prediction without it does, so it is not used
   /// (GyroValidator).
   bool gyro_distrusted = false;

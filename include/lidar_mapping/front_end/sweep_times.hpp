@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace lidar_mapping::front_end {
+
+/// Where the times of the points of a sweep come from.
+enum class SweepTimes {
+  kAsGiven,    ///< the points have the right times; points without times are motion-compensated
+  kNegated,    ///< the points have times with the wrong sign
+  kByAzimuth,  ///< the points have no times: they follow from the azimuth
+  kByPosition  ///< the points have no times: they follow from the order of the points
+};
+
+/// "as_given", "negated", "by_azimuth", "by_position".
+const char* to_string(SweepTimes times);
+
+/// The message that the times of points are not used as they are given, and what to do about it.
+/// Empty for kAsGiven.
+std::string sweep_times_message(SweepTimes times);
+
+}  // namespace lidar_mapping::front_end

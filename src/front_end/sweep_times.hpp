@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "lidar_mapping/common/point_cloud.hpp"
+#include "lidar_mapping/front_end/sweep_times.hpp"
+
+namespace lidar_mapping::front_end {
+
+/// Times of the points of a sweep that starts at the stamp and lasts `duration` seconds, derived
+/// from how a spinning sensor turns: proportional to the azimuth since the first point. The points
+/// are in the axes of the sensor, z along its axis. They are stored firing by firing or ring by
+/// ring, in the direction of rotation.
+std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration);
+
+/// The same for points that are stored in the order in which they were measured.
+std::vector<float> times_by_position(const PointCloud& cloud, double duration);
+
+/// The times that the points have according to `source`; empty if they have none. `duration` (s) is
+/// that of a sweep whose points have no times.
+std::vector<float> sweep_times(const PointCloud& cloud, SweepTimes source, double duration);
+
+}  // namespace lidar_mapping::front_end
