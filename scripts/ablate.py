@@ -1,0 +1,462 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tells for each tuned constant whether it earns its place (doc/results/ablation.md).
+
+A copy of the source tree is built as it is, and again with one constant at half and at twice its value. Each build
+runs the same short simulated drives by odometry_campaign; its figures are compared with those of the unchanged one.
+What a change that means nothing does to them is measured by a range noise that differs by up to 2 %.
+The results are appended to a CSV file, and what it has is not measured again. The table is written from it.
+"""
+import argparse
+import csv
+import json
+import math
+import random
+import re
+import resource
+import subprocess
+import sys
+import time
+import zlib
+from collections import Counter
+from pathlib import Path
+from typing import NamedTuple
+
+import check_constants
+
+ROOT = check_constants.ROOT
+TARGET = 'odometry_campaign'
+FACTORS = {'half': 0.5, 'twice': 2.0}
+REAL = re.compile(r'double|float|auto|Weight')
+WHOLE = re.compile(r'\d+[uUlL]*')
+BRIER = re.compile(r'Brier score of the probability: ([\d.]+)')
+MEMORY = 4 << 30  # bytes that the program may use, so that no table made larger takes the machine's
+RANGE_NOISE = 0.02  # m, that of odometry_campaign
+# Figure: the least change that counts. Those of RATIOS are factors, the others differences; less is better in all.
+RATIOS = ('ape', 'ape_worst', 'drift', 'drift_worst', 'cpu')
+LEAST = {'ape': math.log(1.005), 'ape_worst': math.log(1.02), 'drift': math.log(1.005), 'drift_worst': math.log(1.02),
+         'wrong': 1.0, 'silent': 1.0, 'false_alarms': 1.0, 'brier': 5e-4, 'cpu': math.log(1.03)}
+NOISE_SIGMAS = 3.0
+COLUMNS = ['file', 'constant', 'variant', 'value', 'new_value', 'status', *LEAST, 'seconds', 'comment', 'basis']
+
+
+class Constant(NamedTuple):
+    path: str  # from the root of the tree
+    name: str
+    first: int  # line, from 0
+    last: int
+    start: int  # of the value in the first line
+    kind: str  # its type
+    value: str
+    comment: str
+
+    @property
+    def full_name(self):
+        return f'{self.path}:{self.name}'
+
+
+def comment_of(lines, first, last):
+    """What stands in the lines of a constant, else above it or above its group."""
+    beside = [line.split('//', 1)[1] for line in lines[first:last + 1] if '//' in line]
+    above = []
+    line = first - 1
+    while line >= 0 and lines[line].strip() and not (above and not lines[line].lstrip().startswith('//')):
+        if lines[line].lstrip().startswith('//'):
+            above.insert(0, lines[line].split('//', 1)[1])
+        line -= 1
+    return ' '.join(part.strip('/<! ') for part in (beside or above))
+
+
+def constants_of(path, text):
+    """Every constant that check_constants.py knows in a file; a name that comes again gets a number."""
+    lines = text.split('\n')
+    times = Counter()
+    for number, name, _ in check_constants.constants(lines):
+        first = number - 1
+        last = check_constants.last_line(lines, first)
+        match = check_constants.CONSTANT.match(lines[first])
+        statement = [check_constants.without_comment(line) for line in lines[first:last + 1]]
+        start = match.end() - 1
+        value = ' '.join([statement[0][start:], *map(str.strip, statement[1:])]).rstrip(';')
+        times[name] += 1
+        yield Constant(path, name if times[name] == 1 else f'{name}#{times[name]}', first, last, start, match.group(1),
+                       value.lstrip('= ').strip(), comment_of(lines, first, last))
+
+
+def all_constants(root):
+    for path in sorted([*root.glob('src/**/*.[ch]pp'), *root.glob('include/**/*.hpp')]):
+        yield from constants_of(str(path.relative_to(root)), path.read_text())
+
+
+def changed_value(constant, factor):
+    """C++ of the value times the factor; none where that changes nothing. Of a number of bits: of what they hold."""
+    if constant.name.endswith('Bits') and not REAL.fullmatch(constant.kind):
+        return f'{constant.value} {"+" if factor > 1.0 else "-"} 1'
+    return scaled(constant.kind, constant.value, factor)
+
+
+def scaled(kind, value, factor):
+    """The value times the factor, a count rounded and at least 1; none where that changes nothing."""
+    if value.startswith('{'):
+        parts = [scaled('double', part.strip(), factor) for part in value.strip('{}').split(',')]
+        return None if None in parts else '{' + ', '.join(parts) + '}'
+    if kind == 'bool':
+        return f'!({value})' if factor == FACTORS['half'] else None
+    if REAL.fullmatch(kind):
+        product = f'{factor:g} * ({value})'
+        return f'static_cast<float>({product})' if kind == 'float' else product
+    if not WHOLE.fullmatch(value):
+        return f'static_cast<{kind}>({factor:g} * static_cast<double>({value}))'
+    whole = int(value.rstrip('uUlL'))
+    changed = max(1, int(math.floor(factor * whole + 0.5)))
+    return None if changed == whole or whole == 0 else str(changed)
+
+
+def patched(text, constant, new_value):
+    """The text of a file in which one constant has another value."""
+    lines = text.split('\n')
+    head = lines[constant.first][:constant.start].rstrip()
+    equals = '' if new_value.startswith('{') else ' = '
+    lines[constant.first:constant.last + 1] = [head + equals + new_value + ';']
+    return '\n'.join(lines)
+
+
+def commit_of(root):
+    command = ['git', '-C', root, 'rev-parse', '--short=9', 'HEAD']
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def update_copy(root, copy):
+    """Makes the copy equal to the tree, as far as git knows it; what is equal already keeps its time."""
+    names = subprocess.run(['git', '-C', root, 'ls-files', '-z'], check=True, capture_output=True, text=True).stdout
+    for name in filter(None, names.split('\0')):
+        source, target = root / name, copy / name
+        if not source.is_file() or (target.is_file() and target.read_bytes() == source.read_bytes()):
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(source.read_bytes())
+        target.chmod(source.stat().st_mode)
+
+
+def build(copy, log):
+    """Whether the programs of the copy could be built."""
+    with open(log, 'w') as output:
+        if not (copy / '.build/CMakeCache.txt').exists():
+            subprocess.run(['cmake', '-S', copy, '-B', copy / '.build', '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache'],
+                           stdout=output, stderr=output, check=True)
+        command = ['cmake', '--build', copy / '.build', '--target', TARGET, '-j1']
+        return subprocess.run(command, stdout=output, stderr=output).returncode == 0
+
+
+def limit_memory():
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def run_drives(program, cases, duration, log, limit=None):
+    """Figures of each drive and Brier's score of all; none if the program fails or does not end."""
+    figures = log.with_suffix('.json')
+    command = [program, '--cases', cases, '--duration', str(duration), '--json', figures]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit,
+                              preexec_fn=limit_memory)
+    except subprocess.TimeoutExpired:
+        return None
+    log.write_text(done.stdout + done.stderr)
+    if done.returncode != 0:
+        return None
+    return {'brier': float(BRIER.search(done.stdout).group(1)), 'runs': json.loads(figures.read_text())['runs']}
+
+
+def extreme(logarithms):
+    return max(logarithms, key=abs, default=0.0)
+
+
+def mean(values):
+    return sum(values) / len(values) if values else 0.0
+
+
+def compare(base, other):
+    """Figures of one build against those of the unchanged one: ratios or differences, see LEAST."""
+    pairs = list(zip(base['runs'], other['runs']))
+
+    def logarithms(key):
+        return [math.log(max(b[key], 1e-6) / max(a[key], 1e-6)) for a, b in pairs if a[key] is not None]
+
+    def difference(key):
+        return sum(b[key] - a[key] for a, b in pairs)
+
+    ape, drift = logarithms('ape_m'), logarithms('drift_percent')
+    cpu = sum(b['cpu_ms'] for _, b in pairs) / sum(a['cpu_ms'] for a, _ in pairs)
+    result = {'ape': math.exp(mean(ape)), 'ape_worst': math.exp(extreme(ape)), 'drift': math.exp(mean(drift)),
+              'drift_worst': math.exp(extreme(drift)), 'cpu': cpu, 'brier': other['brier'] - base['brier']}
+    result.update({key: difference(key) for key in ('wrong', 'silent', 'false_alarms')})
+    return result
+
+
+def is_same(base, other):
+    """Whether no figure of any drive changed but the time."""
+    def figures(runs):
+        return [{key: value for key, value in run.items() if key not in ('cpu_ms', 'case')} for run in runs]
+    return figures(base['runs']) == figures(other['runs']) and base['brier'] == other['brier']
+
+
+def deviation(row, figure):
+    """Of a figure from that of the unchanged build; above 0: worse."""
+    value = float(row[figure])
+    return math.log(value) if figure in RATIOS else value
+
+
+def noise_limits(rows):
+    """Of each figure, the change beyond which it is no noise: some standard deviations of the noise runs."""
+    noise = [row for row in rows if row['variant'].startswith('noise') and row['status'] != 'fails']
+    limits = {}
+    for figure, least in LEAST.items():
+        square = mean([deviation(row, figure) ** 2 for row in noise])
+        limits[figure] = max(least, NOISE_SIGMAS * math.sqrt(square))
+    return limits
+
+
+def beyond_noise(row, limits):
+    """The figures that changed by more than noise, with how many times more; below 0: better."""
+    if row['status'] != 'measured':
+        return {}
+    ratios = {figure: deviation(row, figure) / limit for figure, limit in limits.items()}
+    return {figure: ratio for figure, ratio in ratios.items() if abs(ratio) > 1.0}
+
+
+def effect(rows, limits):
+    """The largest change of a constant's rows, in units of the noise; without end where nothing could be measured."""
+    if any(row['status'] == 'fails' for row in rows):
+        return math.inf
+    return max((abs(ratio) for row in rows for ratio in beyond_noise(row, limits).values()), default=0.0)
+
+
+def verdict(rows, limits):
+    statuses = {row['status'] for row in rows}
+    changes = [beyond_noise(row, limits) for row in rows]
+    figures = {figure for change in changes for figure in change}
+    if 'fails' in statuses:
+        return 'matters: a program fails'
+    if statuses <= {'does not compile', 'skipped'}:
+        return 'not movable'
+    if not figures:
+        return 'moves nothing' if 'measured' in statuses else 'no figure changes'
+    if figures == {'cpu'}:
+        return 'matters for the time'
+    better = [row['variant'] for row, change in zip(rows, changes) if change and max(change.values()) < 0.0]
+    return f'matters; better at {better[0]}' if better else 'matters'
+
+
+def cell_of(row, limits):
+    """What changed beyond noise, as text."""
+    if row['status'] != 'measured':
+        return row['status']
+    words = []
+    for figure in beyond_noise(row, limits):
+        value = float(row[figure])
+        number = f'{value:.2f}' if figure in RATIOS else f'{value:+.3g}'
+        words.append(f'{figure.replace("_", " ")} {number}')
+    return ', '.join(words) or 'noise'
+
+
+def grouped(rows):
+    """The rows of each constant."""
+    groups = {}
+    for row in rows:
+        if row['variant'] in FACTORS:
+            groups.setdefault((row['file'], row['constant']), []).append(row)
+    return groups.values()
+
+
+def table(rows):
+    """Markdown, the constants with the largest effect first."""
+    limits = noise_limits(rows)
+    lines = ['| constant | file | value | half | twice | verdict |', '| --- | --- | --- | --- | --- | --- |']
+    for group in sorted(grouped(rows), key=lambda group: -effect(group, limits)):
+        cells = {row['variant']: cell_of(row, limits) for row in group}
+        file = re.sub(r'^(src|include/lidar_mapping)/', '', group[0]['file'])
+        lines.append(f'| `{group[0]["constant"]}` | {file} | {group[0]["value"]} | '
+                     f'{cells.get("half", "")} | {cells.get("twice", "")} | {verdict(group, limits)} |')
+    return '\n'.join(lines) + '\n'
+
+
+def limits_text(rows):
+    parts = []
+    for figure, limit in noise_limits(rows).items():
+        number = f'{100.0 * math.expm1(limit):.1f} %' if figure in RATIOS else f'{limit:.2g}'
+        parts.append(f'{figure.replace("_", " ")} {number}')
+    return 'beyond noise: ' + ', '.join(parts)
+
+
+def read_rows(path):
+    if not path.exists():
+        return []
+    with open(path, newline='') as file:
+        return list(csv.DictReader(file))
+
+
+def append_row(path, row):
+    is_new = not path.exists()
+    with open(path, 'a', newline='') as file:
+        writer = csv.DictWriter(file, COLUMNS, restval='')
+        if is_new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+class Ablation:
+    """The copy, its builds and the file of results."""
+
+    def __init__(self, options):
+        self.options = options
+        self.copy = options.folder
+        self.copy.mkdir(parents=True, exist_ok=True)
+        self.logs = self.copy / '.build/ablation'
+        self.program = self.copy / '.build/devel/lib/lidar_mapping' / TARGET
+        drives = zlib.crc32(options.cases.read_bytes() + str(options.duration).encode())
+        self.basis = f'{options.basis or commit_of(ROOT)} {drives:08x}'
+        self.rows = read_rows(options.output)
+        if any(row['basis'] != self.basis for row in self.rows):
+            sys.exit(f'{options.output} is of other drives or another commit than {self.basis}; give another --output')
+        self.base = None
+        self.base_seconds = 0.0
+
+    def prepare(self):
+        """Builds the unchanged tree and measures it."""
+        update_copy(ROOT, self.copy)
+        self.logs.mkdir(parents=True, exist_ok=True)
+        if not build(self.copy, self.logs / 'build.log'):
+            sys.exit(f'the unchanged tree does not build: {self.logs / "build.log"}')
+        if not self.program.exists():
+            self.program = next((self.copy / '.build').glob(f'**/{TARGET}'))
+        begin = time.monotonic()
+        self.base = run_drives(self.program, self.options.cases, self.options.duration, self.logs / 'unchanged.log')
+        self.base_seconds = time.monotonic() - begin
+        if self.base is None:
+            sys.exit(f'{TARGET} fails without any change: {self.logs / "unchanged.log"}')
+
+    def add(self, row):
+        row['basis'] = self.basis
+        append_row(self.options.output, row)
+        self.rows.append({key: str(value) for key, value in row.items()})
+        print(f'{row["status"]:>17} {row["seconds"]:6.0f} s  {row["file"]}:{row["constant"]} {row["variant"]}',
+              flush=True)
+
+    def has(self, file, name, variant):
+        return any((row['file'], row['constant'], row['variant']) == (file, name, variant) for row in self.rows)
+
+    def measure(self, cases, log):
+        """Status and figures of the program as it is built now."""
+        other = run_drives(self.program, cases, self.options.duration, log, 10.0 * self.base_seconds + 60.0)
+        if other is None:
+            return {'status': 'fails'}
+        return {'status': 'no change' if is_same(self.base, other) else 'measured', **compare(self.base, other)}
+
+    def measure_noise(self):
+        """The unchanged build with a range noise that differs a little."""
+        for i in range(self.options.noise):
+            variant = f'noise {i + 1}'
+            if self.has('', '', variant):
+                continue
+            share = 0.01 * (i // 2 + 1) * (-1) ** i / max(1, (self.options.noise + 1) // 4)
+            value = f'{RANGE_NOISE * (1.0 + share):.6g}'
+            cases = self.logs / 'noise_cases.txt'
+            cases.write_text('\n'.join(f'{line} range_noise={value}' if re.match(r'\s*\w', line) else line
+                                       for line in self.options.cases.read_text().split('\n')))
+            begin = time.monotonic()
+            figures = self.measure(cases, self.logs / f'noise_{i + 1}.log')
+            self.add({'file': '', 'constant': '', 'variant': variant, 'new_value': value,
+                      'seconds': round(time.monotonic() - begin, 1), **figures})
+
+    def measure_constant(self, constant, variant):
+        """Builds and measures one constant at another value; the copy is as before afterwards."""
+        begin = time.monotonic()
+        new_value = changed_value(constant, FACTORS[variant])
+        figures = {'status': 'skipped'}
+        if new_value is not None:
+            path = self.copy / constant.path
+            text = path.read_text()
+            try:
+                path.write_text(patched(text, constant, new_value))
+                name = f'{Path(constant.path).name}_{constant.name}_{variant}'
+                figures = {'status': 'does not compile'}
+                if build(self.copy, self.logs / 'build.log'):
+                    figures = self.measure(self.options.cases, self.logs / f'{name}.log')
+            finally:
+                path.write_text(text)
+        self.add({'file': constant.path, 'constant': constant.name, 'variant': variant, 'value': constant.value,
+                  'new_value': new_value or '', 'comment': constant.comment,
+                  'seconds': round(time.monotonic() - begin, 1), **figures})
+
+    def run(self, constants):
+        """Everything that the file of results does not have yet, until the time is over."""
+        end = time.monotonic() + 60.0 * self.options.minutes
+        todo = [(constant, variant) for constant in constants for variant in FACTORS
+                if not self.has(constant.path, constant.name, variant)]
+        if todo:
+            self.prepare()
+            print(f'{len(self.base["runs"])} drives take {self.base_seconds:.0f} s; {len(todo)} changes', flush=True)
+            self.measure_noise()
+        for constant, variant in todo:
+            if time.monotonic() > end:
+                print('the time is over; the same command goes on')
+                return
+            self.measure_constant(constant, variant)
+
+
+def selected(options):
+    constants = [constant for constant in all_constants(ROOT)
+                 if any(re.search(pattern, constant.full_name) for pattern in options.match)]
+    if options.chosen:
+        constants = [constant for constant in constants if re.search(r'\bchosen\b', constant.comment, re.IGNORECASE)]
+    if options.sample and options.sample < len(constants):
+        print(f'{options.sample} of {len(constants)} constants, drawn with --seed {options.seed}')
+        constants = random.Random(options.seed).sample(constants, options.sample)
+    # In the order of the patterns, so that what is named first is measured first.
+    return sorted(constants, key=lambda constant: next(
+        i for i, pattern in enumerate(options.match) if re.search(pattern, constant.full_name)))
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--match', nargs='+', default=['front_end/', 'registration/'],
+                        help='regular expressions of FILE:NAME, the most urgent first (%(default)s)')
+    parser.add_argument('--chosen', action='store_true', help="only constants whose comment says 'chosen'")
+    parser.add_argument('--sample', type=int, help='only so many, drawn at random')
+    parser.add_argument('--seed', type=int, default=1, help='of --sample')
+    parser.add_argument('--list', action='store_true', help='say what would be changed, measure nothing')
+    parser.add_argument('--cases', type=Path, default=ROOT / 'test/campaign/ablation_cases.txt',
+                        help='drives, one a line (doc/campaign.md)')
+    parser.add_argument('--duration', type=float, default=4.0, help='seconds of each drive (%(default)s)')
+    parser.add_argument('--noise', type=int, default=6, help='runs that tell the noise (%(default)s)')
+    parser.add_argument('--minutes', type=float, default=1e6, help='begin nothing new after this time')
+    parser.add_argument('--folder', type=Path, default=ROOT / '.build_ablation', help='copy of the tree and its build')
+    parser.add_argument('--output', type=Path, default=ROOT / '.build_ablation/ablation.csv', help='CSV file')
+    parser.add_argument('--table', type=Path, help='Markdown file to write')
+    parser.add_argument('--basis', help='go on with a CSV file of this commit, whose code is the same')
+    return parser.parse_args(arguments)
+
+
+def main(arguments):
+    options = parse(arguments)
+    constants = selected(options)
+    if options.list:
+        for constant in constants:
+            values = [changed_value(constant, factor) or 'skipped' for factor in FACTORS.values()]
+            print(f'{constant.full_name}: {constant.value} -> {" | ".join(values)}  // {constant.comment}')
+        print(f'{len(constants)} constants')
+        return
+    ablation = Ablation(options)
+    try:
+        ablation.run(constants)
+    except KeyboardInterrupt:
+        print('stopped; the same command goes on')
+    print(limits_text(ablation.rows))
+    if options.table:
+        options.table.write_text(table(ablation.rows))
+    else:
+        print(table(ablation.rows))
+
+
+if __name__ == '__main__':
+    main(sys.argv[1:])
