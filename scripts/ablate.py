@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells for each tuned constant whether it earns its place (doc/results/ablation.md).
+"""Tells for each mechanism and each tuned constant whether it earns its place (doc/results/ablation.md).
 
-A copy of the source tree is built as it is, and again with one constant at half and at twice its value. Each build
-runs the same short simulated drives by odometry_campaign; its figures are compared with those of the unchanged one.
-What a change that means nothing does to them is measured by a range noise that differs by up to 2 %.
-The results are appended to a CSV file, and what it has is not measured again. The table is written from it.
+A copy of the source tree is built as it is, and again with one mechanism switched off, or with one constant at half
+or at twice its value. Each build runs the same short simulated drives by odometry_campaign; its figures are compared
+with those of the unchanged one. What a change that means nothing does to them is measured by a range noise that
+differs by up to 2 %. The results are appended to a CSV file, and what it has is not measured again. The table is
+written from it.
 """
 import argparse
 import csv
+import functools
 import json
 import math
 import random
@@ -20,13 +22,14 @@ import time
 import zlib
 from collections import Counter
 from pathlib import Path
-from typing import NamedTuple
+from typing import Callable, NamedTuple, Optional
 
 import check_constants
 
 ROOT = check_constants.ROOT
 TARGET = 'odometry_campaign'
 FACTORS = {'half': 0.5, 'twice': 2.0}
+OFF = 'off'  # the variant of a mechanism
 REAL = re.compile(r'double|float|auto|Weight')
 WHOLE = re.compile(r'\d+[uUlL]*')
 BRIER = re.compile(r'Brier score of the probability: ([\d.]+)')
@@ -37,7 +40,7 @@ RATIOS = ('ape', 'ape_worst', 'drift', 'drift_worst', 'cpu')
 LEAST = {'ape': math.log(1.005), 'ape_worst': math.log(1.02), 'drift': math.log(1.005), 'drift_worst': math.log(1.02),
          'wrong': 1.0, 'silent': 1.0, 'false_alarms': 1.0, 'brier': 5e-4, 'cpu': math.log(1.03)}
 NOISE_SIGMAS = 3.0
-COLUMNS = ['file', 'constant', 'variant', 'value', 'new_value', 'status', *LEAST, 'seconds', 'comment', 'basis']
+COLUMNS = ['file', 'name', 'variant', 'value', 'new_value', 'status', *LEAST, 'seconds', 'comment', 'basis']
 
 
 class Constant(NamedTuple):
@@ -49,6 +52,17 @@ class Constant(NamedTuple):
     kind: str  # its type
     value: str
     comment: str
+
+
+class Change(NamedTuple):
+    """One variant of the tree."""
+    path: str
+    name: str
+    variant: str
+    value: str
+    new_value: Optional[str]  # none: it cannot be changed
+    comment: str
+    patch: Callable[[str], str]  # from the text of the file to its new one
 
     @property
     def full_name(self):
@@ -119,6 +133,32 @@ def patched(text, constant, new_value):
     equals = '' if new_value.startswith('{') else ' = '
     lines[constant.first:constant.last + 1] = [head + equals + new_value + ';']
     return '\n'.join(lines)
+
+
+def changes_of_constants(root):
+    for constant in all_constants(root):
+        for variant, factor in FACTORS.items():
+            new_value = changed_value(constant, factor)
+            yield Change(constant.path, constant.name, variant, constant.value, new_value, constant.comment,
+                         functools.partial(patched, constant=constant, new_value=new_value))
+
+
+def replaced(text, before, after, name):
+    """The text of a file without a mechanism."""
+    if text.count(before) != 1:
+        sys.exit(f'{name}: its file has {text.count(before)} times: {before}')
+    return text.replace(before, after)
+
+
+def changes_of_mechanisms(path):
+    """Those of a file with three lines for each: 'name: file', '- text', '+ text without it'."""
+    lines = [line for line in path.read_text().split('\n') if line.strip() and not line.startswith('#')]
+    for head, before, after in zip(lines[0::3], lines[1::3], lines[2::3]):
+        name, file = head.split(': ')
+        if not (before.startswith('- ') and after.startswith('+ ')):
+            sys.exit(f'{path}: {name} needs a line with - and one with +')
+        yield Change(file, name, OFF, before[2:], after[2:], '',
+                     functools.partial(replaced, before=before[2:], after=after[2:], name=name))
 
 
 def commit_of(root):
@@ -259,25 +299,30 @@ def cell_of(row, limits):
     return ', '.join(words) or 'noise'
 
 
-def grouped(rows):
-    """The rows of each constant."""
+def grouped(rows, variants):
+    """The rows of each constant or mechanism that has such variants."""
     groups = {}
     for row in rows:
-        if row['variant'] in FACTORS:
-            groups.setdefault((row['file'], row['constant']), []).append(row)
+        if row['variant'] in variants:
+            groups.setdefault((row['file'], row['name']), []).append(row)
     return groups.values()
 
 
-def table(rows):
-    """Markdown, the constants with the largest effect first."""
+def table_of(rows, variants, kind, with_value):
+    """Markdown, what has the largest effect first."""
     limits = noise_limits(rows)
-    lines = ['| constant | file | value | half | twice | verdict |', '| --- | --- | --- | --- | --- | --- |']
-    for group in sorted(grouped(rows), key=lambda group: -effect(group, limits)):
+    heads = [kind, 'file', *(['value'] if with_value else []), *variants, 'verdict']
+    lines = [heads, ['---'] * len(heads)]
+    for group in sorted(grouped(rows, variants), key=lambda group: -effect(group, limits)):
         cells = {row['variant']: cell_of(row, limits) for row in group}
         file = re.sub(r'^(src|include/lidar_mapping)/', '', group[0]['file'])
-        lines.append(f'| `{group[0]["constant"]}` | {file} | {group[0]["value"]} | '
-                     f'{cells.get("half", "")} | {cells.get("twice", "")} | {verdict(group, limits)} |')
-    return '\n'.join(lines) + '\n'
+        lines.append([f'`{group[0]["name"]}`', file, *([group[0]['value']] if with_value else []),
+                      *(cells.get(variant, '') for variant in variants), verdict(group, limits)])
+    return ''.join('| ' + ' | '.join(line) + ' |\n' for line in lines)
+
+
+def table(rows):
+    return (table_of(rows, [OFF], 'mechanism', False) + '\n' + table_of(rows, list(FACTORS), 'constant', True))
 
 
 def limits_text(rows):
@@ -339,11 +384,11 @@ class Ablation:
         row['basis'] = self.basis
         append_row(self.options.output, row)
         self.rows.append({key: str(value) for key, value in row.items()})
-        print(f'{row["status"]:>17} {row["seconds"]:6.0f} s  {row["file"]}:{row["constant"]} {row["variant"]}',
+        print(f'{row["status"]:>17} {row["seconds"]:6.0f} s  {row["file"]}:{row["name"]} {row["variant"]}',
               flush=True)
 
     def has(self, file, name, variant):
-        return any((row['file'], row['constant'], row['variant']) == (file, name, variant) for row in self.rows)
+        return any((row['file'], row['name'], row['variant']) == (file, name, variant) for row in self.rows)
 
     def measure(self, cases, log):
         """Status and figures of the program as it is built now."""
@@ -365,56 +410,58 @@ class Ablation:
                                        for line in self.options.cases.read_text().split('\n')))
             begin = time.monotonic()
             figures = self.measure(cases, self.logs / f'noise_{i + 1}.log')
-            self.add({'file': '', 'constant': '', 'variant': variant, 'new_value': value,
+            self.add({'file': '', 'name': '', 'variant': variant, 'new_value': value,
                       'seconds': round(time.monotonic() - begin, 1), **figures})
 
-    def measure_constant(self, constant, variant):
-        """Builds and measures one constant at another value; the copy is as before afterwards."""
+    def measure_change(self, change):
+        """Builds and measures one variant; the copy is as before afterwards."""
         begin = time.monotonic()
-        new_value = changed_value(constant, FACTORS[variant])
         figures = {'status': 'skipped'}
-        if new_value is not None:
-            path = self.copy / constant.path
+        if change.new_value is not None:
+            path = self.copy / change.path
             text = path.read_text()
             try:
-                path.write_text(patched(text, constant, new_value))
-                name = f'{Path(constant.path).name}_{constant.name}_{variant}'
+                path.write_text(change.patch(text))
+                name = f'{Path(change.path).name}_{change.name}_{change.variant}'
                 figures = {'status': 'does not compile'}
                 if build(self.copy, self.logs / 'build.log'):
                     figures = self.measure(self.options.cases, self.logs / f'{name}.log')
             finally:
                 path.write_text(text)
-        self.add({'file': constant.path, 'constant': constant.name, 'variant': variant, 'value': constant.value,
-                  'new_value': new_value or '', 'comment': constant.comment,
+        self.add({'file': change.path, 'name': change.name, 'variant': change.variant, 'value': change.value,
+                  'new_value': change.new_value or '', 'comment': change.comment,
                   'seconds': round(time.monotonic() - begin, 1), **figures})
 
-    def run(self, constants):
+    def run(self, changes):
         """Everything that the file of results does not have yet, until the time is over."""
         end = time.monotonic() + 60.0 * self.options.minutes
-        todo = [(constant, variant) for constant in constants for variant in FACTORS
-                if not self.has(constant.path, constant.name, variant)]
+        todo = [change for change in changes if not self.has(change.path, change.name, change.variant)]
         if todo:
             self.prepare()
             print(f'{len(self.base["runs"])} drives take {self.base_seconds:.0f} s; {len(todo)} changes', flush=True)
             self.measure_noise()
-        for constant, variant in todo:
+        for change in todo:
             if time.monotonic() > end:
                 print('the time is over; the same command goes on')
                 return
-            self.measure_constant(constant, variant)
+            self.measure_change(change)
 
 
 def selected(options):
-    constants = [constant for constant in all_constants(ROOT)
-                 if any(re.search(pattern, constant.full_name) for pattern in options.match)]
+    """In the order of the patterns, so that what is named first is measured first."""
+    def first_match(change):
+        return next((i for i, pattern in enumerate(options.match) if re.search(pattern, change.full_name)), None)
+    changes = [] if options.chosen else list(changes_of_mechanisms(options.mechanisms))
+    changes += changes_of_constants(ROOT)
+    changes = [change for change in changes if first_match(change) is not None]
     if options.chosen:
-        constants = [constant for constant in constants if re.search(r'\bchosen\b', constant.comment, re.IGNORECASE)]
-    if options.sample and options.sample < len(constants):
-        print(f'{options.sample} of {len(constants)} constants, drawn with --seed {options.seed}')
-        constants = random.Random(options.seed).sample(constants, options.sample)
-    # In the order of the patterns, so that what is named first is measured first.
-    return sorted(constants, key=lambda constant: next(
-        i for i, pattern in enumerate(options.match) if re.search(pattern, constant.full_name)))
+        changes = [change for change in changes if re.search(r'\bchosen\b', change.comment, re.IGNORECASE)]
+    names = sorted({change.full_name for change in changes})
+    if options.sample and options.sample < len(names):
+        print(f'{options.sample} of {len(names)} names, drawn with --seed {options.seed}')
+        names = set(random.Random(options.seed).sample(names, options.sample))
+        changes = [change for change in changes if change.full_name in names]
+    return sorted(changes, key=first_match)
 
 
 def parse(arguments):
@@ -422,11 +469,13 @@ def parse(arguments):
     parser.add_argument('--match', nargs='+', default=['front_end/', 'registration/'],
                         help='regular expressions of FILE:NAME, the most urgent first (%(default)s)')
     parser.add_argument('--chosen', action='store_true', help="only constants whose comment says 'chosen'")
-    parser.add_argument('--sample', type=int, help='only so many, drawn at random')
+    parser.add_argument('--sample', type=int, help='only so many constants and mechanisms, drawn at random')
     parser.add_argument('--seed', type=int, default=1, help='of --sample')
     parser.add_argument('--list', action='store_true', help='say what would be changed, measure nothing')
     parser.add_argument('--cases', type=Path, default=ROOT / 'test/campaign/ablation_cases.txt',
                         help='drives, one a line (doc/campaign.md)')
+    parser.add_argument('--mechanisms', type=Path, default=ROOT / 'test/campaign/ablation_mechanisms.txt',
+                        help='what is switched off')
     parser.add_argument('--duration', type=float, default=4.0, help='seconds of each drive (%(default)s)')
     parser.add_argument('--noise', type=int, default=6, help='runs that tell the noise (%(default)s)')
     parser.add_argument('--minutes', type=float, default=1e6, help='begin nothing new after this time')
@@ -439,16 +488,16 @@ def parse(arguments):
 
 def main(arguments):
     options = parse(arguments)
-    constants = selected(options)
+    changes = selected(options)
     if options.list:
-        for constant in constants:
-            values = [changed_value(constant, factor) or 'skipped' for factor in FACTORS.values()]
-            print(f'{constant.full_name}: {constant.value} -> {" | ".join(values)}  // {constant.comment}')
-        print(f'{len(constants)} constants')
+        for change in changes:
+            print(f'{change.full_name} {change.variant}: {change.value} -> {change.new_value or "skipped"}'
+                  f'  // {change.comment}')
+        print(f'{len(changes)} changes')
         return
     ablation = Ablation(options)
     try:
-        ablation.run(constants)
+        ablation.run(changes)
     except KeyboardInterrupt:
         print('stopped; the same command goes on')
     print(limits_text(ablation.rows))

@@ -37,7 +37,7 @@ def run(ape, drift=None, wrong=0, cpu=10.0):
 def row(name, variant, status='measured', **changes):
     figures = {figure: 1.0 if figure in ablate.RATIOS else 0.0 for figure in ablate.LEAST}
     figures.update(changes)
-    return {'file': 'src/a.cpp', 'constant': name, 'variant': variant, 'value': '2', 'status': status,
+    return {'file': 'src/a.cpp', 'name': name, 'variant': variant, 'value': '2', 'status': status,
             **{figure: str(value) for figure, value in figures.items()}}
 
 
@@ -86,6 +86,20 @@ class Constants(unittest.TestCase):
             self.assertEqual(after[constant.name].value, value)
 
 
+class Mechanisms(unittest.TestCase):
+    def test_are_where_the_list_says(self):
+        changes = list(ablate.changes_of_mechanisms(ablate.ROOT / 'test/campaign/ablation_mechanisms.txt'))
+        self.assertGreater(len(changes), 30)
+        self.assertEqual(len({change.name for change in changes}), len(changes))
+        for change in changes:
+            text = (ablate.ROOT / change.path).read_text()
+            self.assertIn(change.new_value, change.patch(text))
+
+    def test_stop_the_program_where_the_list_is_old(self):
+        with self.assertRaises(SystemExit):
+            ablate.replaced('a b a', 'a', 'c', 'name')
+
+
 class Figures(unittest.TestCase):
     def test_are_ratios_and_differences(self):
         base = {'brier': 0.05, 'runs': [run(0.1, 1.0), run(0.4, None, 2)]}
@@ -113,7 +127,7 @@ class Table(unittest.TestCase):
                 row('kFixed', 'half', status='does not compile'), row('kFixed', 'twice', status='does not compile'),
                 row('kUnused', 'half', status='no change'), row('kUnused', 'twice', status='no change'),
                 row('kSlow', 'half', cpu=0.5), row('kSlow', 'twice', cpu=1.2)]
-        lines = ablate.table(rows).splitlines()[2:]
+        lines = ablate.table_of(rows, list(ablate.FACTORS), 'constant', True).splitlines()[2:]
         verdicts = {line.split('|')[1].strip(' `'): line.split('|')[-2].strip() for line in lines}
         self.assertEqual(verdicts, {'kNothing': 'moves nothing', 'kBetter': 'matters; better at twice',
                                     'kLarge': 'matters', 'kFixed': 'not movable', 'kUnused': 'no figure changes',
