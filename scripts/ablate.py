@@ -4,9 +4,9 @@
 
 A copy of the source tree is built as it is, and again with one mechanism switched off, or with one constant at half
 or at twice its value. Each build runs the same short simulated drives by odometry_campaign; its figures are compared
-with those of the unchanged one. What a change that means nothing does to them is measured by a range noise that
-differs by up to 2 %. The results are appended to a CSV file, and what it has is not measured again. The table is
-written from it.
+with those of the unchanged one. What a change that means nothing does to them is measured with the unchanged build by
+a range noise that differs by up to 2.5 %: each drive counts by how well its error repeats. The results are appended
+to a CSV file, and what it has is not measured again. The table is written from it.
 """
 import argparse
 import csv
@@ -35,12 +35,14 @@ WHOLE = re.compile(r'\d+[uUlL]*')
 BRIER = re.compile(r'Brier score of the probability: ([\d.]+)')
 MEMORY = 4 << 30  # bytes that the program may use, so that no table made larger takes the machine's
 RANGE_NOISE = 0.02  # m, that of odometry_campaign
+LEAST_SIGMA = 0.03  # of the logarithm of a drive's error: smaller changes of one drive are of no interest
 # Figure: the least change that counts. Those of RATIOS are factors, the others differences; less is better in all.
-RATIOS = ('ape', 'ape_worst', 'drift', 'drift_worst', 'cpu')
-LEAST = {'ape': math.log(1.005), 'ape_worst': math.log(1.02), 'drift': math.log(1.005), 'drift_worst': math.log(1.02),
-         'wrong': 1.0, 'silent': 1.0, 'false_alarms': 1.0, 'brier': 5e-4, 'cpu': math.log(1.03)}
+RATIOS = ('ape', 'cpu')
+LEAST = {'ape': math.log(1.01), 'worst_sigmas': 5.0, 'wrong': 2.0, 'silent': 2.0, 'false_alarms': 2.0, 'brier': 1e-3,
+         'cpu': math.log(1.03)}
 NOISE_SIGMAS = 3.0
-COLUMNS = ['file', 'name', 'variant', 'value', 'new_value', 'status', *LEAST, 'seconds', 'comment', 'basis']
+COLUMNS = ['file', 'name', 'variant', 'value', 'new_value', 'status', *LEAST, 'worst_drive', 'worst_ratio', 'seconds',
+           'comment', 'basis']
 
 
 class Constant(NamedTuple):
@@ -207,30 +209,42 @@ def run_drives(program, cases, duration, log, limit=None):
     return {'brier': float(BRIER.search(done.stdout).group(1)), 'runs': json.loads(figures.read_text())['runs']}
 
 
-def extreme(logarithms):
-    return max(logarithms, key=abs, default=0.0)
-
-
 def mean(values):
     return sum(values) / len(values) if values else 0.0
 
 
-def compare(base, other):
-    """Figures of one build against those of the unchanged one: ratios or differences, see LEAST."""
-    pairs = list(zip(base['runs'], other['runs']))
+def logarithms_of_errors(measured):
+    return [math.log(max(run['ape_m'], 1e-6)) for run in measured['runs']]
 
-    def logarithms(key):
-        return [math.log(max(b[key], 1e-6) / max(a[key], 1e-6)) for a, b in pairs if a[key] is not None]
 
-    def difference(key):
-        return sum(b[key] - a[key] for a, b in pairs)
+def spread(values):
+    """Mean and standard deviation."""
+    middle = mean(values)
+    square = sum((value - middle) ** 2 for value in values) / max(1, len(values) - 1)
+    return middle, math.sqrt(square)
 
-    ape, drift = logarithms('ape_m'), logarithms('drift_percent')
-    cpu = sum(b['cpu_ms'] for _, b in pairs) / sum(a['cpu_ms'] for a, _ in pairs)
-    result = {'ape': math.exp(mean(ape)), 'ape_worst': math.exp(extreme(ape)), 'drift': math.exp(mean(drift)),
-              'drift_worst': math.exp(extreme(drift)), 'cpu': cpu, 'brier': other['brier'] - base['brier']}
-    result.update({key: difference(key) for key in ('wrong', 'silent', 'false_alarms')})
-    return result
+
+def compare(references, other):
+    """Figures of one build against several runs of the unchanged one: ratios or differences, see LEAST."""
+    spreads = [spread(values) for values in zip(*map(logarithms_of_errors, references))]
+    drives = [(value - middle, max(sigma, LEAST_SIGMA))
+              for value, (middle, sigma) in zip(logarithms_of_errors(other), spreads)]
+    weight = sum(sigma ** -2 for _, sigma in drives)
+    sigmas = [change / sigma for change, sigma in drives]
+    worst = max(range(len(drives)), key=lambda i: abs(sigmas[i]))
+
+    def total(measured, key):
+        return sum(run[key] for run in measured['runs'])
+
+    result = {key: total(other, key) - mean([total(reference, key) for reference in references])
+              for key in ('wrong', 'silent', 'false_alarms')}
+    result.update({
+        'ape': math.exp(sum(change * sigma ** -2 for change, sigma in drives) / weight),
+        'worst_sigmas': sigmas[worst], 'worst_drive': other['runs'][worst]['case'].split()[0],
+        'worst_ratio': math.exp(drives[worst][0]),
+        'brier': other['brier'] - mean([reference['brier'] for reference in references]),
+        'cpu': total(other, 'cpu_ms') / mean([total(reference, 'cpu_ms') for reference in references])})
+    return {key: value if isinstance(value, str) else round(value, 5) for key, value in result.items()}
 
 
 def is_same(base, other):
@@ -294,8 +308,11 @@ def cell_of(row, limits):
     words = []
     for figure in beyond_noise(row, limits):
         value = float(row[figure])
-        number = f'{value:.2f}' if figure in RATIOS else f'{value:+.3g}'
-        words.append(f'{figure.replace("_", " ")} {number}')
+        if figure == 'worst_sigmas':
+            words.append(f'{row["worst_drive"]} {float(row["worst_ratio"]):.2f}')
+        else:
+            number = f'{value:.2f}' if figure in RATIOS else f'{value:+.2g}'
+            words.append(f'{figure.replace("_", " ")} {number}')
     return ', '.join(words) or 'noise'
 
 
@@ -358,27 +375,53 @@ class Ablation:
         self.copy.mkdir(parents=True, exist_ok=True)
         self.logs = self.copy / '.build/ablation'
         self.program = self.copy / '.build/devel/lib/lidar_mapping' / TARGET
-        drives = zlib.crc32(options.cases.read_bytes() + str(options.duration).encode())
+        drives = zlib.crc32(options.cases.read_bytes() + f'{options.duration} {options.noise}'.encode())
         self.basis = f'{options.basis or commit_of(ROOT)} {drives:08x}'
         self.rows = read_rows(options.output)
         if any(row['basis'] != self.basis for row in self.rows):
             sys.exit(f'{options.output} is of other drives or another commit than {self.basis}; give another --output')
-        self.base = None
+        self.references = []
         self.base_seconds = 0.0
 
     def prepare(self):
-        """Builds the unchanged tree and measures it."""
+        """Builds the unchanged tree and measures it, and how well that repeats."""
         update_copy(ROOT, self.copy)
         self.logs.mkdir(parents=True, exist_ok=True)
         if not build(self.copy, self.logs / 'build.log'):
             sys.exit(f'the unchanged tree does not build: {self.logs / "build.log"}')
         if not self.program.exists():
             self.program = next((self.copy / '.build').glob(f'**/{TARGET}'))
+        known = self.logs / 'unchanged_runs.json'
+        if known.exists() and json.loads(known.read_text())['basis'] == self.basis:
+            self.references, self.base_seconds = map(json.loads(known.read_text()).get, ('runs', 'seconds'))
+            return
         begin = time.monotonic()
-        self.base = run_drives(self.program, self.options.cases, self.options.duration, self.logs / 'unchanged.log')
-        self.base_seconds = time.monotonic() - begin
-        if self.base is None:
+        base = self.drives(self.options.cases, 'unchanged')
+        self.base_seconds = round(time.monotonic() - begin, 1)
+        if base is None:
             sys.exit(f'{TARGET} fails without any change: {self.logs / "unchanged.log"}')
+        self.references = [base, *self.noise_runs()]
+        known.write_text(json.dumps({'basis': self.basis, 'seconds': self.base_seconds, 'runs': self.references}))
+
+    def drives(self, cases, name, limit=None):
+        return run_drives(self.program, cases, self.options.duration, self.logs / f'{name}.log', limit)
+
+    def noise_runs(self):
+        """The unchanged build with a range noise that differs by 0.5 % and more."""
+        for i in range(self.options.noise):
+            value = f'{RANGE_NOISE * (1.0 + 0.005 * (i // 2 + 1) * (-1) ** i):.6g}'
+            cases = self.logs / 'noise_cases.txt'
+            cases.write_text('\n'.join(f'{line} range_noise={value}' if re.match(r'\s*\w', line) else line
+                                       for line in self.options.cases.read_text().split('\n')))
+            yield self.drives(cases, f'noise_{i + 1}')
+
+    def add_noise(self):
+        """Each run of the unchanged build against the others."""
+        for i, other in enumerate(self.references):
+            if not self.has('', '', f'noise {i}'):
+                figures = compare([*self.references[:i], *self.references[i + 1:]], other)
+                self.add({'file': '', 'name': '', 'variant': f'noise {i}', 'status': 'measured',
+                          'seconds': self.base_seconds, **figures})
 
     def add(self, row):
         row['basis'] = self.basis
@@ -390,28 +433,13 @@ class Ablation:
     def has(self, file, name, variant):
         return any((row['file'], row['name'], row['variant']) == (file, name, variant) for row in self.rows)
 
-    def measure(self, cases, log):
+    def measure(self, name):
         """Status and figures of the program as it is built now."""
-        other = run_drives(self.program, cases, self.options.duration, log, 10.0 * self.base_seconds + 60.0)
+        other = self.drives(self.options.cases, name, 10.0 * self.base_seconds + 60.0)
         if other is None:
             return {'status': 'fails'}
-        return {'status': 'no change' if is_same(self.base, other) else 'measured', **compare(self.base, other)}
-
-    def measure_noise(self):
-        """The unchanged build with a range noise that differs a little."""
-        for i in range(self.options.noise):
-            variant = f'noise {i + 1}'
-            if self.has('', '', variant):
-                continue
-            share = 0.01 * (i // 2 + 1) * (-1) ** i / max(1, (self.options.noise + 1) // 4)
-            value = f'{RANGE_NOISE * (1.0 + share):.6g}'
-            cases = self.logs / 'noise_cases.txt'
-            cases.write_text('\n'.join(f'{line} range_noise={value}' if re.match(r'\s*\w', line) else line
-                                       for line in self.options.cases.read_text().split('\n')))
-            begin = time.monotonic()
-            figures = self.measure(cases, self.logs / f'noise_{i + 1}.log')
-            self.add({'file': '', 'name': '', 'variant': variant, 'new_value': value,
-                      'seconds': round(time.monotonic() - begin, 1), **figures})
+        status = 'no change' if is_same(self.references[0], other) else 'measured'
+        return {'status': status, **compare(self.references, other)}
 
     def measure_change(self, change):
         """Builds and measures one variant; the copy is as before afterwards."""
@@ -425,7 +453,7 @@ class Ablation:
                 name = f'{Path(change.path).name}_{change.name}_{change.variant}'
                 figures = {'status': 'does not compile'}
                 if build(self.copy, self.logs / 'build.log'):
-                    figures = self.measure(self.options.cases, self.logs / f'{name}.log')
+                    figures = self.measure(name)
             finally:
                 path.write_text(text)
         self.add({'file': change.path, 'name': change.name, 'variant': change.variant, 'value': change.value,
@@ -438,8 +466,8 @@ class Ablation:
         todo = [change for change in changes if not self.has(change.path, change.name, change.variant)]
         if todo:
             self.prepare()
-            print(f'{len(self.base["runs"])} drives take {self.base_seconds:.0f} s; {len(todo)} changes', flush=True)
-            self.measure_noise()
+            print(f'the drives take {self.base_seconds:.0f} s; {len(todo)} changes', flush=True)
+            self.add_noise()
         for change in todo:
             if time.monotonic() > end:
                 print('the time is over; the same command goes on')
@@ -477,7 +505,7 @@ def parse(arguments):
     parser.add_argument('--mechanisms', type=Path, default=ROOT / 'test/campaign/ablation_mechanisms.txt',
                         help='what is switched off')
     parser.add_argument('--duration', type=float, default=4.0, help='seconds of each drive (%(default)s)')
-    parser.add_argument('--noise', type=int, default=6, help='runs that tell the noise (%(default)s)')
+    parser.add_argument('--noise', type=int, default=10, help='runs that tell the noise (%(default)s)')
     parser.add_argument('--minutes', type=float, default=1e6, help='begin nothing new after this time')
     parser.add_argument('--folder', type=Path, default=ROOT / '.build_ablation', help='copy of the tree and its build')
     parser.add_argument('--output', type=Path, default=ROOT / '.build_ablation/ablation.csv', help='CSV file')

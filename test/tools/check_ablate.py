@@ -29,9 +29,8 @@ constexpr int kOne = 1;
 '''
 
 
-def run(ape, drift=None, wrong=0, cpu=10.0):
-    return {'case': 'x', 'ape_m': ape, 'drift_percent': drift, 'wrong': wrong, 'silent': 0, 'false_alarms': 0,
-            'cpu_ms': cpu}
+def run(ape, wrong=0, cpu=10.0):
+    return {'case': 'x', 'ape_m': ape, 'wrong': wrong, 'silent': 0, 'false_alarms': 0, 'cpu_ms': cpu}
 
 
 def row(name, variant, status='measured', **changes):
@@ -102,15 +101,22 @@ class Mechanisms(unittest.TestCase):
 
 class Figures(unittest.TestCase):
     def test_are_ratios_and_differences(self):
-        base = {'brier': 0.05, 'runs': [run(0.1, 1.0), run(0.4, None, 2)]}
-        other = {'brier': 0.06, 'runs': [run(0.2, 3.0, 1, 15.0), run(0.2, None, 5)]}
-        figures = ablate.compare(base, other)
-        self.assertAlmostEqual(figures['ape'], 1.0)
-        self.assertAlmostEqual(abs(1.0 - figures['ape_worst']), 1.0)  # 2, or 0.5 of the other drive
-        self.assertAlmostEqual(figures['drift'], 3.0)
+        base = {'brier': 0.05, 'runs': [run(0.1), run(0.4, 2)]}
+        other = {'brier': 0.06, 'runs': [run(0.2, 1, 15.0), run(0.4, 5)]}
+        figures = ablate.compare([base, base], other)
+        self.assertAlmostEqual(figures['ape'], 2.0 ** 0.5, 4)
+        self.assertAlmostEqual(figures['worst_ratio'], 2.0, 4)
         self.assertEqual(figures['wrong'], 4)
         self.assertAlmostEqual(figures['brier'], 0.01)
         self.assertAlmostEqual(figures['cpu'], 1.25)
+
+    def test_count_by_how_well_they_repeat(self):
+        references = [{'brier': 0.05, 'runs': [run(0.1), run(0.1 * factor)]} for factor in (1.0, 2.0, 4.0)]
+        other = {'brier': 0.05, 'runs': [run(0.12), run(0.8)]}
+        figures = ablate.compare(references, other)
+        self.assertAlmostEqual(figures['ape'], 1.2, 2)  # the second drive says next to nothing
+        self.assertAlmostEqual(figures['worst_ratio'], 1.2, 4)
+        self.assertAlmostEqual(figures['worst_sigmas'], 0.1823 / ablate.LEAST_SIGMA, 2)
 
     def test_are_the_same_whatever_the_time(self):
         base = {'brier': 0.05, 'runs': [run(0.1)]}
@@ -123,7 +129,7 @@ class Table(unittest.TestCase):
         rows = [row('', 'noise 1', ape=1.01), row('', 'noise 2', ape=1 / 1.01),
                 row('kNothing', 'half', ape=1.02), row('kNothing', 'twice', status='no change'),
                 row('kBetter', 'half', ape=1.1), row('kBetter', 'twice', ape=0.95),
-                row('kLarge', 'half', wrong=30), row('kLarge', 'twice', ape=1.4),
+                row('kLarge', 'half', wrong=60), row('kLarge', 'twice', ape=1.4),
                 row('kFixed', 'half', status='does not compile'), row('kFixed', 'twice', status='does not compile'),
                 row('kUnused', 'half', status='no change'), row('kUnused', 'twice', status='no change'),
                 row('kSlow', 'half', cpu=0.5), row('kSlow', 'twice', cpu=1.2)]
@@ -161,7 +167,7 @@ class Resumption(unittest.TestCase):
                 self.assertEqual(built, [False, True, True, True, True])
                 ablate.main(arguments)
             self.assertEqual(len(built), 5)
-            self.assertEqual(len(ablate.read_rows(folder / 'a.csv')), 6)
+            self.assertEqual(len(ablate.read_rows(folder / 'a.csv')), 7)
             self.assertEqual(copied.read_text(), original)
             self.assertIn('no figure changes', (folder / 'a.md').read_text())
 
