@@ -13,9 +13,11 @@ import csv
 import functools
 import json
 import math
+import os
 import random
 import re
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -187,7 +189,12 @@ def build(copy, log):
             subprocess.run(['cmake', '-S', copy, '-B', copy / '.build', '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache'],
                            stdout=output, stderr=output, check=True)
         command = ['cmake', '--build', copy / '.build', '--target', TARGET, '-j1']
-        return subprocess.run(command, stdout=output, stderr=output).returncode == 0
+        with subprocess.Popen(command, stdout=output, stderr=output, start_new_session=True) as process:
+            try:
+                return process.wait() == 0
+            except BaseException:  # no compiler may write an object after its source was restored
+                os.killpg(process.pid, signal.SIGKILL)
+                raise
 
 
 def limit_memory():
@@ -523,6 +530,8 @@ def main(arguments):
                   f'  // {change.comment}')
         print(f'{len(changes)} changes')
         return
+    for number in (signal.SIGINT, signal.SIGTERM):  # in the background, too
+        signal.signal(number, signal.default_int_handler)
     ablation = Ablation(options)
     try:
         ablation.run(changes)
