@@ -381,6 +381,12 @@ def append_row(path, row):
         writer.writerow(row)
 
 
+def chosen_cases(text, pattern):
+    """The lines of a file of cases but those of drives whose name does not match."""
+    return ''.join(line for line in text.splitlines(keepends=True)
+                   if line.startswith('#') or not line.strip() or re.match(pattern, line.split()[0]))
+
+
 class Ablation:
     """The copy, its builds and the file of results."""
 
@@ -390,7 +396,10 @@ class Ablation:
         self.copy.mkdir(parents=True, exist_ok=True)
         self.logs = self.copy / '.build/ablation'
         self.program = self.copy / '.build/devel/lib/lidar_mapping' / TARGET
-        drives = zlib.crc32(options.cases.read_bytes() + f'{options.duration} {options.noise}'.encode())
+        self.logs.mkdir(parents=True, exist_ok=True)
+        self.cases = self.logs / 'cases.txt'
+        self.cases.write_text(chosen_cases(options.cases.read_text(), options.drives))
+        drives = zlib.crc32(self.cases.read_bytes() + f'{options.duration} {options.noise}'.encode())
         self.basis = f'{options.basis or commit_of(ROOT)} {drives:08x}'
         self.rows = read_rows(options.output)
         if any(row['basis'] != self.basis for row in self.rows):
@@ -401,7 +410,6 @@ class Ablation:
     def prepare(self):
         """Builds the unchanged tree and measures it, and how well that repeats."""
         update_copy(ROOT, self.copy)
-        self.logs.mkdir(parents=True, exist_ok=True)
         if not build(self.copy, self.logs / 'build.log'):
             sys.exit(f'the unchanged tree does not build: {self.logs / "build.log"}')
         if not self.program.exists():
@@ -411,7 +419,7 @@ class Ablation:
             self.references, self.base_seconds = map(json.loads(known.read_text()).get, ('runs', 'seconds'))
             return
         begin = time.monotonic()
-        base = self.drives(self.options.cases, 'unchanged')
+        base = self.drives(self.cases, 'unchanged')
         self.base_seconds = round(time.monotonic() - begin, 1)
         if base is None:
             sys.exit(f'{TARGET} fails without any change: {self.logs / "unchanged.log"}')
@@ -427,7 +435,7 @@ class Ablation:
             value = f'{RANGE_NOISE * (1.0 + 0.005 * (i // 2 + 1) * (-1) ** i):.6g}'
             cases = self.logs / 'noise_cases.txt'
             cases.write_text('\n'.join(f'{line} range_noise={value}' if re.match(r'\s*\w', line) else line
-                                       for line in self.options.cases.read_text().split('\n')))
+                                       for line in self.cases.read_text().split('\n')))
             yield self.drives(cases, f'noise_{i + 1}')
 
     def add_noise(self):
@@ -450,7 +458,7 @@ class Ablation:
 
     def measure(self, name):
         """Status and figures of the program as it is built now."""
-        other = self.drives(self.options.cases, name, 10.0 * self.base_seconds + 60.0)
+        other = self.drives(self.cases, name, 10.0 * self.base_seconds + 60.0)
         if other is None:
             return {'status': 'fails'}
         status = 'no change' if is_same(self.references[0], other) else 'measured'
@@ -517,6 +525,7 @@ def parse(arguments):
     parser.add_argument('--list', action='store_true', help='say what would be changed, measure nothing')
     parser.add_argument('--cases', type=Path, default=ROOT / 'test/campaign/ablation_cases.txt',
                         help='drives, one a line (doc/campaign.md)')
+    parser.add_argument('--drives', default='', help='only drives whose name begins with this regular expression')
     parser.add_argument('--mechanisms', type=Path, default=ROOT / 'test/campaign/ablation_mechanisms.txt',
                         help='what is switched off')
     parser.add_argument('--duration', type=float, default=4.0, help='seconds of each drive (%(default)s)')

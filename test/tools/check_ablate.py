@@ -118,6 +118,11 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(figures['worst_ratio'], 1.2, 4)
         self.assertAlmostEqual(figures['worst_sigmas'], 0.1823 / ablate.LEAST_SIGMA, 2)
 
+    def test_are_of_chosen_drives(self):
+        text = '# Drives\na drive=town\nab seed=1\nb seed=2\n'
+        self.assertEqual(ablate.chosen_cases(text, ''), text)
+        self.assertEqual(ablate.chosen_cases(text, 'a$|b'), '# Drives\na drive=town\nb seed=2\n')
+
     def test_are_the_same_whatever_the_time(self):
         base = {'brier': 0.05, 'runs': [run(0.1)]}
         self.assertTrue(ablate.is_same(base, {'brier': 0.05, 'runs': [run(0.1, cpu=11.0)]}))
