@@ -19,6 +19,8 @@
 #include "key_frame_rule.hpp"
 #include "scan_sampler.hpp"
 #include "step_origin.hpp"
+#include "sweep_times.hpp"
+#include "sweep_times_trial.hpp"
 #include "tracker.hpp"
 #include "vertical_ride_detector.hpp"
 
@@ -73,6 +75,8 @@ class SensorOdometry {
                        kDegradedKeyFrameFactor * config.key_frame_angle,
                        kDegradedKeyFrameFactor * config.key_frame_interval} {
     if (config.odometry == OdometrySource::kLidar) tracker_ = make_tracker(config);
+    if (tracker_ && config.check_point_times && is_sequential_ndt(config))
+      times_trial_.emplace(config);
   }
 
   bool has_begun() const { return last_stamp_.has_value(); }
@@ -86,18 +90,19 @@ class SensorOdometry {
     if (tracker_ && repeated_scans_.is_repeated(received.cloud) && tracked_)
       return coast(received.stamp);
     timer_.start("support");
-    const std::optional<Scan> undone = with_gyro_correction_undone(received, prior);
-    const Scan& undistorted = undone ? *undone : received;
-    const Scan& scan =
-        tracker_ ? isolated_point_filter_.without_isolated_points(undistorted) : undistorted;
+    const bool by_gyro = keeps_gyro_correction(prior);
+    const std::optional<Scan> changed = with_right_times(received, prior, by_gyro);
+    const Scan& right = changed ? *changed : received;
+    const Scan& scan = tracker_ ? isolated_point_filter_.without_isolated_points(right) : right;
     timer_.stop();
     TrackedScan tracked = tracker_ ? tracker_->track(scan, prior) : follow_external(scan, prior);
+    std::vector<FrontEndResult> finalized;
+    const bool times_change = try_other_times(scan, prior, by_gyro, tracked, finalized);
     check_vertical_ride(scan.stamp, prior, tracked);
     tracked_ = tracked;
     last_stamp_ = tracked_stamp_ = scan.stamp;
     timer_.start("key frame");
-    std::vector<FrontEndResult> finalized;
-    if (tracked.new_segment || !tracked.provisional)
+    if (!times_change && (tracked.new_segment || !tracked.provisional))
       finalized = finalize_provisional(tracked.revisions);
     if (tracked.new_segment) start_segment();
     FrontEndResult result = result_of(scan.stamp, tracked);
@@ -106,7 +111,7 @@ class SensorOdometry {
       result.provisional = true;
       provisional_.push_back(
           {result, tracked, key_frame_points(scan.cloud, tracked.elevation_shift)});
-    } else if (key_frame_due(scan.stamp, scan.cloud, tracked)) {
+    } else if (!times_change && key_frame_due(scan.stamp, scan.cloud, tracked)) {
       PointCloud points = key_frame_points(scan.cloud, tracked.elevation_shift);
       result.key_frame = make_key_frame(scan.stamp, tracked, std::move(points));
     }
@@ -132,11 +137,13 @@ class SensorOdometry {
     ride_detector_.interrupt();
     provisional_.clear();
     if (tracker_) tracker_->restart();
+    if (times_trial_) times_trial_->restart();
   }
 
   /// Tells that the scans are in the LiDAR's own frame.
   void set_viewpoint_at_origin() {
     if (tracker_) tracker_->set_viewpoint_at_origin();
+    if (times_trial_) times_trial_->set_viewpoint_at_origin();
   }
 
   PointCloud local_map() const { return tracker_ ? tracker_->local_map() : PointCloud{}; }
@@ -149,11 +156,45 @@ class SensorOdometry {
     PointCloud points;
   };
 
-  /// The scan without the gyro's correction, if it was corrected with a gyro that is not accepted.
-  std::optional<Scan> with_gyro_correction_undone(const Scan& scan,
-                                                  const MotionPrior& prior) const {
-    if (!prior.uneven_turning || !tracker_ || tracker_->accepts_gyro(prior)) return std::nullopt;
-    return Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
+  /// True if the points stay corrected by the gyro.
+  bool keeps_gyro_correction(const MotionPrior& prior) const {
+    return prior.uneven_turning && times_ == SweepTimes::kAsGiven &&
+           (!tracker_ || tracker_->accepts_gyro(prior));
+  }
+
+  /// The scan with the right times, and without the gyro's correction unless that is kept. Empty if
+  /// nothing changes.
+  std::optional<Scan> with_right_times(const Scan& scan, const MotionPrior& prior,
+                                       bool keep_gyro_correction) const {
+    const bool undo = prior.uneven_turning && !keep_gyro_correction;
+    if (!undo && times_ == SweepTimes::kAsGiven) return std::nullopt;
+    PointCloud cloud = undo ? put_back(*prior.uneven_turning, scan.cloud) : scan.cloud;
+    cloud.times = sweep_times(cloud, times_, sweep_duration_);
+    return Scan{scan.stamp, std::move(cloud)};
+  }
+
+  /// Continues the trial of other times, if it is not finished. If other times are right, their
+  /// tracker takes over, and the function returns true; the scan itself still has the wrong times.
+  bool try_other_times(const Scan& scan, const MotionPrior& prior, bool is_gyro_corrected,
+                       TrackedScan& tracked, std::vector<FrontEndResult>& finalized) {
+    tracked.status.sweep_times = times_;
+    if (!times_trial_) return false;
+    timer_.start("point times");
+    std::optional<SweepTimesTrial::Successor> successor =
+        is_gyro_corrected
+            ? times_trial_->add({scan.stamp, put_back(*prior.uneven_turning, scan.cloud)}, prior,
+                                tracked)
+            : times_trial_->add(scan, prior, tracked);
+    if (times_trial_->is_finished()) times_trial_.reset();
+    timer_.stop();
+    if (!successor) return false;
+    finalized = finalize();
+    tracker_ = std::move(successor->tracker);
+    times_ = successor->times;
+    sweep_duration_ = successor->duration;
+    tracked = std::move(successor->tracked);
+    tracked.status.sweep_times = times_;
+    return true;
   }
 
   /// During a vertical ride that the points do not show, the vertical direction is unobserved, like
@@ -327,6 +368,9 @@ class SensorOdometry {
   RepeatedScans repeated_scans_;
   IsolatedPointFilter isolated_point_filter_;
   std::unique_ptr<Tracker> tracker_;
+  std::optional<SweepTimesTrial> times_trial_;  ///< empty if finished, or if there is none
+  SweepTimes times_ = SweepTimes::kAsGiven;
+  double sweep_duration_ = 0.0;  ///< of a sweep whose points have no times, s
   std::optional<Pose> T_first_external_;
   std::vector<ProvisionalScan> provisional_;
   std::optional<TrackedScan> last_;

@@ -5,12 +5,14 @@
 
 namespace lidar_mapping::front_end {
 
-std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config) {
+bool is_sequential_ndt(const FrontEndConfig& config) {
   using registration::Method;
-  const bool is_ndt = registration::implemented_by(config.registration.method) == Method::kNdt;
-  if (is_ndt && config.local_map_method == LocalMapMethod::kVoxels) {
-    return std::make_unique<NdtTracker>(config);
-  }
+  return registration::implemented_by(config.registration.method) == Method::kNdt &&
+         config.local_map_method == LocalMapMethod::kVoxels;
+}
+
+std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config) {
+  if (is_sequential_ndt(config)) return std::make_unique<NdtTracker>(config);
   return std::make_unique<SlidingWindowTracker>(config);
 }
 

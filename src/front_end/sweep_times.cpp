@@ -57,8 +57,8 @@ std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration) {
     const double position = static_cast<double>(times[i]);
     const double rounds =
         rotation.direction() * (azimuth(cloud.points[i]) - rotation.first_azimuth);
-    const double whole = rotation.is_stored_by_firings() ? std::round(rounds - position)
-                                                         : std::floor(rounds);
+    const double whole =
+        rotation.is_stored_by_firings() ? std::round(rounds - position) : std::floor(rounds);
     times[i] = static_cast<float>(duration * (rounds - whole));
   }
   return times;

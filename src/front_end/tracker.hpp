@@ -74,5 +74,7 @@ class Tracker {
 /// The tracker for config.registration: the sequential NDT, or a sliding window of key frames
 /// matched by any other method.
 std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config);
+/// True if that is the sequential NDT.
+bool is_sequential_ndt(const FrontEndConfig& config);
 
 }  // namespace lidar_mapping::front_end

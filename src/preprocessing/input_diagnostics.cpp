@@ -19,8 +19,8 @@ constexpr Stamp kOtherClock = from_seconds(10.0);  // no sensor has such a delay
 void InputDiagnostics::motion(MotionSource source, bool has_times) {
   if (!has_times) {
     return inform("motion none",
-                  "points: no point times; the scans are taken as compensated (raw ones need "
-                  "point_times: AZIMUTH)");
+                  "points: no point times; the front end finds out whether the motion within the "
+                  "sweep was removed");
   }
   if (source == MotionSource::kNone) {
     return inform("motion later",

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times of the points that are missing or wrong are found out and corrected.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lidar_mapping/common/units.hpp"
+
+#include "evaluated_drive.hpp"
+#include "sweep_times.hpp"
+#include "sweep_times_trial.hpp"
+
+namespace lidar_mapping::front_end {
+namespace {
+
+constexpr double kDuration = 0.1;  // s
+
+/// A point at this part of a counterclockwise round that begins at 30 degrees.
+Point point_at(double rounds, double elevation = 0.0) {
+  const double azimuth = 2.0 * kPi * rounds + kPi / 6.0;
+  return {static_cast<float>(10.0 * std::cos(azimuth)),
+          static_cast<float>(10.0 * std::sin(azimuth)), static_cast<float>(10.0 * elevation), 0.0F};
+}
+
+TEST(TimesByAzimuth, GrowWithTheAngleSinceTheFirstFiring) {
+  PointCloud cloud;
+  // The two lasers of a firing are 3 degrees apart.
+  constexpr double kApart = 3.0 / 360.0;
+  for (int firing = 0; firing < 360; ++firing) {
+    cloud.points.push_back(point_at(firing / 360.0));
+    cloud.points.push_back(point_at(firing / 360.0 - kApart, 0.1));
+  }
+  const std::vector<float> times = times_by_azimuth(cloud, kDuration);
+  for (int firing = 0; firing < 360; ++firing) {
+    EXPECT_NEAR(times[2 * firing], kDuration * firing / 360.0, 1e-6);
+    EXPECT_NEAR(times[2 * firing + 1], kDuration * (firing / 360.0 - kApart), 1e-6);
+  }
+}
+
+TEST(TimesByAzimuth, FollowTheDirectionOfRotationInEachRing) {
+  PointCloud cloud;
+  for (int ring = 0; ring < 4; ++ring) {
+    for (int column = 0; column < 100; ++column)
+      cloud.points.push_back(point_at(-column / 100.0, 0.1 * ring));
+  }
+  const std::vector<float> times = times_by_azimuth(cloud, kDuration);
+  for (int i = 0; i < 400; ++i) EXPECT_NEAR(times[i], kDuration * (i % 100) / 100.0, 1e-6) << i;
+}
+
+TEST(TimesByAzimuth, AreOnTheOrderOfPointsWithoutCoordinates) {
+  PointCloud cloud;
+  for (int i = 0; i < 4; ++i) cloud.points.push_back(point_at(i / 4.0));
+  cloud.points[2].x = std::nanf("");
+  EXPECT_NEAR(times_by_azimuth(cloud, kDuration)[2], 0.5 * kDuration, 1e-6);
+}
+
+TEST(SweepTimes, AreTakenFromTheirSource) {
+  PointCloud cloud;
+  for (int i = 0; i < 4; ++i) cloud.points.push_back(point_at(i / 4.0));
+  EXPECT_TRUE(sweep_times(cloud, SweepTimes::kAsGiven, kDuration).empty());
+  EXPECT_NEAR(sweep_times(cloud, SweepTimes::kByPosition, kDuration)[3], 0.075, 1e-6);
+  EXPECT_NEAR(sweep_times(cloud, SweepTimes::kByAzimuth, kDuration)[3], 0.075, 1e-6);
+  cloud.times = {0.0F, 0.1F, 0.2F, 0.3F};
+  EXPECT_EQ(sweep_times(cloud, SweepTimes::kAsGiven, kDuration), cloud.times);
+  EXPECT_EQ(sweep_times(cloud, SweepTimes::kNegated, kDuration)[2], -0.2F);
+}
+
+TEST(SweepTimes, HaveAMessageUnlessTheyAreAsGiven) {
+  EXPECT_EQ(sweep_times_message(SweepTimes::kAsGiven), "");
+  EXPECT_NE(sweep_times_message(SweepTimes::kNegated).find("negates them"), std::string::npos);
+  EXPECT_NE(sweep_times_message(SweepTimes::kByAzimuth).find("azimuth"), std::string::npos);
+  EXPECT_NE(sweep_times_message(SweepTimes::kByPosition).find("order of the points"),
+            std::string::npos);
+}
+
+TEST(RunningMean, HasTheStandardDeviationOfTheMean) {
+  RunningMean mean;
+  EXPECT_TRUE(std::isinf(mean.sigma()));
+  for (const double value : {1.0, 2.0, 3.0, 4.0}) mean.add(value);
+  EXPECT_EQ(mean.count(), 4);
+  EXPECT_DOUBLE_EQ(mean.mean(), 2.5);
+  EXPECT_NEAR(mean.sigma(), std::sqrt(5.0 / 3.0 / 4.0), 1e-12);
+}
+
+struct Case {
+  const char* drive;
+  const char* lidar;
+  const char* fault;  ///< of the scans; empty for none
+  bool undistorted;   ///< the motion within the sweep is removed, and there are no times
+  std::size_t first;  ///< scan
+  SweepTimes expected;
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.drive << ' ' << c.lidar << ' ' << c.fault;
+}
+
+simulation::Drive drive_of(const Case& c) {
+  simulation::DriveOptions options;
+  options.drive = c.drive;
+  options.lidar = c.lidar;
+  options.seed = 405;
+  options.duration = 0.1 * static_cast<double>(c.first) + 6.0;
+  options.undistorted = c.undistorted;
+  if (*c.fault != 0) options.scan_faults = {simulation::parse_scan_fault(c.fault)};
+  return simulation::Drive(options);
+}
+
+class PointTimes : public testing::TestWithParam<Case> {};
+
+// Steps of scans with wrong times are off by up to the motion within a sweep. After the change
+// nothing of that is left, and the change itself is no step.
+TEST_P(PointTimes, AreFoundOut) {
+  const simulation::Drive drive = drive_of(GetParam());
+  EvaluatedDrive ride(drive);
+  Pose T_map_last, T_odom_last;
+  bool was_found = false;
+  for (std::size_t i = GetParam().first; i < drive.scan_count(); ++i) {
+    const FrontEndResult& result = ride.process(i);
+    const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
+    const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
+                       (T_odom_last.inverse() * result.T_odom_base);
+    if (was_found) {
+      EXPECT_LT(error.translation.norm(), 0.05) << i;
+      EXPECT_LT(rotation_angle(error.rotation), 0.015) << i;
+    }
+    T_map_last = T_map_base;
+    T_odom_last = result.T_odom_base;
+    was_found = result.status.sweep_times == GetParam().expected;
+    EXPECT_TRUE(was_found || result.status.sweep_times == SweepTimes::kAsGiven) << i;
+  }
+  EXPECT_TRUE(was_found);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Drives, PointTimes,
+    testing::Values(Case{"town", "vlp16", "", false, 90, SweepTimes::kAsGiven},
+                    Case{"town", "vlp16", "", true, 90, SweepTimes::kAsGiven},
+                    Case{"town", "vlp16", "times=negated", false, 90, SweepTimes::kNegated},
+                    Case{"town", "vlp16", "times=none", false, 90, SweepTimes::kByAzimuth},
+                    Case{"handheld", "mid360", "", false, 10, SweepTimes::kAsGiven},
+                    Case{"handheld", "mid360", "times=negated", false, 10, SweepTimes::kNegated},
+                    Case{"handheld", "mid360", "times=none", false, 10, SweepTimes::kByPosition}));
+
+TEST(PointTimesCheck, CanBeSwitchedOff) {
+  const simulation::Drive drive =
+      drive_of({"town", "vlp16", "times=negated", false, 90, SweepTimes::kNegated});
+  FrontEndConfig config;
+  config.check_point_times = false;
+  FrontEnd front_end(config);
+  for (std::size_t i = 90; i < drive.scan_count(); ++i) {
+    EXPECT_EQ(front_end.process(lidar_scan(drive, i)).status.sweep_times, SweepTimes::kAsGiven);
+  }
+}
+
+}  // namespace
+}  // namespace lidar_mapping::front_end
