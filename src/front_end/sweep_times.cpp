@@ -45,21 +45,25 @@ Rotation rotation_of(const PointCloud& cloud) {
   return rotation;
 }
 
+/// Fraction of the sweep before a point. The lasers of a firing point to different azimuths, so
+/// that around the begin of the sweep only the position of a point in the cloud (0 to 1) tells
+/// whether it belongs to the begin or to the end.
+double fraction_of(const Point& point, double position, const Rotation& rotation) {
+  if (!is_usable(point)) return position;
+  const double rounds = rotation.direction() * (azimuth(point) - rotation.first_azimuth);
+  const double whole =
+      rotation.is_stored_by_firings() ? std::round(rounds - position) : std::floor(rounds);
+  return rounds - whole;
+}
+
 }  // namespace
 
-/// The lasers of a firing point to different azimuths, so that around the begin of the sweep only
-/// the position of a point in the cloud tells whether it belongs to the begin or to the end.
 std::vector<float> times_by_azimuth(const PointCloud& cloud, double duration) {
   const Rotation rotation = rotation_of(cloud);
   std::vector<float> times = times_by_position(cloud, 1.0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!is_usable(cloud.points[i])) continue;
     const double position = static_cast<double>(times[i]);
-    const double rounds =
-        rotation.direction() * (azimuth(cloud.points[i]) - rotation.first_azimuth);
-    const double whole =
-        rotation.is_stored_by_firings() ? std::round(rounds - position) : std::floor(rounds);
-    times[i] = static_cast<float>(duration * (rounds - whole));
+    times[i] = static_cast<float>(duration * fraction_of(cloud.points[i], position, rotation));
   }
   return times;
 }
