@@ -18,6 +18,9 @@ class MovedTracker : public Tracker {
   TrackedScan track(const Scan& scan, const MotionPrior& prior) override {
     return moved(tracker_->track(scan, prior));
   }
+  Covariance6 covariance_of_step(const TrackedScan& from, const TrackedScan& to) const override {
+    return tracker_->covariance_of_step(from, to);
+  }
   bool accepts_gyro(const MotionPrior& prior) const override {
     return tracker_->accepts_gyro(prior);
   }

@@ -51,7 +51,8 @@ struct TrackedScan {
 };
 
 /// Tracks the sensor from scan to scan: predicts its pose, matches the scan against the local map,
-/// and inserts reliable scans into that map. FrontEnd does the rest (stamps, segments, key frames).
+/// and inserts reliable scans into that map. SensorOdometry does the rest (stamps, segments, key
+/// frames).
 class Tracker {
  public:
   virtual ~Tracker() = default;
@@ -59,6 +60,8 @@ class Tracker {
   /// Stamps increase from call to call. The method does not throw because of poor data: see the
   /// status.
   virtual TrackedScan track(const Scan& scan, const MotionPrior& prior) = 0;
+  /// Covariance of the motion from one tracked scan to a later one, in the axes of the latter.
+  virtual Covariance6 covariance_of_step(const TrackedScan& from, const TrackedScan& to) const;
   /// False if the scan must be processed without the gyro's correction.
   virtual bool accepts_gyro(const MotionPrior& /*prior*/) const { return true; }
   /// Tells the tracker that scans are measured from the origin of their frame.
@@ -71,8 +74,8 @@ class Tracker {
   virtual PointCloud local_map() const = 0;
 };
 
-/// The tracker for config.registration: the sequential NDT, or a sliding window of key frames
-/// matched by any other method.
+/// The tracker for the configuration: an external odometry, the sequential NDT, or a sliding window
+/// of key frames matched by any other method.
 std::unique_ptr<Tracker> make_tracker(const FrontEndConfig& config);
 /// True if that is the sequential NDT.
 bool is_sequential_ndt(const FrontEndConfig& config);
