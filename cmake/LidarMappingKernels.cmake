@@ -27,5 +27,7 @@ function(lidar_mapping_kernel file)
         COMPILE_DEFINITIONS LIDAR_MAPPING_HAS_${ARG_INSTRUCTIONS})
     endif()
   endif()
-  set_source_files_properties(${file} PROPERTIES COMPILE_OPTIONS "${options}")
+  # Precompiled headers are made without these options.
+  set_source_files_properties(${file} PROPERTIES COMPILE_OPTIONS "${options}"
+                                                 SKIP_PRECOMPILE_HEADERS ON)
 endfunction()

@@ -5,6 +5,23 @@ target_compile_options(lidar_mapping_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<BOOL:${LIDAR_MAPPING_WERROR}>:-Werror>)
 
+# Headers that are read once for all targets of libraries and programs; tests have more of them. They
+# belong to a target that is no shared library, because such a one defines a macro of its own.
+if(LIDAR_MAPPING_PRECOMPILE)
+  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp "")
+  add_library(lidar_mapping_precompiled OBJECT ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(lidar_mapping_precompiled PRIVATE Eigen3::Eigen lidar_mapping_warnings)
+  target_precompile_headers(lidar_mapping_precompiled PRIVATE
+    <Eigen/Dense> <algorithm> <functional> <map> <memory> <optional> <string> <vector>)
+endif()
+
+# lidar_mapping_precompile(TARGET OWNER): the target uses the headers that were read for its owner
+function(lidar_mapping_precompile target owner)
+  if(LIDAR_MAPPING_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  endif()
+endfunction()
+
 set(LIDAR_MAPPING_LIBRARIES
     lidar_mapping_common lidar_mapping_config lidar_mapping_preprocessing
     lidar_mapping_registration lidar_mapping_front_end lidar_mapping_loop_closing
@@ -24,6 +41,7 @@ function(lidar_mapping_stage name)
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:lidar_mapping_warnings>)
   # Equal bits on machines with and without fused multiply-add.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
+  lidar_mapping_precompile(${target} lidar_mapping_precompiled)
   if(catkin_FOUND)
     install(TARGETS ${target} ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
             LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
@@ -45,6 +63,9 @@ function(lidar_mapping_room name)
   add_library(${target} STATIC ${ARG_SOURCES})
   target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(${target} PUBLIC ${ARG_LIBRARIES} PRIVATE lidar_mapping_warnings)
+  if(NOT name STREQUAL test_main)
+    lidar_mapping_precompile(${target} lidar_mapping_precompiled)
+  endif()
   if(catkin_FOUND)
     add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
   endif()
@@ -63,6 +84,7 @@ function(lidar_mapping_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} lidar_mapping_warnings)
+  lidar_mapping_precompile(${name} lidar_mapping_precompiled)
   if(catkin_FOUND)
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
     set_target_properties(${name} PROPERTIES
@@ -84,6 +106,9 @@ function(lidar_mapping_test name)
     target_link_libraries(${name} PRIVATE lidar_mapping_test_main ${ARG_LIBRARIES} lidar_mapping_warnings)
     add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/test)
   endif()
+  # Whatever takes time lies in the libraries.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  lidar_mapping_precompile(${name} lidar_mapping_test_main)
   get_filename_component(stage ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support
                                              ${PROJECT_SOURCE_DIR}/src/${stage})
