@@ -19,6 +19,8 @@ endif()
 function(lidar_mapping_precompile target owner)
   if(LIDAR_MAPPING_PRECOMPILE)
     target_precompile_headers(${target} REUSE_FROM ${owner})
+    # CMake gives programs another option than libraries.
+    target_compile_options(${target} PRIVATE -fPIC)
   endif()
 endfunction()
 
