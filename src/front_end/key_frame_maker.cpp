@@ -57,8 +57,8 @@ bool KeyFrameMaker::is_due(Stamp stamp, bool has_times, const TrackedScan& track
   if (has_times && !tracked.motion_known) return false;
   const KeyFrameRule& rule =
       tracked.status.state == TrackingState::kDegraded ? degraded_rule_ : rule_;
-  return !last_ || rule.reached(last_->T_odom_base.inverse() * tracked.T_odom_base,
-                                stamp - last_stamp_);
+  return !last_ ||
+         rule.reached(last_->T_odom_base.inverse() * tracked.T_odom_base, stamp - last_stamp_);
 }
 
 PointCloud KeyFrameMaker::points_of(const PointCloud& cloud, const TrackedScan& tracked) {

@@ -51,8 +51,7 @@ FrontEndResult SensorOdometry::process(const Scan& received, const MotionPrior& 
   const bool by_gyro = keeps_gyro_correction(prior);
   const std::optional<Scan> changed = with_right_times(received, prior, by_gyro);
   const Scan& right = changed ? *changed : received;
-  const Scan& scan =
-      matches_scans_ ? isolated_point_filter_.without_isolated_points(right) : right;
+  const Scan& scan = matches_scans_ ? isolated_point_filter_.without_isolated_points(right) : right;
   timer_.stop();
   TrackedScan tracked = tracker_->track(scan, prior);
   std::vector<FrontEndResult> finalized;
@@ -70,9 +69,8 @@ FrontEndResult SensorOdometry::process(const Scan& received, const MotionPrior& 
     result.provisional = true;
     provisional_.push_back({result, tracked, key_frames_.points_of(scan.cloud, tracked)});
   } else if (!times_change && key_frames_.is_due(scan.stamp, scan.cloud.has_times(), tracked)) {
-    result.key_frame =
-        key_frames_.make(scan.stamp, segment_, tracked,
-                         key_frames_.points_of(scan.cloud, tracked), *tracker_);
+    result.key_frame = key_frames_.make(scan.stamp, segment_, tracked,
+                                        key_frames_.points_of(scan.cloud, tracked), *tracker_);
   }
   report_times(timer_, result.status);
   return result;
@@ -111,8 +109,7 @@ FrontEndResult SensorOdometry::coast(Stamp stamp) {
   std::vector<FrontEndResult> finalized = finalize();
   ride_detector_.interrupt();
   last_stamp_ = stamp;
-  FrontEndResult result =
-      result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
+  FrontEndResult result = result_of(stamp, coasted(*tracked_, to_seconds(stamp - tracked_stamp_)));
   result.finalized = std::move(finalized);
   return result;
 }
@@ -226,8 +223,8 @@ FrontEndResult SensorOdometry::finalized_scan(ProvisionalScan provisional) {
   result.status.step_seconds = provisional.result.status.step_seconds;
   result.status.seconds = provisional.result.status.seconds;
   if (key_frames_.is_due(result.stamp, provisional.points.has_times(), tracked)) {
-    result.key_frame = key_frames_.make(result.stamp, segment_, tracked,
-                                        std::move(provisional.points), *tracker_);
+    result.key_frame =
+        key_frames_.make(result.stamp, segment_, tracked, std::move(provisional.points), *tracker_);
   }
   return result;
 }
