@@ -37,8 +37,8 @@ class ElevationMean {
 /// Detects whether a LiDAR reports all elevation angles too low or too high by the same angle. Such
 /// a sensor sees the ground as a cone around itself. Two views of the same ground from different
 /// positions then do not fit together, whatever the relative pose. Scans of the drive are compared
-/// in pairs, and the angle is accepted when it is large enough and significant (doc/front_end.md).
-/// Elevation is measured from the plane z = 0 of base_link.
+/// in pairs, and the angle is accepted when it is large enough and significant
+/// (doc/front_end_scans.md). Elevation is measured from the plane z = 0 of base_link.
 class ElevationCalibration {
  public:
   ElevationCalibration();

@@ -18,7 +18,7 @@
 namespace lidar_mapping::front_end {
 
 /// The sequential NDT: estimates pose and twist of each sweep by one match against hashed voxel
-/// maps. The maps grow with the drive, and voxels far away are removed (doc/front_end.md).
+/// maps. The maps grow with the drive, and voxels far away are removed (doc/front_end_map.md).
 class NdtTracker : public Tracker {
  public:
   explicit NdtTracker(const FrontEndConfig& config);

@@ -95,8 +95,9 @@ struct NdtMatch {
 };
 
 /// Aligns points with a GaussianVoxelMap: point to plane of the voxel that a point falls into, with
-/// a robust weight and analytic derivatives, for pose and twist together (doc/front_end.md). Only
-/// scratch memory is kept between calls. One thread at a time uses a matcher.
+/// a robust weight and analytic derivatives, for pose and twist together
+/// (doc/front_end_matching.md). Only scratch memory is kept between calls. One thread at a time
+/// uses a matcher.
 class NdtMatcher {
  public:
   /// Chooses the kernels that the processor can run.
