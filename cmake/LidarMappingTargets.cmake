@@ -111,6 +111,8 @@ function(lidar_mapping_test name)
   # Whatever takes time lies in the libraries.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   lidar_mapping_precompile(${name} lidar_mapping_test_main)
+  # GTest's own value; some of its packages define it for who links them, and headers have to agree.
+  target_compile_definitions(${name} PRIVATE GTEST_HAS_PTHREAD=1)
   get_filename_component(stage ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support
                                              ${PROJECT_SOURCE_DIR}/src/${stage})
