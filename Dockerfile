@@ -8,7 +8,7 @@ COPY scripts/build.bash scripts/install_packages scripts/packages-debian.txt /op
 RUN /opt/lidar_mapping/scripts/install_packages && rm -rf /var/lib/apt/lists/* /opt/lidar_mapping/.build
 
 COPY . /opt/lidar_mapping
-RUN /opt/lidar_mapping/scripts/build && rm -rf ~/.cache/ccache
+RUN /opt/lidar_mapping/scripts/build
 
 WORKDIR /data
 ENTRYPOINT ["/opt/lidar_mapping/scripts/container_start"]

@@ -17,6 +17,7 @@ import os
 import random
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -187,7 +188,8 @@ def build(copy, log):
     """Whether the programs of the copy could be built."""
     with open(log, 'w') as output:
         if not (copy / '.build/CMakeCache.txt').exists():
-            subprocess.run(['cmake', '-S', copy, '-B', copy / '.build', '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache'],
+            launcher = ['-DCMAKE_CXX_COMPILER_LAUNCHER=ccache'] if shutil.which('ccache') else []
+            subprocess.run(['cmake', '-S', copy, '-B', copy / '.build', *launcher],
                            stdout=output, stderr=output, check=True)
         command = ['cmake', '--build', copy / '.build', '--target', TARGET, '-j1']
         with subprocess.Popen(command, stdout=output, stderr=output, start_new_session=True) as process:
