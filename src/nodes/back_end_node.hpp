@@ -73,6 +73,7 @@ class BackEndNode {
   void publish_poses();
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
   void write_files();
+  void write_files_for(OptimizeMap::Response& answer);
   void print_session() const;
 
   bool optimize_map(OptimizeMap::Request& request, OptimizeMap::Response& response);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <exception>
+#include <string>
+
 #include "lidar_mapping/ros/mapping_conversions.hpp"
 
 #include "back_end_node.hpp"
@@ -56,12 +59,21 @@ void BackEndNode::report_failure(const std::string& problem) {
 void BackEndNode::end_solving(OptimizeMap::Response answer) {
   solver_.finish();
   report_state();
-  if (solver_.has_requests()) {
-    write_files();
-    append_warnings(answer.message);
-  }
+  if (solver_.has_requests()) write_files_for(answer);
   solver_.answer(answer);
   if (solver_.has_requests()) start_solving(true);
+}
+
+/// A caller gets an answer even if the files cannot be written.
+void BackEndNode::write_files_for(OptimizeMap::Response& answer) {
+  try {
+    write_files();
+    append_warnings(answer.message);
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM(error.what());
+    answer.success = false;
+    answer.message += std::string(" The files were not written: ") + error.what();
+  }
 }
 
 /// Called with every key frame as well, because a drive without loops and GNSS is only optimised on

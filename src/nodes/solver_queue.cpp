@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver_queue.hpp"
 
+#include <exception>
 #include <utility>
 
 #include "lidar_mapping/ros/node.hpp"
@@ -28,8 +29,21 @@ void SolverQueue::solve(const std::shared_ptr<pipeline::RecordedBackEnd>& run, b
       solved.failure = error.what();
     }
     solved.seconds = (ros::WallTime::now() - begin).toSec();
-    worker_.post(solutions_, [this, solved] { apply_(solved); });
+    worker_.post(solutions_, [this, solved] { apply(solved); });
   });
+}
+
+/// A solution that cannot be applied, for example because the disk is full, is a failure as well:
+/// otherwise the node would wait for it for ever.
+void SolverQueue::apply(SolvedProblem solved) {
+  try {
+    apply_(solved);
+  } catch (const std::exception& error) {
+    if (!is_solving_) throw;
+    solved.solution = nullptr;
+    solved.failure = error.what();
+    apply_(solved);
+  }
 }
 
 void SolverQueue::add_request(Answer answer) {

@@ -30,7 +30,8 @@ class SolverQueue {
   using Answer = std::promise<OptimizeMap::Response>;
   using Apply = std::function<void(const SolvedProblem&)>;
 
-  /// `apply` is called in the thread of `worker` for each result, and has to call finish().
+  /// `apply` is called in the thread of `worker` for each result, and has to call finish(). If it
+  /// throws before that, it is called once more with the error as the failure.
   SolverQueue(Worker& worker, Apply apply);
 
   /// Whether an optimisation is running.
@@ -53,6 +54,8 @@ class SolverQueue {
   void stop() { solver_.stop(); }
 
  private:
+  void apply(SolvedProblem solved);
+
   Worker& worker_;
   Apply apply_;
   bool is_solving_ = false;

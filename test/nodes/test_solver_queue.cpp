@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <stdexcept>
+
 #include <gtest/gtest.h>
 
 #include "solver_queue.hpp"
@@ -48,6 +50,19 @@ TEST_F(SolverQueueOfARun, AnswersARequestAfterTheNextOptimization) {
   queue_.answer(response("second"));
   EXPECT_EQ(during.get().message, "second");
   EXPECT_FALSE(queue_.has_requests());
+}
+
+TEST_F(SolverQueueOfARun, ASolutionThatCannotBeAppliedHasFailed) {
+  std::promise<std::string> failure;
+  int calls = 0;
+  SolverQueue queue(worker_, [&](const SolvedProblem& solved) {
+    if (++calls == 1) throw std::runtime_error("no space left");
+    queue.finish();
+    failure.set_value(solved.failure);
+  });
+  queue.solve(run_, true);
+  EXPECT_EQ(failure.get_future().get(), "no space left");
+  EXPECT_FALSE(queue.is_solving());
 }
 
 TEST_F(SolverQueueOfARun, CallersOfDroppedRequestsGetAnError) {
