@@ -30,8 +30,10 @@ NdtTracker::NdtTracker(const FrontEndConfig& config)
 TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
   const Step step = sample(scan, prior);
   TrackedScan result = begin_result();
-  if (state_.map.empty()) {
+  if (!has_begun_) {
     start(scan, result.status);
+  } else if (state_.map.empty()) {
+    lose(step, result);
   } else {
     const PredictedMotion predicted = predict(step);
     const StepMatch match = match_scan(step, predicted);
@@ -39,7 +41,7 @@ TrackedScan NdtTracker::track(const Scan& scan, const MotionPrior& prior) {
     if (result.status.state == TrackingState::kLost) {
       recover(step, result);
     } else if (!state_.motion_known && initialization_.replaces_first_scan(belief)) {
-      replace_first_scan(scan, match, result.status.probability);
+      replace_first_scan(scan, match, result.status);
     } else {
       update(step, predicted, match, result);
     }

@@ -62,11 +62,14 @@ class NdtTracker : public Tracker {
   void update_map(const Scan& scan, const std::vector<Eigen::Vector3d>& degenerate_directions);
   void insert(const Scan& scan);
 
-  /// In place of the steps above, if there is no map.
+  /// In place of the steps above, until a map has begun.
   void start(const Scan& scan, FrontEndStatus& status);
+  /// In place of match and judgement, if the sensor coasted out of its map, so that nothing is left
+  /// of it.
+  void lose(const Step& step, TrackedScan& result);
   /// In place of update(), if the second scan of a map does not fit to the first one: starts the
   /// map again with the second scan, at its best match.
-  void replace_first_scan(const Scan& scan, const StepMatch& match, double probability);
+  void replace_first_scan(const Scan& scan, const StepMatch& match, FrontEndStatus& status);
   /// In place of update(), if tracking is lost: the pose coasts until a match is found, or until
   /// the map is started again at the predicted pose.
   void recover(const Step& step, TrackedScan& result);
@@ -87,7 +90,8 @@ class NdtTracker : public Tracker {
   UnobservedTravel unobserved_travel_;
   MapInitialization initialization_;
   FalseStandstillRecovery false_standstill_;
-  Pose start_;  ///< where the map starts: pose at the stamp of its first scan
+  Pose start_;              ///< where the map starts: pose at the stamp of its first scan
+  bool has_begun_ = false;  ///< a map was started since the last restart
   StepTimer timer_;
 };
 

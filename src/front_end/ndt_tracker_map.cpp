@@ -27,6 +27,7 @@ void NdtTracker::start_map(const Scan& scan, const Pose& T_odom_base) {
   start_motion(T_odom_base, sweep_.reference(), state_);
   mapper_.start_map(scan, T_odom_base, sweep_, state_.map);
   if (!has_enough_points()) return;
+  has_begun_ = true;
   initialization_.start(T_odom_base);
   initialization_.add(scan.stamp, sweep_, state_.filter);
   insert(scan);
@@ -44,21 +45,31 @@ void NdtTracker::discard_map() {
   unobserved_travel_.interrupt();
 }
 
-void NdtTracker::replace_first_scan(const Scan& scan, const StepMatch& match, double probability) {
+void NdtTracker::replace_first_scan(const Scan& scan, const StepMatch& match,
+                                    FrontEndStatus& status) {
   const MotionState& matched = match.found.match.state;
-  const Matrix12d covariance =
-      reported_covariance(match.found.match) + doubt_covariance(matched, match.prior, probability);
+  const Matrix12d covariance = reported_covariance(match.found.match) +
+                               doubt_covariance(matched, match.prior, status.probability);
+  // Its pose comes from a match that is not certain.
+  if (claims_pose(status.state)) status.state = TrackingState::kDoubtful;
   discard_map();
   start_map(scan, moved(matched.T_map_sensor, matched.twist, -sweep_.reference()));
   initialization_.finalize();
   state_.covariance = covariance;
 }
 
+void NdtTracker::lose(const Step& step, TrackedScan& result) {
+  predict(step);
+  result.status.state = TrackingState::kLost;
+  recover(step, result);
+}
+
 void NdtTracker::recover(const Step& step, TrackedScan& result) {
   initialization_.finalize();
   unobserved_travel_.interrupt();
   coast(step.seconds, state_);
-  if (keeps_map(state_, max_lost_time_) || !has_enough_points()) return;
+  const bool keeps = !state_.map.empty() && keeps_map(state_, max_lost_time_);
+  if (keeps || !has_enough_points()) return;
   const MotionState& predicted = state_.filter.state();
   const Pose at_stamp = moved(predicted.T_map_sensor, predicted.twist, -sweep_.reference());
   discard_map();
@@ -71,6 +82,7 @@ void NdtTracker::recover(const Step& step, TrackedScan& result) {
 void NdtTracker::restart() {
   discard_map();
   start_ = Pose::Identity();
+  has_begun_ = false;
 }
 
 }  // namespace lidar_mapping::front_end

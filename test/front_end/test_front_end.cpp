@@ -139,6 +139,28 @@ TEST(FrontEnd, StartsANewSegmentAfterBeingLostTooLong) {
 }
 
 // Nothing is kept outside of the object.
+// The sensor sees nothing until the wheels have carried it out of its map, of which nothing is left.
+TEST(FrontEnd, GoesOnWhereItIsIfItLeftItsMapWhileBlind) {
+  const simulation::Drive drive = town();
+  FrontEndConfig config;
+  config.local_map_radius = 5.0;
+  FrontEnd front_end{config};
+  FrontEndResult last;
+  for (std::size_t i = 60; i < 75; ++i) last = front_end.process(drive.base_scan(i));
+  const std::uint32_t segment = last.segment;
+  const double distance = last.T_odom_base.translation.norm();
+  MotionPrior wheels;
+  wheels.linear_velocity = {10.0, 0.0, 0.0};
+  for (Stamp i = 1; i <= 150; ++i) front_end.process({last.stamp + i * kScanPeriod, {}}, wheels);
+  ASSERT_EQ(front_end.local_map().size(), 0u);
+  Scan scan = drive.base_scan(75);
+  scan.stamp = last.stamp + 151 * kScanPeriod;
+  const FrontEndResult seeing = front_end.process(scan);
+  EXPECT_EQ(seeing.segment, segment + 1);
+  EXPECT_EQ(seeing.status.state, TrackingState::kLost);
+  EXPECT_GT(seeing.T_odom_base.translation.norm(), distance);
+}
+
 TEST(FrontEnd, TwoInstancesAreIndependent) {
   const simulation::Drive drive = town();
   FrontEnd alone{FrontEndConfig{}};
