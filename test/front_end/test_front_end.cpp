@@ -139,7 +139,8 @@ TEST(FrontEnd, StartsANewSegmentAfterBeingLostTooLong) {
 }
 
 // Nothing is kept outside of the object.
-// The sensor sees nothing until the wheels have carried it out of its map, of which nothing is left.
+// The sensor sees nothing until the wheels have carried it out of its map, of which nothing is
+// left.
 TEST(FrontEnd, GoesOnWhereItIsIfItLeftItsMapWhileBlind) {
   const simulation::Drive drive = town();
   FrontEndConfig config;
