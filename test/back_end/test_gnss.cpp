@@ -4,6 +4,7 @@
 
 #include "back_end_fixture.hpp"
 #include "gnss_alignment.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -198,7 +199,7 @@ TEST(Gnss, AFirstHalfWithoutGnssIsConnectedSmoothly) {
     const Pose step = poses[i - 1].T_map_base.inverse() * poses[i].T_map_base;
     const Pose odometry =
         run.drive.key_frames[i - 1].T_odom_base.inverse() * run.drive.key_frames[i].T_odom_base;
-    EXPECT_LT((step.translation - odometry.translation).norm(), 0.05) << "at key frame " << i;
+    EXPECT_TRUE(test::near(step.translation, odometry.translation, 0.05)) << "at key frame " << i;
   }
 }
 
@@ -249,7 +250,7 @@ TEST(Gnss, GeoreferencingMovesTheMapWithoutBendingIt) {
   const auto b = without.poses().poses;
   const Pose moved = a.front().T_map_base * b.front().T_map_base.inverse();
   for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_LT((moved * b[i].T_map_base.translation - a[i].T_map_base.translation).norm(), 1e-3);
+    EXPECT_TRUE(test::near(moved * b[i].T_map_base.translation, a[i].T_map_base.translation, 1e-3));
   }
 }
 
@@ -348,7 +349,7 @@ TEST(Alignment, ToleratesNearlyHalfOfTheFixesAsOutliers) {
   const auto alignment = align_to_enu(samples, Eigen::Quaterniond::Identity(), {20.0, 0.02});
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(yaw_of(alignment->T_enu_map.rotation), 2.0, 0.01);
-  EXPECT_LT((alignment->T_enu_map.translation - T_enu_map.translation).norm(), 0.5);
+  EXPECT_TRUE(test::near(alignment->T_enu_map.translation, T_enu_map.translation, 0.5));
   EXPECT_EQ(alignment->inliers, 60);
 }
 

@@ -2,6 +2,7 @@
 
 #include "back_end_fixture.hpp"
 #include "gnss_delay.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -125,12 +126,12 @@ TEST(GnssDelay, UsesThePathOfTheAntennaAtChangingSpeed) {
       gnss.position.p_base_antenna = arm;
       const Eigen::Vector3d then =
           pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay) * arm);
-      ASSERT_LT((delay_corrected_position(drive, gnss).p_base_antenna - then).norm(), 0.004)
+      ASSERT_TRUE(test::near(delay_corrected_position(drive, gnss).p_base_antenna, then, 0.004))
           << delay;
       const Eigen::Vector3d velocity = antenna_velocity(drive, gnss);
       const Eigen::Vector3d soon =
           pose_in_traffic(kStep * i).inverse() * (pose_in_traffic(kStep * i - delay + 1e-4) * arm);
-      ASSERT_LT((velocity - (soon - then) / 1e-4).norm(), 0.1) << delay;
+      ASSERT_TRUE(test::near(velocity, (soon - then) / 1e-4, 0.1)) << delay;
     }
   }
 }

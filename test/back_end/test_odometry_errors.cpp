@@ -4,6 +4,7 @@
 
 #include "back_end_fixture.hpp"
 #include "drift_fraction.hpp"
+#include "near.hpp"
 #include "optimization.hpp"
 #include "systematic_errors.hpp"
 
@@ -125,7 +126,8 @@ TEST(SystematicErrors, TheErrorOfACorrectedDelayIsEstimated) {
     const SystematicErrors found =
         estimate_systematic_errors(changed, factors, solution.used, scatter);
     EXPECT_NEAR(found.delay, -wrong, 0.001);
-    EXPECT_LT((found.lever_arm + lever_arm_error).norm(), 0.005) << found.lever_arm.transpose();
+    EXPECT_TRUE(test::near(found.lever_arm, -lever_arm_error, 0.005))
+        << found.lever_arm.transpose();
   }
 }
 
@@ -148,7 +150,7 @@ TEST(SystematicErrors, AreTheSameFromPosesWithOtherWeights) {
   EXPECT_NEAR(found.delay, -0.004, 0.001);
   EXPECT_NEAR(found.delay, at_minimum.delay, 5e-5);
   EXPECT_NEAR(found.scale_error, at_minimum.scale_error, 1e-6);
-  EXPECT_LT((found.lever_arm - at_minimum.lever_arm).norm(), 5e-4);
+  EXPECT_TRUE(test::near(found.lever_arm, at_minimum.lever_arm, 5e-4));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "back_end_fixture.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::back_end {
 namespace {
@@ -224,10 +225,8 @@ TEST(Floor, FloorsThatWereNotFoundAreIgnored) {
   floor.found = false;
   back_end.add_floor(floor);
   optimize(back_end);
-  EXPECT_LT((back_end.poses().poses.back().T_map_base.translation -
-             drive.key_frames.back().T_odom_base.translation)
-                .norm(),
-            1e-6);
+  EXPECT_TRUE(test::near(back_end.poses().poses.back().T_map_base.translation,
+                         drive.key_frames.back().T_odom_base.translation, 1e-6));
 }
 
 }  // namespace

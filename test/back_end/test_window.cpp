@@ -5,6 +5,7 @@
 
 #include "back_end_fixture.hpp"
 #include "drive_window.hpp"
+#include "near.hpp"
 #include "optimization.hpp"
 
 namespace lidar_mapping::back_end {
@@ -57,7 +58,7 @@ TEST(Window, ANewLoopIsSolvedInAWindow) {
   EXPECT_LT(in_window, 0.5 * (cpu_seconds() - middle));
   const auto whole = run.back_end.poses().poses;
   for (std::size_t i = 0; i < whole.size(); ++i) {
-    EXPECT_LT((whole[i].T_map_base.translation - after[i].T_map_base.translation).norm(), 0.01);
+    EXPECT_TRUE(test::near(after[i].T_map_base.translation, whole[i].T_map_base.translation, 0.01));
   }
 }
 

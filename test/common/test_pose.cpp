@@ -7,6 +7,8 @@
 #include "lidar_mapping/common/covariance.hpp"
 #include "lidar_mapping/common/pose.hpp"
 
+#include "near.hpp"
+
 namespace lidar_mapping {
 namespace {
 
@@ -23,12 +25,10 @@ class RandomPoses : public testing::Test {
   std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
 };
 
-double distance(const Pose& a, const Pose& b) { return difference(a, b).norm(); }
-
 TEST_F(RandomPoses, InverseUndoes) {
   for (int i = 0; i < 100; ++i) {
     const Pose T = random_pose();
-    EXPECT_LT(distance(T * T.inverse(), Pose::Identity()), 1e-12);
+    EXPECT_TRUE(test::near(T * T.inverse(), Pose::Identity(), 1e-12));
   }
 }
 
@@ -36,14 +36,14 @@ TEST_F(RandomPoses, DifferenceInvertsPerturbed) {
   for (int i = 0; i < 100; ++i) {
     const Pose T = random_pose();
     const Vector6d d = random_vector(1.0);
-    EXPECT_LT((difference(T, perturbed(T, d)) - d).norm(), 1e-12);
+    EXPECT_TRUE(test::near(difference(T, perturbed(T, d)), d, 1e-12));
   }
 }
 
 TEST_F(RandomPoses, MatrixComesBack) {
   for (int i = 0; i < 100; ++i) {
     const Pose T = random_pose();
-    EXPECT_LT(distance(Pose::from_matrix(T.matrix()), T), 1e-12);
+    EXPECT_TRUE(test::near(Pose::from_matrix(T.matrix()), T, 1e-12));
   }
 }
 
@@ -68,7 +68,7 @@ TEST_F(RandomPoses, AdjointMovesAPerturbationToTheOtherSide) {
     const Pose T = random_pose();
     const Vector6d d = random_vector(1e-6);
     const Pose left = perturbed(Pose::Identity(), adjoint(T) * d) * T;
-    EXPECT_LT(distance(left, perturbed(T, d)), 1e-10);
+    EXPECT_TRUE(test::near(left, perturbed(T, d), 1e-10));
   }
 }
 
@@ -98,8 +98,8 @@ TEST(Covariance, ParentAxesAndBack) {
   const Pose T{exp_so3({0.1, 0.2, 1.5}), {1.0, 2.0, 3.0}};
   Covariance6 covariance = diagonal_covariance(0.1, 0.01);
   covariance(0, 0) = 4.0;
-  EXPECT_LT((in_parent_axes(in_parent_axes(covariance, T), T.inverse()) - covariance).norm(),
-            1e-12);
+  EXPECT_TRUE(
+      test::near(in_parent_axes(in_parent_axes(covariance, T), T.inverse()), covariance, 1e-12));
 }
 
 TEST(Covariance, RefusesWhatIsNone) {

@@ -9,6 +9,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/trajectory.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping {
@@ -40,7 +41,7 @@ TEST_F(TrajectoryFile, TumComesBackTheSame) {
   EXPECT_TRUE(again.has_stamps);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(again.poses[i].stamp, sample().poses[i].stamp);
-    EXPECT_LT(difference(again.poses[i].pose, sample().poses[i].pose).norm(), 1e-8);
+    EXPECT_TRUE(test::near(again.poses[i].pose, sample().poses[i].pose, 1e-8));
   }
 }
 
@@ -48,7 +49,7 @@ TEST_F(TrajectoryFile, KittiComesBackTheSame) {
   const Trajectory again = read(to_kitti(sample()));
   ASSERT_EQ(again.poses.size(), 2U);
   EXPECT_FALSE(again.has_stamps);
-  EXPECT_LT(difference(again.poses[1].pose, sample().poses[1].pose).norm(), 1e-6);
+  EXPECT_TRUE(test::near(again.poses[1].pose, sample().poses[1].pose, 1e-6));
 }
 
 TEST_F(TrajectoryFile, SkipsComments) {

@@ -9,6 +9,7 @@
 #include "base_frames.hpp"
 #include "evaluated_drive.hpp"
 #include "motion_filter.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -87,7 +88,7 @@ TEST(BaseFrame, ConvertsTheTwistToBaseLink) {
   later.T_odom_base = moved(now.T_odom_base, now.twist, 0.3);
   const Pose expected = frame.of_base(later).T_odom_base;
   now = frame.of_base(now);
-  EXPECT_LT(difference(moved(now.T_odom_base, now.twist, 0.3), expected).norm(), 1e-9);
+  EXPECT_TRUE(test::near(moved(now.T_odom_base, now.twist, 0.3), expected, 1e-9));
 }
 
 TEST(BaseFrame, ConvertsTheCovarianceToBaseLink) {
@@ -101,7 +102,7 @@ TEST(BaseFrame, ConvertsTheCovarianceToBaseLink) {
     off.T_odom_base = perturbed(of_sensor.T_odom_base, Vector6d(1e-6 * Vector6d::Unit(axis)));
     J.col(axis) = difference(of_base.T_odom_base, frame.of_base(off).T_odom_base) / 1e-6;
   }
-  EXPECT_LT((of_base.covariance - J * of_sensor.covariance * J.transpose()).norm(), 1e-5);
+  EXPECT_TRUE(test::near(of_base.covariance, J * of_sensor.covariance * J.transpose(), 1e-5));
 }
 
 TEST(BaseFrame, ConvertsVelocitiesWithTheLeverArm) {
@@ -111,14 +112,17 @@ TEST(BaseFrame, ConvertsVelocitiesWithTheLeverArm) {
   const Eigen::Vector3d omega = some_result().twist.tail<3>();
   MotionPrior prior;
   prior.linear_velocity = of_base.twist.head<3>();
-  EXPECT_LT((*frame.of_sensor(prior, omega).linear_velocity - v).norm(), 1e-9) << "as last seen";
+  EXPECT_TRUE(test::near(*frame.of_sensor(prior, omega).linear_velocity, v, 1e-9))
+      << "as last seen";
   const Eigen::Vector3d unknown(0.0, 0.0, 9.0);
   prior.angular_velocity = of_base.twist.tail<3>();
-  EXPECT_LT((*frame.of_sensor(prior, unknown).linear_velocity - v).norm(), 1e-9) << "by the gyro";
-  EXPECT_LT((*frame.of_sensor(prior, unknown).angular_velocity - omega).norm(), 1e-9);
+  EXPECT_TRUE(test::near(*frame.of_sensor(prior, unknown).linear_velocity, v, 1e-9))
+      << "by the gyro";
+  EXPECT_TRUE(test::near(*frame.of_sensor(prior, unknown).angular_velocity, omega, 1e-9));
   prior.velocity_turning = of_base.twist.tail<3>();
   prior.angular_velocity->z() += 1.0;
-  EXPECT_LT((*frame.of_sensor(prior, unknown).linear_velocity - v).norm(), 1e-9) << "by its own";
+  EXPECT_TRUE(test::near(*frame.of_sensor(prior, unknown).linear_velocity, v, 1e-9))
+      << "by its own";
 }
 
 // What leaves the front end hangs together in base_link.
@@ -134,7 +138,7 @@ TEST(BaseFrame, KeyFramesAreInBaseLink) {
     if (result.key_frame) key_frame = result.key_frame;
   }
   ASSERT_TRUE(key_frame);
-  EXPECT_LT(difference(key_frame->T_odom_base, Pose::Identity()).norm(), 0.02) << "at its start";
+  EXPECT_TRUE(test::near(key_frame->T_odom_base, Pose::Identity(), 0.02)) << "at its start";
   // The ground lies where base_link stands on it.
   std::size_t on_ground = 0;
   for (const Point& p : key_frame->cloud->points) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "false_standstill_recovery.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -127,7 +128,7 @@ TEST(VerticalStructureMap, FindsThePoseWhereThePointsFit) {
   d[1] = -0.1;
   d[5] = 0.004;
   const VerticalStructureMap::Fit fit = map.fit(world, perturbed(Pose{}, d));
-  EXPECT_LT(difference(Pose{}, fit.T_map_sensor).norm(), 0.02);
+  EXPECT_TRUE(test::near(fit.T_map_sensor, Pose{}, 0.02));
   EXPECT_GT(fit.evidence, map.evaluate(world, perturbed(Pose{}, d)).evidence);
   EXPECT_EQ(fit.matched_points, world.size());
   EXPECT_EQ(map.count_near(world, Pose{}), world.size());
@@ -163,8 +164,8 @@ TEST(FalseStandstillRecovery, DetectsAndTracksTheMotion) {
       const double x = 0.5 * 2.0 * (0.1 * i) * (0.1 * i);
       found = stationary.process(measured_from(world, ahead(x)));
       if (!found) continue;
-      EXPECT_LT(
-          (stationary.filter().state().T_map_sensor.translation - ahead(x).translation).norm(), 0.3)
+      EXPECT_TRUE(test::near(stationary.filter().state().T_map_sensor.translation,
+                             ahead(x).translation, 0.3))
           << seed << " " << i;
     }
     EXPECT_TRUE(found) << seed;

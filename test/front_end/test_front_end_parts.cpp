@@ -16,6 +16,7 @@
 #include "key_frame_rule.hpp"
 #include "match_judge.hpp"
 #include "motion_filter.hpp"
+#include "near.hpp"
 #include "ring_spacing.hpp"
 
 namespace lidar_mapping::front_end {
@@ -138,7 +139,7 @@ TEST(Deskew, MovesPointsToWhereTheSensorWouldHaveMeasuredThem) {
   const PointCloud result = deskewed(cloud, twist);
   EXPECT_FALSE(result.has_times());
   for (const Point& point : result.points) {
-    EXPECT_LT((point.position().cast<double>() - p_world).norm(), 0.02);
+    EXPECT_TRUE(test::near(point.position().cast<double>(), p_world, 0.02));
     EXPECT_EQ(point.intensity, 7.0F);
   }
 }
@@ -156,7 +157,7 @@ TEST(Deskew, HandlesAnAcceleratedSensor) {
     cloud.times.push_back(s);
   }
   for (const Point& point : deskewed(cloud, twist, acceleration).points) {
-    EXPECT_LT((point.position().cast<double>() - p_world).norm(), 0.02);
+    EXPECT_TRUE(test::near(point.position().cast<double>(), p_world, 0.02));
   }
 }
 
@@ -169,7 +170,7 @@ TEST(Degeneracy, FindsTheAxisOfATunnel) {
   EXPECT_TRUE(degenerate_directions(Matrix6d::Identity()).empty());
   const Eigen::Vector3d beside =
       projection_orthogonal_to(directions) * Eigen::Vector3d(3.0, 2.0, 1.0);
-  EXPECT_LT((beside - Eigen::Vector3d(0.0, 2.0, 1.0)).norm(), 1e-6);
+  EXPECT_TRUE(test::near(beside, Eigen::Vector3d(0.0, 2.0, 1.0), 1e-6));
 }
 
 }  // namespace

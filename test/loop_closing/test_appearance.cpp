@@ -5,11 +5,14 @@
 
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
+#include "near.hpp"
 #include "surface.hpp"
 #include "toy_world.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {
+
+using lidar_mapping::test::near;
 
 Appearance appearance_at(const ToyWorld& world, const Pose& pose) {
   const auto points = positions(world.scan(pose, 7));
@@ -35,7 +38,7 @@ TEST(Appearance, GivesHeadingAndPositionOfARevisit) {
     const ViewMatch right = correlator.match(b.view.cells(), heading);
     const ViewMatch wrong = correlator.match(b.view.cells(), heading + kPi);
     EXPECT_GT(right.score, wrong.score) << heading;
-    EXPECT_LT((right.translation - Eigen::Vector2d(3.0, 3.5)).norm(), 1.5) << heading;
+    EXPECT_TRUE(near(right.translation, Eigen::Vector2d(3.0, 3.5), 1.5)) << heading;
   }
 }
 

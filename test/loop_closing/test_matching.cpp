@@ -5,11 +5,14 @@
 
 #include "decision.hpp"
 #include "drive.hpp"
+#include "near.hpp"
 #include "scan_alignment.hpp"
 #include "submap_builder.hpp"
 
 namespace lidar_mapping::loop_closing::test {
 namespace {
+
+using lidar_mapping::test::near;
 
 TEST(Matching, ARoofIsALevelSurfaceOverhead) {
   const auto roofed = [](const ToyWorld& world) {
@@ -70,9 +73,7 @@ TEST(Matching, ConvergesFromTheStartingPoseByAppearance) {
     for (const double turn : {-0.08, 0.08}) {
       const Match match = street.matched(street.T_true * planar(x, 1.0, turn));
       EXPECT_TRUE(match.alignment.converged);
-      const Vector6d error = difference(street.T_true, match.alignment.T_target_source);
-      EXPECT_LT(error.head<3>().norm(), 0.05);
-      EXPECT_LT(error.tail<3>().norm(), 0.005);
+      EXPECT_TRUE(near(match.alignment.T_target_source, street.T_true, 0.05, 0.005));
       EXPECT_EQ(decide(match, anything(), {}).verdict, Verdict::kAccepted);
     }
   }
@@ -89,9 +90,7 @@ TEST_P(MatchingBy, FindsTheTruePoseWithTheSameCovariance) {
   Match match;
   match.alignment = alignment.align(street.query->points, street.submap->surface, guess);
   EXPECT_TRUE(match.alignment.converged);
-  const Vector6d error = difference(street.T_true, match.alignment.T_target_source);
-  EXPECT_LT(error.head<3>().norm(), 0.1);
-  EXPECT_LT(error.tail<3>().norm(), 0.01);
+  EXPECT_TRUE(near(match.alignment.T_target_source, street.T_true, 0.1, 0.01));
   EXPECT_TRUE(is_valid_covariance(match.alignment.covariance));
   EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
   match.figures =

@@ -8,6 +8,7 @@
 
 #include "lidar_mapping/map/map_builder.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {
@@ -258,7 +259,7 @@ void expect_tiles_of_map(Drive& drive) {
   const PointCloud map = build_map(drive.poses, drive.clouds, exact_config());
   ASSERT_EQ(merged.size(), map.size());
   for (std::size_t i = 0; i < map.size(); ++i) {
-    ASSERT_LT((merged.points[i].position() - map.points[i].position()).norm(), 2e-4F);
+    ASSERT_TRUE(test::near(merged.points[i].position(), map.points[i].position(), 2e-4F));
   }
 }
 

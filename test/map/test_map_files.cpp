@@ -11,6 +11,7 @@
 #include "lidar_mapping/map/map_files.hpp"
 #include "lidar_mapping/map/top_view.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::map {
@@ -117,7 +118,7 @@ TEST(SaveMap, UtmFilesKeepDistancesAndOrigin) {
   for (std::size_t i = 0; i < map.size(); ++i) {
     const Eigen::Vector3d p_utm = cloud[i].getVector3fMap().cast<double>() + origin;
     const Eigen::Vector3d p_enu = map.points[i].position().cast<double>();
-    ASSERT_LT((utm.to_enu(p_utm) - p_enu).norm(), 0.001);
+    ASSERT_TRUE(test::near(utm.to_enu(p_utm), p_enu, 0.001));
     if (i == 0) continue;
     const auto step = (cloud[i].getVector3fMap() - cloud[i - 1].getVector3fMap()).norm();
     const auto expected = (map.points[i].position() - map.points[i - 1].position()).norm();

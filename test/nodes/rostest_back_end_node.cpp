@@ -7,6 +7,7 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 
 #include "listener.hpp"
+#include "near.hpp"
 #include "node_process.hpp"
 #include "round_drive.hpp"
 #include "temporary_folder.hpp"
@@ -137,7 +138,7 @@ TEST_F(BackEndNode, GivesKeyFramesWithAndWithoutClouds) {
   EXPECT_EQ(key_frame.stamp, expected.stamp);
   ASSERT_NE(key_frame.cloud, nullptr);
   EXPECT_EQ(key_frame.cloud->size(), expected.cloud->size());
-  EXPECT_LT(difference(key_frame.T_odom_base, expected.T_odom_base).norm(), 1e-9);
+  EXPECT_TRUE(test::near(key_frame.T_odom_base, expected.T_odom_base, 1e-9));
 }
 
 /// What a loop_closing_node that starts again goes on with.

@@ -5,6 +5,7 @@
 #include "lidar_mapping/ros/messages.hpp"
 
 #include "listener.hpp"
+#include "near.hpp"
 #include "node_process.hpp"
 #include "yard.hpp"
 
@@ -91,7 +92,7 @@ TEST_F(LoopClosingNode, FindsTheLoopsOfADriveThatItNeverHeardOf) {
   const Pose T_from_to = ros_border::from_message(loop).T_from_to;
   const Pose truth = straight(static_cast<int>(loop.from), 0.8).inverse() *
                      straight(kCount - 1 - static_cast<int>(loop.to), 0.8);
-  EXPECT_LT((T_from_to.translation - truth.translation).norm(), 0.2);
+  EXPECT_TRUE(test::near(T_from_to.translation, truth.translation, 0.2));
   EXPECT_TRUE(verdicts_.wait_for(1));
 }
 

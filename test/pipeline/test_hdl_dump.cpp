@@ -7,6 +7,7 @@
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -121,14 +122,14 @@ TEST(HdlDump, RoundTripKeepsContents) {
   for (std::size_t i = 0; i < kKeyFrames; ++i) {
     EXPECT_EQ(b[i].stamp, a[i].stamp);
     EXPECT_EQ(b[i].segment, a[i].segment);
-    EXPECT_LT(difference(a[i].T_odom_base, b[i].T_odom_base).norm(), 1e-9);
-    EXPECT_LT(difference(graph.nodes[i].pose, after.poses().poses[i].T_map_base).norm(), 1e-9);
+    EXPECT_TRUE(test::near(b[i].T_odom_base, a[i].T_odom_base, 1e-9));
+    EXPECT_TRUE(test::near(after.poses().poses[i].T_map_base, graph.nodes[i].pose, 1e-9));
     EXPECT_EQ(after.clouds().cloud(b[i].index)->points[0].z, static_cast<float>(i));
   }
   const Loop loop = after.loops().at(0);
   EXPECT_EQ(loop.from, 2U);
   EXPECT_EQ(loop.to, 10U);
-  EXPECT_LT(difference(before.loops()[0].T_from_to, loop.T_from_to).norm(), 1e-9);
+  EXPECT_TRUE(test::near(loop.T_from_to, before.loops()[0].T_from_to, 1e-9));
   EXPECT_TRUE(is_valid_covariance(loop.covariance));
   EXPECT_NEAR(std::sqrt(loop.covariance(0, 0)), 0.05, 0.01);
   EXPECT_NEAR(std::sqrt(loop.covariance(5, 5)), 0.005, 0.002);
@@ -137,7 +138,7 @@ TEST(HdlDump, RoundTripKeepsContents) {
   ASSERT_EQ(after.imu().size(), 1U);
   EXPECT_LT(after.imu()[0].orientation->angularDistance(*before.imu()[0].orientation), 1e-9);
   ASSERT_EQ(after.gnss().size(), 1U);
-  EXPECT_LT((after.gnss()[0].p_enu_antenna - before.gnss()[0].p_enu_antenna).norm(), 1e-6);
+  EXPECT_TRUE(test::near(after.gnss()[0].p_enu_antenna, before.gnss()[0].p_enu_antenna, 1e-6));
   EXPECT_EQ(after.datum(), before.datum());
   EXPECT_EQ(after.sensor_origin(), before.sensor_origin());
 }
@@ -171,7 +172,7 @@ TEST(HdlDump, ReadsReversedEdgesAndSkipsPlanes) {
   EXPECT_EQ(imported.loops, 0U);
   EXPECT_EQ(imported.segments, 1U);
   const KeyFrame second = session.key_frames()[1];
-  EXPECT_LT((second.T_odom_base.translation - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 1e-5);
+  EXPECT_TRUE(test::near(second.T_odom_base.translation, Eigen::Vector3d(2.0, 0.0, 0.0), 1e-5));
   EXPECT_NEAR(yaw_of(second.T_odom_base.rotation), M_PI / 2.0, 1e-5);
   EXPECT_NEAR(second.motion_covariance(3, 3), 0.04, 1e-6);
   EXPECT_EQ(session.poses().poses[1].T_map_base.translation.x(), 2.0);

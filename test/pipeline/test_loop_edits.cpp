@@ -7,12 +7,14 @@
 #include "lidar_mapping/pipeline/loop_edits.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 #include "town_session.hpp"
 
 namespace lidar_mapping::pipeline::test {
 namespace {
 
+using lidar_mapping::test::near;
 using lidar_mapping::test::TemporaryFolder;
 using session::Session;
 
@@ -65,7 +67,7 @@ TEST_F(LoopEdits, AddedPairIsMatchedAndStored) {
   const std::vector<Loop> loops = edited(text);
   ASSERT_EQ(loops.size(), 1U);
   EXPECT_EQ(loops[0].source, LoopSource::kManual);
-  EXPECT_LT(difference(true_motion(loops[0]), loops[0].T_from_to).norm(), 0.1);
+  EXPECT_TRUE(near(loops[0].T_from_to, true_motion(loops[0]), 0.1));
   EXPECT_TRUE(session_.loops().empty()) << "matching writes nothing";
   store_decisions(session_, loops);
   EXPECT_EQ(session_.loops().at(0).decision, LoopDecision::kAccept);

@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
 
+#include "near.hpp"
 #include "simulated_input.hpp"
 #include "temporary_folder.hpp"
 
@@ -160,7 +161,7 @@ TEST(Pipeline, ResumedSessionEqualsUninterruptedOne) {
   ASSERT_EQ(poses.poses.size(), expected.poses.size());
   for (std::size_t i = 0; i < poses.poses.size(); ++i) {
     EXPECT_EQ(poses.poses[i].stamp, expected.poses[i].stamp);
-    EXPECT_LT(difference(poses.poses[i].T_map_base, expected.poses[i].T_map_base).norm(), 0.01);
+    EXPECT_TRUE(test::near(poses.poses[i].T_map_base, expected.poses[i].T_map_base, 0.01));
   }
 }
 

@@ -6,6 +6,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/scan_clouds.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -114,7 +115,7 @@ TEST_F(DenseMap, ComputesPoseOfEachScan) {
   ASSERT_EQ(scans.size(), static_cast<std::size_t>(kScans - 1 - 7));
   for (const ScanPose& scan : scans) {
     const double t = to_seconds(scan.stamp - kBegin);
-    EXPECT_LT(difference(truth(t), scan.T_map_base).norm(), 0.002) << t;
+    EXPECT_TRUE(test::near(scan.T_map_base, truth(t), 0.002)) << t;
     const double speed = 8.0 + t;
     EXPECT_NEAR(scan.twist[0], speed, 0.1) << t;
     EXPECT_NEAR(scan.twist[5], speed / 20.0, 0.01) << t;
@@ -130,7 +131,7 @@ TEST_F(DenseMap, PlacesPointsCorrectly) {
     ASSERT_EQ(cloud->size(), 360U);
     for (const Point& point : cloud->points) {
       const Eigen::Vector3d p_map = pose.T_map_base * point.position().cast<double>();
-      ASSERT_LT((p_map - post_of(point)).norm(), 0.02) << pose.stamp - kBegin;
+      ASSERT_TRUE(test::near(p_map, post_of(point), 0.02)) << pose.stamp - kBegin;
     }
   }
   EXPECT_EQ(clouds.clouds({3, 99}, 2).front()->size(), 360U);
@@ -162,7 +163,7 @@ TEST_F(DenseMap, CorrectsElevationsLikeFrontEnd) {
     const PointCloudPtr cloud = clouds.cloud(pose.index);
     for (const Point& point : cloud->points) {
       const Eigen::Vector3d p_map = pose.T_map_base * point.position().cast<double>();
-      ASSERT_LT((p_map - post_of(point)).norm(), 0.05) << pose.stamp - kBegin;
+      ASSERT_TRUE(test::near(p_map, post_of(point), 0.05)) << pose.stamp - kBegin;
     }
   }
 }

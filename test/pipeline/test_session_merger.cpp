@@ -5,12 +5,14 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/pipeline/session_merger.hpp"
 
+#include "near.hpp"
 #include "temporary_folder.hpp"
 #include "town_session.hpp"
 
 namespace lidar_mapping::pipeline::test {
 namespace {
 
+using lidar_mapping::test::near;
 using lidar_mapping::test::TemporaryFolder;
 using session::Session;
 
@@ -143,7 +145,7 @@ TEST(SessionMerger, GnssConnectsDrivesWithDifferentDatums) {
   EXPECT_EQ(merged.datum(), kFirstDatum);
   const auto poses = merged.poses().poses;
   const Eigen::Vector3d& begin = poses[merger.parts()[1].first].T_map_base.translation;
-  EXPECT_LT((begin - Eigen::Vector3d(300.0, 0.0, 0.0)).norm(), 0.1) << begin.transpose();
+  EXPECT_TRUE(near(begin, Eigen::Vector3d(300.0, 0.0, 0.0), 0.1)) << begin.transpose();
 }
 
 TEST(SessionMerger, ReportsPositionsWithoutDatum) {

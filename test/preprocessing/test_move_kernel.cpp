@@ -14,6 +14,7 @@
 
 #include "../../src/preprocessing/move_kernel.hpp"
 #include "../../src/preprocessing/times_kernel.hpp"
+#include "near.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
@@ -80,7 +81,7 @@ TEST(MoveKernel, KeepsTheMotionConstantBeyondItsEnds) {
   for (std::size_t i = 0; i < 16; ++i) {
     const Pose& T_stamp_end = i < 8 ? motion.T_stamp_knot.front() : motion.T_stamp_knot.back();
     const Eigen::Vector3d exact = T_stamp_end * raw.points[i].position().cast<double>();
-    EXPECT_LT((cloud.points[i].position().cast<double>() - exact).norm(), 1e-4) << i;
+    EXPECT_TRUE(test::near(cloud.points[i].position().cast<double>(), exact, 1e-4)) << i;
   }
 }
 

@@ -6,11 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include "near.hpp"
 #include "straight_drive.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
 
+using lidar_mapping::test::near;
 using test::append;
 using test::at;
 using test::drive;
@@ -168,7 +170,7 @@ TEST(Preprocessor, LearnsTheGyroBiasWhileStanding) {
   }
   append(scans, stage.flush());
   const Eigen::Vector3d rate = scans[45].imu->angular_velocity;
-  EXPECT_LT((rate - Eigen::Vector3d(0.0, 0.0, 0.5)).norm(), 1e-6);
+  EXPECT_TRUE(near(rate, Eigen::Vector3d(0.0, 0.0, 0.5), 1e-6));
 }
 
 /// The rates at the scans of a drive that stands, then turns; each velocity comes `delay` samples
@@ -243,7 +245,7 @@ TEST(Preprocessor, ReturnsTheLeverArm) {
         Pose{Eigen::Quaterniond::Identity(), {frame == "gps" ? 1.5 : 0.0, 0.0, 0.3}});
   });
   auto scans = drive(stage, 2.0, kNothingMissing);
-  EXPECT_LT((scans.back().gnss->p_base_antenna - Eigen::Vector3d(1.5, 0.0, 0.3)).norm(), 1e-12);
+  EXPECT_TRUE(near(scans.back().gnss->p_base_antenna, Eigen::Vector3d(1.5, 0.0, 0.3), 1e-12));
 }
 
 PointCloud cloud_of(const PreprocessingConfig& config, RawScan scan) {

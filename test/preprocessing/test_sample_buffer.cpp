@@ -8,12 +8,14 @@
 
 #include "interpolation.hpp"
 #include "local_frame.hpp"
+#include "near.hpp"
 #include "sample_buffer.hpp"
 #include "samples.hpp"
 
 namespace lidar_mapping::preprocessing {
 namespace {
 
+using lidar_mapping::test::near;
 using test::at;
 
 TEST(SampleBuffer, SortsSamplesByTheirStamps) {
@@ -114,8 +116,8 @@ TEST(Interpolation, TransfersVelocitiesOfRotatedAndDistantSensors) {
     const VelocitySample measured{at(0.0), T_base_sensor.rotation.conjugate() * v_world,
                                   T_base_sensor.rotation.conjugate() * omega};
     const VelocitySample base = in_base(measured, T_base_sensor);
-    EXPECT_LT((base.linear - v).norm(), 1e-8);
-    EXPECT_LT((base.angular - omega).norm(), 1e-12);
+    EXPECT_TRUE(near(base.linear, v, 1e-8));
+    EXPECT_TRUE(near(base.angular, omega, 1e-12));
   }
 }
 
@@ -126,7 +128,7 @@ TEST(Interpolation, ComposesTheOrientationOnTheRightSide) {
   sample.orientation = exp_so3({0.0, 0.0, M_PI / 6.0}) * T_base_imu.rotation;
   const ImuSample base = in_base(sample, T_base_imu);
   EXPECT_NEAR(yaw_of(*base.orientation), M_PI / 6.0, 1e-12);
-  EXPECT_LT((base.angular_velocity - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_TRUE(near(base.angular_velocity, Eigen::Vector3d::UnitY(), 1e-12));
 }
 
 TEST(Interpolation, KeepsFixesOnTheTrack) {  // 30 m/s, 10 Hz and 1 Hz

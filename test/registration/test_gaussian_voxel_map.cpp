@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/registration/gaussian_voxel_map.hpp"
 
+#include "near.hpp"
 #include "scenes.hpp"
 
 namespace lidar_mapping::registration {
@@ -38,8 +39,8 @@ TEST(GaussianVoxelMap, GivesMeanAndCovarianceOfItsPoints) {
   const Gaussian gaussian = map.gaussian({0, 0, 0});
   const Eigen::Vector3d mean = sum / kCount;
   EXPECT_EQ(gaussian.count, kCount);
-  EXPECT_LT((gaussian.mean - mean).norm(), 1e-5);
-  EXPECT_LT((gaussian.covariance - (products / kCount - mean * mean.transpose())).norm(), 2e-3);
+  EXPECT_TRUE(test::near(gaussian.mean, mean, 1e-5));
+  EXPECT_TRUE(test::near(gaussian.covariance, products / kCount - mean * mean.transpose(), 2e-3));
 }
 
 TEST(GaussianVoxelMap, PlaneIsThinAcrossTheSurface) {
@@ -211,7 +212,7 @@ TEST(GaussianVoxelMap, MovingTheOriginMovesNothing) {
   map.set_origin_cell({-3, 60, 9});
   const Gaussian after = map.gaussian({5, -72, -11});
   EXPECT_EQ(after.count, before.count);
-  EXPECT_LT((after.mean + map.origin() - before.mean).norm(), 1e-9);
+  EXPECT_TRUE(test::near(after.mean + map.origin(), before.mean, 1e-9));
 }
 
 }  // namespace

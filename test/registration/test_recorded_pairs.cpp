@@ -6,6 +6,7 @@
 #include "lidar_mapping/common/voxel_filter.hpp"
 
 #include "method_test.hpp"
+#include "near.hpp"
 #include "recorded_scans.hpp"
 #include "test_data.hpp"
 
@@ -55,16 +56,15 @@ class RecordedPairs : public MethodTest {
     const RegistrationResult forward = aligned(voxel_filtered(pair.first, kTargetSpacing),
                                                voxel_filtered(pair.second, kSourceSpacing),
                                                pair.T_first_second * disturbance, config());
-    EXPECT_LT(distance_between(forward.T_target_source, pair.T_first_second), tolerance_m);
-    EXPECT_LT(angle_between(forward.T_target_source, pair.T_first_second), tolerance_rad);
+    EXPECT_TRUE(
+        test::near(forward.T_target_source, pair.T_first_second, tolerance_m, tolerance_rad));
     EXPECT_GT(forward.inlier_fraction, 0.6);
 
     const Pose T_second_first = pair.T_first_second.inverse();
     const RegistrationResult back =
         aligned(voxel_filtered(pair.second, kTargetSpacing),
                 voxel_filtered(pair.first, kSourceSpacing), T_second_first * disturbance, config());
-    EXPECT_LT(distance_between(back.T_target_source, T_second_first), tolerance_m);
-    EXPECT_LT(angle_between(back.T_target_source, T_second_first), tolerance_rad);
+    EXPECT_TRUE(test::near(back.T_target_source, T_second_first, tolerance_m, tolerance_rad));
     const Pose loop = forward.T_target_source * back.T_target_source;
     EXPECT_LT(loop.translation.norm(), tolerance_m);
   }

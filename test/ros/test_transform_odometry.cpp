@@ -5,6 +5,8 @@
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/transform_odometry.hpp"
 
+#include "near.hpp"
+
 namespace lidar_mapping::ros_border {
 namespace {
 
@@ -41,8 +43,8 @@ TEST(TransformOdometry, GivesTheVelocityBetweenTwoPosesWhicheverFrameIsTheParent
       ASSERT_EQ(velocities.size(), i == 0 ? 0U : 1U);
       if (i == 0) continue;
       EXPECT_EQ(velocities[0].stamp, kBegin + i * kPeriod - kPeriod / 2);
-      EXPECT_LT((velocities[0].linear - Eigen::Vector3d(5.0, 0.0, 0.0)).norm(), 1e-3);
-      EXPECT_LT((velocities[0].angular - Eigen::Vector3d(0.0, 0.0, 0.5)).norm(), 1e-9);
+      EXPECT_TRUE(test::near(velocities[0].linear, Eigen::Vector3d(5.0, 0.0, 0.0), 1e-3));
+      EXPECT_TRUE(test::near(velocities[0].angular, Eigen::Vector3d(0.0, 0.0, 0.5), 1e-9));
     }
   }
 }

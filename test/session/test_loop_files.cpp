@@ -9,6 +9,7 @@
 #include "lidar_mapping/session/loop_files.hpp"
 
 #include "example_values.hpp"
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::session {
@@ -132,7 +133,7 @@ TEST(LoopFiles, AddedPairsMayHaveAGuessAndAnyOrder) {
   ASSERT_TRUE(edits[2].guess);
   EXPECT_EQ(edits[2].from, 3U);
   const Pose quarter{exp_so3({0.0, 0.0, M_PI / 2.0}), Eigen::Vector3d::UnitX()};
-  EXPECT_LT(difference(edits[2].guess->inverse(), quarter).norm(), 1e-9);
+  EXPECT_TRUE(test::near(edits[2].guess->inverse(), quarter, 1e-9));
 }
 
 TEST(LoopFiles, MalformedLinesAreRefusedByFileAndLine) {

@@ -6,6 +6,7 @@
 #include "lidar_mapping/session/trajectory_files.hpp"
 
 #include "example_values.hpp"
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::session {
@@ -60,9 +61,9 @@ TEST(TrajectoryFiles, ContainTheSameKeyFramesToAMicrometre) {
   for (std::size_t i = 0; i < kKeyFrames; ++i) {
     const Pose& expected = poses.poses[i].T_map_base;
     EXPECT_EQ(tum.poses[i].stamp, poses.poses[i].stamp);
-    EXPECT_LT((tum.poses[i].pose.translation - expected.translation).norm(), 1e-6);
-    EXPECT_LT((kitti.poses[i].pose.translation - expected.translation).norm(), 1e-6);
-    EXPECT_LT(difference(kitti.poses[i].pose, expected).norm(), 1e-5);
+    EXPECT_TRUE(test::near(tum.poses[i].pose.translation, expected.translation, 1e-6));
+    EXPECT_TRUE(test::near(kitti.poses[i].pose.translation, expected.translation, 1e-6));
+    EXPECT_TRUE(test::near(kitti.poses[i].pose, expected, 1e-5));
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "trajectory" / "ground_truth.txt"));
 }
@@ -112,7 +113,7 @@ TEST(TrajectoryFiles, KittiFilesContainTheKeyFramesWithAGnssPosition) {
   const Eigen::Quaterniond& rotation = poses.poses[5].T_map_base.rotation;
   const Eigen::Vector3d expected =
       Eigen::Vector3d(5.0, 2.0, 3.0) - rotation * Eigen::Vector3d(0.0, 0.0, 1.5);
-  EXPECT_LT((gnss.poses[2].pose.translation - expected).norm(), 1e-6);
+  EXPECT_TRUE(test::near(gnss.poses[2].pose.translation, expected, 1e-6));
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
+#include "near.hpp"
+
 namespace lidar_mapping::simulation {
 namespace {
 
@@ -66,8 +68,8 @@ TEST_P(EveryCarrier, ImuSamplesIntegrateToTrajectory) {
     }
     state = drive.trajectory().state(imu[first + 200].stamp).of_frame(T_base_imu);
     EXPECT_LT(rotation_angle(R.conjugate() * state.T_map_base.rotation), 1e-3) << first;
-    EXPECT_LT((p - state.T_map_base.translation).norm(), 5e-3) << first;
-    EXPECT_LT((v - state.velocity_map).norm(), 1e-2) << first;
+    EXPECT_TRUE(test::near(p, state.T_map_base.translation, 5e-3)) << first;
+    EXPECT_TRUE(test::near(v, state.velocity_map, 1e-2)) << first;
   }
 }
 

@@ -11,6 +11,8 @@
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/ray_caster.hpp"
 
+#include "near.hpp"
+
 namespace lidar_mapping::simulation {
 namespace {
 
@@ -199,10 +201,8 @@ TEST(TownDrive, RevisitsStreetsInBothDirectionsAndEndsNearItsStart) {
   const Revisits found = revisits(drive);
   EXPECT_GT(found.same_direction, 100.0);
   EXPECT_GT(found.opposite_direction, 200.0);
-  EXPECT_LT((trajectory.pose(trajectory.end()).translation -
-             trajectory.pose(trajectory.begin()).translation)
-                .norm(),
-            40.0);
+  EXPECT_TRUE(test::near(trajectory.pose(trajectory.end()).translation,
+                         trajectory.pose(trajectory.begin()).translation, 40.0));
 }
 
 TEST(TownDrive, HasHalts) {

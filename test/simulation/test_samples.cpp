@@ -9,6 +9,8 @@
 #include "lidar_mapping/simulation/drive.hpp"
 #include "lidar_mapping/simulation/sensor_noise.hpp"
 
+#include "near.hpp"
+
 namespace lidar_mapping::simulation {
 namespace {
 
@@ -104,10 +106,10 @@ TEST_F(Samples, ImuMeasuresRatesAndSpecificForceInItsOwnAxes) {
         drive.trajectory().state(imu[i].stamp).of_frame(drive.mounting().T_base_imu);
     const Eigen::Vector3d force = state.T_map_base.rotation.conjugate() *
                                   (state.acceleration_map + Eigen::Vector3d(0, 0, kGravity));
-    EXPECT_LT((imu[i].angular_velocity - state.angular_velocity_base).norm(),
-              5.0 * (kGyroNoise + kGyroBias));
-    EXPECT_LT((imu[i].linear_acceleration - force).norm(),
-              5.0 * (kAccelerometerNoise + kAccelerometerBias));
+    EXPECT_TRUE(test::near(imu[i].angular_velocity, state.angular_velocity_base,
+                           5.0 * (kGyroNoise + kGyroBias)));
+    EXPECT_TRUE(test::near(imu[i].linear_acceleration, force,
+                           5.0 * (kAccelerometerNoise + kAccelerometerBias)));
     EXPECT_LT(rotation_angle(imu[i].orientation->conjugate() * state.T_map_base.rotation),
               6.0 * kOrientationNoise);
   }
@@ -138,8 +140,8 @@ TEST_F(Samples, VelocityIsThatOfTheImuFrame) {
   for (std::size_t i = 0; i < velocity.size(); i += 89) {
     const MotionState state =
         drive.trajectory().state(velocity[i].stamp).of_frame(drive.mounting().T_base_imu);
-    EXPECT_LT((state.T_map_base.rotation * velocity[i].linear - state.velocity_map).norm(),
-              6.0 * kVelocityNoise);
+    EXPECT_TRUE(test::near(state.T_map_base.rotation * velocity[i].linear, state.velocity_map,
+                           6.0 * kVelocityNoise));
   }
 }
 

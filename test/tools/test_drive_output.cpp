@@ -17,6 +17,7 @@
 #include "lidar_mapping/simulation/drive.hpp"
 
 #include "drive_output.hpp"
+#include "near.hpp"
 #include "temporary_folder.hpp"
 
 namespace lidar_mapping::tools {
@@ -92,11 +93,11 @@ TEST_F(DriveOutput, TruthAndExtrinsicsAreExactAndCloudsNearlySo) {
     if (const auto truth = message.instantiate<nav_msgs::Odometry>()) {
       const Pose T_map_base =
           short_drive().trajectory().pose(ros_border::from_ros(truth->header.stamp));
-      EXPECT_LT(difference(T_map_base, ros_border::from_message(truth->pose.pose)).norm(), 1e-9);
+      EXPECT_TRUE(test::near(ros_border::from_message(truth->pose.pose), T_map_base, 1e-9));
     } else if (const auto tf = message.instantiate<tf2_msgs::TFMessage>()) {
       ASSERT_EQ(tf->transforms.size(), 3U);
       const Pose T_base_lidar = ros_border::from_message(tf->transforms[0].transform);
-      EXPECT_LT(difference(T_base_lidar, short_drive().mounting().T_base_lidar).norm(), 1e-9);
+      EXPECT_TRUE(test::near(T_base_lidar, short_drive().mounting().T_base_lidar, 1e-9));
       EXPECT_EQ((*message.getConnectionHeader())["latching"], "1");
     } else if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
       const PointCloud read = ros_border::from_message(*cloud);
@@ -104,7 +105,7 @@ TEST_F(DriveOutput, TruthAndExtrinsicsAreExactAndCloudsNearlySo) {
       ASSERT_EQ(read.size(), taken.size());
       EXPECT_EQ(read.times, taken.times);
       for (std::size_t i = 0; i < read.size(); ++i) {
-        ASSERT_LT((read.points[i].position() - taken.points[i].position()).norm(), 0.0035);
+        ASSERT_TRUE(test::near(read.points[i].position(), taken.points[i].position(), 0.0035));
       }
     }
   }
@@ -120,7 +121,7 @@ TEST_F(DriveOutput, FolderHasAFileOfEachKindPerScan) {
   EXPECT_EQ(std::filesystem::file_size(kitti / "labels/000004.u8"), taken.cloud.size());
   const Trajectory poses = read_trajectory((kitti / "poses.txt").string());
   ASSERT_EQ(poses.poses.size(), short_drive().scan_count());
-  EXPECT_LT(difference(poses.poses.front().pose, Pose::Identity()).norm(), 1e-6);
+  EXPECT_TRUE(test::near(poses.poses.front().pose, Pose::Identity(), 1e-6));
   EXPECT_THROW(write_folder(short_drive(), kitti.string(), 1), FileError);
 }
 
