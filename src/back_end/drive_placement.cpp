@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -15,10 +16,6 @@
 namespace lidar_mapping::back_end {
 
 namespace {
-
-DriveNode& node_at(DriveGraph& drive, int position) {
-  return drive.nodes[static_cast<std::size_t>(position)];
-}
 
 /// Moves all nodes of the selected segments by one rigid motion.
 void transform_segments(DriveGraph& drive, const std::vector<bool>& segments,
@@ -36,12 +33,68 @@ std::vector<bool> group_members(const std::vector<int>& connected, int group) {
   return result;
 }
 
-/// The motion of the group at one end of a new loop that makes the loop fit.
-Pose correction_by_loop(DriveGraph& drive, const DriveLoop& loop, bool correct_newer_end) {
-  const Pose& from = node_at(drive, loop.from).T_map_base;
-  const Pose& to = node_at(drive, loop.to).T_map_base;
+/// The motion of what lies at the end of the loop, or else of what lies at its begin, that makes
+/// the loop fit.
+Pose correction_by_loop(const DriveGraph& drive, const DriveLoop& loop, bool of_end) {
+  const Pose& from = drive.nodes[static_cast<std::size_t>(loop.from)].T_map_base;
+  const Pose& to = drive.nodes[static_cast<std::size_t>(loop.to)].T_map_base;
   const Pose correction = from * loop.loop.T_from_to * to.inverse();
-  return correct_newer_end ? correction : correction.inverse();
+  return of_end ? correction : correction.inverse();
+}
+
+/// What each new loop between the group and segments that are placed would move the group by.
+std::vector<Pose> corrections_of(const DriveGraph& drive, const std::vector<int>& groups, int group,
+                                 const std::vector<bool>& placed) {
+  std::vector<Pose> corrections;
+  for (const DriveLoop& loop : drive.loops) {
+    if (loop.evaluated) continue;
+    const auto from = static_cast<std::size_t>(drive.segment_of(loop.from));
+    const auto to = static_cast<std::size_t>(drive.segment_of(loop.to));
+    if (groups[from] == group && placed[to])
+      corrections.push_back(correction_by_loop(drive, loop, false));
+    else if (groups[to] == group && placed[from])
+      corrections.push_back(correction_by_loop(drive, loop, true));
+  }
+  return corrections;
+}
+
+/// A motion of a group of segments, and how many loops agree with it.
+struct GroupPlacement {
+  int group = 0;
+  Pose T_new_old;
+  std::ptrdiff_t votes = 0;
+};
+
+/// The correction that most others agree with; the first of them if there are several.
+std::optional<GroupPlacement> most_agreed(int group, const std::vector<Pose>& corrections,
+                                          const Eigen::Vector3d& p_map_start) {
+  // Chosen: with more, false loops seem to agree; with less, drift separates true ones.
+  constexpr double kAgreementDistance_m = 2.0;
+  std::optional<GroupPlacement> best;
+  for (const Pose& a : corrections) {
+    const auto votes = std::count_if(corrections.begin(), corrections.end(), [&](const Pose& b) {
+      return (a * p_map_start - b * p_map_start).norm() < kAgreementDistance_m;
+    });
+    if (!best || votes > best->votes) best = GroupPlacement{group, a, votes};
+  }
+  return best;
+}
+
+/// Of the groups that have loops to placed segments, the one with most agreeing loops.
+std::optional<GroupPlacement> next_placement(const DriveGraph& drive,
+                                             const std::vector<int>& groups,
+                                             const std::vector<bool>& placed) {
+  std::optional<GroupPlacement> best;
+  for (std::size_t segment = 0; segment < groups.size(); ++segment) {
+    const int group = groups[segment];
+    if (placed[segment] || static_cast<std::size_t>(group) != segment) continue;
+    const int start = drive.segment_starts[segment];
+    const std::optional<GroupPlacement> candidate =
+        most_agreed(group, corrections_of(drive, groups, group, placed),
+                    drive.nodes[static_cast<std::size_t>(start)].T_map_base.translation);
+    if (candidate && (!best || candidate->votes > best->votes)) best = candidate;
+  }
+  return best;
 }
 
 std::vector<AlignmentSample> alignment_samples(const DriveGraph& drive,
@@ -83,35 +136,17 @@ std::optional<Alignment> align_track(const std::vector<AlignmentSample>& samples
 }  // namespace
 
 void connect_segments(DriveGraph& drive) {
-  // Chosen: with more, false loops seem to agree; with less, drift separates true ones.
-  constexpr double kAgreementDistance_m = 2.0;
-  std::vector<int> connected = connected_segments(drive, false);
-  const std::vector<int> connected_by_new_loops = connected_segments(drive, true);
-  for (int group = static_cast<int>(connected.size()) - 1; group > 0; --group) {
-    const auto slot = static_cast<std::size_t>(group);
-    if (connected[slot] != group || connected_by_new_loops[slot] == group) continue;
-    const std::vector<bool> segments = group_members(connected, group);
-    std::vector<Pose> corrections;
-    for (const DriveLoop& loop : drive.loops) {
-      if (loop.evaluated) continue;
-      const bool from = segments[static_cast<std::size_t>(drive.segment_of(loop.from))];
-      const bool to = segments[static_cast<std::size_t>(drive.segment_of(loop.to))];
-      if (from != to) corrections.push_back(correction_by_loop(drive, loop, to));
-    }
-    const Eigen::Vector3d p_map_start =
-        node_at(drive, drive.segment_starts[slot]).T_map_base.translation;
-    int most_votes = -1;
-    const Pose* best = nullptr;
-    for (const Pose& a : corrections) {
-      const int votes = static_cast<int>(
-          std::count_if(corrections.begin(), corrections.end(), [&](const Pose& b) {
-            return (a * p_map_start - b * p_map_start).norm() < kAgreementDistance_m;
-          }));
-      if (votes <= most_votes) continue;
-      most_votes = votes;
-      best = &a;
-    }
-    if (best != nullptr) transform_segments(drive, segments, *best);
+  const std::vector<int> groups = connected_segments(drive, false);
+  const std::vector<int> by_new_loops = connected_segments(drive, true);
+  std::vector<bool> placed(groups.size(), false);
+  for (std::size_t segment = 0; segment < groups.size(); ++segment)
+    placed[segment] = groups[segment] == by_new_loops[segment];
+  // A group may be connected by way of another one, which has to be placed before it.
+  while (const std::optional<GroupPlacement> next = next_placement(drive, groups, placed)) {
+    const std::vector<bool> segments = group_members(groups, next->group);
+    transform_segments(drive, segments, next->T_new_old);
+    for (std::size_t segment = 0; segment < segments.size(); ++segment)
+      if (segments[segment]) placed[segment] = true;
   }
 }
 

@@ -148,6 +148,23 @@ TEST(ConnectSegments, MovesConnectedSegmentsTogether) {
   EXPECT_TRUE(segments.is_at(2, Pose()));
 }
 
+// Drives that are merged at once: the way from the oldest one leads over another.
+TEST(ConnectSegments, PlacesAChainFromItsOldestSegmentOn) {
+  for (const bool is_2_in_the_middle : {false, true}) {
+    for (const bool is_far_loop_first : {false, true}) {
+      Segments segments({Pose(), kElsewhere, kFarAway});
+      const int middle = (is_2_in_the_middle ? 2 : 1) * kSegmentNodes;
+      const int end = (is_2_in_the_middle ? 1 : 2) * kSegmentNodes;
+      if (is_far_loop_first) segments.add_loop(middle + 9, end + 9);
+      segments.add_loop(4, middle + 4);
+      if (!is_far_loop_first) segments.add_loop(middle + 9, end + 9);
+      connect_segments(segments.drive);
+      EXPECT_TRUE(segments.is_at(1, Pose())) << is_2_in_the_middle << is_far_loop_first;
+      EXPECT_TRUE(segments.is_at(2, Pose())) << is_2_in_the_middle << is_far_loop_first;
+    }
+  }
+}
+
 BackEndConfig with_gnss() {
   BackEndConfig config;
   config.use_gnss = true;
