@@ -72,13 +72,18 @@ struct OdometryErrors {
   Vector6d drift_fraction = Vector6d::Ones();
 };
 
-/// All data of a drive in the back end, as values.
-struct DriveGraph {
-  std::vector<DriveNode> nodes;
-  std::vector<DriveLoop> loops;
-  std::vector<DriveGnss> gnss;  ///< ordered by node, as are the next two
+/// What was measured at single nodes: lists that are ordered by node. extract_window() takes every
+/// one of them apart, and does not compile if one is missing there.
+struct NodeMeasurements {
+  std::vector<DriveGnss> gnss;
   std::vector<DriveImu> imu;
   std::vector<DriveFloor> floors;
+};
+
+/// All data of a drive in the back end, as values.
+struct DriveGraph : NodeMeasurements {
+  std::vector<DriveNode> nodes;
+  std::vector<DriveLoop> loops;
   std::size_t unusable_gnss = 0;       ///< number of positions that are not finite or too uncertain
   Pose T_map_first;                    ///< pose of the prior of the first node
   std::vector<bool> in_enu;            ///< per segment: it is aligned to East-North-Up

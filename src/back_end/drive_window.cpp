@@ -146,9 +146,9 @@ DriveGraph extract_window(const DriveGraph& drive, const DriveWindow& window) {
     part.loops.back().from = position_in_window(window, part.loops.back().from);
     part.loops.back().to = position_in_window(window, part.loops.back().to);
   }
-  part.gnss = in_window(drive.gnss, window);
-  part.imu = in_window(drive.imu, window);
-  part.floors = in_window(drive.floors, window);
+  const auto& [gnss, imu, floors] = static_cast<const NodeMeasurements&>(drive);
+  static_cast<NodeMeasurements&>(part) = {in_window(gnss, window), in_window(imu, window),
+                                          in_window(floors, window)};
   part.in_enu = drive.in_enu;
   part.gnss_delays = drive.gnss_delays;
   part.odometry_errors = drive.odometry_errors;

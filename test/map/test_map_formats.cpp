@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tests each row of the table of formats.
 #include <algorithm>
+#include <fstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -79,6 +81,29 @@ TEST_F(MapFormats, HelpAndErrorsListAllFormats) {
     EXPECT_NE(product_format_help().find(format), std::string::npos) << format;
     EXPECT_NE(problem.find(format), std::string::npos) << format << " is not in: " << problem;
   }
+}
+
+/// The first line of the file that contains this text.
+std::string line_with(const std::string& path, const std::string& text) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);)
+    if (line.find(text) != std::string::npos) return line;
+  return {};
+}
+
+// These are written by hand.
+TEST(MapFormatLists, NameAllFormats) {
+  const std::string lists[] = {
+      line_with("../srv/SaveMap.srv", "string[] formats"),
+      line_with("../doc/glossary.md", "| `formats` |"),
+      line_with("../doc/reference/commands.md", "| `build_map SESSION"),
+  };
+  for (const std::string& list : lists) {
+    for (const std::string& format : product_formats())
+      EXPECT_NE(list.find(format), std::string::npos) << format << " is not in: " << list;
+  }
+  for (const std::string& format : single_file_formats())
+    EXPECT_NE(line_with("../src/report/report_origin.cpp", "map/map." + format), "") << format;
 }
 
 }  // namespace
