@@ -38,7 +38,7 @@ class ElevationMean {
 /// a sensor sees the ground as a cone around itself. Two views of the same ground from different
 /// positions then do not fit together, whatever the relative pose. Scans of the drive are compared
 /// in pairs, and the angle is accepted when it is large enough and significant
-/// (doc/front_end_scans.md). Elevation is measured from the plane z = 0 of base_link.
+/// (doc/front_end_scans.md). Elevation is measured from the LiDAR's plane z = 0.
 class ElevationCalibration {
  public:
   ElevationCalibration();

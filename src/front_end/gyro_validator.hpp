@@ -20,7 +20,7 @@ class GyroValidator {
   /// non-uniform rotation are not far beyond the confirmed rates.
   bool accepts(const MotionPrior& prior) const;
   /// Adds a sweep of `duration` seconds, `seconds` after the previous one, with its mean rate
-  /// (rad/s, axes of base_link).
+  /// (rad/s, the LiDAR's axes).
   void add(const MotionPrior& prior, double seconds, double duration);
   /// The rotation from the previous sweep to this one. Empty if sweeps or rates are missing, or if
   /// the gyro is not accepted.

@@ -38,10 +38,10 @@ struct FrontEndResult {
   std::vector<FrontEndResult> finalized;
 };
 
-/// Odometry of a spinning LiDAR: matches each scan against a sliding window of key frames
-/// (Magnusson 2009; doc/front_end.md). The scans are in the LiDAR's frame. The results are about
-/// base_link; poses are T_odom_base at the scan's stamp. The class must be called from one thread;
-/// it uses no clock and no files.
+/// Odometry of a spinning LiDAR: matches each scan against a map of its recent surroundings, by
+/// default by a sequential NDT (Magnusson 2009; doc/front_end.md). The scans are in the LiDAR's
+/// frame. The results are about base_link; poses are T_odom_base at the scan's stamp. The class
+/// must be called from one thread; it uses no clock and no files.
 class FrontEnd {
  public:
   /// Begins a run with an empty map. The configuration is one that load() accepts.
