@@ -63,10 +63,10 @@ void resolve_topic(std::string& wanted, const std::string& usual,
 }  // namespace
 
 const std::vector<std::string>& own_outputs() {
-  static const std::vector<std::string> names = {"synced_cloud", "current_scan",    "local_map",
-                                                 "global_map",   "synced_imu",      "synced_gnss",
-                                                 "gnss_datum",   "synced_velocity", "synced_inputs",
-                                                 "laser_odom",   "optimized_odom",  "ground_truth"};
+  static const std::vector<std::string> names = {
+      "synced_cloud",          "current_scan", "local_map",      "global_map",  "floor_points",
+      "floor_filtered_points", "synced_imu",   "synced_gnss",    "gnss_datum",  "synced_velocity",
+      "synced_inputs",         "laser_odom",   "optimized_odom", "ground_truth"};
   return names;
 }
 

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/NavSatFix.h>
@@ -91,6 +97,25 @@ TEST_F(TopicChoice, NamesTheCloudsThatAreNotUsed) {
   recording.topics = topics_in(bags);
   EXPECT_NE(check(recording, {}).front().found.find("; other clouds: /rear/points"),
             std::string::npos);
+}
+
+// A user is not to be told to map what this package publishes itself.
+TEST(OwnOutputs, AreAllThatTheNodesPublishWithTypesOfSensors) {
+  const std::regex advertised(
+      R"(advertise<(?:sensor_msgs::(?:PointCloud2|Imu|NavSatFix)|nav_msgs::Odometry|geometry_msgs::Twist\w*)>\(\s*"(\w+)\")");
+  const std::vector<std::string>& own = own_outputs();
+  std::size_t count = 0;
+  for (const auto& file : std::filesystem::directory_iterator("../src/nodes")) {
+    std::ifstream stream(file.path());
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const std::sregex_iterator end;
+    for (std::sregex_iterator found(text.begin(), text.end(), advertised); found != end; ++found) {
+      const std::string name = (*found)[1];
+      EXPECT_NE(std::find(own.begin(), own.end(), name), own.end()) << name;
+      ++count;
+    }
+  }
+  EXPECT_GE(count, 9U);
 }
 
 }  // namespace
