@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <future>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -61,7 +63,9 @@ TEST_F(SolverQueueOfARun, ASolutionThatCannotBeAppliedHasFailed) {
     failure.set_value(solved.failure);
   });
   queue.solve(run_, true);
-  EXPECT_EQ(failure.get_future().get(), "no space left");
+  std::future<std::string> reported = failure.get_future();
+  ASSERT_EQ(reported.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  EXPECT_EQ(reported.get(), "no space left");
   EXPECT_FALSE(queue.is_solving());
 }
 
