@@ -23,15 +23,6 @@ constexpr double kMinAccelerationFraction = 0.025;
 /// Fraction of the forecast's mean squared error that the covariance of the twist does not contain.
 constexpr double kForecastFraction = 0.3;
 
-/// Variance of the begin of a sweep in units of the squared gap between sweeps. What a gap shows is
-/// the error of two continuations, each with its own; the begin is taken from both
-/// (sweep_begin.hpp).
-constexpr double kIrregularityFactor = 0.1;
-constexpr double kIrregularityRate = 0.1;
-/// What a squared gap exceeds this multiple of its variance by is not noise: two standard
-/// deviations.
-constexpr double kExplainedGap = 4.0;
-
 /// Standard deviation of a pose relative to the part of the map that was inserted with it.
 constexpr double kAnchorSigma = 0.01;  // m
 
@@ -239,22 +230,6 @@ void MotionFilter::update_acceleration_sigmas(const MotionState& state,
                            turn.tail<3>().norm()));
 }
 
-void MotionFilter::learn_irregularity(const Matrix12d& reported) {
-  if (previous_match_) {
-    const double seconds = previous_match_->seconds_before;
-    const Vector6d gap = gap_between({previous_match_->state, state_, seconds});
-    const Covariance6 explained =
-        pose_covariance(last_reported_, previous_match_->state.twist, 0.5 * seconds) +
-        pose_covariance(reported, state_.twist, -0.5 * seconds);
-    const Eigen::Vector2d squares(
-        gap.head<3>().squaredNorm() - kExplainedGap * explained.topLeftCorner<3, 3>().trace(),
-        gap.tail<3>().squaredNorm() - kExplainedGap * explained.bottomRightCorner<3, 3>().trace());
-    irregularity_ += kIrregularityRate * (squares.cwiseMax(0.0) / 3.0 - irregularity_);
-    step_of_irregularity_ = seconds;
-  }
-  last_reported_ = reported;
-}
-
 /// A jump of the pose, for example when tracking is regained, is not an acceleration.
 Vector6d MotionFilter::plausible_acceleration(const Vector6d& acceleration,
                                               const Eigen::Matrix3d& observed) const {
@@ -302,14 +277,6 @@ void MotionFilter::anchor(const std::vector<Eigen::Vector3d>& directions) {
     known.topLeftCorner<3, 3>() += kAnchorSigma * kAnchorSigma * d * d.transpose();
   }
   covariance_ = rest * covariance_ * rest.transpose() + known;
-}
-
-/// The error of a pose grows with the square of the distance from the middle of the sweep.
-Covariance6 MotionFilter::irregularity_covariance(double seconds) const {
-  if (step_of_irregularity_ == 0.0) return Covariance6::Zero();
-  const double scale = 4.0 * seconds * seconds / (step_of_irregularity_ * step_of_irregularity_);
-  const Eigen::Vector2d sigma = scale * (kIrregularityFactor * irregularity_).cwiseSqrt();
-  return diagonal_covariance(sigma[0], turning_measured_ ? 0.0 : sigma[1]);
 }
 
 registration::MotionBelief MotionFilter::belief() const { return {state_, covariance_.inverse()}; }

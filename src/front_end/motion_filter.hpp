@@ -95,18 +95,9 @@ class MotionFilter {
   void correct(const MotionState& state, const Matrix12d& covariance,
                const Eigen::Matrix3d& observed = Eigen::Matrix3d::Identity());
 
-  /// To be called after correct(), with the covariance that is reported for the match: learns how
-  /// irregularly the twist changes.
-  void learn_irregularity(const Matrix12d& reported);
-
   /// To be called when a scan was inserted at this pose. Along directions in which the pose was
   /// only predicted, the new part of the map has the same error: relative to it the pose is known.
   void anchor(const std::vector<Eigen::Vector3d>& directions);
-
-  /// Covariance of the pose `seconds` before or after the state that comes from irregular changes
-  /// of the twist. It is in addition to the covariance of the state, and learned from the gaps
-  /// between successive sweeps as far as the covariances of their states do not explain them.
-  Covariance6 irregularity_covariance(double seconds) const;
 
   const MotionState& state() const { return state_; }
   /// Change of the twist per second before the last matched state; zero if nothing was matched
@@ -140,13 +131,9 @@ class MotionFilter {
   AccelerationSigma angular_;
   double step_seconds_ = 0.0;  ///< of the last prediction
   TwistPredictor forecast_;
-  MotionState last_corrected_;                   ///< the state that was last corrected
-  Matrix12d last_reported_ = Matrix12d::Zero();  ///< covariance reported for it
-  /// Running mean of the unexplained squared gap per axis: linear (m^2), angular (rad^2).
-  Eigen::Vector2d irregularity_ = Eigen::Vector2d::Zero();
-  double step_of_irregularity_ = 0.0;  ///< s between the sweeps of the last gap
-  bool has_match_ = false;             ///< true if that was a match, not the start
-  double since_corrected_ = 0.0;       ///< s
+  MotionState last_corrected_;    ///< the state that was last corrected
+  bool has_match_ = false;        ///< true if that was a match, not the start
+  double since_corrected_ = 0.0;  ///< s
   std::optional<PreviousMatch> previous_match_;
   bool corrected_ = false;  ///< true if nothing was predicted since then
   Vector6d acceleration_ = Vector6d::Zero();

@@ -113,7 +113,7 @@ void NdtTracker::update(const Step& step, const PredictedMotion& predicted, cons
   if (!status.degenerate_directions.empty() && claims_pose(status.state))
     status.state = TrackingState::kDegenerate;
   learn(step, predicted, match, status);
-  correct_motion(match.found, state_);
+  correct_motion(match.found, sweep_.duration(), state_);
   if (!claims_pose(status.state))
     state_.covariance += doubt_covariance(ndt.state, match.prior, status.probability);
   update_unobserved_travel(step, predicted, match);

@@ -39,9 +39,12 @@ constexpr double kNewMapAngle = 0.02;     // rad
 
 }  // namespace
 
+double credible_residual_variance(const NdtMatch& match) {
+  return std::max(kMinResidualVariance, match.residual_variance);
+}
+
 Matrix12d reported_covariance(const NdtMatch& match) {
-  const double weight =
-      kReportedWeight / std::sqrt(std::max(kMinResidualVariance, match.residual_variance));
+  const double weight = kReportedWeight / std::sqrt(credible_residual_variance(match));
   const Matrix12d information = match.information + (weight - 1.0) * match.points_information;
   return information.inverse();
 }

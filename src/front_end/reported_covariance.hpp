@@ -6,6 +6,9 @@
 
 namespace lidar_mapping::front_end {
 
+/// The variance of the residuals, but no less than what a map of one scan can show.
+double credible_residual_variance(const registration::NdtMatch& match);
+
 /// Covariance of a match (pose and twist) as it is reported. The filter gives the points a low
 /// weight, because the errors of neighbouring points are correlated; so its own covariance is too
 /// large. The reported covariance has the size of the errors in simulated drives. It depends on the

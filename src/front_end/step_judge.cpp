@@ -36,10 +36,14 @@ Vector6d motion_change(const NdtMatch& match, const Pose& last_matched_pose, dou
   return difference(continued, match.state.T_map_sensor);
 }
 
+/// As the sweep is not smoothed before it is judged, its own covariance is taken as the last one's.
 PoseEstimate estimate_at_stamp(const NdtMatch& match, const TrackerState& state, double to_stamp) {
+  Matrix12d covariance = reported_covariance(match);
+  if (state.smoother.smoothes())
+    covariance = without_smoothed_twist(covariance, state.filter.is_rotation_measured());
   return {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
-          pose_covariance(reported_covariance(match), match.state.twist, to_stamp),
-          drift_variance_factor(state, match), state.filter.irregularity_covariance(to_stamp)};
+          pose_covariance(covariance, match.state.twist, to_stamp),
+          drift_variance_factor(state, match), state.smoother.usual_covariance()};
 }
 
 /// How well the motion during the sweep agrees with that of the last one.

@@ -5,7 +5,6 @@
 
 #include "degeneracy.hpp"
 #include "reported_covariance.hpp"
-#include "sweep_begin.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -34,17 +33,18 @@ double drift_variance_factor(const TrackerState& state, const registration::NdtM
 void start_motion(const Pose& T_odom_base, double reference, TrackerState& state) {
   state.last_matched_pose = T_odom_base;
   state.filter.reset(T_odom_base, kInitialSpeedSigma, kInitialRateSigma);
+  state.smoother.reset();
   state.filter.predict(reference);
   state.covariance = state.filter.covariance();
   state.drift_variance_factor = 1.0;
 }
 
-void correct_motion(const SweepMatcher::Found& found, TrackerState& state) {
+void correct_motion(const SweepMatcher::Found& found, double duration, TrackerState& state) {
   const registration::NdtMatch& match = found.match;
   state.filter.correct(match.state, match.information.inverse(),
                        projection_orthogonal_to(found.degenerate_directions));
   state.covariance = reported_covariance(match);
-  state.filter.learn_irregularity(state.covariance);
+  state.smoother.add(found, state.filter, duration);
   state.drift_variance_factor = drift_variance_factor(state, match);
   state.last_matched_pose = match.state.T_map_sensor;
   state.lost_time = 0.0;
@@ -54,12 +54,16 @@ void set_motion_at_stamp(const TrackerState& state, const SweepSampler& sweep,
                          TrackedScan& result) {
   const double to_stamp = -sweep.reference();
   const MotionFilter& filter = state.filter;
-  const SweepMotion motion = motion_from_stamp(filter, sweep.duration(), to_stamp);
-  result.T_odom_base = motion.begin.T_map_sensor;
-  result.twist = motion.begin.twist;
+  const MotionAtStamp motion = state.smoother.motion_at(to_stamp, filter, sweep.duration());
+  result.T_odom_base = motion.state.T_map_sensor;
+  result.twist = motion.state.twist;
   result.acceleration = motion.acceleration;
-  result.covariance = pose_covariance(state.covariance, filter.state().twist, to_stamp);
-  result.sweep_covariance = filter.irregularity_covariance(to_stamp);
+  const Matrix12d covariance =
+      state.smoother.is_smoothed(filter)
+          ? without_smoothed_twist(state.covariance, filter.is_rotation_measured())
+          : state.covariance;
+  result.covariance = pose_covariance(covariance, filter.state().twist, to_stamp);
+  result.sweep_covariance = motion.covariance;
   result.drift_variance_factor = state.drift_variance_factor;
   result.motion_known = state.motion_known;
 }

@@ -8,6 +8,7 @@
 #include "motion_filter.hpp"
 #include "sweep_matcher.hpp"
 #include "sweep_sampler.hpp"
+#include "sweep_smoother.hpp"
 #include "tracker.hpp"
 
 namespace lidar_mapping::front_end {
@@ -23,6 +24,7 @@ struct TrackerState {
   LocalMap map;
   MapCoverage coverage;
   MotionFilter filter;
+  SweepSmoother smoother;
   /// False until a second scan was matched: before that, the twist is only assumed.
   bool motion_known = false;
   /// The reported covariance of pose and twist. The filter's own covariance is too large after a
@@ -40,8 +42,8 @@ double drift_variance_factor(const TrackerState& state, const registration::NdtM
 /// not. `reference` is the time from the stamp to the middle of the sweep, s.
 void start_motion(const Pose& T_odom_base, double reference, TrackerState& state);
 
-/// Adopts the motion that was matched.
-void correct_motion(const SweepMatcher::Found& found, TrackerState& state);
+/// Adopts the motion that was matched in a sweep of `duration` seconds.
+void correct_motion(const SweepMatcher::Found& found, double duration, TrackerState& state);
 
 /// Writes pose, twist and acceleration at the stamp of the sweep, with their uncertainty, into the
 /// result.

@@ -43,13 +43,18 @@ struct NormalEquations {
   FitSums fit;
 };
 
+void add(const NdtPart& part, NdtPart& sum) {
+  sum.hessian += part.hessian;
+  sum.gradient += part.gradient;
+}
+
 /// A point seen s seconds after the reference time moves with the twist as it moves with the pose,
 /// times s. So the blocks of the twist follow from those of the pose, a time slice at a time. The
 /// slice's mean time stands in the Jacobian only, never in the residual: the solution is exact.
-void add_slice(const NdtSums& sums, double s, const Eigen::Matrix3d& R, NormalEquations& sum) {
-  const NdtPart part = part_of(sums, R);
-  const Matrix6d& H = part.hessian;
-  const Vector6d& b = part.gradient;
+void add_slice(const NdtSlice& slice, NormalEquations& sum) {
+  const double s = slice.time;
+  const Matrix6d& H = slice.part.hessian;
+  const Vector6d& b = slice.part.gradient;
   sum.pose_hessian += H;
   sum.hessian.topLeftCorner<6, 6>() += H;
   sum.hessian.topRightCorner<6, 6>() += s * H;
@@ -57,7 +62,6 @@ void add_slice(const NdtSums& sums, double s, const Eigen::Matrix3d& R, NormalEq
   sum.hessian.bottomRightCorner<6, 6>() += s * s * H;
   sum.gradient.head<6>() += b;
   sum.gradient.tail<6>() += s * b;
-  sum.fit.add(sums);
 }
 
 SweepMotion sweep_motion(const MotionState& state, const Eigen::Vector3d& origin) {
@@ -151,6 +155,7 @@ class NdtMatcher::Impl {
     match.pose_hessian = sum.pose_hessian;
     write_figures(sum.fit, points.size(), match);
     if (options.parts) {
+      match.slices = slices_;
       match.parts = parts_.of(points, rotated_, neighbors_.planes(0),
                               static_cast<float>(final_kernel), R_map_sensor);
     }
@@ -202,12 +207,17 @@ class NdtMatcher::Impl {
     const SweepMotion motion = place(points, map, state);
     const Eigen::Matrix3d R = state.T_map_sensor.rotation_matrix();
     NormalEquations sum;
-    for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
-      for (const NdtPoints::Slice& slice : points.slices()) {
+    slices_.clear();
+    for (const NdtPoints::Slice& slice : points.slices()) {
+      NdtSlice& equations = slices_.emplace_back();
+      equations.time = slice.time;
+      for (std::size_t neighbor = 0; neighbor < neighbors_.count(); ++neighbor) {
         const NdtSums sums =
             slice_sums(slice, neighbor, motion, static_cast<float>(kernel_squared));
-        add_slice(sums, slice.time, R, sum);
+        add(part_of(sums, R), equations.part);
+        sum.fit.add(sums);
       }
+      add_slice(equations, sum);
     }
     return sum;
   }
@@ -228,6 +238,7 @@ class NdtMatcher::Impl {
   std::vector<std::int32_t> cells_;
   NdtNeighbors neighbors_;
   NdtParts parts_;
+  std::vector<NdtSlice> slices_;  ///< of the last normal equations
 };
 
 NdtMatcher::NdtMatcher() : impl_(std::make_unique<Impl>()) {}

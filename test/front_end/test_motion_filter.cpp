@@ -9,7 +9,6 @@
 
 #include "motion_filter.hpp"
 #include "near.hpp"
-#include "sweep_begin.hpp"
 #include "twist_predictor.hpp"
 #include "velocity_validator.hpp"
 
@@ -72,110 +71,6 @@ TEST(MotionFilter, IgnoresJumpsAsAccelerations) {
   filter.predict(0.1);
   filter.correct({turning_in(1.0), Vector6d::Zero()}, filter.covariance());
   EXPECT_EQ(filter.acceleration().norm(), 0.0);
-}
-
-constexpr double kSweep = 0.1;  // s
-
-/// Yaw (rad) of a body that sways, and its way forward (m): neither its rate nor its speed changes
-/// steadily.
-double swaying_yaw(double seconds) { return 0.1 * std::sin(2.0 * kPi * 2.5 * seconds); }
-double swaying_way(double seconds) { return seconds + 0.02 * std::sin(2.0 * kPi * 2.0 * seconds); }
-
-/// Value and slope at the middle of the straight line that fits f best within a sweep.
-template <typename Function>
-Eigen::Vector2d fitted_line(const Function& f, double middle) {
-  constexpr int kSamples = 100;
-  Eigen::Vector2d line = Eigen::Vector2d::Zero();
-  for (int i = 0; i < kSamples; ++i) {
-    const double u = kSweep * ((i + 0.5) / kSamples - 0.5);
-    line += Eigen::Vector2d(f(middle + u), 12.0 / (kSweep * kSweep) * u * f(middle + u)) / kSamples;
-  }
-  return line;
-}
-
-/// What the match of a sweep finds. Way and yaw are independent of each other here: the sensor
-/// looks along the axis of its motion.
-MotionState swaying(double middle) {
-  const Eigen::Vector2d yaw = fitted_line(swaying_yaw, middle);
-  const Eigen::Vector2d way = fitted_line(swaying_way, middle);
-  MotionState state;
-  state.T_map_sensor = {exp_so3({yaw[0], 0.0, 0.0}), {way[0], 0.0, 0.0}};
-  state.twist[0] = way[1];
-  state.twist[3] = yaw[1];
-  return state;
-}
-
-/// Root mean square errors of the begins of sweeps, m and rad.
-Eigen::Vector2d begin_errors(bool improved) {
-  MotionFilter filter(10.0, 20.0);
-  filter.reset(Pose{}, 15.0, 1.0);
-  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
-  for (int i = 0; i < 40; ++i) {
-    filter.predict(kSweep);
-    filter.correct(swaying(i * kSweep), filter.covariance());
-    const MotionState begin = improved ? motion_from_stamp(filter, kSweep, -0.5 * kSweep).begin
-                                       : steadily_accelerated(filter.state(), filter.acceleration(),
-                                                              kSweep, -0.5 * kSweep);
-    const double time = (i - 0.5) * kSweep;
-    const Pose truth{exp_so3({swaying_yaw(time), 0.0, 0.0}), {swaying_way(time), 0.0, 0.0}};
-    const Vector6d error = difference(truth, begin.T_map_sensor);
-    if (i > 0) squares += Eigen::Vector2d(error[0] * error[0], error[3] * error[3]);
-  }
-  return (squares / 39.0).cwiseSqrt();
-}
-
-TEST(SweepBegin, IsBetterKnownFromBothSides) {
-  const Eigen::Vector2d alone = begin_errors(false);
-  const Eigen::Vector2d both = begin_errors(true);
-  EXPECT_LT(both[0], 0.8 * alone[0]);
-  EXPECT_LT(both[1], 0.7 * alone[1]);
-}
-
-TEST(SweepBegin, IsUnchangedBySteadyAcceleration) {
-  const SweepPair sweeps{fitted_turning_in(0.1), fitted_turning_in(0.2), kSweep};
-  SweepMotion motion;
-  motion.acceleration[5] = 1.0;
-  motion.begin = steadily_accelerated(sweeps.current, motion.acceleration, kSweep, -0.5 * kSweep);
-  const SweepMotion improved = improved_begin(motion, sweeps, kSweep, true);
-  // turning_in() takes a chord for an arc, hence the millimetre.
-  EXPECT_TRUE(test::near(improved.begin.T_map_sensor, motion.begin.T_map_sensor, 1e-3, 1e-5));
-  EXPECT_LT(gap_between(sweeps).tail<3>().norm(), 1e-4);
-}
-
-TEST(SweepBegin, KeepsTheMiddleOfTheSweep) {
-  const SweepPair sweeps{swaying(0.1), swaying(0.2), kSweep};
-  SweepMotion motion;
-  motion.begin = steadily_accelerated(sweeps.current, Vector6d::Zero(), kSweep, -0.5 * kSweep);
-  const auto middle_of = [](const SweepMotion& m) {
-    return moved(moved(m.begin.T_map_sensor, m.begin.twist, 0.5 * kSweep), m.acceleration,
-                 0.125 * kSweep * kSweep);
-  };
-  const SweepMotion improved = improved_begin(motion, sweeps, kSweep, true);
-  EXPECT_GT(difference(motion.begin.T_map_sensor, improved.begin.T_map_sensor).norm(), 1e-3);
-  EXPECT_TRUE(test::near(middle_of(improved), middle_of(motion), 1e-3));
-}
-
-TEST(SweepBegin, LeavesAMeasuredRotation) {
-  const SweepPair sweeps{swaying(0.1), swaying(0.2), kSweep};
-  SweepMotion motion;
-  motion.begin = steadily_accelerated(sweeps.current, Vector6d::Zero(), kSweep, -0.5 * kSweep);
-  const SweepMotion improved = improved_begin(motion, sweeps, kSweep, false);
-  const Vector6d change = difference(motion.begin.T_map_sensor, improved.begin.T_map_sensor);
-  EXPECT_EQ(change.tail<3>().norm(), 0.0);
-  EXPECT_GT(change.head<3>().norm(), 1e-4);
-}
-
-TEST(SweepBegin, IsLeftAloneIfTheSweepsDoNotTouch) {
-  MotionFilter filter(10.0, 20.0);
-  filter.reset(Pose{}, 15.0, 1.0);
-  for (const double middle : {0.0, 0.3}) {
-    filter.predict(0.3);
-    filter.correct(swaying(middle), filter.covariance());
-  }
-  const MotionState alone =
-      steadily_accelerated(filter.state(), filter.acceleration(), kSweep, -0.5 * kSweep);
-  const MotionState begin = motion_from_stamp(filter, kSweep, -0.5 * kSweep).begin;
-  EXPECT_EQ(difference(alone.T_map_sensor, begin.T_map_sensor).norm(), 0.0);
 }
 
 // A measured speed forward moves the prediction forward.

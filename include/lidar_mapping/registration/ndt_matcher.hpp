@@ -53,7 +53,7 @@ struct NdtOptions {
   /// Directions (unit vectors in the sensor's axes) along which the points are ignored: their
   /// information is marginalised out, and the prior decides there.
   std::vector<Eigen::Vector3d> blind_directions;
-  /// Whether NdtMatch::parts is wanted.
+  /// Whether NdtMatch::parts and NdtMatch::slices are wanted.
   bool parts = false;
 };
 
@@ -71,6 +71,13 @@ constexpr std::size_t kNdtSectors = 8;
 /// Parts of a match: the sectors with their points that are nearer than the mean range, then the
 /// sectors with the farther ones.
 constexpr std::size_t kNdtParts = 2 * kNdtSectors;
+
+/// Normal equations of the points of nearly the same time for a change of the sensor's pose at that
+/// time, in the axes of the sensor at the reference time.
+struct NdtSlice {
+  double time = 0.0;  ///< s after the reference time
+  NdtPart part;
+};
 
 /// Where the points fit best, and how well.
 struct NdtMatch {
@@ -92,6 +99,9 @@ struct NdtMatch {
   double fitness = 0.0;  ///< mean squared distance of the inliers to their planes, m^2
   /// kNdtParts of them if they were asked for, else none.
   std::vector<NdtPart> parts;
+  /// The time slices of the points in their order, if parts were asked for. Blind directions are
+  /// not marginalised out.
+  std::vector<NdtSlice> slices;
 };
 
 /// Aligns points with a GaussianVoxelMap: point to plane of the voxel that a point falls into, with
