@@ -38,11 +38,18 @@ void DeviationFilter::predict(double seconds) {
 void DeviationFilter::measure(const registration::NdtPart& part, double weight) {
   const Matrix6d H = weight * part.hessian;
   const Eigen::Matrix<double, kDimension, 6> P_d = P_.leftCols<6>();
-  const Matrix6d information = (Matrix6d::Identity() + H * P_d.topRows<6>()).inverse() * H;
+  const Matrix6d information =
+      (Matrix6d::Identity() + H * P_d.topRows<6>()).partialPivLu().solve(H);
   const Vector6d innovation = -weight * part.gradient - H * x_.head<6>();
-  P_ -= P_d * information * P_d.transpose();
+  Eigen::Matrix<double, kDimension, 6> gain;
+  gain.noalias() = P_d * information;
   // Rounding errors that are not symmetric would grow.
-  P_ = 0.5 * (P_ + P_.transpose()).eval();
+  for (int column = 0; column < kDimension; ++column) {
+    for (int row = column; row < kDimension; ++row) {
+      P_(row, column) -= gain.row(row).dot(P_d.row(column));
+      P_(column, row) = P_(row, column);
+    }
+  }
   x_ += P_.leftCols<6>() * innovation;
 }
 
