@@ -16,6 +16,15 @@ constexpr double kDataWeight = 0.15;
 
 /// Weight of the newest sweep in running means.
 constexpr double kLearningRate = 0.1;
+/// Largest change of the twist during a sweep that counts as motion and not as a match that was
+/// off, as at the begin of a map: m/s, rad/s. Chosen: three times what a footfall of a legged robot
+/// does.
+constexpr double kMaxTwistChange = 3.0;
+/// Largest innovation that counts for the scale, in standard deviations.
+constexpr double kMaxInnovation = 5.0;
+/// Part of the covariance by which the errors of steps are explained best. Chosen: the squared
+/// errors of cars are then about half of their covariance, those of legs are equal to it.
+constexpr double kReportedFraction = 0.5;
 /// Least noise, linear (m^2/s^3) and angular (rad^2/s^3), so that a motion that has been steady may
 /// change: by 1 cm/s and 3 mrad/s within 0.1 s. Chosen.
 const Eigen::Vector2d kMinNoise(1e-3, 1e-4);
@@ -153,7 +162,9 @@ void SweepSmoother::learn_noise(const MotionFilter& filter, double duration) {
                              seconds * end_->covariance.bottomRightCorner<6, 6>();
   const Vector6d density = (product - explained.diagonal()) / (2.0 / 15.0 * duration * duration);
   ++learned_sweeps_;
-  noise_ += newest_weight() * (linear_and_angular(density).cwiseMax(0.0) - noise_);
+  const double most = kMaxTwistChange * kMaxTwistChange / duration;
+  const Eigen::Vector2d newest = linear_and_angular(density).cwiseMax(0.0).cwiseMin(most);
+  noise_ += newest_weight() * (newest - noise_);
 }
 
 void SweepSmoother::smooth(const SweepMatcher::Found& found, const MotionFilter& filter,
@@ -182,14 +193,16 @@ void SweepSmoother::smooth(const SweepMatcher::Found& found, const MotionFilter&
 void SweepSmoother::learn_scale(const SweepDeviations& before, const SweepDeviations& after) {
   const Vector6d moved = (after.poses - before.poses).head<6>();
   const Vector6d lessened = (before.covariance - after.covariance).diagonal().head<6>();
-  const double weight = newest_weight();
-  squared_innovation_ += weight * (linear_and_angular(moved.cwiseAbs2()) - squared_innovation_);
-  expected_innovation_ += weight * (linear_and_angular(lessened) - expected_innovation_);
+  const Eigen::Vector2d expected = linear_and_angular(lessened);
+  const Eigen::Vector2d squared =
+      linear_and_angular(moved.cwiseAbs2()).cwiseMin(kMaxInnovation * kMaxInnovation * expected);
+  squared_innovation_ += newest_weight() * (squared - squared_innovation_);
+  expected_innovation_ += newest_weight() * (expected - expected_innovation_);
 }
 
 Covariance6 SweepSmoother::scaled(const Covariance6& covariance) const {
-  const Vector6d scale =
-      per_axis(squared_innovation_.cwiseQuotient(expected_innovation_).cwiseSqrt());
+  const Eigen::Vector2d ratio = squared_innovation_.cwiseQuotient(expected_innovation_);
+  const Vector6d scale = per_axis((kReportedFraction * ratio).cwiseSqrt());
   return scale.asDiagonal() * covariance * scale.asDiagonal();
 }
 
