@@ -138,11 +138,13 @@ bool SensorOdometry::try_other_times(const Scan& scan, const MotionPrior& prior,
   tracked.status.sweep_times = times_;
   if (!times_trial_) return false;
   timer_.start("point times");
-  std::optional<SweepTimesTrial::Successor> successor =
-      is_gyro_corrected
-          ? times_trial_->add({scan.stamp, put_back(*prior.uneven_turning, scan.cloud)}, prior,
-                              tracked)
-          : times_trial_->add(scan, prior, tracked);
+  MotionPrior without_gyro = prior;
+  if (prior.uneven_turning) without_gyro.angular_velocity.reset();
+  std::optional<Scan> uncorrected;
+  if (is_gyro_corrected)
+    uncorrected = Scan{scan.stamp, put_back(*prior.uneven_turning, scan.cloud)};
+  std::optional<SweepTimesTrial::Successor> successor = times_trial_->add(
+      uncorrected ? *uncorrected : scan, without_gyro, tracked, prior.uneven_turning.has_value());
   if (times_trial_->is_finished()) times_trial_.reset();
   timer_.stop();
   if (!successor) return false;

@@ -39,7 +39,9 @@ constexpr double kLeastVariance = 0.01;
 constexpr double kMaxDuration = 0.25;
 constexpr double kUsualDuration = 0.1;
 
-std::vector<SweepTimes> candidates_for(const PointCloud& cloud) {
+/// Without the gyro the given times may be better, too: then the gyro is wrong and not the times.
+std::vector<SweepTimes> candidates_for(const PointCloud& cloud, bool without_gyro) {
+  if (cloud.has_times() && without_gyro) return {SweepTimes::kAsGiven, SweepTimes::kNegated};
   if (cloud.has_times()) return {SweepTimes::kNegated};
   return {SweepTimes::kByAzimuth, SweepTimes::kByPosition};
 }
@@ -84,8 +86,8 @@ void SweepTimesTrial::restart() {
   scans_ = 0;
 }
 
-void SweepTimesTrial::start(const Scan& scan) {
-  for (const SweepTimes times : candidates_for(scan.cloud)) {
+void SweepTimesTrial::start(const Scan& scan, bool without_gyro) {
+  for (const SweepTimes times : candidates_for(scan.cloud, without_gyro)) {
     candidates_.push_back({times, make_tracker(config_), {}, {}});
     if (viewpoint_at_origin_) candidates_.back().tracker->set_viewpoint_at_origin();
   }
@@ -108,12 +110,13 @@ bool SweepTimesTrial::follow(Stamp stamp, const Pose& T_odom_base) {
 
 std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
                                                                const MotionPrior& prior,
-                                                               const TrackedScan& tracked) {
+                                                               const TrackedScan& tracked,
+                                                               bool without_gyro) {
   if (tracked.new_segment) restart();
   const bool moves = follow(scan.stamp, tracked.T_odom_base);
   if (candidates_.empty()) {
     if (!moves) return std::nullopt;
-    start(scan);
+    start(scan, without_gyro);
   }
   ++scans_;
   for (Candidate& candidate : candidates_) {
@@ -141,7 +144,8 @@ std::vector<SweepTimesTrial::Candidate>::iterator SweepTimesTrial::best_candidat
 std::optional<SweepTimesTrial::Successor> SweepTimesTrial::decide(const TrackedScan& tracked) {
   const auto best = best_candidate();
   std::optional<Successor> successor;
-  if (certainty(best->gain) > 0.0 && claims_pose(best->tracked.status.state)) {
+  const bool is_better = certainty(best->gain) > 0.0;
+  if (is_better && best->times != SweepTimes::kAsGiven && claims_pose(best->tracked.status.state)) {
     best->tracker->finalize();
     const Pose T_odom_start = tracked.T_odom_base * best->tracked.T_odom_base.inverse();
     auto moved = std::make_unique<MovedTracker>(std::move(best->tracker), T_odom_start);
@@ -150,10 +154,12 @@ std::optional<SweepTimesTrial::Successor> SweepTimesTrial::decide(const TrackedS
     result.revisions.clear();
     successor = Successor{best->times, duration_, std::move(moved), std::move(result)};
   }
-  is_finished_ =
-      successor || scans_ >= kMaxScans ||
-      std::all_of(candidates_.begin(), candidates_.end(),
-                  [](const Candidate& candidate) { return certainty(candidate.gain) < 0.0; });
+  const auto has_lost = [](const Candidate& candidate) {
+    return candidate.times == SweepTimes::kAsGiven || certainty(candidate.gain) < 0.0;
+  };
+  is_finished_ = successor || scans_ >= kMaxScans ||
+                 (is_better && best->times == SweepTimes::kAsGiven) ||
+                 std::all_of(candidates_.begin(), candidates_.end(), has_lost);
   if (is_finished_) candidates_.clear();
   return successor;
 }

@@ -46,9 +46,10 @@ class SweepTimesTrial {
   void set_viewpoint_at_origin() { viewpoint_at_origin_ = true; }
 
   bool is_finished() const { return is_finished_; }
-  /// Takes a scan after it was tracked with the times that it was given.
+  /// Takes a scan after it was tracked with the times that it was given. `without_gyro`: what a
+  /// gyro had corrected in it was put back for the trial.
   std::optional<Successor> add(const Scan& scan, const MotionPrior& prior,
-                               const TrackedScan& tracked);
+                               const TrackedScan& tracked, bool without_gyro);
   /// The next scan does not follow the previous one: the trial begins again.
   void restart();
 
@@ -61,7 +62,7 @@ class SweepTimesTrial {
     RunningMean gain;  ///< logarithm of how much better its scans fit
   };
 
-  void start(const Scan& scan);
+  void start(const Scan& scan, bool without_gyro);
   bool follow(Stamp stamp, const Pose& T_odom_base);
   std::vector<Candidate>::iterator best_candidate();
   std::optional<Successor> decide(const TrackedScan& tracked);

@@ -76,9 +76,15 @@ struct Outcome {
   std::size_t distrusted = 0;  ///< scans, by the front end
   std::size_t refused = 0;     ///< scans, by preprocessing
   double largest_turn = 0.0;   ///< rad, error of a step
-  double error = 0.0;          ///< m, at the end
+  double start_error = 0.0;    ///< m, after the first second
+  double error = 0.0;          ///< m, since then
   double unseen_way = 0.0;     ///< m
+  SweepTimes times = SweepTimes::kAsGiven;
 };
+
+/// The scan at its end. A map of one scan of 16 beams knows the first step to a tenth of a metre
+/// only; what follows is told apart from that.
+constexpr std::size_t kFirstSecond = 10;
 
 Outcome follow(const simulation::Drive& drive) {
   EvaluatedDrive ride(drive);
@@ -98,6 +104,7 @@ Outcome follow(const simulation::Drive& drive) {
     outcome.distrusted += result.status.gyro_distrusted ? 1 : 0;
     outcome.refused += synced.imu && !synced.imu->has_angular_velocity ? 1 : 0;
     outcome.unseen_way = result.status.unseen_way;
+    outcome.times = result.status.sweep_times;
     const Pose T_map_base = drive.trajectory().pose(synced.scan.stamp);
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
                        (T_odom_last.inverse() * result.T_odom_base);
@@ -105,6 +112,10 @@ Outcome follow(const simulation::Drive& drive) {
       outcome.largest_turn = std::max(outcome.largest_turn, rotation_angle(error.rotation));
     T_map_last = T_map_base;
     T_odom_last = result.T_odom_base;
+    if (i == kFirstSecond) {
+      outcome.start_error = ride.error();
+      ride.restart_evaluation();
+    }
   }
   outcome.error = ride.error();
   return outcome;
@@ -119,7 +130,8 @@ TEST(CarriedDrive, StepsRotateCorrectlyWithAGyro) {
     EXPECT_EQ(outcome.distrusted, 0U);
     EXPECT_EQ(outcome.unseen_way, 0.0);
     EXPECT_LT(outcome.largest_turn, 1.0 * M_PI / 180.0);
-    EXPECT_LT(outcome.error, 0.1);
+    EXPECT_LT(outcome.start_error, 0.12);
+    EXPECT_LT(outcome.error, 0.03);
   }
 }
 
@@ -134,7 +146,10 @@ TEST(CarriedDrive, WrongGyroIsDetected) {
 /// By the LiDAR alone, m.
 double error_without_imu(const simulation::Drive& drive) {
   EvaluatedDrive ride(drive);
-  for (std::size_t i = 0; i < drive.scan_count(); ++i) ride.process(i);
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) {
+    ride.process(i);
+    if (i == kFirstSecond) ride.restart_evaluation();
+  }
   return ride.error();
 }
 
@@ -148,6 +163,7 @@ TEST(CarriedDrive, WrongGyroIsHarmless) {
       const Outcome outcome = follow(drive);
       EXPECT_EQ(outcome.lost, 0U);
       EXPECT_LT(outcome.error, error_without_imu(drive) + 0.05);
+      EXPECT_EQ(outcome.times, SweepTimes::kAsGiven) << "it is not the times that are wrong";
     }
   }
 }
@@ -156,7 +172,8 @@ TEST(CarriedDrive, WrongGyroIsHarmless) {
 TEST(CarriedDrive, GyroMayFailForSeconds) {
   const Outcome outcome = follow(carried_drive("handheld", 12.0, "imu_gap=2,6"));
   EXPECT_EQ(outcome.lost, 0U);
-  EXPECT_LT(outcome.error, 0.1);
+  EXPECT_LT(outcome.start_error, 0.12);
+  EXPECT_LT(outcome.error, 0.03);
 }
 
 }  // namespace
