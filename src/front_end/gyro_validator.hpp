@@ -31,6 +31,11 @@ class GyroValidator {
   /// matched attitude.
   void update(const Eigen::Quaterniond& previous, const Eigen::Quaterniond& without_gyro,
               const Eigen::Quaterniond& matched);
+  /// The rate of this sweep without the bias, if there is one.
+  std::optional<Eigen::Vector3d> rate() const;
+  /// Adds how far the time slices of a sweep contradict the rate, see
+  /// SweepSmoother::contradiction_to().
+  void add_contradiction(double contradiction);
   /// True if the gyro was observed long enough and found wrong.
   bool is_distrusted() const;
 
@@ -44,6 +49,7 @@ class GyroValidator {
   int matches_ = 0;
   bool accepted_ = true;         ///< whether the gyro is accepted for this sweep
   double confirmed_rate_ = 0.0;  ///< the largest rate that the matches confirmed, rad/s
+  double contradiction_ = 0.0;   ///< running mean
   double gyro_variance_ = 0.0;   ///< running mean of the gyro's squared errors per axis, (rad/s)^2
   double variance_without_gyro_ = 0.0;  ///< the same for predictions without the gyro
 };

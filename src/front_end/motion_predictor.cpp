@@ -46,6 +46,14 @@ void MotionPredictor::learn_rotation(const PredictedMotion& predicted, const Mot
                matched.T_map_sensor.rotation);
 }
 
+void MotionPredictor::learn_contradiction(const SweepSmoother& smoother, const MotionFilter& filter,
+                                          double duration) {
+  const std::optional<Eigen::Vector3d> rate = gyro_.rate();
+  if (!rate) return;
+  const std::optional<double> contradiction = smoother.contradiction_to(*rate, filter, duration);
+  if (contradiction) gyro_.add_contradiction(*contradiction);
+}
+
 void MotionPredictor::learn_velocity(const MotionPrior& prior, const MotionState& matched) {
   measured_.update(prior, matched.twist.head<3>());
 }

@@ -11,6 +11,7 @@
 #include "measured_motion.hpp"
 #include "motion_filter.hpp"
 #include "sweep_matcher.hpp"
+#include "sweep_smoother.hpp"
 
 namespace lidar_mapping::front_end {
 
@@ -42,6 +43,9 @@ class MotionPredictor {
   /// Learns from a matched rotation. `filter` is the one from which the match started.
   void learn_rotation(const PredictedMotion& predicted, const MotionFilter& filter,
                       const MotionState& matched);
+  /// Learns from the time slices of the last sweep, which lasted `duration` seconds.
+  void learn_contradiction(const SweepSmoother& smoother, const MotionFilter& filter,
+                           double duration);
   /// Learns from a matched velocity that the points observed in all directions.
   void learn_velocity(const MotionPrior& prior, const MotionState& matched);
 

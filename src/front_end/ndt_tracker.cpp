@@ -114,6 +114,7 @@ void NdtTracker::update(const Step& step, const PredictedMotion& predicted, cons
     status.state = TrackingState::kDegenerate;
   learn(step, predicted, match, status);
   correct_motion(match.found, sweep_.duration(), state_);
+  predictor_.learn_contradiction(state_.smoother, state_.filter, sweep_.duration());
   if (!claims_pose(status.state))
     state_.covariance += doubt_covariance(ndt.state, match.prior, status.probability);
   update_unobserved_travel(step, predicted, match);

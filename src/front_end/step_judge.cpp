@@ -39,7 +39,7 @@ Vector6d motion_change(const NdtMatch& match, const Pose& last_matched_pose, dou
 /// As the sweep is not smoothed before it is judged, its own covariance is taken as the last one's.
 PoseEstimate estimate_at_stamp(const NdtMatch& match, const TrackerState& state, double to_stamp) {
   Matrix12d covariance = reported_covariance(match);
-  if (state.smoother.smoothes())
+  if (state.smoother.has_smoothed_last_match())
     covariance = without_smoothed_twist(covariance, state.filter.is_rotation_measured());
   return {moved(match.state.T_map_sensor, match.state.twist, to_stamp),
           pose_covariance(covariance, match.state.twist, to_stamp),

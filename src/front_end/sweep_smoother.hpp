@@ -41,17 +41,24 @@ class SweepSmoother {
   /// The motion `seconds` after the middle of the last sweep: the smoothed one if that sweep was
   /// smoothed, else that of the filter.
   MotionAtStamp motion_at(double seconds, const MotionFilter& filter, double duration) const;
+  /// How far a gyro's mean rate during the last sweep (rad/s) is from what the time slices say, as
+  /// a squared difference divided by its covariance: about 1 or less for a gyro that is right.
+  /// Empty if nothing can be said.
+  std::optional<double> contradiction_to(const Eigen::Vector3d& rate, const MotionFilter& filter,
+                                         double duration) const;
   /// Whether the sweep was smoothed that `filter` was corrected with last, after which nothing was
   /// predicted.
   bool is_smoothed(const MotionFilter& filter) const;
   /// Whether the last sweep that was matched was smoothed.
-  bool smoothes() const { return deviations_.has_value(); }
+  bool has_smoothed_last_match() const { return deviations_.has_value(); }
   /// The covariance that motion_at() gave the last time that a sweep was smoothed, for the begin.
   const Covariance6& usual_covariance() const { return usual_covariance_; }
 
  private:
   void learn_noise(const MotionFilter& filter, double duration);
   void learn_scale(const SweepDeviations& before, const SweepDeviations& after);
+  double contradiction_at_begin(const SweepDeviations& before, const MotionFilter& filter,
+                                double duration) const;
   Covariance6 scaled(const Covariance6& covariance) const;
   double newest_weight() const;
   void smooth(const SweepMatcher::Found& found, const MotionFilter& filter, double duration);
@@ -64,6 +71,7 @@ class SweepSmoother {
   // How far sweeps move the deviation at their begin, and how far they should; m^2, rad^2.
   Eigen::Vector2d squared_innovation_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d expected_innovation_ = Eigen::Vector2d::Constant(1e-12);
+  std::optional<double> contradiction_;  ///< of the last sweep to its measured rotation
   Covariance6 usual_covariance_ = Covariance6::Zero();
 };
 

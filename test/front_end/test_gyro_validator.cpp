@@ -180,5 +180,28 @@ TEST(MotionFilter, LearnsAngularAccelerationDespiteTheGyro) {
   EXPECT_GT(spread(true), 0.8 * spread(false));
 }
 
+// Legs shake so much that a wrong gyro predicts no worse than none.
+TEST(GyroValidator, DistrustsAGyroThatTheTimeSlicesContradict) {
+  GyroValidator validator;
+  ride(20, kExact, validator);
+  validator.add_contradiction(100.0);
+  EXPECT_FALSE(validator.is_distrusted()) << "one match that is off";
+  for (int i = 0; i < 10; ++i) validator.add_contradiction(10.0);
+  EXPECT_TRUE(validator.is_distrusted());
+  EXPECT_FALSE(validator.accepts(turning_at({0.1, 0.0, 0.0})));
+  for (int i = 0; i < 10; ++i) validator.add_contradiction(0.5);
+  EXPECT_FALSE(validator.is_distrusted()) << "it is right again";
+}
+
+TEST(GyroValidator, GivesTheRateWithoutTheBias) {
+  const Eigen::Vector3d bias(0.02, -0.03, 0.01);
+  GyroValidator validator;
+  EXPECT_FALSE(validator.rate());
+  ride(
+      200, [&](const Eigen::Vector3d& rate) { return Eigen::Vector3d(rate + bias); }, validator);
+  ASSERT_TRUE(validator.rate());
+  EXPECT_TRUE(test::near(*validator.rate(), true_rate(199), 2e-3));
+}
+
 }  // namespace
 }  // namespace lidar_mapping::front_end
