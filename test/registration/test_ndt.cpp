@@ -258,5 +258,29 @@ TEST(NdtMatcher, PartsOfAMatchAddUpToTheWhole) {
   EXPECT_LT(std::count_if(match.parts.begin(), match.parts.end(), is_empty), 6);
 }
 
+// With one plane for each point, and with up to seven.
+TEST(NdtMatcher, SlicesOfAMatchAddUpToTheWhole) {
+  GaussianVoxelMap map = corner_map();
+  const MotionState state{Pose{exp_so3({0.0, 0.0, 0.1}), {0.05, 0.02, 0.0}}, Vector6d::Zero()};
+  const NdtPoints points = seen_from(state, test::street_corner(2, 3000, 0.02));
+  for (const NeighborSearch search : {NeighborSearch::kDirect1, NeighborSearch::kDirect7}) {
+    NdtOptions options;
+    options.neighbor_search = search;
+    NdtMatcher matcher;
+    EXPECT_TRUE(matcher.match(points, map, {}, state, options).slices.empty());
+    options.parts = true;
+    const NdtMatch match = matcher.match(points, map, {}, state, options);
+    ASSERT_EQ(match.slices.size(), points.slices().size());
+    Matrix6d sum = Matrix6d::Zero();
+    double last = -1.0;
+    for (const NdtSlice& slice : match.slices) {
+      EXPECT_GT(slice.time, last);
+      last = slice.time;
+      sum += slice.part.hessian;
+    }
+    EXPECT_TRUE(test::near(sum, match.pose_hessian, 1e-9 * match.pose_hessian.norm()));
+  }
+}
+
 }  // namespace
 }  // namespace lidar_mapping::registration
