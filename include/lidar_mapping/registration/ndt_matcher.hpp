@@ -75,8 +75,8 @@ constexpr std::size_t kNdtParts = 2 * kNdtSectors;
 /// Normal equations of the points of nearly the same time for a change of the sensor's pose at that
 /// time, in the axes of the sensor at the reference time.
 struct NdtSlice {
-  double time = 0.0;  ///< s after the reference time
-  NdtPart part;
+  double time = 0.0;  ///< mean of its points, s after the reference time
+  NdtPart part;       ///< the normal equations
 };
 
 /// Where the points fit best, and how well.
