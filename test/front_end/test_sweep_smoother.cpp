@@ -115,6 +115,45 @@ struct Errors {
   Eigen::Vector2d mean() const { return (squares / count).cwiseSqrt(); }
 };
 
+/// A filter of a sweep of a second that begins exactly, with a mean acceleration of 2 and noise of
+/// 0.3 on all axes.
+DeviationFilter one_second() {
+  DeviationFilter filter(Vector6d::Constant(0.3), Vector6d::Constant(2.0));
+  filter.begin(0.5, Vector12d::Zero(), Matrix12d::Zero());
+  return filter;
+}
+
+TEST(DeviationFilter, PredictsWithWhiteNoiseAboutAMeanAcceleration) {
+  DeviationFilter filter = one_second();
+  filter.predict(0.5);
+  EXPECT_TRUE(test::near(filter.state().head<6>(), Vector6d::Constant(1.0), 1e-12));
+  EXPECT_TRUE(test::near(filter.state().tail<6>(), Vector6d::Constant(2.0), 1e-12));
+  EXPECT_NEAR(filter.covariance()(1, 1), 0.3 / 3.0, 1e-12);
+  EXPECT_NEAR(filter.covariance()(1, 7), 0.3 / 2.0, 1e-12);
+  EXPECT_NEAR(filter.covariance()(7, 7), 0.3, 1e-12);
+  const SweepDeviations deviations = filter.deviations();
+  EXPECT_TRUE(test::near(deviations.combined({1.0, 0.0, 0.0}), Vector6d::Zero(), 1e-12));
+  EXPECT_TRUE(test::near(deviations.combined({0.0, 1.0, 0.0}), Vector6d::Constant(0.25), 1e-12));
+  EXPECT_NEAR(deviations.covariance_of({0.0, 1.0, 0.0})(0, 0), 0.3 / 24.0, 1e-12);
+}
+
+// What is seen at the end says something of the middle, but nothing of a begin that is known.
+TEST(DeviationFilter, ImprovesEarlierDeviations) {
+  DeviationFilter filter = one_second();
+  filter.predict(0.5);
+  const SweepDeviations before = filter.deviations();
+  registration::NdtPart seen;
+  seen.hessian = 1e6 * Matrix6d::Identity();
+  seen.gradient = -seen.hessian * Vector6d::Constant(3.0);
+  filter.measure(seen, 1.0);
+  const SweepDeviations after = filter.deviations();
+  EXPECT_NEAR(after.combined({0.0, 0.0, 1.0})[2], 3.0, 1e-4);
+  EXPECT_GT(after.combined({0.0, 1.0, 0.0})[2], 0.5);
+  EXPECT_LT(after.covariance_of({0.0, 1.0, 0.0})(2, 2),
+            0.5 * before.covariance_of({0.0, 1.0, 0.0})(2, 2));
+  EXPECT_NEAR(after.combined({1.0, 0.0, 0.0})[2], 0.0, 1e-12);
+}
+
 class SweepSmootherAt : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Stamps, SweepSmootherAt, ::testing::Values(-0.5, 0.0, 0.5));
 
@@ -274,6 +313,43 @@ TEST(SweepSmoother, CovarianceHasTheSizeOfTheErrors) {
     EXPECT_GT(angular / (kSweeps - 20), 0.1) << amplitude;
     EXPECT_LT(angular / (kSweeps - 20), 3.0) << amplitude;
   }
+}
+
+TEST(SweepSmoother, KnowsASteadyMotionBetterThanASwayingOne) {
+  Drive steady({[](double) { return 0.0; }, [](double t) { return 5.0 * t; }});
+  Drive swaying(kSwaying);
+  for (int i = 0; i < 60; ++i) {
+    steady.add(kSweep);
+    swaying.add(kSweep);
+  }
+  const auto sigma = [](const Drive& drive) {
+    return std::sqrt(drive.smoother.usual_covariance().diagonal().maxCoeff());
+  };
+  EXPECT_LT(sigma(steady), 0.3 * sigma(swaying));
+}
+
+// A gyro makes the rotation of each sweep uniform: its rate jumps between the sweeps.
+TEST(SweepSmoother, AcceptsAMeasuredRateThatJumps) {
+  const auto rate_of = [](int sweep) { return sweep % 2 == 0 ? 1.0 : -0.5; };
+  const auto turn = [&](double t) {
+    const double sweeps = t / kSweep + 0.5;
+    const int whole = static_cast<int>(std::floor(sweeps));
+    double sum = 0.0;
+    for (int k = 0; k < whole; ++k) sum += rate_of(k) * kSweep;
+    return sum + rate_of(whole) * (sweeps - whole) * kSweep;
+  };
+  Drive drive({turn, [](double t) { return t; }});
+  for (int sweep = 1; sweep < 30; ++sweep) {
+    MeasuredTurning turning;
+    turning.within = {rate_of(sweep), 0.0, 0.0};
+    turning.between = {0.5 * (rate_of(sweep - 1) + rate_of(sweep)), 0.0, 0.0};
+    turning.sigma = 0.02;
+    drive.add(kSweep, turning);
+    const auto contradiction =
+        drive.smoother.contradiction_to(turning.within, drive.filter, kSweep);
+    EXPECT_LT(contradiction.value_or(0.0), 1.0) << sweep;
+  }
+  EXPECT_TRUE(drive.smoother.is_smoothed(drive.filter));
 }
 
 TEST(SweepSmoother, ForgetsTheDriveBefore) {
