@@ -21,6 +21,8 @@ constexpr double kLearningRate = 0.1;
 constexpr double kMaxTwistChange = 1.0;
 /// Largest innovation that counts for the scale, in standard deviations.
 constexpr double kMaxInnovation = 5.0;
+/// A smaller expected squared innovation is none: that of a measured rotation (m^2, rad^2).
+constexpr double kLeastInnovation = 1e-15;
 /// Part of the covariance that is reported. Measured: with it the squared errors of steps, divided
 /// by their covariance, are 0.6 to 1.1 in six drives of cars and a walk, and 0.4 to 3.4 in 21
 /// drives of all carriers.
@@ -67,23 +69,19 @@ Eigen::Vector3d parabola_at(double u) {
 
 const Eigen::Vector3d kMiddleAlone(0.0, 1.0, 0.0);
 
-/// A measured rotation is more precise than the smoothed one.
-void keep_rotation(SweepDeviations& deviations) {
-  for (const int rotation : {3, 9, 15}) {
-    deviations.poses.segment<3>(rotation).setZero();
-    deviations.covariance.middleRows<3>(rotation).setZero();
-    deviations.covariance.middleCols<3>(rotation).setZero();
-  }
-}
+/// Deviation at the begin of a sweep and its change per second.
+struct Begin {
+  Vector12d state;
+  Matrix12d covariance;
+};
 
-/// A measured rotation has been made uniform within each sweep, so its rate jumps between sweeps:
-/// the match knows it, the previous sweep does not.
-void take_measured_rate(const Matrix12d& match_covariance, Vector12d& state,
-                        Matrix12d& covariance) {
-  state.tail<3>().setZero();
-  covariance.middleRows<3>(9).setZero();
-  covariance.middleCols<3>(9).setZero();
-  covariance.bottomRightCorner<3, 3>() = match_covariance.bottomRightCorner<3, 3>();
+/// A measured rotation is more precise than what the slices say: the deviation is a translation.
+void pin_rotation(Begin& begin) {
+  for (const int rotation : {3, 9}) {
+    begin.state.segment<3>(rotation).setZero();
+    begin.covariance.middleRows<3>(rotation).setZero();
+    begin.covariance.middleCols<3>(rotation).setZero();
+  }
 }
 
 /// The end of a sweep whose pose and twist are those of the match.
@@ -97,20 +95,28 @@ SweepEnd end_of_match(const MotionFilter& filter, double half) {
 }
 
 /// The begin of a sweep as the end of the previous one, as deviation from the match.
-void begin_after(const SweepEnd& previous, const MotionFilter& filter, double duration,
-                 DeviationFilter& deviation) {
+Begin begin_after(const SweepEnd& previous, const MotionFilter& filter, double duration) {
   const MotionState& match = filter.state();
   const Pose to_begin = moved(Pose::Identity(), match.twist, -0.5 * duration);
-  const Pose begin = moved(previous.state.T_map_sensor, previous.state.twist,
-                           filter.previous_match()->seconds_before - duration);
+  const Pose pose = moved(previous.state.T_map_sensor, previous.state.twist,
+                          filter.previous_match()->seconds_before - duration);
   const Matrix6d to_middle = adjoint(to_begin);
-  Vector12d state;
-  state << difference(Pose::Identity(), match.T_map_sensor.inverse() * begin * to_begin.inverse()),
+  Begin begin;
+  begin.state << difference(Pose::Identity(),
+                            match.T_map_sensor.inverse() * pose * to_begin.inverse()),
       to_middle * (previous.state.twist - match.twist);
   const Matrix12d A = for_pose_and_twist(to_middle);
-  Matrix12d covariance = A * previous.covariance * A.transpose();
-  if (filter.is_rotation_measured()) take_measured_rate(filter.covariance(), state, covariance);
-  deviation.begin(0.5 * duration, state, covariance);
+  begin.covariance = A * previous.covariance * A.transpose();
+  return begin;
+}
+
+/// By the measured rotation the deviation at the begin is zero, by the previous sweep it is not:
+/// its square, divided by its covariance.
+double contradiction_at(const Begin& begin, const MotionFilter& filter, double duration) {
+  const Covariance6 of_match =
+      pose_covariance(filter.covariance(), filter.state().twist, -0.5 * duration);
+  const Covariance6 expected = begin.covariance.topLeftCorner<6, 6>() + of_match;
+  return begin.state.segment<3>(3).squaredNorm() / expected.bottomRightCorner<3, 3>().trace();
 }
 
 SweepEnd end_after(const DeviationFilter& deviation, const MotionState& match, double half) {
@@ -121,6 +127,13 @@ SweepEnd end_after(const DeviationFilter& deviation, const MotionState& match, d
   return {{perturbed(match.T_map_sensor, Vector6d(state.head<6>())) * to_end,
            match.twist + from_middle * state.tail<6>()},
           A * deviation.covariance() * A.transpose()};
+}
+
+/// Takes rotation and rate of turn from another covariance of pose and twist.
+void set_rotation(const Matrix12d& from, Matrix12d& covariance) {
+  for (const int rotation : {3, 9}) {
+    covariance.block<3, 3>(rotation, rotation) = from.block<3, 3>(rotation, rotation);
+  }
 }
 
 bool touches_previous(const MotionFilter& filter, double duration) {
@@ -179,15 +192,17 @@ void SweepSmoother::learn_noise(const MotionFilter& filter, double duration) {
 void SweepSmoother::smooth(const SweepMatcher::Found& found, const MotionFilter& filter,
                            double duration) {
   const registration::NdtMatch& match = found.match;
+  Begin begin = begin_after(*end_, filter, duration);
   Vector6d noise = per_axis(noise_.cwiseMax(kMinNoise));
-  if (filter.is_rotation_measured()) noise.tail<3>().setConstant(kMinNoise[1]);
-  DeviationFilter deviation(noise, filter.acceleration());
-  begin_after(*end_, filter, duration, deviation);
-  const SweepDeviations before = deviation.deviations();
   if (filter.is_rotation_measured()) {
-    contradiction_ = contradiction_at_begin(before, filter, duration);
+    contradiction_ = contradiction_at(begin, filter, duration);
     if (contradiction_ > kMaxContradiction) return end_.reset();
+    pin_rotation(begin);
+    noise.tail<3>().setZero();
   }
+  DeviationFilter deviation(noise, filter.acceleration());
+  deviation.begin(0.5 * duration, begin.state, begin.covariance);
+  const SweepDeviations before = deviation.deviations();
   const double weight = kDataWeight / credible_residual_variance(match);
   for (const registration::NdtSlice& slice : match.slices) {
     deviation.predict(slice.time);
@@ -195,9 +210,10 @@ void SweepSmoother::smooth(const SweepMatcher::Found& found, const MotionFilter&
   }
   deviation.predict(0.5 * duration);
   end_ = end_after(deviation, filter.state(), 0.5 * duration);
+  if (filter.is_rotation_measured())
+    set_rotation(end_of_match(filter, 0.5 * duration).covariance, end_->covariance);
   deviations_ = deviation.deviations();
   learn_scale(before, *deviations_);
-  if (filter.is_rotation_measured()) keep_rotation(*deviations_);
   usual_covariance_ = scaled(deviations_->covariance_of(parabola_at(-1.0) - kMiddleAlone));
 }
 
@@ -211,15 +227,6 @@ void SweepSmoother::learn_scale(const SweepDeviations& before, const SweepDeviat
       linear_and_angular(moved.cwiseAbs2()).cwiseMin(kMaxInnovation * kMaxInnovation * expected);
   squared_innovation_ += newest_weight() * (squared - squared_innovation_);
   expected_innovation_ += newest_weight() * (expected - expected_innovation_);
-}
-
-/// By the measured rotation the deviation at the begin is zero, by the previous sweep it is not.
-double SweepSmoother::contradiction_at_begin(const SweepDeviations& before,
-                                             const MotionFilter& filter, double duration) const {
-  const Covariance6 of_match =
-      pose_covariance(filter.covariance(), filter.state().twist, -0.5 * duration);
-  const Covariance6 expected = before.covariance.topLeftCorner<6, 6>() + of_match;
-  return before.poses.segment<3>(3).squaredNorm() / expected.bottomRightCorner<3, 3>().trace();
 }
 
 std::optional<double> SweepSmoother::contradiction_to(const Eigen::Vector3d& rate,
@@ -237,7 +244,8 @@ std::optional<double> SweepSmoother::contradiction_to(const Eigen::Vector3d& rat
 }
 
 Covariance6 SweepSmoother::scaled(const Covariance6& covariance) const {
-  const Eigen::Vector2d ratio = squared_innovation_.cwiseQuotient(expected_innovation_);
+  const Eigen::Vector2d ratio =
+      squared_innovation_.cwiseQuotient(expected_innovation_.cwiseMax(kLeastInnovation));
   const Vector6d scale = per_axis((kReportedFraction * ratio).cwiseSqrt());
   return scale.asDiagonal() * covariance * scale.asDiagonal();
 }

@@ -57,8 +57,6 @@ class SweepSmoother {
  private:
   void learn_noise(const MotionFilter& filter, double duration);
   void learn_scale(const SweepDeviations& before, const SweepDeviations& after);
-  double contradiction_at_begin(const SweepDeviations& before, const MotionFilter& filter,
-                                double duration) const;
   Covariance6 scaled(const Covariance6& covariance) const;
   double newest_weight() const;
   void smooth(const SweepMatcher::Found& found, const MotionFilter& filter, double duration);
@@ -70,7 +68,7 @@ class SweepSmoother {
   Eigen::Vector2d noise_ = Eigen::Vector2d::Zero();
   // How far sweeps move the deviation at their begin, and how far they should; m^2, rad^2.
   Eigen::Vector2d squared_innovation_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d expected_innovation_ = Eigen::Vector2d::Constant(1e-12);
+  Eigen::Vector2d expected_innovation_ = Eigen::Vector2d::Zero();
   std::optional<double> contradiction_;  ///< of the last sweep to its measured rotation
   Covariance6 usual_covariance_ = Covariance6::Zero();
 };

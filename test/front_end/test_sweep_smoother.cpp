@@ -50,7 +50,9 @@ Eigen::Vector2d fitted_line(const std::function<double(double)>& f, double middl
 
 /// The match of a sweep: the straight motion that fits best, and slices that are off it as the true
 /// motion is, with some noise.
-SweepMatcher::Found matched(const Motion& motion, double middle, std::mt19937& random) {
+/// With a `lever` (m) the slices see the way only together with the turn: way + lever turn.
+SweepMatcher::Found matched(const Motion& motion, double middle, double lever,
+                            std::mt19937& random) {
   const Eigen::Vector2d turn = fitted_line(motion.turn, middle);
   const Eigen::Vector2d way = fitted_line(motion.way, middle);
   SweepMatcher::Found found;
@@ -68,7 +70,10 @@ SweepMatcher::Found matched(const Motion& motion, double middle, std::mt19937& r
         difference(Pose::Identity(), state.T_map_sensor.inverse() *
                                          motion.pose(middle + slice.time) * straight.inverse());
     for (double& value : deviation) value += noise(random);
-    slice.part.hessian = Matrix6d::Identity() / (kSliceSigma * kSliceSigma);
+    Matrix6d seen = Matrix6d::Identity();
+    seen(3, 3) = lever == 0.0 ? 1.0 : 0.0;
+    seen(0, 3) = lever;
+    slice.part.hessian = seen.transpose() * seen / (kSliceSigma * kSliceSigma);
     slice.part.gradient = -slice.part.hessian * deviation;
     found.match.slices.push_back(slice);
   }
@@ -82,7 +87,7 @@ struct Drive {
   /// The sweep after `seconds` more.
   void add(double seconds, const std::optional<MeasuredTurning>& turning = std::nullopt) {
     middle += seconds;
-    found = matched(motion, middle, random);
+    found = matched(motion, middle, lever, random);
     filter.predict(seconds, turning);
     Vector12d sigmas;
     sigmas << Vector6d::Constant(1e-3), Vector6d::Constant(0.03);
@@ -100,6 +105,7 @@ struct Drive {
   SweepMatcher::Found found;
   std::mt19937 random{3};
   double middle = 0.0;
+  double lever = 0.0;
 };
 
 /// Root mean square errors of poses, m and rad.
@@ -313,6 +319,29 @@ TEST(SweepSmoother, CovarianceHasTheSizeOfTheErrors) {
     EXPECT_GT(angular / (kSweeps - 20), 0.1) << amplitude;
     EXPECT_LT(angular / (kSweeps - 20), 3.0) << amplitude;
   }
+}
+
+/// Error of the way at the begin of sweeps whose turn is measured, m.
+double error_with_measured_turn(double lever) {
+  Drive drive({[](double t) { return 0.5 * t; }, kSwaying.way});
+  drive.lever = lever;
+  MeasuredTurning turning;
+  turning.between = turning.within = {0.5, 0.0, 0.0};
+  turning.sigma = 0.02;
+  Errors errors;
+  for (int i = 0; i < 60; ++i) {
+    drive.add(kSweep, turning);
+    if (i < 10) continue;
+    errors.add(drive.at(-0.5 * kSweep).state.T_map_sensor,
+               drive.motion.pose(drive.middle - 0.5 * kSweep));
+  }
+  return errors.mean()[0];
+}
+
+// If the turn is known, what the slices see of way and turn together is the way, with five times
+// the noise.
+TEST(SweepSmoother, UsesTheMeasuredRotationForTheTranslation) {
+  EXPECT_LT(error_with_measured_turn(5.0), 5.0 * error_with_measured_turn(0.0));
 }
 
 TEST(SweepSmoother, KnowsASteadyMotionBetterThanASwayingOne) {
