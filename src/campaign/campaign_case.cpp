@@ -135,6 +135,10 @@ CampaignCase parse_case(const std::string& line) {
   std::istringstream words(line);
   CampaignCase result;
   if (!(words >> result.name)) throw ConfigError("case: the line is empty; begin with a name");
+  if (result.name.find('=') != std::string::npos) {
+    throw ConfigError("case: the line begins with " + result.name +
+                      "; begin with a name, which has no '='");
+  }
   for (std::string word; words >> word;) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos) {
