@@ -303,7 +303,7 @@ void BackEndNode::set_session(session::Session session, const std::string& run_i
   if (known == 0) return;
   report_state();
   ROS_INFO_STREAM(known << " key frames of run " << run_id << " exist already");
-  publish_poses();
+  publish_poses(false);
 }
 
 }  // namespace lidar_mapping::ros_border

@@ -70,7 +70,7 @@ class BackEndNode {
   void end_solving(OptimizeMap::Response answer);
   void append_warnings(std::string& message) const;
   void report_state();
-  void publish_poses();
+  void publish_poses(bool thorough);
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
   void write_files();
   void write_files_for(OptimizeMap::Response& answer);

@@ -133,6 +133,7 @@ visualization_msgs::Marker DriveDisplay::status() {
   status.silent = was_silent_;
   status.problem = view.problem;
   status.key_frames = view.track.size();
+  status.optimized = view.optimized == view.track.size();
   status.length = length_of(view.track.poses());
   for (const auto& [pair, loop] : view.loops) {
     ++(loop.verdict == Verdict::kRefused ? status.loops_refused : status.loops_used);

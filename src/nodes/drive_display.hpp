@@ -27,6 +27,7 @@ struct DriveView {
   DriveFloors floors;
   std::string state;          ///< of the front end at the newest scan; empty before the first scan
   std::string problem;        ///< why there are no scans
+  std::size_t optimized = 0;  ///< key frames at the newest answer of optimize_map
   ros::WallTime newest_scan;  ///< time of its arrival
 
   /// Adds an antenna position unless it is too near to the last one; returns whether it was added.

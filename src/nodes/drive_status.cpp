@@ -35,7 +35,11 @@ std::string headline(const DriveStatus& status) {
   if (status.state.empty()) {
     return "waiting for scans ..." + (status.problem.empty() ? "" : "\n" + broken(status.problem));
   }
-  if (status.silent) return "no more scans; at the end of the drive: rosservice call /optimize_map";
+  if (status.silent) {
+    return status.optimized
+               ? "optimised; to write the map: rosservice call /save_map '{}'"
+               : "no more scans; at the end of the drive: rosservice call /optimize_map";
+  }
   if (status.state == "degenerate") return "degenerate: not all of the motion shows";
   if (status.state == "doubtful")
     return "doubtful: the step may be off by more than 0.3 m or 1 deg";

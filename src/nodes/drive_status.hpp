@@ -15,7 +15,8 @@ struct DriveStatus {
   bool silent = false;  ///< whether scans have stopped
   std::string problem;  ///< why there are no scans, if known
   std::size_t key_frames = 0;
-  double length = 0.0;  ///< m, along the key frames
+  bool optimized = false;  ///< optimize_map was called, and no key frame has come since
+  double length = 0.0;     ///< m, along the key frames
   std::size_t loops_used = 0;
   std::size_t loops_refused = 0;
 };

@@ -19,9 +19,10 @@ SolverQueue::SolverQueue(Worker& worker, Apply apply)
 
 void SolverQueue::solve(const std::shared_ptr<pipeline::RecordedBackEnd>& run, bool thorough) {
   is_solving_ = true;
-  solver_.post(problems_, [this, problem = run->problem(thorough), run] {
+  solver_.post(problems_, [this, problem = run->problem(thorough), run, thorough] {
     SolvedProblem solved;
     solved.run = run;
+    solved.thorough = thorough;
     const ros::WallTime begin = ros::WallTime::now();
     try {
       solved.solution = back_end::solve(*problem);

@@ -18,7 +18,8 @@ struct SolvedProblem {
   std::shared_ptr<pipeline::RecordedBackEnd> run;  ///< the run to which the problem belongs
   std::shared_ptr<const back_end::OptimizationSolution> solution;  ///< null if it failed
   std::string failure;                                             ///< reason, if it failed
-  double seconds = 0.0;                                            ///< computing time
+  bool thorough = false;  ///< every loop and position was evaluated again, as optimize_map asks
+  double seconds = 0.0;   ///< computing time
 };
 
 /// Solves one optimisation at a time in a thread of its own, and keeps the requests of optimize_map

@@ -81,6 +81,7 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
   loops_.publish(round_loop());
   ASSERT_TRUE(poses_.wait_for(1)) << "an accepted loop is solved at once: " << node->output();
+  EXPECT_FALSE(poses_.messages.back().thorough);
   const OptimizeMap::Response answer = optimize();
   EXPECT_TRUE(answer.success) << answer.message;
   EXPECT_EQ(answer.key_frames, static_cast<std::uint32_t>(kRound));
@@ -90,6 +91,7 @@ TEST_F(BackEndNode, ClosesTheLoopAndAnswersWithFigures) {
   EXPECT_GT(answer.corrected_largest, 0.2) << "odometry alone does not come back to its start";
   EXPECT_GT(answer.corrected_farthest, 0U);
   EXPECT_EQ(answer.session, sessions().front().string());
+  EXPECT_TRUE(wait_until([&] { return poses_.messages.back().thorough; }));
   const KeyFramePoses poses = ros_border::from_message(known().poses);
   ASSERT_EQ(poses.poses.size(), static_cast<std::size_t>(kRound));
   EXPECT_LT(poses.poses.back().T_map_base.translation.norm(), 0.1);

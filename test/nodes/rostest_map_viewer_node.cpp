@@ -66,7 +66,7 @@ TEST_F(MapViewerNode, ShowsFixesAndFloorsOfBeforeItCame) {
 }
 
 /// An empty grid says nothing.
-TEST_F(MapViewerNode, SaysThatItWaitsForScansThenHowTheDriveGoesAndWhereTheFixesAre) {
+TEST_F(MapViewerNode, SaysHowTheDriveGoesAndWhatToCallNext) {
   const NodeProcess node("map_viewer_node");
   Listener<visualization_msgs::MarkerArray> markers("graph_markers");
   const auto shown = [&](const std::string& name, const std::string& text) {
@@ -89,6 +89,12 @@ TEST_F(MapViewerNode, SaysThatItWaitsForScansThenHowTheDriveGoesAndWhereTheFixes
   live.publish(round_message(0));
   EXPECT_TRUE(wait_until([&] { return shown("status", "degenerate") && shown("gnss", ""); }))
       << node.output();
+  EXPECT_TRUE(wait_until([&] { return shown("status", "/optimize_map"); })) << node.output();
+  const auto poses = connected_publisher<KeyFramePosesMessage>("key_frame_poses");
+  KeyFramePosesMessage answer = corrected(1, 1);
+  answer.thorough = 1;
+  poses.publish(answer);
+  EXPECT_TRUE(wait_until([&] { return shown("status", "/save_map"); })) << node.output();
 }
 
 TEST_F(MapViewerNode, ShowsCandidatesThatMatchingDidNotAccept) {

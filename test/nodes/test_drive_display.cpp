@@ -331,5 +331,15 @@ TEST(StatusText, FollowsTheVehicleAndChangesItsColour) {
   EXPECT_NE(status_text(status, "map", "base_link").text.find("/optimize_map"), std::string::npos);
 }
 
+TEST(StatusText, NamesTheNextCallAfterTheOptimisation) {
+  DriveStatus status;
+  status.state = "tracking";
+  status.key_frames = 246;
+  status.silent = status.optimized = true;
+  const std::string text = status_text(status, "map", "base_link").text;
+  EXPECT_NE(text.find("/save_map"), std::string::npos) << text;
+  EXPECT_EQ(text.find("/optimize_map"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace lidar_mapping::ros_border
