@@ -245,6 +245,25 @@ TEST(SweepSmoother, SaysHowFarAGyroContradictsIt) {
   EXPECT_GT(*drive.smoother.contradiction_to({-0.5, 0.0, 0.0}, drive.filter, kSweep), 10.0);
 }
 
+/// Contradiction at a jump of the turn by 2 mrad between two sweeps, this number of sweeps after the
+/// first one, to a gyro that says nothing of it.
+double contradiction_at_jump(int sweeps) {
+  const double jump = (sweeps + 0.5) * kSweep;
+  Drive drive({[=](double t) { return t < jump ? 0.0 : 2e-3; }, [](double t) { return t; }});
+  MeasuredTurning still;
+  still.between = still.within = Eigen::Vector3d::Zero();
+  still.sigma = 0.02;
+  for (int i = 0; i <= sweeps; ++i) drive.add(kSweep, still);
+  return drive.smoother.contradiction_to(still.within, drive.filter, kSweep).value_or(0.0);
+}
+
+// The previous sweep does not make a measured rotation surer than its match is.
+TEST(SweepSmoother, TheContradictionIsThatOfTwoMatches) {
+  const double of_matches = contradiction_at_jump(2);  // the sweep before is not smoothed
+  EXPECT_GT(of_matches, 0.1);
+  EXPECT_NEAR(contradiction_at_jump(6), of_matches, 0.05 * of_matches);
+}
+
 // While the sensor does not turn, any gyro seems to be right.
 TEST(SweepSmoother, SaysNothingOfAGyroThatDoesNotTurn) {
   const Motion straight{[](double) { return 0.0; }, [](double t) { return t; }};
