@@ -10,8 +10,9 @@ namespace {
 
 // Chosen: no sensor measures even a few ranges twice alike.
 constexpr std::size_t kSampledPoints = 256;
-/// Clouds with fewer points may be equal by chance, or because they are empty.
+/// Chosen: clouds with fewer points may be equal by chance, or because they are empty.
 constexpr std::size_t kMinPoints = 50;
+/// Coordinates are rounded to 0.1 mm. Chosen: drivers may round differently, far below the noise.
 constexpr float kStepsPerMetre = 1e4F;
 
 void combine_hash(std::uint64_t value, std::uint64_t& hash) {

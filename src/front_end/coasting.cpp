@@ -4,14 +4,16 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// Accelerations of a vehicle that brakes or steers hard.
+// Standard deviations of the unknown accelerations; chosen as of a vehicle that brakes or steers
+// hard.
 constexpr double kAcceleration = 3.0;         // m/s^2
 constexpr double kAngularAcceleration = 1.0;  // rad/s^2
-// 1 cm and 0.1 degrees per scan at 10 Hz: slower than any driving vehicle.
+// Chosen: 1 cm and 0.1 degrees per scan at 10 Hz, slower than any driving vehicle.
 constexpr double kRestSpeed = 0.1;  // m/s
 constexpr double kRestTurn = 0.02;  // rad/s
 
-/// While tracking is lost, the speed decreases to 1/e in this time.
+/// While tracking is lost, the speed decreases to 1/e in this time. Chosen: what was measured a
+/// second ago says little about the speed now.
 constexpr double kSpeedTimeConstant = 1.0;  // s
 
 bool is_at_rest(const Vector6d& twist) {

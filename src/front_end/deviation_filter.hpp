@@ -47,10 +47,11 @@ class DeviationFilter {
   SweepDeviations deviations() const;
 
  private:
-  /// d, its change per second, d at the begin and in the middle.
+  // Layout of the state, by definition: d, its change per second, d at the begin and in the middle,
+  // six numbers each.
   static constexpr int kDimension = 24;
-  static constexpr int kBegin = 12;
-  static constexpr int kMiddle = 18;
+  static constexpr int kBegin = 12;   ///< index of d at the begin
+  static constexpr int kMiddle = 18;  ///< index of d in the middle
 
   void keep(int where);
   void advance(double seconds);

@@ -13,34 +13,41 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// In voxel edge lengths. The rings of a scan bend its planes a little. Between scans that are close
-// together this looks like an elevation error of some hundredths of a degree.
+// Distance of the scans of a pair, in voxel edge lengths. The rings of a scan bend its planes a
+// little. Measured: scans that are closer together give up to 0.04 degrees without any error.
 constexpr double kMinPairDistance = 20.0;
+// Distance between the scans that are kept, in the same unit. Chosen: kMaxFrames of them reach
+// beyond kMinPairDistance.
 constexpr double kMinFrameDistance = 3.0;
-/// After this number of pairs the distance between frames grows.
+/// After this number of pairs the distance between frames grows. Chosen: one more then changes the
+/// mean by a hundredth of its deviation, which is not worth its time.
 constexpr double kDensePairs = 100.0;
 /// Limit for a sensor that moves back and forth and never has two scans that are far enough apart.
+/// Chosen: nearly twice what kMinPairDistance takes.
 constexpr std::size_t kMaxFrames = 12;
+/// Voxels of the map of one scan. Chosen: more than a scan inserts points (12,000).
 constexpr std::size_t kMapCapacity = std::size_t{1} << 14;
 
-/// Lower bound of a pair's sigma, however many points it has.
+/// Lower bound of a pair's sigma, however many points it has. Chosen: the error that pairs of one
+/// place have in common with 64 beams (see kCommonErrorFactor).
 constexpr double kMinPairSigma = 0.03 * kRadPerDeg;
-/// A more precise estimate is not needed.
+/// A more precise estimate is not needed. Chosen: a quarter of kMinAngle.
 constexpr double kSufficientSigma = 0.012 * kRadPerDeg;
-// Conditions for accepting the angle: number of pairs, size of the angle, and number of standard
-// deviations from zero.
+// Conditions for accepting the angle: number of pairs, size of the angle (twice the error of eleven
+// simulated drives, 0.023 degrees), and number of standard deviations from zero. Measured: KITTI 00
+// has 5.4 of these at the twelfth pair, six simulated drives without an error 2.6 at most.
 constexpr int kMinPairs = 12;
 constexpr double kMinAngle = 0.05 * kRadPerDeg;
 constexpr double kMinSigmas = 5.0;
 /// A place seen with few rings can show the same wrong angle in all pairs. The scatter of the pairs
 /// does not show this error, and more pairs do not reduce it. Its standard deviation in units of a
-/// pair's sigma: angles of zero came out as 0.03 degrees where pairs have 0.05 (64 beams), as 0.3
-/// where they have 0.25 (simulated car parks with 16 beams).
+/// pair's sigma. Measured: angles of zero came out as 0.03 degrees where pairs have 0.05 (64
+/// beams), as 0.3 where they have 0.25 (simulated car parks with 16 beams).
 constexpr double kCommonErrorFactor = 0.6;
-/// Smaller changes are noise.
+/// Smaller changes are noise. Chosen: the error of eleven simulated drives (0.023 degrees).
 constexpr double kMinChange = 0.02 * kRadPerDeg;
-/// A step of this size moves the ground in the map by a centimetre. With a single large step the
-/// pose would jump.
+/// Chosen: a step of this size moves the ground in the map by a centimetre (at 10 m). With a single
+/// large step the pose would jump.
 constexpr double kMaxAppliedStep = 0.05 * kRadPerDeg;
 
 /// The plane model requires some width: a single ring on the ground does not define a plane.

@@ -9,7 +9,7 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Errors of an external odometry: this fraction of the distance and of the angle, plus these
-/// constants.
+/// constants. Chosen: its source is not known, and wheels are often off by a percent or two.
 constexpr double kExternalError = 0.02;
 constexpr double kExternalSigma = 0.005;       // m
 constexpr double kExternalAngleSigma = 0.001;  // rad

@@ -8,32 +8,36 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Largest fraction of the time that is not covered by sweeps: the rotation in between is not
-/// measured.
+/// measured. Chosen below a half, which a missing scan leaves.
 constexpr double kMaxUncoveredFraction = 0.3;
-/// Number of matches before a gyro is used.
+/// Number of matches before a gyro is used. Chosen: fewer may agree with a wrong one by chance.
 constexpr int kMinMatches = 5;
+// Weights of the newest match in the running means of the bias and of the errors. Chosen: a bias
+// changes over minutes, errors change with the way of moving within a second.
 constexpr double kBiasRate = 0.02;
 constexpr double kErrorRate = 0.1;
-/// A gyro is wrong if its error is larger than that without a gyro by this factor; a margin is
-/// needed because matches have errors, too.
+/// A gyro is wrong if its error is larger than that without a gyro by this factor. Chosen: a margin
+/// is needed because matches have errors, too.
 constexpr double kMinErrorRatio = 1.5;
 /// A gyro is wrong, too, if the mean contradiction exceeds this. Measured on drives with legs: of
 /// gyros that are right single sweeps have 0.01 to 0.6, of wrong axes 5 to 30. With 1.5 some right
 /// ones are distrusted, with 2.5 half of the steps that wrong ones spoil stay.
 constexpr double kMaxContradiction = 2.0;
-/// One sweep counts as no more than this: a single match that is off does not decide.
+/// One sweep counts as no more than this. Chosen: a single match that is off does not decide, as it
+/// adds kErrorRate of it to the mean.
 constexpr double kMaxCountedContradiction = 4.0;
 /// Lower bound of the standard deviation, rad/s: scale and axes of cheap gyros have errors of 1 %
-/// each, which is this value at 1.4 rad/s. With a smaller value the gyro would rotate the map away
-/// from the points.
+/// each, which is this value at 1.4 rad/s. Tried: with 0.002 the gyro rotates the map away from the
+/// points, and a person on stairs has twice the error.
 constexpr double kLeastSigma = 0.02;
 
 /// A rate is plausible up to this multiple of the largest confirmed rate, or of the rate of a slow
-/// vehicle (rad/s). Degrees instead of radians give a factor of 57; a quick turn needs more than
-/// one scan to begin.
+/// vehicle (rad/s). Chosen: degrees instead of radians give a factor of 57, and a quick turn needs
+/// more than one scan to begin.
 constexpr double kMaxTurnRatio = 10.0;
 constexpr double kSlowTurn = 0.1;
-/// A rate is confirmed if its relative error is smaller than this.
+/// A rate is confirmed if its relative error is smaller than this. Chosen: wrong units err by more,
+/// and a slow turn errs by the noise of a match.
 constexpr double kMaxErrorOfConfirmed = 0.5;
 
 double squared_error(const Eigen::Quaterniond& predicted, const Eigen::Quaterniond& matched,

@@ -13,45 +13,53 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Fraction of isolated points from which on they are removed. Clean scans of simulated towns,
-/// fields and rooms have at most 0.006 with 64 beams and 0.02 with 16.
+/// Fraction of isolated points from which on they are removed. Measured: clean scans of simulated
+/// worlds have 0.002 to 0.008 on a car with 64 beams, and up to 0.025 on leaves and fences.
 constexpr double kMinIsolatedFraction = 0.035;
-/// Above this fraction the grid does not suit the cloud: nothing is removed.
+/// Above this fraction the grid does not suit the cloud: nothing is removed. Chosen above the
+/// heaviest rain that was simulated (0.3).
 constexpr double kMaxIsolatedFraction = 0.6;
+/// Weight of the newest scan in the running mean of the fraction. Chosen: half a second at 10 Hz.
 constexpr double kLearningRate = 0.2;
-/// If the scan is clean, this number of its points is inserted,
+/// If the scan is clean, this number of its points is inserted. Measured: a tenth of a scan's time.
 constexpr std::size_t kSampledPoints = 8000;
-/// in blocks of successive points, which see one part of the surroundings.
+/// They lie in blocks of successive points, which see one part of the surroundings. Chosen: the
+/// table of a block stays in the nearest cache.
 constexpr std::size_t kBlockSize = 2048;
-/// One of this number of points is tested.
+/// One of this number of points is tested. Chosen: the 1600 of a scan know the fraction to 0.005.
 constexpr std::size_t kJudgedStride = 5;
-/// If isolated points are removed, this number of points is processed together: a sixth of a turn
-/// of 64 beams or less, whose table fits into the caches.
+/// If isolated points are removed, this number of points is processed together. Chosen: a sixth of
+/// a turn of 64 beams or less, whose table fits into the caches.
 constexpr std::size_t kPartSize = 8192;
 
 // Edge length of the cubes. The more points a turn has, the closer are the neighbours. In units of
 // the range the edge is this number divided by the square root of the number of points: 0.02 for 64
-// beams, 0.04 for 16.
+// beams, 0.04 for 16. Chosen: wider than the rings of 16 beams lie apart (2 degrees, 0.035).
 constexpr double kEdgeFactor = 6.5;
+// Least edge, chosen so that coordinates in edges (sqrt(2) / kMinEdge at most) stay below
+// kAxisMiddle; largest edge, chosen: fewer than 300 points would have cubes as wide as their range.
 constexpr double kMinEdge = 0.015;
 constexpr double kMaxEdge = 0.4;
-/// In units of the point spacing, if the cloud was thinned out.
+/// In units of the point spacing, if the cloud was thinned out. Chosen: a surface then has several
+/// points in the eight nearest cubes.
 constexpr double kEdgeInSpacings = 3.0;
 
-/// A point and two other points make a surface.
+/// Geometry: a point and two other points make a surface.
 constexpr std::uint32_t kMinSupport = 3;
-constexpr std::uint32_t kCountBits = 2;
-constexpr std::uint32_t kCountMask = (1U << kCountBits) - 1;
-// Layout of the key of a cube.
+constexpr std::uint32_t kCountBits = 2;  // by the layout of table_: a number up to kMinSupport
+constexpr std::uint32_t kCountMask = (1U << kCountBits) - 1;  // by definition
+// Layout of the key of a cube, chosen so that level, three axes and kCountBits fill 32 bits.
 constexpr std::uint32_t kAxisBits = 8;
-constexpr float kAxisMiddle = 128.0F;
-/// Levels of the grid: half octaves of the range, from 0.5 m on.
+constexpr float kAxisMiddle = 128.0F;  // half of what kAxisBits hold, so that cells are positive
+/// Levels of the grid: half octaves of the range, from 0.5 m on: the exponent of its square is -2,
+/// stored as 127 - 2 by the format of floats (IEEE 754). Chosen: twenty reach 512 m.
 constexpr std::int32_t kFirstExponent = 127 - 2;
 constexpr std::uint32_t kMaxLevels = 20;
 
-/// Number of points whose nearest neighbour is searched.
+/// Number of points whose nearest neighbour is searched. Chosen: bounds the time, since each
+/// search passes over the whole cloud.
 constexpr std::size_t kProbes = 128;
-/// Points without a neighbour within 100 m are ignored.
+/// m^2. Points without a neighbour within 100 m are ignored. Chosen: a spacing is far smaller.
 constexpr float kMaxSpacingSquared = 1e4F;
 
 std::uint32_t key_of(std::uint32_t level, std::uint32_t x, std::uint32_t y, std::uint32_t z) {

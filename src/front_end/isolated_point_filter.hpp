@@ -41,7 +41,8 @@ class RangeGrid {
   std::size_t find(std::uint32_t key) const;
   std::uint32_t count_at(std::uint32_t key) const;
 
-  static constexpr std::size_t kLevels = 32;  ///< of the range, each sqrt(2) times the last
+  /// Of the range, each sqrt(2) times the last. Chosen: more than kMaxLevels are never used.
+  static constexpr std::size_t kLevels = 32;
   std::array<float, kLevels> inverse_edge_{};
   /// Key of a cube times 4, plus its number of points, at most three; 0 for an empty entry.
   std::vector<std::uint32_t> table_;

@@ -5,7 +5,8 @@ namespace lidar_mapping::front_end {
 
 /// How complete a local map is.
 struct MapCoverage {
-  /// Up to this number of scans, the drift variance is increased.
+  /// Up to this number of scans, the drift variance is increased: half of kWantedInsertions of
+  /// delayed_initialization.cpp, with which planes are upright.
   static constexpr int kFewScans = 12;
 
   int inserted_scans = 0;

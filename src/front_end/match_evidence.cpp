@@ -25,8 +25,8 @@ constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part % 2 == 0; },
     [](std::size_t part) { return part < kNdtSectors; }};
 
-/// Weight of a residual, as in NdtOptions::data_weight: the errors of neighbouring points are
-/// correlated.
+/// Weight of a residual: the errors of neighbouring points are correlated. The value is that of
+/// NdtOptions::data_weight, so that a part of a scan counts as it did in the match.
 constexpr double kDataWeight = 0.3;
 
 struct Half {

@@ -4,8 +4,8 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// The sigma is large because measured rates refer to the stamp, and the filter's state to the
-// middle of the sweep.
+// Chosen: the sigma is large because measured rates refer to the stamp, and the filter's state to
+// the middle of the sweep.
 constexpr double kGyroSigma = 0.1;  // rad/s
 
 }  // namespace

@@ -13,17 +13,22 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Variance of the position after an unknown acceleration a for t seconds, in units of a^2 t^4: 1/4
-/// for a constant one, 1/3 for white noise with the same effect on the velocity. With 1/4, velocity
-/// and position are correlated so strongly that an error of one scan returns with the opposite sign
-/// in the next.
+/// for a constant one, 1/3 for white noise with the same effect on the velocity. Chosen between
+/// them: with 1/4, velocity and position are correlated so strongly that an error of one scan
+/// returns with the opposite sign in the next.
 constexpr double kPositionFactor = 0.28;
+/// Fraction by which a smaller acceleration is adopted per scan. Chosen: after a second without one
+/// the next is still expected.
 constexpr double kAccelerationDecay = 0.1;
-/// Lower bound in units of the upper one.
+/// Lower bound in units of the upper one. Chosen: so slowly a vehicle at rest or in steady motion
+/// may begin to change it without being doubted.
 constexpr double kMinAccelerationFraction = 0.025;
 /// Fraction of the forecast's mean squared error that the covariance of the twist does not contain.
+/// Chosen: most of it is the noise of matches, which the covariance contains already.
 constexpr double kForecastFraction = 0.3;
 
-/// Standard deviation of a pose relative to the part of the map that was inserted with it.
+/// Standard deviation of a pose relative to the part of the map that was inserted with it. Chosen:
+/// half of the range noise of a LiDAR (0.02 m), of which the mean of many points counts.
 constexpr double kAnchorSigma = 0.01;  // m
 
 /// Derivative of the state after `seconds` with respect to the state now.

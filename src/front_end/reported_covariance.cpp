@@ -17,9 +17,11 @@ namespace {
 /// their distances from the planes agree with the planes' own variance. On smooth walls the
 /// distances are smaller, on hedges and rough ground larger. The square root of the residual
 /// variance is used: the mean between what the planes claim and what the residuals show, because a
-/// part of the planes' errors does not appear in the residuals.
+/// part of the planes' errors does not appear in the residuals. Measured on simulated drives: with
+/// this value squared errors are 0.5 to 2.1 times the covariance (doc/results/front_end.md).
 constexpr double kReportedWeight = 55.0;
-/// A map of one scan fits that scan too well.
+/// Lower bound, in units of what the planes claim; chosen because a map of one scan fits that scan
+/// too well.
 constexpr double kMinResidualVariance = 0.05;
 
 // In a map of few scans from a sensor with few rings the planes are tilted, and all points on one

@@ -14,20 +14,25 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Number of points that are used.
+/// Number of points that are used. Chosen: seven for each ring of 64 in each sector.
 constexpr std::size_t kEnough = 16000;
-/// Within one sector, even a slightly tilted sensor sees each ring at a single elevation.
+/// Chosen: within one sector, even a slightly tilted sensor sees each ring at a single elevation.
 constexpr std::size_t kSectors = 36;
-constexpr std::size_t kBins = 900;
+constexpr std::size_t kBins = 900;  // kBin each, so that they reach from -45 to 45 degrees
+/// Of elevation, rad. Chosen: a third of what the narrowest rings are apart (a third of a degree).
 constexpr double kBin = 0.1 * kRadPerDeg;
-/// At shorter ranges an error of the origin changes the elevation too much.
+/// Chosen: at shorter ranges an error of the origin changes the elevation too much (1 cm by more
+/// than kBin).
 constexpr double kMinRange = 3.0;  // m
+// Chosen: the quartile of fewer sectors, or the mean spacing of fewer rings, is one of chance.
 constexpr std::size_t kLeastSectors = 6;
 constexpr int kLeastRings = 4;
-/// If a larger fraction of the bins is occupied, the rings cannot be separated.
+/// If a larger fraction of the bins is occupied, the rings cannot be separated. Chosen: that of the
+/// narrowest rings (3.3 bins apart) with two bins each, as a ring on the border of bins has.
 constexpr double kMostOccupied = 0.6;
 
-/// Radius (m) of an open field around the place where a direction was not observed.
+/// Radius (m) of an open field around the place where a direction was not observed. Tried: without
+/// such fields 2 of 40 simulated starts stood still silently, after 35 and 50 m.
 constexpr double kOpenFieldRadius = 60.0;
 
 using Sector = std::bitset<kBins>;

@@ -12,7 +12,8 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Number of points for which hashes are computed at a time before they are looked up.
+/// Number of points for which hashes are computed at a time before they are looked up. Chosen: the
+/// hashes (8 kB) stay in the first-level cache.
 constexpr std::size_t kBlock = 2048;
 
 /// The points of a block are visited with a step near its golden section, so that successive points

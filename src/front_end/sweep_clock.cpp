@@ -13,35 +13,40 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Number of sweeps from which the period is estimated, and the number that is enough to decide
-/// whether a sweep is a full turn.
+/// whether a sweep is a full turn. Chosen: a drift of the period shows within 64 sweeps (see
+/// kMinScatterRatioToStart), and 16 are over in two seconds.
 constexpr std::size_t kWindow = 64;
 constexpr std::size_t kMinSweeps = 16;
-/// After a gap of this length (s) the estimation starts again: the period may have changed.
+/// After a gap of this length (s) the estimation starts again: the period may have changed. Chosen:
+/// over longer ones an error of a hundredth of the period adds up to half a turn (at 10 Hz).
 constexpr double kMaxGap = 5.0;
 /// Standard deviation of the stamps, as a fraction of the period, below which they are used as they
-/// are: the error of the prediction is this fraction of the distance between two scans.
+/// are: the error of the prediction is this fraction of the distance between two scans. Chosen:
+/// 4 cm at 10 m/s and 10 Hz, which a match easily corrects.
 constexpr double kMinJitterFraction = 0.04;
 /// Power of the mean phase vector of n sweeps: its squared length times n. It exceeds c with a
 /// probability of exp(-c) if there is no such period. The first limit is for the test whether a
-/// sweep is a full turn, the second for the best of about three hundred periods.
+/// sweep is a full turn, the second for the best of about three hundred periods. Chosen: one in
+/// ten windows without a period passes either.
 constexpr double kMinPhasePower = 2.5;
 constexpr double kMinBestPhasePower = 8.0;
-/// Periods are searched between these multiples of a sweep's duration.
+/// Periods are searched between these multiples of a sweep's duration. Chosen: a sweep lasts a turn
+/// (with some columns more or less) or, as of a sensor that sees one side, half of it.
 constexpr double kMinPeriodFactor = 0.95;
 constexpr double kMaxPeriodFactor = 2.1;
-/// If the duration is not known, from this multiple of the median step: the median of few scattered
-/// steps is off by a tenth of the period.
+/// If the duration is not known, from this multiple of the median step. Chosen: the median of few
+/// scattered steps is off by a tenth of the period.
 constexpr double kMinMedianFactor = 0.75;
 /// Variance of the steps divided by that of the stamps: nearly 2 if the stamps scatter about a
 /// regular grid. If the period drifts, the ratio is smaller and falls with time (1 over 16 scans,
 /// 0.2 over 64); so it is with scans that are taken on request. The first limit applies before
-/// counting begins, the second while turns are counted.
+/// counting begins, the second while turns are counted. Chosen between 1 and 2, and below 1.
 constexpr double kMinScatterRatioToStart = 1.3;
 constexpr double kMinScatterRatioToContinue = 0.8;
 
-/// A stamp that is later than expected by this fraction of the period belongs to a later turn. A
-/// missing scan is rarer than a stamp error of half a period; a missing scan that is overlooked is
-/// found with the next scan.
+/// A stamp that is later than expected by this fraction of the period belongs to a later turn.
+/// Chosen above a half: a missing scan is rarer than a stamp error of half a period, and one that
+/// is overlooked is found with the next scan.
 constexpr double kMissingScanFraction = 0.6;
 
 double phase_angle(double seconds, double period) { return 2.0 * kPi * seconds / period; }

@@ -17,33 +17,39 @@ using registration::NdtMatch;
 using registration::NdtOptions;
 using registration::NdtPoints;
 
-// The quick test: a fraction of the points and a wide kernel; the quality is compared with its
-// running mean.
+// The quick test: a fraction of the points (chosen: 300 points, a small part of a match's time) and
+// a wide kernel (chosen: the start may be some decimetres off). The quality is compared with its
+// running mean; fraction and weight as in match_judge.cpp (kDoubtfulQuality, kLearningRate).
 constexpr std::size_t kQuickThinning = 8;
 constexpr double kQuickWidening = 3.0;
 constexpr double kQuickDoubtFraction = 0.75;
 constexpr double kQuickLearningRate = 0.1;
 
 // The search: all starts are scored, the better ones are refined coarsely, and the best of these
-// finely.
+// finely. Chosen: bounds the time; half and twice of the thinnings, and half of the starts, move
+// nothing (doc/results/ablation.md).
 constexpr std::size_t kScoringThinning = 16;
 constexpr std::size_t kCoarseThinning = 4;
 constexpr std::size_t kRefinedStarts = 12;
 constexpr std::size_t kFinalists = 3;
-// Coarse results this close to each other lead to the same fine result (m, rad).
+// Coarse results this close to each other lead to the same fine result (m, rad). Chosen: far within
+// the convergence basin of a fine match.
 constexpr double kSamePlace = 0.1;
 constexpr double kSameAngle = 0.01;
-/// A result that has not converged by then was not a good result of the coarse search.
+/// Chosen: a result that has not converged by then was not a good result of the coarse search.
 constexpr int kFinalIterations = 15;
 /// The best of many starts must be better than the match from the prediction by this factor.
+/// Chosen: among hundreds of starts one is a little better by chance.
 constexpr double kMinQualityRatio = 1.1;
 /// If a smaller fraction of the points lies in voxels with a plane, the fine map is too sparse to
-/// match with: the map of a single place, seen with few rings.
+/// match with: the map of a single place, seen with few rings. Chosen above a sixth, which 16 beams
+/// have in simulated car parks until two metres from the start.
 constexpr double kSparseMapOverlap = 0.25;
 /// The coarse match is used, even if its own map is sparse, if this many times more points find a
-/// plane.
+/// plane. Chosen: the fine one of those 16 beams has a twentieth in an open field.
 constexpr double kMinOverlapRatio = 2.0;
-/// Weight of the prior in the coarse match, which may deviate from the prediction more easily.
+/// Weight of the prior in the coarse match. Chosen small: it may deviate from the prediction, which
+/// is in doubt.
 constexpr double kCoarsePriorWeight = 0.01;
 
 NdtOptions widened(double factor) {

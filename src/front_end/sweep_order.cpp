@@ -6,13 +6,14 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Number of points that are used, evenly spaced. It is a prime number: if it had a common divisor
-/// with the number of rings, points of different rings would lie in the same direction.
+/// Number of points that are used, evenly spaced. Chosen as a prime number: if it had a common
+/// divisor with the number of rings, points of different rings would lie in the same direction.
 constexpr std::size_t kProbes = 47;
-/// Between two of these points a full turn advances by 0.13 rad, and not much more if many points
-/// are missing,
+/// rad. Between two of these points a full turn advances by 0.13 rad; chosen: thrice as much, for
+/// missing points.
 constexpr double kMaxAdvance = 0.4;
-/// except for a few points.
+/// Fraction of the points that have to advance so little. Chosen: a few may be beside wide gaps,
+/// and in another order one in eight advances so little by chance (0.8 / 2 pi).
 constexpr double kMinFraction = 0.8;
 
 }  // namespace

@@ -12,16 +12,21 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Nearer points belong to the vehicle itself.
+/// m. Nearer points belong to the vehicle itself; chosen: so far a car's roof reaches from the
+/// sensor.
 constexpr double kMinRange = 1.0;
-/// Number of points from which those for the match are sampled; more would cost time without
-/// benefit.
+/// Number of points from which those for the match are sampled. Measured (doc/results/ablation.md):
+/// twice as many change nothing, with half as many errors are 1.14 times as large.
 constexpr std::size_t kMaxCandidates = 16000;
-/// Cells are made smaller until they give about this number of points,
+/// Cells are made smaller until they give about this number of points. Measured at half and twice,
+/// as is kMinCellFraction: some drives gain, others lose (doc/results/ablation.md).
 constexpr double kWantedMatchedPoints = 2500.0;
 constexpr double kWantedInsertedPoints = 12000.0;
-/// but not smaller than this fraction of the configured edge.
+/// They are not made smaller than this fraction of the configured edge. Measured: at half of it
+/// errors are 0.83 times as large, but probabilities are less true; at twice 1.65 times.
 constexpr double kMinCellFraction = 0.4;
+// Slots of the tables of hashes. Chosen: so many that a collision, which drops a point, happens to
+// less than one in ten wanted points.
 constexpr int kSparseTableBits = 15;
 constexpr int kDenseTableBits = 17;
 

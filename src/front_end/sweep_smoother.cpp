@@ -14,14 +14,17 @@ namespace {
 /// errors of steps change by 1 %, at 0.05 or 0.4 they are 3 to 5 % larger.
 constexpr double kDataWeight = 0.15;
 
-/// Weight of the newest sweep in running means.
+/// Weight of the newest sweep in running means. Chosen: the mean follows a change of gait within
+/// ten sweeps.
 constexpr double kLearningRate = 0.1;
 /// Largest change of the twist during a sweep that counts as motion and not as a match that was
 /// off, as at the begin of a map: m/s, rad/s. Chosen: what a hard footfall of a legged robot does.
 constexpr double kMaxTwistChange = 1.0;
-/// Largest innovation that counts for the scale, in standard deviations.
+/// Largest innovation that counts for the scale, in standard deviations. Chosen: a single match
+/// that is off must not govern the mean.
 constexpr double kMaxInnovation = 5.0;
-/// A smaller expected squared innovation is none: that of a measured rotation (m^2, rad^2).
+/// A smaller expected squared innovation is none: that of a measured rotation (m^2, rad^2). Chosen
+/// far below the noise of matches, and above zero, because it is a divisor.
 constexpr double kLeastInnovation = 1e-15;
 /// Part of the covariance that is reported. Measured: with it the squared errors of steps, divided
 /// by their covariance, are 0.6 to 1.1 in six drives of cars and a walk, and 0.4 to 3.4 in 21
@@ -32,14 +35,16 @@ constexpr double kReportedFraction = 0.3;
 const Eigen::Vector2d kMinNoise(1e-3, 1e-4);
 
 /// A sweep is not smoothed if its measured rotation contradicts the previous sweep by more than
-/// this, in squared standard deviations: a wrong rotation would bend the translation.
+/// this, in squared standard deviations: a wrong rotation would bend the translation. Chosen: two
+/// standard deviations; gyros that are right have 0.6 at most (see gyro_validator.cpp).
 constexpr double kMaxContradiction = 4.0;
-/// Standard deviation of a gyro's rate, and the least rate that shows whether a gyro is right,
-/// rad/s: scale and axes of cheap gyros have errors of 1 % each.
+/// Standard deviation of a gyro's rate, as in gyro_validator.cpp (kLeastSigma), and the least rate
+/// that shows whether a gyro is right, rad/s; chosen: five times that.
 constexpr double kGyroSigma = 0.02;
 constexpr double kLeastTurn = 0.1;
 
-/// Sweeps whose middles are farther apart than this number of sweep durations do not touch.
+/// Sweeps whose middles are farther apart than this number of sweep durations do not touch. Chosen
+/// between 1, of sweeps that adjoin, and 2, with one missing.
 constexpr double kMaxDistance = 1.3;
 
 Vector6d per_axis(const Eigen::Vector2d& linear_and_angular) {

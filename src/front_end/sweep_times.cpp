@@ -12,8 +12,8 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// A cloud whose points turn by fewer rounds about the axis is stored firing by firing: one round,
-/// or less if a part of the view is blocked. A cloud that is stored ring by ring has as many rounds
-/// as rings.
+/// or less if a part of the view is blocked. Chosen near 1, as a cloud that is stored ring by ring
+/// has as many rounds as rings.
 constexpr double kMaxRoundsOfFirings = 1.5;
 
 /// In rounds: -0.5 to 0.5. A point on the axis has the azimuth 0.

@@ -9,7 +9,8 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-// Standard deviations of the motion before the second scan: any vehicle may be moving already.
+// Standard deviations of the motion before the second scan. Chosen: any vehicle may be moving
+// already, as a car in town (54 km/h) or a person who turns.
 constexpr double kInitialSpeedSigma = 15.0;  // m/s
 constexpr double kInitialRateSigma = 1.0;    // rad/s
 

@@ -9,7 +9,8 @@ namespace {
 // Weight of the newest step in running means, so that they remember about ten steps. Chosen: fewer
 // steps make the forecast noisy, more make it late when the way of moving changes.
 constexpr double kLearningRate = 0.1;
-/// Lower bound of a squared change of the twist, which avoids a division by zero.
+/// Lower bound of a squared change of the twist, which avoids a division by zero. Chosen: a change
+/// of 1 um/s.
 constexpr double kMinSquaredChange = 1e-12;
 
 /// Mean squared difference per axis, linear and angular.

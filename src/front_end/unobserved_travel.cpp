@@ -4,8 +4,9 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-/// Interval over which changes of the speed are measured: the changes of single steps are noise.
+/// Interval over which changes of the speed are computed. Chosen: those of single steps are noise.
 constexpr double kSpeedChangeInterval = 1.0;  // s
+/// Weight of the newest change. Chosen: the last twenty seconds tell how a vehicle is driven.
 constexpr double kLearningRate = 0.05;
 
 }  // namespace

@@ -27,7 +27,8 @@ class UnobservedTravel {
   double stddev() const { return std::sqrt(travel_variance_); }
 
  private:
-  static constexpr double kUnknownSpeed = 15.0 * 15.0;  // m^2/s^2
+  /// Variance, m^2/s^2: that of a first motion (kInitialSpeedSigma of tracker_state.cpp); chosen.
+  static constexpr double kUnknownSpeed = 15.0 * 15.0;
 
   /// Rate of the random walk of the speed, (m/s)^2 per second: the speed of a car changes by about
   /// 0.8 m/s within four seconds.

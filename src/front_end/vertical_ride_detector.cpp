@@ -8,19 +8,22 @@
 namespace lidar_mapping::front_end {
 namespace {
 
-constexpr double kSpan = 1.0;          // s
-constexpr double kLearningTime = 2.0;  // s of learning before anything is detected
-constexpr double kMemory = 10.0;       // s: tilt and temperature change the bias
-/// m/s^2: cheap accelerometers have errors of 0.3 on each axis; half of it acts on the vertical
-/// when the sensor tilts by 30 degrees. Passenger lifts have 0.6 to 1.2.
+// s, over which positions are compared. Chosen: longer than a step of a gait, shorter than a lift
+// accelerates.
+constexpr double kSpan = 1.0;
+constexpr double kLearningTime = 2.0;  // s before anything is detected; chosen: two of kSpan
+constexpr double kMemory = 10.0;       // s; chosen: tilt and temperature change the bias
+/// m/s^2. Chosen: cheap accelerometers have errors of 0.3 on each axis; half of it acts on the
+/// vertical when the sensor tilts by 30 degrees. Passenger lifts have 0.6 to 1.2.
 constexpr double kMinAcceleration = 0.35;
-constexpr double kMinSigmas = 5.0;
-constexpr double kMinSpeed = 0.4;  // m/s; passenger lifts have 1 to 2.5
-constexpr double kStoppedFraction =
-    0.35;  // fraction of the peak speed that may remain when the lift has stopped
-constexpr double kQuietTime = 1.0;  // s
-constexpr double kMaxRideDuration =
-    60.0;  // by then the error of the speed is as large as the speed
+constexpr double kMinSigmas = 5.0;  // chosen: differences of successive scans err alike
+constexpr double kMinSpeed = 0.4;   // m/s; chosen: passenger lifts have 1 to 2.5
+/// Fraction of the peak speed that may remain when the lift has stopped. Chosen: the integrated
+/// speed may be off by as much.
+constexpr double kStoppedFraction = 0.35;
+constexpr double kQuietTime = 1.0;  // s; chosen: as long as kSpan
+/// s. Chosen: by then the error of the speed is as large as the speed.
+constexpr double kMaxRideDuration = 60.0;
 
 /// Acceleration from positions at the begin, in the middle and at the end of two intervals.
 Eigen::Vector3d second_difference(const Eigen::Vector3d& first, const Eigen::Vector3d& middle,

@@ -15,25 +15,29 @@ namespace lidar_mapping::front_end {
 namespace {
 
 /// Edge length of the vertical columns, and height above the lowest point of a column from which on
-/// a point belongs to a vertical structure (m). Slopes of up to one half have no such points.
+/// a point belongs to a vertical structure (m). Chosen: slopes of up to one half have no such
+/// points.
 constexpr float kColumnEdge = 1.0F;
 constexpr float kMinHeightAboveLowest = 0.5F;
-/// Edge length of the voxels, m.
+/// Edge length of the voxels, m. Chosen: that of kKernelWidth, so that neighbours hold all pairs.
 constexpr float kVoxelEdge = 0.3F;
 /// Distance at which a pair loses most of its weight, and within which a point counts as matched,
-/// m.
+/// m. Chosen: twice the standard deviation of a point on a trunk or a leaf (15 cm).
 constexpr float kKernelWidth = 0.3F;
+/// Two million bits of the filter, 256 kB. Chosen: few of them are set, so that few voxels without
+/// points are looked up.
 constexpr int kFilterBits = 21;
-constexpr int kIterations = 10;
-/// The iteration ends with a smaller step than this (m, rad).
+constexpr int kIterations = 10;  // chosen: bounds the time
+/// The iteration ends with a smaller step than this (m, rad). Chosen: far below kKernelWidth.
 constexpr double kConverged = 1e-3;
 /// Number of directions. In each direction at most this number of points counts, or this fraction
-/// of all points: a single object beside the sensor must not outweigh all others.
+/// of all points. Chosen: a single object beside the sensor, which fills some 10 degrees, must not
+/// outweigh all others; where points are even, each direction has half of the fraction.
 constexpr int kDirections = 36;
 constexpr int kMinPointsPerDirection = 4;
 constexpr int kDirectionDivisor = 18;
 /// Weight of the prior at the start pose, in units of the squared standard deviation of a point (15
-/// cm): it corresponds to half a metre and two degrees.
+/// cm). Chosen: it corresponds to half a metre and two degrees.
 constexpr double kPriorPositionWeight = 0.1;
 constexpr double kPriorAngleWeight = 20.0;
 

@@ -8,7 +8,8 @@
 
 namespace lidar_mapping::front_end {
 
-/// A new pose needs more evidence than the old one by this factor.
+/// A new pose needs more evidence than the old one by this factor. Chosen: the best of many poses
+/// has a little more by chance.
 constexpr double kMinEvidenceRatio = 1.25;
 
 /// Points on vertical structures, deskewed with this twist to the reference time.
