@@ -15,13 +15,14 @@ constexpr Stamp kWindow = from_seconds(2.0);
 // Longer gaps between samples begin a new window: its mean would hide what happened in between.
 constexpr Stamp kMaxGap = from_seconds(0.5);
 constexpr int kMinSamples = 20;  // 10 Hz; chosen: fewer give a poor mean
-/// Number of windows: no vehicle is in free fall or jumps for six seconds.
+/// Number of windows. Chosen: no vehicle is in free fall or jumps for six seconds.
 constexpr int kMinWindows = 3;
-/// m/s^2, gravity (9.81) less and plus about a third: shocks and thrust change the mean
+/// m/s^2, gravity (9.81) less and plus about a third. Chosen: shocks and thrust change the mean
 /// acceleration, but not by that much over seconds.
 constexpr double kMinGravity = 6.5;
 constexpr double kMaxGravity = 13.5;
-/// m/s^2: an axis must follow gravity when gravity on it changes by this much (a tilt of 0.1 rad).
+/// m/s^2: an axis must follow gravity when gravity on it changes by this much. Chosen: a tilt of
+/// 0.1 rad, which is more than the errors of gyros add up to in a window.
 constexpr double kMinGravityChange = 1.0;
 
 }  // namespace

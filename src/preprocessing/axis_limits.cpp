@@ -7,8 +7,8 @@
 namespace lidar_mapping::preprocessing {
 namespace {
 
-/// Two successive samples may be equal because of noise and the steps of the converter. Three equal
-/// samples at the largest value of all are very rare.
+/// Chosen: two successive samples may be equal because of noise and the steps of the converter.
+/// Three equal samples at the largest value of all are very rare.
 constexpr int kMinEqualSamples = 3;
 
 }  // namespace

@@ -10,13 +10,13 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// s for three fixes, a rate of 4 Hz. In 0.25 s an acceleration of 1 m/s^2 bends the path by 6 cm;
-// at lower rates the motion of the vehicle would count as noise.
+// s for three fixes, a rate of 4 Hz. Chosen: in 0.25 s an acceleration of 1 m/s^2 bends the path by
+// 6 cm; at lower rates the motion of the vehicle would count as noise.
 constexpr double kMaxTripleDuration = 0.5;
 // Second differences for a median. Chosen: 2.5 s at 10 Hz; the median of 25 independent values is
 // good to 15 %.
 constexpr std::size_t kMinCount = 25;
-// m, standard deviation until that many are known: that of a receiver without corrections.
+// m, standard deviation until that many are known. Chosen as of a receiver without corrections.
 constexpr double kInitialSigma = 1.0;
 // Multiple of the stated standard deviation. Chosen above the scatter of the estimate itself.
 constexpr double kMaxSigmaRatio = 1.5;

@@ -22,7 +22,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// m: half of a lane, which is 3.5 m to 4 m wide; kerbs and pavements lie beyond.
+// m. Chosen: half of a lane, which is 3.5 m to 4 m wide; kerbs and pavements lie beyond.
 constexpr double kHalfStripWidth = 2.0;
 // m, edge length of a cell whose slope is tested. Chosen: larger ones mix floor and kerb, smaller
 // ones have too few points of 16 beams.
@@ -36,9 +36,10 @@ constexpr double kMaxLineRatio = 0.02;
 constexpr int kSectors = 12;
 // Chosen: with fewer a narrow patch passes, with more a floor ahead fails.
 constexpr int kMinSectorsOfFloor = 3;
-// m from the nearest to the farthest point of a sector: more than the foot of a wall is thick.
+// m from the nearest to the farthest point of a sector. Chosen: more than the foot of a wall is
+// thick.
 constexpr double kMinRadialExtent = 1.0;
-// 1/m, of a circle of 400 m: larger than on any street, except where a ramp begins.
+// 1/m, of a circle of 400 m. Chosen: more than on usual streets, except where a ramp begins.
 constexpr double kMaxCurvature = 1.0 / 400.0;
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -62,7 +63,7 @@ class StripPrefilter {
   }
 
  private:
-  // m, larger than the error of single precision at the ranges of a LiDAR
+  // m. Chosen larger than the error of single precision at the ranges of a LiDAR.
   static constexpr float kMargin = 0.1F;
   static constexpr float kHalfWidth = static_cast<float>(kHalfStripWidth) + kMargin;
 

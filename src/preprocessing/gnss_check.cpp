@@ -21,28 +21,30 @@ namespace {
 // s without a fix that are reported. Chosen: shorter ones are bridged by odometry within a few
 // centimetres (1 % of the path).
 constexpr double kMinOutage = 3.0;
-// m/s without a measured velocity: faster than any car on a road (250 km/h).
+// m/s without a measured velocity. Chosen: faster than any car on a road (250 km/h).
 constexpr double kMaxSpeed = 70.0;
-// s between fixes that are compared: the slowest usual rate is 1 Hz, and a lost fix is an outage.
+// s between fixes that are compared. Chosen: the slowest usual rate is 1 Hz, and a lost fix is an
+// outage.
 constexpr double kMaxStepDuration = 1.5;
 // s: the delay is known below this standard deviation. Chosen: 0.3 m at 15 m/s.
 constexpr double kMaxOffsetSigma = 0.02;
-constexpr double kPriorArmSigma = 3.0;  // m, standard deviation: half of the length of a vehicle
+constexpr double kPriorArmSigma = 3.0;  // m, standard deviation; chosen: half of a vehicle's length
 // m: smaller errors of the antenna's place cost less than the noise of most receivers. Chosen.
 constexpr double kMinArmError = 0.4;
 constexpr double kSigmas = 5.0;  // chosen: a false alarm sends a person to the vehicle to measure
 // Interval over which the speeds of fixes are computed. Chosen: longer ones cut bends short,
 // shorter ones hold more noise.
 constexpr Stamp kSectionDuration = from_seconds(2.0);
-// m in that interval: below walking pace (2 m/s) the noise of the fixes decides.
+// m in that interval. Chosen: below walking pace (2 m/s) the noise of the fixes decides.
 constexpr double kMinSectionLength = 4.0;
-// Length of the interval in multiples of the scatter: the speed is then good to about a fifth.
+// Length of the interval in multiples of the scatter. Chosen: the speed is then good to about a
+// fifth.
 constexpr double kMinScatterRatio = 8.0;
 constexpr std::size_t kMinSections = 10;  // for a median; chosen
 // Multiple of the sigma in the messages. Chosen: receivers are often wrong by a factor of two.
 constexpr double kMaxSigmaRatio = 3.0;
-constexpr double kUsualAcceleration =
-    1.0;  // m/s^2, of traffic; it also bends the path between fixes
+// m/s^2. Chosen as of traffic; it also bends the path between fixes.
+constexpr double kUsualAcceleration = 1.0;
 
 std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingConfig& config) {
   LocalFrame frame(config);

@@ -17,15 +17,15 @@ constexpr double kTolerance = 0.5;
 // Of the path length since the last good fix: drift of dead reckoning by a gyro and wheels. Chosen
 // above the scale error of a wheel (1 %).
 constexpr double kDriftFraction = 0.012;
-// Height per path length, because dead reckoning takes the vehicle as level: the steepest roads
+// Height per path length, as dead reckoning takes the vehicle as level. Chosen: the steepest roads
 // that design standards allow are about as steep.
 constexpr double kMaxGrade = 0.12;
-constexpr double kMaxSpeed = 70.0;  // m/s: faster than any car on a road (250 km/h)
+constexpr double kMaxSpeed = 70.0;  // m/s; chosen: faster than any car on a road (250 km/h)
 // m, path length that is aligned with the fixes. Chosen: long enough for a heading, short enough
 // for the drift of dead reckoning.
 constexpr double kWindowLength = 60.0;
-// m without a good fix after which any is accepted: dead reckoning has drifted by the usual size of
-// a jump then (kDriftFraction: 1.8 m), and the old fixes do not determine the new ones.
+// m without a good fix after which any is accepted. Chosen: dead reckoning has drifted by the usual
+// size of a jump then (kDriftFraction: 1.8 m), and the old fixes do not determine the new ones.
 constexpr double kMaxPathWithoutFix = 150.0;
 // m, path length between the fixes that are used: nearer ones add time and no information. Chosen.
 constexpr double kMinMatchSpacing = 0.5;

@@ -20,8 +20,8 @@ constexpr double kMinDistanceOfOtherStart = 1000.0;
 // m between two fixes that confirm each other against the first: the scatter of receivers without
 // corrections, and far below kMinDistanceOfOtherStart. Chosen.
 constexpr double kMaxDistanceOfAgreement = 20.0;
-constexpr double kMaxSpeed = 70.0;  // m/s: faster than any car on a road (250 km/h)
-// s; smaller changes of the correction are not applied: at 70 m/s they are 7 cm.
+constexpr double kMaxSpeed = 70.0;  // m/s; chosen: faster than any car on a road (250 km/h)
+// s; smaller changes of the correction are not applied. Chosen: at 70 m/s they are 7 cm.
 constexpr double kMinDelayChange = 0.001;
 
 Eigen::Vector2d planar(const Eigen::Vector3d& v) { return v.head<2>(); }

@@ -8,17 +8,17 @@ namespace {
 // Chosen: a second holds several periods of the vibration of an engine, and a stop is longer.
 constexpr Stamp kWindow = from_seconds(1.0);
 constexpr std::size_t kMinSamples = 8;  // per window, 8 Hz; chosen: fewer say little of the scatter
-/// One estimate per second: this is more than a minute, longer than any scan waits.
+/// One estimate per second. Chosen: this is more than a minute, longer than any scan waits.
 constexpr std::size_t kMaxEstimates = 64;
 // rad/s, standard deviation: above the noise of MEMS gyros with an engine running, below that of a
 // vehicle in motion. Chosen.
 constexpr double kMaxRateDeviation = 0.01;
 // m/s^2, standard deviation, chosen in the same way; engines shake more.
 constexpr double kMaxAccelerationDeviation = 0.15;
-// rad/s (3 degrees/s) if the velocity confirms the standstill: MEMS gyros have less.
+// rad/s (3 degrees/s) if the velocity confirms the standstill. Chosen: MEMS gyros have less.
 constexpr double kMaxBias = 0.05;
-// rad/s without a velocity: in a wide bend the vehicle turns as slowly (10 m/s on a radius of 500
-// m).
+// rad/s without a velocity. Chosen: in a wide bend the vehicle turns as slowly (10 m/s on a radius
+// of 500 m).
 constexpr double kMaxBiasWithoutVelocity = 0.02;
 
 struct Moments {

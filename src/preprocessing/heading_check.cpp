@@ -10,12 +10,13 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Length of a section, m and in standard deviations of a position. With the latter the course is
-// good to about 10 degrees (sqrt(2) / 8 rad).
+// Length of a section, m and in standard deviations of a position. Chosen: shorter ones are within
+// the swaying of an antenna, and with the latter the course is good to about 10 degrees (sqrt(2) /
+// 8 rad).
 constexpr double kMinSectionLength = 5.0;
 constexpr double kMinSigmasOfSection = 8.0;
-// rad (20 degrees) of turning within a section: the chord then has the direction of its middle to
-// less than a degree.
+// rad (20 degrees) of turning within a section. Chosen: the chord then has the direction of its
+// middle to less than a degree.
 constexpr double kMaxTurning = 0.35;
 // Chosen above the error of a course, which is about 10 degrees.
 constexpr double kAgreement = 15.0 * kRadPerDeg;

@@ -5,8 +5,8 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Values beyond these are no measurements but damaged messages.
-constexpr double kMaxSpeed = 200.0;          // m/s: 720 km/h
+// Chosen: values beyond these are no measurements but damaged messages.
+constexpr double kMaxSpeed = 200.0;          // m/s: 720 km/h, faster than any vehicle that maps
 constexpr double kMaxTurnRate = 5000.0;      // rad/s; even as degrees/s more than any gyro measures
 constexpr double kMaxAcceleration = 5000.0;  // m/s^2: 500 g, more than any accelerometer of an IMU
 

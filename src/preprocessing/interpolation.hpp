@@ -16,7 +16,8 @@ VelocitySample interpolated(const VelocitySample& a, const VelocitySample& b, St
 ImuSample in_base(const ImuSample& sample, const Pose& T_base_sensor);
 VelocitySample in_base(const VelocitySample& sample, const Pose& T_base_sensor);
 
-/// rad/s: no vehicle turns twice a second while mapping; in degrees/s this is a usual value.
+/// rad/s. Chosen: no vehicle turns twice a second while mapping; in degrees/s this is a usual
+/// value.
 constexpr double kMaxVehicleTurnRate = 12.0;
 
 /// True if the values are finite and possible for anything that carries a LiDAR.

@@ -13,15 +13,15 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// Largest usual acceleration and jerk of a vehicle in traffic; the comfort limits of road and rail
-// design are about as large.
+// Largest usual acceleration and jerk of a vehicle in traffic. Chosen: the comfort limits of road
+// and rail design are about as large.
 constexpr double kAcceleration = 2.0;  // m/s^2
 constexpr double kJerk = 2.0;          // m/s^3
 /// Smallest distance in time between the first two of three fixes, as a fraction of that between
-/// the last two: otherwise their noise would be amplified.
+/// the last two. Chosen: otherwise their noise would be amplified.
 constexpr double kMinStepRatio = 0.5;
-constexpr double kMaxHeight = 12000.0;  // m; above the altitude of airliners
-constexpr double kMinHeight = -2000.0;  // m; below all land
+constexpr double kMaxHeight = 12000.0;  // m; chosen above the altitude of airliners
+constexpr double kMinHeight = -2000.0;  // m; chosen below all land
 
 bool is_usable_covariance(const Eigen::Matrix3d& covariance) {
   return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&

@@ -13,11 +13,11 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-// m/s: above the resolution of wheel encoders and of Doppler velocities, below any motion.
+// m/s. Chosen above the resolution of wheel encoders and of Doppler velocities, below any motion.
 constexpr double kMaxStandingSpeed = 0.05;
 /// Samples in a row beyond kMaxVehicleTurnRate: 0.1 s at 200 Hz. Chosen: a shock is shorter.
 constexpr int kMaxShockSamples = 20;
-constexpr double kMinTurnRate = 0.02;  // rad/s; above the noise of gyros
+constexpr double kMinTurnRate = 0.02;  // rad/s; chosen above the noise of gyros
 /// A gyro in degrees/s gives 57 times the rate of the velocity; chosen between that and 1.
 constexpr double kMaxTurnRatio = 20.0;
 /// A filtered velocity shows a turn later than the gyro, but not later than this.

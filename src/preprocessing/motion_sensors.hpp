@@ -77,10 +77,10 @@ class MotionSensors {
   void clear();
 
  private:
-  /// rad/s (57 degrees/s): no gyro has a smaller range. A constant rate below it is a turn or a
-  /// standstill.
+  /// rad/s (57 degrees/s). Chosen: no gyro has a smaller range. A constant rate below it is a turn
+  /// or a standstill.
   static constexpr double kMinGyroLimit = 1.0;
-  /// m/s^2: every accelerometer must be able to measure gravity (9.81) with some margin.
+  /// m/s^2. Chosen: every accelerometer must be able to measure gravity (9.81) with some margin.
   static constexpr double kMinAccelerationLimit = 11.0;
 
   void update(const ImuSample& sample);

@@ -23,8 +23,8 @@ constexpr int kLanes = 4;  // floats in a register of 128 bits, which every proc
 #endif
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
-constexpr unsigned kAll = (1U << kLanes) - 1U;  // a bit per lane
-/// Number of points of four floats in a register.
+constexpr unsigned kAll = (1U << kLanes) - 1U;  // a bit per lane, by definition
+/// Number of points in a register, by the layout of four floats each.
 constexpr int kQuads = kLanes / 4;
 
 #define LIDAR_MAPPING_INLINE inline __attribute__((always_inline))
@@ -312,7 +312,7 @@ LIDAR_MAPPING_INLINE void move_some(const PointSource& source, std::size_t first
 template <bool has_times, bool keeps_times>
 void move_rest(const PointSource& source, std::size_t first, const KeepRule& rule,
                const Slots& slots, Done& done) {
-  // Bytes of x, y, z, and of these with the intensity.
+  // Bytes of x, y, z, and of these with the intensity, by the layout of usual drivers.
   constexpr std::size_t kCoordinates = 3 * sizeof(float), kPoint = 4 * sizeof(float);
   unsigned char rest[kLanes * kPoint] = {};
   float times[kLanes] = {};

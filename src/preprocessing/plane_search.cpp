@@ -14,10 +14,10 @@ namespace {
 
 // Points that are counted for a candidate. Chosen: the fraction of inliers is then known to 1 %.
 constexpr std::size_t kSamplePoints = 2000;
-// If half of the points lie on the floor, one in eight candidates has only such points; then none
-// of them has with a probability of (7/8)^200, about 2e-12.
+// Chosen: if half of the points lie on the floor, one in eight candidates has only such points;
+// then none of them has with a probability of (7/8)^200, about 2e-12.
 constexpr int kCandidates = 200;
-constexpr std::uint32_t kSeed = 20220613;  // any; constant, so that the result can be repeated
+constexpr std::uint32_t kSeed = 20220613;  // chosen: any, so that the result can be repeated
 
 /// Every n-th point, so that all parts of the cloud are represented.
 std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points) {

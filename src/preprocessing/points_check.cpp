@@ -11,11 +11,11 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMaxMissingPeriods = 3.5;  // periods without a scan
-constexpr double kMinDelay = 0.001;         // s; a cloud cannot be delivered sooner after its stamp
-/// Time from the stamp of a scan to its delivery, as a fraction of the scan's span. A scan that was
-/// stamped at its start, in its middle or at its end is delivered after 1, 0.5 or 0 at the
-/// earliest.
+constexpr double kMaxMissingPeriods = 3.5;  // without a scan; chosen: single losses do no harm
+constexpr double kMinDelay = 0.001;         // s; chosen: so soon no cloud has been delivered
+/// Time from the stamp of a scan to its delivery, as a fraction of the scan's span. Chosen between:
+/// a scan that was stamped at its start, in its middle or at its end is delivered after 1, 0.5 or 0
+/// at the earliest.
 constexpr double kMaxDelayOfMiddle = 0.8;
 constexpr double kMaxDelayOfEnd = 0.4;
 

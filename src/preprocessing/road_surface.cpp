@@ -17,13 +17,14 @@ namespace {
 
 constexpr int kPlaneIterations = 5;    // chosen: Tukey's weights need a good start
 constexpr int kSurfaceIterations = 3;  // from the plane on; chosen, bounds the time
-// 1/m, standard deviation with which the surface stays a plane: 1e-9 m at 1 m, numerically zero
+// 1/m, standard deviation with which the surface stays a plane. Chosen: 1e-9 m at 1 m, numerically
+// zero.
 constexpr double kFlatCurvatureSigma = 1e-9;
-// 1/m, standard deviation: crests of slow streets have radii from about 300 m on
+// 1/m, standard deviation. Chosen: crests of slow streets have radii from about 300 m on.
 constexpr double kCurvatureSigma = 1.0 / 300.0;
 // m: points that are nearer to each other have the same error (range, attitude, surface). Chosen.
 constexpr double kPatchSize = 1.0;
-// m, lower bound for heights: roads are not flat to the millimetre
+// m, lower bound for heights. Chosen: roads are not flat to the millimetre.
 constexpr double kMinHeightSigma = 0.01;
 // m^2, variance of 0.5 m: points on a line do not determine one rotation. Chosen.
 constexpr double kMinSpread = 0.25;

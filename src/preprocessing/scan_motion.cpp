@@ -8,7 +8,7 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-constexpr double kMaxStep = 0.002;  // s: the error at 10 rad/s^2 stays below 1e-4 rad in a step
+constexpr double kMaxStep = 0.002;  // s; chosen: at 10 rad/s^2 a step errs by less than 1e-4 rad
 
 /// Integrates from the pose at `time` by one `step` (of either sign).
 std::optional<Pose> advanced(const Pose& pose, double time, double step,

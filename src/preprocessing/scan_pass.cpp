@@ -16,7 +16,8 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// Points without an echo lie at the sensor's origin; no LiDAR measures a range of a centimetre.
+/// m. Points without an echo lie at the sensor's origin. Chosen: no LiDAR measures a range of a
+/// centimetre.
 constexpr float kMinRange = 0.01F;
 
 /// Time slots per step of 2 ms of the motion. Chosen: within 1 ms and at 1 rad/s, the middle of a

@@ -14,9 +14,10 @@ namespace lidar_mapping::preprocessing {
 
 namespace {
 
-/// No spinning sensor turns slower than this, whatever scan_period is.
+/// Chosen: no spinning sensor turns slower than this, whatever scan_period is.
 constexpr double kMaxScanDuration = 0.6;  // s
 /// As a fraction of the period: the first column of a scan may be this much before its start.
+/// Chosen: 7 degrees of a turn, about a packet of a driver.
 constexpr double kSlack = 0.02;
 
 std::string implausible(const TimeSpan& span, const PreprocessingConfig& config) {

@@ -59,8 +59,10 @@ class SensorStream {
   // s of samples. Chosen: longer than any scan waits (30 scans, 3 s at 10 Hz).
   static constexpr double kHorizon = 20.0;
   static constexpr std::size_t kCapacity = 20000;  // samples of kHorizon at 1 kHz
-  static constexpr double kJumpBack = 2.0;         // s; longer than any network delay
-  static constexpr double kSilence = 1.0;  // s without a sample: the sensor is not active any more
+  static constexpr double kJumpBack = 2.0;         // s; chosen: longer than any network delay
+  // s without a sample, after which the sensor is not active any more. Chosen: most send at 10 Hz
+  // or more, and scans must not wait for one that has ended.
+  static constexpr double kSilence = 1.0;
 
   std::string name_;
   bool enabled_;

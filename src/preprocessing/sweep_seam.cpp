@@ -10,12 +10,13 @@ namespace {
 
 // Points at the end of a sweep. Chosen: bounds the time.
 constexpr std::size_t kMaxPoints = 400;
-constexpr float kMinRange = 3.0F;   // m; nearer points belong to the vehicle
-constexpr float kMaxRange = 50.0F;  // m; beyond, neighbouring points are too far apart
-// m between the distances to both beginnings, so that a vote is clear: several times the range
-// noise (0.02 m), and the path of a vehicle at 1.5 m/s during a sweep of 0.1 s.
+constexpr float kMinRange = 3.0F;   // m; chosen: nearer points belong to the vehicle
+constexpr float kMaxRange = 50.0F;  // m; chosen: beyond, neighbouring points are too far apart
+// m between the distances to both beginnings. Chosen so that a vote is clear: several times the
+// range noise (0.02 m), and the path of a vehicle at 1.5 m/s during a sweep of 0.1 s.
 constexpr float kMinDifference = 0.15F;
-// m to the nearer beginning: the spacing of neighbouring points at kMaxRange (0.4 degrees: 0.35 m).
+// m to the nearer beginning. Chosen: the spacing of neighbouring points at kMaxRange (0.4 degrees:
+// 0.35 m).
 constexpr float kMaxGap = 0.4F;
 constexpr std::size_t kMinPoints = 4;  // with a clear vote; chosen: fewer may be a moving object
 constexpr std::size_t kMinScans = 10;  // with a majority; chosen: more decide later

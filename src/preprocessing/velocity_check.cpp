@@ -19,22 +19,23 @@ constexpr double kMaxGap = 1.0;
 // s over which rotations are compared. Chosen: a bend lasts longer, and the noise of single samples
 // averages out.
 constexpr double kTurnDuration = 1.0;
-// m/s; at lower speeds the direction is not reliable: noise of 0.1 m/s turns it by 3 degrees.
+// m/s. Chosen: at lower speeds the direction is not reliable; noise of 0.1 m/s turns it by 3
+// degrees.
 constexpr double kMinSpeedForDirection = 2.0;
 // Sum of squares, rad^2: a bend of 90 degrees in three seconds. Chosen: with less the noise of the
 // direction could decide.
 constexpr double kMinSquaredTurning = 0.5;
 // Factor of the old sums for each new turn: the last 50 turns count. Chosen.
 constexpr double kForgetting = 0.98;
-// Length of a section between fixes, m and in standard deviations: the scale is then good to a
-// tenth (sqrt(2) / 20).
+// Length of a section between fixes, m and in standard deviations. Chosen: the scale is then good
+// to a tenth (sqrt(2) / 20).
 constexpr double kMinSectionLength = 2.0;
 constexpr double kMinSigmasOfSection = 20.0;
 // s for a section; a vehicle that needs longer hardly moves. Chosen.
 constexpr double kMaxSectionDuration = 20.0;
 // For a median without the outermost two; chosen: more decide later.
 constexpr std::size_t kSections = 5;
-// Of the scale, largest difference of the middle values: twice the error of one (a tenth).
+// Of the scale, largest difference of the middle values. Chosen: twice the error of one (a tenth).
 constexpr double kMaxScaleDifference = 0.2;
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {

@@ -14,7 +14,8 @@ namespace lidar_mapping::recordings {
 
 namespace {
 
-constexpr double kCheckedTime = 5.0;  // s at the beginning that are checked before mapping starts
+// s at the beginning that are checked before mapping starts; chosen as kValidationTime of the node.
+constexpr double kCheckedTime = 5.0;
 
 OpenDrive open_folder(const DriveSelection& selection,
                       const preprocessing::PreprocessingConfig& config) {

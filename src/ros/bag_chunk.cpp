@@ -63,7 +63,8 @@ void decompress(const std::string& compression, ByteRange data, std::uint8_t* to
 }
 
 std::size_t largest_content(const std::string& compression, std::size_t bytes) {
-  // A byte of lz4 stands for at most 255; the shortest block of bzip2 (some 37 bytes) for 900 kB.
+  // By the formats, a byte of lz4 stands for at most 255; the shortest block of bzip2 (some 37
+  // bytes) for 900 kB.
   constexpr std::size_t kLz4 = 255, kBzip2 = 25'000;
   if (compression == "lz4") return kLz4 * bytes;
   if (compression == "bz2") return kBzip2 * bytes;

@@ -21,10 +21,11 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 constexpr char kVersion[] = "#ROSBAG V2.0\n";
-constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // without the closing zero
-constexpr std::size_t kAnyVersionLength = 9;                    // "#ROSBAG V"
+constexpr std::size_t kVersionLength = sizeof kVersion - 1;     // by definition: without the zero
+constexpr std::size_t kAnyVersionLength = 9;                    // by the format: "#ROSBAG V"
 constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
-constexpr std::uint64_t kAhead = 8'000'000;  // bytes that are requested from the disk in advance
+// Bytes that are requested from the disk in advance. Chosen: some chunks of a bag.
+constexpr std::uint64_t kAhead = 8'000'000;
 
 enum Operation : std::uint8_t {
   kMessage = 2,

@@ -17,7 +17,8 @@ const char* const kService = "get_key_frames";
 /// Number of fetched key frames that is not logged: poses may arrive before the key frame that they
 /// belong to.
 constexpr KeyFrameIndex kOvertaken = 1;
-/// Time in which a killed back end has been restarted, if it is restarted at all, s.
+/// Time in which a killed back end has been restarted, if it is restarted at all, s. Chosen:
+/// roslaunch restarts it at once, and a long session is read within seconds.
 constexpr double kRestartTime = 15.0;
 
 }  // namespace

@@ -7,10 +7,11 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Number of key frames in a request; limits the size of an answer, because a key frame of 64 beams
-/// has about a megabyte.
+/// Number of key frames in a request. Chosen: limits the size of an answer, because a key frame of
+/// 64 beams has about a megabyte.
 constexpr std::size_t kChunk = 10;
-/// A missing key frame is skipped after this number of newer ones.
+/// A missing key frame is skipped after this number of newer ones. Chosen: an answer to the request
+/// for it comes sooner.
 constexpr std::size_t kMaxNewerPending = 5;
 
 std::vector<std::vector<KeyFrameIndex>> chunks_of(const std::vector<KeyFrameIndex>& indices) {

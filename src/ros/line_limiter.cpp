@@ -6,7 +6,7 @@
 namespace lidar_mapping::ros_border {
 
 namespace {
-constexpr double kInterval = 10.0;  // s
+constexpr double kInterval = 10.0;  // s; chosen: a person reads no more than this
 }
 
 std::optional<std::string> LineLimiter::add(std::string line, double now) {

@@ -18,10 +18,12 @@ using preprocessing::PointTimeUnit;
 using sensor_msgs::PointField;
 
 /// Limits of the time span of a scan relative to its period; outside of them the times have another
-/// unit.
+/// unit. Chosen: units differ by a thousand, and a sensor may see a part of a turn or turn at half
+/// of the rate that is configured.
 constexpr double kMinSpanRatio = 0.1;
 constexpr double kMaxSpanRatio = 2.5;
-/// Largest difference of absolute times of the same clock from the stamp, s.
+/// Largest difference of absolute times of the same clock from the stamp, s. Chosen: longer than a
+/// scan, shorter than clocks that were never set differ.
 constexpr double kSameClock = 2.0;
 
 struct Unit {

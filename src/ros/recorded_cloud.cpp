@@ -5,7 +5,7 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// An empty name, offset, datatype and count.
+/// Bytes, by the format of sensor_msgs/PointField: an empty name, offset, datatype and count.
 constexpr std::uint32_t kShortestField = 4 + 4 + 1 + 4;
 
 /// Not by the library, which allocates the number of fields before it checks that the data have

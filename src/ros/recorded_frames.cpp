@@ -9,7 +9,8 @@ namespace lidar_mapping::ros_border {
 
 std::optional<tf2_msgs::TFMessage> read_transforms(const BagMessage& recorded) {
   if (!recorded.is<tf2_msgs::TFMessage>()) return std::nullopt;
-  // The shortest: two empty names, number and stamp, translation and rotation.
+  // Bytes of the shortest, by the format of geometry_msgs/TransformStamped: two empty names, number
+  // and stamp, translation and rotation.
   constexpr std::uint32_t kShortest = 4 + 8 + 4 + 4 + 7 * 8;
   ros::serialization::IStream stream = recorded.stream();
   std::uint32_t count = 0;

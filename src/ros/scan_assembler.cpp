@@ -12,12 +12,14 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 /// A scan does not wait for an external odometry that lags by more than this number of scans.
+/// Chosen: 5 s at 10 Hz; bounds the memory.
 constexpr std::size_t kMostWaiting = 50;
-/// An input is taken as lost after this number of newer scans (1 s with most sensors).
+/// An input is taken as lost after this number of newer scans. Chosen: 1 s with most sensors.
 constexpr std::size_t kLost = 10;
 /// Longest gap of the external odometry over which poses are interpolated.
 constexpr Stamp kLongestGap = from_seconds(0.5);
-/// Largest number of samples that are kept without a scan.
+/// Largest numbers of samples, and of poses of an external odometry, that are kept without a scan.
+/// Chosen: 20 s at 10 Hz, and 25 s at 200 Hz; bounds the memory.
 constexpr std::size_t kMostSamples = 200;
 constexpr std::size_t kMostOdometry = 5000;
 

@@ -8,8 +8,8 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 /// Largest number of a first scan at which the scans before it count as missing: ten seconds of
-/// scans. Connecting does not take longer, and few drivers have just been started when a recording
-/// begins.
+/// scans. Chosen: connecting does not take longer, and few drivers have just been started when a
+/// recording begins.
 constexpr std::uint32_t kSmallNumber = 100;
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Longest time between two poses, s: over a longer one the mean velocity differs too much from
-/// that at any instant.
+/// Longest time between two poses, s. Chosen: over a longer one the mean velocity differs too much
+/// from that at an instant.
 constexpr double kLongestGap = 0.5;
 
 /// Empty for an invalid transform.
