@@ -11,12 +11,13 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Lower bounds of the fraction of the configured drift and of the scatter. Chosen: a few minutes
-/// of good agreement do not prove that the odometry is perfect.
+/// Lower bounds of the fraction of the configured drift (chosen: a few minutes of good agreement do
+/// not prove that the odometry is perfect) and of the scatter (chosen above zero: a divisor).
 constexpr double kMinFraction = 0.1;
 constexpr double kMinScatter = 1e-3;
-/// Least number of sections for a mean square, and least length in motions of the longest sections,
-/// so that errors that neighbouring motions have in common are seen.
+/// Least number of sections for a mean square (chosen: its root is good to a quarter), and least
+/// length in motions of the longest sections (chosen so that errors that neighbouring motions have
+/// in common are seen).
 constexpr std::size_t kMinSections = 8;
 constexpr std::size_t kMinLongestSection = 16;
 

@@ -8,7 +8,7 @@ namespace lidar_mapping::back_end {
 namespace {
 
 constexpr double kWeakStddev_m = 1e3;            // chosen: so weak that floors alone decide
-constexpr double kWeakHeadingStddev_rad = 10.0;  // more than a turn, so as good as unknown
+constexpr double kWeakHeadingStddev_rad = 10.0;  // chosen: more than a turn, as good as unknown
 
 void add_floor_pairs(const DriveGraph& drive, const BackEndConfig& config,
                      pose_graph::FactorGraph& graph) {

@@ -13,7 +13,7 @@ constexpr int kIterations = 10;  // of reweighting; chosen, each costs one pass 
 // Pairs tried, each judged by all positions: bounds the time; chosen.
 constexpr std::size_t kMaxPairs = 300;
 // Drift deforms a long track by more than the noise of the fixes; the fixes must not be taken for
-// outliers because of that. As a fraction of the track's extent.
+// outliers because of that. As a fraction of the track's extent; chosen above the usual drift.
 constexpr double kTrackDeformation = 0.01;
 
 /// Rotation about the vertical and horizontal shift: p_enu = R(yaw) p_level + shift.

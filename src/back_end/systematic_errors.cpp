@@ -14,9 +14,10 @@ namespace lidar_mapping::back_end {
 
 namespace {
 
-/// Standard deviation of the scale error of LiDAR odometry before positions show it.
+/// Standard deviation of the scale error of LiDAR odometry before positions show it. Measured on
+/// simulated drives: -3e-5 to -1e-4.
 constexpr double kScaleErrorStddev = 5e-5;
-/// Prior that keeps a parameter at zero.
+/// Prior that keeps a parameter at zero (s or m). Chosen far below what any drive determines.
 constexpr double kFixedStddev = 1e-9;
 
 enum Parameter { kScaleError, kDelay, kLeverArmX, kLeverArmY, kCount };

@@ -12,19 +12,20 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr int kHalfWidth = BirdsEyeView::kWidth / 2;  // cells
+constexpr int kHalfWidth = BirdsEyeView::kWidth / 2;  // cells, by definition
 // Cells; chosen: the largest distance at which a descriptor still finds the place.
 constexpr int kMaxShift = 15;
-constexpr int kShifts = 2 * kMaxShift + 1;  // along each axis, with zero
+constexpr int kShifts = 2 * kMaxShift + 1;  // along each axis: twice kMaxShift, and zero
 constexpr int kMargin = kMaxShift + 1;  // cells around the target, so that no shift leaves the grid
-constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;  // cells along an edge: view and margins
+// Cells along an edge, by definition: the view and its margins.
+constexpr int kGrid = BirdsEyeView::kWidth + 2 * kMargin;
 // Weight of an occupied cell; its neighbours have half of it, the least whole number. Chosen: a
 // point near an edge of its cell also fits the next cell.
 constexpr std::uint8_t kOccupiedWeight = 2;
 
 constexpr int kLanes = 16;  // bytes in a register of 128 bits, which every processor has
 using Lanes = std::uint8_t __attribute__((vector_size(kLanes)));
-constexpr int kRowLanes = 32;  // lanes for the shifts along x; the last one is unused
+constexpr int kRowLanes = 32;  // for the shifts along x: twice kLanes; the last one is unused
 static_assert(kRowLanes == 2 * kLanes && kRowLanes > kShifts);
 
 inline Lanes load(const std::uint8_t* values) {
@@ -39,7 +40,7 @@ using RowSums = std::array<std::uint16_t, kRowLanes>;
 /// `row` holds the weights for one shift along y; `first_cells` are the positions in it at which
 /// the shifts of each source cell begin.
 RowSums row_sums(const std::vector<int>& first_cells, const std::uint8_t* row) {
-  constexpr std::size_t kMaxSummands = 255 / kOccupiedWeight;  // summands that fit into a byte
+  constexpr std::size_t kMaxSummands = 255 / kOccupiedWeight;  // so that their sum fits into a byte
   RowSums sums{};
   for (std::size_t begin = 0; begin < first_cells.size(); begin += kMaxSummands) {
     const std::size_t end = std::min(begin + kMaxSummands, first_cells.size());

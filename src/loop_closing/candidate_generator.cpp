@@ -17,11 +17,13 @@ constexpr std::size_t kMaxPerSource = 10;
 // m of path length between candidates of one pass; chosen: less than the reach of a match
 // (kMaxShift of the view, 15 m).
 constexpr double kMinSpacing = 8.0;
-constexpr double kSatisfiedError = 1.0;  // m; a loop with a smaller error is satisfied by the map
+// m; a loop with a smaller error is satisfied by the map. Chosen: false loops err by far more.
+constexpr double kSatisfiedError = 1.0;
 // m; a fix may have this error and still give its candidates: the largest errors by reflections in
 // streets. Chosen.
 constexpr double kMaxGnssError = 30.0;
-// m of path length from a candidate to the key frames that may replace it.
+// m of path length from a candidate to the key frames that may replace it. Chosen: more than the
+// reach of a view (kMaxShift, 15 m) and the spacing of candidates together (kMinSpacing, 8 m).
 constexpr double kMaxShiftAlongPass = 25.0;
 constexpr double kMaxStartError = 3.0;  // m; expected error of a starting pose; chosen
 

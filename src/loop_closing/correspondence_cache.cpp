@@ -7,8 +7,8 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kRounding =
-    1e-3F;  // m: above the error of single precision at some hundred metres (3e-5 m)
+// m. Chosen above the error of single precision at some hundred metres (3e-5 m).
+constexpr float kRounding = 1e-3F;
 
 }  // namespace
 

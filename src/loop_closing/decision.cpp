@@ -11,10 +11,11 @@ namespace lidar_mapping::loop_closing {
 namespace {
 
 constexpr double kHeightQuantile = 10.8;    // 99.9 % of chi-square, one degree of freedom
-constexpr double kMaxRoofedFraction = 0.2;  // fraction of cells; trees and signs give less
-constexpr double kGnssQuantile = 3.3;       // standard deviations, 99.9 %
+constexpr double kMaxRoofedFraction = 0.2;  // of cells; chosen: trees and signs give less
+constexpr double kGnssQuantile = 3.3;       // standard deviations: 99.9 % of a normal distribution
 
-// Within these standard deviations only one location is possible.
+// Within these standard deviations only one location is possible. Chosen: three of them are less
+// than a lane, half a storey and the turn to another street.
 constexpr double kCertainHorizontal = 1.0;    // m
 constexpr double kCertainVertical = 0.5;      // m; storeys are 3 m apart
 constexpr double kCertainRotation = 0.35;     // rad

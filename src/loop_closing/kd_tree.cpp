@@ -12,8 +12,8 @@ namespace {
 
 // Points. Chosen: larger leaves measure more points in vain, smaller ones descend further.
 constexpr std::uint32_t kLeafSize = 16;
-constexpr std::uint32_t kLanes = 4;  // vector width that every processor has
-constexpr int kAxes = 3;             // x, y, z
+constexpr std::uint32_t kLanes = 4;  // floats of a vector that every processor has
+constexpr int kAxes = 3;             // x, y, z, by geometry
 
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 

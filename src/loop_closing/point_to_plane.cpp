@@ -20,10 +20,11 @@ struct Level {
 constexpr std::array<Level, 4> kLevels = {
     {{5.0F, 1000, 15}, {2.5F, 1000, 12}, {1.2F, 2000, 10}, {0.6F, 3000, 10}}};
 
-constexpr double kStepTranslation = 5e-3;  // m; a level ends after a step below these
-constexpr double kStepRotation = 5e-4;     // rad; at 10 m as much as kStepTranslation
-constexpr int kMinPairs = 30;              // five for each of six unknowns; chosen
-constexpr double kMinSigma = 0.02;         // m, standard deviation of a point about its plane
+// m; a level ends after a step below these. Chosen: a quarter of kMinSigma.
+constexpr double kStepTranslation = 5e-3;
+constexpr double kStepRotation = 5e-4;  // rad; at 10 m as much as kStepTranslation
+constexpr int kMinPairs = 30;           // five for each of six unknowns; chosen
+constexpr double kMinSigma = 0.02;      // m, of a point; chosen: the range noise of a LiDAR
 
 /// Normal equations of one iteration.
 struct Equations {

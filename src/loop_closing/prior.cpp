@@ -20,11 +20,11 @@ constexpr double kQuantile99 = 3.03;
 constexpr double kMinHorizontalSigma = 0.5;  // m
 constexpr double kMinVerticalSigma = 0.3;    // m
 constexpr double kMinRotationSigma = 0.04;   // rad
-constexpr double kMinGnssSigma = 1.0;        // m; receivers are rarely as good as they report
+constexpr double kMinGnssSigma = 1.0;        // m; chosen: receivers are worse than they report
 
 // The height is the integral of a random walk of the pitch along the path, so that its error grows
 // with the power 1.5 of the distance: it is small between the storeys of a car park and metres
-// after kilometres.
+// after kilometres. The distance at which vertical_drift holds, by its definition.
 constexpr double kVerticalDriftDistance = 1000.0;  // m
 
 double degrees_per_100m(double value) { return value * kRadPerDeg / 100.0; }

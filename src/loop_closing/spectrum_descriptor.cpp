@@ -12,7 +12,8 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr int kBins = 128;  // of 1 m: the width of the view (120 m), as a power of two for the FFT
+// Of 1 m. Chosen: the width of the view (120 m) and more, a power of two for the FFT.
+constexpr int kBins = 128;
 constexpr int kDirections = SpectrumDescriptor::kDirections;    // over half a turn
 constexpr int kFrequencies = SpectrumDescriptor::kFrequencies;  // per direction
 using Spectra = Eigen::Matrix<float, kFrequencies, kDirections>;

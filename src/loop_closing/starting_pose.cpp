@@ -9,10 +9,12 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-// M; below it the estimate is a better starting pose than the views.
+// m; below it the estimate is a better starting pose than the views. Chosen: the views have errors
+// of half a metre, by their cells of 1 m.
 constexpr double kTrustedHorizontal = 0.7;
-constexpr double kTrustedRotation = 0.35;  // rad
-constexpr std::size_t kMinCells = 30;      // least number of occupied cells for a view to be used
+constexpr double kTrustedRotation = 0.35;  // rad; chosen: views that are turned by it still overlap
+// Least number of occupied cells for a view to be used. Chosen: fewer agree by chance.
+constexpr std::size_t kMinCells = 30;
 
 /// A starting pose on the same ground plane: roll, pitch and height are left to the registration.
 Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {

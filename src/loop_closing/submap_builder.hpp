@@ -15,7 +15,7 @@
 
 namespace lidar_mapping::loop_closing {
 
-/// Number of key frames in the scan that is matched.
+/// Number of key frames in the scan that is matched. Chosen: a sensor of 16 beams needs them.
 constexpr int kQueryKeyFrames = 3;
 
 /// Creates the clouds that are matched: the scan of the newest key frame, and the submap around

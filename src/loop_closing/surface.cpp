@@ -20,7 +20,7 @@ constexpr float kClearance = 0.6F;
 // m; a 3 x 3 block reaches 3.75 m from its centre. Chosen: under a truck (2.5 m wide) it finds the
 // road.
 constexpr double kGroundCell = 2.5;
-// m; points further away count as ground: beyond the range of the LiDARs.
+// m; points further away count as ground. Chosen: beyond the range of LiDARs on vehicles.
 constexpr double kGroundExtent = 250.0;
 
 /// Normal of the plane through neighbours; zero if they lie in none. In single precision, unlike
@@ -45,13 +45,14 @@ Eigen::Vector3f planar_normal(const std::vector<Eigen::Vector3f>& points,
 /// Square cells around the origin. The outermost cells are not used.
 class GroundCells {
  public:
-  // Cells along an edge, with one more on each side for all points beyond the extent.
+  // Cells along an edge: those of the extent, by definition, and one more on each side for all
+  // points beyond.
   static constexpr int kWidth = static_cast<int>(2.0 * kGroundExtent / kGroundCell) + 2;
   static constexpr int kCount = kWidth * kWidth;
 
   /// Number of the cell; -1 outside of the grid.
   static int of(const Eigen::Vector3f& p) {
-    constexpr double kMiddle = kWidth / 2;  // added before the cast, so that the cast rounds down
+    constexpr double kMiddle = kWidth / 2;  // half of kWidth, added so that the cast rounds down
     const double x = p.x() / kGroundCell + kMiddle;
     const double y = p.y() / kGroundCell + kMiddle;
     if (!(x >= 1.0 && y >= 1.0 && x < kWidth - 1 && y < kWidth - 1)) return -1;

@@ -13,7 +13,7 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr float kTestRange = 40.0F;  // m from the scan; beyond it points are too sparse
+constexpr float kTestRange = 40.0F;  // m from the scan; chosen: beyond it points are too sparse
 // m. Chosen: voxel size of a submap plus the error of a match.
 constexpr float kPairDistance = 0.3F;
 // m, for pairs that are side by side on one plane: twice kPairDistance; chosen
@@ -133,8 +133,8 @@ double roofed_fraction(const Submap& submap) {
   // normals, and smaller cells stay empty between rings.
   constexpr int kCellsPerAxis = 15;
   constexpr float kCellSize = 2.0F;
-  constexpr float kMinHeight = 0.5F;    // m above the LiDAR
-  constexpr float kMinNormalZ = 0.95F;  // cosine of the largest tilt, 18 degrees; ramps are flatter
+  constexpr float kMinHeight = 0.5F;    // m above the LiDAR; chosen: cars beside it are lower
+  constexpr float kMinNormalZ = 0.95F;  // cosine of 18 degrees; chosen: ramps are flatter
   std::bitset<kCellsPerAxis * kCellsPerAxis> occupied, roofed;
   const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {

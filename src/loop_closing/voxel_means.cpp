@@ -8,9 +8,10 @@ namespace lidar_mapping::loop_closing {
 
 namespace {
 
-constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;  // no index: there are fewer voxels
+constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;  // chosen: no index, as there are fewer voxels
 constexpr std::size_t kMinSlots = 1 << 14;         // 64 kB; chosen, it doubles when needed
-constexpr float kMaxCoordinate = 5e4F;  // m; with all permitted leaf sizes the cells fit into a key
+// m. Chosen so that with all permitted leaf sizes the cells fit into a key.
+constexpr float kMaxCoordinate = 5e4F;
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr const char* kHeader =
     "kind,begin_s,end_s,begin_ns,end_ns,scans,way_begin_m,way_m,way_of_drive_m,x,y,z,"
     "expected_error_m,lowest_probability,trusted";
 
-constexpr std::size_t kColumns = 15;  // cells of kHeader
+constexpr std::size_t kColumns = 15;  // by definition: cells of kHeader
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> cells;

@@ -8,7 +8,7 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-/// More sentences would not be read; the file holds all sections.
+/// Chosen: more sentences would not be read; the file holds all sections.
 constexpr std::size_t kMaxWarnings = 2;
 
 std::string warning_on(const DoubtfulSection& section, const DriveDoubt& drive) {

@@ -16,7 +16,8 @@ namespace {
 
 using back_end::RelativeCovariance;
 
-/// Number of key frames of a section at which the error is computed.
+/// Number of key frames of a section at which the error is computed. Chosen: bounds the time; the
+/// error grows slowly from one key frame to the next.
 constexpr std::size_t kCheckedKeyFrames = 8;
 
 TrackingSummary summary_of(const std::vector<session::ScanRecord>& scans,

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kImuFrame[] = "imu_link";
-constexpr double kDefaultPeriod = 0.1;            // s, if the folder has no times
+constexpr double kDefaultPeriod = 0.1;  // s, if the folder has no times; chosen as of most LiDARs
 constexpr Stamp kHalfTurn = from_seconds(0.05);   // from the stamp of a scan to its last point
 constexpr Stamp kFirstPlausibleTime = 1'000'000;  // s, a smaller number in a name is a counter
 constexpr Stamp kLastPlausibleTime = 9'000'000'000;

@@ -21,7 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using pose_graph::PoseEdge;
 
-constexpr double kGnssStddev_m = 1.0;  // the dump does not contain the accuracy of positions
+// m. Chosen as of receivers without corrections: the dump does not contain the accuracy.
+constexpr double kGnssStddev_m = 1.0;
 
 /// Contents of NNNNNN/data.
 struct DumpedFrame {
@@ -116,7 +117,8 @@ Eigen::Quaterniond read_orientation(WordReader& words) {
 }
 
 Stamp read_stamp(WordReader& words) {
-  // Seconds up to 2112, as in sessions; the largest number of nanoseconds within a second.
+  // Seconds up to 2112, as in common/number_words.cpp; the largest number of nanoseconds within a
+  // second, by definition.
   constexpr double kLatest = 4.5e9, kNanoseconds = 999'999'999;
   const std::int64_t seconds = words.whole_number(kLatest);
   return seconds * 1'000'000'000 + words.whole_number(kNanoseconds);
@@ -138,7 +140,7 @@ void read_field(const std::string& name, WordReader& words, DumpedFrame& frame) 
   } else if (name == "orientation") {
     frame.orientation = read_orientation(words);
   } else if (name == "id") {
-    constexpr double kLargest = 9e15;  // of the whole numbers that a double holds exactly
+    constexpr double kLargest = 9e15;  // below 2^53, so that a double holds it by its format
     frame.id = words.whole_number(kLargest);
   } else if (name == "accum_distance") {
     words.number();

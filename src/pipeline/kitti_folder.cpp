@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDefaultPeriod = 0.1;  // s, if there is no times.txt
+constexpr double kDefaultPeriod = 0.1;  // s, if there is no times.txt; chosen as of most LiDARs
 
 /// Reads all elements of a file of plain little-endian values.
 template <typename T>

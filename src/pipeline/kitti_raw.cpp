@@ -33,7 +33,7 @@ enum Column {
   kColumns = 30
 };
 
-constexpr int kMinSatellites = 4;  // for three coordinates and the receiver's clock
+constexpr int kMinSatellites = 4;  // by geometry: three coordinates and the receiver's clock
 
 /// Whether the numbers are a date and time between 1970 and 2200.
 bool is_plausible(const std::tm& date) {

@@ -78,7 +78,7 @@ bool RecordedBackEnd::add_loop(const Loop& loop) {
 }
 
 bool RecordedBackEnd::has_loop(const Loop& loop) const {
-  // m and rad; poses that were sent in messages are equal in every bit
+  // m and rad. Chosen far below any error: poses that were sent in messages are equal in every bit.
   constexpr double kSamePose = 1e-9;
   const auto found = loop_poses_.find({loop.from, loop.to});
   return found != loop_poses_.end() &&

@@ -10,8 +10,10 @@ namespace lidar_mapping::pipeline {
 
 namespace {
 
-constexpr double kTolerance = 0.2;          // m, at the end of the section
-constexpr double kAngleTolerance = 0.0087;  // rad
+// m and rad (0.5 degrees), at the end of the section. Chosen: another recording differs by more,
+// the same one by millimetres.
+constexpr double kTolerance = 0.2;
+constexpr double kAngleTolerance = 0.0087;
 
 InputError wrong_recording(const KeyFrame& key_frame) {
   return InputError("the recording has no scan at key frame " + std::to_string(key_frame.index) +

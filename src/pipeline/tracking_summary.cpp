@@ -14,9 +14,9 @@ constexpr Stamp kGap = from_seconds(1.0);
 constexpr std::array kDoubts = {Doubt::kDoubtful, Doubt::kDegraded, Doubt::kRepeated,
                                 Doubt::kDegenerate, Doubt::kLost};
 
-// Of the path length; the limit of map_quality for odometry.
+// Of the path length, as in report_verdicts.cpp (kMaxCorrection).
 constexpr double kAllowedFraction = 0.01;
-constexpr double kMinAllowedError = 0.5;  // m
+constexpr double kMinAllowedError = 0.5;  // m; chosen: matches of loops converge from more
 
 double squared(double value) { return value * value; }
 

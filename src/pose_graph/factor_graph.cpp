@@ -25,7 +25,7 @@ ceres::SparseLinearAlgebraLibraryType sparse_library() {
              : ceres::EIGEN_SPARSE;
 }
 
-// Radius of a trust region that does not limit steps: larger than any drive, m.
+// Radius of a trust region that does not limit steps, m. Chosen: larger than any drive.
 constexpr double kWideRadius = 1e10;
 
 ceres::Solver::Options solver_options(const MinimizerSettings& settings) {

@@ -15,10 +15,12 @@ namespace lidar_mapping::pose_graph {
 
 namespace {
 
-// A minimal damping, so that directions that are determined by rounding errors alone do not move.
+// A minimal damping. Chosen above the rounding errors of doubles, so that directions that are
+// determined by these alone do not move.
 constexpr double kDiagonalScaling = 1e-10;
-constexpr double kRefactorizeGain =
-    1e-3;  // fraction of the cost: after a larger expected gain the factor is computed again
+// Fraction of the cost: after a larger expected gain the factor is computed again. Chosen: an old
+// factor still converges for less, and a step with it costs a small part of a factorisation.
+constexpr double kRefactorizeGain = 1e-3;
 // Fraction of the cost by which it may seem to rise at the minimum. Chosen: far above the rounding
 // of sums of doubles, far below the tolerance at which the search ends.
 constexpr double kCostRounding = 1e-9;
@@ -42,7 +44,7 @@ std::pair<double, double> loss_at(const ceres::LossFunction* loss, double square
 template <int size>
 class NormalEquations {
  public:
-  // Columns of a Jacobian per node: the layout of Ceres, which has one per number of the state.
+  // Columns of a Jacobian per node, by the layout of Ceres, which has one per number of the state.
   static constexpr int kBlock = size == 6 ? kPoseBlockSize : kPlanarBlockSize;
   using Block = Eigen::Matrix<double, size, size>;
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kMaxRounds = 5;  // chosen: the choice may alternate without end
 // Real errors have heavier tails than a Gaussian, and false loops have much larger residuals. A
-// constraint is therefore refused only above twice the quantile; otherwise one per cent or more of
-// the true ones would be refused.
+// constraint is therefore refused only above twice the quantile. Chosen: otherwise one per cent or
+// more of the true ones would be refused.
 constexpr double kRefusalFactor = 2.0;
 // Weights of the constraints that are not switchable. They are tried in turn until half of the
 // switchable constraints are used.

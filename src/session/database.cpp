@@ -14,8 +14,9 @@ namespace lidar_mapping::session {
 namespace {
 
 constexpr int kBusyTimeoutMs = 5000;     // chosen: longer than writing a chunk takes
-constexpr std::size_t kShownBytes = 40;  // bytes of a damaged cell that a message shows
-/// Limit for stored numbers, so that products of information and covariances do not overflow.
+constexpr std::size_t kShownBytes = 40;  // of a damaged cell in a message; chosen: half a line
+/// Limit for stored numbers. Chosen so that products of information and covariances do not
+/// overflow.
 constexpr double kMaxNumber = 1e100;
 
 bool is_number(double value) { return std::abs(value) <= kMaxNumber; }

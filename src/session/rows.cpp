@@ -53,7 +53,8 @@ class Reader {
 
   /// All integers of this type are stamps; the limit keeps their differences within the type.
   void process(std::int64_t& value) {
-    // Nanoseconds, up to 2112. The largest integer, 9.2e18, is more than twice as large.
+    // Nanoseconds, up to 2112 as in common/number_words.cpp. The largest integer, 9.2e18, is more
+    // than twice as large.
     constexpr std::int64_t kLatest = 4'500'000'000'000'000'000;
     value = row_.read_integer(-kLatest, kLatest);
   }

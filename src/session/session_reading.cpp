@@ -12,7 +12,7 @@ namespace lidar_mapping::session {
 
 namespace {
 
-constexpr double kHighest = 1e6;  // m above the ellipsoid
+constexpr double kHighest = 1e6;  // m above the ellipsoid; chosen: only damage is to be found
 
 std::optional<Eigen::Vector3d> vector_property(const Database& database, const std::string& name) {
   Statement row = database.query("SELECT value FROM properties WHERE name = ?", {name});

@@ -7,9 +7,10 @@ namespace lidar_mapping::session {
 
 namespace {
 
-constexpr std::int64_t kApplicationId = 0x4C4D6170;  // "LMap"
-constexpr std::int64_t kVersion = 6;                 // of the tables; grows whenever these change
-// Older versions can be read. They are upgraded when they are opened for writing.
+constexpr std::int64_t kApplicationId = 0x4C4D6170;  // chosen: "LMap" in ASCII
+constexpr std::int64_t kVersion = 6;  // of the tables, by definition; grows whenever these change
+// Older versions can be read, by the history of the format. They are upgraded when they are opened
+// for writing.
 constexpr std::int64_t kWithoutDecisions = 1;
 constexpr std::int64_t kWithoutUnobserved = 2;
 constexpr std::int64_t kWithoutElevation = 3;
