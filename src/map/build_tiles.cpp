@@ -12,7 +12,9 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr std::size_t kBatchSize = 8;  // clouds in memory at a time; a batch takes twice their size
+// Clouds in memory at a time; a batch takes twice their size. Chosen: this stays below the growth
+// at which memory is given back to the system (kStep of process_memory.cpp).
+constexpr std::size_t kBatchSize = 8;
 // Voxels besides those of the current batch. Chosen: about the tiles around the vehicle; more only
 // save reading from the disk.
 constexpr std::size_t kVoxelsInMemory = 500'000;

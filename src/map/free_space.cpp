@@ -14,7 +14,7 @@ namespace {
 // m, longest part of a ray. Chosen: further out, an attitude that is wrong by 0.2 degrees puts its
 // height off by more than the lowest obstacles (0.2 m).
 constexpr double kMaxRayLength = 50.0;
-constexpr std::size_t kBatch = 16;  // clouds in memory at a time
+constexpr std::size_t kBatch = 16;  // clouds in memory at a time; chosen: one for each thread
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Parameter of the line start + t * direction at its next border between cells, and its increment

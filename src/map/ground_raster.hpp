@@ -12,8 +12,8 @@ namespace lidar_mapping::map {
 class GroundRaster {
  public:
   static constexpr float kUnknown = moving_objects::LowestPoints::kNone;
-  /// The ground at a location depends on points within this distance, m: the extension (3 m) and
-  /// the neighbourhood of a column (two columns of 0.6 m on each side), rounded up.
+  /// The ground at a location depends on points within this distance, m. By geometry: the extension
+  /// (3 m) and the neighbourhood of a column (two columns of 0.6 m on each side), rounded up.
   static constexpr float kSupportRadius = 6.0F;
 
   /// Builds the raster from points and their ground, both in the map frame.

@@ -10,9 +10,9 @@ namespace lidar_mapping::map {
 
 namespace {
 
-constexpr double kReferenceDistance = 50.0;  // m from the LiDAR, where most walls of a street lie
-                                             // within; see MapConfig::rebuild_distance
-constexpr std::size_t kBatchSize = 16;       // clouds in memory at a time
+// m from the LiDAR, see MapConfig::rebuild_distance. Chosen: most walls of a street lie within.
+constexpr double kReferenceDistance = 50.0;
+constexpr std::size_t kBatchSize = 16;  // clouds in memory at a time; chosen: one for each thread
 // Of the key frames; above it, a partial rebuild costs more than a whole one. Chosen.
 constexpr double kRebuildAllFraction = 0.5;
 

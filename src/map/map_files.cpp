@@ -187,7 +187,8 @@ Files save_map(const CloudParts& map, const MapDescription& description, const f
 }
 
 void check_range(const PointCloud& cloud) {
-  constexpr float kMaxDistance = 1e5F;  // m; the spacing of floats is 8 mm there and doubles beyond
+  // m. Chosen: the spacing of floats is 8 mm there and doubles beyond.
+  constexpr float kMaxDistance = 1e5F;
   for (const Point& point : cloud.points) {
     if (point.position().cwiseAbs().maxCoeff() <= kMaxDistance) continue;
     throw InputError("the map reaches " +

@@ -17,14 +17,15 @@ namespace lidar_mapping::map {
 
 namespace {
 
-// Values that map_server reads as occupied, free and unknown, by its mode "trinary" and the
-// thresholds that are written beside the picture.
+// Values of occupied, free and unknown, by the format of map_server (mode "trinary", and the
+// thresholds that are written beside the picture).
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFree = 254;
 constexpr std::uint8_t kUnknown = 205;
 
-// Edge of a block. One block at a time is in memory with all of its points.
-constexpr double kBlockEdge = 400.0;  // m
+// Edge of a block, m and cells. One block at a time is in memory with all of its points. Chosen:
+// bounds the memory; the second one counts where cells are smaller than 0.1 m.
+constexpr double kBlockEdge = 400.0;
 constexpr int kBlockCells = 4000;
 
 /// Numbers of obstacle points and presence of ground points in the cells of a block.
@@ -58,8 +59,8 @@ class PointEvidence {
     }
   }
 
-  static constexpr std::uint8_t kMaxCount =
-      255;  ///< the largest value of a byte: counting ends there
+  /// The largest value of a byte, by its format: counting ends there.
+  static constexpr std::uint8_t kMaxCount = 255;
 
   const GridBlock block_;
   std::vector<std::uint8_t> obstacles_;  ///< Points at the height of obstacles, up to kMaxCount.

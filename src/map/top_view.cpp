@@ -21,15 +21,18 @@ namespace {
 using Color = std::array<double, 3>;
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr double kMaxHeight = 10.0;  // m above the ground; higher points have the last colour
+// m above the ground; higher points have the last colour. Chosen: houses of three storeys.
+constexpr double kMaxHeight = 10.0;
 // m, edge of the cells in which the ground has one height. Chosen: below every car there is ground,
 // and the steepest streets (12 %) rise by less than 1 m.
 constexpr double kGroundCell = 8.0;
-// fraction of the points of a cell that may lie below its ground: mirrored ones
+// Fraction of the points of a cell that may lie below its ground. Chosen: wet roads and glass
+// mirror no more.
 constexpr double kGroundQuantile = 0.03;
-constexpr std::size_t kMaxHeightSamples = 4'000'000;  // from which the ground is computed
-constexpr int kLevels = 255;                          // levels of height
-constexpr int kMaxCountedPoints = 9;  // points in a pixel; more do not make it brighter
+// Points from which the ground is computed. Chosen: bounds the memory (16 MB).
+constexpr std::size_t kMaxHeightSamples = 4'000'000;
+constexpr int kLevels = 255;          // of height, so that one fits into a byte
+constexpr int kMaxCountedPoints = 9;  // in a pixel; chosen: more do not make it brighter
 constexpr Color kBackground = {12.0, 14.0, 20.0};
 constexpr std::array<Color, 5> kScale = {{{96.0, 116.0, 150.0},
                                           {60.0, 175.0, 185.0},

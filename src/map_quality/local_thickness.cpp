@@ -16,7 +16,8 @@ namespace {
 // too few points.
 constexpr double kCell = 0.5;
 // Second largest standard deviation of the points of a plane, in edges of the cell; a square that
-// fills the cell has 0.29. Below half of that the points are closer to a line than to a surface.
+// fills the cell has 0.29. Chosen: below half of that the points are closer to a line than to a
+// surface.
 constexpr double kMinExtent = 0.15;
 // Ratio of thickness to extent of the group that gives the plane. Chosen: vegetation is thicker,
 // and a wall with the range noise of a LiDAR (0.02 m) is thinner even if it covers half a cell.
@@ -26,7 +27,8 @@ constexpr double kMaxFlatness = 0.2;
 constexpr double kMaxPlaneDistance = 0.3;
 // Points of the group that gives the plane: five for each of its three unknowns; chosen.
 constexpr double kMinPlanePoints = 15;
-// Points of a group that is measured against the plane: only its mean and a variance are needed.
+// Points of a group that is measured against the plane. Chosen: fewer than for a plane, since only
+// its mean and a variance are needed.
 constexpr double kMinGroupPoints = 5;
 
 /// Points of one group in a cell, and the sum of the outer products of their ray directions.

@@ -12,17 +12,19 @@ namespace {
 // m, length of a section of the later pass. Chosen: shorter ones have too few walls, and over
 // longer ones the misalignment changes.
 constexpr double kSectionLength = 10.0;
-// m, largest distance between the passes: the width of a street, so that both lanes are compared.
+// m, largest distance between the passes. Chosen: the width of a street, so that both lanes are
+// compared.
 constexpr double kMaxPassDistance = 10.0;
-// m; larger height differences belong to another storey, which even in car parks are more than 2 m
-// high.
+// m. Chosen: larger height differences belong to another storey, which even in car parks are more
+// than 2 m high.
 constexpr double kMaxHeightDifference = 2.0;
 // m, least path length between the passes. Chosen: a turning vehicle returns to a place after 20 m
 // to 30 m, which says nothing about the map, while a round of a block is longer.
 constexpr double kMinPathBetweenPasses = 40.0;
 // Points per pass and section. Chosen: bounds the time, while cells of 1 m still have their points.
 constexpr std::size_t kMaxPointsPerPass = 80'000;
-// Key frames of the earlier passes in a section: one alone may be a vehicle that only touches it.
+// Key frames of the earlier passes in a section. Chosen: one alone may be a vehicle that only
+// touches it.
 constexpr std::size_t kMinEarlierKeyFrames = 2;
 
 /// Sections of the path that the vehicle has passed before, and the points around them.

@@ -28,7 +28,8 @@ constexpr double kFineCell = 1.0;
 constexpr double kMinPointsEarlier = 12.0;
 constexpr double kMinPointsLater = 8.0;
 // Second largest standard deviation of the points of a plane, in edges of the cell; a square that
-// fills the cell has 0.29. Below half of that the points are closer to a line than to a surface.
+// fills the cell has 0.29. Chosen: below half of that the points are closer to a line than to a
+// surface.
 constexpr double kMinExtent = 0.15;
 // m, standard deviation across a plane: five times the range noise of a LiDAR (0.02 m). Chosen:
 // less would lose surfaces that the earlier passes have twice, more would admit bushes.
@@ -42,12 +43,12 @@ constexpr double kMaxPairDistance = 0.6;
 // Limits of the iterations. Chosen: they bound the time.
 constexpr int kIterations = 5;        // at most, per size of cells and per solution
 constexpr int kWideIterations = 3;    // with coarse cells and the wide cutoff
-constexpr double kConverged = 0.001;  // m, a tenth of the smallest misalignment of interest
-// m, cutoff of Tukey's weights while displacements are still large: that of kCoarseCell's pairs,
-// less those that can only be wrong.
+constexpr double kConverged = 0.001;  // m; a tenth of the smallest misalignment of interest
+// m, cutoff of Tukey's weights while displacements are still large. Chosen: two thirds of the
+// distance that pairs of kCoarseCell may have; pairs near that distance can only be wrong.
 constexpr double kWideCutoff = 0.8;
-// m, least cutoff afterwards: the range noise of a LiDAR, so that a perfect section keeps its
-// pairs.
+// m, least cutoff afterwards. Chosen: the range noise of a LiDAR, so that a perfect section keeps
+// its pairs.
 constexpr double kMinCutoff = 0.02;
 // Standard deviations up to which a pair has weight: 99.7 % of a normal distribution.
 constexpr double kCutoffSigmas = 3.0;
@@ -57,10 +58,10 @@ constexpr double kMinGroundWeight = 0.1;
 // Planes (sum of their weights) that have to constrain a direction. Chosen: a single plane may be a
 // wrong pair, a second one that agrees with it rarely is.
 constexpr double kMinConstraints = 2.0;
-// m, distance at which a rotation is measured by the shift that it causes: that of the walls of a
-// street; half of the length of a section would be the least that is meaningful.
+// m, distance at which a rotation is measured by the shift that it causes. Chosen: that of the
+// walls of a street; half of the length of a section would be the least that is meaningful.
 constexpr double kLeverArm = 10.0;
-// m, distance within which a wall agrees with a shift: half more than the range noise.
+// m, distance within which a wall agrees with a shift. Chosen: half more than the range noise.
 constexpr double kAgreementDistance = 0.03;
 // Ratio of the numbers of agreeing walls. Chosen: 10 % more walls are no coincidence, and the
 // search from coarse to fine keeps its result where both are as good.

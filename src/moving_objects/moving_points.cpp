@@ -14,9 +14,9 @@ namespace {
 // m, points below have no vote. Chosen: the height of a kerb; lower objects cannot be
 // distinguished from errors of the ground.
 constexpr float kGroundHeight = 0.12F;
-// m, above are branches that connect objects; cars and pedestrians are lower.
+// m. Chosen: above are branches that connect objects; cars and pedestrians are lower.
 constexpr float kBodyHeight = 2.5F;
-// m, nothing below is removed: twice the range noise of a LiDAR (0.02 m).
+// m, nothing below is removed. Chosen: twice the range noise of a LiDAR (0.02 m).
 constexpr float kBaseHeight = 0.04F;
 // m; ground this much above that of more key frames is a roof. Chosen below the bonnet of a car.
 constexpr float kRoofHeight = 0.3F;

@@ -10,8 +10,9 @@ namespace {
 
 // Points that are processed together. Chosen: their arrays (7 x 4 KB) fit into the first cache.
 constexpr std::size_t kChunk = 1024;
-constexpr std::size_t kLanes = 16;            // floats in a register of 512 bits, the widest one
-constexpr std::size_t kFinalizeInterval = 4;  // observers; more often costs more time than it saves
+constexpr std::size_t kLanes = 16;  // floats in a register of 512 bits, the widest one
+// Observers. Chosen: more often costs more time than it saves.
+constexpr std::size_t kFinalizeInterval = 4;
 
 /// An observer relative to the key frame whose points are voted on.
 struct ObserverView {

@@ -9,12 +9,13 @@ namespace lidar_mapping::moving_objects {
 
 namespace {
 
-constexpr std::size_t kRow =
-    2 * kRangeImageColumns;                 // values of a row: nearest and farthest range per pixel
-constexpr std::uint16_t kNothing = 65'535;  // largest value, above kMaxUnit
-// Pixels of a row with one more at each end.
+// Values of a row, by its layout: nearest and farthest range per pixel.
+constexpr std::size_t kRow = 2 * kRangeImageColumns;
+constexpr std::uint16_t kNothing = 65'535;  // chosen: the largest of 16 bits, above kMaxUnit
+// Pixels of a row, by its layout: one more at each end.
 constexpr std::size_t kExtendedRow = kRangeImageColumns + 2;
-constexpr std::size_t kPrefetchDistance = 8;  // windows that are prefetched
+// Windows that are prefetched. Chosen: about as long as a line of memory takes to come.
+constexpr std::size_t kPrefetchDistance = 8;
 
 /// Position of the upper left pixel of the 3x3 window around a pixel, in the extended rows.
 std::size_t corner_of(int pixel) {
@@ -145,7 +146,7 @@ void RangeImage::prefetch_window(int pixel) const {
 /// behind it.
 int RangeImage::is_hit_around(int pixel, int nearest, int farthest) const {
   using Ranges = std::uint16_t __attribute__((vector_size(16)));  // the ranges of four pixels
-  constexpr auto kAll = std::uint16_t{0xFFFF};                    // all bits of a range
+  constexpr auto kAll = std::uint16_t{0xFFFF};  // all bits of a range, by definition
   constexpr Ranges kThreePixels = {kAll, kAll, kAll, kAll, kAll, kAll, 0, 0};
   const auto low = static_cast<std::uint16_t>(nearest);
   const auto width = static_cast<std::uint16_t>(farthest - nearest);

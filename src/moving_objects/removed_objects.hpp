@@ -23,7 +23,7 @@ class CellSet {
   bool has(std::uint32_t cell) const { return (words_[cell / kBits] & bit(cell)) != 0; }
 
  private:
-  static constexpr std::uint32_t kBits = 64;  // in a word of the processor
+  static constexpr std::uint32_t kBits = 64;  // in a word, by definition of std::uint64_t
   static std::uint64_t bit(std::uint32_t cell) { return std::uint64_t{1} << (cell % kBits); }
 
   std::vector<std::uint64_t> words_;

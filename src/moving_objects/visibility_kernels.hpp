@@ -10,8 +10,8 @@ namespace lidar_mapping::moving_objects {
 /// ones have gaps, wider ones mix what stands side by side.
 constexpr int kRangeImageColumns = 900;
 
-/// Ranges are counted in units of 2 mm, so that a pixel is small. They are limited to 1 to
-/// kMaxUnit (128 m), which is three times as far as observers vote.
+/// Ranges are counted in units of 2 mm, chosen so that they fit into 16 bits. They are limited to 1
+/// to kMaxUnit (128 m), which is three times as far as observers vote.
 constexpr float kUnitsPerMeter = 512.0F;
 constexpr int kMaxUnit = 65'534;
 

@@ -13,13 +13,15 @@ namespace lidar_mapping::moving_objects {
 namespace {
 
 constexpr auto kHalfTurn = static_cast<float>(lidar_mapping::kPi);  // rad
-constexpr float kColumnsPerRadian =
-    kRangeImageColumns / (2.0F * kHalfTurn);  // the image is a full turn
+// By geometry: the image is a full turn.
+constexpr float kColumnsPerRadian = kRangeImageColumns / (2.0F * kHalfTurn);
 // Rows of 0.5 degrees. Chosen: a little more than the rings of 64 beams lie apart (0.4 degrees).
 constexpr float kRowsPerRadian = 2.0F * 180.0F / kHalfTurn;
-constexpr float kMinLength = 1e-37F;      // m, above zero, because it is a divisor
-constexpr float kMargin = 0.2F;           // m
-constexpr float kMarginPerRange = 0.02F;  // m per m
+constexpr float kMinLength = 1e-37F;  // m; chosen above zero, because it is a divisor
+// m, and m per m: by how much a range has to differ for a vote. Chosen: more than the errors of
+// poses and ranges (5 cm and 0.1 degrees), less than the depth of a car.
+constexpr float kMargin = 0.2F;
+constexpr float kMarginPerRange = 0.02F;
 
 /// atan2 with an error of at most 2e-5 rad, by a polynomial; a pixel is three hundred times as
 /// wide.

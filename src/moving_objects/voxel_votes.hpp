@@ -19,7 +19,8 @@ namespace lidar_mapping::moving_objects {
 /// number.
 class VoxelKeys {
  public:
-  static constexpr std::size_t kColumns = std::size_t{1} << 16U;  ///< as 16 bits number
+  /// By the format of their numbers, which have 16 bits.
+  static constexpr std::size_t kColumns = std::size_t{1} << 16U;
 
   /// `voxel`: edge, m.
   VoxelKeys(const TransformedPoints& points, float voxel);
@@ -35,7 +36,7 @@ class VoxelKeys {
   }
 
  private:
-  // Square root of kColumns: the number of a column fills 16 bits.
+  // The square root of kColumns, so that the number of a column fills 16 bits.
   static constexpr unsigned kWidth = 256;
   static std::uint16_t column(int x, int y) {
     return static_cast<std::uint16_t>(static_cast<unsigned>(x) % kWidth * kWidth +

@@ -14,8 +14,8 @@ namespace lidar_mapping::registration {
 
 namespace {
 
-// Points of the source. Enough for fractions in steps of 0.1 % and for a Hessian; a whole scan
-// would cost more than matching.
+// Points of the source. Chosen: enough for fractions in steps of 0.1 % and for a Hessian; a whole
+// scan would cost more than matching.
 constexpr std::size_t kMaxPoints = 1000;
 // Neighbours for a plane, which has three unknowns. Chosen: few enough to lie on one surface.
 constexpr int kPlanePoints = 8;
@@ -28,7 +28,7 @@ constexpr double kGreatestThickness = 0.1;  // third axis / second axis, of vari
 // target are farther from each other than a surface is from a point that lies on it.
 constexpr double kSurfaceFraction = 0.2;
 constexpr double kPointFraction = 0.5;
-constexpr double kLeastSigma = 0.01;  // m: no scanner of this class is better
+constexpr double kLeastSigma = 0.01;  // m; chosen: no scanner of this class is better
 
 /// Distance of a point to the target's plane, and its derivative by the pose's perturbation.
 struct Residual {

@@ -56,8 +56,9 @@ const NdtKernels& portable_ndt_kernels();
 /// Null where the compiler or the processor knows no AVX2.
 const NdtKernels* avx2_ndt_kernels();
 
-/// Cells are packed into 32 bits: 11 for x, 11 for y, 10 for z, each plus its offset. Points
-/// beyond the largest cell are put into it, so no cell packs to -1.
+/// Cells are packed into 32 bits, chosen so that a key is one word. By this layout x and y have 11
+/// bits, z has 10, each plus its offset. Points beyond the largest cell are put into it, so no cell
+/// packs to -1.
 constexpr int kCellOffsetXY = 1024;
 constexpr int kCellOffsetZ = 512;
 constexpr int kMaxCellXY = 1022;

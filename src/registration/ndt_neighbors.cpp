@@ -8,7 +8,8 @@
 namespace lidar_mapping::registration {
 namespace {
 
-/// A value that no packed cell has: its vertical part would lie outside of the map (kMaxCellZ).
+/// A value that no packed cell has, by the layout of ndt_kernels.hpp: its vertical part would lie
+/// outside of the map (kMaxCellZ).
 constexpr std::int32_t kNoCell = -1;
 
 Eigen::Vector3i unpacked(std::int32_t packed) {

@@ -23,7 +23,8 @@ class NdtParts {
                           const Eigen::Matrix3d& R_map_sensor);
 
  private:
-  /// Number of arrays: those of the points (x y z) and of their planes (x y z and offset).
+  /// Number of arrays, by definition: those of the points (x y z) and of their planes (x y z and
+  /// offset).
   static constexpr std::size_t kArrays = 7;
 
   void assign_parts(const NdtPoints& points, const PlaneArrays& planes);

@@ -12,8 +12,8 @@ namespace {
 
 // Of a sweep: 6 ms at 10 Hz. Chosen: fewer blur fast turns, more fill up more lanes with nothing.
 constexpr std::size_t kSlices = 16;
-/// m: outside of every map, because it is more than kMaxCellXY voxels of any size away. Padding
-/// points lie there and have no plane.
+/// m. Chosen: outside of every map, because it is more than kMaxCellXY voxels of any size away.
+/// Padding points lie there and have no plane.
 constexpr float kFarAway = 1e6F;
 
 }  // namespace

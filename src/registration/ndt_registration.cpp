@@ -20,7 +20,7 @@ constexpr double kLevels[] = {4.0, 2.0, 1.0};
 // still have weight.
 constexpr double kCoarseSigma = 0.1;
 // Information of a twist of zero, (m/s)^-2 and (rad/s)^-2: clouds without times do not determine a
-// twist, and 1 mm/s is as good as none.
+// twist. Chosen: 1 mm/s is as good as none.
 constexpr double kTwistInformation = 1e6;
 
 PlaneModel model_of(double level) {
