@@ -11,7 +11,7 @@ namespace {
 
 const ros::WallDuration kInterval(1.0);
 const ros::WallDuration kSilence(5.0);
-constexpr double kFixDistance = 1.0;  // m, between displayed positions
+constexpr double kFixDistance = 1.0;  // m, between positions on display; chosen: else they overlap
 constexpr std::size_t kTasks = 20;    // waiting tasks; chosen: more would only delay the display
 
 bool is_silent(const DriveView& view) {

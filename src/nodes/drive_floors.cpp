@@ -9,10 +9,11 @@ namespace {
 
 using visualization_msgs::Marker;
 
-/// Number of floors that are kept without key frame, which may be seconds late.
+/// Number of floors that are kept without key frame, which may be seconds late. Chosen: those of a
+/// minute and more at 10 Hz.
 constexpr std::size_t kWaiting = 1000;
-constexpr double kHalfEdge = 1.0;  // m, of a square on the floor
-/// Key frames in a marker; fewer than with dots, because a floor has ten points.
+constexpr double kHalfEdge = 1.0;  // m, of a square on the floor; chosen: as wide as a car
+/// Key frames in a marker. Chosen: fewer than with dots, because a floor has ten points.
 constexpr std::size_t kPerPiece = 20;
 
 void add_square(Marker& marker, const Pose& T_map_base, const Floor& floor) {

@@ -10,7 +10,7 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kTextHeight = 5.0;      // m, of a capital
+constexpr double kTextHeight = 5.0;      // m, of a capital; chosen: legible from above a town
 constexpr double kOverVehicle = 12.0;    // m; chosen: clear of the vehicle and of what is near
 constexpr std::size_t kLineLength = 45;  // characters; chosen: longer lines leave the view
 

@@ -9,9 +9,9 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kBridge = 3.0;  // m, above the path
-/// Height of the marks of degenerate sections, m: mostly in tunnels, whose roof would hide the
-/// marks.
+constexpr double kBridge = 3.0;  // m, above the path; chosen: apart from it in a view from the side
+/// Height of the marks of degenerate sections, m. Chosen: mostly in tunnels, whose roof would hide
+/// the marks.
 constexpr double kOverRoofs = 10.0;
 
 std_msgs::ColorRGBA color_of(Verdict verdict) {

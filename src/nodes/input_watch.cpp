@@ -16,9 +16,10 @@ namespace lidar_mapping::ros_border {
 namespace {
 
 /// Wall time (s) without scans after which the reason is logged, and logged again when it changes.
+/// Chosen: drivers and bags start within it, and a person waits no longer without a word.
 constexpr double kSilenceTime = 5.0;
-/// Number of searches for sensors on other topics after the first scan; drivers start one after the
-/// other.
+/// Number of searches for sensors on other topics after the first scan. Chosen: drivers, which
+/// start one after the other, have done so within a minute.
 constexpr int kMaxSearches = 12;
 
 /// Resolved topics that this package publishes.

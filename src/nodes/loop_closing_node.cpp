@@ -17,7 +17,8 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Number of loops that are sent again to a restarted back end.
+/// Number of loops that are sent again to a restarted back end. Chosen: far above those that are
+/// found in the seconds of a restart.
 constexpr std::uint32_t kRepeatedLoops = 100;
 /// Idle time after which the newest count of loops is logged.
 constexpr std::chrono::milliseconds kIdle{10000};

@@ -14,8 +14,8 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-/// Smallest motion of a point that is sent, m; smaller ones are not visible in the display of a
-/// drive.
+/// Smallest motion of a point that is sent, m. Chosen: smaller ones are not visible in the display
+/// of a drive.
 constexpr double kStep = 0.05;
 
 bool is_elsewhere(const geometry_msgs::Point& a, const geometry_msgs::Point& b) {

@@ -13,7 +13,7 @@
 
 namespace lidar_mapping::ros_border {
 
-/// Height of the graph above the road, whose points would hide it, m.
+/// Height of the graph above the road, whose points would hide it, m. Chosen: also above cars.
 constexpr double kMarkerLift = 3.0;
 
 inline geometry_msgs::Point to_point(const Eigen::Vector3d& vector) {

@@ -9,7 +9,7 @@ namespace lidar_mapping::ros_border {
 
 namespace {
 
-/// Largest motion of a pose that counts as none, m; it is not visible.
+/// Largest motion of a pose that counts as none, m. Chosen: it is not visible.
 constexpr double kUnmoved = 0.001;
 
 std::string with_unit(double value, int digits, const char* unit) {

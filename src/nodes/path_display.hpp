@@ -11,6 +11,7 @@
 namespace lidar_mapping::ros_border {
 
 /// Poses of a path on display: a path is sent whole each time, so it must not grow with the drive.
+/// Measured with 5,000 key frames: 30 kB instead of 375 kB.
 constexpr std::size_t kPathPoses = 400;
 
 /// The poses as a path, with the stamps of the key frames. Of more than `limit` (at least 2) those

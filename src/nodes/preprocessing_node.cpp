@@ -29,10 +29,11 @@ namespace {
 
 /// Idle time after which scans that wait for other sensors are published without them.
 constexpr std::chrono::milliseconds kIdle{1000};
-/// Queue length of the other sensors for each queued scan: IMUs publish at least ten times as often
-/// as LiDARs.
+/// Queue length of the other sensors for each queued scan. Chosen: IMUs publish ten to twenty times
+/// as often as LiDARs.
 constexpr int kSamplesPerScan = 20;
-/// Duration of the data after which the input validator reports, s.
+/// Duration of the data after which the input validator reports, s. Chosen: enough for rates, units
+/// and gaps, and the person who started the nodes is still there.
 constexpr double kValidationTime = 5.0;
 
 /// As text with all digits, because a ROS master may round numbers.

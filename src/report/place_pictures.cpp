@@ -8,9 +8,11 @@ namespace lidar_mapping::report {
 
 namespace {
 
-constexpr float kReach = 15.0F;               // shown distance to the side and along, m
-constexpr std::size_t kPicturePoints = 9000;  // of a pass and place
-constexpr std::size_t kFewestShown = 300;     // points of a pass; with fewer a wider slice is shown
+constexpr float kReach = 15.0F;  // shown distance to the side and along, m; chosen: a street
+// Of a pass and place. Chosen: bounds the size of the page; more points would overlap.
+constexpr std::size_t kPicturePoints = 9000;
+// Points of a pass; with fewer a wider slice is shown. Chosen: fewer show no walls.
+constexpr std::size_t kFewestShown = 300;
 
 /// Limits of the points that a picture shows, m in the axes of the vehicle.
 struct Slice {
@@ -19,7 +21,7 @@ struct Slice {
   const char* title;
 };
 
-constexpr float kAll = 1000.0F;  // m
+constexpr float kAll = 1000.0F;  // m; chosen: beyond all points of a place
 
 /// Slices from narrow to wide: a narrow one shows the distance of passes best, but may be empty.
 const std::vector<Slice>& slices(View view) {

@@ -17,8 +17,8 @@ namespace lidar_mapping::report {
 
 namespace {
 
-constexpr double kRelativeDelta = 10.0;  // m, of the relative pose error
-constexpr std::size_t kFewestPairs = 3;  // needed for an alignment
+constexpr double kRelativeDelta = 10.0;  // m, of the relative pose error; chosen: some key frames
+constexpr std::size_t kFewestPairs = 3;  // by geometry, for an alignment
 
 /// Sections of consecutive scans that were not tracked.
 json::Json untracked_sections(const std::vector<session::ScanRecord>& scans) {

@@ -9,7 +9,9 @@ namespace lidar_mapping::report {
 
 namespace {
 
-// Limits beyond which a user should check the map.
+// Limits beyond which a user should check the map. Chosen: ratios above those of good simulated
+// maps (1.2 to the noise), misalignments about twice what these have (3 cm, 10 cm along, 0.1
+// degrees), the others so that what is visible in a map, or wrong in the inputs, is named.
 constexpr double kMaxRatio = 1.5;               // thickness to what the noise gives
 constexpr double kMaxPoseRatio = 1.3;           // thickness to that of single groups
 constexpr double kMaxMisalignmentAside = 0.05;  // m, left and up

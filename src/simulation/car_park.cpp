@@ -23,7 +23,7 @@ namespace {
 enum Stream : std::uint64_t { kMesh = 0x400, kMotion };
 
 // The building has a corner at the origin and its length along x. Two aisles run along it; between
-// them are the ramps, one above the other.
+// them are the ramps, one above the other. Dimensions, m, chosen as in usual car parks.
 constexpr double kLength = 70.0;
 constexpr double kWidth = 36.0;
 constexpr double kStorey = 3.0;

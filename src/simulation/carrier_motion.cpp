@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kStep = Track::kStep;  ///< s
 
-/// Steps slower than this push less, m/s.
+/// Steps slower than this push less, m/s. Chosen: half of the speed of a slow walk.
 constexpr double kFirmStep = 0.6;
 
 /// Accelerations of the body: x unused, y left, z up, then yaw, pitch and roll.

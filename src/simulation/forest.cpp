@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMargin =
     35.0;  ///< Width of the forest around the path, m; chosen: one sees no farther.
-constexpr double kAreaPerTree = 22.0;  ///< Area per tree, m^2: 450 to a hectare, a usual forest.
+constexpr double kAreaPerTree = 22.0;  ///< m^2 per tree; chosen: 450 to a hectare, as usual.
 constexpr double kCrownSpread = 0.9;   ///< Radius of a bush per metre of height, m; chosen.
 
 struct Area {

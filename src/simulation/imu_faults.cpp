@@ -20,7 +20,7 @@ namespace {
 using Kind = ImuFault::Kind;
 using Samples = std::vector<ImuSample>;
 
-constexpr double kNoLimit = 1e9;            ///< s; later than any drive ends
+constexpr double kNoLimit = 1e9;            ///< s; chosen: later than any drive ends
 constexpr double kDefaultGapPeriod = 20.0;  ///< s; chosen: several gaps per drive
 
 struct Description {

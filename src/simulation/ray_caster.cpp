@@ -27,7 +27,7 @@ using Scene = Handle<RTCScene, rtcReleaseScene>;
 using Geometry = Handle<RTCGeometry, rtcReleaseGeometry>;
 
 constexpr int kPacket = 8;        ///< rays of an RTCRayHit8 of Embree, for registers of 256 bits
-constexpr unsigned kFixedId = 0;  ///< number of the fixed world, the first instance; movers follow
+constexpr unsigned kFixedId = 0;  ///< by definition: the fixed world is the first instance
 
 Geometry make_triangles(RTCDevice device, const TriangleMesh& mesh) {
   Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kStripStep = 2.0;         ///< m along the road; chosen: smaller ones slow the rays
 constexpr double kMeadowCell = 2.0;        ///< m; chosen, as above
-constexpr double kMeadowDepth = 0.12;      ///< Depth of the mean grass below the road, m.
-constexpr double kMeadowRoughness = 0.03;  ///< Standard deviation of the height, m.
+constexpr double kMeadowDepth = 0.12;      ///< Of the mean grass below the road, m; chosen: a verge
+constexpr double kMeadowRoughness = 0.03;  ///< Standard deviation, m; chosen as of short grass
 
 }  // namespace
 
@@ -41,7 +41,7 @@ Path reversed(const Path& path, double left) {
 
 void add_road_strip(TriangleMesh& mesh, const Terrain& terrain, const Path& path, double left,
                     double half_width) {
-  constexpr int kLanes = 4;  // strips side by side, so that the road follows the slope across
+  constexpr int kLanes = 4;  // strips side by side; chosen so that the road follows slopes across
   const auto at = [&](double s, int lane) -> Eigen::Vector3d {
     const double across = left + half_width * (2.0 * lane / kLanes - 1.0);
     return terrain.on_ground(beside(path, s, across));

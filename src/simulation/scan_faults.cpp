@@ -27,20 +27,21 @@ enum Stream : std::uint64_t {
   kSubsetStream
 };
 
-// Drops and spray are measured at distances where the laser is bright.
+// Drops and spray are measured at distances where the laser is bright. Chosen; they are faint (8 of
+// 255).
 constexpr double kMinDropRange = 1.0;  // m
 constexpr double kMaxDropRange = 8.0;  // m
 constexpr float kDropIntensity = 8.0F;
 
 // A truck with a trailer on the lane to the left, in the frame of the LiDAR, m: 18 m long and 4 m
-// high, about what European law allows, and bright (intensity of 255).
+// high, chosen as about what European law allows, and bright (intensity of 255).
 constexpr double kTruckSide = 2.5;
 constexpr double kTruckHalfLength = 9.0;
 constexpr double kTruckBottom = -1.5;
 constexpr double kTruckTop = 2.5;
 constexpr float kTruckIntensity = 90.0F;
 
-constexpr double kMaxJitter = 0.45;  // of a turn: below a half, so that stamps stay in their order
+constexpr double kMaxJitter = 0.45;  // of a turn; chosen below a half: stamps stay in their order
 constexpr double kDefaultFrozenPeriod = 10.0;  // s; chosen: several of them per drive
 
 struct Description {

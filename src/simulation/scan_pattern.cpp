@@ -8,12 +8,13 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kGolden =
-    0.618033988749895;  ///< The golden ratio less 1: its multiples are spread best over [0, 1).
+/// The golden ratio less 1, by geometry: its multiples are spread best over [0, 1).
+constexpr double kGolden = 0.618033988749895;
 
 // Mid-360: ten turns per frame. Each turn is shifted against the previous one by a fraction of a
 // column and a fraction of a quarter of the swing, both golden, so that turns and frames fill the
-// gaps of the previous ones.
+// gaps of the previous ones. Field of view by the data sheet; turns and swings are chosen after the
+// published description.
 constexpr double kColumnsPerTurn = 500.0 + kGolden;
 constexpr double kSwingsPerTurn = 17.0 + 0.25 * kGolden;
 constexpr double kSwingLow = -7.0 * kRadPerDeg, kSwingHigh = 52.0 * kRadPerDeg;

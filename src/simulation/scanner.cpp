@@ -13,6 +13,7 @@ namespace lidar_mapping::simulation {
 namespace {
 
 /// Returns are lost at random, more of them on dark, distant and grazed surfaces, most on glass.
+/// Chosen: with this signal, at which 1/e are lost, asphalt begins to thin out at some 40 m.
 constexpr double kLossAtBest = 0.01;
 constexpr double kLossOnGlass = 0.6;
 constexpr double kFaintSignal = 2.3e-6;

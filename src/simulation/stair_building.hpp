@@ -13,12 +13,13 @@ namespace lidar_mapping::simulation {
 // 0. Dimensions (m), chosen as in usual buildings.
 constexpr double kStairStorey = 3.2;  ///< m
 constexpr int kStairStoreys = 4;
-/// y of the flights that lead up from a storey; the others are at -y.
+/// y of the flights that lead up from a storey; the others are at -y. Chosen, like those below, so
+/// that stairs and lift fit into the building.
 constexpr double kStairLane = 0.7;
 constexpr double kFlightLength = 2.8;   ///< The flights lie between x = 0 and this.
 constexpr double kHalfLanding = 3.5;    ///< x of the middle of the half landing.
 constexpr double kMainLanding = -0.8;   ///< x of the middle of the main landing.
-constexpr double kCorridorEnd = -13.5;  ///< x
+constexpr double kCorridorEnd = -13.5;  ///< x of its western end.
 constexpr double kLiftX = -8.0;         ///< x of the middle of the lift's door.
 constexpr double kLiftY = 2.65;         ///< y of the middle of the lift's car.
 

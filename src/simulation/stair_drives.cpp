@@ -21,7 +21,7 @@ constexpr double kStep = Track::kStep;  ///< s
 
 constexpr SpeedLimits kWalking{1.1, 1.0, 1.0};
 
-constexpr double kLiftSpeed = 1.6;    ///< m/s, as of usual lifts
+constexpr double kLiftSpeed = 1.6;    ///< m/s; chosen as of usual lifts
 constexpr double kDoorSeconds = 2.0;  ///< s, of opening and of closing; chosen
 constexpr double kMoverStep = 0.05;   ///< s between poses; chosen: half a scan
 constexpr double kCarDoor = -1.06;    ///< y of the door of the car, relative to the car, m; chosen.
@@ -91,8 +91,8 @@ void smooth_ride(const Track& track, Ride& ride) {
 /// Adds a shape whose position at each state is given by `pose`.
 template <typename PoseOf>
 void add_mover(World& world, TriangleMesh shape, std::size_t states, const PoseOf& pose) {
-  // A spline of degree 5 (smooth_trajectory.cpp) follows its control points with a delay of two
-  // steps.
+  // By geometry, a spline of degree 5 (smooth_trajectory.cpp) follows its control points with a
+  // delay of two steps.
   constexpr std::size_t kSplineDelay = 2;
   Mover mover;
   mover.shape = world.shapes.size();

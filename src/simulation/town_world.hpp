@@ -11,7 +11,7 @@
 
 namespace lidar_mapping::simulation {
 
-/// Height of a pavement above the carriageway, m.
+/// Height of a pavement above the carriageway, m. Chosen as of usual kerbs.
 constexpr double kKerbHeight = 0.12;
 /// Distance of the middle of a lane from the middle of the street, m: lanes of 3.5 m, as by design
 /// standards.

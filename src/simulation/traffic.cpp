@@ -13,7 +13,7 @@ namespace lidar_mapping::simulation {
 
 namespace {
 
-constexpr double kStep = 0.1;  ///< Time between the poses of a mover, s: the period of a scan.
+constexpr double kStep = 0.1;  ///< Between the poses of a mover, s; chosen: the period of a scan.
 
 /// Half lengths of the rectangle around a road user that must stay free.
 struct Clearance {

@@ -24,8 +24,8 @@ enum Stream : std::uint64_t { kMesh = 0x300, kTraffic, kMotion };
 constexpr double kLane = 1.75;
 constexpr double kRoadHalfWidth = 4.4;  ///< m; chosen: two lanes and margins
 constexpr double kTubeHalfWidth = 5.2;  ///< m; chosen: the road and a walkway on each side
-constexpr double kWallHeight = 1.8;     ///< Height at which the arch begins, m.
-constexpr double kPortalIn = 160.0;     ///< Stations of the portals, m.
+constexpr double kWallHeight = 1.8;     ///< Height at which the arch begins, m; chosen.
+constexpr double kPortalIn = 160.0;     ///< Station of a portal, m; chosen: in the open first.
 constexpr double kPortalOut = 460.0;    ///< 300 m of tube; chosen, so that no portal is near
 
 /// Outline of the tube across the road: walls and an arch over them.

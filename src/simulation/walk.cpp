@@ -19,7 +19,7 @@ namespace {
 
 enum Stream : std::uint64_t { kMesh = 0x500, kMotion, kPeople };
 
-constexpr double kCarried = 1.2;  ///< Height of base_link, m: in the hands of a person.
+constexpr double kCarried = 1.2;  ///< Height of base_link, m; chosen: in the hands of a person.
 
 /// Corners of the walk: along the corridor, into rooms and out again, round the ring, and over the
 /// first corridor again.
@@ -69,7 +69,7 @@ SmoothTrajectory walked(const Path& path, const std::vector<double>& stations, R
   std::array<double, 8> phase{};
   for (double& p : phase) p = random.uniform(0.0, 2.0 * kPi);
   std::vector<Vector6d> control(stations.size());
-  constexpr double kStride = 0.68;  // m per step, of a person who walks slowly
+  constexpr double kStride = 0.68;  // m per step; chosen as of a person who walks slowly
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const double s = stations[i], t = static_cast<double>(i) * kControlStep;
     const double step = 2.0 * kPi * s / kStride;

@@ -81,7 +81,7 @@ sensor_msgs::NavSatFix fix_at(const Eigen::Vector3d& p_enu, const Options& optio
 }
 
 sensor_msgs::Imu attitude_at(const Pose& T_enu_lidar, Stamp stamp) {
-  constexpr double kSigma = 0.002;  // rad
+  constexpr double kSigma = 0.002;  // rad; chosen as of a good INS (0.1 degrees)
   ImuSample sample;
   sample.stamp = stamp;
   sample.orientation = T_enu_lidar.rotation;

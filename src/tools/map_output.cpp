@@ -17,8 +17,8 @@ namespace {
 using map::MapConfig;
 using session::Session;
 
-/// Clouds are read in the order of the drive, first as observers and thirty key frames later to be
-/// judged and put into the map: so much is between the two with 50,000 points each.
+/// Bytes. Clouds are read in the order of the drive, first as observers and thirty key frames later
+/// to be judged and put into the map. Chosen: so much is between the two with 50,000 points each.
 constexpr std::size_t kCacheBytes = session::CloudStore::kDefaultCacheBytes / 2;
 
 /// `stored`, and over it the command line.

@@ -37,7 +37,7 @@ struct Options {
   bool report = false;
 };
 
-constexpr std::size_t kPictures = 6;  // number of places with pictures
+constexpr std::size_t kPictures = 6;  // places with pictures; chosen: a person looks at no more
 
 /// Sensor origin from the command line, or else from the session.
 std::optional<Eigen::Vector3d> sensor_origin_of(const Options& options, const Session& session) {

@@ -28,7 +28,7 @@ namespace {
 
 using session::Session;
 
-// Exit status, see doc/pipeline.md.
+// Exit status, chosen different from those of shells, see doc/pipeline.md.
 constexpr int kStoppedEarly = 3;
 constexpr int kDoubtful = 4;
 

@@ -16,7 +16,7 @@ namespace {
 using namespace evaluation;
 using Pairs = std::vector<PosePair>;
 
-constexpr double kMaxRemaining = 0.5;      // fraction of the error that remains with a hint
+constexpr double kMaxRemaining = 0.5;      // of the error, with a hint; chosen: more is no cause
 constexpr double kLeastGain_m = 0.02;      // chosen: smaller gains are not worth a hint
 constexpr double kLeastGain_deg = 0.5;     // chosen, as above
 constexpr double kLeastLeverArm_m = 0.05;  // chosen: about what is measured by hand
