@@ -13,7 +13,7 @@ namespace lidar_mapping::campaign {
 
 namespace {
 
-constexpr double kMaxSeed = 9e15;     // below 2^53, up to which a double holds all whole numbers
+constexpr double kMaxSeed = 9e15;     // below 2^53, so that a double holds it by its format
 constexpr double kMaxDuration = 1e6;  // s; chosen: eleven days, more is a mistake
 
 /// The value of a key, within what the simulation can do.

@@ -10,7 +10,7 @@
 
 namespace lidar_mapping::campaign {
 
-/// A step with a larger error is wrong: the definition that the model of the front end is fitted
+/// A step with a larger error is wrong, by the definition that the model of the front end is fitted
 /// with (kWrongStep of step_belief.hpp).
 constexpr double kWrongStep = 0.3;       // m
 constexpr double kWrongStepAngle = 1.0;  // deg

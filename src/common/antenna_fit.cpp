@@ -17,18 +17,18 @@ constexpr std::size_t kMinFixes = 10;
 // m, path of a window; a standing vehicle gives no information. Chosen: above the noise of most
 // fixes.
 constexpr double kMinPathLength = 10.0;
-constexpr double kNoiseFloor = 0.02;  // m; dead reckoning is no better
+constexpr double kNoiseFloor = 0.02;  // m; chosen: dead reckoning is no better
 // Factor of the variances, because errors of neighbouring fixes are alike: so many fixes count as
 // one (1 s at 10 Hz). Chosen.
 constexpr double kRepetition = 10.0;
-constexpr double kDelayPrior = 0.3;  // s, standard deviation: receivers deliver that late at most
+constexpr double kDelayPrior = 0.3;  // s, standard deviation; chosen: receivers are no later
 // s, standard deviation from which on a delay counts as known. Chosen: 0.1 m at 15 m/s.
 constexpr double kKnownSigma = 0.008;
-constexpr double kMinDelay =
-    0.01;  // s; a smaller delay is not corrected: it is that of the estimate
-// Unknowns of a window: cos, sin, shift x, shift y, gyro bias.
+// s; a smaller delay is not corrected. Chosen: the fit errs by nearly as much (kKnownSigma).
+constexpr double kMinDelay = 0.01;
+// Unknowns of a window, by definition: cos, sin, shift x, shift y, gyro bias.
 constexpr int kOwn = 5;
-// Unknowns of all windows: arm x, arm y, delay.
+// Unknowns of all windows, by definition: arm x, arm y, delay.
 constexpr int kShared = 3;
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kOwn + kShared + 1>;

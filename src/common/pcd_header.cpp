@@ -22,11 +22,11 @@ namespace {
 /// As the format wants them. VERSION, COUNT and VIEWPOINT may be missing.
 constexpr std::array<const char*, 10> kOrder = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
                                                 "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
-constexpr std::size_t kLongestHeader = 100'000;    // bytes
-constexpr std::size_t kMostBytes = 4'000'000'000;  // of points; PCL counts them in 32 bits
-constexpr std::size_t kMostNumbers = 10'000;       // of a field
-constexpr std::size_t kViewpoint = 7;              // numbers
-constexpr std::size_t kCompressedSizes = 2 * sizeof(std::uint32_t);
+constexpr std::size_t kLongestHeader = 100'000;    // bytes; chosen: far above ten lines of fields
+constexpr std::size_t kMostBytes = 4'000'000'000;  // of points, because PCL counts them in 32 bits
+constexpr std::size_t kMostNumbers = 10'000;       // of a field; chosen: descriptors have hundreds
+constexpr std::size_t kViewpoint = 7;              // numbers, by the format: position, quaternion
+constexpr std::size_t kCompressedSizes = 2 * sizeof(std::uint32_t);  // bytes, by the format
 
 class HeaderReader {
  public:

@@ -55,7 +55,7 @@ class UtmFrame::Impl {
   const Eigen::Vector3d& origin() const { return origin_; }
 
   std::uint16_t epsg() const {
-    constexpr int kPolar = 61;  // EPSG counts UPS as one more zone
+    constexpr int kPolar = 61;  // by EPSG, which counts UPS as one more zone
     return static_cast<std::uint16_t>((north_ ? 32600 : 32700) + (zone_ > 0 ? zone_ : kPolar));
   }
 

@@ -39,7 +39,7 @@ class CellNumbers {
   }
 
  private:
-  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;  // no index: there are fewer cells
+  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;  // chosen: no index, as there are fewer cells
 
   std::size_t find_or_add(const Cell& cell) {
     const std::size_t mask = slots_.size() - 1;

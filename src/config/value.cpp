@@ -77,10 +77,11 @@ class Conversion {
 /// The parser calls itself for every bracket that is open and every column of indentation, and ends
 /// with the stack where somebody writes ten thousand of them.
 void check_nesting(const std::string& text, const std::string& origin) {
-  constexpr std::size_t kLargest = 1'000'000;  // bytes
+  constexpr std::size_t kLargest = 1'000'000;  // bytes; chosen: far above any file of parameters
   // Brackets; chosen: far above any list, far below the end of the stack.
   constexpr std::size_t kMostOpen = 100;
-  constexpr std::size_t kWidest = 200;  // columns of indentation and indicators
+  // Columns of indentation and indicators; chosen: wider than a line of a screen.
+  constexpr std::size_t kWidest = 200;
   if (text.size() > kLargest) refuse(origin, 1, "it is larger than a file of parameters is");
   std::size_t line = 1, open = 0, indentation = 0;
   bool in_front = true;

@@ -12,6 +12,7 @@ namespace {
 // Chosen: steps between motion and lever arm, each of which solves for one with the other known.
 constexpr int kIterations = 30;
 /// Variance of the direction cosines over the drive below which a component is not determined.
+/// Chosen: 2 degrees of scatter, with which an error of 1 cm in the poses is one of 0.3 m.
 constexpr double kLeastTurning = 1e-3;
 
 std::vector<PosePair> with_lever_arm(const std::vector<PosePair>& pairs,

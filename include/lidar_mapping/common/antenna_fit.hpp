@@ -51,7 +51,7 @@ class AntennaFit {
     /// The stamps are late, or early, by more than 10 ms and four standard deviations.
     bool is_late() const;
   };
-  /// That of a lever arm which was measured with a ruler, m.
+  /// Standard deviation of a lever arm, m. Chosen as of one that was measured with a ruler.
   static constexpr double kMeasuredArm = 0.03;
   /// The fit so far. `arm_prior`: standard deviation (m) of tf's lever arm as far as it is known
   /// beforehand.

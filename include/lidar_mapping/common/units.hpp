@@ -5,8 +5,8 @@ namespace lidar_mapping {
 
 /// Half a turn, rad, by definition.
 constexpr double kPi = 3.14159265358979323846;
-/// Factor from degrees to radians. Angles are radians everywhere but in files, parameters and
-/// reports for people.
+/// Factor from degrees to radians, by definition. Angles are radians everywhere but in files,
+/// parameters and reports for people.
 constexpr double kRadPerDeg = kPi / 180.0;
 /// Factor from radians to degrees, by definition.
 constexpr double kDegPerRad = 180.0 / kPi;

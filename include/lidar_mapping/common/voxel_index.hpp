@@ -37,8 +37,8 @@ VoxelIndex voxel_index(const Eigen::MatrixBase<Derived>& scaled) {
 /// free. Indices beyond +-2^20 (at voxels of 1 cm beyond 10 km) come back from the other side.
 using VoxelKey = std::uint64_t;
 
-constexpr int kVoxelKeyBits = 21;  ///< of one axis: a third of 64 bits
-/// What is added to an index so that no key has a negative part.
+constexpr int kVoxelKeyBits = 21;  ///< of one axis, so that three axes fit into 64 bits
+/// What is added to an index so that no key has a negative part: half of the range of its bits.
 constexpr int kVoxelKeyHalf = 1 << (kVoxelKeyBits - 1);
 /// The bits of one axis.
 constexpr VoxelKey kVoxelKeyMask = (VoxelKey{1} << kVoxelKeyBits) - 1;

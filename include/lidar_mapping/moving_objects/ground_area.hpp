@@ -19,7 +19,8 @@ class GroundArea {
   static constexpr double kColumnSize = 0.6;
   /// Chosen: the neighbourhood (3 m) then reaches beyond a parked car (1.8 m wide).
   static constexpr std::size_t kMargin = 2;  ///< Columns added on each side of a point.
-  /// Columns along an edge of the neighbourhood of a column: kMargin on both sides and itself.
+  /// Columns along an edge of the neighbourhood of a column, by definition: twice kMargin and
+  /// itself.
   static constexpr std::size_t kWindow = 2 * kMargin + 1;
   static constexpr std::uint32_t kOutside =
       CellRectangle::kOutside;  ///< Number of everything outside.

@@ -12,7 +12,8 @@
 
 namespace lidar_mapping::moving_objects {
 
-/// Points of a key frame that are further away than this are ignored, m.
+/// Points of a key frame that are further away than this are ignored, m. Chosen: beyond the range
+/// of LiDARs on vehicles, and bounds the memory of grids around a key frame.
 constexpr float kMaxRange = 300.0F;
 
 /// Cell of a grid over the x-y plane of the map, counted from the map's origin.
@@ -27,7 +28,7 @@ struct CellIndex {
 /// need it.
 struct TransformedPoints {
   /// Spacing of possible origins, m: the least common multiple of the cells of 0.3, 0.4, 0.5 and
-  /// 0.6 m.
+  /// 0.6 m, so that each origin is a corner of all of these grids.
   static constexpr double kOriginGrid = 6.0;
 
   /// Transforms the points of a cloud in base_link.
@@ -58,7 +59,8 @@ struct TransformedPoints {
 /// Cells of a grid over the map in which points lie, with an array for each coordinate.
 class PointCells {
  public:
-  /// Number of a point that has no cell; half of the range, so that differences do not overflow.
+  /// Number of a point that has no cell. Chosen: half of the range, so that differences do not
+  /// overflow.
   static constexpr int kNone = std::numeric_limits<int>::min() / 2;
 
   /// Cells of edge `cell` (m). Points further than `max_range` (m) from their origin have no cell.

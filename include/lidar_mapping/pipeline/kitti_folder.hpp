@@ -20,7 +20,7 @@ struct KittiReadOptions {
   bool time_from_azimuth = false;
 };
 
-/// Duration of one turn of KITTI's sensor, s.
+/// Duration of one turn of KITTI's sensor, s, by the stamps of its odometry benchmark.
 constexpr double kKittiTurn = 0.104;
 
 /// Scans in a folder with KITTI's layout: velodyne/NNNNNN.bin (float32 x y z intensity) and, where

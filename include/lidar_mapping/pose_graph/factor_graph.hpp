@@ -13,7 +13,7 @@
 
 namespace lidar_mapping::pose_graph {
 
-/// Largest number of rows of a residual: the degrees of freedom of a pose.
+/// Largest number of rows of a residual: by geometry, the degrees of freedom of a pose.
 constexpr int kMaxResidualRows = 6;
 
 /// A constraint (factor) of the graph: a whitened residual of 1 to kMaxResidualRows rows on one or

@@ -22,8 +22,8 @@ namespace lidar_mapping::pose_graph {
 /// The state of a node as a parameter block of Ceres: x y z qx qy qz qw, or x y yaw in a planar
 /// graph.
 using StateBlock = std::array<double, 7>;
-constexpr int kPoseBlockSize = 7;    ///< of a 3D node: position and quaternion
-constexpr int kPlanarBlockSize = 3;  ///< of a planar node: x, y, yaw
+constexpr int kPoseBlockSize = 7;    ///< of a 3D node, by its layout: position and quaternion
+constexpr int kPlanarBlockSize = 3;  ///< of a planar node, by its layout: x, y, yaw
 
 /// The state of a 3D node with this pose.
 StateBlock to_block(const Pose& pose);

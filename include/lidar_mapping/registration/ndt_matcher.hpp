@@ -68,8 +68,8 @@ struct NdtPart {
 /// Number of sectors of equal angle around the sensor into which the points of a match are divided.
 /// Chosen: 45 degrees, so that a wall or a vehicle beside the sensor is in few of them.
 constexpr std::size_t kNdtSectors = 8;
-/// Parts of a match: the sectors with their points that are nearer than the mean range, then the
-/// sectors with the farther ones.
+/// Parts of a match, twice kNdtSectors: the sectors with their points that are nearer than the mean
+/// range, then the sectors with the farther ones.
 constexpr std::size_t kNdtParts = 2 * kNdtSectors;
 
 /// Normal equations of the points of nearly the same time for a change of the sensor's pose at that

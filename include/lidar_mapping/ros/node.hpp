@@ -47,8 +47,8 @@ enum class Numbered {
   kYes  ///< gaps in the numbers are lost messages
 };
 
-/// Length of roscpp's queue. Callbacks only post to the worker, so it is longer than any burst and
-/// all dropping is done and counted by the worker.
+/// Length of roscpp's queue. Chosen: callbacks only post to the worker, so it is longer than any
+/// burst, and all dropping is done and counted by the worker.
 constexpr std::uint32_t kTransportQueue = 100;
 
 /// Subscribes `topic`; `handle` is called for each message in the worker's thread. Up to `capacity`
@@ -83,7 +83,7 @@ ros::Subscriber subscribe(NodeContext& context, const std::string& topic, int ca
 /// Prints a line of a node that is shutting down, when roscpp's log has already ended.
 void print_at_exit(const std::string& line);
 
-/// Queue length of a publisher: subscribers accept messages at once, so that few ever wait.
+/// Queue length of a publisher. Chosen: subscribers accept messages at once, so that few ever wait.
 constexpr std::uint32_t kPublisherQueue = 100;
 
 /// Behaviour of a node that cannot start: end, or, if it would only be restarted, idle until it is

@@ -3,8 +3,8 @@
 
 namespace lidar_mapping::simulation {
 
-// Standard deviations per sample and axis of a good MEMS unit with its own attitude filter. Biases
-// are drawn once per drive.
+// Standard deviations per sample and axis, chosen as of a good MEMS unit with its own attitude
+// filter. Biases are drawn once per drive.
 constexpr double kGyroNoise = 0.002;          ///< Noise of rates, rad/s.
 constexpr double kGyroBias = 0.001;           ///< Bias of rates, rad/s.
 constexpr double kAccelerometerNoise = 0.03;  ///< Noise of accelerations, m/s^2.
