@@ -4,6 +4,18 @@
 
 The comment stands in a line of the constant, or above it or its group of constants one below another.
 A constant that is made of others, without a number of its own, needs none.
+
+Whether meaning and unit are there is for the reader to judge. The origin has to be named by one of these:
+
+- a choice with its reason: "chosen: ...", or the reason alone ("because", "so that", "otherwise",
+  "longer than any ...", "no sensor has ...");
+- a measurement: "measured on ...", "Measured: ...", "Tried: ..." ("is measured" says what something is,
+  not where a value comes from);
+- a paper by author and year, or what an interface, a format, a standard, a manual, a default or the
+  processor demands: "by the format", "by LAS 1.2", "by sensor_msgs/Imu", "in a register of 128 bits";
+- geometry, physics, statistics, a definition: "by geometry", "quantile of", "by definition";
+- another constant or another place: "twice kEdge", "as in number_words.hpp", "see doc/...".
+
 Usage: check_constants.py
 """
 import re
@@ -14,10 +26,38 @@ ROOT = Path(__file__).resolve().parent.parent
 CONSTANT = re.compile(r'\s*(?:static |inline )*constexpr (?:static )?([^()=]*?) ?\b(k[A-Z]\w*)\s*[={]')
 NUMERIC = re.compile(r'(?:double|float|int|unsigned|bool|auto|Weight|std::size_t|std::u?int\d+_t)')
 NUMBER = re.compile(r'(?<![\w.])\.?\d')
+# None of these words is needed to say what a constant is.
+ORIGIN = re.compile('|'.join((
+    # a choice with its reason
+    r'(?i:\bchosen\b)',
+    r'\b(?:because|so that|otherwise)\b',
+    r'\b(?:than|above|below) (?:any|all|every)\b|\b[Nn]o \w+ (?:is|has|have|does|turns|measures)\b',
+    # a measurement
+    r'(?i:(?<!not )(?<!is )(?<!are )(?<!a )\bmeasured(?= (?:on|in|at|with|for|over)\b| ?[:;,()]))|\bTried\b',
+    # a paper, a format, an interface, the processor
+    r'(?:\bal\.|\b[A-Z]\w+),? \(?(?:19|20)\d\d\b|\bIEEE 754\b',
+    r'(?i:\bby (?:the |its )?(?:formats?|layout|dimensions|default|definition|geometry|calculus|law)\b)',
+    r'\bby [^.;:]*(?:[A-Z]{2,}|\b(?:format|manual|data sheet|standards?|benchmark)\b|\w_msgs\b)',
+    r'\b(?:the default|default of|every processor has|registers? of \d+ bits)\b',
+    # geometry, physics, statistics
+    r'(?i:\b(?:geometry|physics|quantile of|normal distribution|normally distributed)\b)|chi-square|\bRayleigh\b',
+    # another constant or another place
+    r'(?i:\b(?:twice|half(?: of)?|third of|quarter of|times|that of|as in|as|than|by)) k[A-Z]\w+',
+    r'\bas in [\w/]+\.[ch]pp\b|\b(?:value|that|those) (?:is that )?of\s[A-Z]\w+::\w+',
+    r'\b[Ss]ee (?:doc/|below|[A-Z]\w+::|\w+\.[ch]pp)',
+)))
 
 
 def without_comment(line):
     return line.split('//')[0].rstrip()
+
+
+def comment_text(lines):
+    return ' '.join(line.split('//', 1)[1].lstrip('/!< ').rstrip() for line in lines if '//' in line)
+
+
+def indentation(line):
+    return len(line) - len(line.lstrip())
 
 
 def last_line(lines, first):
@@ -28,33 +68,52 @@ def last_line(lines, first):
     return last
 
 
+def comment_above(lines, first):
+    """Of the lines directly above; those that continue a comment beside other code begin further right."""
+    begin = first
+    while begin > 0 and lines[begin - 1].lstrip().startswith('//') \
+            and indentation(lines[begin - 1]) <= indentation(lines[first]):
+        begin -= 1
+    return comment_text(lines[begin:first])
+
+
+def last_line_of_comment(lines, first, last):
+    """Index of the line in which the comment beside a statement ends."""
+    while last + 1 < len(lines) and lines[last + 1].lstrip().startswith('//') \
+            and indentation(lines[last + 1]) > indentation(lines[first]):
+        last += 1
+    return last
+
+
 def constants(lines):
-    """(line number, name, whether it has a comment) of each numeric constant."""
+    """(line number, name, comment) of each numeric constant."""
     last = -1
-    group_has_comment = False
+    of_group = ''
     for first, line in enumerate(lines):
         match = CONSTANT.match(line)
         if first <= last or not match:
             continue
         if first != last + 1:  # another group begins
-            group_has_comment = first > 0 and lines[first - 1].lstrip().startswith('//')
-        last = last_line(lines, first)
-        statement = lines[first:last + 1]
-        value = '\n'.join(map(without_comment, statement))[match.end():]
+            of_group = comment_above(lines, first)
+        end = last_line(lines, first)
+        last = last_line_of_comment(lines, first, end)
+        value = '\n'.join(map(without_comment, lines[first:end + 1]))[match.end():]
         if NUMERIC.fullmatch(match.group(1)) and NUMBER.search(value):
-            yield first + 1, match.group(2), group_has_comment or any('//' in part for part in statement)
+            yield first + 1, match.group(2), f'{of_group} {comment_text(lines[first:last + 1])}'.strip()
 
 
 def main():
-    count = bare = 0
+    count = faulty = 0
     for path in sorted([*ROOT.glob('src/**/*.[ch]pp'), *ROOT.glob('include/**/*.hpp')]):
-        for number, name, has_comment in constants(path.read_text().split('\n')):
+        for number, name, comment in constants(path.read_text().split('\n')):
             count += 1
-            if not has_comment:
-                bare += 1
-                print(f'{path.relative_to(ROOT)}:{number}: {name} has no comment: what it is, unit, origin')
-    print(f'constants: {count}, {bare} without a comment')
-    return 1 if bare > 0 else 0
+            if ORIGIN.search(comment):
+                continue
+            faulty += 1
+            fault = 'does not say where its value comes from' if comment else 'has no comment: what it is, unit, origin'
+            print(f'{path.relative_to(ROOT)}:{number}: {name} {fault}')
+    print(f'constants: {count}, {faulty} without a comment or without the origin of their value')
+    return 1 if faulty > 0 else 0
 
 
 if __name__ == '__main__':
