@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lidar_mapping::front_end {
@@ -9,9 +10,9 @@ namespace {
 /// Edge of a coarse voxel in fine ones. Chosen: a match then converges from as much further away,
 /// and planes are still planes.
 constexpr int kCoarseFactor = 3;
-/// One of so many points enters the coarse map. Chosen: its voxels hold nine times as many of a
-/// surface.
-constexpr std::size_t kCoarseThinning = 4;
+/// One of so many points of a full scan enters the coarse map. Chosen: its voxels hold nine times
+/// as many of a surface.
+constexpr double kCoarseThinning = 4.0;
 /// Voxels, 8 MB. Chosen: thrice the ground within 110 m (local_map_radius) in voxels of 1 m.
 constexpr std::size_t kFineCapacity = std::size_t{1} << 17;
 /// Voxels. Chosen: more than a ninth of kFineCapacity, which is their fraction of a surface.
@@ -69,10 +70,10 @@ void transform_points(const SampledPoints& points, const registration::MotionSta
 
 namespace {
 
-/// A fraction of the points is enough for large voxels.
-void insert_thinned(SampledPoints& points, registration::GaussianVoxelMap& map) {
+void insert_thinned(SampledPoints& points, std::size_t thinning,
+                    registration::GaussianVoxelMap& map) {
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < points.size(); i += kCoarseThinning, ++kept) {
+  for (std::size_t i = 0; i < points.size(); i += thinning, ++kept) {
     points.x[kept] = points.x[i];
     points.y[kept] = points.y[i];
     points.z[kept] = points.z[i];
@@ -109,7 +110,8 @@ void LocalMap::insert(const SampledPoints& points, const registration::MotionSta
   }
   fine_.insert(transformed_points_.x.data(), transformed_points_.y.data(),
                transformed_points_.z.data(), transformed_points_.x.size(), viewpoint);
-  insert_thinned(transformed_points_, coarse_);
+  const auto thinning = std::max<std::size_t>(1, std::lround(kCoarseThinning * scan_density_));
+  insert_thinned(transformed_points_, thinning, coarse_);
   dropped_points_ += fine_.dropped_points() + coarse_.dropped_points() - before;
 }
 

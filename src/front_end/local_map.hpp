@@ -28,6 +28,9 @@ class LocalMap {
   /// See GaussianVoxelMap. Only the fine map uses it, because only the fine map is matched to the
   /// millimetre.
   void set_ring_spacing(double angle) { fine_.set_ring_spacing(angle); }
+  /// Number of points of the scans that follow, as a fraction of a full scan, from 0 to 1.
+  void set_scan_density(double density) { scan_density_ = density; }
+  double scan_density() const { return scan_density_; }
   bool empty() const { return fine_.size() == 0; }
   /// Inserts points at the sensor's pose at the time of measurement.
   void insert(const SampledPoints& points, const registration::MotionState& state);
@@ -45,6 +48,7 @@ class LocalMap {
   void move_origin(const Eigen::Vector3d& position);
 
   double radius_;
+  double scan_density_ = 1.0;
   registration::GaussianVoxelMap fine_;
   registration::GaussianVoxelMap coarse_;
   SampledPoints transformed_points_;

@@ -34,11 +34,11 @@ struct Outcome {
   double way = 0.0;
 };
 
-Outcome ride_through(const simulation::Drive& drive) {
+Outcome ride_through(const simulation::Drive& drive, std::size_t first = kAtSpeed) {
   EvaluatedDrive ride(drive);
   Outcome outcome;
   Pose T_map_last, T_odom_last;
-  for (std::size_t i = kAtSpeed; i < drive.scan_count(); ++i) {
+  for (std::size_t i = first; i < drive.scan_count(); ++i) {
     const FrontEndResult& result = ride.process(i);
     const Pose T_map_base = drive.trajectory().pose(drive.scan_stamp(i));
     const Pose error = (T_map_last.inverse() * T_map_base).inverse() *
@@ -48,7 +48,7 @@ Outcome ride_through(const simulation::Drive& drive) {
     outcome.repeated += result.status.repeated ? 1 : 0;
     EXPECT_FALSE(is_lost && result.key_frame) << i;
     const bool wrong = error.translation.norm() > kWrong;
-    if (i > kAtSpeed && wrong && result.status.state == TrackingState::kTracking) ++outcome.silent;
+    if (i > first && wrong && result.status.state == TrackingState::kTracking) ++outcome.silent;
     if (is_lost) continue;
     T_map_last = T_map_base;
     T_odom_last = result.T_odom_base;
@@ -76,6 +76,16 @@ TEST_P(Outliers, IncreaseTheErrorByALimitedAmount) {
 INSTANTIATE_TEST_SUITE_P(Drives, Outliers,
                          testing::Values(Case{"hdl64", "outliers=0.3", 0.003},
                                          Case{"vlp16", "outliers=0.3", 0.006}));
+
+// So few points fill the voxels only if more of the scans enter the map, and all of their points.
+TEST(FewPoints, AreEnoughToFollowAStreet) {
+  for (const char* lidar : {"hdl64", "vlp16"}) {
+    const Outcome outcome = ride_through(spoilt_drive("sparse=500", lidar, kEnd), 0);
+    EXPECT_EQ(outcome.silent, 0) << lidar;
+    EXPECT_EQ(outcome.lost, 0) << lidar;
+    EXPECT_LT(outcome.error, 0.005 * outcome.way) << lidar;
+  }
+}
 
 // The pose of a scan that comes again would be that of the last one, 1 m behind per scan.
 TEST(RepeatedScan, IsReportedAsLostAndTheDriveContinues) {

@@ -245,8 +245,8 @@ TEST(SweepSmoother, SaysHowFarAGyroContradictsIt) {
   EXPECT_GT(*drive.smoother.contradiction_to({-0.5, 0.0, 0.0}, drive.filter, kSweep), 10.0);
 }
 
-/// Contradiction at a jump of the turn by 2 mrad between two sweeps, this number of sweeps after the
-/// first one, to a gyro that says nothing of it.
+/// Contradiction at a jump of the turn by 2 mrad between two sweeps, this number of sweeps after
+/// the first one, to a gyro that says nothing of it.
 double contradiction_at_jump(int sweeps) {
   const double jump = (sweeps + 0.5) * kSweep;
   Drive drive({[=](double t) { return t < jump ? 0.0 : 2e-3; }, [](double t) { return t; }});

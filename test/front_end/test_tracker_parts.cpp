@@ -58,11 +58,11 @@ TEST(StepOrigin, IsTheFirstScanOfASegment) {
 }
 
 /// Points all around the sensor, at this distance (m).
-Scan scan_of_walls(double range) {
+Scan scan_of_walls(double range, int points = 4000) {
   Scan scan;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < points; ++i) {
     const double azimuth = 0.1 * i;
-    const double z = 0.001 * (i - 1000);
+    const double z = 2.0 * i / points - 1.0;
     scan.cloud.points.push_back({static_cast<float>(range * std::cos(azimuth)),
                                  static_cast<float>(range * std::sin(azimuth)),
                                  static_cast<float>(z), 0.0F});
@@ -79,7 +79,7 @@ MotionState moving(double x, double speed) {
 /// Inserts scans at poses of a tracker.
 class Insertions {
  public:
-  explicit Insertions(double range) : scan_(scan_of_walls(range)) {
+  explicit Insertions(double range, int points = 4000) : scan_(scan_of_walls(range, points)) {
     config_.calibrate_elevation = false;
     sweep_.sample(scan_, 0);
     start_motion(Pose{}, 0.0, state_);
@@ -118,6 +118,28 @@ TEST(LocalMapper, InsertsTheFirstScansAndThenWhereTheSensorMoves) {
   EXPECT_EQ(insertions.state().coverage.inserted_scans, 4);
 }
 
+TEST(LocalMapper, InsertsScansOfFewPointsAfterAShorterMotion) {
+  Insertions insertions(20.0, 1000);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(insertions.insert_at(0.0));
+  EXPECT_FALSE(insertions.insert_at(0.45));
+  EXPECT_TRUE(insertions.insert_at(0.55));
+  EXPECT_TRUE(insertions.insert_at(1.1));
+}
+
+TEST(LocalMap, KeepsMoreOfFewPointsInItsCoarseVoxels) {
+  FrontEndConfig config;
+  SweepSampler sweep(config);
+  const auto coarse_voxels = [&](double density) {
+    LocalMap map(config.voxel_size, config.local_map_radius);
+    map.set_scan_density(density);
+    const Scan scan = scan_of_walls(20.0, 400);
+    sweep.sample(scan, 0);
+    map.insert(sweep.sample_dense(scan), {});
+    return map.coarse().size();
+  };
+  EXPECT_GT(coarse_voxels(0.1), coarse_voxels(1.0));
+}
+
 TEST(LocalMapper, TellsWhenTheMapCoversMoreThanOnePlace) {
   Insertions insertions(20.0);
   const double radius = 10.0 * insertions.voxel_size();
@@ -128,12 +150,27 @@ TEST(LocalMapper, TellsWhenTheMapCoversMoreThanOnePlace) {
 }
 
 TEST(LocalMapper, UsesSmallVoxelsInRooms) {
-  Insertions street(20.0);
-  Insertions room(3.0);
+  Insertions street(20.0, 100000);
+  Insertions room(3.0, 100000);
   EXPECT_FALSE(street.mapper().is_indoors());
   EXPECT_TRUE(room.mapper().is_indoors());
   EXPECT_EQ(street.state().map.fine().resolution(), street.voxel_size());
   EXPECT_EQ(room.state().map.fine().resolution(), 0.5 * room.voxel_size());
+}
+
+// As many points are in each voxel, whatever the number of points per scan.
+TEST(LocalMapper, UsesLargerVoxelsInRoomsForFewerPoints) {
+  const auto scale = [](int points) {
+    Insertions room(3.0, points);
+    return room.state().map.fine().resolution() / room.voxel_size();
+  };
+  EXPECT_NEAR(scale(45000), 0.5 * std::sqrt(2.0), 1e-6);
+  EXPECT_EQ(scale(4000), 1.0);
+}
+
+TEST(LocalMapper, TakesScansOfFewPointsAsThoseOfAStreet) {
+  EXPECT_TRUE(Insertions(3.0, 4000).mapper().is_indoors());
+  EXPECT_FALSE(Insertions(3.0, 1000).mapper().is_indoors());
 }
 
 TEST(TrackerState, StartsAtThePoseOfTheStamp) {
