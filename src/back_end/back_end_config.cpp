@@ -162,6 +162,7 @@ void add_robust_kernels(config::Schema<Config>& schema) {
       .alias("loop_closure_edge_robust_kernel", "loop_robust_kernel")
       .alias("gps_edge_robust_kernel", "gnss_robust_kernel")
       .alias("imu_orientation_edge_robust_kernel", "imu_robust_kernel")
+      .alias("imu_acceleration_edge_robust_kernel", "imu_robust_kernel")
       .alias("floor_edge_robust_kernel", "floor_robust_kernel")
       .real("robust_kernel_size", &Config::robust_kernel_size, {0.1, 100.0}, "standard deviations",
             "Scale of the kernels: larger residuals get less weight.");

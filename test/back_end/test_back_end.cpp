@@ -29,6 +29,49 @@ TEST(BackEnd, FollowsOdometryWithoutOtherConstraints) {
   EXPECT_FALSE(back_end.optimization_due());
 }
 
+TEST(BackEnd, OptimisesAfterTheConfiguredNumbersOfNewData) {
+  const SyntheticDrive drive = test::make_drive();
+  std::mt19937 engine(5);
+  const auto key_frames = [&](BackEnd& back_end, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) back_end.add_key_frame(drive.key_frames[i]);
+  };
+  BackEndConfig config;
+  config.optimize_step_with_loop = 3;
+  config.optimize_step_with_key_frame = 20;
+  config.optimize_step_with_gnss = 7;
+  BackEnd with_loops(config);
+  key_frames(with_loops, 0, 410);
+  with_loops.add_loop(make_loop(drive, 0, 400, engine));
+  with_loops.add_loop(make_loop(drive, 1, 401, engine));
+  EXPECT_TRUE(with_loops.optimization_due()) << "410 key frames are more than 20";
+  optimize(with_loops);
+  key_frames(with_loops, 410, 429);
+  with_loops.add_loop(make_loop(drive, 2, 402, engine));
+  with_loops.add_loop(make_loop(drive, 3, 403, engine));
+  EXPECT_FALSE(with_loops.optimization_due()) << "2 loops, 19 key frames";
+  with_loops.add_loop(make_loop(drive, 4, 404, engine));
+  EXPECT_TRUE(with_loops.optimization_due()) << "3 loops";
+  optimize(with_loops);
+  key_frames(with_loops, 429, 448);
+  EXPECT_FALSE(with_loops.optimization_due()) << "19 key frames";
+  key_frames(with_loops, 448, 449);
+  EXPECT_TRUE(with_loops.optimization_due()) << "20 key frames";
+
+  config.optimize_step_with_key_frame = 10000;
+  BackEnd with_gnss(config);
+  key_frames(with_gnss, 0, 100);
+  const auto positions = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) with_gnss.add_gnss(test::make_gnss(drive, i, engine, 0.02));
+  };
+  positions(0, 60);
+  optimize(with_gnss);
+  key_frames(with_gnss, 100, 120);
+  positions(60, 66);
+  EXPECT_FALSE(with_gnss.optimization_due()) << "6 positions";
+  positions(66, 67);
+  EXPECT_TRUE(with_gnss.optimization_due()) << "7 positions";
+}
+
 TEST(BackEnd, LoopsRemoveDriftWithoutAnyOtherSensor) {
   const SyntheticDrive drive = test::make_drive();
   BackEnd back_end(BackEndConfig{});

@@ -84,6 +84,22 @@ TEST(Imu, TiltOfItsOrientationKeepsTheMapLevel) {
   EXPECT_LT(mean_tilt_error(back_end, drive), 0.3 * kDeg);
 }
 
+TEST(Imu, ItsOrientationCanBeSwitchedOff) {
+  const SyntheticDrive drive = tilting_drive();
+  BackEndConfig config;
+  config.enable_imu_orientation = false;
+  BackEnd back_end(config);
+  feed(back_end, drive);
+  const double before = mean_tilt_error(back_end, drive);
+  for (std::size_t i = 0; i < drive.truth.size(); ++i) {
+    ImuSample sample = imu_at(drive, i);
+    sample.orientation = drive.truth[i].rotation;
+    back_end.add_imu(sample);
+  }
+  optimize(back_end);
+  EXPECT_NEAR(mean_tilt_error(back_end, drive), before, 0.01 * kDeg);
+}
+
 TEST(Imu, GravityMayHaveEitherSignAndTheVehicleMayBrake) {
   const SyntheticDrive drive = tilting_drive();
   for (const double sign : {1.0, -1.0}) {

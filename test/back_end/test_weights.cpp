@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -9,6 +10,7 @@
 #include "lidar_mapping/pose_graph/robust_kernel.hpp"
 
 #include "back_end_fixture.hpp"
+#include "drive_factors.hpp"
 #include "edge_covariance.hpp"
 
 namespace lidar_mapping::back_end {
@@ -80,6 +82,13 @@ TEST(Weights, ConstantAndFitnessWeightsCanBeConfigured) {
   loop.covariance = diagonal_covariance(0.01, 0.001);
   EXPECT_NEAR(loop_covariance(loop, config)(0, 0), 0.25, 1e-12);
   EXPECT_NEAR(pose_graph::g2o_information(loop_covariance(loop, config))(5, 5), 100.0, 1e-9);
+  for (const double distance_in_segment : {0.0, kDistanceInSegment}) {
+    const Covariance6 step = step_covariance(loop.covariance, forward(2.0), distance_in_segment,
+                                             {Eigen::Vector3d::UnitX()}, config);
+    EXPECT_NEAR(step(0, 0), 0.25, 1e-12) << "whatever was measured";
+    EXPECT_NEAR(step(3, 3), 0.04, 1e-12);
+  }
+  EXPECT_EQ(drift_stddev(forward(2.0), config).norm(), 0.0);
   config.use_const_inf_matrix = false;
   config.use_fitness_inf_matrix = true;
   loop.fitness = 0.0;
@@ -167,6 +176,74 @@ TEST(BackEndConfig, AcceptsTheNamesOfHdlGraphSlam) {
   EXPECT_EQ(config.gnss_robust_kernel, pose_graph::RobustKernel::kCauchy);
   EXPECT_EQ(config.imu_robust_kernel, pose_graph::RobustKernel::kDcs);
   EXPECT_EQ(config.floor_robust_kernel, pose_graph::RobustKernel::kTukey);
+  const auto other = config::load<BackEndConfig>(
+      {config::parse_yaml("imu_acceleration_edge_robust_kernel: Fair\n", "hdl")});
+  EXPECT_EQ(other.imu_robust_kernel, pose_graph::RobustKernel::kFair);
+}
+
+/// One of each kind of constraint.
+DriveGraph graph_of_all_kinds() {
+  DriveGraph drive;
+  drive.nodes.resize(3);
+  drive.nodes[1].connected = drive.nodes[2].connected = true;
+  drive.in_enu = {true};
+  drive.gnss_delays.resize(1);
+  drive.segment_starts = {0};
+  DriveLoop loop;
+  loop.to = 2;
+  drive.loops.push_back(loop);
+  DriveGnss gnss;
+  gnss.node = 1;
+  gnss.position.R_enu_base = Eigen::Quaterniond::Identity();
+  drive.gnss.push_back(gnss);
+  DriveImu imu;
+  imu.node = 1;
+  imu.sample.orientation = Eigen::Quaterniond::Identity();
+  imu.sample.linear_acceleration = {0.0, 0.0, 9.81};
+  drive.imu.push_back(imu);
+  for (const int node : {1, 2}) {
+    DriveFloor floor;
+    floor.node = node;
+    floor.floor.found = true;
+    floor.floor.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    drive.floors.push_back(floor);
+  }
+  return drive;
+}
+
+/// Numbers of constraints with this kernel and this size.
+std::ptrdiff_t count_kernels(const DriveFactors& factors, pose_graph::RobustKernel kernel,
+                             double size) {
+  const auto& all = factors.graph.constraints;
+  return std::count_if(all.begin(), all.end(), [&](const pose_graph::Constraint& constraint) {
+    return constraint.kernel == kernel && constraint.kernel_size == size;
+  });
+}
+
+TEST(Weights, EveryKindOfConstraintHasItsKernelAndTheSize) {
+  using pose_graph::RobustKernel;
+  BackEndConfig config;
+  config.enable_imu_heading = config.enable_imu_acceleration = true;
+  config.odometry_robust_kernel = RobustKernel::kFair;
+  config.loop_robust_kernel = RobustKernel::kDcs;
+  config.gnss_robust_kernel = RobustKernel::kTukey;
+  config.imu_robust_kernel = RobustKernel::kWelsch;
+  config.floor_robust_kernel = RobustKernel::kSaturated;
+  for (const double size : {0.7, 2.5}) {
+    config.robust_kernel_size = size;
+    for (const FloorConstraint kind : {FloorConstraint::kNeighbours, FloorConstraint::kPlane}) {
+      config.floor_constraint = kind;
+      const DriveFactors factors = make_factors(graph_of_all_kinds(), config);
+      EXPECT_EQ(count_kernels(factors, RobustKernel::kFair, size), 2) << "motions";
+      EXPECT_EQ(count_kernels(factors, RobustKernel::kDcs, size), 1) << "loops";
+      EXPECT_EQ(count_kernels(factors, RobustKernel::kTukey, size), 2) << "horizontal, altitude";
+      EXPECT_EQ(count_kernels(factors, RobustKernel::kWelsch, size), 3)
+          << "orientation, acceleration, heading";
+      EXPECT_EQ(count_kernels(factors, RobustKernel::kSaturated, size),
+                kind == FloorConstraint::kNeighbours ? 1 : 2)
+          << "floors";
+    }
+  }
 }
 
 TEST(Weights, KernelsHaveExactDerivatives) {
