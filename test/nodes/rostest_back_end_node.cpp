@@ -290,6 +290,80 @@ TEST_F(BackEndNode, BroadcastsMapToOdomAtTheStampsOfOdometry) {
   EXPECT_EQ(optimized.messages[0].header.frame_id, "map");
 }
 
+TEST_F(BackEndNode, UsesTheNamesOfFramesThatItIsGiven) {
+  Listener<tf2_msgs::TFMessage> transforms("/tf");
+  Listener<nav_msgs::Odometry> optimized("optimized_odom");
+  const auto node = start({"_map_frame:=world", "_odom_frame:=track", "_base_frame:=car"});
+  const auto odometry = connected_publisher<nav_msgs::Odometry>("laser_odom");
+  ASSERT_TRUE(wait_until([&] { return transforms.connected() && optimized.connected(); }));
+  publish(0, 3);
+  ASSERT_TRUE(wait_for_key_frames(3)) << node->output();
+  optimize();
+  nav_msgs::Odometry message;
+  message.header.frame_id = "track";
+  message.child_frame_id = "car";
+  message.header.stamp = ros_border::to_ros(round_key_frame(2).stamp);
+  message.pose.pose.orientation.w = 1.0;
+  odometry.publish(message);
+  ASSERT_TRUE(optimized.wait_for(1) && transforms.wait_for(1) && poses_.wait_for(1));
+  EXPECT_EQ(transforms.messages[0].transforms[0].header.frame_id, "world");
+  EXPECT_EQ(transforms.messages[0].transforms[0].child_frame_id, "track");
+  EXPECT_EQ(optimized.messages[0].header.frame_id, "world");
+  EXPECT_EQ(optimized.messages[0].child_frame_id, "car");
+  EXPECT_EQ(poses_.messages[0].header.frame_id, "world");
+  EXPECT_EQ(known().key_frames.at(0).header.frame_id, "car");
+}
+
+/// What tf and optimized_odom are for: the odometry of the last key frame, moved to where the graph
+/// has it. The correction also holds for the scans after it.
+TEST_F(BackEndNode, CorrectsTheOdometryByWhatTheLoopSays) {
+  Listener<tf2_msgs::TFMessage> transforms("/tf");
+  Listener<nav_msgs::Odometry> optimized("optimized_odom");
+  const auto node = start();
+  const auto odometry = connected_publisher<nav_msgs::Odometry>("laser_odom");
+  ASSERT_TRUE(wait_until([&] { return transforms.connected() && optimized.connected(); }));
+  publish(0, kRound);
+  ASSERT_TRUE(wait_for_key_frames(kRound)) << node->output();
+  loops_.publish(round_loop());
+  ASSERT_TRUE(wait_until([&] { return optimize().loops_used == 1; })) << node->output();
+
+  const KeyFrame last = round_key_frame(kRound - 1);
+  const Pose T_map_base = ros_border::from_message(known().poses).poses.back().T_map_base;
+  const Pose T_map_odom = T_map_base * last.T_odom_base.inverse();
+  ASSERT_GT((T_map_base.translation - last.T_odom_base.translation).norm(), 0.3)
+      << "the odometry has to be wrong, or nothing is corrected";
+  const Pose ahead{exp_so3({0.0, 0.0, 0.1}), {1.5, 0.2, 0.0}};
+  nav_msgs::Odometry message;
+  message.header.frame_id = "odom";
+  message.child_frame_id = "base_link";
+  message.header.stamp = ros_border::to_ros(last.stamp);
+  message.pose.pose = ros_border::to_message(last.T_odom_base);
+  message.pose.covariance[0] = 4.0;
+  message.pose.covariance[7] = 1.0;
+  odometry.publish(message);
+  message.header.stamp = ros_border::to_ros(last.stamp + 100000000);
+  message.pose.pose = ros_border::to_message(last.T_odom_base * ahead);
+  odometry.publish(message);
+  ASSERT_TRUE(optimized.wait_for(2) && transforms.wait_for(2)) << node->output();
+  const auto pose_of = [&](std::size_t i) {
+    return ros_border::from_message(optimized.messages[i].pose.pose);
+  };
+  EXPECT_TRUE(test::near(pose_of(0), T_map_base, 1e-6));
+  EXPECT_TRUE(test::near(pose_of(1), T_map_base * ahead, 1e-6));
+  EXPECT_EQ(optimized.messages[0].header.frame_id, "map");
+  EXPECT_EQ(optimized.messages[0].child_frame_id, "base_link");
+  EXPECT_EQ(ros_border::from_ros(optimized.messages[0].header.stamp), last.stamp);
+  const Eigen::Matrix3d R = T_map_odom.rotation_matrix();
+  const Eigen::Matrix3d turned = R * Eigen::Vector3d(4.0, 1.0, 0.0).asDiagonal() * R.transpose();
+  EXPECT_NEAR(optimized.messages[0].pose.covariance[1], turned(0, 1), 1e-9);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto& transform = transforms.messages[i].transforms.at(0);
+    EXPECT_EQ(transform.header.frame_id, "map");
+    EXPECT_EQ(transform.child_frame_id, "odom");
+    EXPECT_TRUE(test::near(ros_border::from_message(transform.transform), T_map_odom, 1e-6));
+  }
+}
+
 /// As the services of hdl_graph_slam: what was dumped is loaded by a node that knows nothing.
 TEST_F(BackEndNode, DumpsItsGraphAndLoadsItBeforeADrive) {
   auto node = start();
