@@ -161,6 +161,60 @@ TEST(Launch, FindsTheHomeFolder) {
   }
 }
 
+/// The parameters that mapping.launch would set, as text.
+std::string parameters_of(std::vector<std::string> arguments, const std::string& home) {
+  arguments.insert(arguments.begin(), {"HOME=" + home, "roslaunch", "--dump-params",
+                                       "lidar_mapping", "mapping.launch"});
+  NodeProcess launch("/usr/bin/env", arguments);
+  EXPECT_EQ(launch.wait(), 0) << launch.output();
+  return launch.output();
+}
+
+/// An argument that nobody gave overwrote what stood in the files.
+TEST(Launch, ItsDefaultsGiveWayToTheFilesOfTheUser) {
+  const TemporaryFolder home;
+  for (const char* stage :
+       {"preprocessing", "floor_detection", "front_end", "loop_closing", "back_end"}) {
+    std::ofstream(home.path() / (std::string(stage) + ".yaml")) << "lidar_frame: of_the_file\n";
+  }
+  std::ofstream(home.path() / "map.yaml") << "map_cloud_update_interval: 3.5\n";
+  const std::string folder = "config:=" + home.path().string();
+  const std::vector<std::string> nodes = {"front_end_node", "loop_closing_node", "back_end_node"};
+  const auto expect = [&](const std::string& output, const std::string& frame,
+                          const std::string& interval) {
+    for (const std::string& node : nodes) {
+      EXPECT_NE(output.find("/" + node + "/lidar_frame: " + frame + "\n"), std::string::npos)
+          << output;
+    }
+    const std::string line = "/map_viewer_node/map_cloud_update_interval: " + interval;
+    EXPECT_EQ(output.find(line) != std::string::npos, !interval.empty()) << output;
+    if (interval.empty()) {
+      EXPECT_EQ(output.find("map_cloud_update_interval"), std::string::npos) << output;
+    }
+  };
+  expect(parameters_of({folder}, home.path()), "of_the_file", "3.5");
+  expect(parameters_of({folder, "lidar_frame:=given", "map_cloud_update_interval:=2"}, home.path()),
+         "given", "2");
+  expect(parameters_of({}, home.path()), "velo_link", "");
+}
+
+TEST(Launch, TakesPresetsByNameAndByPath) {
+  const TemporaryFolder home;
+  std::ofstream(home.path() / "hall.yaml") << "front_end: {key_frame_distance: 0.75}\n";
+  const std::string by_name = parameters_of({"preset:=indoor"}, home.path());
+  EXPECT_NE(by_name.find("/front_end/key_frame_distance: 0.5"), std::string::npos) << by_name;
+  const std::string by_path = parameters_of({"preset:=~/hall.yaml"}, home.path());
+  EXPECT_NE(by_path.find("/front_end/key_frame_distance: 0.75"), std::string::npos) << by_path;
+}
+
+TEST(Launch, RemapsTheTopicOfAnotherOdometry) {
+  NodeProcess launch("/usr/bin/env", {"roslaunch", "--args", "front_end_node", "lidar_mapping",
+                                      "mapping.launch", "external_odom:=/wheels/odom"});
+  EXPECT_EQ(launch.wait(), 0) << launch.output();
+  EXPECT_NE(launch.output().find("external_odom:=/wheels/odom"), std::string::npos)
+      << launch.output();
+}
+
 TEST(Overlay, TheGroupOfTheStageWinsOverThePrivateParameters) {
   ros::param::set("/front_end/key_frame_distance", 7.5);
   ros::param::set("/nodes/odom_frame", "odometry");
