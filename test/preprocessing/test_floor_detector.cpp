@@ -141,6 +141,26 @@ TEST(FloorDetector, RejectsTooFewPointsAndSteepPlanes) {
       FloorDetector(many).process(scan_of_plane(Eigen::Vector3d::UnitZ(), 1.8, true, 12)).found);
 }
 
+/// A bank of 35 degrees begins 6 m ahead. It lies in the heights that are searched, so that only
+/// its slope tells it from the floor.
+TEST(FloorDetector, LeavesOutPlacesThatAreNotLevelIfTold) {
+  const auto bank = [](double x) { return 0.7 * std::max(0.0, x - 6.0); };
+  const Scan scan = scan_of_road(bank, 16);
+  const auto points_on_bank = [&](bool use_normal_filtering, double normal_filter_thresh) {
+    FloorDetectionConfig config;
+    config.use_normal_filtering = use_normal_filtering;
+    config.normal_filter_thresh = normal_filter_thresh;
+    FloorPoints points;
+    FloorDetector(config).process(scan, &points);
+    return std::count_if(points.filtered.points.begin(), points.filtered.points.end(),
+                         [](const Point& p) { return p.x > 6.0F && p.z > 0.15F; });
+  };
+  EXPECT_GT(points_on_bank(false, 20.0), 100);
+  EXPECT_LT(5 * points_on_bank(true, 20.0), points_on_bank(false, 20.0))
+      << "all but lines of points, whose slope nobody knows";
+  EXPECT_EQ(points_on_bank(true, 60.0), points_on_bank(false, 20.0));
+}
+
 TEST(FloorDetector, MeasuresTheHeightOnCrestsAndInDips) {
   for (const double radius : {600.0, -600.0, 1500.0}) {
     const Scan scan = scan_of_road([&](double x) { return 0.01 * x - x * x / (2.0 * radius); }, 13);
