@@ -126,6 +126,21 @@ TEST(Gnss, TheMapDoesNotDependOnTheStartHeading) {
   }
 }
 
+/// The prior of the first node moves to East-North-Up with the map: where it was before, the start
+/// heading would contradict it by 25 standard deviations.
+TEST(Gnss, TheAnchorOfTheFirstNodeMovesWithTheMap) {
+  DriveSettings settings;
+  settings.start_yaw = 2.5;
+  BackEndConfig config;
+  config.fix_first_node = true;
+  config.fix_first_node_stddev = {1.0, 1.0, 1.0, 0.1, 0.1, 0.1};
+  MappedDrive run(settings, config);
+  for (int i = 0; i < run.size(); ++i) run.back_end.add_gnss(run.gnss(i));
+  const OptimizationReport report = optimize(run.back_end);
+  EXPECT_EQ(report.gnss_refused, 0U);
+  EXPECT_LT(true_rmse(run.back_end, run.drive), 0.15);
+}
+
 TEST(Gnss, TheLeverArmIsPartOfTheModel) {
   MappedDrive with_arm;
   MappedDrive without_arm;
