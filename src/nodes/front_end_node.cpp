@@ -66,6 +66,7 @@ class FrontEndNode {
   void publish_final(const front_end::FrontEndResult& result);
   void publish_odometry(const front_end::FrontEndResult& result);
   void publish_clouds(const front_end::FrontEndResult& result, const PointCloud& cloud);
+  void publish_local_map(Stamp stamp);
   void report(const front_end::FrontEndResult& result);
 
   Config config_;
@@ -99,7 +100,14 @@ FrontEndNode::FrontEndNode(const Config& config, NodeContext& context)
   laser_odom_ = context.node.advertise<nav_msgs::Odometry>("laser_odom", kPublisherQueue);
   status_ = context.node.advertise<FrontEndStatusMessage>("front_end_status", kPublisherQueue);
   current_scan_ = context.node.advertise<sensor_msgs::PointCloud2>("current_scan", 1);
-  local_map_ = context.node.advertise<sensor_msgs::PointCloud2>("local_map", 1, true);
+  // Made while somebody subscribes; who subscribes after the last key frame gets it at once.
+  const auto channel = context.worker.add_channel("subscribers", kPublisherQueue);
+  local_map_ = context.node.advertise<sensor_msgs::PointCloud2>(
+      "local_map", 1, [this, channel](const auto&) {
+        context_.worker.post(channel, [this] {
+          if (previous_) publish_local_map(previous_->stamp);
+        });
+      });
   subscribe_sensors();
   context.worker.set_idle_task(kIdle, [this] {
     process(assembler_.flush());
@@ -291,9 +299,13 @@ void FrontEndNode::publish_clouds(const front_end::FrontEndResult& result,
         front_end::deskewed(transformed(cloud, T_base_scan_), result.twist, result.acceleration);
     current_scan_.publish(to_message(scan, result.stamp, config_.node.base_frame));
   }
-  if (result.key_frame && local_map_.getNumSubscribers() > 0) {
-    local_map_.publish(to_message(front_end_.local_map(), result.stamp, config_.node.odom_frame));
-  }
+  if (result.key_frame) publish_local_map(result.stamp);
+}
+
+/// `stamp` is that of the newest scan in it.
+void FrontEndNode::publish_local_map(Stamp stamp) {
+  if (local_map_.getNumSubscribers() == 0) return;
+  local_map_.publish(to_message(front_end_.local_map(), stamp, config_.node.odom_frame));
 }
 
 void FrontEndNode::report(const front_end::FrontEndResult& result) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <limits>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -296,6 +297,82 @@ TEST_F(FrontEndNode, GoesOnWithTheRunThatTheBackEndHas) {
   EXPECT_EQ(key_frames_.messages.front().index, 42U);
   EXPECT_EQ(key_frames_.messages.front().segment, 3U);
   EXPECT_NEAR(key_frames_.messages.front().odometry_pose.position.x, 100.0, 1e-6);
+}
+
+/// Extent of a cloud in a frame.
+struct Extent {
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F), high = Eigen::Vector3f::Constant(-1e9F);
+};
+Extent extent_of(const sensor_msgs::PointCloud2& message) {
+  Extent extent;
+  for (const Point& point : ros_border::from_message(message).points) {
+    extent.low = extent.low.cwiseMin(point.position());
+    extent.high = extent.high.cwiseMax(point.position());
+  }
+  return extent;
+}
+
+/// The yard reaches from x = -15 m to 35 m of its origin, from y = -12 m to 12 m; the drive begins
+/// 1 m above its ground.
+TEST_F(FrontEndNode, ShowsTheScanInTheVehiclesFrameAndTheLocalMapInThatOfTheOdometry) {
+  Listener<sensor_msgs::PointCloud2> scans("current_scan");
+  Listener<sensor_msgs::PointCloud2> maps("local_map");
+  ASSERT_TRUE(wait_until([&] { return scans.connected() && maps.connected(); }));
+  drive(0, 14);
+  ASSERT_TRUE(odometry_.wait_for(14) && scans.wait_for(1) && maps.wait_for(1));
+  ASSERT_TRUE(
+      wait_until([&] { return from_ros(scans.messages.back().header.stamp) == stamp_of(13); }));
+  EXPECT_EQ(scans.messages.back().header.frame_id, "base_link");
+  EXPECT_TRUE(std::any_of(odometry_.messages.begin(), odometry_.messages.end(), [&](const auto& m) {
+    return m.header.stamp == maps.messages.front().header.stamp;
+  })) << "it has the stamp of a scan";
+  EXPECT_EQ(maps.messages.back().header.frame_id, "odom");
+  const double x = odometry_.messages.back().pose.pose.position.x;
+  const double x0 = odometry_.messages.front().pose.pose.position.x;
+  EXPECT_NEAR(x - x0, 6.5, 0.2);
+  const Extent scan = extent_of(scans.messages.back());
+  EXPECT_NEAR(scan.low.x(), -15.0 - 6.5, 0.3) << "from where the vehicle is now";
+  EXPECT_NEAR(scan.high.x(), 35.0 - 6.5, 0.3);
+  const Extent map = extent_of(maps.messages.back());
+  EXPECT_NEAR(map.low.x(), -15.0, 1.5) << "from where the odometry began, to a voxel";
+  EXPECT_NEAR(map.high.x(), 35.0, 1.5);
+}
+
+/// At the end of a drive there is no key frame any more that would bring it.
+TEST_F(FrontEndNode, GivesTheLocalMapToWhoComesLate) {
+  drive(0, 14);
+  ASSERT_TRUE(odometry_.wait_for(14));
+  Listener<sensor_msgs::PointCloud2> maps("local_map");
+  ASSERT_TRUE(maps.wait_for(1)) << node_->output();
+  EXPECT_EQ(maps.messages.front().header.frame_id, "odom");
+  EXPECT_EQ(from_ros(maps.messages.front().header.stamp), stamp_of(13));
+  EXPECT_GT(maps.messages.front().width, 100U);
+}
+
+/// Every frame has another name here; rostest_mapping has the usual ones.
+TEST_F(FrontEndNode, UsesTheNamesOfFramesThatItIsGiven) {
+  Listener<sensor_msgs::PointCloud2> scans("current_scan");
+  Listener<sensor_msgs::PointCloud2> maps("local_map");
+  start({"_odom_frame:=track", "_base_frame:=car", "_map_frame:=world"});
+  ASSERT_TRUE(wait_until([&] { return scans.connected() && maps.connected(); }));
+  odometry_.messages.clear();
+  tf_.messages.clear();
+  key_frames_.messages.clear();
+  for (int step = 0; step < 12; ++step) {
+    clouds_.publish(
+        ros_border::to_message(yard_seen_from(straight(step), 7U), stamp_of(step), "car"));
+  }
+  ASSERT_TRUE(odometry_.wait_for(1) && tf_.wait_for(1) && key_frames_.wait_for(1) &&
+              status_.wait_for(1) && scans.wait_for(1) && maps.wait_for(1))
+      << node_->output();
+  EXPECT_EQ(odometry_.messages[0].header.frame_id, "track");
+  EXPECT_EQ(odometry_.messages[0].child_frame_id, "car");
+  EXPECT_EQ(tf_.messages[0].transforms.at(0).header.frame_id, "track");
+  EXPECT_EQ(tf_.messages[0].transforms.at(0).child_frame_id, "car");
+  EXPECT_EQ(key_frames_.messages[0].header.frame_id, "car");
+  EXPECT_EQ(status_.messages.back().header.frame_id, "car");
+  EXPECT_EQ(scans.messages[0].header.frame_id, "car");
+  EXPECT_EQ(maps.messages[0].header.frame_id, "track");
 }
 
 TEST_F(FrontEndNode, ReportsItsStateInDiagnostics) {
