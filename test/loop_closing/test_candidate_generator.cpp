@@ -69,6 +69,39 @@ TEST(Candidates, LoopStepAndMinEdgeIntervalSetTheSpacingOfSearches) {
   const auto tried = attempts(poses, config);
   ASSERT_GE(tried.size(), 3U);
   for (std::size_t i = 1; i < tried.size(); ++i) EXPECT_GE(tried[i] - tried[i - 1], 5U);
+
+  // After a loop, the next search waits for the interval: here 30 m, 15 key frames.
+  const auto searches_after_a_loop = [&](double interval) {
+    LoopClosingConfig waiting;
+    waiting.min_edge_interval = interval;
+    NoClouds clouds;
+    LoopCloser closer(waiting, clouds);
+    const std::size_t last = 75;
+    for (std::size_t i = 0; i <= last; ++i) closer.restore(key_frame(i, poses[i]));
+    Loop loop;
+    loop.from = 10;
+    loop.to = last;
+    closer.restore({loop}, {}, {});
+    for (std::size_t i = last + 1; i < poses.size(); ++i) {
+      if (!closer.process(key_frame(i, poses[i])).verdicts.empty()) return i - last;
+    }
+    return std::size_t{0};
+  };
+  EXPECT_EQ(searches_after_a_loop(0.0), 1U);
+  EXPECT_EQ(searches_after_a_loop(30.0), 15U);
+}
+
+/// Back through the same street 8 m beside, with an odometry that does not drift: nothing but this
+/// radius admits a candidate.
+TEST(Candidates, DetectAreaIsTheRadiusWherePositionsAreCertain) {
+  const auto poses = along({{0, 0}, {100, 0}, {100, 8}, {0, 8}});
+  LoopClosingConfig config;
+  config.horizontal_drift = 0.0;
+  config.max_loop_distance = 50.0;
+  config.detect_area = 7.0;
+  EXPECT_TRUE(attempts(poses, config).empty());
+  config.detect_area = 9.0;
+  EXPECT_FALSE(attempts(poses, config).empty());
 }
 
 TEST(Candidates, DiffNumAndAccumDistanceThreshExcludeNeighbours) {
@@ -165,11 +198,9 @@ GnssPosition position_at(std::size_t i, const Pose& T_enu_base) {
   return position;
 }
 
-// With any height of the receiver, and before or after the key frame.
-TEST(Candidates, ComeFromGnssIfOdometryIsWrong) {
-  LoopClosingConfig config;
-  config.position_candidates = false;
-  config.accum_distance_thresh = 100.0;
+/// Candidates at the end of a round of 800 m with a receiver of any height, whose positions come
+/// before or after their key frames.
+std::vector<Candidate> candidates_after_a_round(const LoopClosingConfig& config) {
   CandidateGenerator places(config);
   const auto truth = along({{0, 0}, {300, 0}, {300, 100}, {0, 100}, {0, 0}});
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -179,11 +210,18 @@ TEST(Candidates, ComeFromGnssIfOdometryIsWrong) {
     places.append(key_frame(i, truth[i]), std::nullopt);
     if (i % 2 == 1) places.add_gnss(position);
   }
-  const auto candidates = places.candidates();
+  return places.candidates();
+}
+
+TEST(Candidates, ComeFromGnssIfOdometryIsWrong) {
+  LoopClosingConfig config;
+  config.position_candidates = false;
+  config.accum_distance_thresh = 100.0;
+  const auto candidates = candidates_after_a_round(config);
   ASSERT_FALSE(candidates.empty());
   EXPECT_EQ(candidates.front().source, LoopSource::kGnss);
   config.gnss_candidates = false;
-  EXPECT_TRUE(CandidateGenerator(config).candidates().empty());
+  EXPECT_TRUE(candidates_after_a_round(config).empty());
 }
 
 TEST(Candidates, AreMoreCertainByLoopsThatTheMapSatisfies) {

@@ -98,11 +98,12 @@ TEST(LoopCloser, ClosesAStreetDrivenInTheOppositeDirection) {
 
 /// The largest number of candidates that one search matched in a third pass through a street. Both
 /// older passes can be found.
-std::size_t max_matched(double horizontal_drift) {
+std::size_t max_matched(double horizontal_drift, int max_registrations = 50) {
   const ToyWorld world = make_town(150.0, 100.0, 2);
   const auto truth = along({{0, 0}, {60, 0}, {60, 3.5}, {0, 3.5}, {0, 0}, {60, 0}});
   LoopClosingConfig config;
   config.horizontal_drift = horizontal_drift;
+  config.max_registrations = max_registrations;
   const DriveOutcome outcome = drive(world, truth, truth, config);
   EXPECT_EQ(outcome.false_loops, 0);
   std::map<KeyFrameIndex, std::size_t> matched;
@@ -118,6 +119,11 @@ std::size_t max_matched(double horizontal_drift) {
 TEST(LoopCloser, MatchesOneCandidateIfTheEstimateIsCertain) { EXPECT_EQ(max_matched(0.003), 1U); }
 
 TEST(LoopCloser, MatchesAllCandidatesIfTheEstimateIsUncertain) { EXPECT_EQ(max_matched(0.02), 2U); }
+
+TEST(LoopCloser, MatchesNoMoreCandidatesThanConfigured) {
+  EXPECT_EQ(max_matched(0.02, 1), 1U);
+  EXPECT_EQ(max_matched(0.02, 3), 2U) << "there are no more";
+}
 
 // A crossing where the headings differ by 90 degrees.
 TEST(LoopCloser, ClosesACrossing) {
@@ -249,9 +255,16 @@ TEST(LoopCloser, ClosesWithUnfilteredClouds) {
   config.map_filter = FilterMethod::kNone;
   config.extend_frame_num = 1;
   config.scan_leaf_size = 0.8;
-  const DriveOutcome outcome = drive(world, truth, truth, config);
-  EXPECT_EQ(outcome.false_loops, 0);
-  EXPECT_FALSE(outcome.loops.empty());
+  std::map<FilterMethod, double> fitness;  // of the first loop
+  for (const FilterMethod scan_filter : {FilterMethod::kVoxel, FilterMethod::kNone}) {
+    config.scan_filter = scan_filter;
+    const DriveOutcome outcome = drive(world, truth, truth, config);
+    EXPECT_EQ(outcome.false_loops, 0);
+    ASSERT_FALSE(outcome.loops.empty());
+    fitness[scan_filter] = outcome.loops.front().fitness;
+  }
+  EXPECT_NE(fitness[FilterMethod::kVoxel], fitness[FilterMethod::kNone])
+      << "the scan is thinned or not";
 }
 
 // After a restart the search continues as before.

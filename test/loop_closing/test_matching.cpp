@@ -141,6 +141,19 @@ TEST(Matching, CovarianceMatchesTheErrors) {
   EXPECT_LT(match.alignment.covariance(0, 0), 0.01 * 0.01);
 }
 
+/// The scan is moved by a metre: with this range all of its points count, or only the near ones.
+TEST(Matching, PointsBeyondTheMaximumRangeDoNotCountInTheFitness) {
+  const Street street(make_town(100.0, 100.0, 6), planar(1.0, 1.0, 0.2));
+  const Pose moved = street.T_true * planar(0.7, 0.7, 0.0);
+  const auto fitness = [&](double range) {
+    return measure_match(*street.query, *street.submap, moved, range).fitness;
+  };
+  EXPECT_LE(fitness(0.3), 0.3 * 0.3);
+  EXPECT_LE(fitness(0.8), 0.8 * 0.8);
+  EXPECT_GT(fitness(0.8), fitness(0.3));
+  EXPECT_GT(fitness(3.0), fitness(0.8));
+}
+
 // The fitness at a wrong location can be small; overlap and free space are not.
 TEST(Matching, AnotherLocationIsRefused) {
   const ToyWorld here = make_town(100.0, 100.0, 6);
