@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "lidar_mapping/common/unknown_height.hpp"
+
 namespace lidar_mapping::back_end {
 
 Eigen::Matrix2d horizontal_covariance(const GnssPosition& position, const BackEndConfig& config) {
@@ -21,7 +23,7 @@ double altitude_stddev(const GnssPosition& position, const BackEndConfig& config
 
 bool has_altitude(const GnssPosition& position) {
   return std::isfinite(position.p_enu_antenna.z()) && position.covariance(2, 2) > 0.0 &&
-         std::isfinite(position.covariance(2, 2));
+         has_height(position.covariance);
 }
 
 }  // namespace lidar_mapping::back_end

@@ -5,6 +5,8 @@
 
 #include <GeographicLib/LocalCartesian.hpp>
 
+#include "lidar_mapping/common/unknown_height.hpp"
+
 namespace lidar_mapping::pipeline {
 
 Pose enu_between(const GeodeticDatum& to, const GeodeticDatum& from) {
@@ -20,8 +22,12 @@ Pose enu_between(const GeodeticDatum& to, const GeodeticDatum& from) {
 
 GnssPosition transformed_position(GnssPosition position, const Pose& T_new_old) {
   const Eigen::Matrix3d R = T_new_old.rotation_matrix();
+  const bool is_level = !has_height(position.covariance);
+  // Turned by the curvature of the Earth, a height of which nothing is known would drown the rest.
+  if (is_level) position.covariance(2, 2) = 0.0;
   position.p_enu_antenna = T_new_old * position.p_enu_antenna;
   position.covariance = R * position.covariance * R.transpose();
+  if (is_level) position.covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
   if (position.R_enu_base) position.R_enu_base = T_new_old.rotation * *position.R_enu_base;
   return position;
 }

@@ -10,6 +10,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/common/input_file.hpp"
 #include "lidar_mapping/common/number_words.hpp"
+#include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
@@ -62,6 +63,14 @@ class WordReader {
     Eigen::Matrix<double, Size, 1> vector;
     for (int i = 0; i < Size; ++i) vector[i] = number();
     return vector;
+  }
+
+  /// The height may be "nan", as hdl_graph_slam writes one that it does not know.
+  Eigen::Vector3d position() {
+    const Eigen::Vector2d p = vector<2>();
+    const std::string height = next();
+    const bool is_unknown = height == "nan" || height == "-nan";
+    return {p.x(), p.y(), is_unknown ? std::nan("") : checked([&] { return coordinate(height); })};
   }
 
   Pose pose() {
@@ -134,7 +143,7 @@ void read_field(const std::string& name, WordReader& words, DumpedFrame& frame) 
   } else if (name == "floor_coeffs") {
     frame.floor = read_floor(words);
   } else if (name == "utm_coord") {
-    frame.p_utm = words.vector<3>();
+    frame.p_utm = words.position();
   } else if (name == "acceleration") {
     frame.acceleration = words.vector<3>();
   } else if (name == "orientation") {
@@ -309,8 +318,11 @@ class DumpReader {
     if (frame.p_utm) {
       GnssPosition position;
       position.stamp = frame.stamp;
-      position.p_enu_antenna = in_enu(*frame.p_utm);
+      const bool is_level = std::isnan(frame.p_utm->z());
+      position.p_enu_antenna =
+          in_enu({frame.p_utm->x(), frame.p_utm->y(), is_level ? 0.0 : frame.p_utm->z()});
       position.covariance = kGnssStddev_m * kGnssStddev_m * Eigen::Matrix3d::Identity();
+      if (is_level) position.covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
       session_.add_gnss(position);
     }
     if (frame.acceleration || frame.orientation) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/common/utm.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
@@ -124,7 +125,9 @@ class DumpWriter {
       data << "floor_coeffs " << floor->second.normal.transpose() << " " << floor->second.offset
            << "\n";
     }
-    if (const auto gnss = gnss_.find(stamp); gnss != gnss_.end()) {
+    // The format has no covariance; readers would take the height of the datum for a measured one.
+    if (const auto gnss = gnss_.find(stamp);
+        gnss != gnss_.end() && has_height(gnss->second.covariance)) {
       data << "utm_coord " << in_utm(gnss->second.p_enu_antenna).transpose() << "\n";
     }
     const auto imu = imu_.find(stamp);

@@ -76,8 +76,12 @@ Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>
     const LocalFix& now = fixes[i];
     const double seconds = to_seconds(now.stamp - before.stamp);
     if (seconds <= 0.0 || seconds > kMaxStepDuration) continue;
-    const double step = (now.p_enu - before.p_enu).norm();
-    const double stated = std::sqrt(now.covariance.trace() + before.covariance.trace());
+    const double step = step_between(before, now).norm();
+    const auto variance = [&](const LocalFix& fix) {
+      const bool is_level = !has_height(before.covariance) || !has_height(now.covariance);
+      return is_level ? fix.covariance.topLeftCorner<2, 2>().trace() : fix.covariance.trace();
+    };
+    const double stated = std::sqrt(variance(now) + variance(before));
     const double sigma = std::max(stated, 2.0 * scatter);
     const Stamp middle = before.stamp + (now.stamp - before.stamp) / 2;
     if (step > value_at(measured, middle, kMaxSpeed) * seconds + 4.0 * sigma + 1.0) {

@@ -107,7 +107,7 @@ std::optional<GnssGate::Alignment> GnssGate::alignment() const {
 
 std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p_dr) const {
   if (!last_good_) return "";
-  const Eigen::Vector3d step = fix.p_enu - last_good_->p_enu;
+  const Eigen::Vector3d step = step_between(*last_good_, fix);
   const double sigma = std::hypot(horizontal_sigma(fix), horizontal_sigma(*last_good_));
   const double seconds = to_seconds(fix.stamp - last_good_->stamp);
   const double max_distance = kMaxSpeed * seconds + kSigmas * sigma + kTolerance;

@@ -58,6 +58,13 @@ FixResult GnssTrack::add(GnssFix fix, const std::string& frame_id) {
   }
   frame_id_ = frame_id;
   LocalFix local = local_frame_.to_local(fix);
+  if (!has_height(local.covariance)) {
+    diagnostics_.warn("height",
+                      "gnss: fixes come without altitude; they are used east and north. The map is "
+                      "at the height of the datum, " +
+                          metres(local_frame_.datum()->altitude_m) +
+                          " above the ellipsoid; use_datum and datum say a better one");
+  }
   scatter_.add(local);
   const double factor = scatter_.variance_factor();
   local.covariance *= factor;
@@ -110,15 +117,15 @@ void GnssTrack::accept(PendingFix pending) {
 /// True if this fix and the previous one, both rejected, show that the first fix was wrong.
 bool GnssTrack::confirms_other_start(const PendingFix& pending) const {
   if (accepted_count_ != 1 || !last_rejected_ || stream_.buffer().empty()) return false;
-  const double off = (pending.fix.p_enu - stream_.buffer().newest().p_enu).norm();
+  const double off = step_between(stream_.buffer().newest(), pending.fix).norm();
   const double seconds = to_seconds(pending.fix.stamp - last_rejected_->fix.stamp);
-  const double step = (pending.fix.p_enu - last_rejected_->fix.p_enu).norm();
+  const double step = step_between(last_rejected_->fix, pending.fix).norm();
   return off > kMinDistanceOfOtherStart && step < kMaxDistanceOfAgreement + kMaxSpeed * seconds;
 }
 
 /// Discards everything that came from the first fix; the frame begins again.
 void GnssTrack::restart_from(PendingFix first, PendingFix& second, const MotionSensors& sensors) {
-  const double off = (first.fix.p_enu - stream_.buffer().newest().p_enu).norm();
+  const double off = step_between(stream_.buffer().newest(), first.fix).norm();
   diagnostics_.warn("start",
                     "gnss: the first fix is " + std::to_string(std::lround(off / 1e3)) +
                         " km from the next ones, which agree; it is left out and the drive "

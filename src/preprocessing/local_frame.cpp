@@ -36,6 +36,11 @@ Eigen::Matrix3d diagonal(double sigma_xy, double sigma_z) {
   return Eigen::Vector3d(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z).asDiagonal();
 }
 
+GnssFix at_height(GnssFix fix, double altitude_m) {
+  if (!std::isfinite(fix.altitude_m)) fix.altitude_m = altitude_m;
+  return fix;
+}
+
 /// The reported covariance, made symmetric and not smaller than the lower bound; a configured one
 /// if it is unknown.
 Eigen::Matrix3d bounded_covariance(const GnssFix& fix, const PreprocessingConfig& config) {
@@ -53,8 +58,12 @@ LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
   const double f = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
   // The errors of neighbouring fixes are strongly correlated, so the mean is not more accurate than
   // its parts.
-  return {stamp, a.p_enu + f * (b.p_enu - a.p_enu), (1.0 - f) * a.covariance + f * b.covariance,
-          std::min(a.status, b.status)};
+  LocalFix fix{stamp, a.p_enu + f * (b.p_enu - a.p_enu),
+               (1.0 - f) * a.covariance + f * b.covariance, std::min(a.status, b.status)};
+  for (const LocalFix& end : {a, b}) {
+    if (!has_height(end.covariance)) fix.covariance(2, 2) = end.covariance(2, 2);
+  }
+  return fix;
 }
 
 }  // namespace
@@ -62,8 +71,9 @@ LocalFix on_chord(const LocalFix& a, const LocalFix& b, Stamp stamp) {
 std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
   if (fix.status < 0) return "the receiver has no fix";
   if (fix.status < config.gnss_min_status) return "status below gnss_min_status";
+  // An altitude of NaN means that it is unknown, as in geographic_msgs/GeoPoint.
   if (!std::isfinite(fix.latitude_deg) || !std::isfinite(fix.longitude_deg) ||
-      !std::isfinite(fix.altitude_m)) {
+      std::isinf(fix.altitude_m)) {
     return "coordinates are not finite";
   }
   if (fix.latitude_deg == 0.0 && fix.longitude_deg == 0.0) {
@@ -81,6 +91,12 @@ std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config) {
                      horizontal_sigma(*fix.covariance), config.gnss_max_sigma);
   }
   return "";
+}
+
+Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to) {
+  Eigen::Vector3d step = to.p_enu - from.p_enu;
+  if (!has_height(from.covariance) || !has_height(to.covariance)) step.z() = 0.0;
+  return step;
 }
 
 class LocalFrame::Projection {
@@ -111,12 +127,19 @@ LocalFrame::~LocalFrame() = default;
 void LocalFrame::begin_at(const GnssFix& fix) {
   if (config_.use_datum) return;
   projection_ = std::make_unique<Projection>(
-      GeodeticDatum{fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+      GeodeticDatum{fix.latitude_deg, fix.longitude_deg, at_height(fix, 0.0).altitude_m});
 }
 
 LocalFix LocalFrame::to_local(const GnssFix& fix) {
   if (!projection_) begin_at(fix);
-  return {fix.stamp, projection_->forward(fix), bounded_covariance(fix, config_), fix.status};
+  Eigen::Matrix3d covariance = bounded_covariance(fix, config_);
+  if (!std::isfinite(fix.altitude_m)) {
+    covariance.row(2).setZero();
+    covariance.col(2).setZero();
+    covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
+  }
+  const GnssFix with_height = at_height(fix, projection_->datum().altitude_m);
+  return {fix.stamp, projection_->forward(with_height), covariance, fix.status};
 }
 
 std::optional<GeodeticDatum> LocalFrame::datum() const {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lidar_mapping/common/sensor_data.hpp"
+#include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/preprocessing/preprocessing_config.hpp"
 
 namespace lidar_mapping::preprocessing {
@@ -14,7 +15,7 @@ namespace lidar_mapping::preprocessing {
 struct LocalFix {
   Stamp stamp = 0;
   Eigen::Vector3d p_enu = Eigen::Vector3d::Zero();  ///< m, East-North-Up
-  /// m^2, not smaller than the configured lower bound
+  /// m^2, not smaller than the configured lower bound; see has_height()
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   int status = 0;
 };
@@ -23,9 +24,13 @@ struct LocalFix {
 /// covariance too poor. Empty for a usable fix.
 std::string problem_of(const GnssFix& fix, const PreprocessingConfig& config);
 
+/// The way from one fix to another, m; level if the height of one of them is not known.
+Eigen::Vector3d step_between(const LocalFix& from, const LocalFix& to);
+
 /// Converts geodetic coordinates to the East-North-Up tangent plane at a datum, by
 /// GeographicLib::LocalCartesian (exact on the ellipsoid). The datum is the configured one, or else
-/// the first fix.
+/// the first fix. A fix without altitude is taken at the height of the datum, with
+/// kUnknownHeightStddev; as the first one it puts the datum on the ellipsoid (height 0).
 class LocalFrame {
  public:
   explicit LocalFrame(const PreprocessingConfig& config);

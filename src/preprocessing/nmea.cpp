@@ -117,7 +117,9 @@ std::optional<GnssFix> fix_of_nmea(const std::string& sentence, Stamp stamp) {
   const auto quality = quality_of(fields[kQuality]);
   const auto latitude = degrees(fields[kLatitude], fields[kNorthOrSouth], 'N', 'S', 90.0);
   const auto longitude = degrees(fields[kLongitude], fields[kEastOrWest], 'E', 'W', 180.0);
-  const auto altitude = number(fields[kAltitude]);
+  // A receiver with a position in the plane only leaves the altitude empty.
+  const auto altitude =
+      fields[kAltitude].empty() ? std::optional<double>(std::nan("")) : number(fields[kAltitude]);
   if (!quality || !latitude || !longitude || !altitude) return std::nullopt;
   GnssFix fix;
   fix.stamp = stamp;

@@ -4,6 +4,7 @@
 
 #include "lidar_mapping/back_end/back_end_config.hpp"
 #include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/evaluation/trajectory_errors.hpp"
 #include "lidar_mapping/pipeline/stored_configuration.hpp"
 
@@ -98,6 +99,7 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
   for (std::size_t i = 0; i < input.poses.poses.size(); ++i) at[input.poses.poses[i].stamp] = i;
   std::vector<evaluation::PosePair> pairs;
   std::vector<double> sigmas;
+  std::vector<bool> with_height;
   for (const GnssPosition& gnss : back_end.positions()) {
     const auto found = at.find(gnss.stamp);
     if (found == at.end()) continue;
@@ -107,6 +109,7 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
     pair.truth.translation = gnss.p_enu_antenna;
     pair.estimate.translation = pose * gnss.p_base_antenna;
     pairs.push_back(pair);
+    with_height.push_back(has_height(gnss.covariance));
     sigmas.push_back(std::sqrt(0.5 * gnss.covariance.topLeftCorner<2, 2>().trace()));
   }
   const bool in_enu = is_in_enu(input.session);
@@ -116,11 +119,12 @@ json::Json gnss_figures(const ReportInput& input, const back_end::BackEnd& back_
   std::vector<double> horizontal;
   std::vector<double> vertical;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Eigen::Vector3d d = pairs[i].truth.translation - pairs[i].estimate.translation;
+    Eigen::Vector3d d = pairs[i].truth.translation - pairs[i].estimate.translation;
+    if (!with_height[i]) d.z() = 0.0;
     rows.push_back({distances[at.at(pairs[i].stamp)], d.x(), d.y(), d.z(), sigmas[i],
                     pairs[i].truth.translation.x(), pairs[i].truth.translation.y()});
     horizontal.push_back(d.head<2>().norm());
-    vertical.push_back(std::abs(d.z()));
+    if (with_height[i]) vertical.push_back(std::abs(d.z()));
   }
   return {{"positions", pairs.size()},
           {"used_by_graph", in_enu},

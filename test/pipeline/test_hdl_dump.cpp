@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/pipeline/hdl_dump.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
@@ -104,6 +105,29 @@ TEST(HdlDump, WritesFilesOfInteractiveSlam) {
   EXPECT_NE(content_of(dump / "000005" / "data").find("\nutm_coord "), std::string::npos);
   EXPECT_NE(content_of(dump / "zero_utm").find(' '), std::string::npos);
   EXPECT_THROW(write_hdl_dump(session, graph_of(session), dump), FileError) << "is there";
+}
+
+/// hdl_graph_slam writes "nan" for the height of a GeoPoint without altitude.
+TEST(HdlDump, ReadsPositionsWithoutHeight) {
+  const TemporaryFolder folder;
+  const Session before = example_session(folder.path() / "session");
+  write_hdl_dump(before, graph_of(before), folder.path() / "dump");
+  const fs::path file = folder.path() / "dump" / "000005" / "data";
+  std::string data = content_of(file);
+  const std::size_t at = data.find("utm_coord ") + 10;
+  const std::size_t height = data.find_last_of(' ', data.find('\n', at)) + 1;
+  data.replace(height, data.find('\n', at) - height, "nan");
+  std::ofstream(file) << data;
+  Session after = Session::create_in(folder.path() / "back");
+  read_hdl_dump(folder.path() / "dump", after);
+  ASSERT_EQ(after.gnss().size(), before.gnss().size());
+  const GnssPosition position = after.gnss().at(0);
+  EXPECT_TRUE(position.p_enu_antenna.allFinite());
+  EXPECT_FALSE(has_height(position.covariance));
+  write_hdl_dump(after, graph_of(before), folder.path() / "again");
+  EXPECT_EQ(content_of(folder.path() / "again" / "000005" / "data").find("utm_coord"),
+            std::string::npos)
+      << "the format cannot say that a height is unknown";
 }
 
 // Writing and reading keeps everything that the format supports.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/common/unknown_height.hpp"
 #include "lidar_mapping/pipeline/recorded_back_end.hpp"
 
 #include "near.hpp"
@@ -182,6 +183,26 @@ TEST(RecordedBackEnd, TransformsPositionsToDatumOfSession) {
   EXPECT_EQ(back_end.session().datum(), old_datum);
   const Eigen::Vector3d p = back_end.session().gnss().at(0).p_enu_antenna;
   EXPECT_TRUE(test::near(p, Eigen::Vector3d(3.0, 111.2, -9.0), 0.1)) << p.transpose();
+}
+
+/// Seen from 100 km away the vertical leans by 0.9 degrees: 10 km of an unknown height would be
+/// 157 m of an unknown position.
+TEST(RecordedBackEnd, KeepsPositionsWithoutHeightThroughAChangeOfTheDatum) {
+  const TemporaryFolder folder;
+  {
+    RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+    back_end.set_datum({49.0, 8.4, 110.0});
+    drive(back_end, 0, 5);
+  }
+  RecordedBackEnd back_end(reopened(folder), {});
+  back_end.set_datum({49.9, 8.4, 110.0});
+  GnssPosition position;
+  position.stamp = 1;
+  position.covariance(2, 2) = kUnknownHeightStddev * kUnknownHeightStddev;
+  back_end.add_gnss(position);
+  const GnssPosition stored = back_end.session().gnss().at(0);
+  EXPECT_FALSE(has_height(stored.covariance));
+  EXPECT_LT(stored.covariance(0, 0) + stored.covariance(1, 1), 2.01);
 }
 
 TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {

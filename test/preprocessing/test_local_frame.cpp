@@ -68,6 +68,31 @@ TEST(LocalFrame, BoundsCovariancesAndFillsUnknownOnes) {
   EXPECT_EQ(frame.to_local(bad).covariance(0, 1), 0.0);
 }
 
+/// Nothing downstream may meet a NaN, and nothing may believe the height.
+TEST(LocalFrame, PutsAFixWithoutAltitudeAtTheHeightOfTheDatumWithoutWeight) {
+  LocalFrame frame({});
+  frame.to_local(fix(at(0.0)));
+  const LocalFix known = frame.to_local(fix(at(1.0), 49.001, 8.4, 125.0));
+  const LocalFix level = frame.to_local(fix(at(2.0), 49.001, 8.4, kNaN));
+  EXPECT_NEAR(level.p_enu.y(), 111.21, 0.02);
+  EXPECT_NEAR(level.p_enu.z(), 0.0, 0.01);
+  EXPECT_FALSE(has_height(level.covariance));
+  EXPECT_TRUE(has_height(known.covariance));
+  EXPECT_EQ(level.covariance(0, 0), known.covariance(0, 0));
+  EXPECT_EQ(step_between(known, level).z(), 0.0);
+  EXPECT_NEAR(step_between(frame.to_local(fix(at(0.0))), known).z(), 10.0, 0.01);
+  EXPECT_FALSE(has_height(interpolated(known, level, at(1.01)).covariance));
+  EXPECT_TRUE(interpolated(known, level, at(1.5)).p_enu.allFinite());
+}
+
+TEST(LocalFrame, BeginsOnTheEllipsoidIfTheFirstFixHasNoAltitude) {
+  LocalFrame frame({});
+  frame.to_local(fix(at(0.0), 49.0, 8.4, kNaN));
+  ASSERT_TRUE(frame.datum());
+  EXPECT_EQ(frame.datum()->altitude_m, 0.0);
+  EXPECT_NEAR(frame.to_local(fix(at(1.0))).p_enu.z(), 115.0, 1e-6);
+}
+
 TEST(LocalFrame, ReportsTheProblemOfAFix) {
   const PreprocessingConfig config;
   EXPECT_EQ(problem_of(fix(at(0.0)), config), "");
@@ -76,6 +101,7 @@ TEST(LocalFrame, ReportsTheProblemOfAFix) {
     spoil(f);
     EXPECT_NE(problem_of(f, config), "");
   };
+  EXPECT_EQ(problem_of(fix(at(0.0), 49.0, 8.4, kNaN), config), "") << "its altitude is unknown";
   refuses([](GnssFix& f) { f.status = -1; });
   refuses([](GnssFix& f) { f.latitude_deg = kNaN; });
   refuses([](GnssFix& f) { f.altitude_m = std::numeric_limits<double>::infinity(); });

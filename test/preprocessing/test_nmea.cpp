@@ -43,6 +43,13 @@ TEST(Nmea, ReadsAllConstellationsHemispheresAndQualities) {
   EXPECT_FALSE(vague->covariance) << "without a dilution nobody knows";
 }
 
+TEST(Nmea, APositionInThePlaneHasNoAltitude) {
+  const auto fix = fix_of_nmea("$GPGGA,123519,4807.038,N,01131.000,E,1,04,0.9,,M,46.9,M,,", kStamp);
+  ASSERT_TRUE(fix);
+  EXPECT_NEAR(fix->latitude_deg, 48.0 + 7.038 / 60.0, 1e-12);
+  EXPECT_TRUE(std::isnan(fix->altitude_m));
+}
+
 TEST(Nmea, RejectsSentencesWithoutFixAndDamagedOnes) {
   for (const std::string& sentence :
        {std::string(), std::string("$"), std::string("$GPGGA"), std::string(30, ','),
@@ -53,7 +60,7 @@ TEST(Nmea, RejectsSentencesWithoutFixAndDamagedOnes) {
         std::string("$GPGGA,123519,4867.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
         std::string("$GPGGA,123519,9107.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
         std::string("$GPGGA,123519,nan,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
-        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,,M,46.9,M,,"),
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,5x.4,M,46.9,M,,"),
         kGga.substr(0, 30)}) {
     EXPECT_FALSE(fix_of_nmea(sentence, kStamp)) << sentence;
   }

@@ -11,10 +11,10 @@ namespace lidar_mapping::preprocessing {
 /// The fix in a GGA sentence of NMEA 0183, of any constellation ("$GPGGA,...", "$GNGGA,..."). Empty
 /// for any other sentence, for a damaged one (if there is a checksum, it has to agree), and if the
 /// receiver has no position. The altitude is above the ellipsoid: the antenna's height above the
-/// geoid plus the geoid's height. The status is that of sensor_msgs/NavSatFix for the quality of
-/// the fix. The horizontal standard deviation is the horizontal dilution times an error that
-/// depends on the quality; the vertical one is twice as large. A sentence contains no date, so the
-/// given stamp is used.
+/// geoid plus the geoid's height; NaN if that field is empty. The status is that of
+/// sensor_msgs/NavSatFix for the quality of the fix. The horizontal standard deviation is the
+/// horizontal dilution times an error that depends on the quality; the vertical one is twice as
+/// large. A sentence contains no date, so the given stamp is used.
 std::optional<GnssFix> fix_of_nmea(const std::string& sentence, Stamp stamp);
 
 }  // namespace lidar_mapping::preprocessing
