@@ -7,6 +7,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/input_validator.hpp"
+#include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/preprocessing/preprocessor.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/messages.hpp"
@@ -89,6 +90,7 @@ class PreprocessingNode {
   void add(const SensorInput<VelocitySample>& input);
   void add(const SensorInput<GnssFix>& input);
   void follow_transforms();
+  void check_sentence(const topic_tools::ShapeShifter& message);
   template <typename Sample>
   void add_if_readable(const std::string& topic, const topic_tools::ShapeShifter& message,
                        const std::optional<SensorInput<Sample>>& input);
@@ -113,6 +115,7 @@ class PreprocessingNode {
   ros::Publisher gnss_datum_;
   ScanLossCounter losses_;
   InputWatch watch_;
+  preprocessing::SentenceCheck sentences_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -150,9 +153,11 @@ void PreprocessingNode::subscribe_sensors() {
   subscribers_ = {
       subscribe<sensor_msgs::Imu>(context_, "imu", samples,
                                   [this](const auto& message) { add(input_of(*message)); }),
-      subscribe<topic_tools::ShapeShifter>(
-          context_, "gnss", samples,
-          [this](const auto& message) { add_if_readable("gnss", *message, read_gnss(*message)); }),
+      subscribe<topic_tools::ShapeShifter>(context_, "gnss", samples,
+                                           [this](const auto& message) {
+                                             check_sentence(*message);
+                                             add_if_readable("gnss", *message, read_gnss(*message));
+                                           }),
       subscribe<sensor_msgs::PointCloud2>(
           context_, "points", scans,
           [this](const auto& message) {
@@ -208,6 +213,12 @@ void PreprocessingNode::add(const SensorInput<GnssFix>& input) {
   antenna_frame_ = frame_name(input.frame_id);
   stage_.add_gnss(input.sample, antenna_frame_);
   publish(stage_.take_complete());
+}
+
+void PreprocessingNode::check_sentence(const topic_tools::ShapeShifter& message) {
+  if (message.getDataType() != ros::message_traits::DataType<NmeaSentence>::value()) return;
+  const std::string warning = sentences_.add(message.instantiate<NmeaSentence>()->sentence);
+  if (!warning.empty()) ROS_WARN_STREAM(context_.node.resolveName("gnss") << ": " << warning);
 }
 
 template <typename Sample>

@@ -50,6 +50,10 @@ std::optional<Quality> quality_of(const std::string& field) {
   }
 }
 
+// Chosen: receivers send some kinds of sentences, each once or more in a second, so a GGA would
+// have come several times.
+constexpr std::size_t kEnoughSentences = 50;
+
 std::vector<std::string> fields_of(const std::string& text) {
   std::vector<std::string> fields(1);
   for (const char c : text) {
@@ -130,6 +134,17 @@ std::optional<GnssFix> fix_of_nmea(const std::string& sentence, Stamp stamp) {
   const auto dilution = number(fields[kDilution]);
   if (dilution && *dilution > 0.0) fix.covariance = covariance_of(*dilution, quality->sigma);
   return fix;
+}
+
+std::string SentenceCheck::add(const std::string& sentence) {
+  const std::size_t begin = sentence.find('$');
+  const std::size_t kind = begin == std::string::npos ? begin : begin + 3;
+  if (kind < sentence.size() && sentence.compare(kind, 4, "GGA,") == 0) has_gga_ = true;
+  if (has_gga_ || ++count_ != kEnoughSentences) return "";
+  return "no GGA among the first " + std::to_string(kEnoughSentences) +
+         " sentences of the receiver: positions are read from GGA alone, RMC has no quality; let "
+         "it "
+         "send GGA, too";
 }
 
 }  // namespace lidar_mapping::preprocessing

@@ -10,6 +10,7 @@
 
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/preprocessing/input_validator.hpp"
+#include "lidar_mapping/preprocessing/nmea.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/point_cloud_decoder.hpp"
 #include "lidar_mapping/ros/recorded_cloud.hpp"
@@ -89,6 +90,9 @@ class RecordingValidator {
       input_validator_.add_velocity(velocity->sample, velocity->frame_id);
     } else if (const auto fix = read_gnss(message)) {
       input_validator_.add_gnss(fix->sample, fix->frame_id);
+    } else if (const auto sentence = message.instantiate<NmeaSentence>()) {
+      const std::string warning = sentences_.add(sentence->sentence);
+      if (!warning.empty()) no_gga_ = warning;
     } else if (const auto frames = read_transforms(message)) {
       frames_.add(*frames, message.topic() == "/tf_static");
     }
@@ -105,6 +109,10 @@ class RecordingValidator {
   std::vector<InputReport> reports() const {
     auto reports =
         input_validator_.report([this](const auto& frame) { return frames_.T_base(frame); });
+    if (!no_gga_.empty()) {
+      reports.back().diagnostics.push_back(
+          {Severity::kWarning, no_gga_, "without GGA there is no GNSS"});
+    }
     if (unreadable_ > 0) {
       reports.front().diagnostics.push_back(
           {Severity::kFault,
@@ -135,6 +143,8 @@ class RecordingValidator {
   RecordedFrames frames_;
   std::size_t unreadable_ = 0;
   std::string problem_;  ///< reason of the first of them
+  preprocessing::SentenceCheck sentences_;
+  std::string no_gga_;  ///< what is wrong with the sentences of the receiver
   std::size_t damaged_ = 0;
   std::string damage_;  ///< reason of one of them
 };

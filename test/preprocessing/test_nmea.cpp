@@ -50,6 +50,24 @@ TEST(Nmea, APositionInThePlaneHasNoAltitude) {
   EXPECT_TRUE(std::isnan(fix->altitude_m));
 }
 
+TEST(SentenceCheck, SaysOnceThatAReceiverSendsNoGga) {
+  const std::string rmc = "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A";
+  const auto warnings = [&](const std::string& other) {
+    SentenceCheck check;
+    std::size_t count = 0;
+    for (int i = 0; i < 300; ++i) {
+      if (!check.add(rmc).empty()) ++count;
+      if (!check.add(other).empty()) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(warnings(rmc), 1U);
+  EXPECT_EQ(warnings("$GPGSA,A,3"), 1U);
+  EXPECT_EQ(warnings("$"), 1U);
+  EXPECT_EQ(warnings(kGga), 0U);
+  EXPECT_EQ(warnings("$GNGGA,123519,,,,,0,00,99.99,,,,,,*56"), 0U) << "it has no position yet";
+}
+
 TEST(Nmea, RejectsSentencesWithoutFixAndDamagedOnes) {
   for (const std::string& sentence :
        {std::string(), std::string("$"), std::string("$GPGGA"), std::string(30, ','),

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <topic_tools/shape_shifter.h>
@@ -192,6 +194,20 @@ TEST_F(SensorInputs, FixesAreReadFromTheSentencesOfAReceiver) {
   for (const auto& diagnostic : check(recording, {}).back().diagnostics) {
     EXPECT_EQ(diagnostic.text.find("not NavSatFix"), std::string::npos) << diagnostic.text;
   }
+}
+
+TEST_F(SensorInputs, AReceiverThatSendsRmcAloneIsReported) {
+  for (int i = 0; i < 60; ++i) {
+    record("/nmea_sentence", sentence("$GPRMC,123519,A,4900.600,N,00825.800,E,0,0,230394,,"));
+  }
+  const BagSet there = bags();
+  RecordingCheck recording;
+  recording.bags = &there;
+  recording.topics = topics();
+  const auto diagnostics = check(recording, {}).back().diagnostics;
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const auto& diagnostic) {
+    return diagnostic.text.find("no GGA among") != std::string::npos;
+  }));
 }
 
 /// Such as a velocity in East-North-Up, or an odometry whose twist is empty.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -16,5 +17,17 @@ namespace lidar_mapping::preprocessing {
 /// horizontal dilution times an error that depends on the quality; the vertical one is twice as
 /// large. A sentence contains no date, so the given stamp is used.
 std::optional<GnssFix> fix_of_nmea(const std::string& sentence, Stamp stamp);
+
+/// Finds out that a receiver sends no GGA, without which it has no position here.
+class SentenceCheck {
+ public:
+  /// Takes the next sentence. Returns what to tell the user, once, when enough sentences have come
+  /// and none of them was a GGA (with or without a position); else an empty text.
+  std::string add(const std::string& sentence);
+
+ private:
+  std::size_t count_ = 0;
+  bool has_gga_ = false;
+};
 
 }  // namespace lidar_mapping::preprocessing
