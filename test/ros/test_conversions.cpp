@@ -394,7 +394,20 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   result.status.overlap = 0.4;
   result.status.probability = 0.7;
   result.status.repeated = true;
-  result.status.step_seconds = {{"match", 0.02}};
+  result.status.converged = true;
+  result.status.iterations = 12;
+  result.status.fitness = 0.03;
+  result.status.inlier_fraction = 0.6;
+  result.status.degenerate_directions = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()};
+  result.status.rescued = true;
+  result.status.elevation_shift = 0.004;
+  result.status.unobserved_stddev = 1.25;
+  result.status.stamp_jitter = 0.015;
+  result.status.sweep_times = front_end::SweepTimes::kNegated;
+  result.status.gyro_distrusted = true;
+  result.status.unseen_way = -2.5;
+  result.status.seconds = 0.05;
+  result.status.step_seconds = {{"match", 0.02}, {"map", 0.01}};
   result.key_frame = KeyFrame();
   result.key_frame->index = 8;
   const FrontEndStatusMessage message = to_message(result, 3, "base_link");
@@ -403,11 +416,33 @@ TEST(StatusConversion, SaysWhatBecameOfTheScan) {
   EXPECT_EQ(message.overlap, 0.4);
   EXPECT_EQ(message.probability, 0.7);
   EXPECT_TRUE(message.repeated);
+  EXPECT_EQ(message.header.frame_id, "base_link");
+  EXPECT_TRUE(message.converged);
+  EXPECT_EQ(message.iterations, 12U);
+  EXPECT_EQ(message.fitness, 0.03);
+  EXPECT_EQ(message.inlier_fraction, 0.6);
+  ASSERT_EQ(message.degenerate_directions.size(), 2U);
+  EXPECT_EQ(message.degenerate_directions[0].x, 1.0);
+  EXPECT_EQ(message.degenerate_directions[1].z, 1.0);
+  EXPECT_TRUE(message.rescued);
+  EXPECT_EQ(message.elevation_shift, 0.004);
+  EXPECT_EQ(message.unobserved_stddev, 1.25);
+  EXPECT_EQ(message.stamp_jitter, 0.015);
+  EXPECT_EQ(message.sweep_times, "negated");
+  EXPECT_TRUE(message.gyro_distrusted);
+  EXPECT_EQ(message.unseen_way, -2.5);
+  EXPECT_EQ(message.seconds, 0.05);
   EXPECT_TRUE(message.key_frame);
   EXPECT_EQ(message.key_frame_index, 8U);
   EXPECT_EQ(message.scans_dropped, 3U);
   EXPECT_EQ(message.step_names.at(0), "match");
   EXPECT_EQ(message.step_seconds.at(0), 0.02);
+  EXPECT_EQ(message.step_names.at(1), "map");
+  EXPECT_EQ(message.step_seconds.at(1), 0.01);
+  result.key_frame.reset();
+  result.status.rescued = result.status.converged = false;
+  const FrontEndStatusMessage plain = to_message(result, 0, "base_link");
+  EXPECT_FALSE(plain.key_frame || plain.rescued || plain.converged);
 }
 
 }  // namespace
