@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/loop_closing/loop_closing_config.hpp"
 
+#include "lidar_mapping/loop_closing/method_notice.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -92,6 +94,13 @@ void describe_verification(config::Schema<Config>& schema) {
 }
 
 }  // namespace
+
+std::string method_notice(const LoopMethod& method) {
+  if (method.point_to_plane) return "";
+  registration::RegistrationConfig config;
+  config.method = method.other;
+  return registration::method_notice(config);
+}
 
 const config::Schema<LoopClosingConfig>& LoopClosingConfig::schema() {
   static const auto schema = [] {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/ros/mapping_conversions.hpp"
@@ -94,6 +96,22 @@ TEST_F(LoopClosingNode, FindsTheLoopsOfADriveThatItNeverHeardOf) {
                      straight(kCount - 1 - static_cast<int>(loop.to), 0.8);
   EXPECT_TRUE(test::near(T_from_to.translation, truth.translation, 0.2));
   EXPECT_TRUE(verdicts_.wait_for(1));
+  EXPECT_GT(loop.fitness, 0.0);
+  char fitness[32];
+  std::snprintf(fitness, sizeof fitness, "fitness %.2g m^2", loop.fitness);
+  node.stop();  // what it says is complete only then
+  EXPECT_NE(node.output().find(fitness), std::string::npos) << fitness << "\n" << node.output();
+}
+
+TEST_F(LoopClosingNode, SaysWhichMethodDoesTheWorkOfAnother) {
+  std::vector<std::string> arguments = arguments_;
+  arguments.emplace_back("_registration_method:=GICP_OMP");
+  NodeProcess node("loop_closing_node", arguments);
+  ASSERT_TRUE(wait_until([&] { return loops_.connected() && verdicts_.connected(); }));
+  node.stop();
+  EXPECT_NE(node.output().find("registration_method GICP_OMP is hdl_graph_slam's"),
+            std::string::npos)
+      << node.output();
 }
 
 TEST_F(LoopClosingNode, GoesOnAfterItWasKilled) {
