@@ -46,6 +46,14 @@ bool to_double(const Value& value, double& number) {
 }  // namespace
 
 std::string read_value(const Value& value, const Range& range, double& field) {
+  // lidar_localization gives the edge of a voxel three times: leaf_size: [0.6, 0.6, 0.6].
+  if (const auto* list = std::get_if<Value::List>(&value.data)) {
+    std::vector<double> edges;
+    const std::string problem = read_value(value, 3, edges);
+    if (!problem.empty()) return list->size() == 3 ? problem : "is not a number";
+    if (edges[1] != edges[0] || edges[2] != edges[0]) return "has three different numbers";
+    return read_value(Value{edges[0]}, range, field);
+  }
   double number = 0.0;
   if (!to_double(value, number)) return "is not a number";
   const std::string problem = check_range(number, range);

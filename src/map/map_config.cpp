@@ -20,7 +20,8 @@ const config::Schema<MapConfig>& MapConfig::schema() {
               "A key frame is put in again when a point 50 m away from it moved by more; 0 always.")
           .integer("threads", &MapConfig::threads, {0, 256}, "",
                    "Upper limit of threads; 0 takes all cores. The result does not depend on it.")
-          .alias("map_cloud_resolution", "resolution");
+          .alias("map_cloud_resolution", "resolution")
+          .alias("voxel_filter/global_map/leaf_size", "resolution");
   return schema;
 }
 

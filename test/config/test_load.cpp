@@ -114,6 +114,18 @@ TEST(Load, KnowsOtherNamesOfAField) {
   EXPECT_EQ(to_yaml(sample).find("window"), std::string::npos);
 }
 
+/// As lidar_localization gives the edges of a voxel.
+TEST(Load, ReadsThreeEqualNumbersAsOne) {
+  EXPECT_EQ(load_text("filter: {leaf: [0.6, 0.6, 0.6]}\n").part.size, 0.6);
+  EXPECT_NE(problem_of("filter: {size: [0.6, 0.6, 0.7]}\n").find("three different numbers"),
+            std::string::npos);
+  EXPECT_NE(problem_of("filter: {size: [3.0, 3.0, 3.0]}\n").find("out of range"),
+            std::string::npos);
+  EXPECT_NE(problem_of("filter: {size: [0.6]}\n").find("not a number"), std::string::npos);
+  EXPECT_NE(problem_of("filter: {size: [a, b, c]}\n").find("not a finite number"),
+            std::string::npos);
+}
+
 TEST(Load, RefusesAFieldUnderTwoNamesInOneSource) {
   EXPECT_EQ(problem_of("local_frame_num: 5\nwindow: 9\n"),
             "a.yaml: 'local_frame_num' and 'window' are names of the same parameter; remove one of "
