@@ -96,6 +96,15 @@ TEST_F(MapViewerNode, SavesOneNewFileInUtm) {
     EXPECT_TRUE(fs::exists(folder_.path() / name)) << name;
   }
   EXPECT_FALSE(fs::exists(folder_.path() / "town.ply"));
+  call.request.destination = (folder_.path() / "fine.pcd").string();
+  call.request.resolution = 0.1;
+  answer = save(call);
+  EXPECT_TRUE(answer.success) << answer.message;
+  const auto points = [&](const char* name) {
+    return static_cast<double>(session::read_pcd(folder_.path() / name).size());
+  };
+  EXPECT_LT(points("town.pcd"), 0.75 * points("fine.pcd")) << "voxels of 0.5 m and of 0.1 m";
+  call.request.destination = (folder_.path() / "town.pcd").string();
   answer = save(call);
   EXPECT_FALSE(answer.success);
   EXPECT_NE(answer.message.find("is there already"), std::string::npos) << answer.message;
