@@ -12,6 +12,7 @@
 
 #include "lidar_mapping/common/atomic_file.hpp"
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/loop_closing/method_notice.hpp"
 #include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pipeline/pipeline.hpp"
 #include "lidar_mapping/pipeline/thread_time.hpp"
@@ -75,11 +76,22 @@ class MappingRun {
   }
 
   int run() {
+    print_methods();
     map_recording();
     return conclude();
   }
 
  private:
+  /// Says which method does the work of one that another system has.
+  void print_methods() const {
+    const std::string odometry =
+        registration::method_notice(stages_.pipeline.front_end.registration);
+    const std::string loops =
+        loop_closing::method_notice(stages_.pipeline.loop_closing.registration_method);
+    if (!odometry.empty()) std::printf("odometry: %s\n", odometry.c_str());
+    if (!loops.empty()) std::printf("loops: %s\n", loops.c_str());
+  }
+
   /// Releases the recording's index and the pipeline at the end, because the map needs their
   /// memory.
   void map_recording() {

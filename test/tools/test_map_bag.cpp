@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2_msgs/TFMessage.h>
+
 #include "mapped_drive.hpp"
 
 namespace lidar_mapping::tools {
@@ -125,10 +130,14 @@ TEST_F(MapBag, MapsThePartThatIsWanted) {
 TEST_F(MapBag, TakesSingleParameters) {
   const TemporaryFolder parent;
   const fs::path folder = parent.path() / "s";
-  ASSERT_EQ(map({"-o", folder, "--no-map", "--duration", "3", "--parameter",
-                 "back_end/use_gnss: false", "--parameter", "front_end: {key_frame_distance: 3}"}),
-            0)
+  ASSERT_EQ(
+      map({"-o", folder, "--no-map", "--duration", "3", "--parameter", "back_end/use_gnss: false",
+           "--parameter", "front_end: {key_frame_distance: 3, registration_method: NDT_OMP}",
+           "--parameter", "loop_closing/registration_method: FAST_GICP"}),
+      0)
       << said();
+  EXPECT_TRUE(has_said("odometry: registration_method NDT_OMP is hdl_graph_slam's")) << said();
+  EXPECT_TRUE(has_said("loops: registration_method FAST_GICP is hdl_graph_slam's")) << said();
   const std::string in_force = content(folder / "config.yaml");
   EXPECT_NE(in_force.find("use_gnss: false"), std::string::npos);
   EXPECT_NE(in_force.find("key_frame_distance: 3"), std::string::npos);
@@ -151,7 +160,7 @@ TEST_F(MapBag, TakesAFolderOfBags) {
 /// A simulated tunnel with the time around it, by the LiDAR alone but for a measured velocity.
 class MapBagInATunnel : public MapBag {
  protected:
-  static int map_tunnel(const fs::path& session, const Words& more) {
+  static fs::path tunnel() {
     const fs::path bag = root() / "tunnel.bag";
     if (!fs::exists(bag)) {
       EXPECT_EQ(run("simulate_drive", {bag, "--drive", "tunnel", "--lidar", "vlp16", "--start", "8",
@@ -159,11 +168,41 @@ class MapBagInATunnel : public MapBag {
                 0)
           << said();
     }
+    return bag;
+  }
+  static int map_tunnel(const fs::path& session, const Words& more) {
+    return map_tunnel(tunnel(), session, more);
+  }
+  static int map_tunnel(const fs::path& bag, const fs::path& session, const Words& more) {
     Words words = {bag, "-o", session, "--no-map"};
     words.insert(words.end(), more.begin(), more.end());
     return run("map_bag", words);
   }
 };
+
+/// The same recording, in which a wheel odometry in tf stands for the topic of the velocity.
+void write_with_wheels(const fs::path& from, const fs::path& to) {
+  rosbag::Bag source(from.string(), rosbag::bagmode::Read);
+  rosbag::Bag target(to.string(), rosbag::bagmode::Write);
+  for (const rosbag::MessageInstance& message : rosbag::View(source)) {
+    if (message.getTopic() == "/kitti/oxts/gps/vel") continue;
+    if (const auto truth = message.instantiate<nav_msgs::Odometry>()) {
+      tf2_msgs::TFMessage wheels;
+      wheels.transforms.resize(1);
+      geometry_msgs::TransformStamped& transform = wheels.transforms[0];
+      transform.header = truth->header;
+      transform.header.frame_id = "wheels";
+      transform.child_frame_id = "base_link";
+      transform.transform.translation.x = truth->pose.pose.position.x;
+      transform.transform.translation.y = truth->pose.pose.position.y;
+      transform.transform.translation.z = truth->pose.pose.position.z;
+      transform.transform.rotation = truth->pose.pose.orientation;
+      target.write("/tf", message.getTime(), wheels);
+    } else {
+      target.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+    }
+  }
+}
 
 TEST_F(MapBagInATunnel, SaysWhereAMapCannotBeTrusted) {
   const TemporaryFolder parent;
@@ -191,6 +230,19 @@ TEST_F(MapBagInATunnel, TrustsAMapWhoseSpeedWasMeasured) {
   const TemporaryFolder parent;
   EXPECT_EQ(map_tunnel(parent.path() / "s", {}), 0) << said();
   EXPECT_FALSE(has_said("Do not trust")) << said();
+}
+
+TEST_F(MapBagInATunnel, TakesTheSpeedFromAWheelOdometryInTf) {
+  const TemporaryFolder parent;
+  const fs::path bag = parent.path() / "wheels.bag";
+  write_with_wheels(tunnel(), bag);
+  EXPECT_EQ(map_tunnel(bag, parent.path() / "without", {}), 4) << said();
+  EXPECT_EQ(map_tunnel(bag, parent.path() / "with",
+                       {"--parameter",
+                        "preprocessing: {enable_robot_odometry_init_guess: true, "
+                        "robot_odom_frame_id: wheels}"}),
+            0)
+      << said();
 }
 
 // A shell would end the first word at the quote, and the next at the space.
