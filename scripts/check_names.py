@@ -5,6 +5,7 @@
 doc/glossary.md has to be in alphabetical order and to explain every field of the messages and services
 and every topic and service of the nodes. Each `file:function` of doc/walks.md and CONTRIBUTING.md has to
 be a function (or class) that this file defines, and each file that CONTRIBUTING.md names has to exist.
+Each test in the column "test" of doc/reference/ancestors.md has to be in the sources of the tests.
 
 usage: check_names.py [ROOT]
 """
@@ -19,6 +20,10 @@ TOPIC = re.compile(r'(?:\b(?:advertise|subscribe|listen|serviceClient|key_frame_
                    r'\s*\(\s*(?:[\w.]+,\s*)*|\(\s*context_?,\s*)"(/?[a-z_]+)"')
 PLACE = re.compile(r'^([\w./]+\.(?:cpp|hpp|py)):([\w:~]+)$')
 FILE = re.compile(r'^(?:src|include|test|config|cmake|msg|srv|doc|scripts|examples|launch)/[\w./*<>-]*\w[\w.*/]*$')
+# TEST(Suite, Name) and its like; Suite.Name or a file's name in a table.
+TEST = re.compile(r'^TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\)', re.MULTILINE)
+TEST_NAME = re.compile(r'^(?:\w+\.\w+|(?:ros)?test_\w+)$')
+TEST_TABLES = 'doc/reference/ancestors.md'
 ROS_TOPICS = {'diagnostics', 'tf'}
 WALK_LINES = 25
 
@@ -98,7 +103,32 @@ def walk_problems(root):
             yield f'{page}: "{lines[0]}" names no function'
 
 
-def check_the_check(root, glossary):
+def names_of_tests(root):
+    """Suite.Name of every test of googletest, and the names of the files."""
+    for path in (root / 'test').rglob('*.cpp'):
+        yield path.stem
+        for suite, name in TEST.findall(path.read_text()):
+            yield f'{suite}.{name}'
+
+
+def test_problems(text, known):
+    """Of tables whose last column is headed "test"."""
+    in_table = False
+    for number, line in enumerate(text.splitlines(), 1):
+        cells = [cell.strip() for cell in line.strip('|').split('|')]
+        if not line.startswith('|'):
+            in_table = False
+        elif cells[-1] == 'test':
+            in_table = True
+        elif in_table:
+            for name in SPAN.findall(cells[-1]):
+                if not TEST_NAME.match(name):
+                    yield f'{TEST_TABLES}:{number}: {name} has not the form of a test (Suite.Name)'
+                elif name not in known:
+                    yield f'{TEST_TABLES}:{number}: there is no test {name}'
+
+
+def check_the_check(root, glossary, known):
     """Stops if faults that are made on purpose are overlooked."""
     found = '\n'.join(glossary_problems(root, glossary.replace('`fitness`', '').replace('`points`', '')
                                         .replace('| azimuth', '| zimuth')))
@@ -107,14 +137,21 @@ def check_the_check(root, glossary):
     source = (root / 'src/back_end/optimization.cpp').read_text()
     overlooked += [name for name in ('no_such_function', 'BackEnd::solve', 'connect_segments', 'DriveGraph')
                    if defines(source, name)]  # the last two are used there only
+    table = '| old | new | test |\n|---|---|---|\n| a | `b.c` | `LocalFrame.PointsEastNorthAndUp`, {} |\n'
+    if list(test_problems(table.format('`test_local_frame`'), known)):
+        overlooked.append('tests that are there')
+    overlooked += [name for name in ('`LocalFrame.PointsEastNorthAndDown`', '`test_no_such_file`', '`test`')
+                   if not list(test_problems(table.format(name), known))]
     if overlooked:
         sys.exit(f'check_names: overlooks {overlooked}; found:\n{found}')
 
 
 def main(root):
     glossary = (root / 'doc/glossary.md').read_text()
-    check_the_check(root, glossary)
-    problems = [*glossary_problems(root, glossary), *walk_problems(root)]
+    known = set(names_of_tests(root))
+    check_the_check(root, glossary, known)
+    problems = [*glossary_problems(root, glossary), *walk_problems(root),
+                *test_problems((root / TEST_TABLES).read_text(), known)]
     for page in ('doc/walks.md', 'CONTRIBUTING.md'):
         problems += place_problems(root, page)
     print('\n'.join(problems + [f'names: {len(problems)} problems']))

@@ -4,4 +4,9 @@
 
 #include <gtest/gtest.h>
 
+/// Names of functions, files, topics and tests that the pages give.
+TEST(Scripts, PagesNameWhatIsThere) {
+  EXPECT_EQ(std::system("python3 ../scripts/check_names.py"), 0);
+}
+
 TEST(Scripts, AblationIsRight) { EXPECT_EQ(std::system("python3 tools/check_ablate.py"), 0); }
