@@ -32,7 +32,7 @@ struct GnssFix {
   Stamp stamp = 0;             ///< of the measurement, as the receiver has it
   double latitude_deg = 0.0;   ///< of the antenna, WGS 84, north positive
   double longitude_deg = 0.0;  ///< of the antenna, WGS 84, east positive
-  double altitude_m = 0.0;     ///< above the WGS 84 ellipsoid
+  double altitude_m = 0.0;     ///< above the WGS 84 ellipsoid; NaN if unknown
   int status = -1;             ///< sensor_msgs/NavSatStatus: -1 none, 0 fix, 1 SBAS, 2 GBAS (RTK)
   std::optional<Eigen::Matrix3d> covariance;  ///< m^2, East-North-Up; none if unknown
 };

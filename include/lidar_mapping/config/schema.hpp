@@ -30,7 +30,7 @@ struct FieldDescription {
 // Conversions of a value to a field's type. They return what is wrong, as the end of a sentence
 // ("is out of range"), and leave the field as it is then; or an empty text.
 
-/// Reads a number, whole or not, within the range.
+/// Reads a number, whole or not, or three times the same one, within the range.
 std::string read_value(const Value& value, const Range& range, double& field);
 /// Reads a whole number within the range.
 std::string read_value(const Value& value, const Range& range, int& field);
