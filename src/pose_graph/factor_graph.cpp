@@ -189,17 +189,18 @@ double total_chi2(const FactorGraph& graph, const std::vector<bool>& used) {
 
 MinimizerSummary minimize(FactorGraph& graph, const std::vector<bool>& used, const LossOf& loss_of,
                           const MinimizerSettings& settings) {
+  const std::vector<StateBlock> before = graph.states;
   MinimizerSummary undamped;
   if (!settings.initial_radius) {
     undamped = gauss_newton(graph, used, loss_of, settings);
     if (undamped.usable) return undamped;
   }
-  const std::vector<StateBlock> before = graph.states;
   GraphProblem problem(graph);
   for (std::size_t i = 0; i < graph.constraints.size(); ++i) {
     if (used[i]) problem.add(graph.constraints[i], loss_of(graph.constraints[i]));
   }
   MinimizerSummary summary = problem.solve(settings);
+  if (!settings.initial_radius) summary.initial_cost = undamped.initial_cost;
   summary.iterations += undamped.iterations;
   if (!summary.usable) graph.states = before;
   return summary;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include <ceres/loss_function.h>
@@ -206,17 +207,24 @@ class GaussNewtonSolver {
       }
     }
     summary.final_cost = cost_;
-    summary.message = summary.usable ? "converged" : "a step did not lower the cost";
+    summary.message = summary.usable ? "converged" : failure(can_continue);
     return summary;
   }
 
  private:
+  std::string failure(bool can_continue) const {
+    if (can_continue) return "the iterations ran out";
+    return is_singular_ ? "the equations are singular" : "a step did not lower the cost";
+  }
+
   /// Factorises the current equations and solves them.
   bool refactorize() {
     factor_is_current_ = true;
-    if (!equations_.factorize()) return false;
+    is_singular_ = !equations_.factorize();
+    if (is_singular_) return false;
     step_ = equations_.step();
-    return step_.allFinite();
+    is_singular_ = !step_.allFinite();
+    return !is_singular_;
   }
 
   /// Applies the step. Returns false and restores the states if the cost does not decrease.
@@ -239,6 +247,7 @@ class GaussNewtonSolver {
   double cost_;
   double cost_increase_ = 0.0;      ///< increase of the cost by the last rejected step
   bool factor_is_current_ = false;  ///< the factor belongs to the current states
+  bool is_singular_ = false;        ///< the last equations had no finite solution
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <ceres/sized_cost_function.h>
 #include <gtest/gtest.h>
 
 #include "lidar_mapping/common/errors.hpp"
@@ -99,6 +100,73 @@ TEST(FactorGraph, RefusesConstraintsThatItCannotSolve) {
   EXPECT_TRUE(graph.constraints.empty());
   EXPECT_THROW(chi2_limit(0), InputError);
   EXPECT_THROW(chi2_limit(7), InputError);
+}
+
+/// A residual x + x^3 of each coordinate of a planar state: no step leads to its minimum at once.
+/// `evaluates` is what it says to who asks for it; Ceres gives up at false.
+class Cubic : public ceres::SizedCostFunction<kPlanarBlockSize, kPlanarBlockSize> {
+ public:
+  explicit Cubic(bool evaluates) : evaluates_(evaluates) {}
+
+  bool Evaluate(const double* const* states, double* residuals, double** jacobians) const override {
+    for (int row = 0; row < kPlanarBlockSize; ++row) {
+      const double x = states[0][row];
+      residuals[row] = x + x * x * x;
+      if (jacobians == nullptr || jacobians[0] == nullptr) continue;
+      for (int column = 0; column < kPlanarBlockSize; ++column) {
+        jacobians[0][row * kPlanarBlockSize + column] = column == row ? 1.0 + 3.0 * x * x : 0.0;
+      }
+    }
+    return evaluates_;
+  }
+
+ private:
+  bool evaluates_;
+};
+
+FactorGraph cubic_graph(bool evaluates) {
+  FactorGraph graph;
+  graph.planar = true;
+  graph.add_node({exp_so3({0.0, 0.0, 1.0}), {1.0, 1.0, 0.0}});
+  Constraint constraint;
+  constraint.residual = std::make_unique<Cubic>(evaluates);
+  graph.add(std::move(constraint));
+  return graph;
+}
+
+// Three coordinates with residuals of 2.
+constexpr double kCubicCost = 12.0;
+
+MinimizerSettings of_one_step() {
+  MinimizerSettings settings;
+  settings.max_iterations = 1;
+  return settings;
+}
+
+const LossOf kNoLoss = [](const Constraint&) { return nullptr; };
+
+TEST(Minimize, LeavesTheStatesIfBothSolversFail) {
+  FactorGraph graph = cubic_graph(false);
+  const std::vector<StateBlock> before = graph.states;
+  const MinimizerSummary summary = minimize(graph, {true}, kNoLoss, of_one_step());
+  EXPECT_FALSE(summary.usable);
+  EXPECT_EQ(graph.states, before);
+}
+
+TEST(Minimize, ReportsTheCostOfItsStartIfTheSecondSolverContinues) {
+  FactorGraph graph = cubic_graph(true);
+  const MinimizerSummary summary = minimize(graph, {true}, kNoLoss, of_one_step());
+  EXPECT_TRUE(summary.usable) << summary.message;
+  EXPECT_NEAR(summary.initial_cost, kCubicCost, 1e-9);
+  EXPECT_LT(summary.final_cost, 0.5 * kCubicCost);
+}
+
+TEST(GaussNewtonEnd, SaysThatTheIterationsRanOut) {
+  FactorGraph graph = cubic_graph(true);
+  const MinimizerSummary summary = gauss_newton(graph, {true}, kNoLoss, of_one_step());
+  EXPECT_FALSE(summary.usable);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
+  EXPECT_EQ(summary.message, "the iterations ran out");
 }
 
 }  // namespace
