@@ -22,10 +22,10 @@ constexpr float kPairSearch = 0.6F;
 /// Counts the points that contradict a range image.
 class FreeSpaceCounter {
  public:
-  void add(FreeSpaceImage::FreeSpaceTest test_free_space) {
-    if (test_free_space == FreeSpaceImage::FreeSpaceTest::kUntested) return;
+  void add(FreeSpaceImage::FreeSpaceTest result) {
+    if (result == FreeSpaceImage::FreeSpaceTest::kUntested) return;
     ++tested_;
-    if (test_free_space == FreeSpaceImage::FreeSpaceTest::kViolation) ++violating_;
+    if (result == FreeSpaceImage::FreeSpaceTest::kViolation) ++violating_;
   }
   double violation_fraction() const {
     return tested_ == 0 ? 0.0 : static_cast<double>(violating_) / tested_;
@@ -105,32 +105,32 @@ void measure_pairs(const QueryScan& query, const Submap& submap,
 
 double violation_of_query(const QueryScan& query, const Submap& submap,
                           const Eigen::Isometry3f& T_submap_query) {
-  FreeSpaceCounter statistics;
+  FreeSpaceCounter counter;
   for (std::size_t i = 0; i < query.points.size(); ++i) {
     if (!query.above_ground[i]) continue;
     const Eigen::Vector3f p = T_submap_query * query.points[i];
-    if (p.norm() < kTestRange) statistics.add(submap.image.test_free_space(p));
+    if (p.norm() < kTestRange) counter.add(submap.image.test_free_space(p));
   }
-  return statistics.violation_fraction();
+  return counter.violation_fraction();
 }
 
 double violation_of_submap(const QueryScan& query, const Submap& submap,
                            const Eigen::Isometry3f& T_query_submap) {
-  FreeSpaceCounter statistics;
+  FreeSpaceCounter counter;
   const auto& points = submap.surface.tree().points();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!submap.above_ground[i]) continue;
     const Eigen::Vector3f p = T_query_submap * points[i];
-    if (p.norm() < kTestRange) statistics.add(query.image.test_free_space(p));
+    if (p.norm() < kTestRange) counter.add(query.image.test_free_space(p));
   }
-  return statistics.violation_fraction();
+  return counter.violation_fraction();
 }
 
 }  // namespace
 
 double roofed_fraction(const Submap& submap) {
-  // Cells of 2 m, 30 m around the LiDAR. Chosen: beyond, ceilings are seen too flat to have
-  // normals, and smaller cells stay empty between rings.
+  // Cells of 2 m in a square of 30 m with the LiDAR in its middle. Chosen: beyond, ceilings are
+  // seen too flat to have normals, and smaller cells stay empty between rings.
   constexpr int kCellsPerAxis = 15;
   constexpr float kCellSize = 2.0F;
   constexpr float kMinHeight = 0.5F;    // m above the LiDAR; chosen: cars beside it are lower
