@@ -113,6 +113,7 @@ void MotionFilter::reset(const Pose& pose, double speed_sigma, double rate_sigma
   linear_.sigma = kMinAccelerationFraction * linear_.max_sigma;
   angular_.sigma = kMinAccelerationFraction * angular_.max_sigma;
   step_seconds_ = 0.0;
+  turning_measured_ = false;
   // The first pose is known by definition.
   covariance_.setZero();
   covariance_.topLeftCorner<6, 6>() = diagonal_covariance(1e-4, 1e-5);
@@ -127,6 +128,7 @@ void MotionFilter::restart(const MotionState& state, const Matrix12d& covariance
   has_match_ = false;
   previous_match_.reset();
   since_corrected_ = step_seconds_ = 0.0;
+  turning_measured_ = false;
   state_ = state;
   covariance_ = covariance;
 }

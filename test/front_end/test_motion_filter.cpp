@@ -99,6 +99,19 @@ TEST(MotionFilter, CovarianceStaysValid) {
   }
 }
 
+TEST(MotionFilter, ForgetsAfterARestartThatTheRotationWasMeasured) {
+  MotionFilter filter(10.0, 5.0);
+  filter.reset(Pose{}, 1.0, 1.0);
+  const Eigen::Vector3d rate(0.0, 0.0, 0.1);
+  filter.predict(0.1, MeasuredTurning{rate, rate, 0.01});
+  ASSERT_TRUE(filter.is_rotation_measured());
+  MotionFilter restarted = filter;
+  restarted.restart(filter.state(), filter.covariance());
+  EXPECT_FALSE(restarted.is_rotation_measured());
+  filter.reset(Pose{}, 1.0, 1.0);
+  EXPECT_FALSE(filter.is_rotation_measured());
+}
+
 TEST(TwistBetween, IsTheInverseOfMoved) {
   Vector6d twist;
   twist << 12.0, -0.5, 0.3, 0.2, -0.4, 1.5;
