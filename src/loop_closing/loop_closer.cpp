@@ -98,16 +98,10 @@ std::vector<Candidate> LoopCloser::Impl::selected_candidates() const {
 
 VerifiedCandidate LoopCloser::Impl::verify(const Candidate& candidate,
                                            const std::optional<QueryScan>& query) {
-  VerifiedCandidate result{
-      candidate, {}, {Verdict::kUndecided, "the cloud of one of the two is not available"}};
-  result.match.alignment.T_target_source = candidate.T_from_to;
   const auto submap = submaps_.around(trajectory(), candidate.node);
-  if (!query || submap == nullptr) return result;
-  result.match.alignment = alignment_.align(query->points, submap->surface, candidate.T_from_to);
-  result.match.figures = measure_match(*query, *submap, result.match.alignment.T_target_source,
-                                       config_.fitness_score_max_range);
-  if (candidate.prior.height_jumps > 0.0) result.match.figures.roofed = roofed_fraction(*submap);
-  result.decision = decide(result.match, candidate.prior, config_);
+  if (query && submap) return verified(candidate, *query, *submap, config_, alignment_);
+  VerifiedCandidate result{candidate, {}, {Verdict::kUndecided, kNoCloud}};
+  result.match.alignment.T_target_source = candidate.T_from_to;
   return result;
 }
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lidar_mapping/loop_closing/pair_match.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include "lidar_mapping/common/errors.hpp"
-#include "lidar_mapping/common/units.hpp"
 #include "lidar_mapping/loop_closing/appearance_index.hpp"
 
 #include "scan_alignment.hpp"
+#include "starting_pose.hpp"
 #include "submap_builder.hpp"
 #include "verified_candidate.hpp"
 
@@ -40,14 +39,10 @@ std::vector<Pose> starting_poses_by_views(CloudSource& clouds, KeyFrameIndex fro
   if (!older || !newer) return {};
   const Appearance a = appearance_of(positions(*older));
   const Appearance b = appearance_of(positions(*newer));
-  const double yaw = a.descriptor.compare(b.descriptor).yaw;
   const ViewCorrelator correlator(a.view);
   std::vector<Pose> poses;
-  for (const double candidate_yaw : {yaw, yaw + kPi}) {
-    Pose start;
-    start.translation.head<2>() = correlator.match(b.view.cells(), candidate_yaw).translation;
-    start.rotation = Eigen::AngleAxisd(candidate_yaw, Eigen::Vector3d::UnitZ());
-    poses.push_back(start);
+  for (const double yaw : headings_by_views(a, b)) {
+    poses.push_back(planar_pose(correlator.match(b.view.cells(), yaw).translation, yaw));
   }
   return poses;
 }
@@ -66,25 +61,45 @@ LoopClosingConfig without_distance_limit(LoopClosingConfig config) {
   return config;
 }
 
-VerifiedCandidate verify(const QueryScan& query, const Submap& submap, Trajectory::NodeId from,
-                         const Pose& start, const LoopClosingConfig& config,
-                         ScanAlignment& alignment) {
-  VerifiedCandidate result;
-  result.candidate.node = from;
-  result.candidate.source = LoopSource::kManual;
-  result.candidate.T_from_to = start;
-  result.candidate.prior.T_from_to = start;
-  result.match.alignment = alignment.align(query.points, submap.surface, start);
-  result.match.figures = measure_match(query, submap, result.match.alignment.T_target_source,
-                                       config.fitness_score_max_range);
-  result.decision = decide(result.match, result.candidate.prior, config);
-  return result;
+Candidate named_candidate(Trajectory::NodeId from, const Pose& start) {
+  Candidate candidate;
+  candidate.node = from;
+  candidate.source = LoopSource::kManual;
+  candidate.T_from_to = start;
+  candidate.prior.T_from_to = start;
+  return candidate;
 }
 
 bool is_better(const VerifiedCandidate& a, const VerifiedCandidate& b) {
   const bool accepted_a = a.decision.verdict == Verdict::kAccepted;
   const bool accepted_b = b.decision.verdict == Verdict::kAccepted;
   return accepted_a != accepted_b ? accepted_a : a.margin() > b.margin();
+}
+
+/// Throws InputError if `older` is not old enough: scan and submap would share clouds.
+void check_distance(const Trajectory& trajectory, Trajectory::NodeId older,
+                    Trajectory::NodeId newer, int extend_frame_num) {
+  const auto min_gap = static_cast<Trajectory::NodeId>(extend_frame_num + kQueryKeyFrames);
+  if (older + min_gap <= newer) return;
+  throw InputError("key frames " + std::to_string(trajectory[older].index) + " and " +
+                   std::to_string(trajectory[newer].index) +
+                   " are too near in the drive to be matched; the second must come at least " +
+                   std::to_string(min_gap) + " key frames later");
+}
+
+/// The best of the matches from several starting poses.
+VerifiedCandidate best_match(const LoopClosingConfig& config, const QueryScan& query,
+                             const Submap& submap, Trajectory::NodeId older,
+                             const std::vector<Pose>& starts) {
+  const LoopClosingConfig limits = without_distance_limit(config);
+  ScanAlignment alignment(config);
+  std::optional<VerifiedCandidate> best;
+  for (const Pose& start : starts) {
+    const VerifiedCandidate next =
+        verified(named_candidate(older, start), query, submap, limits, alignment);
+    if (!best || is_better(next, *best)) best = next;
+  }
+  return best.value();
 }
 
 }  // namespace
@@ -95,12 +110,7 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
   const Trajectory trajectory = drive_until(key_frames, to);
   const Trajectory::NodeId older = node_of(trajectory, from);
   const Trajectory::NodeId newer = node_of(trajectory, to);
-  const auto min_gap = static_cast<Trajectory::NodeId>(config.extend_frame_num + kQueryKeyFrames);
-  if (older + min_gap > newer) {
-    throw InputError("key frames " + std::to_string(from) + " and " + std::to_string(to) +
-                     " are too near in the drive to be matched; the second must come at least " +
-                     std::to_string(min_gap) + " key frames later");
-  }
+  check_distance(trajectory, older, newer, config.extend_frame_num);
   SubmapBuilder submaps(config, clouds);
   submaps.set_sensor_origin(p_base_lidar);
   const bool have_scan = submaps.add_newest(key_frames[newer]) != nullptr;
@@ -108,24 +118,18 @@ PairMatch match_pair(const LoopClosingConfig& config, CloudSource& clouds,
   const auto submap = submaps.around(trajectory, older);
   PairMatch result;
   if (!query || !submap) {
-    result.verdict = {from,
-                      to,
-                      trajectory[newer].stamp,
-                      LoopSource::kManual,
-                      Verdict::kUndecided,
-                      "the cloud of one of the two is not available"};
+    result.verdict.from = from;
+    result.verdict.to = to;
+    result.verdict.stamp = trajectory[newer].stamp;
+    result.verdict.source = LoopSource::kManual;
+    result.verdict.reason = kNoCloud;
     return result;
   }
-  const LoopClosingConfig limits = without_distance_limit(config);
-  ScanAlignment alignment(config);
-  std::optional<VerifiedCandidate> best;
-  for (const Pose& start : starting_poses(clouds, from, to, guess)) {
-    const VerifiedCandidate verified = verify(*query, *submap, older, start, limits, alignment);
-    if (!best || is_better(verified, *best)) best = verified;
-  }
-  result.verdict = to_verdict(*best, trajectory);
-  if (best->decision.verdict == Verdict::kAccepted) {
-    result.loop = to_loop(*best, trajectory, config);
+  const VerifiedCandidate best =
+      best_match(config, *query, *submap, older, starting_poses(clouds, from, to, guess));
+  result.verdict = to_verdict(best, trajectory);
+  if (best.decision.verdict == Verdict::kAccepted) {
+    result.loop = to_loop(best, trajectory, config);
   }
   return result;
 }

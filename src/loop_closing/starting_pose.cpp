@@ -16,7 +16,8 @@ constexpr double kTrustedRotation = 0.35;  // rad; chosen: views that are turned
 // Least number of occupied cells for a view to be used. Chosen: fewer agree by chance.
 constexpr std::size_t kMinCells = 30;
 
-/// A starting pose on the same ground plane: roll, pitch and height are left to the registration.
+}  // namespace
+
 Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
   Pose pose;
   pose.translation << translation, 0.0;
@@ -24,7 +25,10 @@ Pose planar_pose(const Eigen::Vector2d& translation, double yaw) {
   return pose;
 }
 
-}  // namespace
+std::array<double, 2> headings_by_views(const Appearance& older, const Appearance& newer) {
+  const double yaw = older.descriptor.compare(newer.descriptor).yaw;
+  return {yaw, yaw + kPi};
+}
 
 StartingPose starting_pose_by_views(const Prior& prior, const std::optional<Appearance>& older,
                                     const std::optional<Appearance>& newer,
@@ -32,8 +36,8 @@ StartingPose starting_pose_by_views(const Prior& prior, const std::optional<Appe
   StartingPose start{
       planar_pose(prior.T_from_to.translation.head<2>(), yaw_of(prior.T_from_to.rotation)), 0.0};
   if (!older || !newer || std::min(older->view.count(), cells.size()) < kMinCells) return start;
-  const double yaw = older->descriptor.compare(newer->descriptor).yaw;
-  std::vector<double> candidate_yaws = {yaw, yaw + kPi};
+  const std::array<double, 2> headings = headings_by_views(*older, *newer);
+  std::vector<double> candidate_yaws(headings.begin(), headings.end());
   if (prior.anchored && prior.sigma_rotation < kTrustedRotation) {
     candidate_yaws.push_back(yaw_of(prior.T_from_to.rotation));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,11 @@
 #include "prior.hpp"
 
 namespace lidar_mapping::loop_closing {
+
+/// A starting pose on the same ground plane: roll, pitch and height are left to the registration.
+Pose planar_pose(const Eigen::Vector2d& translation, double yaw);
+/// The two headings (rad) of the newer in the older scan that the descriptors allow.
+std::array<double, 2> headings_by_views(const Appearance& older, const Appearance& newer);
 
 /// Starting pose for the registration of two key frames.
 struct StartingPose {

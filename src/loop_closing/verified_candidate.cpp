@@ -22,6 +22,18 @@ Covariance6 with_lower_bound(const Covariance6& covariance, const LoopClosingCon
 
 }  // namespace
 
+VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, const Submap& submap,
+                           const LoopClosingConfig& config, ScanAlignment& alignment) {
+  VerifiedCandidate result{candidate, {}, {}};
+  Match& match = result.match;
+  match.alignment = alignment.align(query.points, submap.surface, candidate.T_from_to);
+  match.figures =
+      measure_match(query, submap, match.alignment.T_target_source, config.fitness_score_max_range);
+  if (candidate.prior.height_jumps > 0.0) match.figures.roofed = roofed_fraction(submap);
+  result.decision = decide(match, candidate.prior, config);
+  return result;
+}
+
 bool is_conclusive(const VerifiedCandidate& verified) {
   return is_accepted(verified) && is_unambiguous(verified.match, verified.candidate.prior);
 }

@@ -3,8 +3,12 @@
 
 #include "candidate_generator.hpp"
 #include "decision.hpp"
+#include "scan_alignment.hpp"
 
 namespace lidar_mapping::loop_closing {
+
+/// Reason why a candidate stays undecided.
+constexpr char kNoCloud[] = "the cloud of one of the two is not available";
 
 /// A candidate for the newest key frame with its match and the decision on it.
 struct VerifiedCandidate {
@@ -15,6 +19,10 @@ struct VerifiedCandidate {
   /// The deciding figure: overlap minus twice the free-space violation.
   double margin() const { return margin_of(match.figures); }
 };
+
+/// Matches a candidate from its T_from_to and decides on the match.
+VerifiedCandidate verified(const Candidate& candidate, const QueryScan& query, const Submap& submap,
+                           const LoopClosingConfig& config, ScanAlignment& alignment);
 
 /// True if no other candidate has to be matched: this one is accepted and unambiguous.
 bool is_conclusive(const VerifiedCandidate& verified);
