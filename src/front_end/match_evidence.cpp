@@ -25,9 +25,8 @@ constexpr std::array<Halving, 4> kHalvings = {
     [](std::size_t part) { return part % 2 == 0; },
     [](std::size_t part) { return part < kNdtSectors; }};
 
-/// Weight of a residual: the errors of neighbouring points are correlated. The value is that of
-/// NdtOptions::data_weight, so that a part of a scan counts as it did in the match.
-constexpr double kDataWeight = 0.3;
+/// Weight of a residual, so that a part of a scan counts as it did in the match.
+const double kDataWeight = registration::NdtOptions{}.data_weight;
 
 struct Half {
   Vector6d step = Vector6d::Zero();
@@ -50,6 +49,10 @@ Half half_of(const std::vector<NdtPart>& parts, Halving in_first, bool first,
   return half;
 }
 
+double length_in_sigmas(const Vector6d& d, const Matrix6d& covariance) {
+  return std::sqrt(d.dot(covariance.ldlt().solve(d)));
+}
+
 void compare(const Half& a, const Half& b, StepEvidence& evidence) {
   const Vector6d d = a.step - b.step;
   const Matrix6d covariance = a.covariance + b.covariance;
@@ -58,7 +61,7 @@ void compare(const Half& a, const Half& b, StepEvidence& evidence) {
   };
   keep_largest(d.head<3>().norm(), evidence.disagreement);
   keep_largest(d.tail<3>().norm(), evidence.disagreement_angle);
-  keep_largest(std::sqrt(d.dot(covariance.ldlt().solve(d))), evidence.disagreement_sigmas);
+  keep_largest(length_in_sigmas(d, covariance), evidence.disagreement_sigmas);
 }
 
 /// The effective number of sectors: this number of equal sectors would have the same distribution
@@ -75,27 +78,32 @@ double effective_sectors(const std::vector<NdtPart>& parts) {
   return squares > 0.0 ? sum * sum / squares : 0.0;
 }
 
-void compare_with(const registration::MotionBelief& prediction, const Matrix6d& covariance,
-                  const NdtMatch& match, StepEvidence& evidence) {
-  const Vector6d d = difference(prediction.state.T_map_sensor, match.state.T_map_sensor);
-  evidence.surprise = d.head<3>().norm();
-  evidence.surprise_angle = d.tail<3>().norm();
-  evidence.surprise_sigmas = std::sqrt(d.dot(covariance.ldlt().solve(d)));
+}  // namespace
+
+double pair_quality(const NdtMatch& match) {
+  return match.overlap > 0.0 ? match.quality / match.overlap : 0.0;
 }
 
-}  // namespace
+double Innovation::sigmas() const { return length_in_sigmas(step, covariance); }
+
+Innovation innovation_of(const NdtMatch& match, const registration::MotionBelief& prediction) {
+  return {difference(prediction.state.T_map_sensor, match.state.T_map_sensor),
+          prediction.information.inverse().topLeftCorner<6, 6>()};
+}
 
 StepEvidence evidence_of(const NdtMatch& match, const registration::MotionBelief& prediction) {
   StepEvidence evidence;
   evidence.overlap = match.overlap;
-  evidence.pair_quality = match.overlap > 0.0 ? match.quality / match.overlap : 0.0;
+  evidence.pair_quality = pair_quality(match);
   evidence.residual_variance = match.residual_variance;
   evidence.converged = match.converged ? 1.0 : 0.0;
   evidence.iterations = match.iterations;
-  const Matrix6d covariance = prediction.information.inverse().topLeftCorner<6, 6>();
-  compare_with(prediction, covariance, match, evidence);
+  const Innovation innovation = innovation_of(match, prediction);
+  evidence.surprise = innovation.step.head<3>().norm();
+  evidence.surprise_angle = innovation.step.tail<3>().norm();
+  evidence.surprise_sigmas = innovation.sigmas();
   if (match.parts.size() != kNdtParts) return evidence;
-  const Matrix6d prior = covariance.inverse();
+  const Matrix6d prior = innovation.covariance.inverse();
   for (const Halving halving : kHalvings) {
     compare(half_of(match.parts, halving, true, prior), half_of(match.parts, halving, false, prior),
             evidence);

@@ -6,6 +6,20 @@
 
 namespace lidar_mapping::front_end {
 
+/// Mean weight of the pairs; 0 if there are none.
+double pair_quality(const registration::NdtMatch& match);
+
+/// Step from the predicted pose to that of the match.
+struct Innovation {
+  Vector6d step = Vector6d::Zero();
+  Matrix6d covariance = Matrix6d::Zero();  ///< of the predicted pose
+
+  /// Length of the step in standard deviations of the prediction.
+  double sigmas() const;
+};
+Innovation innovation_of(const registration::NdtMatch& match,
+                         const registration::MotionBelief& prediction);
+
 /// The evidence that follows from the match alone: all fields of StepEvidence but `points`,
 /// `rescued` and those of the step (`seconds`, `sigma`, `sigma_angle`, `motion_change`,
 /// `sweep_gap`, `turn`). `prediction` is the belief before the match.

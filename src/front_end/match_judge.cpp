@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "match_judge.hpp"
 
-#include <cmath>
-
-#include <Eigen/Cholesky>
-
 #include "lidar_mapping/common/units.hpp"
+
+#include "match_evidence.hpp"
 
 namespace lidar_mapping::front_end {
 namespace {
@@ -36,18 +34,6 @@ constexpr double kLearningRate = 0.1;
 /// Two turns a second. Chosen: faster than any vehicle or person turns while mapping.
 constexpr double kMaxTurnRate = 4.0 * kPi;  // rad/s
 
-/// Length of the pose's innovation in standard deviations of the prediction.
-double innovation(const registration::NdtMatch& match,
-                  const registration::MotionBelief& prediction) {
-  const Matrix6d covariance = prediction.information.inverse().topLeftCorner<6, 6>();
-  const Vector6d d = difference(prediction.state.T_map_sensor, match.state.T_map_sensor);
-  return std::sqrt(d.dot(covariance.ldlt().solve(d)));
-}
-
-double pair_quality(const registration::NdtMatch& match) {
-  return match.overlap > 0.0 ? match.quality / match.overlap : 0.0;
-}
-
 }  // namespace
 
 bool MatchJudge::has_usual_pair_quality(const registration::NdtMatch& match) const {
@@ -63,7 +49,7 @@ bool MatchJudge::in_doubt(const registration::NdtMatch& match,
                           const registration::MotionBelief& prediction) const {
   return !match.converged || match.quality < kDoubtfulQuality * mean_quality_ ||
          pair_quality(match) < kMinPairQuality ||
-         innovation(match, prediction) > kDoubtfulInnovation;
+         innovation_of(match, prediction).sigmas() > kDoubtfulInnovation;
 }
 
 TrackingState MatchJudge::judge(const registration::NdtMatch& match,
@@ -71,7 +57,7 @@ TrackingState MatchJudge::judge(const registration::NdtMatch& match,
   if (match.overlap < kMinOverlap || is_below(kLostQuality, match) ||
       pair_quality(match) < kMinPairQuality || !is_finite(match.state.T_map_sensor) ||
       match.state.twist.head<3>().norm() > max_speed_ ||
-      innovation(match, prediction) > kLostInnovation) {
+      innovation_of(match, prediction).sigmas() > kLostInnovation) {
     return TrackingState::kLost;
   }
   return is_below(kPoorQuality, match) ? TrackingState::kDegraded : TrackingState::kTracking;
