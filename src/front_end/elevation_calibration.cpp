@@ -141,10 +141,10 @@ double ElevationCalibration::frame_distance() const {
 
 void ElevationCalibration::compare(const Frame& a, const Frame& b) {
   map_.insert(a.points.x.data(), a.points.y.data(), a.points.z.data(), a.points.size());
-  const auto accepted_angle =
+  const auto of_pair =
       estimate_elevation(b.points, map_, a.T_map_sensor.inverse() * b.T_map_sensor);
-  if (!accepted_angle) return;
-  mean_.add(*accepted_angle);
+  if (!of_pair) return;
+  mean_.add(*of_pair);
   decide();
 }
 
