@@ -8,6 +8,7 @@
 #include "lidar_mapping/common/order_statistics.hpp"
 #include "lidar_mapping/common/text.hpp"
 
+#include "gnss_limits.hpp"
 #include "gnss_track.hpp"
 #include "input_checks.hpp"
 #include "local_frame.hpp"
@@ -21,8 +22,6 @@ namespace {
 // s without a fix that are reported. Chosen: shorter ones are bridged by odometry within a few
 // centimetres (1 % of the path).
 constexpr double kMinOutage = 3.0;
-// m/s without a measured velocity. Chosen: faster than any car on a road (250 km/h).
-constexpr double kMaxSpeed = 70.0;
 // s between fixes that are compared. Chosen: the slowest usual rate is 1 Hz, and a lost fix is an
 // outage.
 constexpr double kMaxStepDuration = 1.5;
@@ -53,7 +52,8 @@ std::vector<LocalFix> local_fixes(const GnssRecord& gnss, const PreprocessingCon
   return fixes;
 }
 
-double value_at(const std::vector<TimedValue>& values, Stamp stamp, double otherwise) {
+/// The first value at or after a stamp.
+double value_from(const std::vector<TimedValue>& values, Stamp stamp, double otherwise) {
   const auto at =
       std::lower_bound(values.begin(), values.end(), stamp,
                        [](const TimedValue& value, Stamp other) { return value.stamp < other; });
@@ -84,7 +84,7 @@ Steps steps_of(const std::vector<LocalFix>& fixes, const std::vector<TimedValue>
     const double stated = std::sqrt(variance(now) + variance(before));
     const double sigma = std::max(stated, 2.0 * scatter);
     const Stamp middle = before.stamp + (now.stamp - before.stamp) / 2;
-    if (step > value_at(measured, middle, kMaxSpeed) * seconds + 4.0 * sigma + 1.0) {
+    if (step > value_from(measured, middle, kMaxRoadSpeed) * seconds + 4.0 * sigma + 1.0) {
       ++steps.jumps;
       steps.largest_jump = std::max(steps.largest_jump, step);
     } else {
@@ -170,6 +170,30 @@ bool check_antenna(const AntennaFit& fit, const Eigen::Vector3d& p_base_antenna,
   return true;
 }
 
+/// Counts the fixes that are used, and those that are refused.
+void check_usable(const GnssRecord& gnss, InputReport& report) {
+  report.found += formatted(", %zu of %zu fixes usable", gnss.usable.topic.count, gnss.topic.count);
+  for (const auto& [problem, count] : gnss.rejected) {
+    add_warning(report, formatted("%zu fixes refused: %s", count, problem.c_str()),
+                "they are left out; the map leans on odometry and loops there");
+  }
+}
+
+void check_outages(const TopicStatistics& usable, InputReport& report) {
+  const double gap = to_seconds(usable.longest_gap);
+  if (gap <= kMinOutage) return;
+  add_warning(report,
+              formatted("no usable fix for %.1f s, from %.1f s after the first on", gap,
+                        to_seconds(usable.gap_begin - usable.first)),
+              "expect drift there unless loops close over it");
+}
+
+void check_jumps(const Steps& steps, InputReport& report) {
+  if (steps.jumps == 0) return;
+  add_warning(report, formatted("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
+              "reflections or wrong ambiguities; keep gnss_gating on");
+}
+
 }  // namespace
 
 std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssRecord& gnss,
@@ -186,7 +210,7 @@ std::optional<double> speed_scale(const VelocityRecord& velocity, const GnssReco
     const double seconds = to_seconds(fix.stamp - fixes[from].stamp);
     const double section_length = (fix.p_enu - fixes[from].p_enu).head<2>().norm();
     const Stamp middle = fix.stamp - (fix.stamp - fixes[from].stamp) / 2;
-    const double speed = value_at(measured, middle, 0.0);
+    const double speed = value_from(measured, middle, 0.0);
     if (section_length > std::max(kMinSectionLength, min_length) && speed > 0.0)
       scales.push_back(speed * seconds / section_length);
   }
@@ -198,20 +222,9 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
                   const ExtrinsicLookup& lookup, const PreprocessingConfig& config) {
   InputReport report = check_headers("gnss", gnss.topic, lookup);
   if (gnss.topic.count == 0) return report;
-  const TopicStatistics& usable = gnss.usable.topic;
-  report.found += formatted(", %zu of %zu fixes usable", usable.count, gnss.topic.count);
-  for (const auto& [problem, count] : gnss.rejected) {
-    add_warning(report, formatted("%zu fixes refused: %s", count, problem.c_str()),
-                "they are left out; the map leans on odometry and loops there");
-  }
+  check_usable(gnss, report);
   if (gnss.usable.samples.empty()) return report;
-  const double gap = to_seconds(usable.longest_gap);
-  if (gap > kMinOutage) {
-    add_warning(report,
-                formatted("no usable fix for %.1f s, from %.1f s after the first on", gap,
-                          to_seconds(usable.gap_begin - usable.first)),
-                "expect drift there unless loops close over it");
-  }
+  check_outages(gnss.usable.topic, report);
   if (!gnss.covariance_known) {
     add_warning(
         report, "fixes without covariance",
@@ -224,10 +237,7 @@ InputReport check(const GnssRecord& gnss, const ImuRecord& imu, const VelocityRe
   if (gnss.covariance_known) check_scatter(scatter, gnss, config, report);
   const Steps steps = steps_of(local_fixes(gnss, config), speeds_of(velocity),
                                scatter.is_known() ? scatter.measured() : 0.0);
-  if (steps.jumps > 0) {
-    add_warning(report, formatted("%zu jumps of up to %.1f m", steps.jumps, steps.largest_jump),
-                "reflections or wrong ambiguities; keep gnss_gating on");
-  }
+  check_jumps(steps, report);
   const auto T_base_antenna = extrinsics.T_base(gnss.topic.frame());
   if (!T_base_antenna || !check_antenna(track.antenna_fit(), T_base_antenna->translation, report)) {
     check_offset(time_offset(speeds_of(velocity), steps.speeds), "gnss_time_offset", report);

@@ -6,6 +6,8 @@
 
 #include "lidar_mapping/common/text.hpp"
 
+#include "gnss_limits.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -20,7 +22,6 @@ constexpr double kDriftFraction = 0.012;
 // Height per path length, as dead reckoning takes the vehicle as level. Chosen: the steepest roads
 // that design standards allow are about as steep.
 constexpr double kMaxGrade = 0.12;
-constexpr double kMaxSpeed = 70.0;  // m/s; chosen: faster than any car on a road (250 km/h)
 // m, path length that is aligned with the fixes. Chosen: long enough for a heading, short enough
 // for the drift of dead reckoning.
 constexpr double kWindowLength = 60.0;
@@ -110,7 +111,7 @@ std::string GnssGate::problem_with(const LocalFix& fix, const Eigen::Vector3d& p
   const Eigen::Vector3d step = step_between(*last_good_, fix);
   const double sigma = std::hypot(horizontal_sigma(fix), horizontal_sigma(*last_good_));
   const double seconds = to_seconds(fix.stamp - last_good_->stamp);
-  const double max_distance = kMaxSpeed * seconds + kSigmas * sigma + kTolerance;
+  const double max_distance = kMaxRoadSpeed * seconds + kSigmas * sigma + kTolerance;
   if (step.norm() > max_distance) return jump_text("since the last fix", step.norm(), max_distance);
   if (!has_motion_ || matches_.empty()) return "";
   const double path_length = path_length_ - last_match_.path_length;

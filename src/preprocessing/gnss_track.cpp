@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lidar_mapping/common/text.hpp"
+
+#include "gnss_limits.hpp"
+
 namespace lidar_mapping::preprocessing {
 
 namespace {
@@ -20,7 +24,6 @@ constexpr double kMinDistanceOfOtherStart = 1000.0;
 // m between two fixes that confirm each other against the first: the scatter of receivers without
 // corrections, and far below kMinDistanceOfOtherStart. Chosen.
 constexpr double kMaxDistanceOfAgreement = 20.0;
-constexpr double kMaxSpeed = 70.0;  // m/s; chosen: faster than any car on a road (250 km/h)
 // s; smaller changes of the correction are not applied. Chosen: at 70 m/s they are 7 cm.
 constexpr double kMinDelayChange = 0.001;
 
@@ -31,10 +34,7 @@ std::string milliseconds(double seconds) {
 }
 
 /// Metres with two decimals.
-std::string metres(double value) {
-  const std::string text = std::to_string(std::round(value * 100.0) / 100.0);
-  return text.substr(0, text.find('.') + 3) + " m";
-}
+std::string metres(double value) { return formatted("%.2f m", std::round(value * 100.0) / 100.0); }
 
 }  // namespace
 
@@ -120,7 +120,7 @@ bool GnssTrack::confirms_other_start(const PendingFix& pending) const {
   const double off = step_between(stream_.buffer().newest(), pending.fix).norm();
   const double seconds = to_seconds(pending.fix.stamp - last_rejected_->fix.stamp);
   const double step = step_between(last_rejected_->fix, pending.fix).norm();
-  return off > kMinDistanceOfOtherStart && step < kMaxDistanceOfAgreement + kMaxSpeed * seconds;
+  return off > kMinDistanceOfOtherStart && step < kMaxDistanceOfAgreement + kMaxRoadSpeed * seconds;
 }
 
 /// Discards everything that came from the first fix; the frame begins again.
@@ -241,8 +241,8 @@ bool GnssTrack::accepts_heading(const GnssPosition& position, const Eigen::Quate
   if (config_.imu_orientation != ImuOrientation::kAuto) {
     return config_.imu_orientation == ImuOrientation::kEnu;
   }
-  const Eigen::Vector3d p_enu_base = position.p_enu_antenna - R_enu_base * position.p_base_antenna;
   const double sigma = std::sqrt(position.covariance.diagonal().head<2>().maxCoeff());
+  const Eigen::Vector3d p_enu_base = position.p_enu_antenna - R_enu_base * position.p_base_antenna;
   heading_check_.add(p_enu_base, sigma, R_enu_base, backwards);
   return heading_check_.agrees().value_or(false);
 }
