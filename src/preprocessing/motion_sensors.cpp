@@ -40,6 +40,30 @@ std::optional<Sample> value_near(const SensorStream<Sample>& stream, Stamp stamp
   return std::nullopt;
 }
 
+/// The angular velocity of base_link in its axes by a velocity sensor, over the time since a stamp
+/// (s).
+TurningAtTime turning_by(const SensorStream<VelocitySample>& velocity,
+                         const Eigen::Quaterniond& R_base_velocity, Stamp stamp) {
+  return [&velocity, R_base_velocity, stamp](double time) -> std::optional<Eigen::Vector3d> {
+    const auto sample = value_near(velocity, stamp + from_seconds(time));
+    if (!sample) return std::nullopt;
+    return R_base_velocity * sample->angular;
+  };
+}
+
+/// The velocity of a point of base_link in its axes, over the time since a stamp (s).
+VelocityAtTime velocity_by(const SensorStream<VelocitySample>& velocity,
+                           const Pose& T_base_velocity, const Eigen::Vector3d& p_base,
+                           Stamp stamp) {
+  return [&velocity, T_base_velocity, p_base, stamp](
+             double time, const Eigen::Vector3d& omega) -> std::optional<Eigen::Vector3d> {
+    const auto sample = value_near(velocity, stamp + from_seconds(time));
+    if (!sample) return std::nullopt;
+    const Eigen::Vector3d lever = p_base - T_base_velocity.translation;
+    return T_base_velocity.rotation * sample->linear + omega.cross(lever);
+  };
+}
+
 bool is_orientation(const Eigen::Quaterniond& q) {
   return q.coeffs().allFinite() && std::abs(q.norm() - 1.0) < 0.05;
 }
@@ -257,33 +281,24 @@ MeasuredMotion MotionSensors::motion(Stamp stamp, const TimeSpan& span,
                                    : std::nullopt;
   const Stamp end = stamp + from_seconds(span.end);
   const Eigen::Vector3d bias = gyro_bias_.at(end);
-  const TurningAtTime gyro = [&](double time) -> MaybeVector {
+  const TurningAtTime gyro = [&](double time) -> std::optional<Eigen::Vector3d> {
     const auto sample = value_near(imu_, stamp + from_seconds(time));
     const auto omega = sample ? turning(*sample, bias) : std::nullopt;
     if (!omega) return std::nullopt;
     return T_base_imu->rotation * *omega;
   };
-  const TurningAtTime velocity_turning = [&](double time) -> MaybeVector {
-    const auto sample = value_near(velocity_, stamp + from_seconds(time));
-    if (!sample) return std::nullopt;
-    return T_base_velocity->rotation * sample->angular;
-  };
-  const VelocityAtTime velocity_at_lever = [&](double time,
-                                               const Eigen::Vector3d& omega) -> MaybeVector {
-    const auto sample = value_near(velocity_, stamp + from_seconds(time));
-    if (!sample) return std::nullopt;
-    const Eigen::Vector3d lever = p_base - T_base_velocity->translation;
-    return T_base_velocity->rotation * sample->linear + omega.cross(lever);
-  };
-  if (T_base_imu && T_base_velocity) {
-    if (auto both = integrated(span.begin, span.end, gyro, velocity_at_lever)) {
-      return {MotionSource::kImuAndVelocity, *std::move(both)};
+  if (T_base_velocity) {
+    const VelocityAtTime velocity = velocity_by(velocity_, *T_base_velocity, p_base, stamp);
+    if (T_base_imu) {
+      if (auto both = integrated(span.begin, span.end, gyro, velocity)) {
+        return {MotionSource::kImuAndVelocity, *std::move(both)};
+      }
     }
-  }
-  if (T_base_velocity && velocity_turns(end)) {
-    if (auto with_velocity =
-            integrated(span.begin, span.end, velocity_turning, velocity_at_lever)) {
-      return {MotionSource::kVelocity, *std::move(with_velocity)};
+    if (velocity_turns(end)) {
+      const TurningAtTime by_velocity = turning_by(velocity_, T_base_velocity->rotation, stamp);
+      if (auto with_velocity = integrated(span.begin, span.end, by_velocity, velocity)) {
+        return {MotionSource::kVelocity, *std::move(with_velocity)};
+      }
     }
   }
   if (T_base_imu) {
