@@ -18,12 +18,12 @@ using loop_closing::LoopCloser;
 using session::Session;
 
 /// Smallest offset (ns) with which no stamp of the part is known yet.
-Stamp unique_stamp_offset(const std::vector<KeyFrame>& session_part, const std::set<Stamp>& known) {
+Stamp unique_stamp_offset(const std::vector<KeyFrame>& key_frames, const std::set<Stamp>& known) {
   Stamp stamp_offset = 0;
   const auto is_known = [&](const KeyFrame& key_frame) {
     return known.count(key_frame.stamp + stamp_offset) > 0;
   };
-  while (std::any_of(session_part.begin(), session_part.end(), is_known)) ++stamp_offset;
+  while (std::any_of(key_frames.begin(), key_frames.end(), is_known)) ++stamp_offset;
   return stamp_offset;
 }
 
@@ -253,7 +253,7 @@ void SessionMerger::Impl::finish() {
     for (auto it = part_of.lower_bound(parts_[p].first); it != end; ++it) own.insert(it->second);
     if (p == 0) first = own;
     parts_[p].is_connected = std::any_of(
-        own.begin(), own.end(), [&](int session_part) { return first.count(session_part) > 0; });
+        own.begin(), own.end(), [&](int graph_part) { return first.count(graph_part) > 0; });
   }
 }
 
