@@ -68,11 +68,10 @@ class BackEndNode {
   void apply_solution(const SolvedProblem& solved);
   void report_failure(const std::string& problem);
   void end_solving(OptimizeMap::Response answer);
-  void append_warnings(std::string& message) const;
   void report_state();
   void publish_poses(bool thorough);
   void publish_verdicts(const std::vector<LoopVerdict>& verdicts);
-  void write_files();
+  std::vector<std::string> write_files();
   void write_files_for(OptimizeMap::Response& answer);
   void print_session() const;
 

@@ -67,8 +67,10 @@ void BackEndNode::end_solving(OptimizeMap::Response answer) {
 /// A caller gets an answer even if the files cannot be written.
 void BackEndNode::write_files_for(OptimizeMap::Response& answer) {
   try {
-    write_files();
-    append_warnings(answer.message);
+    for (const std::string& warning : write_files()) {
+      ROS_WARN_STREAM(warning);
+      answer.message += " " + warning + ".";
+    }
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM(error.what());
     answer.success = false;
@@ -88,15 +90,6 @@ void BackEndNode::report_state() {
   }
 }
 
-/// Appends the warnings about doubtful sections to the answer.
-void BackEndNode::append_warnings(std::string& message) const {
-  if (!run_) return;
-  for (const std::string& warning : run_->warnings()) {
-    ROS_WARN_STREAM(warning);
-    message += " " + warning + ".";
-  }
-}
-
 void BackEndNode::publish_poses(bool thorough) {
   const KeyFramePoses poses = run_->poses();
   if (poses.poses.empty()) return;
@@ -112,11 +105,14 @@ void BackEndNode::publish_verdicts(const std::vector<LoopVerdict>& verdicts) {
   }
 }
 
-void BackEndNode::write_files() {
-  if (!run_ || !files_outdated_) return;
+/// Writes the files of the session unless they are up to date. Returns the warnings about the
+/// doubtful sections that were written.
+std::vector<std::string> BackEndNode::write_files() {
+  if (!run_ || !files_outdated_) return {};
   store_configuration();
-  run_->write_files();
+  std::vector<std::string> warnings = run_->write_files();
   files_outdated_ = false;
+  return warnings;
 }
 
 void BackEndNode::store_configuration() {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -95,14 +96,19 @@ class SectionAssessment {
             std::min(first_key_frame_from(section.end), key_frames_.size() - 1)};
   }
 
+  /// The whole graph. It is copied once, and only if a section needs it.
+  const back_end::OptimizationProblem& problem() {
+    if (!problem_) problem_ = back_end_.problem(true);
+    return *problem_;
+  }
+
   /// If the error that the odometry claims is too large, the error that remains given the whole
   /// graph decides.
-  void assess_claim(DoubtfulSection& section) const {
+  void assess_claim(DoubtfulSection& section) {
     const double allowed = allowed_error(section.path_length);
     if (section.expected_error <= allowed || key_frames_.empty()) return;
     const auto [before, last] = key_frames_around(section);
-    const auto problem = back_end_.problem(true);
-    const RelativeCovariance all(*problem, key_frames_[before].index,
+    const RelativeCovariance all(problem(), key_frames_[before].index,
                                  RelativeCovariance::Given::kAll);
     const auto covariance = all.of(key_frames_[last].index);
     if (!covariance) return;
@@ -112,14 +118,13 @@ class SectionAssessment {
 
   /// Error of unobserved travel at the key frames of a section. It follows from the predicted
   /// speed, and is smaller if the graph constrains the key frames from both sides.
-  void assess_unobserved(DoubtfulSection& section) const {
+  void assess_unobserved(DoubtfulSection& section) {
     const double allowed = allowed_error(section.path_length);
     if (section.expected_error <= allowed || key_frames_.empty()) return;
     const auto [before, last] = key_frames_around(section);
-    const auto problem = back_end_.problem(true);
     const KeyFrameIndex from = key_frames_[before].index;
-    const RelativeCovariance odometry(*problem, from, RelativeCovariance::Given::kOdometry);
-    const RelativeCovariance all(*problem, from, RelativeCovariance::Given::kAll);
+    const RelativeCovariance odometry(problem(), from, RelativeCovariance::Given::kOdometry);
+    const RelativeCovariance all(problem(), from, RelativeCovariance::Given::kAll);
     const std::size_t step = (last - before) / kCheckedKeyFrames + 1;
     double worst = 0.0;
     for (std::size_t i = last; i > before; i -= std::min(step, i - before)) {
@@ -184,6 +189,7 @@ class SectionAssessment {
 
   std::vector<KeyFrame> key_frames_;
   const back_end::BackEnd& back_end_;
+  std::shared_ptr<const back_end::OptimizationProblem> problem_;
   std::map<Stamp, double> variances_;
   std::map<KeyFrameIndex, Pose> T_map_base_;
 };

@@ -3,7 +3,6 @@
 
 #include <set>
 
-#include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/pose_graph/g2o_file.hpp"
 #include "lidar_mapping/session/loop_files.hpp"
 #include "lidar_mapping/session/trajectory_files.hpp"
@@ -140,12 +139,8 @@ std::vector<LoopVerdict> RecordedBackEnd::verdicts() const {
   return verdicts;
 }
 
-std::vector<std::string> RecordedBackEnd::warnings() const {
-  return pipeline::warnings(drive_doubt(session_, back_end_, poses()));
-}
-
-void RecordedBackEnd::write_files() const {
-  write_results(session_, back_end_, poses(), session_.directory());
+std::vector<std::string> RecordedBackEnd::write_files() const {
+  return warnings(write_results(session_, back_end_, poses(), session_.directory()));
 }
 
 void replay(const session::Session& session, const std::vector<Loop>& loops,
@@ -172,14 +167,16 @@ void replay(const session::Session& session, back_end::BackEnd& back_end) {
   replay(session, session.loops(), back_end);
 }
 
-void write_results(const session::Session& session, const back_end::BackEnd& back_end,
-                   const KeyFramePoses& poses, const std::filesystem::path& directory) {
+DriveDoubt write_results(const session::Session& session, const back_end::BackEnd& back_end,
+                         const KeyFramePoses& poses, const std::filesystem::path& directory) {
   session::write_trajectories(session, poses, back_end.positions(), directory / "trajectory");
   session::write_loops_csv(session, directory / "loops.csv");
   session::write_candidates_csv(session, directory / "candidates.csv");
   session::write_loop_list(session, directory / "loops.txt");
-  write_doubt(drive_doubt(session, back_end, poses), directory / "doubt.csv");
+  DriveDoubt doubt = drive_doubt(session, back_end, poses);
+  write_doubt(doubt, directory / "doubt.csv");
   pose_graph::write_g2o(back_end.graph(), (directory / "graph.g2o").string());
+  return doubt;
 }
 
 }  // namespace lidar_mapping::pipeline

@@ -218,5 +218,18 @@ TEST(RecordedBackEnd, WritesTrajectoriesLoopsAndGraph) {
   }
 }
 
+TEST(RecordedBackEnd, ReturnsTheWarningsThatItWrites) {
+  const TemporaryFolder folder;
+  RecordedBackEnd back_end(Session::create_in(folder.path()), {});
+  drive(back_end, 0, 20);
+  EXPECT_TRUE(back_end.write_files().empty());
+  KeyFrame apart = drifting_key_frame(20);
+  apart.segment = 1;
+  back_end.add_key_frame(apart);
+  const std::vector<std::string> warnings_written = back_end.write_files();
+  EXPECT_FALSE(warnings_written.empty());
+  EXPECT_EQ(warnings_written, warnings(read_doubt(folder.path() / "doubt.csv")));
+}
+
 }  // namespace
 }  // namespace lidar_mapping::pipeline

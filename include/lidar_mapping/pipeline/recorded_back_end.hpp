@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lidar_mapping/back_end/back_end.hpp"
+#include "lidar_mapping/pipeline/drive_doubt.hpp"
 #include "lidar_mapping/session/session.hpp"
 
 namespace lidar_mapping::pipeline {
@@ -79,12 +80,9 @@ class RecordedBackEnd {
   /// The session.
   const session::Session& session() const { return session_; }
 
-  /// Sentences on the sections where the present map is doubtful (drive_doubt.hpp); empty if there
-  /// are none.
-  std::vector<std::string> warnings() const;
-
-  /// Updates trajectory/, the files about loops and graph.g2o. Throws FileError.
-  void write_files() const;
+  /// Updates trajectory/, the files about loops, doubt.csv and graph.g2o. Returns the sentences on
+  /// the sections where the map is doubtful (warnings() in drive_doubt.hpp). Throws FileError.
+  std::vector<std::string> write_files() const;
 
  private:
   void resume();
@@ -105,8 +103,8 @@ void replay(const session::Session& session, const std::vector<Loop>& loops,
 void replay(const session::Session& session, back_end::BackEnd& back_end);
 
 /// Writes the files trajectory/, loops.csv, candidates.csv, loops.txt, doubt.csv and graph.g2o of a
-/// session with these poses to `directory`. Throws FileError.
-void write_results(const session::Session& session, const back_end::BackEnd& back_end,
-                   const KeyFramePoses& poses, const std::filesystem::path& directory);
+/// session with these poses to `directory`. Returns what doubt.csv contains. Throws FileError.
+DriveDoubt write_results(const session::Session& session, const back_end::BackEnd& back_end,
+                         const KeyFramePoses& poses, const std::filesystem::path& directory);
 
 }  // namespace lidar_mapping::pipeline
