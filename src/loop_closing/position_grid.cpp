@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "lidar_mapping/common/voxel_index.hpp"
+
 namespace lidar_mapping::loop_closing {
 
 namespace {
@@ -14,9 +16,7 @@ namespace {
 // visits few cells.
 constexpr double kCellSize = 20.0;
 
-std::int64_t cell_of(double coordinate) {
-  return static_cast<std::int64_t>(std::floor(coordinate / kCellSize));
-}
+std::int64_t cell_of(double coordinate) { return floor_to_int(coordinate / kCellSize); }
 
 std::int64_t cell_key(std::int64_t x, std::int64_t y) { return x * (std::int64_t{1} << 32) + y; }
 

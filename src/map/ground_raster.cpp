@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "lidar_mapping/common/order_statistics.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 
 namespace lidar_mapping::map {
 
@@ -38,7 +38,7 @@ GroundRaster::GroundRaster(const moving_objects::TransformedPoints& points,
 }
 
 int GroundRaster::cell_of(double coordinate) {
-  return static_cast<int>(std::floor(coordinate / moving_objects::GroundArea::kColumnSize));
+  return static_cast<int>(floor_to_int(coordinate / moving_objects::GroundArea::kColumnSize));
 }
 
 void GroundRaster::fill_holes() {

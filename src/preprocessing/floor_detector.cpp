@@ -14,6 +14,7 @@
 #include "lidar_mapping/common/plane_fit.hpp"
 #include "lidar_mapping/common/pose.hpp"
 #include "lidar_mapping/common/units.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 
 #include "plane_search.hpp"
 #include "road_surface.hpp"
@@ -102,9 +103,10 @@ bool may_be_level(const Points& points, const std::vector<std::size_t>& cell, do
 Points level_cells(const Points& points, double max_lean) {
   std::map<std::pair<int, int>, std::vector<std::size_t>> cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    cells[{static_cast<int>(std::floor(points[i].x() / kCellSize)),
-           static_cast<int>(std::floor(points[i].y() / kCellSize))}]
-        .push_back(i);
+    const auto cell_of = [](double coordinate) {
+      return static_cast<int>(floor_to_int(coordinate / kCellSize));
+    };
+    cells[{cell_of(points[i].x()), cell_of(points[i].y())}].push_back(i);
   }
   Points result;
   for (const auto& [key, cell] : cells) {

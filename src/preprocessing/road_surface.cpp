@@ -10,6 +10,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "lidar_mapping/common/robust_weights.hpp"
+#include "lidar_mapping/common/voxel_index.hpp"
 
 namespace lidar_mapping::preprocessing {
 
@@ -109,8 +110,8 @@ Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& points,
   double squares = 0.0;
   for (const std::size_t i : inliers) {
     const Eigen::Vector3d& p = points[i];
-    patches.emplace(static_cast<int>(std::floor(p.x() / kPatchSize)),
-                    static_cast<int>(std::floor(p.y() / kPatchSize)));
+    patches.emplace(static_cast<int>(floor_to_int(p.x() / kPatchSize)),
+                    static_cast<int>(floor_to_int(p.y() / kPatchSize)));
     moments.add(p, 1.0);
     squares += surface.above(p) * surface.above(p);
   }
