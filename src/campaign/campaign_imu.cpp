@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "lidar_mapping/front_end/prior_of.hpp"
+
 namespace lidar_mapping::campaign {
 
 namespace {
@@ -44,12 +46,8 @@ std::optional<std::pair<Scan, front_end::MotionPrior>> ImuFeed::next(std::size_t
   if (complete.empty()) complete = preprocessor_.flush();
   if (complete.empty()) return std::nullopt;
   preprocessing::SyncedScan& synced = complete.back();
-  front_end::MotionPrior prior;
-  if (synced.imu && synced.imu->has_angular_velocity) {
-    prior.angular_velocity = synced.imu->angular_velocity;
-  }
-  prior.uneven_turning = synced.uneven_turning;
-  prior.felt = synced.felt;
+  front_end::MotionPrior prior =
+      front_end::prior_of(synced.imu, synced.velocity, synced.uneven_turning, synced.felt);
   return std::make_pair(std::move(synced.scan), std::move(prior));
 }
 

@@ -7,6 +7,7 @@
 #include "lidar_mapping/common/errors.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/front_end.hpp"
+#include "lidar_mapping/front_end/status_warnings.hpp"
 #include "lidar_mapping/ros/cloud_conversions.hpp"
 #include "lidar_mapping/ros/geometry_conversions.hpp"
 #include "lidar_mapping/ros/key_frame_client.hpp"
@@ -316,32 +317,24 @@ void FrontEndNode::report(const front_end::FrontEndResult& result) {
                                  front_end::to_string(state));
   context_.diagnostics.set("probability of the step", std::to_string(result.status.probability));
   context_.diagnostics.set("seconds per scan", std::to_string(result.status.seconds));
+  if (result.status.map_points_dropped > 0) {
+    context_.diagnostics.set("points without room in the local map",
+                             std::to_string(result.status.map_points_dropped));
+  }
+  if (result.status.sweep_times != front_end::SweepTimes::kAsGiven) {
+    context_.diagnostics.set("times of the points",
+                             front_end::to_string(result.status.sweep_times));
+  }
+  if (result.status.unseen_way > 0.0) {
+    context_.diagnostics.set("vertical distance not observed by the points, m",
+                             std::to_string(result.status.unseen_way));
+  }
   const double shift = result.status.elevation_shift;
   if (shift != (previous_ ? previous_->status.elevation_shift : 0.0)) {
     ROS_INFO_STREAM(front_end::elevation_message(shift));
   }
-  if (result.status.map_points_dropped > 0) {
-    context_.diagnostics.set("points without room in the local map",
-                             std::to_string(result.status.map_points_dropped));
-    if (limiter_.due("full map")) {
-      ROS_WARN_STREAM(front_end::full_map_message(result.status.map_points_dropped));
-    }
-  }
-  const double jitter = result.status.stamp_jitter;
-  if (jitter > 0.0 && limiter_.due("jitter")) {
-    ROS_WARN_STREAM(front_end::jitter_message(jitter));
-  }
-  const front_end::SweepTimes times = result.status.sweep_times;
-  if (times != front_end::SweepTimes::kAsGiven) {
-    context_.diagnostics.set("times of the points", front_end::to_string(times));
-    if (limiter_.due("sweep times")) ROS_WARN_STREAM(front_end::sweep_times_message(times));
-  }
-  if (result.status.gyro_distrusted && limiter_.due("gyro"))
-    ROS_WARN_STREAM(front_end::gyro_message());
-  if (result.status.unseen_way > 0.0) {
-    context_.diagnostics.set("vertical distance not observed by the points, m",
-                             std::to_string(result.status.unseen_way));
-    if (limiter_.due("ride")) ROS_WARN_STREAM(front_end::ride_message());
+  for (const auto& [key, text] : front_end::warnings_of(result.status)) {
+    if (limiter_.due(key)) ROS_WARN_STREAM(text);
   }
   if (result.status.repeated) {
     if (limiter_.due("repeated")) {

@@ -3,22 +3,16 @@
 
 #include <utility>
 
+#include "lidar_mapping/front_end/prior_of.hpp"
+#include "lidar_mapping/front_end/status_warnings.hpp"
+
 namespace lidar_mapping::pipeline {
 
 namespace {
 
-front_end::MotionPrior prior_of(const preprocessing::SyncedScan& synced, bool is_first) {
-  front_end::MotionPrior prior;
-  if (synced.imu && synced.imu->has_angular_velocity) {
-    prior.angular_velocity = synced.imu->angular_velocity;
-  }
-  prior.uneven_turning = synced.uneven_turning;
-  prior.felt = synced.felt;
-  if (synced.velocity) {
-    prior.linear_velocity = synced.velocity->linear;
-    // An angular velocity of exactly zero means that it was not measured.
-    if (!synced.velocity->angular.isZero(0.0)) prior.velocity_turning = synced.velocity->angular;
-  }
+front_end::MotionPrior prior_at(const preprocessing::SyncedScan& synced, bool is_first) {
+  front_end::MotionPrior prior =
+      front_end::prior_of(synced.imu, synced.velocity, synced.uneven_turning, synced.felt);
   if (is_first && synced.gnss && synced.gnss->R_enu_base) {
     const Eigen::Quaterniond& R_enu_base = *synced.gnss->R_enu_base;
     prior.T_odom_base_initial =
@@ -63,7 +57,7 @@ void ScanOdometry::add(const PreparedScan& prepared) {
   if (resumed_ && !resumed_->needs(synced.scan.stamp)) return;
   if (prepared.datum) chunk_.datum = prepared.datum;
   if (prepared.p_base_lidar) chunk_.p_base_lidar = prepared.p_base_lidar;
-  front_end::FrontEndResult result = front_end_.process(synced.scan, prior_of(synced, !has_begun_));
+  front_end::FrontEndResult result = front_end_.process(synced.scan, prior_at(synced, !has_begun_));
   has_begun_ = true;
   report_status(result.status);
   add_finalized(std::exchange(result.finalized, {}));
@@ -91,25 +85,14 @@ void ScanOdometry::add(const preprocessing::SyncedScan& synced,
 }
 
 void ScanOdometry::report_status(const front_end::FrontEndStatus& status) {
-  if (status.map_points_dropped > 2 * map_points_dropped_) {
-    map_points_dropped_ = status.map_points_dropped;
-    report_(front_end::full_map_message(map_points_dropped_));
-  }
-  if (status.stamp_jitter > 0.0 && !jitter_reported_) {
-    jitter_reported_ = true;
-    report_(front_end::jitter_message(status.stamp_jitter));
-  }
-  if (status.sweep_times != sweep_times_) {
-    sweep_times_ = status.sweep_times;
-    report_(front_end::sweep_times_message(sweep_times_));
-  }
-  if (status.gyro_distrusted && !gyro_reported_) {
-    gyro_reported_ = true;
-    report_(front_end::gyro_message());
-  }
-  if (status.unseen_way > 0.0 && !ride_reported_) {
-    ride_reported_ = true;
-    report_(front_end::ride_message());
+  for (const auto& [key, text] : front_end::warnings_of(status)) {
+    if (key == front_end::kFullMapKey) {
+      if (status.map_points_dropped <= 2 * map_points_dropped_) continue;
+      map_points_dropped_ = status.map_points_dropped;
+    } else if (!reported_.insert(key).second) {
+      continue;
+    }
+    report_(text);
   }
   if (status.elevation_shift == elevation_shift_) return;
   elevation_shift_ = status.elevation_shift;

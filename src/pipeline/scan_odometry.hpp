@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,10 +46,7 @@ class ScanOdometry {
   bool has_begun_ = false;
   double elevation_shift_ = 0.0;        ///< Last value that was reported, rad.
   std::size_t map_points_dropped_ = 0;  ///< Last value that was reported.
-  bool jitter_reported_ = false;
-  front_end::SweepTimes sweep_times_ = front_end::SweepTimes::kAsGiven;  ///< as last reported
-  bool gyro_reported_ = false;
-  bool ride_reported_ = false;
+  std::set<std::string> reported_;      ///< Keys of the other warnings that were reported.
   /// Scans whose results are provisional.
   std::vector<preprocessing::SyncedScan> provisional_scans_;
   DriveChunk chunk_;

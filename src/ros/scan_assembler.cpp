@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lidar_mapping/common/errors.hpp"
+#include "lidar_mapping/front_end/prior_of.hpp"
 
 namespace lidar_mapping::ros_border {
 
@@ -128,17 +129,9 @@ void ScanAssembler::emit_first(std::vector<AssembledScan>& out) {
   AssembledScan assembled{std::move(waiting_.front()), {}};
   waiting_.pop_front();
   has_begun_ = true;
-  if (auto inputs = inputs_.take(stamp)) {
-    assembled.prior.uneven_turning = std::move(inputs->uneven_turning);
-    assembled.prior.felt = inputs->felt;
-  }
-  const auto imu = imu_.take(stamp);
-  if (imu && imu->has_angular_velocity) assembled.prior.angular_velocity = imu->angular_velocity;
-  if (const auto velocity = velocity_.take(stamp)) {
-    assembled.prior.linear_velocity = velocity->linear;
-    // One that was measured without turning does not turn at all.
-    if (!velocity->angular.isZero(0.0)) assembled.prior.velocity_turning = velocity->angular;
-  }
+  SyncedInputs inputs = inputs_.take(stamp).value_or(SyncedInputs{});
+  assembled.prior = front_end::prior_of(imu_.take(stamp), velocity_.take(stamp),
+                                        std::move(inputs.uneven_turning), inputs.felt);
   assembled.prior.T_odom_base_initial = pose_from(gnss_.take(stamp));
   if (external_odometry_) {
     assembled.prior.T_external_base = odometry_at(stamp);

@@ -11,6 +11,8 @@
 #include "lidar_mapping/config/load.hpp"
 #include "lidar_mapping/front_end/deskew.hpp"
 #include "lidar_mapping/front_end/front_end_config.hpp"
+#include "lidar_mapping/front_end/prior_of.hpp"
+#include "lidar_mapping/front_end/status_warnings.hpp"
 
 #include "degeneracy.hpp"
 #include "key_frame_rule.hpp"
@@ -171,6 +173,34 @@ TEST(Degeneracy, FindsTheAxisOfATunnel) {
   const Eigen::Vector3d beside =
       projection_orthogonal_to(directions) * Eigen::Vector3d(3.0, 2.0, 1.0);
   EXPECT_TRUE(test::near(beside, Eigen::Vector3d(0.0, 2.0, 1.0), 1e-6));
+}
+
+TEST(StatusWarnings, AreOnesForEachThingThatIsWrong) {
+  EXPECT_TRUE(warnings_of(FrontEndStatus{}).empty());
+  FrontEndStatus status;
+  status.map_points_dropped = 7;
+  status.gyro_distrusted = true;
+  const std::vector<StatusWarning> warnings = warnings_of(status);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_EQ(warnings[0].key, kFullMapKey);
+  EXPECT_EQ(warnings[0].text, full_map_message(7));
+  EXPECT_EQ(warnings[1].text, gyro_message());
+}
+
+TEST(PriorOf, TakesATurnOfZeroByTheVelocityAsNotMeasured) {
+  ImuSample imu;
+  imu.angular_velocity = {0.0, 0.0, 0.2};
+  VelocitySample velocity;
+  velocity.linear = {3.0, 0.0, 0.0};
+  MotionPrior prior = prior_of(imu, velocity, std::nullopt, std::nullopt);
+  EXPECT_EQ(prior.angular_velocity.value(), imu.angular_velocity);
+  EXPECT_EQ(prior.linear_velocity.value(), velocity.linear);
+  EXPECT_FALSE(prior.velocity_turning);
+  velocity.angular = {0.0, 0.0, 0.1};
+  imu.has_angular_velocity = false;
+  prior = prior_of(imu, velocity, std::nullopt, std::nullopt);
+  EXPECT_FALSE(prior.angular_velocity);
+  EXPECT_EQ(prior.velocity_turning.value(), velocity.angular);
 }
 
 }  // namespace
