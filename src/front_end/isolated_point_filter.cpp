@@ -51,10 +51,13 @@ constexpr std::uint32_t kCountMask = (1U << kCountBits) - 1;  // by definition
 // Layout of the key of a cube, chosen so that level, three axes and kCountBits fill 32 bits.
 constexpr std::uint32_t kAxisBits = 8;
 constexpr float kAxisMiddle = 128.0F;  // half of what kAxisBits hold, so that cells are positive
-/// Levels of the grid: half octaves of the range, from 0.5 m on: the exponent of its square is -2,
-/// stored as 127 - 2 by the format of floats (IEEE 754). Chosen: twenty reach 512 m.
-constexpr std::int32_t kFirstExponent = 127 - 2;
-constexpr std::uint32_t kMaxLevels = 20;
+/// A float stores its exponent with this number added, in the bits from kExponentShift on; by the
+/// format of floats (IEEE 754).
+constexpr std::int32_t kExponentBias = 127;
+constexpr std::int32_t kExponentShift = 23;
+/// Stored exponent of the squared range at which the first level of the grid begins: 2^-2, so 0.5
+/// m. A level is an octave of the squared range. Chosen: points that are nearer lie on the vehicle.
+constexpr std::int32_t kFirstExponent = kExponentBias - 2;
 
 /// Number of points whose nearest neighbour is searched. Chosen: bounds the time, since each
 /// search passes over the whole cloud.
@@ -96,8 +99,10 @@ double point_spacing(const PointCloud& cloud) {
 RangeGrid::RangeGrid() { set_edge(kMinEdge, 0.0); }
 
 void RangeGrid::set_edge(double fraction_of_range, double min_edge) {
-  for (std::size_t level = 0; level < kLevels; ++level) {
-    const double range = std::exp2(0.5 * (static_cast<double>(level) + kFirstExponent - 128.0));
+  for (std::size_t level = 0; level < inverse_edge_.size(); ++level) {
+    // Level 1 begins at kFirstExponent.
+    const double exponent = static_cast<double>(level) - 1.0 + kFirstExponent - kExponentBias;
+    const double range = std::exp2(0.5 * exponent);
     const double edge = std::max(std::max(fraction_of_range, kMinEdge) * range, min_edge);
     inverse_edge_[level] = static_cast<float>(1.0 / edge);
   }
@@ -115,7 +120,7 @@ inline RangeGrid::Place RangeGrid::place_of(const Point& point) const {
   const float squared = x * x + y * y + z * z;
   std::int32_t bits = 0;
   std::memcpy(&bits, &squared, sizeof(bits));
-  const std::int32_t level = (bits >> 23) - kFirstExponent + 1;
+  const std::int32_t level = (bits >> kExponentShift) - kFirstExponent + 1;
   // NaN has the highest exponent, so it gets no level.
   if (level < 1 || level > static_cast<std::int32_t>(kMaxLevels)) return {};
   const float scale = inverse_edge_[static_cast<std::size_t>(level)];
@@ -166,8 +171,6 @@ bool RangeGrid::is_isolated(const Point& point) const {
   }
   return count < kMinSupport;
 }
-
-IsolatedPointFilter::IsolatedPointFilter() = default;
 
 std::size_t IsolatedPointFilter::count_isolated(const PointCloud& cloud, std::size_t begin,
                                                 std::size_t end) const {

@@ -41,9 +41,9 @@ class RangeGrid {
   std::size_t find(std::uint32_t key) const;
   std::uint32_t count_at(std::uint32_t key) const;
 
-  /// Of the range, each sqrt(2) times the last. Chosen: more than kMaxLevels are never used.
-  static constexpr std::size_t kLevels = 32;
-  std::array<float, kLevels> inverse_edge_{};
+  /// Levels of the range, each sqrt(2) times the last one. Chosen: twenty reach 512 m.
+  static constexpr std::size_t kMaxLevels = 20;
+  std::array<float, kMaxLevels + 1> inverse_edge_{};  ///< by level; level 0 is not used
   /// Key of a cube times 4, plus its number of points, at most three; 0 for an empty entry.
   std::vector<std::uint32_t> table_;
   std::uint32_t shift_ = 31;
@@ -54,12 +54,10 @@ class RangeGrid {
 /// removed, because some points on leaves and edges look like them.
 class IsolatedPointFilter {
  public:
-  IsolatedPointFilter();
-
   /// The scan itself or, if many points are isolated, a copy without them. Valid until the next
   /// call, and as long as `scan` is valid.
   const Scan& without_isolated_points(const Scan& scan);
-  /// Running mean of the fraction of isolated points.
+  /// Running mean of the fraction of isolated points; for tests.
   double isolated_fraction() const { return mean_isolated_fraction_; }
 
  private:

@@ -43,7 +43,7 @@ void KeyFrameMaker::add_step(const TrackedScan& from, const TrackedScan& to) {
 
 void KeyFrameMaker::start_segment() {
   last_.reset();
-  forget_steps();
+  reset_steps();
 }
 
 void KeyFrameMaker::resume(KeyFrameIndex next_index) {
@@ -87,7 +87,7 @@ KeyFrame KeyFrameMaker::make(Stamp stamp, std::uint32_t segment, const TrackedSc
     key_frame.motion_covariance = tracker.covariance_of_step(*last_, tracked);
     inflation_.apply_to(key_frame);
   }
-  forget_steps();
+  reset_steps();
   key_frame.degenerate_directions = tracked.status.degenerate_directions;
   key_frame.cloud = std::make_shared<const PointCloud>(
       deskewed(std::move(points), tracked.twist, tracked.acceleration, threads_));

@@ -22,7 +22,7 @@ class KeyFrameMaker {
   /// To be called for each step between scans, in their order.
   void add_step(const TrackedScan& from, const TrackedScan& to);
   /// The steps since the last key frame will be added again.
-  void forget_steps() { inflation_ = {}; }
+  void reset_steps() { inflation_ = {}; }
   /// The next key frame is not connected with the last one.
   void start_segment();
   /// The same, and the next key frame has this index.

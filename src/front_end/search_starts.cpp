@@ -6,6 +6,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "displaced.hpp"
 #include "motion_filter.hpp"
 
 namespace lidar_mapping::front_end {
@@ -48,13 +49,6 @@ constexpr double kMaxTurn = 0.3;
 Eigen::Rotation2Dd heading_of(const Vector6d& twist) {
   const Eigen::Vector2d v = twist.head<2>();
   return Eigen::Rotation2Dd(v.norm() < kMinSpeedForCourse ? 0.0 : std::atan2(v.y(), v.x()));
-}
-
-Pose displaced(const Pose& pose, const Eigen::Vector2d& by, double yaw) {
-  Vector6d d = Vector6d::Zero();
-  d.head<2>() = by;
-  d[5] = yaw;
-  return perturbed(pose, d);
 }
 
 MotionState moving_state(const Pose& first, const Eigen::Vector2d& distance, double yaw,

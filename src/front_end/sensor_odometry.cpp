@@ -47,15 +47,15 @@ FrontEndResult SensorOdometry::process(const Scan& received, const MotionPrior& 
   check_stamp(received.stamp);
   if (matches_scans_ && repeated_scans_.is_repeated(received.cloud) && tracked_)
     return coast(received.stamp);
-  timer_.start("support");
-  const bool by_gyro = keeps_gyro_correction(prior);
-  const std::optional<Scan> changed = with_right_times(received, prior, by_gyro);
-  const Scan& right = changed ? *changed : received;
-  const Scan& scan = matches_scans_ ? isolated_point_filter_.without_isolated_points(right) : right;
+  timer_.start("isolated points");
+  const bool gyro_corrected = keeps_gyro_correction(prior);
+  const std::optional<Scan> changed = with_right_times(received, prior, gyro_corrected);
+  const Scan& timed = changed ? *changed : received;
+  const Scan& scan = matches_scans_ ? isolated_point_filter_.without_isolated_points(timed) : timed;
   timer_.stop();
   TrackedScan tracked = tracker_->track(scan, prior);
   std::vector<FrontEndResult> finalized;
-  const bool times_change = try_other_times(scan, prior, by_gyro, tracked, finalized);
+  const bool times_change = try_other_times(scan, prior, gyro_corrected, tracked, finalized);
   check_vertical_ride(scan.stamp, prior, tracked);
   tracked_ = tracked;
   last_stamp_ = tracked_stamp_ = scan.stamp;
@@ -209,7 +209,7 @@ std::vector<FrontEndResult> SensorOdometry::finalize_provisional(
   if (!provisional_.empty()) {
     // The steps of these scans are added again.
     last_.reset();
-    key_frames_.forget_steps();
+    key_frames_.reset_steps();
   }
   for (std::size_t i = 0; i < provisional_.size(); ++i) {
     if (i < revisions.size()) revise(provisional_[i].tracked, revisions[i]);

@@ -98,7 +98,7 @@ void SweepTimesTrial::start(const Scan& scan, bool without_gyro) {
 }
 
 /// True if the motion since the previous scan distorts a sweep.
-bool SweepTimesTrial::follow(Stamp stamp, const Pose& T_odom_base) {
+bool SweepTimesTrial::distorts_sweep(Stamp stamp, const Pose& T_odom_base) {
   const double seconds = to_seconds(stamp - std::exchange(last_stamp_, stamp));
   const std::optional<Pose> previous = std::exchange(last_pose_, T_odom_base);
   if (!previous) return false;
@@ -117,7 +117,7 @@ std::optional<SweepTimesTrial::Successor> SweepTimesTrial::add(const Scan& scan,
                                                                const TrackedScan& tracked,
                                                                bool without_gyro) {
   if (tracked.new_segment) restart();
-  const bool moves = follow(scan.stamp, tracked.T_odom_base);
+  const bool moves = distorts_sweep(scan.stamp, tracked.T_odom_base);
   if (candidates_.empty()) {
     if (!moves) return std::nullopt;
     start(scan, without_gyro);

@@ -63,7 +63,7 @@ class SweepTimesTrial {
   };
 
   void start(const Scan& scan, bool without_gyro);
-  bool follow(Stamp stamp, const Pose& T_odom_base);
+  bool distorts_sweep(Stamp stamp, const Pose& T_odom_base);
   std::vector<Candidate>::iterator best_candidate();
   std::optional<Successor> decide(const TrackedScan& tracked);
 

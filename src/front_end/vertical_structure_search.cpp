@@ -3,6 +3,7 @@
 
 #include "lidar_mapping/common/units.hpp"
 
+#include "displaced.hpp"
 #include "local_map.hpp"
 
 namespace lidar_mapping::front_end {
@@ -27,12 +28,6 @@ constexpr double kDistinctDistance = 0.7;
 /// A shorter displacement (m) or a slower motion (m/s) has no direction. Chosen: it is below the
 /// error of a fitted pose.
 constexpr double kMinDisplacement = 0.1;
-
-Pose displaced(const Pose& pose, const Eigen::Vector2d& by) {
-  Vector6d d = Vector6d::Zero();
-  d.head<2>() = by;
-  return perturbed(pose, d);
-}
 
 }  // namespace
 
