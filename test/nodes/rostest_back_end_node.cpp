@@ -265,6 +265,15 @@ TEST_F(BackEndNode, AnotherRunBeginsAnotherSession) {
   EXPECT_EQ(sessions().size(), 2U);
 }
 
+nav_msgs::Odometry odometry_at(Stamp stamp, const Pose& T_odom_base) {
+  nav_msgs::Odometry message;
+  message.header.frame_id = "odom";
+  message.header.stamp = ros_border::to_ros(stamp);
+  message.child_frame_id = "base_link";
+  message.pose.pose = ros_border::to_message(T_odom_base);
+  return message;
+}
+
 // Tf map -> odom at the stamps of the data, never twice for one.
 TEST_F(BackEndNode, BroadcastsMapToOdomAtTheStampsOfOdometry) {
   Listener<tf2_msgs::TFMessage> transforms("/tf");
@@ -272,13 +281,8 @@ TEST_F(BackEndNode, BroadcastsMapToOdomAtTheStampsOfOdometry) {
   const auto node = start();
   const auto odometry = connected_publisher<nav_msgs::Odometry>("laser_odom");
   ASSERT_TRUE(wait_until([&] { return transforms.connected() && optimized.connected(); }));
-  nav_msgs::Odometry message;
-  message.header.frame_id = "odom";
-  message.child_frame_id = "base_link";
-  message.pose.pose.orientation.w = 1.0;
   for (const int i : {1, 2, 2, 3}) {
-    message.header.stamp = ros_border::to_ros(round_key_frame(i).stamp);
-    odometry.publish(message);
+    odometry.publish(odometry_at(round_key_frame(i).stamp, Pose::Identity()));
   }
   ASSERT_TRUE(optimized.wait_for(4)) << node->output();
   ASSERT_TRUE(transforms.wait_for(3));
@@ -299,11 +303,9 @@ TEST_F(BackEndNode, UsesTheNamesOfFramesThatItIsGiven) {
   publish(0, 3);
   ASSERT_TRUE(wait_for_key_frames(3)) << node->output();
   optimize();
-  nav_msgs::Odometry message;
+  nav_msgs::Odometry message = odometry_at(round_key_frame(2).stamp, Pose::Identity());
   message.header.frame_id = "track";
   message.child_frame_id = "car";
-  message.header.stamp = ros_border::to_ros(round_key_frame(2).stamp);
-  message.pose.pose.orientation.w = 1.0;
   odometry.publish(message);
   ASSERT_TRUE(optimized.wait_for(1) && transforms.wait_for(1) && poses_.wait_for(1));
   EXPECT_EQ(transforms.messages[0].transforms[0].header.frame_id, "world");
@@ -333,11 +335,7 @@ TEST_F(BackEndNode, CorrectsTheOdometryByWhatTheLoopSays) {
   ASSERT_GT((T_map_base.translation - last.T_odom_base.translation).norm(), 0.3)
       << "the odometry has to be wrong, or nothing is corrected";
   const Pose ahead{exp_so3({0.0, 0.0, 0.1}), {1.5, 0.2, 0.0}};
-  nav_msgs::Odometry message;
-  message.header.frame_id = "odom";
-  message.child_frame_id = "base_link";
-  message.header.stamp = ros_border::to_ros(last.stamp);
-  message.pose.pose = ros_border::to_message(last.T_odom_base);
+  nav_msgs::Odometry message = odometry_at(last.stamp, last.T_odom_base);
   message.pose.covariance[0] = 4.0;
   message.pose.covariance[7] = 1.0;
   odometry.publish(message);
