@@ -130,6 +130,7 @@ std::optional<GnssFix> fix_of_nmea(const std::string& sentence, Stamp stamp) {
   fix.latitude_deg = *latitude;
   fix.longitude_deg = *longitude;
   fix.altitude_m = *altitude + number(fields[kGeoid]).value_or(0.0);
+  if (std::isinf(fix.altitude_m)) return std::nullopt;
   fix.status = quality->status;
   const auto dilution = number(fields[kDilution]);
   if (dilution && *dilution > 0.0) fix.covariance = covariance_of(*dilution, quality->sigma);

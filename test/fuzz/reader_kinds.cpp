@@ -256,7 +256,8 @@ Kind sentences() {
               if (!fix) continue;
               require(std::abs(fix->latitude_deg) <= 90.0, "a latitude");
               require(std::abs(fix->longitude_deg) <= 180.0, "a longitude");
-              require(std::isfinite(fix->altitude_m), "an altitude");
+              // An empty field is a position in the plane, whose altitude is not a number.
+              require(!std::isinf(fix->altitude_m), "an altitude");
             }
           }};
 }

@@ -79,6 +79,7 @@ TEST(Nmea, RejectsSentencesWithoutFixAndDamagedOnes) {
         std::string("$GPGGA,123519,9107.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
         std::string("$GPGGA,123519,nan,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
         std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,5x.4,M,46.9,M,,"),
+        std::string("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,1e308,M,1e308,M,,"),
         kGga.substr(0, 30)}) {
     EXPECT_FALSE(fix_of_nmea(sentence, kStamp)) << sentence;
   }
